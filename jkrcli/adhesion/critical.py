@@ -14,11 +14,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..base import Array, InputError, Unknown
+from ..base import SAME, UNSEEN, Array, InputError, Unknown
 from .curve import NO_ADHESION, TUNING, AdhesiveCurve, CriticalPoint, transform
 from .device import position
 from .slopes import slopes_function
-from .slopes.choice import TUNING as CHOICE
 
 Errors = Mapping[str, float]
 
@@ -49,7 +48,7 @@ def _unsettled(curve: AdhesiveCurve, point: CriticalPoint) -> dict[str, float]:
     """What is left where the search for a point that is solved has not settled on it: its last steps halve at best."""
     further = curve.nonadhesive.further
     away = np.array([0.0]) if further is None else np.abs(further.a - point.a)
-    if further is None or np.min(away) <= TUNING.solved * (point.a - curve.series.a0):
+    if further is None or np.min(away) <= SAME * (point.a - curve.series.a0):
         return {"delta": 0.0, "P": 0.0}
     there = curve.point(float(further.a[np.argmin(away)]))
     return {name: 2 * abs(getattr(there, name) - getattr(point, name)) for name in ("delta", "P")}
@@ -61,7 +60,7 @@ def _joint(curve: AdhesiveCurve, a: float) -> Array | None:
     further = curve.nonadhesive.further
     if further is not None and further.slopes.joint is not None:
         nearest = int(np.argmin(np.abs(further.a - a)))
-        if abs(further.a[nearest] - a) <= TUNING.solved * (a - curve.series.a0):
+        if abs(further.a[nearest] - a) <= SAME * (a - curve.series.a0):
             joint: Array = further.slopes.joint[nearest]
             return joint
     joint_of_rows = curve.slopes.joint
@@ -103,7 +102,7 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
     belongs to one energy smooths it away, but not what neighbouring rows share. Smoothing splines do not see what rows
     share: their point is also compared with that of the slopes "integral"."""
     slopes = curve.slopes
-    smooth = not isinstance(slopes.error, Unknown) and slopes.error <= CHOICE.negligible
+    smooth = not isinstance(slopes.error, Unknown) and slopes.error <= UNSEEN
     found = [
         (other, 2**TUNING.order if smooth else 1)
         for other in (_pull_off(half, curve, stiffness) for half in _apart(curve).halves)

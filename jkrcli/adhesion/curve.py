@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
-from ..base import Array, Estimate, InputError, Unknown, composite_gauss, show, zeros_between
+from ..base import ROUNDED, Array, Estimate, InputError, Unknown, composite_gauss, show, zeros_between
 from ..formulas.griffith import shift
 from ..series import Series
 from .device import CONTROLS, DISPLACEMENT_CONTROL, LOAD_CONTROL, position, positions
@@ -35,9 +35,7 @@ class CurveTuning:
     order: int = 3  # theory: with the spacing errors fall at least as its power, where splines end too
     middle: float = 0.5  # theory: of its largest value, in which a cubic Hermite errs by s^2 (1 - s)^2 of an interval
     looked_at: tuple[float, ...] = (0.25, 0.5, 0.75)  # theory: of a gap, where S' and delta_H err most
-    solved: float = 1e-6  # choice: relative distance from a solved radius up to which a point is solved
     zero: float = 1e-14  # theory: rounding of the samples, logs of radii or fractions of the last place
-    end: float = 1e-9  # choice: fraction by which a radius may leave the series, for round-off of units
 
 
 TUNING = CurveTuning()
@@ -319,7 +317,7 @@ class EquilibriumCurve(ABC):
     def beyond(self, places: Array) -> Array:
         """Which places lie outside the curve."""
         low, high = self.places[[0, -1]]
-        return (places < low * (1 - TUNING.end)) | (places > high * (1 + TUNING.end)) | ~np.isfinite(places)
+        return (places < low * (1 - ROUNDED)) | (places > high * (1 + ROUNDED)) | ~np.isfinite(places)
 
     def beyond_words(self, place: float) -> str:
         """What is said of a place outside the curve."""

@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ..base import TINY, Array, Estimate, InputError, Refusal, composite_gauss, show, zeros_between
+from ..base import ROUNDED, SAME, TINY, Array, Estimate, InputError, Refusal, composite_gauss, show, zeros_between
 from ..bodies import NO_FINITE_RANGE, Problem
 from ..methods import METHODS, AttractedBody
 from ..methods.integral import Attraction, Rims, refuse_narrow
 from ..methods.layered.contact import checked
 from ..series import Series, Solution
 from .critical import Errors
+from .curve import TUNING as CURVE
 from .curve import CriticalPoint, Equilibrium, EquilibriumCurve
 from .device import CONTROLS, position
 from .law import Range
@@ -44,8 +45,6 @@ class FiniteRangeTuning:
     )
     degree: int = 5  # theory: of the splines through the points; errors fall with the power degree + 1 of the spacing
     halved: float = 16.0  # theory: halving the spacing divides the error by 64, by a fourth of it where it is uneven
-    turning: float = 1e-6  # choice: of c at the first point, where c may turn round: 1e-3 of a
-    touching: float = 1e-9  # choice: of c0, within which the rate at first touch is taken
     rounds: int = 3  # tuned on curves, by `make constants`: of inserting points where they are too far apart
     # Radii on either side of a kink, up to a part of its own, the first of that; theory: F bends with the power 3/2
     beside: int = 24  # choice: 1.8 from one to the next
@@ -61,7 +60,6 @@ class FiniteRangeTuning:
     # on the change of the second panels; tuned on curves, by `make constants`: as for series of `layered`
     safety: float = 4.0
     looked_at: int = 8  # contact radii at which separations are looked at; choice: for a warning
-    samples: int = 4  # choice: per interval, where zeros are looked for
     no_claim: float = 1e-12  # theory: smaller errors are rounding
 
 
@@ -165,7 +163,7 @@ class FiniteRangeCurve(EquilibriumCurve):
     def critical(self, stiffness: float) -> tuple[CriticalPoint, ...]:
         """The stationary points of delta + P/stiffness [N/m]; the first point of the curve is none, where the surfaces
         only come within the range, or where c turns round and places go no further."""
-        first = 0.0 if self.complete else float(self.places[0]) * (1 + TUNING.turning)
+        first = 0.0 if self.complete else float(self.places[0]) * (1 + SAME)
         return tuple(point for point in super().critical(stiffness) if point.place > first)
 
     def point(self, place: float) -> Equilibrium:
@@ -186,7 +184,7 @@ class FiniteRangeCurve(EquilibriumCurve):
         """The place of the contact radius ``a`` [m]."""
         from scipy.optimize import brentq
 
-        if not 0 < a <= self.touching.a[-1] * (1 + TUNING.touching):
+        if not 0 < a <= self.touching.a[-1] * (1 + ROUNDED):
             end = show(float(self.touching.a[-1]), "length")
             raise InputError(f"a: must lie between 0 and {end}, where the curve ends, got {show(a, 'length')}")
         ends = self._stretched(self.touching.c[[0, -1]])
@@ -207,7 +205,7 @@ class FiniteRangeCurve(EquilibriumCurve):
     def _bends(self) -> Array:
         """Numbers of the states in contact at kinks of the profile, where splines end."""
         near = [
-            np.abs(column[1:-1, None] / np.array(self.problem.indenter.kinks) - 1) < TUNING.touching
+            np.abs(column[1:-1, None] / np.array(self.problem.indenter.kinks) - 1) < ROUNDED
             for column in (self.touching.a, self.touching.c)
         ]
         return np.flatnonzero(np.any(near[0] | near[1], axis=1)) + 1
@@ -243,19 +241,19 @@ class FiniteRangeCurve(EquilibriumCurve):
         safe = np.maximum(c, TINY)
         pulled: Array = self._pulled(c, 1) if self.complete else np.zeros_like(c)
         free = self.problem.indenter.slope(safe) - pulled, -2 * math.pi * self.law.stress * c
-        beyond = np.maximum(places / self._c0 - 1, TUNING.touching)
+        beyond = np.maximum(places / self._c0 - 1, ROUNDED)
         by_c = 1 / (2 * self._c0 * np.sqrt((1 + beyond) * beyond))
         held = np.moveaxis(self._slope(self._stretched(places)), -1, 0)[1:] * by_c
-        inside = places > self._c0 * (1 + TUNING.touching)
+        inside = places > self._c0 * (1 + ROUNDED)
         delta, P = (np.where(inside, b, a) for a, b in zip(free, held, strict=True))
         return delta, P
 
     @cached_property
     def _samples(self) -> Array:
         v = self._stretched(self.touching.c)
-        inner = v[:-1, None] + np.diff(v)[:, None] * np.arange(TUNING.samples) / TUNING.samples
+        inner = v[:-1, None] + np.diff(v)[:, None] * np.arange(CURVE.samples) / CURVE.samples
         held = np.clip(self._c0 * np.cosh(inner.ravel()) ** 2, self._c0, self.places[-1])
-        free = np.linspace(0, self._c0, TUNING.samples * self.apart.c.size, endpoint=False)
+        free = np.linspace(0, self._c0, CURVE.samples * self.apart.c.size, endpoint=False)
         return np.unique(np.concatenate([free, held, self.places[-1:]])) / self.places[-1]
 
     def _place(self, x: Array) -> Array:

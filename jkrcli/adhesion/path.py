@@ -31,7 +31,6 @@ class PathTuning:
 
     rests: float = 1e-11  # theory: of positions, what round-off of times and radii leaves
     jumped: float = 1e-9  # theory: of a radius, the same; what is more between two pieces is a jump
-    points: int = 200  # choice: rows of a piece where nothing else is asked for
     restarts: int = 1_000  # choice: guard, pieces of one ramp
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Array, InputError, SolveError, Unknown, show, zeros_between
+from ..base import ROUNDED, SAME, Array, InputError, SolveError, Unknown, show, zeros_between
 from .curve import AdhesiveCurve, CriticalPoint
 from .device import LOAD_CONTROL, position
 from .nonadhesive import Nonadhesive
@@ -17,9 +17,7 @@ from .nonadhesive import Nonadhesive
 class InverseTuning:
     """Where the work of adhesion is looked for, and when it is found."""
 
-    inside: float = 1e-6  # of a radius, how near to the ends of the series a pull-off may lie; choice: the range told
     step: float = math.log(4.0)  # of log w, beyond what the radii of the series give; choice: time alone depends on it
-    met: float = 1e-9  # relative, of the pull-off force; choice: above round-off, below any jump
 
 
 TUNING = InverseTuning()
@@ -82,7 +80,7 @@ def work_from_pull_off(
         low = float(zeros_between(np.vectorize(excess), np.array([low]), np.array([high]), 1e-14)[0])
     w = math.exp(low)
     found = point(w)
-    if isinstance(found, Unknown) or abs(-found.P / load - 1) > TUNING.met:
+    if isinstance(found, Unknown) or abs(-found.P / load - 1) > ROUNDED:
         raise InputError(
             f"load: no work of adhesion gives a pull-off force of {show(load, 'load')}: where the last stable branch "
             f"changes, at w = {show(w, 'work')}, the force jumps past it"
@@ -94,7 +92,7 @@ def work_from_pull_off(
 def _stationary(body: Nonadhesive, stiffness: float) -> Array:
     """The works of adhesion > 0 whose curves are stationary at radii across the series, increasing."""
     a = body.a.copy()
-    a[0], a[-1] = a[0] * (1 + TUNING.inside), a[-1] * (1 - TUNING.inside)
+    a[0], a[-1] = a[0] * (1 + SAME), a[-1] * (1 - SAME)
     here, rates = body.with_rates(a)
     nonadhesive = position(rates.delta_H, rates.P_H, stiffness)
     adhesive = position(rates.t, rates.S * here.t + here.S * rates.t, stiffness)

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import Estimate, InputError, Refusal, Unknown, show
+from ..base import SAME, Estimate, InputError, Refusal, Unknown, show
 from ..bodies import HalfSpace, Indenter, Problem
 from ..formulas.half_space import tabor
 from ..formulas.surface_tension import edge_angle
@@ -32,13 +32,11 @@ class TheoryLimits:
     a_over_R: float = 0.3  # choice: strains and slopes of order a/R
     edge_angle: float = 0.5  # choice: [rad], small slopes of Young and Dupre's law: tan errs by 9 %
     steepest: float = 2.0  # theory: [rad], theta = 2 at w = 2 Ups, complete wetting: no angle beyond
-    delta_over_h: float = 0.1  # choice: strains of a tenth
-    a_over_L: float = 0.1  # choice: nearer, the end of a mesh is felt
-    slack: float = 1e-6  # choice: a ratio that just meets its limit, but for round-off, gives no warning
     seen: int = 2  # theory: points per bend of a tabulated profile, with which slopes fitted through them see it
 
 
 LIMITS = TheoryLimits()
+SMALL = 0.1  # choice: of what theories take as small: strains, zones at the edge, the contact in its mesh
 NO_TIP_RADIUS = Unknown("the indenter has no tip radius (pointed, flat or blunter than a parabola)")
 NO_TENSION = Unknown("no surface tension")
 # P of small strains over that of a neo-Hookean half-space pressed as deep by a rigid sphere without friction, less 1,
@@ -83,7 +81,7 @@ class Validity:
         """What is beyond a limit, each with its number; empty where all is well or nothing is known."""
         return [
             *_above(self.a_over_R, LIMITS.a_over_R, "a/R", _strains(self)),
-            *_above(self.delta_over_h, LIMITS.delta_over_h, "delta/h", "small strains no longer hold in the layer"),
+            *_above(self.delta_over_h, SMALL, "delta/h", "small strains no longer hold in the layer"),
             *_steep(self.edge_angle),
             *_cut_warning(self),
             *_range_warning(self),
@@ -192,7 +190,7 @@ def _words(number: Estimate, effect: Estimate) -> str:
 
 
 def _above(value: Estimate, limit: float, name: str, meaning: str) -> list[str]:
-    if isinstance(value, Unknown) or value <= limit * (1 + LIMITS.slack):
+    if isinstance(value, Unknown) or value <= limit * (1 + SAME):
         return []
     return [f"{name} = {value:.3g} at the largest contact radius is above {limit:g}: {meaning}"]
 
@@ -220,7 +218,7 @@ def _steep(angle: Estimate) -> list[str]:
 def _cut_warning(judged: Validity) -> list[str]:
     if not judged.end_is_cut:
         return []
-    return _above(judged.a_over_L, LIMITS.a_over_L, "a/L", "the cut of the mesh affects the result")
+    return _above(judged.a_over_L, SMALL, "a/L", "the cut of the mesh affects the result")
 
 
 def _range_warning(judged: Validity) -> list[str]:

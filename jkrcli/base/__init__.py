@@ -7,7 +7,7 @@ from .lazy import lazily
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .arrays import Array
-    from .clock import SILENCE, StageClock, duration
+    from .clock import PATIENCE, SILENCE, StageClock, duration
     from .cubic import EvenCubic, PiecewiseCubic, PiecewiseQuintic, spline_slopes, zeros_between
     from .errors import (
         InputError,
@@ -37,7 +37,22 @@ if TYPE_CHECKING:
         write_text,
     )
     from .installing import installs
-    from .iteration import AT_ONCE, MOST_STEPS, TINY
+    from .iteration import (
+        AT_ONCE,
+        LOOKED_AT,
+        MOST_CELLS,
+        MOST_SOLVES,
+        MOST_STEPS,
+        NO_CLAIM,
+        NOTICEABLE,
+        REMEMBERED,
+        ROUNDED,
+        ROWS,
+        SAME,
+        SHOWN,
+        TINY,
+        UNSEEN,
+    )
     from .memory import SHARE, free_memory
     from .quadrature import composite_gauss
     from .registry import Key, Registry
@@ -65,14 +80,15 @@ __getattr__ = lazily(
     __name__,
     {
         ".arrays": "Array",
-        ".clock": "SILENCE StageClock duration",
+        ".clock": "PATIENCE SILENCE StageClock duration",
         ".cubic": "EvenCubic PiecewiseCubic PiecewiseQuintic spline_slopes zeros_between",
         ".errors": "InputError JkrError Refusal SolveError did_you_mean first_line nearest positive printable writable",
         ".executors": "Pool Progress completed executor in_order silent",
         ".files": "atomic beside check_series_target check_target make_folder opened read_bytes real remove"
         " together write_bytes write_text",
         ".installing": "installs",
-        ".iteration": "AT_ONCE MOST_STEPS TINY",
+        ".iteration": "AT_ONCE LOOKED_AT MOST_CELLS MOST_SOLVES MOST_STEPS NO_CLAIM NOTICEABLE REMEMBERED ROUNDED"
+        " ROWS SAME SHOWN TINY UNSEEN",
         ".memory": "SHARE free_memory",
         ".quadrature": "composite_gauss",
         ".registry": "Key Registry",

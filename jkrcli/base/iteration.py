@@ -1,9 +1,23 @@
-"""Guards of all iterations and divisions: no result depends on them."""
+"""Numbers that many algorithms share: guards of iterations and divisions, sizes of work, what counts as the same.
+
+No result depends on the guards and sizes, nor, beyond its stated error, on what counts as the same.
+"""
 
 from __future__ import annotations
 
 import sys
 
 MOST_STEPS = 100  # choice: guard of loops that converge, or end by themselves, in ten or twenty
+MOST_SOLVES = 8  # choice: guard of loops whose every step is a solve; two or three are needed
+MOST_CELLS = 100_000_000  # choice: numbers of a table that is read or written, 800 MB
 AT_ONCE = 1_000_000  # choice: numbers of one array on the way to a result; 8 MB, and some such arrays
+LOOKED_AT = 400  # choice: points of a curve as it is drawn, or among which a zero or the largest value is looked for
+ROWS = 200  # choice: rows of a curve where nothing else is asked for
+REMEMBERED = 64  # choice: results of one kind that are kept; more only saves time
+SHOWN = 20  # choice: names or rows in a message
+SAME = 1e-6  # choice: relative difference of two values that are one: above round-off, below what anyone measures
+ROUNDED = 1e-9  # choice: relative, what units, sums and inputs lose to round-off
+UNSEEN = 1e-4  # choice: relative error that no measurement sees
+NOTICEABLE = 1e-3  # choice: relative change from which on a reader is told of it
+NO_CLAIM = 1e-3  # choice: of a tolerance, errors that nothing is said of beside it
 TINY = sys.float_info.min  # theory: the least normal number, below every size that something is divided by

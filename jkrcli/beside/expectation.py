@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from ..adhesion import LOAD_CONTROL, CriticalPoint, Validity, judge, refuse_wetting, resolved, sizes, transform
 from ..adhesion.slopes.choice import slopes
-from ..base import Refusal, Unknown
+from ..base import PATIENCE, Refusal, Unknown
 from ..bodies import Loading, Problem
 from ..methods.layered.layered import Layered
 from ..series import Series
@@ -15,7 +15,6 @@ from .comparison import alone
 from .range_effect import effect_of_range
 
 COARSE = Layered(1e-5)
-LONGEST = 3.0  # CPU seconds that an expectation may take; choice: it is asked for before anything is solved
 
 
 @dataclass(frozen=True)
@@ -45,7 +44,7 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
     if loading.spacing != "radius":
         loading = Loading(loading.to, loading.maximum)
     unbounded = replace(problem, specimen=specimen, loading=replace(loading, points=max(loading.points, 100)))
-    series = again(unbounded, method=COARSE, longest=LONGEST).series
+    series = again(unbounded, method=COARSE, longest=PATIENCE).series
     found = slopes(series, "exact")
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
     adhesion = []

@@ -21,8 +21,10 @@ from ..adhesion.slopes.exact import exact
 from ..adhesion.validity import judge, sizes
 from ..base import Estimate, JkrError, Unknown, show
 from ..bodies import Elastic, HalfSpace, Loading, Paraboloid, Problem, Rigid, Sphere
+from ..bodies.materials import INCOMPRESSIBLE
 from ..formulas.gravity import over_hertz, over_jkr
 from ..methods.layered.layered import Layered, unbounded
+from ..methods.radii import DENSE
 from ..series import Series
 from .again import again
 from .comparison import alone, half_space_pull_off
@@ -38,10 +40,8 @@ class LeftOutTuning:
     tension: float = 30e-3  # choice: N/m, of gels and rubbers; water has 72, silicones have 20
     glass: tuple[float, float] = (70e9, 0.22)  # choice: E [Pa] and nu, of what is taken as rigid: a lens, a slide
     density: float = 1000.0  # choice: kg/m^3, of water and gels
-    rubber: float = 0.45  # choice: nu from which on strains and weight are those of rubber, both known at 1/2
     of_strains: float = 4 / 3  # theory: change of S over that of P where this grows with the root of the depth
     accuracy: float = 1e-5  # choice: of the solutions; changes are printed to 1e-4
-    radii: int = 60  # choice: in a geometric sequence over four decades; pull-off is then right to 1e-5
     longest: float = 1.0  # choice: CPU seconds of one solution by its forecast; most take a fiftieth of it
     # choice: kappa over the largest radius, below which a tension is that, in proportion; the second where the first
     # would take long
@@ -131,7 +131,7 @@ class Comparison:
 
     def _solved(self, problem: Problem) -> Series:
         """Up to the depth, with its radius."""
-        loading = Loading("depth", self.expected.delta, TUNING.radii, "log")
+        loading = Loading("depth", self.expected.delta, DENSE, "log")
         method = Layered(TUNING.accuracy)
         return again(replace(problem, loading=loading), method=method, longest=TUNING.longest).series
 
@@ -275,7 +275,7 @@ def _strains(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
     """What large strains do to the load, as far as it is known, and with it to S."""
     if body.indenter.tip_radius is None:
         return
-    name, known = "large strains of rubber", body.specimen.surface.nu >= TUNING.rubber
+    name, known = "large strains of rubber", body.specimen.surface.nu >= INCOMPRESSIBLE
     judged = judge(a=expected.a, delta=expected.delta, w=0.0, L=None, z0=None, **sizes(body))
     if isinstance(judged.strained, Unknown) or not known:
         yield LeftOut(name, "", NO_STRAINS, NO_STRAINS)
@@ -287,7 +287,7 @@ def _strains(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
 def _weight(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
     """The weight of a half-space that keeps its volume; of others no formula is known."""
     material, R = body.specimen.surface, body.indenter.tip_radius
-    if R is None or not body.specimen.is_half_space or material.nu < TUNING.rubber or body.specimen.surface_tension:
+    if R is None or not body.specimen.is_half_space or material.nu < INCOMPRESSIBLE or body.specimen.surface_tension:
         return
     load, S = over_hertz(expected.a, material.E_star, TUNING.density)
     pulls = {w: over_jkr(point.a, material.E_star, TUNING.density) if isinstance(point, CriticalPoint) else point

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Array, JkrError
+from ..base import PATIENCE, Array, JkrError
 from ..bodies import Problem
 from ..series import Series
 from .again import again
@@ -17,7 +17,6 @@ class OwnBodyTuning:
     """The radii of the solution, and how long it may take."""
 
     radii: int = 80  # choice: in equal steps of log(a - a0); log delta of a layer is then interpolated to 1e-7
-    longest: float = 5.0  # choice: CPU seconds by its forecast, of the wait for a curve
     below: float = 2.5  # choice: of log(a - a0), how far below the least radius it reaches, as far as a fit does
 
 
@@ -30,6 +29,6 @@ def own_solution(problem: Problem, a: Array) -> Series | None:
     beyond = a - problem.indenter.a0
     steps = np.geomspace(beyond.min() * np.exp(-TUNING.below), beyond.max(), TUNING.radii)
     try:
-        return again(problem, problem.indenter.a0 + steps, longest=TUNING.longest).series
+        return again(problem, problem.indenter.a0 + steps, longest=PATIENCE).series
     except JkrError:
         return None

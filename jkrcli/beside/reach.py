@@ -10,9 +10,10 @@ import numpy as np
 
 from ..adhesion import LOAD_CONTROL, AdhesiveCurve
 from ..adhesion.stability_inverse import work_from_pull_off
-from ..base import Array, InputError
+from ..base import ROWS, Array, InputError
 from ..bodies import Indenter, Loading, Problem
 from ..formulas.half_space import adhesive_half_space
+from ..methods.radii import ROOM
 from ..series import Solution
 from .again import again
 from .analysis import nonadhesive
@@ -23,14 +24,11 @@ from .expectation import COARSE
 class ReachTuning:
     """Radii at which a half-space is looked at, and those of a body whose w is known."""
 
-    least: float = 1e-13  # choice: [m], below atoms
-    most: float = 1e3  # choice: [m], beyond every body
+    radii: tuple[float, float] = (1e-13, 1e3)  # choice: [m], from below atoms to beyond every body
     looked_at: int = 3200  # choice: of these radii, 200 per decade
     inside: float = 0.99  # choice: of the radius at which the indenter ends
     first: float = 5.0  # choice: times the thickness of a layer, where a first contact ends
     further: float = 3.0  # choice: times the radius of the contact before, that of the next
-    margin: float = 1.05  # choice: over the radius without load, so that it lies within
-    points: int = 200  # choice: rows; pull-off points are solved at their own radii
     of_devices: float = 1e3  # choice: w of a force under displacement control over that under load control; a cone's: 3
 
 
@@ -93,14 +91,15 @@ def _wider(problem: Problem, w: float, modulus_factor: float) -> Iterator[Soluti
 
 def _to(problem: Problem, a: float) -> Problem:
     """The problem to little more than the contact radius ``a`` [m], by rows that crowd towards first touch."""
-    end = min(TUNING.margin * a, TUNING.inside * problem.indenter.r_max)
-    return replace(problem, loading=Loading("radius", end, TUNING.points, "log"))
+    end = min(ROOM * a, TUNING.inside * problem.indenter.r_max)
+    return replace(problem, loading=Loading("radius", end, ROWS, "log"))
 
 
 def half_space_radii(indenter: Indenter, E_star: float) -> tuple[Array, Array, Array]:
     """Contact radii from atoms to the end of the indenter [m], with delta_H [m] and P_H [N] on a half-space."""
-    end = min(TUNING.most, TUNING.inside * indenter.r_max)
-    a = indenter.a0 + np.geomspace(TUNING.least, end - indenter.a0, TUNING.looked_at)
+    least, most = TUNING.radii
+    end = min(most, TUNING.inside * indenter.r_max)
+    a = indenter.a0 + np.geomspace(least, end - indenter.a0, TUNING.looked_at)
     found = indenter.half_space(a, E_star)
     if found is None:
         raise InputError(f"{indenter.words} has no closed form on a half-space: describe the bodies in a case file")

@@ -17,9 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..adhesion import CONTROLS, TWO_SIDED_90, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, Nonadhesive
-from ..adhesion.curve import TUNING as CURVE
 from ..adhesion.slopes.exact import exact
-from ..base import Array, JkrError, composite_gauss
+from ..base import MOST_SOLVES, SAME, Array, JkrError, composite_gauss
 from ..bodies import Loading, Problem
 from ..series import Series, Solution
 from .again import again, method_behind
@@ -51,7 +50,6 @@ class SolvedTuning:
     # Radius up to which such a kernel is made over that of the outermost point, less the flat end, at most:
     reach: float = 1.6  # tuned on random bodies, by `make bounds`
     scatter: float = 1e-11  # of the columns from radius to radius; tuned on random bodies, by `make bounds`
-    rounds: int = 8  # of solves; choice: fine series need two, 20 rows over four decades six
     each: float = 0.3  # of that of a solve, the cost of a curve's points; tuned on 1 to 1000 layers, by `make bench`
 
 
@@ -203,7 +201,7 @@ def _rates(values: Array) -> tuple[Array, Array]:
 def solved(curve: AdhesiveCurve, further: Further, *devices: float) -> AdhesiveCurve:
     """The ``curve`` through what is solved at its pull-off points, those by ``devices`` of a stiffness [N/m] included,
     until they lie there."""
-    for _ in range(TUNING.rounds):
+    for _ in range(MOST_SOLVES):
         radii = _wanted(curve, {*CONTROLS.values(), *devices})
         if not radii.size:
             break
@@ -230,7 +228,7 @@ def is_solved(curve: EquilibriumCurve, point: Equilibrium) -> bool:
         return True  # of finite range: each solves itself
     further = curve.nonadhesive.further
     nearest = math.inf if further is None else float(np.min(np.abs(further.a - point.a)))
-    return nearest <= CURVE.solved * (point.a - curve.series.a0)
+    return nearest <= SAME * (point.a - curve.series.a0)
 
 
 def _through(curve: AdhesiveCurve, found: Nonadhesive) -> AdhesiveCurve:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..base import Array, Estimate, JkrError, Unknown, show
 from ..bodies import Problem
+from ..methods.guards import QUICK
 from ..methods.layered.contact import LayeredContact
 from ..methods.layered.layered import unbounded
 from ..methods.layered.stuck import StuckLayeredContact, unable
@@ -32,7 +33,6 @@ class StickingEffectTuning:
     smallest: float = 0.02
     # of it, one more; tuned on bodies, by `make constants`: a stuck contact is wider at equal depth by less
     beyond: float = 1.1
-    widest: float = 20.0  # largest radius over the kernel's scale; choice: a fraction of a second
     told: float = 0.05  # relative change from which a reader is warned; choice: as for Tabor numbers
 
 
@@ -79,7 +79,7 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
     if reason := unable(body.indenter, body.specimen):
         return Unknown(f"effect of no slip unknown: {reason}")
     pair = LayeredContact(body.indenter, body.specimen), StuckLayeredContact(body.indenter, body.specimen)
-    if largest > TUNING.widest * pair[1].scale:
+    if largest > QUICK * pair[1].scale:
         return Unknown(f"effect of no slip not computed at a contact radius of {largest:.3g} m")
     a0 = body.indenter.a0
     radii = a0 + (largest - a0) * np.append(np.geomspace(TUNING.smallest, 1.0, TUNING.radii), TUNING.beyond)

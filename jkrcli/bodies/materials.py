@@ -14,6 +14,8 @@ import numpy as np
 from ..base import Array, InputError, positive, show
 from .grading import Law
 
+INCOMPRESSIBLE = 0.45  # choice: nu from which on a material is spoken of as rubber, and elements may lock
+
 
 @dataclass(frozen=True)
 class Elastic:

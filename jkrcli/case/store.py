@@ -12,7 +12,18 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from ..base import LARGEST_SI, Array, Estimate, InputError, Unknown, hdf5, read_bytes, write_bytes
+from ..base import (
+    LARGEST_SI,
+    MOST_CELLS,
+    Array,
+    Estimate,
+    InputError,
+    Unknown,
+    allowance,
+    hdf5,
+    read_bytes,
+    write_bytes,
+)
 from ..base.hdf5 import Dataset, Group
 from ..bodies import Problem
 from ..series import (
@@ -51,8 +62,6 @@ DOUBT = (
 class Bounds:
     """What a series file may hold; more is no series of ours."""
 
-    rows: int = 10_000_000  # choice: of a column, 80 MB
-    cells: int = 100_000_000  # choice: of the table of pressures, 800 MB
     text: int = 16 << 20  # choice: characters of the case
 
 
@@ -264,7 +273,7 @@ class _Reader:
         if len(data.shape) != ndim or data.dtype.kind not in "fiu" or (ndim == 2 and data.shape[1] != width):
             kind = "a column of numbers" if ndim == 1 else f"rows of {width} numbers"
             raise InputError(f"{where}: must be {kind}, got {data.dtype} of shape {data.shape}")
-        most = BOUNDS.rows if ndim == 1 else BOUNDS.cells // width
+        most = allowance.TUNING.rows if ndim == 1 else MOST_CELLS // width
         if not 1 <= data.shape[0] <= most:
             raise InputError(f"{where}: must have 1 to {most} rows, got {data.shape[0]}")
         values = np.asarray(data.values, dtype=float)

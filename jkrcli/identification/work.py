@@ -15,8 +15,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from ..adhesion import TWO_SIDED_90, Nonadhesive, Parts
-from ..adhesion.curve import TUNING as CURVES
-from ..base import Array, InputError, show
+from ..base import ROUNDED, Array, InputError, show
 from ..data import Curve
 from .fit import FittedBody, Settings
 from .fit.record import receding
@@ -144,7 +143,7 @@ def _radii(body: Nonadhesive, values: Mapping[str, Array]) -> tuple[Array, Array
     if "a" not in values:
         return contact_radius(body, values["delta"], values["P"])
     a, ends = values["a"], body.a[[0, -1]]
-    return a.copy(), np.select([a < ends[0] * (1 - CURVES.end), a > ends[1] * (1 + CURVES.end)], [BELOW, ABOVE], OK)
+    return a.copy(), np.select([a < ends[0] * (1 - ROUNDED), a > ends[1] * (1 + ROUNDED)], [BELOW, ABOVE], OK)
 
 
 def _lag(here: Parts, values: Mapping[str, Array]) -> Array:
@@ -215,7 +214,7 @@ def contact_radius(body: Nonadhesive, delta: Array, P: Array) -> tuple[Array, Ar
     below, above = last < 0, last == end
     for out, rows, node in ((below, below.copy(), nodes[0]), (above, above & (before < end), nodes[-1])):
         excess, fall = _excess(body, np.full(rows.sum(), node), delta[rows], P[rows])
-        out[rows] = np.abs(excess) > CURVES.end * node * fall
+        out[rows] = np.abs(excess) > ROUNDED * node * fall
     state = np.select([none, below, above], [NONE, BELOW, ABOVE], OK)
     a = low  # the very ends, but for round-off
     between = (state == OK) & (0 <= last) & (last < end)

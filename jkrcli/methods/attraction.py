@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import MOST_STEPS, Array, Refusal, show
+from ..base import MOST_STEPS, ROUNDED, Array, Refusal, show
 from ..bodies import HalfSpace, Problem, Specimen
 from .integral import Attraction
 from .layered.contact import LayeredContact
@@ -41,7 +41,6 @@ class AttractedTuning:
     curve: float = 0.06  # tuned on half-spaces, by `make bench`
     polynomials: float = 2.8e-6  # by the square of their number; tuned on 30 to 700 of them, by `make bench`
     stack: float = 0.25  # of what a solve needs for the spectrum; tuned on 1 to 1000 layers, by `make bench`
-    inside: float = 1 - 1e-9  # of the profile's end, to which it is used; choice: F of a sphere is infinite there
 
 
 TUNING = AttractedTuning()
@@ -75,7 +74,7 @@ class AttractedBody:
     @property
     def limit(self) -> float:
         """The radius [m] to which attraction may reach: the end of the profile, or near the side of a cylinder."""
-        end = self.problem.indenter.r_max * TUNING.inside
+        end = self.problem.indenter.r_max * (1 - ROUNDED)
         return end if self._cylinder is None else min(end, self._cylinder.limit)
 
     @property
@@ -163,7 +162,7 @@ class AttractedBody:
         raise Refusal(self._too_far(a))
 
     def _too_far(self, a: float) -> str:
-        end = "the end of the profile" if self.limit == self.problem.indenter.r_max * TUNING.inside else (
+        end = "the end of the profile" if self.limit == self.problem.indenter.r_max * (1 - ROUNDED) else (
             "the side of the cylinder"
         )  # fmt: skip
         return (

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ..base import SILENCE, InputError, Refusal, duration
+from ..base import NOTICEABLE, SILENCE, InputError, Refusal, duration
 from ..bodies import Problem
 from .protocol import Forecast, Method, least_first, refusal_of
 
@@ -24,7 +24,6 @@ class AutoTuning:
 
     patience: float = 10.0  # tuned on the cases, by `make chart`: CPU seconds that a simpler model may take
     looks: int = 3  # at a spectrum, where the largest radius has to be found; choice: for what is told
-    noticeable: float = 1e-3  # choice: relative error that is seen beside nothing measured
 
 
 TUNING = AutoTuning()
@@ -46,14 +45,14 @@ class Option:
     @property
     def is_accurate(self) -> bool:
         """Whether it is possible with an error that is known and too small to be noticed."""
-        return self.forecast is not None and self.forecast.error <= TUNING.noticeable
+        return self.forecast is not None and self.forecast.error <= NOTICEABLE
 
     @property
     def objection(self) -> str | None:
         """What speaks against a possible method, so that "auto" takes another that is better; None: nothing."""
         if not self.is_quick:
             return f"would take longer than {TUNING.patience:g} s"
-        return None if self.is_accurate else f"would err by more than {TUNING.noticeable:g}"
+        return None if self.is_accurate else f"would err by more than {NOTICEABLE:g}"
 
     @property
     def cost(self) -> str:

@@ -11,11 +11,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import MOST_STEPS, TINY, Array, InputError, Refusal, SolveError, show
+from ..base import MOST_STEPS, SAME, TINY, Array, InputError, Refusal, SolveError, show
 from ..bodies import Indenter, Loading, Quantity
 
 Response = Callable[[Array], Array]  # increasing radii [m] -> delta_H [m] or P_H [N] there
 Responses = Callable[[Quantity, float], Response]  # "depth" or "load", relative accuracy -> its response
+
+
+DENSE = 60  # choice: radii in a geometric sequence between which cubics err by less than 1e-5
+ROOM = 1.05  # choice: over a radius, so that it lies within a solution
+ROUGH = 1e-5  # accuracy of the first part of every search; choice: what costs least
 
 
 @dataclass(frozen=True)
@@ -31,7 +36,6 @@ class SearchTuning:
     above_kink: int = 14  # choice: 1.95 from one to the next, where cubics follow a root to 1e-4
     nearest: float = 1e-4  # of the distance to the next row, the first of them; theory: its root is 1e-2
     farthest: float = 0.6  # the last; choice: half way
-    on_kink: float = 1e-6  # relative distance up to which a row gives way to a kink; choice: no two rows alike
     # Part of a miss left after a step along a tangent, above which none is taken:
     doubtful: float = 0.5  # choice: what costs least
 
@@ -79,7 +83,7 @@ def _with_kinks(radii: Array, indenter: Indenter) -> Array:
         if max(indenter.a0, radii[0]) < kink < radii[-1]:
             steps = np.geomspace(TUNING.nearest, TUNING.farthest, TUNING.above_kink)
             beyond = steps * (radii[np.searchsorted(radii, kink, side="right")] - kink)
-            close = np.abs(radii / kink - 1) < TUNING.on_kink
+            close = np.abs(radii / kink - 1) < SAME
             radii = np.unique(np.concatenate([radii[~close], [kink], kink + beyond]))
     return radii
 

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..adhesion import Jump, Program, control, path, turning_radius
-from ..adhesion.path import TUNING
 from ..adhesion.stability import Cycle, cycle, trace
-from ..base import Array, InputError, Unknown, show
+from ..base import ROWS, Array, InputError, Unknown, show
 from ..beside import Analysis
 from . import tables
 from .result import Result
@@ -29,12 +28,12 @@ class Cycled(Result):
 
     file: Path
     found: Cycle
-    points: int = TUNING.points
+    points: int = ROWS
 
     @classmethod
     def of(
         cls, curves: Sequence[Analysis], stiffness: float, load: float | None = None, depth: float | None = None,
-        points: int = TUNING.points,
+        points: int = ROWS,
     ) -> Cycled:  # fmt: skip
         """The cycle on the ``curves`` of approach and retraction that turns at a ``load`` [N] or ``depth`` [m]."""
         inwards, outwards = (result.curve for result in curves)
@@ -99,12 +98,10 @@ class CycledByProgram(Result):
 
     file: Path
     found: path.Path
-    points: int = TUNING.points
+    points: int = ROWS
 
     @classmethod
-    def of(
-        cls, curves: Sequence[Analysis], stiffness: float, program: Program, points: int = TUNING.points
-    ) -> CycledByProgram:
+    def of(cls, curves: Sequence[Analysis], stiffness: float, program: Program, points: int = ROWS) -> CycledByProgram:
         """The path on the ``curves`` of approach and retraction under ``program``; a step would have no way."""
         if (steps := np.flatnonzero(np.diff(program.t) == 0)).size:
             raise InputError(f"program: row {int(steps[0]) + 2} is a step: without --rate give it the time of a way")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from ..base import Estimate, Unknown
+from ..base import NOTICEABLE, Estimate, Unknown
 from ..beside.left_out import LeftOut
 
 
@@ -14,7 +14,6 @@ class ShownTuning:
     """How much is printed of it."""
 
     worst: int = 3  # choice: things in the one line
-    least: float = 1e-3  # choice: change from which on a thing is named there; loads are rarely known better
     none: float = 5e-5  # choice: of changes, printed as 0; solutions are rough
     digits: tuple[float, ...] = (0.1, 0.01)  # choice: changes below which one more digit follows the point
     names: int = 37  # choice: characters of the first column
@@ -27,9 +26,9 @@ def worst(rows: Sequence[LeftOut]) -> Iterator[str]:
     """The things left out that change most, with what of."""
     known = [(one.name, one.largest) for one in rows if not one.included and one.largest is not None]
     said = [f"{name} ({quantity} {percent(change)})" for name, (quantity, change) in known
-            if abs(change) >= TUNING.least][: TUNING.worst]  # fmt: skip
+            if abs(change) >= NOTICEABLE][: TUNING.worst]  # fmt: skip
     if known:
-        yield f"  left out  {', '.join(said) or f'nothing that changes a result by {TUNING.least:.1%}'}"
+        yield f"  left out  {', '.join(said) or f'nothing that changes a result by {NOTICEABLE:.1%}'}"
 
 
 def table(rows: Sequence[LeftOut]) -> Iterator[str]:

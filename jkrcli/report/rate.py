@@ -19,10 +19,9 @@ from ..adhesion import (
     position,
     rate_parameters,
 )
-from ..adhesion.path import TUNING
 from ..adhesion.rate.history import History
 from ..adhesion.rate.validity import NEGLECTED, Zone, zone
-from ..base import SI, Array, InputError, SolveError, Unknown, known, show
+from ..base import ROWS, SI, UNSEEN, Array, InputError, SolveError, Unknown, known, show
 from ..beside import Analysis
 from ..identification.rate.through import LawThrough
 from .result import Result, as_result
@@ -33,7 +32,6 @@ if TYPE_CHECKING:
 
 ACCURATE = 1e-6  # choice: error of the integration beyond which a reader is warned
 VAGUE = 1.0  # choice: relative standard error beyond which a parameter is not told
-BALANCED = 1e-4  # choice: the same of the balance of energies
 
 
 def law_words(law: RateLaw) -> str:
@@ -61,7 +59,7 @@ class CycledAtSpeed(History, Result):
 
     body: Analysis
     stress: float | None = None
-    points: int = TUNING.points
+    points: int = ROWS
 
     @classmethod
     def of(cls, contact: RateContact, program: Program, body: Analysis, **options: Any) -> CycledAtSpeed:
@@ -131,7 +129,7 @@ class CycledAtSpeed(History, Result):
         """What a reader should know, each with its number."""
         worst = max(value for name in ("P", "t", "lost") if (value := known(self.error[name])) is not None)
         found = [f"the integration errs by about {worst:.1g}"] if worst > ACCURATE else []
-        if self.balance > BALANCED:
+        if self.balance > UNSEEN:
             found.append(
                 f"the energies balance to {self.balance:.1g} only: the series' P_H, S and S' contradict each other"
             )

@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..adhesion import Program, RelaxingContact, TimedState, limits_of
-from ..adhesion.path import TUNING
-from ..adhesion.relaxation.history import HISTORY, RelaxedHistory
-from ..base import SI, Array, InputError, Unknown, show
+from ..adhesion.relaxation.history import RelaxedHistory
+from ..base import ROWS, SI, UNSEEN, Array, InputError, Unknown, show
 from ..bodies import RELAXATIONS, Relaxation
 from .result import Result, as_result
 from .tables import energies, point, stiffness
@@ -37,10 +36,10 @@ class CycledRelaxing(RelaxedHistory, Result):
     """A history with what is said of it; ``points``: rows of a piece."""
 
     file: Path
-    points: int = TUNING.points
+    points: int = ROWS
 
     @classmethod
-    def of(cls, contact: RelaxingContact, program: Program, file: Path, points: int = TUNING.points) -> CycledRelaxing:
+    def of(cls, contact: RelaxingContact, program: Program, file: Path, points: int = ROWS) -> CycledRelaxing:
         """What happens to ``contact`` under ``program``."""
         try:
             found = contact.history(program)
@@ -96,7 +95,7 @@ class CycledRelaxing(RelaxedHistory, Result):
     @property
     def warnings(self) -> list[str]:
         """What a reader should know, each with its number."""
-        return [f"the loads err by about {self.error:.1g} of the largest"] if self.error > HISTORY.accurate else []
+        return [f"the loads err by about {self.error:.1g} of the largest"] if self.error > UNSEEN else []
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import brentq
 
-from ...base import Array, Estimate, InputError, SolveError, Unknown, positive, show
+from ...base import LOOKED_AT, Array, Estimate, InputError, SolveError, Unknown, positive, show
 from ..curve import AdhesiveCurve
 from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from ..edge import Edge
@@ -36,7 +36,6 @@ class HistoryTuning:
     slow: float = (
         3e-11  # theory: excess of w at the edge, below which equilibrium errs as a step of the integrator does
     )
-    looked_at: int = 400  # choice: states of a piece among which a load or the largest speed is looked for
 
 
 TUNING = HistoryTuning()
@@ -186,7 +185,7 @@ class History(Path):
         end, found = self.pull_off, [0.0]
         for piece in self.pieces:
             if piece.phase == RECEDE and piece.first[0] <= end.t:
-                t, a = piece.rows(TUNING.looked_at)
+                t, a = piece.rows(LOOKED_AT)
                 t, a = np.append(t[t <= end.t], end.t), np.append(a[t <= end.t], end.a)
                 t, a = t[t <= piece.last[0]], a[t <= piece.last[0]]
                 found += (-piece.speeds(a, self.states(piece, t, a).G)).tolist()
@@ -200,7 +199,7 @@ class History(Path):
             return (P if quantity == "P" else delta) - value
 
         for piece in self.pieces:
-            t = piece.rows(TUNING.looked_at)[0]
+            t = piece.rows(LOOKED_AT)[0]
             met = np.flatnonzero(np.diff(np.sign(excess(piece, t))) > 0)
             if met.size and piece.phase == ADVANCE:
                 i = int(met[0])

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from ...base import Array, SolveError
+from ...base import MOST_STEPS, Array, SolveError
 from ..device import LOAD_CONTROL, position
 from ..edge import Edge
 from ..path import ADVANCE, RECEDE, AtOnce, Follow, Now, Piece
@@ -41,7 +41,6 @@ class MotionTuning:
     instant: float = 1e-6  # choice: of a motion's time, at its end: contact runs away, which inertia would delay
     # theory: distances to a fold, over the first, at which a slow edge is looked at; D rises by the square of the last
     nearer: Array = field(default_factory=lambda: np.geomspace(1, 1e-6, 200))
-    newton: int = 8  # choice: guard; two steps bring s of a given time to round-off
 
 
 TUNING = MotionTuning()
@@ -138,7 +137,7 @@ class Motion(Piece):
         tau = np.clip((t - self.ramp.t) / self.unit, self.steps[0, 0], self.steps[0, -1])
         s = np.interp(tau, self.steps[0], self.nodes)
         low, high = self.nodes[[0, -1]]
-        for _ in range(TUNING.newton):
+        for _ in range(MOST_STEPS):
             times, radii = self._states(s)
             rate = self._speed(times, radii) * self.unit / radii
             step = (tau - (times - self.ramp.t) / self.unit) * np.hypot(1, rate)

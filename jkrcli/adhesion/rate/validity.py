@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from ...base import Estimate, Unknown, show
+from ..validity import SMALL
 
 NEGLECTED = (
     "the bulk is taken as elastic: all that is lost is lost at the edge; a bulk that relaxes as slowly as the contact "
@@ -18,7 +19,6 @@ class ZoneLimits:
     """Sizes beyond which the edge is no line."""
 
     atom: float = 1e-10  # theory: [m], below which there is no zone
-    wide: float = 0.1  # choice: of radius or thickness, where a line of force as in Eq. 13 is no longer meant
 
 
 LIMITS = ZoneLimits()
@@ -45,10 +45,10 @@ class Zone:
     def warnings(self) -> list[str]:
         """A sentence for each ratio that is too large."""
         return [
-            f"the dissipating zone at the edge is {value:.2g} of the {name}, more than {LIMITS.wide:g}: the theory "
+            f"the dissipating zone at the edge is {value:.2g} of the {name}, more than {SMALL:g}: the theory "
             "of a sharp edge does not hold"
             for name, value in (("contact radius", self.over_a), ("layer's thickness", self.over_h))
-            if isinstance(value, float) and value > LIMITS.wide
+            if isinstance(value, float) and value > SMALL
         ]
 
 

@@ -14,13 +14,12 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from ...base import MOST_STEPS, Array, InputError, SolveError, show, zeros_between
+from ...base import MOST_STEPS, ROUNDED, SAME, Array, InputError, SolveError, show, zeros_between
 from ...bodies import Modes
 from ..device import LOAD_CONTROL, position
 from .depths import Depths
 from .memory import Steps, moments
 from .path import AGAIN, PLACES, POWERS, RelaxedPath
-from .path import TUNING as PATH
 
 INNER = PLACES[1:]
 DEGREE = INNER.size
@@ -37,7 +36,6 @@ class DrivenTuning:
     converged: float = 1e-7  # theory: relative, of what Newton's last step is the square root
     rounding: float = 1e-13  # theory: of what the device holds, about the round-off of what follows from it
     falls: float = 1e-10  # theory: of the depth, what is no round-off
-    ends: float = 1e-9  # choice: of the last step of growth or of contact, by which its end may be missed
     near: float = 2.0  # choice: of a step, how far at least it is to end before contact is lost; leaves 1e-7
     far: float = 2.0  # choice: guard, of the log depth in an iteration
 
@@ -139,7 +137,7 @@ class Drive:
     t: Array
     x: Array
     ratio: float = TUNING.ratio
-    grows: float = PATH.grows
+    grows: float = SAME
 
     def path(self) -> RelaxedPath:
         """What happens."""
@@ -157,7 +155,7 @@ class Drive:
     def grown(self, deepest: float) -> RelaxedPath | None:
         """The growth of the contact up to the depth ``deepest`` [m]; None where it ends before."""
         taken, now, _, turned = self._growth(deepest)
-        if not turned or now.depth < deepest * (1 - PATH.grows):
+        if not turned or now.depth < deepest * (1 - SAME):
             return None
         return RelaxedPath(self.depths, self._steps(taken, "depth"), self._steps(taken, "load"))
 
@@ -234,7 +232,7 @@ class Drive:
             run, left = solved
             low, high = (part, high) if left[-1].sum() > 0 else (low, part)
             beyond = _beyond(left[-1]) * np.diff(last, prepend=0.0)[-1]  # in parts of all steps
-            if abs(beyond) < TUNING.ends or high - low < TUNING.ends * part:
+            if abs(beyond) < ROUNDED or high - low < ROUNDED * part:
                 break
             after = part * (1 + min(max(beyond, 1 / TUNING.far - 1), TUNING.far - 1))
             if high < math.inf and (abs(after - part) > before / 2 or not low < after < high):

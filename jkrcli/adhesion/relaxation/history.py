@@ -9,7 +9,18 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base import MOST_STEPS, Array, Estimate, InputError, Unknown, composite_gauss, show, zeros_between
+from ...base import (
+    LOOKED_AT,
+    MOST_STEPS,
+    SAME,
+    Array,
+    Estimate,
+    InputError,
+    Unknown,
+    composite_gauss,
+    show,
+    zeros_between,
+)
 from ...bodies import Modes, Relaxation
 from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
 from ..nonadhesive import Nonadhesive
@@ -25,9 +36,6 @@ from .path import TUNING, RelaxedPath, given_depth
 class HistoryTuning:
     """How turns and largest loads are looked for."""
 
-    looked_at: int = 400  # choice: states of a piece among which a load or depth is looked for
-    accurate: float = 1e-4  # choice: error of the loads beyond which a reader is warned
-    still: float = 1e-6  # choice: of the largest depth, below which a step in no time is round-off of the time
     intervals: int = 100  # choice: of the way back at least, over which its work is integrated; leaves 1e-8
 
 
@@ -43,7 +51,7 @@ class RelaxingContact:
     law: Relaxation
     stiffness: float = DISPLACEMENT_CONTROL
     coarser: int = 1
-    grows: float = TUNING.grows
+    grows: float = SAME
 
     least = 0.0  # what the device holds at first contact
 
@@ -81,7 +89,7 @@ class RelaxingContact:
             loads = path.load.held(places, path.load.times(places))
             return np.asarray((loads if load is not None else path.depth.values(places)) - wanted)
 
-        places = np.linspace(0, path.last, HISTORY.looked_at)
+        places = np.linspace(0, path.last, LOOKED_AT)
         met = np.flatnonzero(reached(places) >= 0)[:1]
         if not met.size or met[0] == 0:
             raise InputError(
@@ -162,7 +170,7 @@ class RelaxedHistory:
     @cached_property
     def peak(self) -> TimedState:
         """The state of the largest load, to a part of a program's piece."""
-        t = np.append(self._times(HISTORY.looked_at), self.turn)
+        t = np.append(self._times(LOOKED_AT), self.turn)
         a, delta, P = self.path.states(np.sort(t))
         i = int(np.argmax(P))
         return TimedState(a=float(a[i]), delta=float(delta[i]), P=float(P[i]), t=float(np.sort(t)[i]))
@@ -192,9 +200,7 @@ class RelaxedHistory:
         if self.lost is None:
             return Unknown("contact is not lost")
         path, places, turn = self.path, np.arange(self.path.last + 1), int(self.path.last)
-        steps = (np.diff(path.depth.t) == 0) & (
-            np.abs(path.depth.p[:, 1:].sum(axis=1)) > HISTORY.still * path.depths.most
-        )
+        steps = (np.diff(path.depth.t) == 0) & (np.abs(path.depth.p[:, 1:].sum(axis=1)) > SAME * path.depths.most)
         if steps[turn:].any():
             return Unknown("the device steps back")
         y, weights = composite_gauss(places)

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base import Array, InputError, show, zeros_between
+from ...base import SAME, Array, InputError, show, zeros_between
 from ...bodies import Modes
 from .depths import Depths
 from .memory import Steps
@@ -21,9 +21,7 @@ class PathTuning:
     first: float = 1e-6  # theory: of the largest depth; the load there, 1e-9 of the largest, is interpolated to 1e-2
     ratio: float = 1.4  # theory: of depths from step to step; depth^1.5 is interpolated to 1e-11 of itself
     degree: int = 6  # theory: of the load over a step, see ``ratio``
-    grows: float = 1e-7  # choice: of the depth, by which a contact may grow again before that is refused
     places: float = 1e-12  # theory: of a step, round-off
-    beyond: float = 1e-7  # choice: of the largest depth of the series; turns at its end are found to 1e-8 of it
 
 
 TUNING = PathTuning()
@@ -45,11 +43,11 @@ class RelaxedPath:
     depth: Steps
     load: Steps
     lost: float = math.inf
-    grows: float = TUNING.grows
+    grows: float = SAME
 
     def __post_init__(self) -> None:
         deepest, most = float(self.depth.values(np.array([self.last]))[0]), self.depths.most
-        if deepest > most * (1 + TUNING.beyond):
+        if deepest > most * (1 + SAME):
             raise InputError(
                 f"program: the contact comes {show(deepest - most, 'length')} beyond the largest depth of the series, "
                 f"{show(most, 'length')}: turn before, or increase [loading] radius"
@@ -109,7 +107,7 @@ class RelaxedPath:
 
 
 def given_depth(
-    depths: Depths, modes: Modes, t: Array, x: Array, ratio: float = TUNING.ratio, grows: float = TUNING.grows
+    depths: Depths, modes: Modes, t: Array, x: Array, ratio: float = TUNING.ratio, grows: float = SAME
 ) -> RelaxedPath:  # fmt: skip
     """What happens where the device holds the depths ``x`` [m] at the times ``t`` [s], even between, from 0 on;
     ``ratio`` of depths from step to step; ``grows``: see ``RelaxedPath``."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base import Array, InputError, Unknown
+from ...base import UNSEEN, Array, InputError, Unknown
 from ...series import RawSeries, Series
 from . import slopes_function
 from .result import Slopes
@@ -18,7 +18,6 @@ from .result import Slopes
 class ChoiceTuning:
     """When "auto" takes the slopes that a series carries."""
 
-    negligible: float = 1e-4  # stated error of S' below which they count as exact; choice: no measurement sees it
     few: float = (
         0.05  # of the radii at which a smooth fit may leave their error; choice: half of what 90 % intervals leave
     )
@@ -46,7 +45,7 @@ def _carried(series: Series) -> Slopes:
     within it, that fit: it smooths the scatter of differences. At a flat end, where S' jumps, and where the profile
     bends it errs more."""
     exact = slopes_function("exact")(series)
-    if isinstance(exact.error, Unknown) or exact.error <= TUNING.negligible or "dS" not in series.errors:
+    if isinstance(exact.error, Unknown) or exact.error <= UNSEEN or "dS" not in series.errors:
         return replace(exact, reason="the series carries exact slopes")
     if series.a0 > 0:
         return replace(exact, reason="the series carries slopes, and a smooth fit errs at the edge of the flat end")

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import stdtrit
 
-from ...base import TINY, Array, Estimate, InputError, Refusal, Unknown
+from ...base import SHOWN, TINY, Array, Estimate, InputError, Refusal, Unknown
 from ...series import RawSeries, Series
 from .events import has_plateaus, touch_events
 from .model import LogSplineModel, OnGrid, Shape, interpolate
@@ -42,7 +42,6 @@ class IntegralTuning:
     noise: float = 3e-4  # relative scatter above which it is noise; choice: below, splines do not bend
     tell_correlation: int = 20  # points that tell correlations; tuned on the same, by `make noise-study`
     evidence: float = 3.5  # log of a likelihood ratio from which it is said; theory: by chance once in 250
-    named: int = 8  # choice: rows in a message
     recorded: float = 0.9  # rank correlation with x of rows in the order of recording; choice: noise leaves more
     share: float = 1e-2  # least of the variances of a, delta, P in later rounds; tuned on the same, by `make tuning`
     beside: int = 4  # choice: rows on either side that tell a radius far off; three outliers among them do no harm
@@ -171,7 +170,7 @@ def _flags(settled: _Settled, raw: RawSeries) -> Iterator[str]:
     assert raw.rows is not None
     rows = [str(row) for row in np.sort(raw.rows[settled.outliers])]
     if rows:
-        some = ", ".join(rows[: TUNING.named]) + (", ..." if len(rows) > TUNING.named else "")
+        some = ", ".join(rows[:SHOWN]) + (", ..." if len(rows) > SHOWN else "")
         yield f"{len(rows)} of {raw.a.size} rows are outliers and have little weight: {some}"
     if settled.hidden:
         yield f"errors of neighbouring rows may be correlated; {TOO_FEW} ({raw.a.size})"

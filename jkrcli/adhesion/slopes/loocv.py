@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ...base import Array, InputError, Refusal
+from ...base import NOTICEABLE, Array, InputError, Refusal
 from ...series import Series
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 from .smoothing import Criterion, SmoothingSpline, linear_fit, smoothing_spline
@@ -30,7 +30,6 @@ class LoocvTuning:
 
     fewest: int = 5  # points; theory: leaving one out must leave a cubic
     probes: int = 64  # random replicas of the noise; choice: their scatter is good to 1/sqrt(2 * 64), 9 %
-    end_bias: float = 1e-3  # relative, of S'; choice: smaller ones are not mentioned
 
 
 TUNING = LoocvTuning()
@@ -109,12 +108,12 @@ def _end_bias(spline: SmoothingSpline, a: Array) -> Array:
 
 def _end_flags(series: Series, dS: Array, bias: Array) -> list[str]:
     relative = abs(bias[-1]) / dS[-1]
-    if relative < TUNING.end_bias:
+    if relative < NOTICEABLE:
         return []
-    reached = int(np.sum(np.abs(bias) / dS > TUNING.end_bias))
+    reached = int(np.sum(np.abs(bias) / dS > NOTICEABLE))
     return [
         f"natural end of the smoothing spline: dS/da is off by about {100 * relative:.2g} % at the largest radius "
-        f"{series.a[-1]:.4g} m, by more than {100 * TUNING.end_bias:g} % at the last {reached} points"
+        f"{series.a[-1]:.4g} m, by more than {100 * NOTICEABLE:g} % at the last {reached} points"
     ]
 
 

@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import lapack
 
-from ...base import TINY, Array
+from ...base import MOST_STEPS, TINY, Array
 
 Linearised = tuple[Array, Array]  # residuals (rows, n) and their Jacobian (rows, n, p)
 Residuals = Callable[[Array], Linearised]
@@ -42,8 +42,7 @@ class PenaltyTuning:
     most_prior: float = 10.0  # variance of a coefficient before data are seen; choice: bodies do not bend more
     spread: tuple[float, ...] = tuple(4.0**n for n in range(-7, 3))  # about a lambda; choice: beyond, weights vanish
     bias: float = 0.2  # of the allowance for smoothing bias, in noise; tuned on noisy series, by `make noise-study`
-    negligible: float = 1e-4  # weight of a lambda; choice: below, it does not show
-    updates: int = 40  # of the lambdas in a step; choice: they settle long before
+    negligible: float = 1e-4  # weight of a lambda or a correlation; choice: below, it does not show
     factor: float = 100.0  # most that an update changes a lambda by; tuned on noisy series, by `make tuning`
     settled: float = 0.02  # change of log(lambda); tuned on the same, by `make tuning`
     freeze: int = 25  # steps, after which the lambdas stay; tuned on the same, by `make tuning`
@@ -60,7 +59,6 @@ class PenaltyTuning:
     worth: float = 2.0  # log of a likelihood ratio that makes a correlation believed; choice: none is simpler
     beyond: float = 4.0  # standard errors of the residuals' own correlation; choice: above, none is looked for
     linear: float = 2.0  # choice: residuals over those of the fit, beyond which a correlation's are not believed
-    unlikely: float = 12.0  # log of a likelihood ratio; choice: less likely correlations do not show in the mean
 
 
 TUNING = PenaltyTuning()
@@ -130,7 +128,7 @@ def minimise(
     seen = residuals(c)
     for step in range(TUNING.steps):
         now = _flat(seen, rho)
-        linear = _linear(now, c, blocks, lambdas, phi_floor, damping, updates=TUNING.updates if step < freeze else 0)
+        linear = _linear(now, c, blocks, lambdas, phi_floor, damping, updates=MOST_STEPS if step < freeze else 0)
         lambdas = linear.lambdas
         c, seen, taken = _line_search(residuals, c, seen, linear, rho)
         moved = taken * linear.deviations
@@ -201,7 +199,7 @@ def posterior(fit: PenalisedFit, blocks: Sequence[slice], noise: bool, correlate
     guesses: list[_Guess] = []
     masses = np.full(rhos.size, -np.inf)
     for i, rho in enumerate(rhos):
-        if heights[i] > heights.max() - TUNING.unlikely:
+        if heights[i] > heights.max() + math.log(TUNING.negligible):
             weight = _log_det(fit, rho) + math.log(priors[i])
             found = list(_guesses(fit, _flat(seen, rho), blocks, best[i][1], weight, spread))
             masses[i] = np.logaddexp.reduce([guess.height for guess in found])
@@ -245,7 +243,7 @@ def _at_best(fit: PenalisedFit, seen: Linearised, blocks: Sequence[slice], rho: 
     if rho == fit.rho:
         lambdas = fit.lambdas
     else:
-        lambdas = _linear(now, fit.c, blocks, fit.lambdas, fit.phi_floor, 0.0, TUNING.updates).lambdas
+        lambdas = _linear(now, fit.c, blocks, fit.lambdas, fit.phi_floor, 0.0, MOST_STEPS).lambdas
     diagonal = np.einsum("mp,mp->p", now[1], now[1])
     best = np.array([lam * diagonal[block].mean() for lam, block in zip(lambdas, blocks, strict=True)])
     (guess,) = _guesses(fit, now, blocks, best, _log_det(fit, rho), (1.0,))

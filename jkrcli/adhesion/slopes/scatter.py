@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from ...base import TINY, Array
+from ...base import MOST_SOLVES, TINY, Array
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,6 @@ class ScatterTuning:
     most_trend: float = 4.0  # exponent of the variance over the radius; tuned on the same, by `make tuning`
     outlier: float = 3.0  # standard deviations where points begin to count less; tuned on the same, by `make tuning`
     free: int = 20  # points that tell the errors of a, delta, P apart; tuned on the same, by `make tuning`
-    rounds: int = 5  # in which outliers are found; choice: two or three do
     false: float = 5e-3  # probability that a series without outliers is said to have one; choice: rare
     chance: float = 2.5  # theory: standard deviations of the correlation of neighbours that chance brings once in 160
 
@@ -68,7 +67,7 @@ def estimate(x: Array, residuals: Array, k: Array, m: Array, spent: float, floor
     nothing = Scatter(np.ones((3, x.size)), np.zeros(x.size, dtype=bool))
     shares, size = np.ones((3, 1)), np.ones(x.size)
     kept = np.ones(x.size, dtype=bool)
-    for round_ in range(TUNING.rounds):
+    for round_ in range(MOST_SOLVES):
         if x.size >= TUNING.free:
             shares = _shares(residuals[:, kept], k[kept], m[kept], spent, floor)
         white = np.einsum("ijn,jn->in", whitener(shares, k, m), residuals)

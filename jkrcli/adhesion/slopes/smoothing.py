@@ -33,7 +33,6 @@ class SmoothingTuning:
 
     least: float = 1e-8  # theory: below, the penalty drowns in round-off
     most: float = 1e13  # theory: above, the Gram matrix does
-    grid: int = 22  # points, one to a decade; choice: Brent's method starts from the lowest
 
 
 TUNING = SmoothingTuning()
@@ -236,7 +235,8 @@ def _score(smoother: _Smoother, y: Array, weights: Array, criterion: Criterion) 
 
 def _minimise(score: Callable[[float], float]) -> float:
     """Lambda at the least score: a coarse grid in log(lambda) finds the valley, Brent's method its floor."""
-    grid = np.linspace(math.log(TUNING.least), math.log(TUNING.most), TUNING.grid)
+    decades = round(math.log10(TUNING.most / TUNING.least))
+    grid = np.linspace(math.log(TUNING.least), math.log(TUNING.most), decades + 1)
     values = [score(value) for value in grid]
     best = int(np.argmin(values))
     low, high = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]

@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from ...base import AT_ONCE, TINY, AnyLength, Array, InputError, Key, spline_slopes
+from ...base import AT_ONCE, LOOKED_AT, TINY, AnyLength, Array, InputError, Key, spline_slopes
 from ..indenter import Indenter, shape
 from ..materials import Elastic
 
@@ -22,7 +22,6 @@ class TableTuning:
     points: int = 5000  # most of a table; choice: the cost grows with their square, so many take ten seconds
     straight: float = 1e-9  # of the largest chord: the rise between two of a straight profile; theory: rounding
     pointed: float = 0.25  # slope at the axis over the first chord above which a tip has a point; choice: a cone has 1
-    looks: int = 400  # choice: radii at which it is looked at what points tell
     # Times the error that every second point changes: what every fourth changes more says the order; of F, its slope,
     # and the mean of F over the contact at least
     flattest: tuple[float, float, float] = (2.0, 1.0, 1.0)  # choice: near first order, of points that scatter
@@ -128,7 +127,7 @@ class TableProfile(Indenter):
     @cached_property
     def _resolved(self) -> tuple[Array, Array]:
         """Even radii [m] up to the end, and ``resolution`` there."""
-        x = np.linspace(0, self.r_max, TUNING.looks + 1)[1:]
+        x = np.linspace(0, self.r_max, LOOKED_AT + 1)[1:]
         halves = self._thinned()
         seen, before = _changes(self, halves, x), _changes(halves[0], halves[0]._thinned()[:1], x)
         points, found = np.searchsorted(self.r, x).tolist(), np.empty((3, x.size))

@@ -14,7 +14,7 @@ from typing import Any
 
 from ... import __version__
 from ...adhesion.slopes import checked_rule
-from ...base import InputError
+from ...base import MOST_CELLS, InputError
 from ...bodies import Problem
 from ...case import Case
 from ...case.models import CaseModel
@@ -25,7 +25,6 @@ from .axes import Axis, W, resolve
 from .paths import LAYER_COUNT, Tables, model_of, unit_of, with_values
 from .quantities import ALONG, POINT, Wanted, names_of
 
-MOST_CELLS = 100_000_000  # choice: of a table, ten gigabytes of memory and an hour to write
 FIRM = ("radius", "thickness", "nu")  # how keys end whose values tell bodies apart
 PHYSICS = {"title", "indenter", "specimen", "loading", "adhesion"}
 

@@ -8,13 +8,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...base import Array, InputError, Refusal, SolveError, StageClock, show
+from ...base import PATIENCE, Array, InputError, Refusal, SolveError, StageClock, show
 from ...bodies import Elastic, Layer, Loading, Paraboloid, Problem, Rigid, Sphere
 from ...formulas import thin_layer
 from ...series import COLUMNS, ErrorBudget, Series, Solution
+from ..integral.contact import CHECKED
 from ..layered.layered import Layered, unbounded
 from ..protocol import Forecast, without_tension
-from ..radii import half_space_guess, radii_of_loading
+from ..radii import ROUGH, half_space_guess, radii_of_loading
 
 
 @dataclass(frozen=True)
@@ -23,9 +24,6 @@ class ClosedFormTuning:
 
     round_off: float = 1e-14  # theory: 45 times the machine epsilon, for the dozen operations of a formula
     worst: float = 0.05  # choice: largest error at which the leading order of a thin layer is still offered
-    checked: float = 1e-6  # choice: accuracy of the exact layer that it is checked against, small beside ``worst``
-    seconds: float = 3.0  # choice: forecast of that check up to which it is done, before any method is chosen
-    searched: float = 1e-6  # choice: accuracy of the radii from which the search for those of a loading is refined
 
 
 TUNING = ClosedFormTuning()
@@ -86,7 +84,7 @@ def _radii(problem: Problem, formula: Formula) -> Array:
     def responses(quantity: str, accuracy: float) -> Callable[[Array], Array]:
         return lambda a: formula.columns(a)[column[quantity]]
 
-    return radii_of_loading(problem.loading, problem.indenter, responses, start, (TUNING.searched, TUNING.round_off))
+    return radii_of_loading(problem.loading, problem.indenter, responses, start, (ROUGH, TUNING.round_off))
 
 
 def _formula(problem: Problem) -> Formula:
@@ -178,13 +176,13 @@ def _long(layered: Layered, problem: Problem) -> str | None:
         seconds = layered.forecast(problem).seconds
     except Refusal as error:
         return f"is refused ({error})"
-    return f"would take about {seconds:.2g} s" if seconds > TUNING.seconds else None
+    return f"would take about {seconds:.2g} s" if seconds > PATIENCE else None
 
 
 def _leading_order_error(problem: Problem, formula: Formula, radii: Array) -> float:
     """Largest relative difference of delta, P, S and S' to the exact layer solution at the increasing ``radii``, where
     that is no quick matter at the largest one below; SolveError where there is none."""
-    layered, worst = Layered(TUNING.checked), 0.0
+    layered, worst = Layered(CHECKED), 0.0
     for wanted in radii:
         a = float(wanted)
         while (reason := _long(layered, exactly := _at(problem, a))) is not None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base import Estimate, Refusal, StageClock, Unknown
+from ...base import MOST_SOLVES, Estimate, Refusal, StageClock, Unknown
 from ...bodies import Indenter, Problem
 from ...series import Solution
 from .body import at_surface
@@ -37,7 +37,6 @@ class RefinementTuning:
     least: float = 0.4  # by what the spacing may shrink at once; tuned on the same, by `make tuning`
     most: float = 0.75  # and must; tuned on the same, by `make tuning`
     steepest: float = 0.4  # growth; tuned on the same, by `make tuning`
-    meshes: int = 8  # choice: 0.75^8 is a tenth
     companion: float = 2**0.5  # element sizes the first mesh is judged against; tuned on the same, by `make tuning`
 
 
@@ -54,7 +53,7 @@ def adapted(options: FEMOptions, problem: Problem, clock: StageClock) -> Solutio
     with clock("error estimate"):
         coarse = found.companion(ratio)
         truncation = truncation_of(found, coarse)
-    for _ in range(TUNING.meshes):
+    for _ in range(MOST_SOLVES):
         with clock("error estimate"):
             judged = assessed(found, coarse, ratio, truncation)
         reached = judged.budget.series

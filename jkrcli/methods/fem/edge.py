@@ -16,6 +16,7 @@ import numpy as np
 from ...base import Array
 from ...bodies import Elastic, Graded, HalfSpace, Indenter, Paraboloid, Specimen, TransverselyIsotropic
 from ..layered.tense import TenseContact
+from ..radii import DENSE
 from .body import at_surface
 from .contact import SurfaceContact, nested_events
 from .model import Model
@@ -26,7 +27,6 @@ class EdgeTuning:
     """The exact half-space under surface tension."""
 
     near: float = 0.8  # of the vertices' radii, beyond which their contact radii do not lie; choice: spare
-    points: int = 60  # radii; choice: a tenth of a second
     accuracy: float = 1e-7  # choice: far below that of elements
 
 
@@ -50,7 +50,7 @@ def _under_tension(model: Model, profile: Indenter, radii: Array) -> Callable[[A
 
     specimen = Specimen((), HalfSpace(_homogeneous(model)), surface_tension=model.body.tension)
     contact, a0 = TenseContact(profile, specimen), profile.a0
-    beyond = np.geomspace(TUNING.near * (radii[0] - a0), (radii[-1] - a0) / TUNING.near, TUNING.points)
+    beyond = np.geomspace(TUNING.near * (radii[0] - a0), (radii[-1] - a0) / TUNING.near, DENSE)
     result = contact.solved(a0 + beyond, contact.plan(a0 + beyond, TUNING.accuracy))
     spline = CubicSpline(np.log(beyond), np.log(result.delta))
     return lambda a: np.exp(spline(np.log(a - a0)))

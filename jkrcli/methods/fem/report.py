@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 
 from ...base import StageClock
+from ...bodies.materials import INCOMPRESSIBLE
 from ...series import Series, Solution
 from .budget import Assessment
 from .loading import nodal_forces, pressures
 from .model import Model
 from .options import FEMOptions
 from .run import Run
-
-LOCKING = 0.45  # choice: Poisson's ratio from which a warning names the locking of first-order elements
 
 
 def finished(options: FEMOptions, run: Run, judged: Assessment, clock: StageClock) -> Solution:
@@ -118,10 +117,10 @@ def _warnings(options: FEMOptions, run: Run) -> Iterator[str]:
     """Sentences on what may spoil the result."""
     problem, events, increments = run.problem, run.level.touches, run.increments
     nu = max(material.surface.nu for material in problem.specimen.materials)
-    if options.order == 1 and nu > LOCKING:
+    if options.order == 1 and nu > INCOMPRESSIBLE:
         yield (
-            f"first-order elements lock near incompressibility: nu = {nu:g} > {LOCKING:g}, the load may be several per "
-            "cent too large; take mesh.order = 2"
+            f"first-order elements lock near incompressibility: nu = {nu:g} > {INCOMPRESSIBLE:g}, the load may be "
+            "several per cent too large; take mesh.order = 2"
         )
     if options.contact == "nested" and not events.valid:
         yield (

@@ -24,7 +24,6 @@ class CountTuning:
     points: int = 15_000  # of them together over all layers; choice: a thousand layers in a tenth of a second
     least_near: int = 40  # of them, however many layers; choice: the count is then good to a fifth
     least_across: int = 2  # points towards either side of a layer; choice: likewise
-    most_points: int = 1_000_000  # on a line; choice: far more than any mesh that is made has
 
 
 TUNING = CountTuning()
@@ -156,9 +155,9 @@ def graded_points(start: float, stop: float, size: Callable[[Array], Array]) -> 
     counts = np.where(flat, step / h[:-1], np.log(h[1:] / h[:-1]) / safe)
     total = np.concatenate([[0.0], np.cumsum(counts)])
     n = max(1, round(total[-1]))
-    if n > TUNING.most_points:
+    if n > AT_ONCE:
         raise Refusal(
-            f"mesh: {n:,} points between {start:g} and {stop:g} of the contact's size, at most {TUNING.most_points:,}: "
+            f"mesh: {n:,} points between {start:g} and {stop:g} of the contact's size, at most {AT_ONCE:,}: "
             "take a larger mesh.spacing or mesh.smallest, or a smaller mesh.width or specimen"
         )
     wanted = np.arange(1, n) * (total[-1] / n)

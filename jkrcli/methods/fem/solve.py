@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ...base import JkrError, Refusal, StageClock
+from ...base import MOST_SOLVES, JkrError, Refusal, StageClock
 from ...bodies import Problem
 from ..layered.layered import largest_radius
 from .contact import Events, Increment, SurfaceContact, nested_events, solve_depths, solve_loads
@@ -13,8 +13,6 @@ from .loading import depths_of, needed_radius, nested_columns
 from .model import Discretisation, Model, pressure_layers
 from .options import FEMOptions
 from .run import SPARE, MeshLevel, Run
-
-ATTEMPTS = 5  # choice: meshes for growing contact radii; the second holds but for bodies unlike wide ones
 
 
 def expected_reach(options: FEMOptions, problem: Problem) -> float:
@@ -61,7 +59,7 @@ def _solve_large_enough(
 ) -> tuple[Model, SurfaceContact, Events]:
     """Solve on meshes for growing contact radii until the loading's end lies within the candidates."""
     loading, mixed = problem.loading, mixed_layers(options, problem)
-    for _ in range(ATTEMPTS):
+    for _ in range(MOST_SOLVES):
         layout = layout_for(options, problem, reach)
         model = Discretisation(layout, options.order, mixed, reach, options.solver, problem.sticks).build(clock)
         with clock("contact"):

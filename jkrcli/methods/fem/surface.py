@@ -15,11 +15,10 @@ from scipy.linalg import cho_solve
 from scipy.sparse import csr_matrix
 
 from ...base import Array, SolveError, one_thread
+from ..guards import RESIDUAL_LIMIT
 from .elasticity import ElasticSystem
 from .factor import SparseFactor, nested_dissection, sparse_factor
 from .options import Solver
-
-RESIDUAL_LIMIT = 1e-8  # choice: a sound factor leaves 1e-16 to 1e-12, a wrong one 1
 
 
 @dataclass(frozen=True, eq=False)

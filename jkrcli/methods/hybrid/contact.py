@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base import Array, Refusal, SolveError, duration, show
+from ...base import MOST_SOLVES, NO_CLAIM, Array, Refusal, SolveError, duration, show
 from ...bodies import Graded, HalfSpace, Indenter, Specimen, contact_modulus
 from ..integral import (
     Attraction,
@@ -33,7 +33,6 @@ class HybridTuning:
     edge: float = 0.98  # largest contact radius over the radius of the body; choice: a side so near needs other means
     rough: float = 1e-3  # accuracy of the kernel with which radii are looked for; choice: what costs least
     # Shares of the tolerance:
-    quadrature: float = 1e-3  # of the contact equation; choice: cheap
     # Planned for the number of t; conditioning takes the rest:
     parameters: float = 1e-2  # tuned on reference bodies, by `make tuning`
     cut: float = 0.1  # of an unbounded body; choice: a tenth
@@ -70,8 +69,7 @@ class HybridTuning:
     highest: int = 16  # degree; choice: rounding sets the limit beyond
     # Of the tolerance, to which parameters and cut are brought:
     share: float = 0.25  # tuned on reference bodies, by `make tuning`
-    more: int = 2  # times that parameters are added; choice: each costs a solve
-    widened: int = 2  # times that the cut is moved outwards; choice: each costs a solve
+    again: int = 2  # times that parameters are added, and that the cut is moved out; choice: each costs a solve
     stalls: int = 1  # times that a step may bring next to nothing; choice: corners need one
     hopeless: float = 30.0  # times the tolerance, where none is forgiven; tuned on random bodies, by `make failures`
     # Forecasts of the degree, in steps from the lowest:
@@ -79,7 +77,6 @@ class HybridTuning:
     per_decade_wide: float = 0.6  # of contact radius over depth; tuned on bodies, by `make guards`: for forecasts
     # more for nearly incompressible layers with sides; tuned on bodies, by `make guards`: for forecasts
     at_sides: float = 1.0
-    finer: int = 6  # quadratures at most, each of a few more nodes; choice: two agree but close to a profile's end
     # Limits of one level:
     most_seconds: float = 60.0  # CPU time; choice: what a user waits for
     most_mib: float = 4096.0  # choice: what a laptop has
@@ -120,7 +117,7 @@ class KernelContact:
         of the columns (4, radii), relative: a profile that ends close by is no polynomial."""
         plan = self.plan(radii, tolerance)
         found, change = self.solved(radii, plan), np.inf * np.ones((4, radii.size))
-        for step in range(1, TUNING.finer + 1):
+        for step in range(1, MOST_SOLVES + 1):
             if change.max() <= tolerance:
                 break
             plan = plan.finer()
@@ -202,12 +199,12 @@ class Refinement:
         here = replace(self, stalled=stalled, least=min(self.least, total), at=self.degree)
         elements, parameters, cut = (float(e.max()) for e in (errors.elements, errors.parameters, errors.cut))
         goal = TUNING.share * tolerance
-        if math.inf > parameters > max(elements, cut, goal) and self.added < TUNING.more:
+        if math.inf > parameters > max(elements, cut, goal) and self.added < TUNING.again:
             missing = math.ceil(math.log(parameters / goal) / math.log(convergence(region)))
             return replace(here, more=self.more + max(missing, 1), added=self.added + 1)
         if math.inf > cut > max(elements, parameters, goal) and region.algebraic:
             wider = replace(here, sharper=self.sharper * cut / goal, widened=self.widened + 1)
-            return wider if wider.widened <= TUNING.widened else None
+            return wider if wider.widened <= TUNING.again else None
         return replace(here, degree=self.degree + STEP) if self.degree < TUNING.highest else None
 
 
@@ -343,7 +340,7 @@ class AdaptiveKernel:
         """Errors at some radii, from what lower levels, one polynomial less and the cut change."""
         a0, end = self.indenter.a0, levels.region.unit
         radii = a0 + (end - a0) * np.union1d(np.geomspace(TUNING.smallest, 1, TUNING.samples), TUNING.near)
-        precise = TUNING.quadrature * self.tolerance
+        precise = NO_CLAIM * self.tolerance
         best = contact.columns(radii, precise)
 
         def change(kernel: PolynomialKernel) -> Array:

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...base import Array
+from ...base import AT_ONCE, Array
 from ..integral import rule
 from .correction import Correction, correction, side_correction
 from .lines import TUNING as LINES
@@ -88,13 +88,10 @@ def convergence(region: Region) -> float:
     return growth**2
 
 
-COUNTED = 1e6  # choice: more polynomials than any limit allows, for refusals
-
-
 def count_for(region: Region, error: float) -> int:
     """How many even polynomials leave about ``error``."""
     falls = math.log(convergence(region))  # 0 to rounding where the contact is beyond all sizes of the body
-    return max(3, math.ceil(min(math.log(1 / error) / max(falls, 1 / COUNTED), COUNTED)) + 1)
+    return max(3, math.ceil(min(math.log(1 / error) / max(falls, 1 / AT_ONCE), AT_ONCE)) + 1)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from ...base import JkrError, Refusal, StageClock, show
+from ...base import MOST_SOLVES, NO_CLAIM, JkrError, Refusal, StageClock, show
 from ...bodies import Graded, HalfSpace, Problem, TransverselyIsotropic
 from ...series import ErrorBudget, Solution
 from ..integral import (
@@ -28,14 +28,11 @@ from .contact import AdaptiveKernel, fem_for
 from .kernel import STEP, KernelLevels
 from .options import HybridOptions
 
-SEARCH = 1e-3  # of the tolerance: accuracy to which a depth or load is met; choice: far below what is stated
-
 
 @dataclass(frozen=True)
 class ReachTuning:
     """How the largest radius is found, for which the kernel must be known before it is."""
 
-    attempts: int = 8  # kernels; choice: each costs as much as a solve
     # Reach of the first one over the radius expected on the unbounded body:
     room: float = 1.2  # tuned on shipped cases, by `make bench`
     # of the last one over the largest radius found; tuned on bodies, by `make constants`: covers the accuracy of the
@@ -101,19 +98,19 @@ class Hybrid(HybridOptions):
         body = self._body(problem)
         with clock("largest radius"):
             reach = self._reach(problem, body)
-        for _ in range(TUNING.attempts):
+        for _ in range(MOST_SOLVES):
             with clock("kernel"):
                 contact, errors, levels, degree = body.accurate(reach)
             with clock("radii"):
-                radii = radii_for_contact(contact, problem.loading, max(SEARCH * self.tolerance, 1e-12))
+                radii = radii_for_contact(contact, problem.loading, max(NO_CLAIM * self.tolerance, 1e-12))
             if radii[-1] <= contact.limit * (1 + 1e-9):
                 break
             reach = self._further(problem, body, reach, float(radii[-1]))  # the first kernels had been too rough
         else:
             raise Refusal(_not_found(problem, reach))
         with clock("solve"):
-            result, unsettled = contact.settled(radii, SEARCH * self.tolerance)
-            S0 = first_stiffness(contact, SEARCH * self.tolerance)
+            result, unsettled = contact.settled(radii, NO_CLAIM * self.tolerance)
+            S0 = first_stiffness(contact, NO_CLAIM * self.tolerance)
         with clock("full disc"):
             refuse_shrinking(radii, result.delta)
             warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), lambda _: contact.kernel)
@@ -137,7 +134,7 @@ class Hybrid(HybridOptions):
         if loading.to == "radius":
             return expected
         reach = min(TUNING.room * expected, _end(problem, body))
-        for _ in range(TUNING.attempts):
+        for _ in range(MOST_SOLVES):
             largest = largest_for_contact(body.rough(reach), loading, REFINING.rough)
             if largest <= reach and (TUNING.spare * largest <= reach or reach == _end(problem, body)):
                 return min(TUNING.spare * largest, _end(problem, body))
@@ -166,7 +163,7 @@ def _expected_radius(problem: Problem, body: AdaptiveKernel) -> float:
 
 def _not_found(problem: Problem, reach: float) -> str:
     return (
-        f"hybrid: no largest contact radius was found within {TUNING.attempts} kernels, the last up to "
+        f"hybrid: no largest contact radius was found within {MOST_SOLVES} kernels, the last up to "
         f"{show(reach, 'length')}: prescribe loading.radius, or use method {fem_for(problem.indenter)}"
     )
 

@@ -15,13 +15,13 @@ from scipy.sparse import bmat, coo_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
 from ...base import Array, SolveError
+from ..guards import RESIDUAL_LIMIT
 from .lines import LineElements
 from .region import Moduli, Region
 
 # Of the column's largest entry, what a diagonal entry must be: with pressures some are zero.
 PIVOT = 1e-3  # tuned on nearly incompressible bodies, by `make tuning`
 # Relative; great contrasts and distances leave 1e-7, and K errs by its square only.
-RESIDUAL_LIMIT = 1e-6  # choice: a guard
 
 
 @dataclass(frozen=True, eq=False)

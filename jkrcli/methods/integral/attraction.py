@@ -24,7 +24,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base import MOST_STEPS, Array, Refusal, SolveError, show
+from ...base import MOST_STEPS, SAME, Array, Refusal, SolveError, show
 from ...bodies import Indenter
 from .legendre import AbelMoments, LegendrePanels, angle, tension_moments
 from .quadrature import Panels, Quadrature, gauss, rule
@@ -42,19 +42,13 @@ class AttractionTuning:
     most_order: int = 16
     most_nodes: int = 800  # choice: some seconds, half a gigabyte
     unsmooth_order: int = 8  # on a panel under a kernel with a logarithm; choice: more gain little
-    fractions: tuple[float, ...] = (
-        0.1,
-        0.25,
-        0.5,
-        0.75,
-    )  # of the annulus and beyond, to look at; choice: for a warning
+    # Of the annulus and beyond, to look at; choice: for a warning
+    fractions: tuple[float, ...] = (0.1, 0.25, 0.5, 0.75)
     narrowest: float = 1e-13  # theory: of c, the width of an annulus of which c - a still knows two digits
-    slack: float = 1e-6  # of the range, that is not told from rounding there; choice: for a warning
     # Search for the width of the annulus, in logarithms:
     close: float = 1e-13  # theory: relative, of the width; rounding of the separation
     power: float = 1.3  # theory: of the width, with which the separation grows: 1 to 2; of the first step
-    flattest: float = 0.3  # choice: least power that is believed
-    steepest: float = 30.0  # choice: largest power that is believed
+    powers: tuple[float, float] = (0.3, 30.0)  # choice: those that are believed
     far: float = 1.5  # choice: longest step
     least: float = 1e-3  # choice: smallest separation over the one looked for that is told apart
 
@@ -174,7 +168,7 @@ class Discs:
         inside = self.a[:, None] + (rims.c - self.a)[:, None] * np.array([*TUNING.fractions, 1 - 1e-9])
         outside = rims.c[:, None] + (reach - rims.c)[:, None] * np.array([*TUNING.fractions, 1.0])
         within = self.separations(rims, s, inside)
-        overlap, slack = within[:, 0] < -TUNING.slack * gap, TUNING.slack * gap
+        overlap, slack = within[:, 0] < -SAME * gap, SAME * gap
         if (overlap | (np.diff(within, axis=1) < -slack).any(axis=1)).any():
             return "the gap around the contact does not grow with the radius where the surfaces attract each other"
         if (self.separations(rims, s, outside) < gap - slack).any():
@@ -221,7 +215,7 @@ def _rising_root(excess: Callable[[Array], Array], first: Array, widest: Array) 
         there = excess(aimed)
         with np.errstate(invalid="ignore", divide="ignore"):
             secant = (there - here) / np.log(aimed / b)
-        usable = (secant > TUNING.flattest) & (secant < TUNING.steepest)
+        usable = (secant > TUNING.powers[0]) & (secant < TUNING.powers[1])
         power, b, here = np.where(usable, secant, power), aimed, there
     return b
 

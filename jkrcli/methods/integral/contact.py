@@ -11,12 +11,12 @@ import numpy as np
 from ...base import Array, Refusal
 from ...bodies import Indenter, Loading, Quantity
 from ...series import Series
-from ..radii import Response, Responses, half_space_guess, largest_of_loading, radii_of_loading
+from ..radii import ROUGH, Response, Responses, half_space_guess, largest_of_loading, radii_of_loading
 from .quadrature import Panels
 
 COLUMNS = ("delta", "P", "S", "dS")
 LOOSEST = 1e-2  # tolerance of a method; choice: no worse result is worth a method without a mesh
-ROUGH = 1e-5  # accuracy of the first part of every search; choice: what costs least
+CHECKED = 1e-6  # choice: accuracy of solutions with which others are checked
 FLOPS_PER_SECOND = 1e10  # of the dense algebra; tuned on series of 100 to 2000 points, by `make bench`
 
 

@@ -21,8 +21,7 @@ class CoulombTuning:
 
     first: float = 4.0  # rho up to which the series at the origin is summed; theory: its terms stay below exp(4)
     first_terms: int = 40  # theory: 4^40/40! is below rounding
-    step: float = 1.0  # between centres beyond; choice: a table of some hundred rows
-    terms: int = 18  # of each; theory: 1/18! is below rounding
+    terms: int = 18  # of each centre beyond, 1 from the next; theory: 1/18! is below rounding
 
 
 TUNING = CoulombTuning()
@@ -44,7 +43,7 @@ def coulomb_waves(eta: float, rho: Array) -> tuple[Array, Array]:
     slope[near] = polynomial.polyval(rho[near], polynomial.polyder(series))
     if not near.all():
         centres, table = _table(eta, float(rho.max()), series)
-        row = np.rint((rho[~near] - centres[0]) / TUNING.step).astype(int)
+        row = np.rint(rho[~near] - centres[0]).astype(int)
         ahead = rho[~near] - centres[row]
         F[~near], slope[~near] = (_horner(terms, row, ahead) for terms in (table, polynomial.polyder(table)))
     return F, slope
@@ -69,12 +68,11 @@ def coulomb_series(eta: float) -> Array:
 
 def _table(eta: float, largest: float, series: Array) -> tuple[Array, Array]:
     """Centres rho_i and the Taylor coefficients (terms, i) of F about each."""
-    centres = TUNING.first + TUNING.step * np.arange(math.ceil((largest - TUNING.first) / TUNING.step) + 1)
+    centres = TUNING.first + np.arange(math.ceil(largest - TUNING.first) + 1)
     start = [float(polynomial.polyval(centres[0], s)) for s in (series, polynomial.polyder(series))]
     rows = [_taylor(eta, float(centres[0]), *start)]
-    powers = TUNING.step ** np.arange(TUNING.terms + 1)
     for centre in centres[1:]:
-        F, slope = rows[-1] @ powers, (rows[-1][1:] * np.arange(1, powers.size)) @ powers[:-1]
+        F, slope = rows[-1].sum(), rows[-1] @ np.arange(rows[-1].size)
         rows.append(_taylor(eta, float(centre), float(F), float(slope)))
     return centres, np.array(rows).T
 

@@ -15,9 +15,10 @@ import numpy as np
 
 from ...base import Array, JkrError, Refusal, show
 from ...bodies import Specimen
-from .contact import Contact
+from .contact import CHECKED, Contact
 from .density import Density, unsmooth
 from .kernel import FredholmKernel
+from .quadrature import EXACT
 
 
 @dataclass(frozen=True)
@@ -25,15 +26,14 @@ class DiscTuning:
     """Where a contact is looked at, and what counts as more than the rounding of the quadrature."""
 
     fractions: tuple[float, ...] = (0.1, 0.25, 0.5, 1.0)  # of the largest contact radius; choice: for a warning
-    inside: tuple[float, ...] = (0.03, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 0.95)  # of each radius; choice: for a warning
-    outside: tuple[float, ...] = (1.02, 1.1, 1.3, 2.0)  # choice: for a warning
+    # Over each radius, to look at; choice: for a warning
+    places: tuple[float, ...] = (0.03, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 0.95, 1.02, 1.1, 1.3, 2.0)
     pull: float = 1e-3  # least tension over the mean pressure; tuned on stiff coatings, by `make failures`
     overlap: float = 1e-5  # least overlap over the displacement; tuned on stiff coatings, by `make failures`
-    tolerance: float = 1e-6  # of the quadrature; choice: far below ``pull`` and ``overlap``
-    order: int = 9  # nodes on each piece of phi; choice: exact to ``tolerance``
 
 
 TUNING = DiscTuning()
+PLACES = np.array(TUNING.places)
 
 
 def refuse_shrinking(a: Array, delta: Array) -> None:
@@ -60,12 +60,12 @@ def disc_warnings(
     try:
         if reason := unsmooth(specimen):
             raise Refusal(reason)
-        result = contact.solved(radii, contact.plan(radii, TUNING.tolerance))
+        result = contact.solved(radii, contact.plan(radii, CHECKED))
     except JkrError as error:
         return (f"it was not checked whether the contact is a full disc ({error})",)
-    end = min(TUNING.outside[-1] * largest, contact.indenter.r_max, contact.limit)
+    end = min(TUNING.places[-1] * largest, contact.indenter.r_max, contact.limit)
     known, each = kernel(largest + end), range(radii.size)
-    for n, phi in enumerate(Density.each(known, contact.indenter, result, each, 0.0, end, TUNING.order)):
+    for n, phi in enumerate(Density.each(known, contact.indenter, result, each, 0.0, end, EXACT)):
         if words := _broken(phi.anchored(), contact.E_star / 2, float(result.P[n]), end):
             return (
                 f"at the contact radius {show(phi.a, 'length')} {words}: the contact without adhesion is not a full "
@@ -83,10 +83,10 @@ def _bends(specimen: Specimen) -> bool:
 
 def _broken(phi: Density, factor: float, P: float, end: float) -> str | None:
     """Where the pressure, ``factor`` [Pa] times that of ``phi``, or the gap up to ``end`` [m] is negative."""
-    pull = factor * float(phi.pressures(0.0, phi.a * np.array(TUNING.inside)).min()) / (P / (math.pi * phi.a**2))
+    inside, outside = phi.a * PLACES[PLACES < 1], phi.a * PLACES[PLACES > 1]
+    pull = factor * float(phi.pressures(0.0, inside).min()) / (P / (math.pi * phi.a**2))
     if pull < -TUNING.pull:
         return f"the middle pulls with {-pull:.2g} of the mean pressure"
-    outside = phi.a * np.array(TUNING.outside)
     overlap = -float(phi.gaps(outside[outside <= end]).min(initial=0.0)) / phi.delta
     if overlap > TUNING.overlap:
         return f"the surfaces overlap by {overlap:.2g} of the displacement beyond the edge"

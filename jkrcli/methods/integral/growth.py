@@ -27,7 +27,8 @@ from numpy.polynomial import legendre
 
 from ...base import Array
 from ...bodies import Indenter
-from .quadrature import crowded_rule, gauss, rule, split
+from .density import TUNING as DENSITY
+from .quadrature import EXACT, crowded_rule, gauss, rule, split
 from .stuck import StuckDisc
 
 
@@ -36,8 +37,6 @@ class GrowthTuning:
     """Integrals of the ring fields Z."""
 
     last: float = 19.0  # largest tau; theory: 1 - tanh^2 is then below rounding
-    panel: float = 1.5  # in tau; choice: as fine as the integrals of ``density``
-    nodes: int = 12  # on each; choice: exact to rounding there
     first: tuple[float, ...] = (0.25, 0.5)  # cuts of the first piece; choice: a fourth of a coating's thickness
 
 
@@ -160,8 +159,8 @@ class Growth:
         eta, edges = self.disc.eta, self.pieces.edges
         inside = np.append(edges[edges < x * (1 - 1e-12)], [])
         ends = np.append(np.arctanh(inside / x), TUNING.last)
-        lo, hi = split(ends[:-1], ends[1:], np.maximum(np.ceil(np.diff(ends) / TUNING.panel), 1).astype(int))
-        tau, w = gauss(lo, hi, *rule(TUNING.nodes))
+        lo, hi = split(ends[:-1], ends[1:], np.maximum(np.ceil(np.diff(ends) / DENSITY.widest), 1).astype(int))
+        tau, w = gauss(lo, hi, *rule(EXACT))
         s = x * np.tanh(tau)
         values = self.pieces.at(s) * self.indenter.abel(s)[:, None]
         here = self.pieces.at(np.array([x]))[0] * self.indenter.abel(np.array([x]))

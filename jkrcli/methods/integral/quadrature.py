@@ -11,6 +11,8 @@ import numpy as np
 
 from ...base import Array
 
+EXACT = 12  # nodes on a panel over which a function is a power or an exponential; choice: exact to rounding
+
 
 @dataclass(frozen=True)
 class QuadratureTuning:

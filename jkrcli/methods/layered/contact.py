@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ...base import Array, Refusal, SolveError
+from ...base import NO_CLAIM, Array, Refusal, SolveError
 from ...bodies import Elastic, Indenter, Specimen, contact_modulus
 from ..integral import (
     ContactResult,
@@ -41,7 +41,6 @@ class LayeredTuning:
     checks: int = 12  # radii of the second quadrature, spread over all; tuned on random bodies, by `make failures`
     gaps: int = 6  # more of them, after the widest gaps; tuned on random bodies, by `make failures`
     safety: float = 4.0  # on the difference of the two quadratures; tuned on random bodies, by `make failures`
-    no_claim: float = 1e-3  # of the tolerance; choice: smaller errors are not told apart
     most_nodes: int = 4000  # choice: a matrix of 128 MB
     most_flops: float = 4e11  # choice: minutes
     crowd: int = 8  # nodes per radius, below which a refusal names the points as the cause; choice: for the message
@@ -105,7 +104,7 @@ class ResolvedTwice(IndenterOnLayers):
                 if math.isinf(best) and step == TUNING.refinements:
                     raise
             else:
-                errors = _errors(main, other, some) + tolerance * TUNING.no_claim
+                errors = _errors(main, other, some) + tolerance * NO_CLAIM
                 best = min(best, float(errors.max()))
                 if best <= tolerance:
                     return main, errors
@@ -209,7 +208,7 @@ class LayeredContact(IndenterOnLayers):
                     raise
                 break  # refined beyond the limits of the cost
             if main is not None and other is not None:
-                errors = _errors(main, other, some) + tolerance * TUNING.no_claim
+                errors = _errors(main, other, some) + tolerance * NO_CLAIM
                 best = min(best, float(errors.max()))
                 if best <= tolerance:
                     return main, errors

@@ -11,6 +11,7 @@ import numpy as np
 from ...base import Array, Refusal, StageClock
 from ...bodies import Loading, Problem, Specimen
 from ...series import ErrorBudget, Solution
+from ..guards import QUICK
 from ..integral import (
     FLOPS_PER_SECOND,
     ContactResult,
@@ -30,7 +31,6 @@ from .tense import TUNING as TENSE
 from .tense import TenseContact
 
 SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met; choice: finer than any tolerance in use
-SEARCHED = 20.0  # radius over the kernel's scale up to which forecasts search; choice: a tenth of a second
 SEARCHES = 4  # solves in which all radii of prescribed depths or loads are found; choice: for forecasts
 GRADED = 1e-5  # the least tolerance under a modulus that varies over depth; tuned on graded layers, by `make failures`
 SolvedContact = LayeredContact | StuckLayeredContact | TenseContact
@@ -131,7 +131,7 @@ def _largest(problem: Problem) -> float:
 
 def expected_radius(contact: SolvedContact, loading: Loading, accuracy: float) -> float:
     """The contact radius [m] at which ``loading`` ends, extrapolated where it is many times the layers' length."""
-    return largest_for_contact(replace(contact, limit=SEARCHED * contact.scale), loading, accuracy)
+    return largest_for_contact(replace(contact, limit=QUICK * contact.scale), loading, accuracy)
 
 
 def unbounded(problem: Problem) -> Problem:

@@ -16,6 +16,7 @@ from ...base import Array, Refusal
 from ...bodies import Graded, Indenter, Material, Specimen, TransverselyIsotropic
 from ..integral import ContactResult, Panels, Quadrature, StuckDisc, StuckKernel, gauss, phase_allowed, rule, split
 from ..integral.growth import Growth, Pieces
+from ..integral.quadrature import EXACT
 from .contact import TUNING as REFINING
 from .contact import ResolvedTwice
 from .minors import Medium, minors_of, shear_moduli
@@ -37,7 +38,6 @@ class StuckTuning:
     # tuned on bodies, by `make constants`: with half as many they err by ten times the accuracy 1e-6
     per_decade: float = 1.0
     most_points: int = 16  # tuned on bodies, by `make constants`: beyond, narrower pieces are as cheap
-    inner: int = 12  # nodes of integrals over dF; choice: exact for powers
     narrower: float = 0.9  # pieces of the second discretisation; choice: other nodes
 
 
@@ -52,7 +52,7 @@ class StuckPlan:
     quadrature: Quadrature
     widest: float
     points: int
-    inner: int = TUNING.inner
+    inner: int = EXACT
     order: int = 24
 
     @property

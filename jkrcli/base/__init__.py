@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from .installing import installs
     from .iteration import (
         AT_ONCE,
+        DRAWN,
         LOOKED_AT,
         MOST_CELLS,
         MOST_SOLVES,
@@ -87,7 +88,7 @@ __getattr__ = lazily(
         ".files": "atomic beside check_series_target check_target make_folder opened read_bytes real remove"
         " together write_bytes write_text",
         ".installing": "installs",
-        ".iteration": "AT_ONCE LOOKED_AT MOST_CELLS MOST_SOLVES MOST_STEPS NO_CLAIM NOTICEABLE REMEMBERED ROUNDED"
+        ".iteration": "AT_ONCE DRAWN LOOKED_AT MOST_CELLS MOST_SOLVES MOST_STEPS NO_CLAIM NOTICEABLE REMEMBERED ROUNDED"
         " ROWS SAME SHOWN TINY UNSEEN",
         ".memory": "SHARE free_memory",
         ".quadrature": "composite_gauss",

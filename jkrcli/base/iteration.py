@@ -12,6 +12,7 @@ MOST_SOLVES = 8  # choice: guard of loops whose every step is a solve; two or th
 MOST_CELLS = 100_000_000  # choice: numbers of a table that is read or written, 800 MB
 AT_ONCE = 1_000_000  # choice: numbers of one array on the way to a result; 8 MB, and some such arrays
 LOOKED_AT = 400  # choice: points of a curve as it is drawn, or among which a zero or the largest value is looked for
+DRAWN = 4000  # choice: points of curves that a picture tells apart
 ROWS = 200  # choice: rows of a curve where nothing else is asked for
 REMEMBERED = 64  # choice: results of one kind that are kept; more only saves time
 SHOWN = 20  # choice: names or rows in a message

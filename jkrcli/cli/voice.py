@@ -29,8 +29,6 @@ class VoiceTuning:
     behind: int = 10  # choice: lines behind the verdict, the last one among them; the rest is printed with -v
     width: int = 120  # choice: characters of a line where no terminal says how many
     help: int = 80  # choice: lines, of 80 columns, of a verb's help: two screens
-    narrowest: int = 40  # choice: characters of a line on any terminal
-    further: int = 4  # choice: how far what is folded is set in
     anew: float = 2.0  # choice: factor of what was announced from which on more is announced anew
 
 
@@ -66,10 +64,10 @@ def _level() -> int:
 
 def folded(line: str) -> str:
     """A line as several of the terminal's width, broken between words; all but the first are set in."""
-    width = max(shutil.get_terminal_size((TUNING.width, 0)).columns, TUNING.narrowest)
+    width = max(shutil.get_terminal_size((TUNING.width, 0)).columns, 40)
     if len(line) <= width:
         return line
-    indent = " " * (len(line) - len(line.lstrip()) + TUNING.further)
+    indent = " " * (len(line) - len(line.lstrip()) + 4)
     return textwrap.fill(line, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
 
 

@@ -14,9 +14,7 @@ class ShownTuning:
     """How much is printed of it."""
 
     worst: int = 3  # choice: things in the one line
-    none: float = 5e-5  # choice: of changes, printed as 0; solutions are rough
     digits: tuple[float, ...] = (0.1, 0.01)  # choice: changes below which one more digit follows the point
-    names: int = 37  # choice: characters of the first column
 
 
 TUNING = ShownTuning()
@@ -34,18 +32,18 @@ def worst(rows: Sequence[LeftOut]) -> Iterator[str]:
 def table(rows: Sequence[LeftOut]) -> Iterator[str]:
     """Every thing with its changes, and its key or why nothing is known of it."""
     if rows:
-        yield f"  {'what each thing left out would change':<{TUNING.names}}     load        S  pull-off  included by"
+        yield f"  {'what each thing left out would change':<37}     load        S  pull-off  included by"
     for one in rows:
         cells = "".join(f"{percent(change):>9}" for change in one.changes.values())
         why = "" if one.largest else f"({one.load})"
-        yield f"    {one.name:<{TUNING.names - 2}}{cells}   {why or one.key}".rstrip()
+        yield f"    {one.name:<35}{cells}   {why or one.key}".rstrip()
 
 
 def percent(change: Estimate) -> str:
     """``+63%``, ``-4.4%``, ``+0.02%``; a dash where it is not known."""
     if isinstance(change, Unknown):
         return "-"
-    if abs(change) < TUNING.none:
+    if not round(change, 4):
         return "0"
     digits = sum(abs(change) < limit for limit in TUNING.digits)
     return f"{change:+.{digits}%}"

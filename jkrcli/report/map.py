@@ -17,7 +17,6 @@ IMAGES = {  # name: dimension
     "adhesion_force": "load",
     "quality": "number",
 }
-LEAST = 2  # choice: curves of a map that is worth a picture
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +32,7 @@ class Map:
 def map_of(found: Sequence[Fit | Failure]) -> Map | None:
     """The map that the curves make; None where they were not taken on a grid, or several share a pixel."""
     pixels = [item.pixel for item in found if item.pixel is not None]
-    if len(pixels) < LEAST or len(pixels) != len(found) or len({(at.column, at.row) for at in pixels}) != len(found):
+    if len(pixels) < 2 or len(pixels) != len(found) or len({(at.column, at.row) for at in pixels}) != len(found):
         return None
     columns, column = np.unique([at.column for at in pixels], return_inverse=True)
     rows, row = np.unique([at.row for at in pixels], return_inverse=True)

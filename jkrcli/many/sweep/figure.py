@@ -24,7 +24,6 @@ class SweepPicture:
     """What of a sweep is drawn, and how."""
 
     widely: float = 5.0  # choice: ratio of the ends of an axis from which on it is logarithmic
-    margin: float = 0.05  # choice: of an axis, beyond its ends
     shown: int = 2  # choice: results that are drawn, a panel for each
 
 
@@ -73,18 +72,8 @@ def _panel(held: Mapping[str, Array], x: str, beside: list[str], y: str, style: 
         rows = rows[np.argsort(along[rows], kind="stable")]
         lines.append(Line(along[rows], up[rows], _value(beside[0], at) if beside else "", mark + style, color))
     wide = along.min() > 0 and along.max() > TUNING.widely * along.min()
-    shown = np.concatenate([line.y for line in lines])
-    limits = None if wide else _ends(along)
     title = f"{match[1]} control" if (match := PULL_OFF.match(y)) else ""
-    return Panel(x_label, y_label, lines, title, logs="x" if wide else "", xlim=limits, ylim=_ends(shown))
-
-
-def _ends(values: Array) -> tuple[float, float]:
-    """Limits of an axis around finite values."""
-    low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    return low - TUNING.margin * (high - low or abs(high) or 1.0), high + TUNING.margin * (
-        high - low or abs(high) or 1.0
-    )
+    return Panel(x_label, y_label, lines, title, logs="x" if wide else "")
 
 
 def _scaled(held: Mapping[str, Array], column: str) -> tuple[Array, str]:

@@ -16,11 +16,9 @@ import numpy as np
 
 from ... import __version__
 from ...adhesion import LIMITS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, regime
-from ...base import SI, UNITS, Array, Unknown, decades, scale
+from ...base import DRAWN, SI, UNITS, Array, Unknown, decades, scale
 from ...beside import Analysis
 from ...data import Curve
-
-MOST_POINTS = 4000  # shown of all measured curves together; choice: more cannot be told apart on a screen
 
 
 @dataclass(frozen=True)
@@ -163,7 +161,7 @@ def _unit(value: float, dimension: str) -> tuple[str, int]:
 def _thinned(measured: Sequence[Curve]) -> tuple[list[dict[str, Any]], int]:
     """The measured curves with every so many rows left out, and how many rows there were."""
     total = sum(map(len, measured))
-    every = max(1, math.ceil(total / MOST_POINTS))
+    every = max(1, math.ceil(total / DRAWN))
     shown = []
     for curve in measured:
         rows = curve.rows(np.arange(0, len(curve), every))

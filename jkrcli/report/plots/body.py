@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import matplotlib as mpl
@@ -23,21 +22,9 @@ if TYPE_CHECKING:
     from ...methods.fem.state import ContactState
 
 
-@dataclass(frozen=True)
-class Zone:
-    """How the contact zone is shown; lengths in contact radii."""
-
-    aside: float = 2.0  # choice: the window to both sides of the axis
-    deep: float = 1.6  # choice: the window below the surface
-    high: float = 0.75  # choice: the window above the surface
-    below: float = 0.15  # choice: what is shown below a body that ends in the window
-    drawn: float = 0.3  # choice: the largest displacement as it is drawn
-    scale: float = 1.4  # choice: one contact radius as it is drawn [inch]
-    levels: int = 16  # choice: colours
-    covered: float = 0.98  # choice: share of each layer's area in the window whose stresses the colours tell apart
-
-
-ZONE = Zone()
+# Of the contact zone as it is drawn, in contact radii; of each layer's area there, whose stresses colours tell apart:
+ASIDE, DEEP, HIGH = 2.0, 1.6, 0.75  # choice: the window to both sides of the axis, below the surface and above it
+COVERED = 0.98  # choice: all but what is singular at the edge
 SYMBOLS = {
     "rr": r"$\sigma_{rr}$", "tt": r"$\sigma_{\theta\theta}$", "zz": r"$\sigma_{zz}$", "rz": r"$\sigma_{rz}$",
     "mises": "von Mises stress",
@@ -46,15 +33,15 @@ SYMBOLS = {
 
 def contact_zone_figure(state: ContactState, indenter: Indenter, w: float, component: str) -> Figure:
     """A stress (``component``: rr, tt, zz, rz, mises) on the deformed body, the mirror image left of the axis."""
-    depth = min(ZONE.deep * state.a, state.grid.depth + ZONE.below * state.a)
-    with drawing(WIDE, 0.8 + ZONE.scale * (depth / state.a + ZONE.high), {"axes.grid": False}) as figure:
+    depth = min(DEEP * state.a, state.grid.depth + 0.15 * state.a)
+    with drawing(WIDE, 0.8 + 1.4 * (depth / state.a + HIGH), {"axes.grid": False}) as figure:
         axes = figure.subplots()
         length, unit = scale(state.a, "length")
         factor = magnification(state)
         _stress(figure, axes, state, component, factor, length)
         _outlines(axes, state, indenter, factor, length)
-        axes.set_xlim(-ZONE.aside * state.a / length, ZONE.aside * state.a / length)
-        axes.set_ylim(-depth / length, ZONE.high * state.a / length)
+        axes.set_xlim(-ASIDE * state.a / length, ASIDE * state.a / length)
+        axes.set_ylim(-depth / length, HIGH * state.a / length)
         axes.set_aspect("equal")
         axes.set_xlabel(f"$r$ ({pretty(unit)})")
         axes.set_ylabel(f"$z$ ({pretty(unit)})")
@@ -66,17 +53,17 @@ def contact_zone_figure(state: ContactState, indenter: Indenter, w: float, compo
 
 
 def magnification(state: ContactState) -> float:
-    """1, 2 or 5 times a power of ten, at least 1: displacements in the window are then at most ``ZONE.drawn`` radii."""
+    """1, 2 or 5 times a power of ten, at least 1: displacements in the window are then at most 0.3 radii."""
     seen = np.abs(state.displacement[_within(state.grid.points, state.a)]).max()
     if seen == 0:
         return 1.0
-    wanted = ZONE.drawn * state.a / float(seen)
+    wanted = 0.3 * state.a / float(seen)
     decade = 10.0 ** math.floor(math.log10(wanted))
     return max(1.0, max(step for step in (1, 2, 5) if step * decade <= wanted * (1 + 1e-9)) * decade)
 
 
 def _within(points: Array, a: float) -> Array:
-    return (points[:, 0] <= 1.1 * ZONE.aside * a) & (points[:, 1] >= -1.2 * ZONE.deep * a)
+    return (points[:, 0] <= 1.1 * ASIDE * a) & (points[:, 1] >= -1.2 * DEEP * a)
 
 
 def _stress(figure: Figure, axes: Axes, state: ContactState, component: str, factor: float, length: float) -> None:
@@ -84,7 +71,7 @@ def _stress(figure: Figure, axes: Axes, state: ContactState, component: str, fac
     values = component_of(state, component)
     low, high = _limits(state, values)
     stress, unit = scale(max(abs(low), abs(high)) or 1.0, "modulus")
-    levels = np.asarray(MaxNLocator(ZONE.levels, symmetric=low < 0 < high).tick_values(low / stress, high / stress))
+    levels = np.asarray(MaxNLocator(16, symmetric=low < 0 < high).tick_values(low / stress, high / stress))
     colors = mpl.colormaps["RdBu_r" if low < 0 < high else "Blues_r" if high <= 0 else "Reds"]
     extend: Literal["both", "max"] = "max" if component == "mises" else "both"
     norm = BoundaryNorm(levels, colors.N, extend=extend)
@@ -108,7 +95,7 @@ def component_of(state: ContactState, component: str) -> Array:
 
 
 def _limits(state: ContactState, values: Array) -> tuple[float, float]:
-    """Stresses that bound ``ZONE.covered`` of each layer in the window, so that a thin one is seen beside the others;
+    """Stresses that bound ``COVERED`` of each layer in the window, so that a thin one is seen beside the others;
     those at the edge of an adhesive contact are infinite."""
     grid = state.grid
     corners = grid.points[grid.cells]
@@ -119,13 +106,13 @@ def _limits(state: ContactState, values: Array) -> tuple[float, float]:
 
 
 def _bounds(corners: Array, values: Array, inside: Array) -> tuple[float, float]:
-    """The stresses that bound ``ZONE.covered`` of the area of the cells ``inside``."""
+    """The stresses that bound ``COVERED`` of the area of the cells ``inside``."""
     first, second = corners[inside, 1] - corners[inside, 0], corners[inside, 2] - corners[inside, 0]
     area = np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
     middle = values[inside].mean(axis=1)
     order = np.argsort(middle)
     share = np.cumsum(area[order]) / area.sum()
-    low, high = np.interp([(1 - ZONE.covered) / 2, (1 + ZONE.covered) / 2], share, middle[order])
+    low, high = np.interp([(1 - COVERED) / 2, (1 + COVERED) / 2], share, middle[order])
     return float(low), float(high)
 
 
@@ -133,7 +120,7 @@ def _outlines(axes: Axes, state: ContactState, indenter: Indenter, factor: float
     """Indenter, deformed lines of the body, undeformed surface, and the base where the specimen ends there."""
     depths = np.unique(np.round(-state.grid.points[_interface_vertices(state), 1], 15))
     surface = _moved_line(state, 0.0, factor)
-    r = np.linspace(0, min(1.2 * ZONE.aside * state.a, indenter.r_max * (1 - 1e-9)), 400)
+    r = np.linspace(0, min(1.2 * ASIDE * state.a, indenter.r_max * (1 - 1e-9)), 400)
     # drawn displacements are larger than they are: the indenter is drawn where they take the points it touches
     across = r + factor * np.interp(np.minimum(r, state.a), *_radial(state))
     height = factor * (indenter.f(r) - state.delta)
@@ -144,13 +131,13 @@ def _outlines(axes: Axes, state: ContactState, indenter: Indenter, factor: float
         beyond = edge_off * 2 / np.pi * np.arcsin(state.a / np.maximum(r, state.a))
         height = np.where(r <= state.a, follows, height + beyond)
     across, height = np.concatenate([-across[::-1], across]) / length, np.concatenate([height[::-1], height]) / length
-    top = np.maximum(ZONE.high * state.a / length + 1, height)
+    top = np.maximum(HIGH * state.a / length + 1, height)
     axes.fill_between(across, height, top, color="0.88", lw=0, zorder=3)
     axes.plot(across, height, color="0.35", lw=1.0, zorder=3)
     for line in (surface, *(_moved_line(state, depth, factor) for depth in depths)):
         for side in (1, -1):
             axes.plot(side * line[:, 0] / length, line[:, 1] / length, color=BLACK, lw=1.0, zorder=4)
-    edge = ZONE.aside * state.a / length
+    edge = ASIDE * state.a / length
     axes.plot([-edge, edge], [0, 0], color="0.4", lw=0.8, ls="--", zorder=5)
     if "base" in state.lines:
         base = -state.grid.depth / length

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
@@ -33,15 +31,7 @@ AXES = {"delta,P": ("delta", "P"), "a,P": ("P", "a"), "a,delta": ("delta", "a"),
 MARKS = {"a": (GREEN, "s"), "delta": (BLUE, "^"), "P": (ORANGE, "o")}
 
 
-@dataclass(frozen=True)
-class FitPicture:
-    """What is drawn where in the figure of a fit."""
-
-    beyond: float = 1.02  # choice: radius up to which the fitted line is drawn, in largest contact radii of rows
-    beside: float = 0.6  # choice: width of the rows out of contact, beside the others, in largest contact radii
-
-
-TUNING = FitPicture()
+BESIDE = 0.6  # choice: width of the rows out of contact, beside the others, in largest contact radii
 
 
 def fit_figure(found: Fit) -> Figure:
@@ -78,7 +68,7 @@ def _curve(axes: Axes, found: Fit) -> None:
 
 def near_rows(found: Fit) -> Array:
     """Where the fitted line runs along the rows, not far beyond them."""
-    return np.asarray(found.line["a"] <= TUNING.beyond * found.a.max())
+    return np.asarray(found.line["a"] <= 1.02 * found.a.max())
 
 
 def _broken(values: Array, a: Array) -> Array:
@@ -94,7 +84,7 @@ def _distance(found: Fit) -> str:
 def _residuals(axes: Axes, found: Fit) -> None:
     factor, unit = scale(float(found.a.max()), "length")
     free, places = found.a == 0, found.a / factor
-    places[free] = places.max() * TUNING.beside * (np.linspace(-1, 0, int(free.sum()) + 1)[:-1])
+    places[free] = places.max() * BESIDE * (np.linspace(-1, 0, int(free.sum()) + 1)[:-1])
     names = [_distance(found)] if found.residuals.shape[0] == 1 else [LABELS[name] for name in found.data]
     marks = [MARKS["delta"]] if len(names) == 1 else [MARKS[name] for name in found.data]
     for values, name, (colour, mark) in zip(found.residuals, names, marks, strict=True):
@@ -103,7 +93,7 @@ def _residuals(axes: Axes, found: Fit) -> None:
     if free.any():
         axes.axvline(0, color="0.6", lw=0.8)
         axes.set_xticks([tick for tick in axes.get_xticks() if 0 <= tick <= places.max() * 1.05])
-        middle = TUNING.beside / (1 + TUNING.beside) / 2
+        middle = BESIDE / (1 + BESIDE) / 2
         axes.annotate("base line", (middle, 1.0), xycoords="axes fraction", ha="center", va="bottom",
                       size=7, color="0.4")  # fmt: skip
     axes.set_xlabel(f"{LABELS['a']} ({pretty(unit)})")

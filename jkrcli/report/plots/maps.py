@@ -21,17 +21,7 @@ NEAR = 0.01  # choice: of a limit, within which it is drawn to hold
 MU = r"$\sigma\,(R / E^{*2} w)^{1/3}$"  # words of an axis
 STEP = 0.05  # choice: of the force, from colour to colour
 LINES = ("-", "--", ":", "-.")
-
-
-@dataclass(frozen=True)
-class WordsPlaced:
-    """Where words beside a line stand, in shares of the axes."""
-
-    letter: float = 0.0135  # choice: the width of one
-    far: float = 0.06  # choice: from other lines, from which on the first place is taken
-
-
-TUNING = WordsPlaced()
+LETTER = 0.0135  # choice: width of a letter of the words beside lines, in shares of the axes
 
 
 @dataclass(frozen=True)
@@ -100,7 +90,7 @@ def _placed(axes: Axes, points: Array) -> Array:
 def _clear(drawn: Sequence[Array], level: float, letters: int) -> tuple[float, int]:
     """Where a word of so many ``letters`` beside the line at ``level`` is farthest from the lines ``drawn``, in shares
     of the axes: its left end, and whether it stands above (1) or below (-1)."""
-    wide, high = TUNING.letter * letters, 2 * TUNING.letter
+    wide, high = LETTER * letters, 2 * LETTER
     found = []
     for left in (0.99 - wide, 0.01):
         x = np.linspace(left, left + wide, 20)
@@ -108,8 +98,8 @@ def _clear(drawn: Sequence[Array], level: float, letters: int) -> tuple[float, i
             middle = level + side * high
             inside = high < middle < 1 - high
             lines = [np.abs(np.interp(x, line[:, 0], line[:, 1]) - middle).min() for line in drawn]
-            found.append((min([*lines, 2 * TUNING.far]) if inside else 0.0, (left, side)))
-    return next((place for room, place in found if room > TUNING.far), max(found)[1])
+            found.append((min([*lines, 8 * LETTER]) if inside else 0.0, (left, side)))
+    return next((place for room, place in found if room > 4 * LETTER), max(found)[1])
 
 
 def is_filled(columns: Mapping[str, Array]) -> bool:

@@ -8,14 +8,13 @@ from textwrap import fill
 
 import numpy as np
 
-from ...base import Array, Unknown, scale
+from ...base import DRAWN, Array, Unknown, scale
 from ...data import Direction, ForceCurve
 from . import BLACK, BLUE, LARGER, ORANGE, PURPLE, WIDE, Axes, Figure, drawing, enlarged, legend_below, pretty
 
-MOST_PANELS, MOST_POINTS = 12, 2000  # choice: of a figure, and of a segment in it
+MOST_PANELS = 12  # choice: of a figure
 LETTERS, TITLE = 84, 3  # choice: of a line as wide as the figure, and lines of a panel's title
 LOOKS, GREY = {"approach": (BLUE, 2.0), "retract": (ORANGE, 0.9)}, "0.6"  # the last drawn the thinnest
-FALL = 3  # choice: rows beside that of a jump, among which it is steepest
 
 
 def record_figure(records: Sequence[ForceCurve]) -> Figure:
@@ -57,7 +56,7 @@ def _panel(axes: Axes, record: ForceCurve, x: float, y: float, letters: int) -> 
     broken = _broken(record)
     for place in places:
         for segment in record.segments:
-            thin = slice(segment.first, segment.last + 1, 1 + len(segment) // MOST_POINTS)
+            thin = slice(segment.first, segment.last + 1, 1 + len(segment) // DRAWN)
             colour, width = LOOKS.get(segment.kind, (GREY, 1.0))
             place.plot(z[thin] / x, broken[thin] / y, lw=width, label=segment.kind, color=colour)
         for item in record.directions:
@@ -71,8 +70,8 @@ def _broken(record: ForceCurve) -> Array:
     assert record.curve.P is not None
     P = record.curve.P.copy()
     for row in [jump.row for item in record.directions for jump in (*item.jumps, *item.steps)]:
-        first = max(row - FALL, 0)
-        steps = np.abs(np.diff(record.curve.P[first : row + FALL + 1]))
+        first = max(row - 3, 0)
+        steps = np.abs(np.diff(record.curve.P[first : row + 3 + 1]))
         P[first + int(np.argmax(steps))] = np.nan
     return P
 

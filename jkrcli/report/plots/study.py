@@ -13,7 +13,6 @@ from ...base import Array
 from ...series.differences import Difference
 from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below, log_ticks
 
-ROOM = 0.15  # choice: of an axis, for the label of a tick
 UNNAMED = "_nolegend_"  # label of a line that the legend leaves out
 
 
@@ -99,7 +98,7 @@ def _draw(axes: Axes, panel: Panel, letter: str) -> None:
 
 def _apart(x: Array) -> list[float]:
     """Those of the points on a logarithmic axis whose labels have room beside each other."""
-    room, kept = ROOM * math.log(float(x.max() / x.min())), [float(x.max())]
+    room, kept = 0.15 * math.log(float(x.max() / x.min())), [float(x.max())]
     for value in sorted(x.tolist(), reverse=True):
         if math.log(kept[-1] / value) > room:
             kept.append(value)

@@ -9,7 +9,7 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
-from ..base import InputError, positive, show
+from ..base import ROUNDED, InputError, positive, show
 from .indenter import Indenter
 from .materials import Elastic, Graded, Material, TransverselyIsotropic, contact_modulus
 from .relaxation import Relaxation
@@ -22,7 +22,6 @@ NO_FINITE_RANGE = (
     "specimen.surface_tension"
 )
 MOST_PIECES = 1000  # of E over depth, in all layers; choice: minutes, each is solved by sublayers of its own
-ROUND_OFF = 1e-9  # relative, of a thickness against the depths of its material's law
 
 
 @dataclass(frozen=True)
@@ -35,7 +34,7 @@ class Layer:
 
     def __post_init__(self) -> None:
         positive("m", thickness=self.thickness)
-        if isinstance(self.material, Graded) and self.material.law.reach < self.thickness * (1 - ROUND_OFF):
+        if isinstance(self.material, Graded) and self.material.law.reach < self.thickness * (1 - ROUNDED):
             raise InputError(
                 f"the law of E ends at a depth of {self.material.law.reach:g} m, above the bottom of the layer "
                 f"(thickness {self.thickness:g} m)"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +37,7 @@ from ..series import (
     first_of_plateaus,
     is_series,
 )
-from . import Case, parse_case
+from . import MOST_BYTES, Case, parse_case
 from .writing import case_of
 
 FORMAT, VERSION = "jkr-series", 2
@@ -56,16 +56,6 @@ DOUBT = (
     "the series file is of format 1, which has no digest: damage to its case or words may go unnoticed; run the case "
     "again for full protection"
 )
-
-
-@dataclass(frozen=True)
-class Bounds:
-    """What a series file may hold; more is no series of ours."""
-
-    text: int = 16 << 20  # choice: characters of the case
-
-
-BOUNDS = Bounds()
 
 
 def record_of(case: Case, path: Path = Record.path) -> Record:
@@ -201,8 +191,8 @@ class _Reader:
 
     def case(self) -> str:
         data = self.dataset("", "case")
-        if not isinstance(data.values, str) or len(data.values) > BOUNDS.text:
-            raise InputError(f"{self.path}: case: must be a text of at most {BOUNDS.text >> 20} MiB")
+        if not isinstance(data.values, str) or len(data.values) > MOST_BYTES:
+            raise InputError(f"{self.path}: case: must be a text of at most {MOST_BYTES >> 20} MiB")
         return data.values
 
     def rows(self) -> tuple[Series, RawSeries | None]:

@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base import LARGEST_SI, Array, InputError, did_you_mean
+from ..base import LARGEST_SI, SHOWN, Array, InputError, did_you_mean
 from .text_table import TextTable, unit_power
 
-LONGEST = 200  # choice: characters of a header cell that is a name; longer ones take long to look through
-SHOWN = 20  # choice: columns that a message lists
+LONGEST = 200  # choice: characters of a cell or a line that names something; longer ones take long to look through
 EXAMPLES = {"length": "um", "area": "um^2", "load": "mN", "time": "s"}
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base import InputError, did_you_mean
+from ...base import SHOWN, InputError, did_you_mean
 from . import nanoscope
 from .contact import with_zero_points
 from .curve import (
@@ -19,7 +19,6 @@ from .curve import (
     NOT_SUBTRACTED,
     OVERRULED,
     RETRACT,
-    SHOWN,
     Curve,
     Pixel,
     Reading,

@@ -14,7 +14,6 @@ from ...base import Array, InputError
 QUANTITIES = ("a", "delta", "P", "t")
 APPROACH, RETRACT = "approach", "retract"
 LEAST_ROWS = 3  # choice: of a curve
-SHOWN = 20  # choice: names and words in a message
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base import Array
-from ..columns import split_name
+from ..columns import LONGEST, split_name
 from ..text_table import TextTable, unit_power
 from .curve import APPROACH, RETRACT
 
@@ -43,7 +43,6 @@ BESIDE = {
     "daten",
     "richtung",
 }  # words beside a direction
-LONGEST = 200  # choice: characters of a line that names a constant; longer ones take long to look through
 DEEPEST = 10_000  # choice: lines of a head that are looked through
 NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
 SPRING = ("k", "spring constant", "force constant", "cantilever stiffness", "springconstant", "federkonstante")

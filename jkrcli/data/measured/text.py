@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...base import Array, InputError
+from ...base import SHOWN, Array, InputError
 from ..columns import (
     CONTACT,
     Quantity,
@@ -36,7 +36,6 @@ from .curve import (
     OVERRULED,
     QUANTITIES,
     RETRACT,
-    SHOWN,
     Curve,
     Reading,
     place,

@@ -16,10 +16,8 @@ from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below,
 if TYPE_CHECKING:
     from matplotlib.contour import ContourSet
 
-FEWEST = 4  # choice: values on both axes from which a map is filled
 NEAR = 0.01  # choice: of a limit, within which it is drawn to hold
 MU = r"$\sigma\,(R / E^{*2} w)^{1/3}$"  # words of an axis
-STEP = 0.05  # choice: of the force, from colour to colour
 LINES = ("-", "--", ":", "-.")
 LETTER = 0.0135  # choice: width of a letter of the words beside lines, in shares of the axes
 
@@ -104,7 +102,7 @@ def _clear(drawn: Sequence[Array], level: float, letters: int) -> tuple[float, i
 
 def is_filled(columns: Mapping[str, Array]) -> bool:
     """Whether a transition map has values enough on both axes to be filled."""
-    return min(np.unique(columns[name]).size for name in ("w_R2_over_Estar_h3", "mu")) >= FEWEST
+    return min(np.unique(columns[name]).size for name in ("w_R2_over_Estar_h3", "mu")) >= 4
 
 
 def filled_figure(columns: Mapping[str, Array]) -> Figure:
@@ -112,7 +110,7 @@ def filled_figure(columns: Mapping[str, Array]) -> Figure:
     range, and where it lies above both, with its largest excess. What is not known stays white."""
     nus = list(dict.fromkeys(columns["nu"].tolist()))
     low, high = (float(function(columns["minus_P_over_pi_w_R"])) for function in (np.nanmin, np.nanmax))
-    levels = STEP * np.arange(np.floor(low / STEP), np.ceil(high / STEP) + 1)
+    levels = np.arange(np.floor(20 * low), np.ceil(20 * high) + 1) / 20
     with drawing(max(NARROW * len(nus), MIDDLE), 3.8) as figure:
         panels = np.atleast_1d(figure.subplots(1, len(nus), sharey=True))
         for axes, nu in zip(panels, nus, strict=True):

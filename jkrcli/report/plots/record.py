@@ -13,7 +13,7 @@ from ...data import Direction, ForceCurve
 from . import BLACK, BLUE, LARGER, ORANGE, PURPLE, WIDE, Axes, Figure, drawing, enlarged, legend_below, pretty
 
 MOST_PANELS = 12  # choice: of a figure
-LETTERS, TITLE = 84, 3  # choice: of a line as wide as the figure, and lines of a panel's title
+LETTERS = 84  # choice: of a line as wide as the figure
 LOOKS, GREY = {"approach": (BLUE, 2.0), "retract": (ORANGE, 0.9)}, "0.6"  # the last drawn the thinnest
 
 
@@ -62,7 +62,7 @@ def _panel(axes: Axes, record: ForceCurve, x: float, y: float, letters: int) -> 
         for item in record.directions:
             _marks(place, item, z[item.segment.rows], x, y)
     title = ": ".join([curve.name, ", ".join(record.flags)]).rstrip(": ")
-    axes.set_title(fill(title, letters, max_lines=TITLE, placeholder=" …"), loc="left", fontsize="small")
+    axes.set_title(fill(title, letters, max_lines=3, placeholder=" …"), loc="left", fontsize="small")
 
 
 def _broken(record: ForceCurve) -> Array:

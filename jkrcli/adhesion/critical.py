@@ -15,6 +15,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..base import SAME, UNSEEN, Array, InputError, Unknown
+from .coarser import error_by_mesh
 from .curve import NO_ADHESION, TUNING, AdhesiveCurve, CriticalPoint, transform
 from .device import position
 from .slopes import slopes_function
@@ -32,6 +33,10 @@ def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) ->
         return here
     if not curve.errors:
         return Unknown(f"unknown: {curve.slopes.error}")
+    by_mesh = error_by_mesh(curve, point, stiffness)
+    if by_mesh is not None:
+        scatter = _scatter(curve, point, stiffness) if curve.slopes.method == "exact" else {"delta": 0.0, "P": 0.0}
+        return {name: float(here[name]) + by_mesh[name] + scatter[name] for name in here}
     joint = _joint(curve, point.a)
     if joint is None:
         moved: Errors | Unknown = _by_others(curve, point, stiffness)
@@ -118,13 +123,17 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
         found.append((other, 1))
     if not found:
         return Unknown("unknown: with every second row left out the point lies outside the series")
-    flat = _as_low(curve, point, stiffness) if slopes.method == "exact" and not smooth else np.array([point.a])
-    level = dict(zip(("delta", "P"), curve.at(flat), strict=True))
+    scatter = _scatter(curve, point, stiffness) if slopes.method == "exact" and not smooth else {"delta": 0.0, "P": 0.0}
     return {
-        name: max(abs(getattr(other, name) - getattr(point, name)) / factor for other, factor in found)
-        + float(np.max(np.abs(level[name] - getattr(point, name))))
+        name: max(abs(getattr(other, name) - getattr(point, name)) / factor for other, factor in found) + scatter[name]
         for name in ("delta", "P")
     }
+
+
+def _scatter(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> dict[str, float]:
+    """How far delta and P lie off those of the ``point`` where a device may stand as low as there."""
+    there = zip(("delta", "P"), curve.at(_as_low(curve, point, stiffness)), strict=True)
+    return {name: float(np.max(np.abs(values - getattr(point, name)))) for name, values in there}
 
 
 def _as_low(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:

@@ -154,12 +154,14 @@ class Nonadhesive:
         return Nonadhesive(series, slopes, rates, together=self.together)
 
     def _apart(self, further: Nonadhesive) -> Array:
-        """Which rows are not too close to a ``further`` radius."""
+        """Which rows are not too close to a ``further`` radius, or end the series: all between lies within knots."""
         series, columns = further.series, ("delta", "dS")
         wrong = [np.max(series.errors[name] / getattr(series, name), initial=0.0) for name in columns]
         right = np.searchsorted(further.a, self.a)
         distance = np.abs(further.a[np.clip([right - 1, right], 0, further.a.size - 1)] - self.a).min(axis=0)
-        return distance > max(wrong) ** 0.25 * (self.a - series.a0)
+        beyond = (self.a < further.a[0]) | (self.a > further.a[-1])
+        ends = np.isin(self.a, self.a[[0, -1]]) & beyond
+        return ends | (distance > max(wrong) ** 0.25 * (self.a - series.a0))
 
     @cached_property
     def bends(self) -> Array:

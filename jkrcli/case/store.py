@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import platform
 import sys
 from collections.abc import Mapping, Sequence
@@ -28,6 +29,7 @@ from ..base.hdf5 import Dataset, Group
 from ..bodies import Problem
 from ..series import (
     COLUMNS,
+    Coarser,
     ErrorBudget,
     PressureTable,
     RawSeries,
@@ -91,6 +93,9 @@ def _tree(solution: Solution, command_line: str) -> Group:
         "versions": Group(record.versions or versions()),
         "warnings": Group({str(i): text for i, text in enumerate(solution.warnings)}),
     }
+    if (coarser := series.coarser) is not None:
+        columns = {name: getattr(coarser.series, name) for name in COLUMNS}
+        members["coarser"] = Group({"ratio": coarser.ratio}, _columns(columns, WORDS))
     if raw is not None:
         rows = hdf5.column(np.asarray(raw.rows), "1", "number of the row")
         columns = {name: getattr(raw, name) for name in ("a", "delta", "P")}
@@ -197,7 +202,8 @@ class _Reader:
 
     def rows(self) -> tuple[Series, RawSeries | None]:
         """The series, and the increments where there are such: the first format holds these in place of the series."""
-        columns, errors, raw = self.columns("series"), self.columns("errors", ()), None
+        columns: dict[str, Any] = self.columns("series")
+        errors, raw = self.columns("errors", ()), None
         a0, S0 = self.at_first_touch("a0_m"), self.at_first_touch("S0_N_per_m")
         if "increments" in self.root.members:
             rows = self.numbers("increments", "row", 1)
@@ -208,11 +214,20 @@ class _Reader:
             if not keep.any():
                 raise InputError(f"{self.path}: series: no increment is in contact (all a <= 0)")
             columns, errors = {name: values[keep] for name, values in columns.items()}, {}
-        slopes = columns.get("S"), columns.get("dS")
         try:
-            return Series(columns["a"], columns["delta"], columns["P"], *slopes, errors, a0 or 0.0, S0), raw
+            return Series(**columns, errors=errors, a0=a0 or 0.0, S0=S0, coarser=self.coarser(a0 or 0.0)), raw
         except InputError as error:
             raise InputError(f"{self.path}: {error}") from None
+
+    def coarser(self, a0: float) -> Coarser | None:
+        """The series by larger elements, where there is one."""
+        if "coarser" not in self.root.members:
+            return None
+        columns: dict[str, Any] = self.columns("coarser")
+        ratio = _real(self.group("coarser").attributes.get("ratio"))
+        if not 1 < ratio < math.inf:
+            raise InputError(f"coarser: attribute ratio must be > 1, got {ratio:g}")
+        return Coarser(Series(**columns, a0=a0), ratio)
 
     def budget(self) -> ErrorBudget:
         told = self.group("errors").attributes

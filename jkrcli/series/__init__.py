@@ -63,6 +63,7 @@ class Series:
     and not what is left between the points of a table.
     ``own``: of columns that were read, the exact solution of the bodies they are said to be of, where there is one: a
     smooth fit departs from its shape no more than the columns ask for.
+    ``coarser``: the same by larger elements, where there are such.
     """
 
     a: Array
@@ -74,6 +75,7 @@ class Series:
     a0: float = 0.0
     S0: float | None = 0.0
     own: Series | None = None
+    coarser: Coarser | None = None
     kinks: tuple[float, ...] = ()
     bends: tuple[float, ...] = ()
 
@@ -130,7 +132,18 @@ class Series:
 
         errors = {k: v * factor if k in ("P", "S", "dS") else v for k, v in self.errors.items()}
         S0 = None if self.S0 is None else self.S0 * factor
-        return replace(self, P=self.P * factor, S=times(self.S), dS=times(self.dS), errors=errors, S0=S0)
+        coarser = None if self.coarser is None else replace(self.coarser, series=self.coarser.series.scaled(factor))
+        P, S, dS = self.P * factor, times(self.S), times(self.dS)
+        return replace(self, P=P, S=S, dS=dS, errors=errors, S0=S0, coarser=coarser)
+
+
+@dataclass(frozen=True, eq=False)
+class Coarser:
+    """A ``series`` of the same contact on elements ``ratio`` times as large; what the cut of the body costs is off in
+    it, too."""
+
+    series: Series
+    ratio: float
 
 
 @dataclass(frozen=True)
@@ -257,7 +270,7 @@ class Solution:
         relative = max(float(np.max((more[name] / getattr(series, name))[judged])) for name in more)
         own = self.budget.discretisation
         budget = self.budget if isinstance(own, Unknown) else replace(self.budget, discretisation=own + relative)
-        return replace(self, series=replace(series, errors=errors), budget=budget)
+        return replace(self, series=replace(series, errors=errors, coarser=None), budget=budget)
 
     @property
     def increments(self) -> RawSeries:

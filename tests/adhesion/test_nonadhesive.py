@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -51,6 +53,18 @@ def test_the_columns_of_exact_slopes_are_the_curve_without_adhesion() -> None:
     curve = AdhesiveCurve(body, 0.0)
     np.testing.assert_array_equal(curve.delta, body.series.delta)
     np.testing.assert_array_equal(curve.P, body.series.P)
+
+
+def test_solved_radii_of_large_errors_leave_the_ends_of_the_series() -> None:
+    """Every row gave way to solved radii whose error is stated as 100 %: what lies beyond them was extrapolated over
+    decades, until exp overflowed."""
+    body = exact_hertz()
+    few = np.arange(3, 10)
+    columns = {name: getattr(body.series, name)[few] for name in ("a", "delta", "P", "S", "dS")}
+    unsure = Series(**columns, errors={"delta": columns["delta"], "dS": columns["dS"]})
+    curve = AdhesiveCurve(replace(body, further=Nonadhesive(unsure, slopes(unsure, "exact"))), 1.0)
+    assert body.a[[0, -1]] == pytest.approx(curve.nonadhesive.knots.a[[0, -1]], rel=1e-15)
+    np.testing.assert_allclose(curve.nonadhesive.parts(body.a).delta_H, body.series.delta, rtol=1e-9)
 
 
 @pytest.mark.parametrize("way", ["series", "increments"])

@@ -22,7 +22,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
 from jkrcli.case import load_case, parse_case, store
 from jkrcli.methods.closed_form.method import ClosedForm
-from jkrcli.series import COLUMNS, ErrorBudget, PressureTable, RawSeries, Series, Solution
+from jkrcli.series import COLUMNS, Coarser, ErrorBudget, PressureTable, RawSeries, Series, Solution
 
 CASE = load_case(Path(__file__).parents[2] / "cases" / "halfspace.toml")
 PROBLEM = CASE.model.problem()
@@ -40,9 +40,13 @@ def _path(tmp_path: Path) -> Path:
 def in_increments(**changes: Any) -> Solution:
     """A solution with increments, pressures, reasons and words."""
     raw = RawSeries(np.array([0.0, 1, 1, 2]), np.array([1.0, 2, 3, 4]), np.array([1.0, 2, 3, 4]), np.arange(5, 9))
-    series = Series(
-        np.array([1.0, 2]), np.array([2.0, 4]), np.array([2.0, 4]), errors={"P": np.ones(2)}, a0=0.5, S0=None
+    coarser = Series(
+        np.array([1.5, 3]), np.array([3.0, 6]), np.array([3.0, 7]), np.ones(2), np.ones(2), a0=0.5, S0=None
     )
+    series = Series(
+        np.array([1.0, 2]), np.array([2.0, 4]), np.array([2.0, 4]), errors={"P": np.ones(2)}, a0=0.5, S0=None,
+        coarser=Coarser(coarser, 1.5),
+    )  # fmt: skip
     pressure = PressureTable(np.array([0.0, 1]), np.arange(8.0).reshape(4, 2))
     budget, facts = ErrorBudget(1e-3, Unknown("nobody asked"), 0.0), {"nodes": 7, "solver": "SuperLU", "fits": True}
     made = Solution(PROBLEM, series, budget, "fem", raw, pressure, facts, {"mesh": 0.1}, ("mind", "the gap"))
@@ -57,6 +61,12 @@ def assert_same(one: Solution, other: Solution) -> None:
     for name in ("a", "delta", "P", "rows"):
         np.testing.assert_array_equal(getattr(one.increments, name), getattr(other.increments, name))
     assert (one.raw is None) == (other.raw is None)
+    assert (one.series.coarser is None) == (other.series.coarser is None)
+    if one.series.coarser is not None and other.series.coarser is not None:
+        assert one.series.coarser.ratio == other.series.coarser.ratio
+        for name in COLUMNS:
+            pair = (getattr(each.series.coarser.series, name) for each in (one, other))
+            np.testing.assert_array_equal(*pair)
     for name in ("problem", "budget", "method", "facts", "timings", "warnings", "key"):
         assert getattr(one, name) == getattr(other, name), name
     assert (one.series.a0, one.series.S0) == (other.series.a0, other.series.S0)

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...base import Array, Estimate, Unknown
-from ...series import ErrorBudget
+from ...base import Array, Estimate, InputError, Unknown
+from ...series import Coarser, ErrorBudget, Series
 from .contact import Events, SurfaceContact, solve_depths
 from .loading import power_interpolated, raw_series
 from .run import MeshLevel, Run
@@ -40,11 +40,13 @@ TOO_FEW = Unknown("fewer than four vertices in contact")
 @dataclass(frozen=True, eq=False)
 class Assessment:
     """The error budget over the judged part of a series, from the depth ``judged_from`` [m] on, and the relative
-    ``errors`` row by row of P (at equal depth), a, S and dS where known, larger where few nodes are in contact."""
+    ``errors`` row by row of P (at equal depth), a, S and dS where known, larger where few nodes are in contact;
+    ``coarser``: what they are concluded from."""
 
     budget: ErrorBudget
     judged_from: float | None = None
     errors: Mapping[str, Array] = field(default_factory=dict)
+    coarser: Coarser | None = None
 
 
 def assessed(
@@ -75,7 +77,23 @@ def assessed(
     if isinstance(radius, Unknown) or isinstance(truncation, Unknown):
         return Assessment(budget, judged_from)
     errors = {"P": load + truncation, "a": radius} | _slopes(run, coarse, radii, radius)
-    return Assessment(budget, judged_from, {name: values[rows] for name, values in errors.items()})
+    other = _coarser(coarse, delta, ratio, truncation * float(np.sign(np.mean(there - P))))
+    return Assessment(budget, judged_from, {name: values[rows] for name, values in errors.items()}, other)
+
+
+def _coarser(level: MeshLevel, delta: Array, ratio: float, cut: float) -> Coarser | None:
+    """The series of the ``level`` of larger elements as deep as ``delta`` [m], of a body that is stiffer by the
+    fraction ``cut``; None where its contact is no disc that only grows, or too small."""
+    events = level.events.rising
+    rows = slice(int(np.searchsorted(events.delta, delta[-1])) + 1)
+    a, slopes = events.a[rows], level.slopes(events.a[rows])
+    if slopes is None:
+        return None
+    P, S, dS = ((1 + cut) * values for values in (events.P[rows], *slopes))
+    try:
+        return Coarser(Series(a, events.delta[rows], P, S, dS, a0=level.indenter.a0), ratio)
+    except InputError:
+        return None
 
 
 def _with_events(run: Run) -> tuple[Run, Array]:

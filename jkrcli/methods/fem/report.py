@@ -49,7 +49,7 @@ def _series(run: Run, judged: Assessment) -> Series:
     S, dS = (None, None) if slopes is None else slopes
     values = {"a": a, "P": P, "S": S, "dS": dS}
     errors = {name: error * values[name] for name, error in judged.errors.items()}
-    return Series(a, delta, P, S, dS, errors=errors, a0=a0, S0=S0)
+    return Series(a, delta, P, S, dS, errors=errors, a0=a0, S0=S0, coarser=judged.coarser)
 
 
 def _facts(options: FEMOptions, run: Run, judged_from: float | None) -> dict[str, Any]:

@@ -259,19 +259,30 @@ def radius(at: Drawn) -> Wrong:
 
 
 def creep(at: Drawn) -> Wrong:
-    return _misplaced(at, lambda way: 0.01 * np.log1p(100 * way / 2))
+    """Over the time since the turn, and so over the way that was gone evenly."""
+    return _misplaced(at, lambda way, _: 0.01 * np.log1p(100 * way / 2))
 
 
 def hysteresis(at: Drawn) -> Wrong:
-    return _misplaced(at, lambda way: 0.02 * 4 * way * (1 - way))
+    """Over what drives the piezo, and so over the way that is read."""
+
+    def error(way: np.ndarray, size: float) -> np.ndarray:
+        read = way
+        for _ in range(30):
+            read = way - size * 0.02 * 4 * read * (1 - read)
+        return 0.02 * 4 * read * (1 - read)
+
+    return _misplaced(at, error)
 
 
-def _misplaced(at: Drawn, error: Load) -> Wrong:
-    """Positions of the way out in error, over the way from the turn, in units of the depth in contact."""
+def _misplaced(at: Drawn, error: Callable[[np.ndarray, float], np.ndarray]) -> Wrong:
+    """Positions of the way out in error, in units of the depth in contact: over the shares of the travel from the turn
+    and that depth over the travel."""
     position, delta, P = equilibrium(at.E, R, at.w, at.k, at.largest)
     way = positions(at, float(position[-1]))
-    share = (way[-1] - way) / np.ptp(way)
-    columns = read(at, way, touched(at, way, delta, P), behind(at, way, delta, P), error(share) * position[-1])
+    travel = np.ptp(way)
+    moved = position[-1] * error((way[-1] - way) / travel, float(position[-1] / travel))
+    columns = read(at, way, touched(at, way, delta, P), behind(at, way, delta, P), moved)
     return Wrong(columns, at.k, at.truth, families=("device",))
 
 

@@ -20,7 +20,7 @@ from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
-from cycle_records import NOISES, spoilt  # type: ignore[import-not-found]
+from cycle_records import spoilt  # type: ignore[import-not-found]
 from wrong_records import SPEED, WRONG, Drawn, Wrong, right  # type: ignore[import-not-found]
 
 from jkrcli.adhesion.slopes.choice import slopes
@@ -37,11 +37,16 @@ from jkrcli.identification.fit.record_situation import Situation
 from jkrcli.identification.fit.settings import settings_of, uncertain_of
 from jkrcli.methods.layered.layered import Layered
 
+# Right records by what disturbs them, and how they are fitted:
+RIGHT: dict[str, dict[str, Any]] = {
+    "white": {}, "pink": {}, "peak": {}, "steps": {}, "drift": {"free": ["drift"]}, "wave": {"base_line": "sine"},
+}  # fmt: skip
 CALIBRATED = ("stiffness +10 %", "R +10 %", "nu .3 as .5 on a layer")
 # Where the right rival is among those that are fitted in full:
 IN_FULL = ("layer as half-space", "Maugis mu 0.3", "w rising to four times", "w over the speed", "relaxation", "cone",
            "stiffness +10 %", "creep", "hysteresis")  # fmt: skip
-BOUNDED = ("adhesion of finite range", "exponent of the tip", "no slip")  # of which some is likely before the data
+# Of which some is likely before the data:
+BOUNDED = ("adhesion of finite range", "exponent of the tip", "no slip", "surface tension")
 spent = [0.0, 0.0]  # seconds of all fits, of their scores
 last: list[Any] = []  # body, fit and rivals of the record that was judged last
 
@@ -57,12 +62,13 @@ def body(R: float, h: float | None, nu: float, sphere: bool) -> FittedBody:
     return FittedBody.of(problem, series, slopes(series), extensible=True)
 
 
-def fitted(kind: str, made: Wrong, model: str = "jkr") -> Fit:
+def fitted(kind: str, made: Wrong, **options: Any) -> Fit:
     held = body(made.R, made.h, made.nu, kind == "large strains")
     known = [("radius", "10%"), ("stiffness", "10%")] + [("nu", "0.2")] * (made.h is not None)
-    settings = settings_of(held, model=model)
+    options = {"model": "jkr", **RIGHT.get(kind, {}), **options}
+    settings = settings_of(held, **options)
     if kind in CALIBRATED:
-        settings = settings_of(held, model=model, uncertain=uncertain_of(held, known, settings))
+        settings = settings_of(held, uncertain=uncertain_of(held, known, settings), **options)
     z, P = made.columns["z"], made.columns["P"]
     curve = Curve("made", delta=z - P / made.k, P=P, t=made.columns["t"], stiffness=made.k)
     begin = time.process_time()
@@ -118,7 +124,10 @@ def in_full(seed: int, count: int) -> None:
 
 
 def _taken(kind: str, made: Wrong) -> dict[str, float]:
-    found = fitted(kind, made, "auto")
+    try:
+        found = fitted(kind, made, model="auto")
+    except JkrError:
+        return {"refused": 1.0}
     assert found.verdict is not None
     if not found.verdict.rivals.named:
         return {"asked for": 0.0}
@@ -145,7 +154,7 @@ def at_bounds(seed: int, count: int) -> None:
         ratios: dict[str, list[float]] = {"E_star": [], "w": []}
         for i in range(count):
             made = right(Drawn.of(np.random.default_rng((seed, i, 1)), 1.0))
-            fitted("right", replace(made, nu=0.3))
+            fitted("white", replace(made, nu=0.3), bound=[("surface_tension", "..30 mN/m")])
             _add_ratios(name, ratios)
         for quantity, values in ratios.items():
             near = np.mean((np.array(values) > 0.5) & (np.array(values) < 2)) if values else math.nan
@@ -175,13 +184,27 @@ def _add_ratios(name: str, ratios: dict[str, list[float]]) -> None:
 def main(seed: int, count: int) -> None:
     timed_scores()
     for louder in (1.0, 5.0):
-        print(f"noise times {louder:g}, {count} records each, {2 * count} of right models")
-        for kind in ("right", *(f"right, {noise}" for noise in NOISES[1:]), *WRONG):
-            _line(kind, seed, 2 * count if kind.startswith("right") else count, louder)
+        print(f"noise times {louder:g}, {count} records of each kind, right ones first")
+        for kind in (*RIGHT, *WRONG):
+            _line(kind, seed, count, louder)
     print(f"seconds of all fits {spent[0]:.1f}, of which scores {spent[1]:.1f}")
     print(f"--model auto at the generator's noise, {count} records each")
     in_full(seed, count)
     at_bounds(seed, min(count, 20))
+
+
+def disturbed(rng: np.random.Generator, made: Wrong, noise: float, kind: str) -> Wrong:
+    """A record with noise of a ``kind``, as large as the white ``noise`` [N] that it has, or a drift of 0.2 % of its
+    way, or a wave of 0.1 to 10 % of the range of the load."""
+    z, P = made.columns["z"], made.columns["P"]
+    if kind == "drift":
+        z = z + 0.002 * np.ptp(z) * made.columns["t"] / 2
+    elif kind == "wave":
+        wave = np.sin(2 * math.pi * (rng.uniform(3, 40) * z / np.ptp(z) + rng.random()))
+        P = P + np.ptp(P) * 10 ** rng.uniform(-3, -1) * wave
+    else:
+        P = spoilt(rng, P, noise, kind)
+    return replace(made, columns={**made.columns, "z": z, "P": P})
 
 
 def _line(kind: str, seed: int, count: int, louder: float) -> None:
@@ -189,9 +212,7 @@ def _line(kind: str, seed: int, count: int, louder: float) -> None:
     for i in range(count):
         rng = np.random.default_rng((seed, i, int(louder)))
         at = Drawn.of(rng, louder)
-        made = WRONG.get(kind, right)(at)
-        if kind.startswith("right, "):
-            made.columns["P"] = spoilt(rng, made.columns["P"], at.noise, kind.removeprefix("right, "))
+        made = WRONG[kind](at) if kind in WRONG else disturbed(rng, right(at), at.noise, kind)
         try:
             told = judged(kind, made, fitted(kind, made))
         except JkrError as error:

@@ -339,8 +339,8 @@ def test_a_surface_tension_that_may_be_there_is_in_the_part_of_the_model() -> No
     assert record_rivals.known_amount(at, rival, Known()) == 0
     kappa = 2 * 0.03 / (at.modulus * at.body.problem.E_star)
     assert record_rivals.known_amount(at, rival, Known(tension=0.03)) == pytest.approx(kappa / at.widest, rel=1e-12)
-    assert record_rivals.known_amount(at, rival, Known(), 1.5) == pytest.approx(kappa / at.widest, rel=1e-12)
-    assert record_rivals.known_amount(at, rival, Known(), -1.5) == 0
+    assert record_rivals.known_amount(at, rival, Known(), 2.0) == pytest.approx(kappa / at.widest, rel=1e-12)
+    assert record_rivals.known_amount(at, rival, Known(), 1.5) == 0
 
 
 @pytest.mark.parametrize(

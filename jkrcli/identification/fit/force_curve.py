@@ -14,6 +14,7 @@ turning point (``positions``): of one direction alone these cannot be told from 
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -43,6 +44,7 @@ class ForceCurveTuning:
     window: float = 4.0  # choice: standard errors of z0 and w that the window about first touch covers
     beside: float = 2.0  # choice: rows on each side of first touch, at least, that belong to the window
     narrow: float = 0.3  # choice: of the depth of contact, that the window covers at most
+    above: float = 1.1  # choice: of the w that the last row holds at rest, one with which it rests for sure
     recedes: float = 12.0  # theory: fall of chi^2 by one unknown that chance brings once in 2000
     surely: float = 0.9  # choice: of the rows of a base line, those that tell the noise: contact begins gently
     surely_found: float = 1.05  # choice: of the noise, residuals that the search is not begun anew for
@@ -551,19 +553,23 @@ def _without_idle(model: ForceCurveModel, x: Array) -> tuple[ForceCurveModel, Ar
     values, last = dict(zip(model.names, map(float, x), strict=True)), model.stretches[-1]
     own = f"q:{last.kind}"
     told = own in values and last.touching.any() and (last.tension > 0 or not last.line.rows)
-    if told and (resting := model.rest(last, model.values(x))) and _rests_throughout(model, x, own):
-        idle |= np.array(model.names) == own
+    if told and (resting := model.rest(last, model.values(x))):
         depth = model.depth(last, model.values(x))[last.touching]
-        values[own] = resting.released(math.sqrt(values[own]), float(depth.min())) ** 2
+        most = resting.released(math.sqrt(max(values[own], 0.0)), float(depth.min())) ** 2  # its last row holds that
+        if _rests_throughout(model, x, own, most):
+            idle |= np.array(model.names) == own
+            values[own] = most
     known = {name: values[name] for name, no in zip(model.names, idle, strict=True) if no}
     return (replace(model, known={**model.known, **known}), x[~idle]) if known else (model, x)
 
 
-def _rests_throughout(model: ForceCurveModel, x: Array, own: str) -> bool:
-    """Whether an edge that never recedes describes the rows as well."""
-    never = np.where(np.array(model.names) == own, model.most, x)
-    recedes, rests = (float(np.sum(model.residuals(at, 0.0)[0] ** 2)) for at in (x, never))
-    return (rests / recedes - 1) * sum(part.P.size for part in model.stretches) < TUNING.recedes
+def _rests_throughout(model: ForceCurveModel, x: Array, own: str, most: float) -> bool:
+    """Whether an edge that never recedes, as of a w above ``most``, describes the rows as well."""
+    never = np.where(np.array(model.names) == own, min(TUNING.above * most, model.most), x)
+    with contextlib.suppress(SolveError):  # no contact bears that
+        recedes, rests = (float(np.sum(model.residuals(at, 0.0)[0] ** 2)) for at in (x, never))
+        return (rests / recedes - 1) * sum(part.P.size for part in model.stretches) < TUNING.recedes
+    return False
 
 
 def windowed(found: ForceCurveFit) -> ForceCurveModel:

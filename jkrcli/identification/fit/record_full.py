@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -20,8 +20,20 @@ from ...base import Array, JkrError, SolveError
 from .body import FittedBody
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
 from .record_change import AMOUNT, Change, RivalModel
-from .record_rivals import RANGE, RIVALS, amount_of_range, finite_range, neck
-from .record_scores import ASKED, EXCLUDED, UNTOLD, RecordRivals, Score, Weighted, at_chance, least_of_named, left_over
+from .record_rivals import LONG, RANGE, RIVALS, amount_of_range, finite_range, neck
+from .record_scores import (
+    ASKED,
+    EXCLUDED,
+    UNTOLD,
+    RecordRivals,
+    Score,
+    Weighted,
+    at_chance,
+    least_of_named,
+    left_over,
+    rows_of,
+    told_rows,
+)
 from .record_scores import TUNING as SCORES
 from .record_situation import Situation
 
@@ -56,8 +68,8 @@ TUNING = FullTuning()
 @dataclass(frozen=True, eq=False)
 class InFull:
     """A rival fitted in full: its one-step ``score``, what was ``found``; ``misfit``: chi^2 of what is left in units of
-    the noise of the free rows; ``chance``: that this noise leaves as much; ``falls``: how much lower than without, on
-    the rows that both are judged by."""
+    the noise of the free rows, where no row is next to a fold; ``chance``: that this noise leaves as much; ``falls``:
+    how much lower it is than without, on all rows of both."""
 
     score: Score
     found: ForceCurveFit
@@ -105,7 +117,8 @@ def _look(at: Situation, score: Score) -> Change | Array | None:
 def _at_most(at: Situation, own: Weighted, change: Change, score: Score) -> Score:
     """The score with the moves at the largest amount that is possible."""
     found = _stepped(own, _held(at, change, score.most))
-    return score if found is None else replace(score, E_star=found[1] / score.most, w=found[2] / score.most)
+    E, w = (math.nan, math.nan) if found is None else _moves(own, found[1])
+    return replace(score, E_star=E / score.most, w=w / score.most) if math.isfinite(E + w) else score
 
 
 def _of_range(at: Situation, own: Weighted, score: Score, longest: float) -> Score:
@@ -136,9 +149,10 @@ def _ladder(neck: float, longest: float) -> list[float]:
 
 
 def _ranged_moves(at: Situation, own: Weighted, z0: float) -> tuple[float, float, float] | None:
-    """What ``_stepped`` tells of a range [m]; None where the data exclude it."""
+    """By how much chi^2, and the logs of E* and w, rise with a range [m]; None where the data exclude it."""
     found = _stepped(own, _ranged(at, amount_of_range(at, z0)), TUNING.possible, TUNING.about)
-    return found if found is not None and found[0] < TUNING.possible else None
+    told = None if found is None else (found[0], *_moves(own, found[1]))
+    return told if told is not None and told[0] < TUNING.possible and np.isfinite(told).all() else None
 
 
 def _moves(own: Weighted, x: Array) -> tuple[float, float]:
@@ -169,10 +183,10 @@ def _ranged(at: Situation, amount: float) -> RivalModel:
 
 def _stepped(
     own: Weighted, model: RivalModel, least: float = math.inf, still: float = TUNING.still
-) -> tuple[float, float, float] | None:
-    """By how much chi^2, and the logs of E* and w, rise in a ``model`` whose change is known, by steps with the
-    derivatives of the fit without, down to ``still`` standard errors; None where they do not settle, or chi^2 will not
-    fall to about ``least``."""
+) -> tuple[float, Array] | None:
+    """By how much chi^2 rises in a ``model`` whose change is known, and its unknowns, by steps with the derivatives of
+    the fit without, down to ``still`` standard errors; None where they do not settle, or chi^2 will not fall to about
+    ``least``."""
     x, size, excess = own.x, math.inf, math.inf
     for _ in range(TUNING.chords):
         step, r = own.step(ForceCurveModel.evaluated(model, x, 0.0)[0])
@@ -181,8 +195,7 @@ def _stepped(
             return None
         if size < still:
             break
-    moves = _moves(own, x)
-    return (excess, *moves) if np.isfinite(moves).all() else None
+    return excess, x
 
 
 @np.errstate(all="ignore")
@@ -209,8 +222,10 @@ def _likeliest(scores: Sequence[Score]) -> Iterator[Score]:
     """Those of each family that one step takes most from the misfit with: it detects, so that neither sign nor size of
     an amount that is not small says much."""
     ranked = sorted((one for one in scores if one.taken > TUNING.falls), key=lambda one: -one.taken)
+    of_range = dict(zip([LONG.name], (one for one in scores if one.name == RANGE.name), strict=False))  # of all lengths
     for family in dict.fromkeys(one.family for one in ranked):
-        yield from [one for one in ranked if one.family == family][: TUNING.each]
+        best = [one for one in ranked if one.family == family][: TUNING.each]
+        yield from dict.fromkeys(of_range.get(one.name, one) for one in best)
 
 
 def _roughly(at: Situation, fresh: ForceCurveModel, change: Change, amount: float) -> tuple[float, Array]:
@@ -219,8 +234,10 @@ def _roughly(at: Situation, fresh: ForceCurveModel, change: Change, amount: floa
     low, high = change.limits.get(AMOUNT, (-math.inf, math.inf))
     starts = dict.fromkeys([(min(max(amount, low), high), *change.starts[0][1:]), *change.starts])
     model = RivalModel.of(fresh, change)
-    x = _known(at, model)
+    x = _known(at, model, at.found.x)
     begun = [[np.append(x, start) for start in starts], [x for start in starts for x in _new(at, model, start)]]
+    if change.felt and change.bends is not None:
+        begun = [[*_adapted(at, model, starts)]]
     if change.load is not None or change.back is not None:  # of histories, which have several minima
         begun = [[start] for start in begun[change.back is not None]]
     searches = []
@@ -232,9 +249,17 @@ def _roughly(at: Situation, fresh: ForceCurveModel, change: Change, amount: floa
     return min(searches, key=lambda one: one[0])
 
 
-def _known(at: Situation, model: RivalModel) -> Array:
-    """The unknowns of a ``model`` but its change's as they were found, those that were held at what they were."""
-    values = at.model.values(at.found.x)
+def _adapted(at: Situation, model: RivalModel, starts: Iterable[tuple[float, ...]]) -> Iterator[Array]:
+    """Unknowns to start from with those of the fit without as an amount would have them."""
+    own = Weighted.of(at)
+    for start in starts:
+        if (found := _stepped(own, _held(at, model.change, start[0]), still=TUNING.about)) is not None:
+            yield np.append(_known(at, model, found[1]), start)
+
+
+def _known(at: Situation, model: RivalModel, x: Array) -> Array:
+    """The unknowns of a ``model`` but its change's as they are at ``x``, those that were held at what they were."""
+    values = at.model.values(x)
     roots = {f"r:{kind}": math.sqrt(max(values[f"q:{kind}"], 0.0)) for kind in (part.kind for part in model.stretches)}
     own = [name for name in model.names if name not in model.change.names]
     return np.array([({"turn": 0.0} | roots | values)[name] for name in own])
@@ -243,7 +268,7 @@ def _known(at: Situation, model: RivalModel) -> Array:
 def _new(at: Situation, model: RivalModel, start: tuple[float, ...]) -> Iterator[Array]:
     """Unknowns about an amount to ``start`` from, as its body suggests."""
     if model.change.back is not None:
-        x, way, back = _known(at, model), model.stretches[0], model.stretches[-1]
+        x, way, back = _known(at, model, at.found.x), model.stretches[0], model.stretches[-1]
         slow = max(at.model.values(at.found.x)[f"q:{way.kind}"], TUNING.slow * x[model.names.index(f"q:{back.kind}")])
         x[model.names.index(f"q:{back.kind}")] = slow
         yield np.append(x, start)
@@ -260,9 +285,10 @@ def _in_full(at: Situation, model: RivalModel, x: Array, score: Score) -> InFull
         found = fit(without, found.x, near=True)
     found = settled(found)
     here = Situation(at.body, found)
-    (misfit, dof, loose), (plain, *_) = left_over(here, at), left_over(at, here)
+    misfit, dof, loose = left_over(here, told_rows(here))
     chance = float(fdtrc(dof, max(loose, 1), misfit / dof))
-    return InFull(score, found, misfit, chance, plain - misfit)
+    falls = left_over(at, rows_of(at, here))[0] - left_over(here, rows_of(here, at))[0]
+    return InFull(score, found, misfit, chance, falls)
 
 
 def settled(found: ForceCurveFit) -> ForceCurveFit:

@@ -57,9 +57,9 @@ class RecordRivalTuning:
     smooth: float = 2 / 3  # theory: power of the load in which they are drawn, at first contact it is delta^1.5
     instants: int = 150  # choice: at which hereditary integrals are taken
     skinned: float = 0.03  # choice: [N/m], surface tension of gels and rubbers; of water 0.07
-    leaning: float = 1.0  # choice: standard errors of its amount, from which on one that nobody described counts
+    leaning: float = 1.645  # theory: standard errors of its amount, 5 % by chance, from which on an unsaid one counts
     longest: float = 10e-9  # choice: [m], range of adhesion that is likely; of molecules a nanometre, of hairs more
-    cone: float = 2.0  # choice: twice what a cone's exponent differs from a paraboloid's by, as one step may overshoot
+    cone: float = 3.0  # choice: three times what a cone's exponent differs from a paraboloid's by: one step overshoots
     strains: float = 2.0  # choice: of the effect of large strains on rubber, that of other materials
     device: float = 1.0  # choice: relative, by which a stiffness that someone measured may be off
     shape: float = 0.003  # choice: exponent of the profile within which a tip is what it is called: by as much its
@@ -76,8 +76,7 @@ class RecordRivalTuning:
     rises: tuple[float, float] = (-5.0, 5.0)  # choice: of the log of w along a record
     farther: float = 1.5  # choice: of the largest radius, beyond which a modulus that changes is even
     profiles: tuple[float, ...] = (-0.8, 0.0)  # choice: exponents less that of a paraboloid, to begin with
-    tabor: tuple[float, ...] = (3.0, 1.0, 0.3)  # choice: Tabor numbers, to begin with
-    tabor_long: tuple[float, ...] = (0.3, 0.1, 0.03)  # choice: the same, of a long range
+    tabor: tuple[float, ...] = (3.0, 1.0, 0.3, 0.1, 0.03)  # choice: Tabor numbers, to begin with
     farthest: float = 1e3  # choice: range over how far adhesion deforms the body; longer ones change nothing
     tensions: tuple[float, ...] = (0.03,)  # choice: 2 tension/E* over the contact radius, to begin with
     exponents: tuple[float, ...] = (0.3, 0.8)  # choice: of the speed of the edge, to begin with
@@ -366,19 +365,20 @@ def finite_range(at: Situation) -> Change | None:
     return Change(starts, limits={AMOUNT: (0.0, most)}, **bending(bends), felt=True, told=told)
 
 
-def long_range(at: Situation) -> Change | None:
+def long_range(at: Situation) -> Array | None:
     """From JKR to adhesion that pulls from so far that it deforms nothing (Derjaguin, Muller and Toporov, J. Colloid
-    Interface Sci. 53 (1975) 314), at equal w: 2 pi w R less than without adhesion at equal displacement."""
-    R, plain, values = at.body.problem.indenter.tip_radius, finite_range(at), at.model.values(at.found.x)
-    if R is None or plain is None:
+    Interface Sci. 53 (1975) 314), at equal w: 2 pi w R less than without adhesion at equal displacement. In full it
+    is a finite range."""
+    R, values = at.body.problem.indenter.tip_radius, at.model.values(at.found.x)
+    if R is None or not at.work:
         return None
     D, _, H, _ = at.model.family.at(grid(at.model.family))[0]
     P = at.loads
     z = np.concatenate([at.model.depth(part, values) for part in at.model.stretches])
     works = [np.full(part.P.size, max(values[f"q:{part.kind}"], 0.0)) for part in at.model.stretches]
     pulled = at.modulus * (np.interp(z - P / at.model.k, D, H, left=0.0) - 2 * math.pi * R * np.concatenate(works))
-    starts = tuple((amount_of_range(at, neck(at) / mu),) for mu in TUNING.tabor_long)
-    return replace(plain, starts=starts, column=np.where(at.a > 0, (pulled - P) * at.yields, 0.0))
+    column: Array = np.where(at.a > 0, (pulled - P) * at.yields, 0.0)
+    return column
 
 
 def neck(at: Situation) -> float:

@@ -160,7 +160,7 @@ class Verdict:
 def rivals_of_record(at: Situation, known: Known) -> RecordRivals:
     """All rivals of a fit, with what is ``known`` before the data."""
     held, found = columns(at), at.found
-    keep = _told_rows(at)
+    keep = told_rows(at)
     names, (off, J) = list(held), at.here
     table = np.column_stack([off, J, *held.values()])
     weighted, loose = _weighted(at, table, keep)
@@ -192,16 +192,18 @@ def at_chance(found: ForceCurveFit, taken: float) -> float:
     return float(fdtrc(1, told_by(found), max(taken, 0.0)))
 
 
-def left_over(at: Situation, other: Situation) -> tuple[float, int, int]:
-    """chi^2 of what a fit leaves on the rows that the rivals of an ``other`` fit are judged by, too, its degrees of
-    freedom, and how many rows told the noise."""
+def left_over(at: Situation, keep: Array) -> tuple[float, int, int]:
+    """chi^2 of what a fit leaves on the rows to ``keep``, its degrees of freedom, and how many rows told the noise."""
     off, J = at.here
-    rows, held = (np.concatenate([part.rows for part in one.model.stretches]) for one in (at, other))
-    keep = _told_rows(at) & np.isin(rows, held[_told_rows(other)])
     weighted, loose = _weighted(at, np.column_stack([off, J]), keep)
     _, Q, _ = _spanned(weighted[:, 1:])
     r = weighted[:, 0] - Q @ (Q.T @ weighted[:, 0])
     return float(r @ r), max(int(np.count_nonzero(keep)) - J.shape[1], 1), loose
+
+
+def rows_of(at: Situation, other: Situation) -> Array:
+    """Which rows of a fit an ``other`` has, too."""
+    return np.isin(at.model.rows, other.model.rows)
 
 
 @dataclass(frozen=True, eq=False)
@@ -306,7 +308,7 @@ def _errors(found: ForceCurveFit) -> tuple[float, float]:
     return E, math.sqrt(max(float(by @ found.covariance @ by), 0.0)) if rates else math.inf
 
 
-def _told_rows(at: Situation) -> Array:
+def told_rows(at: Situation) -> Array:
     """Which rows columns are trusted in: none next to a fold or first touch, where they diverge."""
     keep = []
     for part, (a, _) in zip(at.model.stretches, at.radii, strict=True):

@@ -90,7 +90,8 @@ def _write(
     with together():
         targets.write(result.columns, result.summary())
         write(targets[".h5"], result.found, result.body)
-        _draw(pictures)
+        if pictures:
+            _draw(pictures)
         if held is not None and of_map is not None:
             from ..report.plots.map import map_figure
 

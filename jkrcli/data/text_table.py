@@ -39,6 +39,7 @@ _THOUSANDS = {  # by the decimal mark: a number whose digits are grouped, always
     ",": re.compile(r"[+-]?[1-9]\d{0,2}([.'’\u00a0\u202f])\d{3}(\1\d{3})*(,\d*)?\Z"),
 }
 _GROUPED = re.compile(r"[1-9]\d{0,2},\d{3}\Z")
+_THREE = re.compile(r"(?<![\w.])\d{3}(?![\w.])")  # a number like 950 may stand there
 _LETTER = re.compile(r"[^\W\d]")
 _DIGIT = re.compile(r"\d")
 _WORD = re.compile(r"[^\W\d]|\d{1,2}:\d\d(?!\d)")  # a time of day is none of the numbers of a table
@@ -273,6 +274,8 @@ def _is_wide(line: str) -> bool:
 
 def _refuse_doubtful(path: Path, content: list[tuple[int, str]], dialect: Dialect) -> None:
     """Refuse columns that hold both 950 and 1,000, never 1,02: the mark groups thousands, or three decimals follow."""
+    if not _THREE.search("\n".join(line for _, line in content)):
+        return
     mark = dialect.decimal
     rows = [] if dialect.thousands else [(n, dialect.cells(line)) for n, line in content if not _is_comment(line)]
     for i in range(max((len(cells) for _, cells in rows), default=0)):
@@ -305,22 +308,25 @@ def _rows(content: list[tuple[int, str]], dialect: Dialect, least: int, gaps: bo
 
 def _regular(body: list[tuple[int, str]], dialect: Dialect, width: int) -> Array | None:
     """The values by numpy's reader, ten times as fast; None where any line needs a closer look."""
-    mark = SEPARATORS[dialect.separator]
+    mark, lines = SEPARATORS[dialect.separator], [line for _, line in body]
     other = "." if dialect.decimal == "," else '"'  # beside a decimal comma a point is no part of a number
-    if dialect.thousands or any(len(line.split(mark)) != width or '"' in line or other in line for _, line in body):
+    whole = "\n".join(lines)
+    if dialect.thousands or '"' in whole or other in whole:
+        return None
+    if dialect.text and any(len(line.split(mark)) != width for line in lines):
         return None
     numbers = [i for i in range(width) if i not in dialect.text]
     values = np.zeros((len(body), width))
     try:
-        values[:, numbers] = np.loadtxt(
-            (line.replace(dialect.decimal, ".") for _, line in body),
-            delimiter=mark,
-            comments=None,
-            usecols=numbers,
-            ndmin=2,
-        )
+        found = np.loadtxt(
+            whole.replace(dialect.decimal, ".").split("\n") if dialect.decimal != "." else lines,
+            delimiter=mark, comments=None, usecols=numbers if dialect.text else None, ndmin=2,
+        )  # fmt: skip
     except ValueError:
         return None
+    if found.shape[1] != len(numbers):
+        return None
+    values[:, numbers] = found
     return values
 
 
@@ -376,13 +382,27 @@ def _dialect(
 def _most_rows(content: list[tuple[int, str]], dialects: list[Dialect], least: int) -> tuple[Dialect | None, bool]:
     """The dialect that gives most rows of numbers, None where none gives any; whether it leaves lines behind its first
     row unread."""
-    rows = [[n for n, _ in _data(content, dialect, least)] for dialect in dialects]
+    rows = [_row_lines(content, dialect, least) for dialect in dialects]
     sizes = [len(found) for found in rows]
     most = sizes.index(max(sizes))
     if not sizes[most]:
         return None, True
     later = sum(1 for n, line in content if n >= rows[most][0] and not _is_comment(line))
     return dialects[most], later > sizes[most]
+
+
+def _row_lines(content: list[tuple[int, str]], dialect: Dialect, least: int) -> list[int]:
+    """The lines that are rows of numbers: all behind the first one where numpy reads them."""
+    marked = dialect.decimal == "," and not (dialect.text or dialect.thousands)
+    likely = [item for item in content if not (marked and "." in item[1]) and dialect.divides(item[1])]
+    first = next(_data(likely, dialect, least), None)
+    if first is None:
+        return []
+    body = [(n, line) for n, line in content if n >= first[0]]
+    values = _regular(body, dialect, len(first[1]))
+    if values is not None and np.isfinite(values).all():
+        return [n for n, _ in body]
+    return [n for n, _ in _data(body, dialect, least)]
 
 
 def _with_words(content: list[tuple[int, str]], dialect: Dialect, least: int) -> Dialect:

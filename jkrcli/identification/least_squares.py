@@ -1,7 +1,7 @@
 """The one search of all fits, and what follows from searching again: profiles and samples.
 
 ``LeastSquares`` is what is minimised: a model, which gives its ``State`` at any unknowns, bounds and the loss. It has
-the memory of the last state, SciPy's trust region (method "trf") and what ended it. An interval by the profile holds
+the memory of the last state, a trust region of its own (SciPy's "trf" for robust losses) and what ended it. An interval by the profile holds
 what follows from the unknowns with one more row; samples search through changed rows.
 """
 
@@ -32,6 +32,13 @@ class SearchTuning:
     rows: int = 20  # choice: least rows of a record
     floor: float = 1e-6  # choice: of a column's range, no smaller noise is taken
     vague: float = 0.3  # choice: relative standard error beyond which a value is little more than its order
+    poor: float = 0.25  # choice: of what a step foretold, below which the next ones are shorter
+    good: float = 0.75  # choice: of it, above which they may be longer
+    whole: float = 0.95  # choice: of the radius, above which a step is as long as it
+    longer: float = 1.01  # choice: over the radius, what a step may be
+    rounds: int = 10  # choice: guard, of Newton's method for it; two or three are needed
+    singular: float = 1e-14  # theory: of the largest singular value, rounding
+    evaluations: int = 100  # choice: guard, for each unknown
     misfit: float = 1.3  # choice: scatter over the noise from row to row beyond which the law or the body is doubted
 
 
@@ -49,6 +56,12 @@ class State:
     @cached_property
     def jacobian(self) -> Array:
         return self.rates()
+
+    @cached_property
+    def cost(self) -> float:
+        """Half the sum of squares, infinite where there is none."""
+        half = 0.5 * float(self.residuals @ self.residuals)
+        return half if math.isfinite(half) else math.inf
 
     def rows(self, chosen: Array) -> State:
         """That of the ``chosen`` rows."""
@@ -87,6 +100,8 @@ class LeastSquares:
         start = np.clip(start, *self.bounds)
         if not np.isfinite(at(start).residuals).all():
             raise SolveError("no curve of this body resembles the record")
+        if self.loss == "linear":
+            return self._of_squares(start, at(start))
         found = optimize.least_squares(
             lambda x: at(x).residuals, start, lambda x: at(x).jacobian, bounds=self.bounds,
             method="trf", x_scale="jac", loss=self.loss, f_scale=self.width, max_nfev=self.evaluations,
@@ -94,6 +109,46 @@ class LeastSquares:
         )  # fmt: skip
         steps, ended = int(found.nfev), found.status > 0
         return Least(self, found.x, at(found.x), float(found.cost), found.active_mask != 0, steps, ended)
+
+    def _of_squares(self, x: Array, state: State) -> Least:
+        """The least of squares by steps of Gauss and Newton within a radius, in units of the columns' lengths, that
+        grows and shrinks with how well each foretells the cost (More, Lecture Notes in Mathematics 630 (1978) 105)."""
+        cost, most, (low, high) = state.cost, self.evaluations or TUNING.evaluations * x.size, self.bounds
+        units, radius, steps = np.zeros_like(x), math.inf, 1
+        while steps < most:
+            slopes = state.jacobian.T @ state.residuals
+            inner = ~((x <= low) & (slopes > 0) | (x >= high) & (slopes < 0))
+            if not np.abs(slopes[inner]).max(initial=0.0) > self.converged:
+                return self._ended(x, state, steps, True)
+            units = np.maximum(units, np.linalg.norm(state.jacobian, axis=0))
+            length = np.where(units > 0, units, 1.0)
+            radius = min(radius, float(np.linalg.norm(x * length)) or 1.0)
+            ball = _Ball.of(state.jacobian[:, inner] / length[inner], state.residuals)
+            while steps < most:
+                new = x.copy()
+                new[inner] -= ball.step(radius) / length[inner]
+                new = np.clip(new, low, high)
+                there, steps = self.model(new), steps + 1
+                change, moved = state.jacobian @ (new - x), float(np.linalg.norm((new - x) * length))
+                foretold, fallen = -float(change @ (state.residuals + change / 2)), cost - there.cost
+                good = fallen / foretold if foretold > 0 else 0.0
+                close = float(np.linalg.norm(new - x)) < self.converged * (self.converged + float(np.linalg.norm(x)))
+                ended = close or (good > TUNING.poor and fallen < max(self.cost, self.converged) * cost)
+                if good < TUNING.poor:
+                    radius = TUNING.poor * moved
+                elif good > TUNING.good and moved > TUNING.whole * radius:
+                    radius = 2 * radius
+                if fallen > 0:
+                    x, state, cost = new, there, there.cost
+                if ended:
+                    return self._ended(x, state, steps, True)
+                if fallen > 0:
+                    break
+        return self._ended(x, state, steps, False)
+
+    def _ended(self, x: Array, state: State, steps: int, ended: bool) -> Least:
+        low, high = self.bounds
+        return Least(self, x, state, state.cost, (x <= low) | (x >= high), steps, ended)
 
     def through(self, change: Callable[[State], State]) -> LeastSquares:
         """The same with all states changed."""
@@ -160,6 +215,35 @@ class Least:
         with contextlib.suppress(JkrError):
             return replace(self.problem.through(change), converged=cost, cost=cost).least(near).x
         return None
+
+
+@dataclass(frozen=True, eq=False)
+class _Ball:
+    """Where the squares ``along`` right singular vectors ``V`` of derivatives, of singular ``sizes``, are least."""
+
+    along: Array
+    sizes: Array
+    V: Array
+
+    @classmethod
+    def of(cls, J: Array, off: Array) -> _Ball:
+        triangle: Array = np.asarray(np.linalg.qr(np.column_stack([J, off]), mode="r"))
+        n = J.shape[1]
+        U, sizes, V = np.linalg.svd(triangle[:n, :n])
+        return cls(U.T @ triangle[:n, n], np.maximum(sizes, TUNING.singular * sizes[0]), V)
+
+    def step(self, radius: float) -> Array:
+        """The step to there that is no longer than ``radius``, by Newton's method for the inverse of its length."""
+        more, found = 0.0, self.along / self.sizes
+        for _ in range(TUNING.rounds):
+            length = float(np.linalg.norm(found))
+            if length <= TUNING.longer * radius:
+                break
+            rate = float(np.sum(found**2 / (self.sizes**2 + more))) / length
+            more += (length / radius - 1) * length / rate
+            found = self.sizes * self.along / (self.sizes**2 + more)
+        inside: Array = found @ self.V
+        return inside
 
 
 def by_differences(residuals: Callable[[Array], Array], x: Array, steps: Array) -> State:

@@ -1,8 +1,8 @@
 """The one search of all fits, and what follows from searching again: profiles and samples.
 
-``LeastSquares`` is what is minimised: a model, which gives its ``State`` at any unknowns, bounds and the loss. It has
-the memory of the last state, a trust region of its own (SciPy's "trf" for robust losses) and what ended it. An interval by the profile holds
-what follows from the unknowns with one more row; samples search through changed rows.
+``LeastSquares`` is what is minimised: a model, which gives its ``State`` at any unknowns, bounds and the loss, by a
+trust region: its own for squares, SciPy's ("trf") for robust losses. An interval by the profile holds what follows from
+the unknowns with one more row; samples search through changed rows.
 """
 
 from __future__ import annotations

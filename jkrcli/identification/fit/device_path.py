@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -41,6 +41,11 @@ TUNING = DevicePathTuning()
 Changes = Callable[[Array], Array]  # of the logs of D, T, H, V over u, (4, n), per amount of what differs
 
 
+# Quintics through values and two derivatives at 0 and at 1 (rows), by powers of x (columns):
+HERMITE = np.array([[1, 0, 0, -10, 15, -6], [0, 1, 0, -6, 8, -3], [0, 0, 0.5, -1.5, 1.5, -0.5],
+                    [0, 0, 0, 10, -15, 6], [0, 0, 0, -4, 7, -3], [0, 0, 0, 0.5, -1, 0.5]])  # fmt: skip
+
+
 @lru_cache(maxsize=TUNING.bodies)
 def grid(family: Family) -> Array:
     """Logs of contact radii over which paths are looked at."""
@@ -50,17 +55,59 @@ def grid(family: Family) -> Array:
 @lru_cache(maxsize=TUNING.bodies)
 def on_grid(family: Family) -> tuple[Array, Array, Array]:
     """The functions of a body there, as ``Family.at`` gives them."""
-    return family.at(grid(family))
+    return family.at_nodes(grid(family))
+
+
+@dataclass(frozen=True, eq=False)
+class Nodes:
+    """The functions of a ``family`` at the nodes ``u`` of its grid, for paths of any moduli and any w on it: D, T, H, V
+    and two derivatives by u (4, 3, nodes); ``logs`` of them, derivatives by nodes (nodes, 3, 4); ``released``: V' T - V
+    T', by which loads change with q."""
+
+    family: Family
+    u: Array
+    functions: Array
+    logs: Array
+    released: Array
+
+    @classmethod
+    @lru_cache(maxsize=TUNING.bodies)
+    def of(cls, family: Family) -> Nodes:
+        u, (value, first, second) = grid(family), on_grid(family)
+        rate, step = first / value, float(u[1] - u[0])
+        logs = np.stack([np.log(value), step * rate, step**2 * (second / value - rate**2)])
+        (_, T, _, V), (_, dT, _, dV) = value, first
+        return cls(family, u, np.stack([value, first, second], axis=1), logs.transpose(2, 0, 1).copy(), dV * T - V * dT)
+
+    def at(self, u: float) -> Array:
+        """D, T, H, V and their derivatives at one place (3, 4), good to rounding."""
+        place = (u - float(self.u[0])) / float(self.u[1] - self.u[0])
+        i = math.floor(place)
+        if not 0 <= i < self.u.size - 1:
+            return np.stack(self.family.at(np.array([u])))[..., 0]
+        x, n = place - i, self.u.size - 1
+        powers = np.array([[1, x, x**2, x**3, x**4, x**5], [0, 1, 2 * x, 3 * x**2, 4 * x**3, 5 * x**4],
+                           [0, 0, 2, 6 * x, 12 * x**2, 20 * x**3]])  # fmt: skip
+        logs, rates, bends = (powers @ HERMITE.T) @ self.logs[i : i + 2].reshape(6, 4)
+        rates, bends = (rates * (per := n / float(self.u[-1] - self.u[0])), bends * per**2)
+        values = np.exp(logs)
+        return np.stack([values, values * rates, values * (bends + rates**2)])
+
+
+def _path(s: float, r: float, k: float, functions: Array) -> Array:
+    """Position and load of an edge that moves, by ``functions`` D, T, H, V (4, ...)."""
+    of_four = np.array([[1.0, -r, s / k, -s * r / k], [0.0, 0.0, s, -s * r]])
+    found: Array = (of_four @ functions.reshape(4, -1)).reshape(2, *functions.shape[1:])
+    return found
 
 
 @dataclass(frozen=True, eq=False)
 class DeviceBranch:
     """The stable branch of one body at a device, on which the edge moves: load over zeta = sqrt(z - fold), where it is
-    smooth.
+    smooth, of a body at ``nodes`` with moduli times ``s`` and ``r`` the root of q.
 
     ``rates``: derivatives of the load at fixed z by ln s and q = w/s, times zeta, (2, n). ``fold`` [m]: where it ends;
-    ``u``: log of the contact radius [m] along it. ``below``: q where it is negative, else 0. ``parts``: what D, T, H
-    and V have of displacement and load (4, n); ``k`` of the device.
+    ``u``: log of the contact radius [m] along it. ``below``: q where it is negative, else 0; ``k`` of the device.
     """
 
     fold: float
@@ -70,8 +117,26 @@ class DeviceBranch:
     slope: Array
     rates: Array
     below: float
-    parts: Array
     k: float
+    s: float
+    r: float
+    nodes: Nodes
+
+    @cached_property
+    def parts(self) -> Array:
+        """What D, T, H and V have of displacement and load (4, n)."""
+        D, T, H, V = self.nodes.family.at(self.u)[0]
+        return np.stack([D, self.r * T, self.s * H, self.s * self.r * V])
+
+    @cached_property
+    def cubics(self) -> Array:
+        """Between nodes: where they begin, the inverse width, the load's coefficients of a cubic, and of the two rates
+        value and change (10, n - 1)."""
+        width = np.diff(self.zeta)
+        left, rise, dl, dr = self.P[:-1], np.diff(self.P), self.slope[:-1] * width, self.slope[1:] * width
+        curved = dl + dr - 2 * rise
+        of_load = [left, dl, rise - dl - curved, curved]
+        return np.stack([self.zeta[:-1], 1 / width, *of_load, *self.rates[:, :-1], *np.diff(self.rates)])
 
     def at(self, z: Array, blunt: float) -> tuple[Array, Array]:
         """Load at positions ``z`` [m], and its derivatives by ln s, q and z, (3, n).
@@ -81,16 +146,13 @@ class DeviceBranch:
         """
         zeta = np.sqrt(np.maximum(z - self.fold, blunt))
         i = np.clip(np.searchsorted(self.zeta, zeta) - 1, 0, self.zeta.size - 2)
-        width = self.zeta[i + 1] - self.zeta[i]
-        x = (zeta - self.zeta[i]) / width
-        left, right, dl, dr = self.P[i], self.P[i + 1], self.slope[i] * width, self.slope[i + 1] * width
-        a, b = 2 * (left - right) + dl + dr, 3 * (right - left) - 2 * dl - dr
-        by_z = (dl + x * (2 * b + 3 * x * a)) / width / (2 * zeta)
-        P = left + x * (dl + x * (b + x * a)) + by_z * (z - self.fold - zeta**2)
-        change = self.rates[:, i + 1] - self.rates[:, i]
-        by_s, by_q = (self.rates[:, i] + change * x) / zeta
+        first, per, c0, c1, c2, c3, s0, q0, s1, q1 = self.cubics[:, i]
+        x = (zeta - first) * per
+        by_z = (c1 + x * (2 * c2 + 3 * x * c3)) * per / (2 * zeta)
+        P = c0 + x * (c1 + x * (c2 + x * c3)) + by_z * (z - self.fold - zeta**2)
+        by_s, by_q = (s0 + s1 * x) / zeta, (q0 + q1 * x) / zeta
         if self.below:
-            bent = (change[1] / width - by_q) / (2 * zeta**2)
+            bent = (q1 * per - by_q) / (2 * zeta**2)
             P, by_s, by_z = P + self.below * by_q, by_s + self.below * by_q, by_z + self.below * bent
         return P, np.stack([by_s, by_q, by_z])
 
@@ -112,43 +174,45 @@ class DeviceBranch:
 def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
     """The stable branch for moduli times ``s`` and work of adhesion ``q`` s, by a device of stiffness ``k``: at the
     fold and at radii of the grid beyond."""
-    u, r = grid(family), math.sqrt(max(q, 0.0))
-    known = on_grid(family)
-    first, second = (D - r * T + s / k * (H - r * V) for D, T, H, V in known[1:])  # of the position, by u
-    i, start = _fold(u, first, second)
-    here = tuple(np.concatenate([one, many[:, i:]], axis=1) for one, many in zip(family.at(start), known, strict=True))
-    (D, T, H, V), (dD, dT, dH, dV), (ddD, ddT, ddH, ddV) = here
-    P, dP = s * (H - r * V), s * (dH - r * dV)
-    z, dz, bend = D - r * T + P / k, dD - r * dT + dP / k, ddD[0] - r * ddT[0] + s / k * (ddH[0] - r * ddV[0])
+    nodes, r = Nodes.of(family), math.sqrt(max(q, 0.0))
+    path = _path(s, r, k, nodes.functions)
+    i, start = _fold(nodes.u, path[0, 1], path[0, 2])
+    first = nodes.at(start)
+    path[..., i - 1] = _path(s, r, k, first.T)
+    (z, dz, _), (P, dP, _) = path[..., i - 1 :]
+    u, released = nodes.u[i - 1 :].copy(), nodes.released[i - 1 :].copy()
+    u[0], released[0] = start, first[1, 3] * first[0, 1] - first[0, 3] * first[1, 1]
     zeta = np.sqrt(np.maximum.accumulate(z - z[0]))
     steep = np.divide(zeta, dz, out=np.zeros_like(z), where=dz > 0)
+    bend = float(path[0, 2, i - 1])
     if i > 1 and bend > 0:
         steep[0] = 1 / math.sqrt(2 * bend)  # its limit at the fold, where z is a parabola of u
-    slope, rates = 2 * dP * steep, np.stack([zeta * P - dP * steep * P / k, -s / 2 * (dV * T - V * dT) * steep])
+    slope = 2 * dP * steep
+    rates = np.stack([zeta * P - slope * P / (2 * k), -s / 2 * released * steep])
     up = np.append(True, np.diff(zeta) > 0)
     if not up[1:].any():
         raise SolveError(
             f"no contact is stable at this w up to a = {show(math.exp(u[-1]), 'length')}: take a smaller w, or check "
             "the radius and the units"
         )
-    parts = np.stack([D, r * T, s * H, s * r * V])[:, up]
-    u = np.append(start, u[i:])[up]
-    return DeviceBranch(float(z[0]), u, zeta[up], P[up], slope[up], rates[:, up], min(q, 0.0), parts, k)
+    if not up.all():
+        u, zeta, P, slope, rates = u[up], zeta[up], P[up], slope[up], rates[:, up]
+    return DeviceBranch(float(z[0]), u, zeta, P, slope, rates, min(q, 0.0), k, s, r, nodes)
 
 
-def _fold(u: Array, rates: Array, bends: Array) -> tuple[int, Array]:
+def _fold(u: Array, rates: Array, bends: Array) -> tuple[int, float]:
     """Where the position, of derivatives ``rates`` and ``bends`` on ``u``, turns to rise for good: the first node that
     is well beyond, and the place, a root of the cubic through two nodes; the first u where it rises or falls on all."""
     falling = np.flatnonzero(rates <= 0)
     if not falling.size or falling[-1] == u.size - 1:
-        return 1, u[:1]
+        return 1, float(u[0])
     i, step = int(falling[-1]), float(u[1] - u[0])
     left, right, dl, dr = (float(item) for item in (rates[i], rates[i + 1], step * bends[i], step * bends[i + 1]))
     x, a, b = left / (left - right), 2 * (left - right) + dl + dr, 3 * (right - left) - 2 * dl - dr
     for _ in range(TUNING.polished):
         slope = dl + x * (2 * b + 3 * x * a)
         x = min(max(x - (left + x * (dl + x * (b + x * a))) / slope, 0.0), 1.0) if slope > 0 else x
-    return i + (1 if x < TUNING.beside else 2), u[i : i + 1] + x * step
+    return i + (1 if x < TUNING.beside else 2), float(u[i]) + x * step
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,21 +261,20 @@ class Rest:
 def rest(family: Family, s: float, advanced: float, receding: float, k: float, turn: float) -> Rest:
     """The resting edge of a device that turns at position ``turn`` [m], after an advance with the root ``advanced`` of
     q, until it recedes with ``receding``. ``advanced`` < 0: a smaller contact than without adhesion."""
-    u = grid(family)
-    (D, T, H, V), _, _ = on_grid(family)
-    z = D - advanced * T + s * (H - advanced * V) / k
+    nodes = Nodes.of(family)
+    z = _path(s, advanced, k, nodes.functions[:, 0])[0]
     first = int(np.argmin(z))
-    near = float(np.interp(turn, z[first:], u[first:]))
+    near = float(np.interp(turn, z[first:], nodes.u[first:]))
     for _ in range(TUNING.steps):
-        (D, T, H, V), (dD, dT, dH, dV), _ = family.at(np.array([near]))[0:3]
-        z, dz = D - advanced * T + s * (H - advanced * V) / k, dD - advanced * dT + s * (dH - advanced * dV) / k
-        step = float(np.clip((turn - z[0]) / max(dz[0], 1e-300), -TUNING.widest, TUNING.widest))
-        if abs(step) < TUNING.found or near + step < u[first]:
+        (d, t, h, v), (dD, dT, dH, dV), _ = nodes.at(near).tolist()
+        dz = dD - advanced * dT + s * (dH - advanced * dV) / k
+        off = turn - (d - advanced * t + s * (h - advanced * v) / k)
+        step = min(max(off / max(dz, 1e-300), -TUNING.widest), TUNING.widest)
+        if abs(step) < TUNING.found or near + step < nodes.u[first]:
             break
         near += step
-    d, t, h, v = (float(item[0]) for item in (D, T, H, V))
     S = s * v / t
-    dS = S * float(dV[0] / v - dT[0] / t)
-    per = 1 / max(float(dz[0]), TUNING.flat * d)
+    dS = S * (dV / v - dT / t)
+    per = 1 / max(dz, TUNING.flat * d)
     by_u = -s * (h - advanced * v) / k * per, (t + s * v / k) * per, per
     return Rest(near, d - receding * t + s * (h - receding * v) / k, by_u, d, s * h, S, dS, advanced * t, k)

@@ -291,20 +291,17 @@ class ForceCurveModel:
 
     def evaluated(self, x: Array, blunt: float) -> tuple[Array, Array]:
         """The same anew."""
-        values = self.values(x)
-        off = []
-        rates = np.zeros((sum(part.P.size for part in self.stretches), x.size))
-        first = 0
-        for part in self.stretches:
-            rows = slice(first, first + part.P.size)
-            first = rows.stop
+        values, names = self.values(x), {name: i for i, name in enumerate(self.names)}
+        ends = np.cumsum([0] + [part.P.size for part in self.stretches])
+        off, rates = np.empty(ends[-1]), np.zeros((x.size, ends[-1]))
+        for part, first, last in zip(self.stretches, ends[:-1], ends[1:], strict=True):
             load, by = self._contact(part, values, blunt)
             line, by_line = base_line(part, values)
-            off.append(line + load - part.P)
+            off[first:last] = line + load - part.P
             for name, column in {**by, **by_line}.items():
-                if name in self.names:
-                    rates[rows, self.names.index(name)] = column
-        return np.concatenate(off), rates
+                if name in names:
+                    rates[names[name], first:last] = column
+        return off, rates.T
 
     def by_position(self, x: Array) -> Array:
         """Derivative of the loads of all rows by their positions [N/m], the turn and the base lines where they are."""
@@ -318,27 +315,33 @@ class ForceCurveModel:
         moving, resting, depth = self.branch(part, values), self.rest(part, values), self.depth(part, values)
         own, q = f"q:{part.kind}", values[f"q:{part.kind}"]
         touching = self.touching(part, values, moving.fold)
-        P, by = np.zeros(depth.size), np.zeros((5, depth.size))  # by ln s, own q, z, the root of q before, the turn
-        still = np.zeros_like(touching) if resting is None else touching & (depth > resting.end)
-        moves = touching & ~still
-        P[moves], by[:3, moves] = moving.at(depth[moves], blunt * part.reach if blunt else part.spacing / 2)
-        if resting is not None and still.any():
-            P[still], by[np.ix_(np.array([0, 3, 2, 4]), np.flatnonzero(still))] = resting.at(depth[still])
-        by_s, by_q, by_z, by_before, by_turn = by
-        root, share = math.sqrt(max(q, 1e-300)), values.get("turn", 0.0)
-        by_q = by_q + by_before * share / (2 * root)
-        first = self.stretches[0]
+        rows, still = np.flatnonzero(touching), np.empty(0, dtype=int)
+        if resting is not None:
+            rests = depth[rows] > resting.end
+            rows, still = rows[~rests], rows[rests]
+        P, by = np.zeros(depth.size), np.zeros((3, depth.size))  # by ln s, own q, z
+        P[rows], by[:, rows] = moving.at(depth[rows], blunt * part.reach if blunt else part.spacing / 2)
+        by_s, by_q, by_z = by
+        more: dict[str, Array] = {}
+        if resting is not None:
+            by_before, by_turn = np.zeros((2, depth.size))  # the root of q before, the turn
+            P[still], (by_s[still], by_before[still], by_z[still], by_turn[still]) = resting.at(depth[still])
+            root = math.sqrt(max(q, 1e-300))
+            by_q += by_before * (values.get("turn", 0.0) / (2 * root))
+            more = {"turn": by_before * root, **_by_advance(self.stretches[0], part, values, by_before)}
+        elif part is self.stretches[0] and (name := f"r:{part.kind}") in values:
+            more = {name: 2 * abs(values[name]) * by_q}
+        by_z0 = -by_z if resting is None else -by_z - by_turn
+        for name, misplaced in self.misplaced(part).items():
+            more[name] = by_z * misplaced
+            if name == "creep" and resting is not None:
+                more[name] += by_turn * self.deepened(part, values)
         return P, {
             "ln_s": by_s - q * by_q if part.kind in self.works else by_s,
             "z": by_z,
-            "z0": -by_z - by_turn,
+            "z0": by_z0,
             own: by_q,
-            "turn": by_before * root,
-            **{
-                name: by_z * by + by_turn * self.deepened(part, values) * (name == "creep")
-                for name, by in self.misplaced(part).items()
-            },
-        } | _by_advance(first, part, values, by_q, by_before)
+        } | more
 
     def by_body(self, x: Array, changes: Sequence[Changes | None]) -> Array:
         """Derivative of the loads of all rows by an amount of ``changes`` of the body, those of each stretch."""
@@ -357,14 +360,16 @@ class ForceCurveModel:
 
 
 def _by_advance(
-    first: DirectionReadings, part: DirectionReadings, values: Mapping[str, float], by_q: Array, by_before: Array
+    first: DirectionReadings, part: DirectionReadings, values: Mapping[str, float], by_before: Array
 ) -> dict[str, Array]:
-    """Derivatives of the load of a stretch by q of the ``first`` one or its root, with which it came to the turn."""
-    root = values.get(f"r:{first.kind}")
-    if root is not None:
-        return {f"r:{first.kind}": 2 * abs(root) * by_q if part is first else by_before}
+    """Derivatives of the load of a stretch at rest by q of the ``first`` one or its root, with which it came to the
+    turn."""
     q = values[f"q:{first.kind}"]
-    return {f"q:{first.kind}": by_before / (2 * math.sqrt(q))} if part is not first and q > 0 else {}
+    if part is first:
+        return {}
+    if f"r:{first.kind}" in values:
+        return {f"r:{first.kind}": by_before}
+    return {f"q:{first.kind}": by_before / (2 * math.sqrt(q))} if q > 0 else {}
 
 
 def base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Array, dict[str, Array]]:

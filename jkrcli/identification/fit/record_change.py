@@ -41,27 +41,50 @@ LITTLE = TUNING.little
 
 @dataclass(frozen=True, eq=False)
 class Bent(Family):
-    """A family whose four logs differ by ``change``, a spline over log a (n, 4), constant beyond its ends."""
+    """A family whose four logs differ by ``changes`` (4, nodes) on the grid of that of a ``body``, as at its ends
+    beyond them."""
 
-    change: CubicSpline | None = None
+    body: Family | None = None
+    changes: Array = field(default_factory=lambda: np.empty(0))
+
+    @cached_property
+    def spline(self) -> CubicSpline:
+        assert self.body is not None
+        return CubicSpline(grid(self.body), self.changes.T)
 
     def at(self, u: Array) -> tuple[Array, Array, Array]:
-        assert self.change is not None
-        value, by_u, by_uu = super().at(u)
-        near = np.clip(u, self.change.x[0], self.change.x[-1])
-        g, first, second = (self.change(near, order).T for order in range(3))
-        factor = np.exp(g)
-        return (
-            factor * value, factor * (by_u + first * value),
-            factor * (by_uu + 2 * first * by_u + (second + first**2) * value),
-        )  # fmt: skip
+        near = np.clip(u, self.spline.x[0], self.spline.x[-1])
+        return _bent(super().at(u), *(self.spline(near, order).T for order in range(3)))
+
+    def at_nodes(self, u: Array) -> tuple[Array, Array, Array]:
+        assert self.body is not None
+        return _bent(on_grid(self.body), self.changes, *_rates(self.changes, float(u[1] - u[0])))
+
+
+def _bent(functions: tuple[Array, Array, Array], g: Array, first: Array, second: Array) -> tuple[Array, Array, Array]:
+    """Functions and their derivatives, the logs changed by ``g``."""
+    value, by_u, by_uu = functions
+    factor = np.exp(g)
+    return (
+        factor * value, factor * (by_u + first * value),
+        factor * (by_uu + 2 * first * by_u + (second + first**2) * value),
+    )  # fmt: skip
+
+
+def _rates(g: Array, step: float) -> tuple[Array, Array]:
+    """Two derivatives of rows at even nodes, of fourth order but at the two of each end."""
+    near, far = slice(1, -3), slice(3, -1)
+    first = (8 * (g[:, far] - g[:, near]) - g[:, 4:] + g[:, :-4]) / (12 * step)
+    second = (16 * (g[:, far] + g[:, near]) - g[:, 4:] - g[:, :-4] - 30 * g[:, 2:-2]) / (12 * step**2)
+    ends = np.clip(np.arange(-2, g.shape[1] - 2), 0, first.shape[1] - 1)
+    return first[:, ends], second[:, ends]
 
 
 def bent(family: Family, changes: Array) -> Family:
     """A family whose logs of D, T, H, V differ by ``changes`` (4, n) on its grid."""
     if not np.isfinite(changes).all():
         raise SolveError("no body has curves that differ so much")
-    return Bent(family.logs, family.low, family.high, None, CubicSpline(grid(family), changes.T))
+    return Bent(family.logs, family.low, family.high, None, family, changes)
 
 
 def by_log(u: Array, changes: Array) -> Changes:
@@ -99,10 +122,12 @@ def _plain_integral(family: Family) -> Array:
 
 
 def _integral(u: Array, rate: Array) -> Array:
-    """The integral of a ``rate`` over ``u``, a power law's up to the first."""
-    log = np.log(rate[:2])
-    first = rate[0] * (u[1] - u[0]) / (log[1] - log[0])
-    found: Array = first + CubicSpline(u, rate).antiderivative()(u)
+    """The integral of a ``rate`` over even nodes ``u``, a power law's up to the first: by cubics through values and
+    derivatives (Euler and Maclaurin)."""
+    step, log = float(u[1] - u[0]), np.log(rate[:2])
+    by_u = _rates(rate[None], step)[0][0]
+    cells = step / 2 * (rate[1:] + rate[:-1]) - step**2 / 12 * np.diff(by_u)
+    found: Array = np.cumsum(np.append(rate[0] * step / (log[1] - log[0]), cells))
     return found
 
 

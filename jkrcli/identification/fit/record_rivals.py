@@ -19,7 +19,7 @@ from scipy.interpolate import CubicSpline
 
 from ...adhesion import LIMITS, Nonadhesive, Program, RelaxingContact
 from ...adhesion.validity import EXCESS, STRAINED
-from ...base import Array, InputError, JkrError
+from ...base import TINY, Array, InputError, JkrError
 from ...bodies import HalfSpace, Layer, Loading, PowerRelaxation, Relaxation, Rigid, Specimen, StandardSolid
 from ...data.measured.curve import APPROACH
 from ...methods.layered.layered import unbounded
@@ -48,6 +48,8 @@ class RecordRivalTuning:
     same: float = 1e-6  # choice: relative difference of bodies below which they are one, errors of their solution
     widest_rim: float = 0.3  # choice: of the contact radius, a ring with which the search for its width begins
     steps: int = 12  # choice: of Newton's method for it; it needs four
+    widest_step: float = 2.0  # choice: of the log of that width
+    settled: float = 1e-7  # choice: such a step, after which the next is below rounding
     pieces: int = 60  # choice: of the way of the tip in each direction, for the history of a body that relaxes
     deeper: float = 1.5  # choice: of the way in contact, to which that body is solved
     histories: int = 8  # choice: kept, more only saves time
@@ -55,7 +57,7 @@ class RecordRivalTuning:
     grows: float = 0.02  # choice: of the depth, by which a contact may grow again: noise of the deflection
     times: int = 50  # choice: instants of each direction at which those loads are solved; splines between them
     smooth: float = 2 / 3  # theory: power of the load in which they are drawn, at first contact it is delta^1.5
-    instants: int = 150  # choice: at which hereditary integrals are taken
+    instants: int = 100  # choice: at which hereditary integrals are taken
     skinned: float = 0.03  # choice: [N/m], surface tension of gels and rubbers; of water 0.07
     leaning: float = 1.645  # theory: standard errors of its amount, 5 % by chance, from which on an unsaid one counts
     longest: float = 10e-9  # choice: [m], range of adhesion that is likely; of molecules a nanometre, of hairs more
@@ -416,20 +418,21 @@ def narrow_range(at: Situation) -> float:
 
 
 def _rim(a: Array, D: Array, E: float, w: float, sigma: float) -> Array:
-    """Ratio m of outer to inner radius where a constant tension ``sigma`` releases ``w``, by secants in sqrt(m - 1)."""
-
-    def released(x: Array) -> Array:
-        m = 1 + x**2
-        root, angle = np.sqrt(m**2 - 1), np.arccos(1 / m)
-        own: Array = 4 * sigma**2 * a / (math.pi * E) * (root * angle - m + 1)
-        return own + sigma * D / math.pi * (root + (m**2 - 2) * angle)
-
-    x = np.sqrt(np.minimum(math.pi * E * w / (4 * sigma**2 * a), TUNING.widest_rim))
+    """Ratio m of outer to inner radius where a constant tension ``sigma`` releases ``w``, by Newton's method for the
+    log of what it releases over that of m - 1, nearly straight."""
+    own, pressed = 4 * sigma**2 / (math.pi * E * w) * a, sigma / (math.pi * w) * D
+    x = np.minimum(1 / np.maximum(own, TUNING.widest_rim**-2), np.cbrt(pressed + TINY) ** -2)
     for _ in range(TUNING.steps):
-        here = released(x)
-        rate = (released(x * (1 + LITTLE)) - here) / (x * LITTLE)
-        x = np.clip(x - (here - w) / rate, x / 3, 3 * x)
-    return 1 + x**2
+        m = 1 + x
+        root = np.sqrt(x * (2 + x))
+        angle = np.arctan(root)
+        here = own * (root * angle - x) + pressed * (root + (m**2 - 2) * angle)
+        rate = own * (m * angle / root + 1 / m - 1) + pressed * (m / root + 2 * m * angle + (m - 2 / m) / root)
+        step = -here / (x * rate) * np.log(here)
+        x *= np.exp(np.clip(step, -TUNING.widest_step, TUNING.widest_step))
+        if float(np.abs(step).max()) < TUNING.settled:
+            break
+    return 1 + x
 
 
 def tension(at: Situation) -> Change | None:

@@ -86,7 +86,7 @@ class Situation:
         """Derivative of the loads by the position of the device [N/m], its turn where it is."""
         return self.model.by_position(self.found.x)
 
-    @property
+    @cached_property
     def yields(self) -> Array:
         """What is left at fixed position of a change of load at fixed displacement."""
         return 1 - self.by_position / self.model.k
@@ -127,12 +127,12 @@ class Situation:
         own = np.concatenate([np.full(one.P.size, one is part) for one in self.model.stretches])
         return np.where(own, column, 0.0)
 
-    @property
+    @cached_property
     def lasting(self) -> float:
         """How long the record lasts [s]."""
         return self.model.stretches[0].lasting
 
-    @property
+    @cached_property
     def tip_turn(self) -> float:
         """Where the tip turns [m], beside z0: at the device's turn less its deflection there."""
         part = self.model.stretches[0]

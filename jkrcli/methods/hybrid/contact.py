@@ -55,12 +55,10 @@ class HybridTuning:
     allowed: float = 0.5  # of the tolerance, up to which ``steeper`` asks for no finer elements; choice: half
     unseen: float = 3.0  # times the last polynomial's change / (convergence - 1): its error; theory: geometric series
     least: float = 0.5  # of that change, at least; tuned on random bodies, by `make failures`
-    # Of what extrapolating the cut changes, at most:
-    extrapolated: float = 0.5  # tuned on random bodies, by `make failures`
-    # times what a cut may cost, from which on it is the elements; tuned on random bodies, by `make bounds`
-    unexpected: float = 3.0
-    # Error of S' over that of the others where the first order of the cut vanishes; theory: the next changes S by a^3
-    steeper_cut: float = 4.0  # relative to S ~ a, hence S' by four times as much
+    # Error of S' by the cut over that of S, at least; theory: the next order changes S by a^3 relative to S ~ a
+    steeper_cut: float = 3.0
+    # Of the largest change by extrapolating the cut, where the order that it rests on vanishes and others may cancel
+    cancelled: float = 2.0  # tuned on random bodies, by `make bounds`
     # Of what the second cut changes where fields decay exponentially:
     decayed: float = 0.05  # tuned on random bodies, by `make failures`
     # Refinement:
@@ -378,12 +376,12 @@ def _fastest(region: Region) -> tuple[float, float]:
 
 
 def _extrapolated(region: Region, change: Array) -> Array:
-    """Error that extrapolating the cut leaves, where it makes a ``change``: its next order; more of it as far as it is
-    more than a cut there can cost, which elements have done; and, where the first order vanishes, what it can cost."""
-    expected, share = region.expected_of_cut, min(TUNING.extrapolated, region.next_order)
-    unexpected = np.maximum(change - TUNING.unexpected * expected, 0.0)
-    steeper = np.array([1.0, 1.0, 1.0, TUNING.steeper_cut])[:, None]
-    return share * change + TUNING.extrapolated * unexpected + steeper * expected * region.higher_order
+    """Error that extrapolating the cut leaves, where it makes a ``change``: of the next order."""
+    *others, last = change
+    change = np.stack([*others, np.maximum(last, TUNING.steeper_cut * others[-1])])
+    if not region.higher_order:
+        return region.next_order * change
+    return TUNING.cancelled * np.maximum(change, change[:-1].max())
 
 
 def fem_for(indenter: Indenter) -> str:

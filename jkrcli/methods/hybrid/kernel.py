@@ -132,6 +132,11 @@ def _pairs(line: LineElements) -> float:
     return float(np.sum((line.degrees + 1.0) ** 2))
 
 
+def _below(degree: int) -> int:
+    """The degree of elements that tell what a cut changes."""
+    return max(degree - STEP, REGIONS.least)
+
+
 @dataclass(frozen=True, eq=False)
 class KernelLevels:
     """Kernels of one ``region`` of growing degree, each computed once, from ``count`` parameters t.
@@ -167,7 +172,7 @@ class KernelLevels:
         if self.wide is not None:
             once += cost_of(self.wide, self.count, degree)
         if self.region.cut_beside:
-            below = degree - STEP if self.region.algebraic else degree
+            below = _below(degree) if self.region.algebraic else degree
             once += cost_of(self.region.nearer(), self.count, below)
         return once
 
@@ -176,9 +181,9 @@ class KernelLevels:
         return self._kernel(self.correction(degree, nearer).K)
 
     def kernel(self, degree: int, coarser: int = 0) -> PolynomialKernel:
-        """K of the whole body by elements of ``degree``, or so many levels ``coarser``; extrapolated, by those of one
-        level below ``degree``, where what the cut costs falls with the square of its distance."""
-        K, below = self.correction(degree - STEP * coarser).K, degree - STEP
+        """K of the whole body by elements of ``degree``, or so many levels ``coarser``; extrapolated, by those of about
+        one level below ``degree``, where what the cut costs falls with the square of its distance."""
+        K, below = self.correction(degree - STEP * coarser).K, _below(degree)
         if self.region.algebraic:
             change = self.correction(below).K - self.correction(below, nearer=True).K
             K = K + change / (REGIONS.shrink**2 - 1)

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from sys import float_info
 
 import numpy as np
-from scipy.special import ndtri
 
 from ..base import Array, InputError
-
-ONE_SIDED = float(ndtri(0.95) / ndtri(0.975))  # theory: one-sided over two-sided 95 % of a normal value
 
 
 @dataclass(frozen=True)
@@ -42,30 +37,6 @@ class FittedValue:
     high: float | None = None
     systematic: Mapping[str, float] | None = None
     model: Mapping[str, float] | None = None
-
-
-def estimated(
-    name: str, x: float, dimension: str, sigma: float | None, t: float, log: bool = False,
-    ends: tuple[float, float] = (-math.inf, math.inf),
-) -> FittedValue:  # fmt: skip
-    """The estimate of a free unknown ``x``, the ``log`` of a value or the value itself, within its ``ends``, by its
-    standard error ``sigma`` and the half-width of the interval in these, ``t``."""
-    value = math.exp(min(x, float_info.max_10_exp)) if log else x
-    if sigma is None:
-        return FittedValue(name, value, True, dimension)
-    if not log:
-        low, high = max(x - t * sigma, ends[0]), min(x + t * sigma, ends[1])
-        return FittedValue(name, value, True, dimension, sigma, low, high)
-    spread = math.exp(min(t * sigma, float_info.max_10_exp))
-    return FittedValue(name, value, True, dimension, value * sigma, value / spread, value * spread)
-
-
-def estimated_work(name: str, value: float, error: float, t: float) -> FittedValue:
-    """w [J/m^2] that a search may have found below 0: an interval, or an upper limit where it does not exclude 0."""
-    if value > t * error:
-        return FittedValue(name, value, True, "work", error, value - t * error, value + t * error)
-    value = max(value, 0.0)
-    return FittedValue(name, value, True, "work", error, 0.0, value + ONE_SIDED * t * error)
 
 
 def times(item: FittedValue, factor: float, name: str, dimension: str) -> FittedValue:

@@ -10,13 +10,28 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
+from scipy.special import ndtri
 
 from ..base import Array, InputError, Ranged, did_you_mean
-from .answer import FittedValue, estimated
+from .answer import FittedValue
 
-Kind = Literal["log", "positive", "linear"]
+Kind = Literal["log", "positive", "linear", "limit", "root"]
 LOG: Kind = "log"
 LINEAR: Kind = "linear"
+LIMIT: Kind = "limit"
+ROOT: Kind = "root"
+LIMITED = (LIMIT, ROOT)  # that have an upper limit where 0 is not excluded
+
+
+@dataclass(frozen=True)
+class ParameterTuning:
+    """Where values are sought."""
+
+    edge: float = 1e-6  # choice: how near a share of a whole comes to none of it and to all
+    widest: float = 10.0  # choice: half-width of a log, from which on nothing is told of a value
+
+
+TUNING = ParameterTuning()
 DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load", "compliance": "number",
               "drift": "speed", "hysteresis": "number", "creep": "number", "range": "length",
               "stress": "modulus"}  # fmt: skip
@@ -29,15 +44,8 @@ KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear",
                           "w_approach": "positive"}  # fmt: skip
 
 
-@dataclass(frozen=True)
-class ParameterTuning:
-    """Where values are sought."""
-
-    edge: float = 1e-6  # choice: how near a share of a whole comes to none of it and to all
-
-
-TUNING = ParameterTuning()
 MODULUS = {"modulus": Ranged("number", above=0)}  # the common factor of all moduli
+ONE_SIDED = float(ndtri(0.95) / ndtri(0.975))  # theory: one-sided over two-sided 95 % of a normal value
 ALIAS = "E_star"  # the common modulus by its value rather than as a factor
 
 
@@ -52,6 +60,7 @@ class Parameter:
 
     ``value = None``: free, and the start is found from the data. Names: those of ``DIMENSIONS``, "E:layer" and
     "h:layer" for modulus and thickness of a named layer; others tell their ``scale`` and the ``quantity`` they are.
+    ``follows``: from other parameters, as E* does from the factor of the moduli.
     """
 
     name: str
@@ -61,6 +70,7 @@ class Parameter:
     high: float = math.inf
     scale: Kind | None = None
     quantity: str = ""
+    follows: bool = False
 
     def __post_init__(self) -> None:
         if not self.free and self.value is None:
@@ -80,7 +90,8 @@ class Parameter:
 
     @property
     def kind(self) -> Kind:
-        """The scale on which it is fitted: "log", or as it is, "positive" where it cannot be less than 0.
+        """The scale on which it is fitted and intervals are made: "log", the signed "root", or as it is; "positive"
+        where it cannot be less than 0, "limit" where it may come out so, though it is not.
 
         w as it is: its effect on a curve without adhesion is of first order in w (the shift by its root is along it).
         """
@@ -99,23 +110,37 @@ class Parameter:
         """The optimiser's unknown for ``value``."""
         if self.kind == "log":
             return math.log(value) if value > 0 else -math.inf
+        if self.kind == "root":
+            return math.copysign(math.sqrt(abs(value)), value)
         return max(value, 0.0) if self.kind == "positive" else value
 
     def outer(self, x: float) -> float:
         """The value of the optimiser's unknown ``x``."""
         if self.kind == "log":
             return math.exp(x)
+        if self.kind == "root":
+            return x * abs(x)
         return max(x, 0.0) if self.kind == "positive" else x
 
     def derivative(self, x: float) -> float:
         """d(value)/dx."""
-        return math.exp(x) if self.kind == "log" else 1.0
+        return math.exp(x) if self.kind == "log" else 2 * abs(x) if self.kind == "root" else 1.0
 
     def estimate(self, x: float, sigma: float | None, t: float) -> FittedValue:
         """What is known of it where it is free, by its unknown and the standard error ``sigma`` of that; ``t`` of these
         make the interval."""
-        least = max(self.low, 0.0) if self.kind == "positive" else self.low
-        return estimated(self.name, x, self.dimension, sigma, t, self.kind == "log", (least, self.high))
+        if sigma is None or (self.kind == "log" and t * sigma > TUNING.widest):
+            error = None if sigma is None else self.derivative(x) * sigma
+            return FittedValue(self.name, self.outer(x), True, self.dimension, error)
+        low, high = x - t * sigma, x + t * sigma
+        if self.kind in LIMITED and low <= 0:
+            x = max(x, 0.0)
+            low, high = 0.0, x + ONE_SIDED * t * sigma
+        low, high = self.outer(low), self.outer(high)
+        if self.kind == "linear":
+            low, high = max(low, self.low), min(high, self.high)
+        error = (high - low) / (2 * t) if self.kind == "root" else self.derivative(x) * sigma
+        return FittedValue(self.name, self.outer(x), True, self.dimension, error, low, high)
 
 
 @dataclass(frozen=True, eq=False)

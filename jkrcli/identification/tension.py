@@ -23,11 +23,11 @@ from ..data import Curve
 from ..formulas.griffith import shift
 from ..formulas.surface_tension import edge_angle
 from ..methods.layered.layered import Layered, largest_radius, unbounded
-from .answer import ONE_SIDED, Answer, FittedValue, estimated, times, word
+from .answer import Answer, FittedValue, times, word
 from .fit.body import for_each
 from .fit.statistics import covariance, t_quantile
 from .least_squares import Least, LeastSquares, State, by_differences
-from .parameters import ALIAS, Unknowns, Vocabulary, parameters_of
+from .parameters import ALIAS, LINEAR, ONE_SIDED, Parameter, Unknowns, Vocabulary, parameters_of
 
 TENSION = "surface_tension"
 RANGES = {TENSION: Ranged("tension", above=0), "w": Ranged("work", least=0)}  # beside E_star
@@ -283,7 +283,7 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
         i = unknowns.names.index("w")
         estimates["w"] = _work(best, i, float(sigma[i]), variance, t, unknowns.units["w"])
     zeros = [
-        estimated(f"delta0:{record.name}", zero, "length", error * record.depth, t)
+        _zero(record.name).estimate(zero, error * record.depth, t)
         for record, zero, error in zip(model.records, model.zeros(x).tolist(), sigma[m:].tolist(), strict=True)
     ]
     found = TensionFit(
@@ -292,6 +292,10 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
         scatter=math.sqrt(variance) * float(np.mean([record.load for record in model.records])),
     )  # fmt: skip
     return replace(found, warnings=(*_untold(found, sigma, told), *_steep(model.values(x))))
+
+
+def _zero(record: str) -> Parameter:
+    return Parameter(f"delta0:{record}", True, scale=LINEAR, quantity="length")
 
 
 def _work(best: Least, i: int, sigma: float, variance: float, t: float, unit: float) -> FittedValue:

@@ -24,11 +24,10 @@ from widths import assert_neither_doubled_nor_halved, mean_squares
 
 from jkrcli.adhesion.rate.laws import PowerRate
 from jkrcli.data.measured import Curve
+from jkrcli.identification.answer import FittedValue
 from jkrcli.identification.fit import fit
 from jkrcli.identification.fit.coloured import Spectrum, in_time, spread
-from jkrcli.identification.fit.confidence import wider
 from jkrcli.identification.fit.friction import preferences
-from jkrcli.identification.fit.result import FittedValue
 from jkrcli.identification.fit.statistics import (
     covariance,
     covariance_of_uneven,
@@ -37,6 +36,7 @@ from jkrcli.identification.fit.statistics import (
     t_quantile,
     variance_factor,
 )
+from jkrcli.identification.intervals import wider
 from jkrcli.identification.rate.fitting import rate_fit, rate_settings
 from jkrcli.identification.rate.through import LawThrough, law_through
 

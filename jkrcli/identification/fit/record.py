@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -12,11 +12,12 @@ import numpy as np
 from ...base import Array, InputError, Pool, SolveError, Unknown, known, show
 from ...data import Curve, ForceCurve, examine
 from ...data.measured.curve import APPROACH, RETRACT
-from ..answer import FittedValue, estimated_work
-from ..parameters import POSITIONS, Parameter, dimension_of
+from ..answer import FittedValue
+from ..intervals import Intervals, bootstrap, changes_by, wider
+from ..least_squares import State
+from ..parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, Parameter, dimension_of
 from .body import FittedBody
 from .checks import warnings_of
-from .confidence import changes_by, wider
 from .force_curve import (
     DirectionReadings,
     ForceCurveFit,
@@ -32,7 +33,6 @@ from .force_curve import (
 from .interference import Wave, straightened
 from .points import third_differences
 from .positions import TIMED
-from .record_intervals import of_samples, profiles, rates, samples
 from .record_rivals import OF_RIVALS
 from .record_verdict import by_rivals, judged
 from .result import Fit
@@ -54,7 +54,6 @@ class WholeRecordTuning:
     vague: float = 0.1  # choice: error of the contact point over the depth above which it is not determined
     spoilt: float = 0.1  # choice: factor of the quality for each thing that is wrong with the record itself
     dependent: float = 2.0  # choice: rows worth one above which it is said
-    untold: float = 10.0  # choice: half-width of the log of a modulus above which it is not told by the data
     apart: float = 4.0  # choice: standard errors between the moduli of the two directions from which on they differ
     rough: float = 1.5  # choice: of the noise, residuals from which on the directions are fitted each alone as well
     repelling: float = 3.0  # choice: standard errors below 0 from which on w is held at 0
@@ -437,47 +436,31 @@ def _result(
 ) -> Fit:
     """The fit of a ``curve`` as every fit gives it; ``record``: without the waves of its base lines."""
     values = _outcome(found, found.x, body)
-
-    def meaning(x: Array) -> dict[str, float]:
-        return _outcome(found, x, body)
-
-    by = np.array(list(rates(found, found.x, meaning).values()))
-    covariance = by @ found.covariance @ by.T
     dof = max(found.off.size - found.x.size, 1)
     t = t_quantile(settings.level, max(round(found.spread.dof / found.spread.tau), 1))
-    carried = _carried(body, found, settings, values)
     fixed = {item.name for item in settings.parameters if not item.free and item.name in settings.given}
-    plain = [
-        _estimate(name, value, 0.0 if name in fixed else math.sqrt(max(covariance[i, i], 0.0)), t, found)
-        for i, (name, value) in enumerate(values.items())
-    ]
-    drawn = {}
-    if settings.confidence == "profile" and found.ended:
-        plain = profiles(plain, found, meaning, t)
-    if settings.confidence == "bootstrap" and found.ended:
-        each = [meaning(x) for x in samples(found, settings, pool)]
-        drawn = {name: np.array([told[name] for told in each]) for name in values}
-        plain = [of_samples(item, drawn[item.name], settings.level) for item in plain]
+    told = _intervals(body, found, settings, values, fixed, t, pool)
+    carried = _carried(body, found, settings, values)
+    plain = (_resting(item, found) for item in told.estimates())
     estimates = tuple(wider(item, {key: change[item.name] for key, change in carried.items()}, t) for item in plain)
     if not found.ended:
         estimates = tuple(replace(item, error=None, low=None, high=None) for item in estimates)
     free = tuple(item.name for item in estimates if item.free and item.name != "E_star" and ":" not in item.name
                  and (item.error is not None or item.name != WORKS[RETRACT]))  # fmt: skip
-    held = [list(values).index(name) for name in free]
     rows = np.concatenate([part.rows for part in found.model.stretches])
     a, order = _contact_radii(found), np.argsort(rows)
     assert curve.delta is not None
     assert curve.P is not None
     flags, quality = _judged(record, found, a)
-    told = {**record.flags, **flags}
+    flags = {**record.flags, **flags}
     result = Fit(
         name=curve.name,
         file="" if curve.origin is None else str(curve.origin),
         where=curve.where,
         estimates=estimates,
         free=free,
-        covariance=covariance[np.ix_(held, held)] if found.ended else None,
-        samples=np.stack([drawn[name] for name in free], axis=1) if drawn else None,
+        covariance=told.covariance_of(free) if found.ended else None,
+        samples=told.sampled(free),
         data={"delta": curve.delta[rows[order]], "P": curve.P[rows[order]]},
         rows=rows[order],
         left_out=_left_out(record, rows.size),
@@ -491,12 +474,12 @@ def _result(
         evaluations=found.least.steps,
         settings=settings,
         warnings=(),
-        flags=tuple(told),
+        flags=tuple(flags),
         quality=quality,
         adhesion=_adhesion(record),
         directions=_directions(record, found, settings),
     )
-    said = [f"{name}: {sentence}" for name, sentence in told.items()]
+    said = [f"{name}: {sentence}" for name, sentence in flags.items()]
     at_bound = ["modulus"] * bool(np.isclose(values["modulus"], found.model.moduli, rtol=TUNING.at_bound).any())
     more = warnings_of(result, body, body.family, at_bound)
     return replace(result, warnings=(*said, *_words(found, settings), *more))
@@ -523,43 +506,49 @@ def _carried(
     }
 
 
-def _estimate(name: str, value: float, error: float, t: float, found: ForceCurveFit) -> FittedValue:
-    """An estimate with its interval: of moduli in the logarithm, of w not below 0."""
-    dimension = DIMENSIONS.get(name, "modulus")
-    modulus = name == "modulus" or dimension == "modulus"
-    if name == WORKS[APPROACH] and f"r:{APPROACH}" in found.names:
-        return _squared(name, *_root(found), t)
-    if name == WORKS[RETRACT] and f"q:{RETRACT}" in found.model.known:
-        return FittedValue(name, value, True, dimension, None, value)  # of an edge that rests throughout: at least this
-    if error == 0:
-        return FittedValue(name, value, False, dimension)
-    if dimension == "work":
-        return estimated_work(name, value, error, t)
-    if modulus and t * error > TUNING.untold * value:
-        return FittedValue(name, value, True, dimension)  # the data do not tell it
-    if modulus:
-        spread = math.exp(min(t * error / value, 700.0))
-        return FittedValue(name, value, True, dimension, error, value / spread, value * spread)
-    return FittedValue(name, value, True, dimension, error, value - t * error, value + t * error)
+def _intervals(
+    body: FittedBody, found: ForceCurveFit, settings: Settings, here: Mapping[str, float], fixed: Container[str],
+    t: float, pool: Pool | None,
+) -> Intervals:  # fmt: skip
+    """What is known of the outcome ``here``, of which some are ``fixed``."""
+    quantities = [_quantity(name, found) for name in here]
+    held = {name: value for name, value in here.items() if name in fixed}
+
+    def meaning(x: Array) -> dict[str, float]:
+        told = _outcome(found, x, body) | held
+        return {item.name: item.inner(told[item.name]) for item in quantities}
+
+    samples = None
+    if settings.confidence == "bootstrap" and found.ended:
+        cost = found.least.problem.converged
+        samples = bootstrap(found.least, partial(_renewed, found), cost, settings.samples, settings.seed, pool)
+    profiled = settings.confidence == "profile" and found.ended
+    return Intervals(found.least, quantities, meaning, found.covariance, t, settings.level, profiled, samples=samples)
 
 
-def _squared(name: str, root: float, error: float, t: float) -> FittedValue:
-    """w whose signed ``root`` the data are regular in."""
-    ends = estimated_work(name, root, error, t)
-    assert ends.low is not None
-    assert ends.high is not None
-    low, high = ends.low**2, ends.high**2
-    return FittedValue(name, ends.value**2, True, "work", (high - low) / (2 * t), low, high)
+def _quantity(name: str, found: ForceCurveFit) -> Parameter:
+    """Moduli by their logs, w as it may come out below 0, an advancing one before a rest by its signed root."""
+    dimension, scale = DIMENSIONS.get(name, "modulus"), LINEAR
+    if name == "modulus" or dimension == "modulus":
+        scale = LOG
+    elif dimension == "work":
+        scale = ROOT if name == WORKS[APPROACH] and f"r:{APPROACH}" in found.names else LIMIT
+    return Parameter(name, True, scale=scale, quantity=dimension, follows=dimension == "modulus")
 
 
-def _root(found: ForceCurveFit) -> tuple[float, float]:
-    """Signed root of w on approach and its standard error, by those of r and ln s."""
-    i = found.names.index(f"r:{APPROACH}")
-    r, root_s = float(found.x[i]), math.sqrt(math.exp(found.model.values(found.x)["ln_s"]))
-    by = np.where(np.arange(found.x.size) == i, root_s, 0.0)
-    if "ln_s" in found.names:
-        by[found.names.index("ln_s")] = root_s * r / 2
-    return root_s * r, math.sqrt(max(float(by @ found.covariance @ by), 0.0))
+def _resting(item: FittedValue, found: ForceCurveFit) -> FittedValue:
+    """The estimate; w of an edge that rests throughout is at least what was found."""
+    if item.name != WORKS[RETRACT] or f"q:{RETRACT}" not in found.model.known:
+        return item
+    return FittedValue(item.name, item.value, True, item.dimension, None, item.value)
+
+
+def _renewed(found: ForceCurveFit, rng: np.random.Generator) -> Callable[[State], State]:
+    """Records that the model and the noise of the free rows may have made: residuals as they are, with other noise."""
+    rows = found.model.rows - found.model.rows.min()
+    noise = found.spread.noise.drawn(rng, int(rows.max()) + 1)[rows]
+    other = found.model.whitened(noise, found.weight) - found.least.state.residuals
+    return lambda state: state.moved(other)
 
 
 def _line(found: ForceCurveFit) -> dict[str, Array]:

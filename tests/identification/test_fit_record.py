@@ -24,6 +24,7 @@ from jkrcli.identification.fit import Fit, FittedBody, FittedValue, fit, force_c
 from jkrcli.identification.fit.points import third_differences
 from jkrcli.identification.fit.record import whole_record
 from jkrcli.identification.fit.settings import Settings, settings_of
+from jkrcli.identification.parameters import ROOT, Parameter
 from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.methods.layered.layered import Layered
 
@@ -568,3 +569,13 @@ def test_a_search_that_is_given_up_says_what_is_not_determined(monkeypatch: pyte
     assert "not determined" in found.flags
     assert found.estimate("E_star").high is None
     assert any("stopped after 1 steps" in line for line in found.warnings)
+
+
+def test_the_limit_of_a_root_below_0() -> None:
+    """What tells w itself comes out at -4 ± 1 of its standard errors where the root is -2 ± 1/4; near 0 the root's own
+    limit is the wider one."""
+    item = Parameter("w_approach", True, scale=ROOT, quantity="work")
+    far, near = (item.estimate(root, error, 1.96) for root, error in ((-2.0, 0.25), (-0.1, 1.0)))
+    assert (far.value, far.low, near.low) == (0.0, 0.0, 0.0)
+    assert far.high == pytest.approx(1.645, rel=1e-3)
+    assert near.high == pytest.approx(1.645**2, rel=1e-3)

@@ -20,7 +20,7 @@ from ...base import Array, JkrError, SolveError
 from .body import FittedBody
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
 from .record_change import AMOUNT, Change, RivalModel
-from .record_rivals import LONG, RANGE, RIVALS, amount_of_range, finite_range, neck
+from .record_rivals import LONG, RANGE, RIVALS, TENSION, Known, amount_of_range, neck, tension_amount
 from .record_scores import (
     ASKED,
     EXCLUDED,
@@ -49,7 +49,11 @@ class FullTuning:
     promising: float = 1.5  # choice: of the least sum of squares, up to which a rival is fitted to the end
     endless: float = 400.0  # choice: of how far adhesion deforms the body, a range from which on no longer one differs
     ranges: tuple[float, ...] = (32.0, 8.0, 4.0, 2.83, 2.0, 1.41, 1.0, 0.71)  # choice: the same, those tried below it
-    halves: int = 2  # choice: bisections between the longest range that the data leave and the next one
+    # choice: 2 tension/E* over the contact radius, those tried: the largest of which the first order holds, and smaller
+    skins: tuple[float, ...] = (0.1, 0.05, 0.025, 0.0125, 0.006, 0.003, 0.0015)
+    skinned: float = 0.03  # choice: [N/m], surface tension of gels and rubbers; of water 0.07
+    leaning: float = 1.645  # theory: standard errors, 5 % by chance, from which on one that nobody described counts
+    halves: int = 2  # choice: bisections between the largest amount that the data leave and the next one
     # choice: standard errors by one step, up to the shortest of these, from which on none is tried; of 85 made records
     # that were left one, of Tabor numbers 0.15 to 1, the most was 3.5
     excluded: float = 6.0
@@ -86,23 +90,26 @@ class InFull:
 
 
 @np.errstate(all="ignore")
-def bounded(at: Situation, rivals: RecordRivals, longest: float) -> RecordRivals:
+def bounded(at: Situation, rivals: RecordRivals, known: Known) -> RecordRivals:
     """The rivals, of which those that are likely before the data move E* and w by what a fit with as much of them as
-    is possible does: one step trusts no row next to a fold. ``at``: the fit without; ``longest``: range of adhesion
-    [m] that there may be."""
+    is possible does: one step trusts no row next to a fold. ``at``: the fit without."""
     if rivals.named:
         return rivals
-    own, scores = Weighted.of(at), []
-    for score in rivals.scores:
-        change = _look(at, score) if score.name == RANGE.name or score.most > 0 else None
-        judged = score
-        if isinstance(change, Change):
-            judged = (
-                _of_range(at, own, score, longest) if score.name == RANGE.name else _at_most(at, own, change, score)
-            )
-        scores.append(judged)
+    own = Weighted.of(at)
+    scores = [_bounded(at, own, score, known) for score in rivals.scores]
     named = next((_with_alike(one, scores) for one in scores if one.word == ASKED), ())
     return replace(rivals, scores=tuple(scores), named=named)
+
+
+def _bounded(at: Situation, own: Weighted, score: Score, known: Known) -> Score:
+    look = _look(at, score) if score.most > 0 or score.name in (RANGE.name, TENSION.name) else None
+    if not isinstance(look, Change):
+        return score
+    if score.name == RANGE.name:
+        return _of_amounts(at, own, score, look, _ranges(at, score, known.range))
+    if score.name == TENSION.name:
+        return _of_tension(at, own, score, look, known.tension)
+    return _at_most(at, own, look, score)
 
 
 def _with_alike(asked: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
@@ -124,38 +131,51 @@ def _at_most(at: Situation, own: Weighted, change: Change, score: Score) -> Scor
     return replace(score, E_star=E / score.most, w=w / score.most) if math.isfinite(E + w) else score
 
 
-def _of_range(at: Situation, own: Weighted, score: Score, longest: float) -> Score:
-    """The score with the largest moves at ranges up to the ``longest`` [m] that deform the body and that the data
-    leave; it is asked for where one takes enough of the misfit."""
-    if amount_of_range(at, TUNING.ranges[-1] * neck(at)) - score.amount > TUNING.excluded * score.error:
-        return score
-    tried = {z0: _ranged_moves(at, own, z0) for z0 in _ladder(neck(at), longest)}
-    left = {z0: found for z0, found in tried.items() if found is not None}
+def _of_tension(at: Situation, own: Weighted, score: Score, change: Change, known: float) -> Score:
+    """The same of surface tensions up to the one that is ``known`` [N/m], or the usual one where the data lean to any:
+    by more than can be chance, in all rows."""
+    most = tension_amount(at, known or TUNING.skinned)
+    amounts = [min(most, TUNING.skins[0]), *(amount for amount in TUNING.skins if amount < most)]
+    judged = _of_amounts(at, own, score, change, amounts)
+    return judged if known or judged.word == ASKED or judged.taken > TUNING.leaning**2 else score
+
+
+def _of_amounts(at: Situation, own: Weighted, score: Score, change: Change, amounts: Sequence[float]) -> Score:
+    """The score with the largest moves at those of falling ``amounts`` of a ``change`` that the data leave; it is asked
+    for where one takes enough of the misfit, of all rows."""
+    tried = {amount: _left_moves(own, _held(at, change, amount)) for amount in amounts}
+    left = {amount: found for amount, found in tried.items() if found is not None}
     if not left:
         return score
-    end, beyond = max(left), min((z0 for z0 in tried if z0 > max(left)), default=0.0)
+    end, beyond = max(left), min((amount for amount in tried if amount > max(left)), default=0.0)
     for _ in range(TUNING.halves * (beyond > 0)):
         middle = math.sqrt(end * beyond)
-        if (found := _ranged_moves(at, own, middle)) is None:
+        if (found := _left_moves(own, _held(at, change, middle))) is None:
             beyond = middle
         else:
             left[middle], end = found, middle
-    best = min(left, key=lambda z0: left[z0][0])
-    if (chance := at_chance(at.found, taken := -left[best][0])) < SCORES.chance / len(RIVALS):
-        asked = _moving(score, amount := amount_of_range(at, best), left[best][1:])
-        return replace(asked, amount=amount, word=ASKED, chance=chance, taken=taken)
-    return _moving(score, amount_of_range(at, end), np.abs([found[1:] for found in left.values()]).max(axis=0).tolist())
+    best = min(left, key=lambda amount: left[amount][0])
+    taken, moves = -left[best][0], np.abs([found[1:] for found in left.values()]).max(axis=0).tolist()
+    if (chance := at_chance(at.found, taken)) < SCORES.chance / len(RIVALS):
+        asked = _moving(score, best, left[best][1:])
+        return replace(asked, amount=best, word=ASKED, chance=chance, taken=taken)
+    return replace(_moving(score, end, moves), amount=best * (taken > 0), chance=chance, taken=max(taken, 0.0))
 
 
-def _ladder(neck: float, longest: float) -> list[float]:
-    """Ranges to try [m], from the ``longest`` that there may be; none where that does not deform the body."""
-    known = [longest] * (TUNING.ranges[-1] * neck < longest < TUNING.endless * neck)
-    return [*known, *(r * neck for r in (TUNING.endless, *TUNING.ranges) if r * neck < longest)]
+def _ranges(at: Situation, score: Score, longest: float) -> list[float]:
+    """Amounts of ranges to try, from the ``longest`` [m] that there may be; none where one step excludes them, or that
+    does not deform the body."""
+    deep, shortest = neck(at), TUNING.ranges[-1] * neck(at)
+    if amount_of_range(at, shortest) - score.amount > TUNING.excluded * score.error:
+        return []
+    known = [longest] * (shortest < longest < TUNING.endless * deep)
+    ranges = [*known, *(r * deep for r in (TUNING.endless, *TUNING.ranges) if r * deep < longest)]
+    return [amount_of_range(at, z0) for z0 in ranges]
 
 
-def _ranged_moves(at: Situation, own: Weighted, z0: float) -> tuple[float, float, float] | None:
-    """By how much chi^2, and the logs of E* and w, rise with a range [m]; None where the data exclude it."""
-    found = _stepped(own, _ranged(at, amount_of_range(at, z0)), TUNING.possible, TUNING.about)
+def _left_moves(own: Weighted, model: RivalModel) -> tuple[float, float, float] | None:
+    """By how much chi^2, and the logs of E* and w, rise with a change; None where the data exclude it."""
+    found = _stepped(own, model, TUNING.possible, TUNING.about)
     told = None if found is None else (found[0], *_moves(own, found[1]))
     return told if told is not None and told[0] < TUNING.possible and np.isfinite(told).all() else None
 
@@ -178,12 +198,6 @@ def _moving(score: Score, amount: float, moves: Sequence[float]) -> Score:
 def _held(at: Situation, change: Change, amount: float) -> RivalModel:
     """The model with an amount of a change that is known."""
     return replace(RivalModel.of(at.model, change), known={**at.model.known, AMOUNT: amount})
-
-
-def _ranged(at: Situation, amount: float) -> RivalModel:
-    change = finite_range(at)
-    assert change is not None
-    return _held(at, change, amount)
 
 
 def _stepped(

@@ -58,8 +58,6 @@ class RecordRivalTuning:
     times: int = 50  # choice: instants of each direction at which those loads are solved; splines between them
     smooth: float = 2 / 3  # theory: power of the load in which they are drawn, at first contact it is delta^1.5
     instants: int = 100  # choice: at which hereditary integrals are taken
-    skinned: float = 0.03  # choice: [N/m], surface tension of gels and rubbers; of water 0.07
-    leaning: float = 1.645  # theory: standard errors of its amount, 5 % by chance, from which on an unsaid one counts
     longest: float = 10e-9  # choice: [m], range of adhesion that is likely; of molecules a nanometre, of hairs more
     cone: float = 3.0  # choice: three times what a cone's exponent differs from a paraboloid's by: one step overshoots
     strains: float = 2.0  # choice: of the effect of large strains on rubber, that of other materials
@@ -459,6 +457,11 @@ def tension(at: Situation) -> Change | None:
     return replace(change, starts=starts, told=told, column=column)
 
 
+def tension_amount(at: Situation, tension: float) -> float:
+    """The amount of a surface tension [N/m]."""
+    return 2 * tension / (at.body.problem.E_star * at.modulus * at.widest)
+
+
 def strains(at: Situation) -> Array | None:
     """What linear theory leaves out at large strains, as far as it is known: of half-spaces."""
     problem = at.body.problem
@@ -660,6 +663,7 @@ BODY, TIP, ADHESION, DEVICE, MEMORY = "layer or base", "shape of the tip", "adhe
 RANGE = Rival("adhesion of finite range", ADHESION, "square of the range over that of a narrow ring", finite_range,
               positive=True)  # fmt: skip
 LONG = Rival("adhesion of long range (DMT)", ADHESION, "from JKR to DMT", long_range, positive=True, possible=1.0)
+TENSION = Rival("surface tension", BODY, "2 tension/E* over the contact radius", tension, positive=True)
 RIVALS: tuple[Rival, ...] = (
     Rival("w over the contact radius", ADHESION, "relative rise towards pull-off", work_over_radius),
     Rival("w over the speed of the edge", ADHESION, "relative rise per factor e of the speed", work_over_speed),
@@ -672,7 +676,7 @@ RIVALS: tuple[Rival, ...] = (
     Rival("exponent of the tip", TIP, "change of the exponent", exponent, TUNING.shape, possible=TUNING.cone),
     Rival("sphere or paraboloid", TIP, "share of the sphere's quartic term", quartic, possible=1.0),
     Rival("no slip", BODY, "from none to full", no_slip, 1.0, True),
-    Rival("surface tension", BODY, "2 tension/E* over the contact radius", tension, positive=True),
+    TENSION,
     Rival("large strains", BODY, "of what is known of them", strains, 1.0, True, TUNING.strains),
     Rival("relaxation over a factor of time", MEMORY, "fall per factor e",
           relaxing(lambda t: np.log1p(100 * t), lambda values, lasting: PowerRelaxation(lasting, values[AMOUNT]),
@@ -703,14 +707,12 @@ class Known(NamedTuple):
     tension: float = 0.0
 
 
-def known_amount(at: Situation, rival: Rival, known: Known, leaning: float = 0.0) -> float:
-    """The amount of a rival in either direction that is likely; ``leaning``: what one step makes of it, in standard
-    errors."""
+def known_amount(at: Situation, rival: Rival, known: Known) -> float:
+    """The amount of a rival in either direction that is likely."""
     if rival.look is finite_range and at.work:
         return amount_of_range(at, known.range if math.isfinite(known.range) else TUNING.longest)
     if rival.look is tension:
-        usual = TUNING.skinned if leaning > TUNING.leaning else 0.0
-        return 2 * (known.tension or usual) / (at.body.problem.E_star * at.modulus * at.widest)
+        return tension_amount(at, known.tension)
     R = at.body.problem.indenter.tip_radius
     if rival.look is strains and R is not None and at.widest <= LIMITS.a_over_R * R:
         return 0.0  # linear theory is taken as good up to there, as everywhere else

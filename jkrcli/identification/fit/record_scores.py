@@ -175,7 +175,7 @@ def rivals_of_record(at: Situation, known: Known) -> RecordRivals:
     scores = [
         _score(rival, float(size), float(along), whole, _rates(found, move), errors,
                (misfit, told_by(found), len(names)),
-               known_amount(at, rival, known, -float(along)))
+               known_amount(at, rival, known))
         for rival, size, along, whole, move in zip(
             names, sizes, r @ left, np.linalg.norm(wide, axis=0), moves.T, strict=True)
     ]  # fmt: skip

@@ -20,6 +20,7 @@ class Turning(Protocol):
     @property
     def least(self) -> float: ...
     def turning(self, load: float | None, depth: float | None, speed: float) -> float: ...
+    def within(self, program: Callable[[float], Program], x: float) -> float: ...
 
 
 @dataclass(frozen=True)
@@ -49,10 +50,16 @@ class Course:
         there = back if self.speed_approach is None else quantity("speed_approach", speed)
         hold = 0.0 if self.hold is None else quantity("hold", "time", least=0.0)
         x = contact.turning(self.to_load, self.to_depth, there)
-        if self.dwell is None:
-            return there_and_back(x, there, back, hold, least)
-        held, lasts = quantity("dwell", length, least=-math.inf), quantity("dwell_time", "time")
-        return dwell(x, there, back, held, lasts, hold, least)
+        held = None if self.dwell is None else quantity("dwell", length, least=-math.inf)
+        lasts = 0.0 if self.dwell is None else quantity("dwell_time", "time")
+
+        def turned(x: float) -> Program:
+            if held is None:
+                return there_and_back(x, there, back, hold, least)
+            return dwell(x, there, back, held, lasts, hold, least)
+
+        told = self.to_load is not None or self.to_depth is not None
+        return turned(x if told else contact.within(turned, x))
 
 
 def _quantity(name: str, told: float | str, dimension: str, least: float | None) -> float:

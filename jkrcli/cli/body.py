@@ -159,10 +159,20 @@ def given_body(
     body_file: Path, measured: tuple[Path, ...], flags: dict[str, str | None]
 ) -> tuple[Path | dict[str, str | None], tuple[Path, ...]]:
     """What describes the body, a file or the flags, and the measured files: by flags every file is one."""
-    by_case = not by_flags("fit", flags, [body_file] if body_file.suffix == ".toml" else [])
+    by_case = not by_flags("fit", flags, [body_file] if _is_body(body_file) else [])
     if by_case and not measured:
         raise InputError("fit: give MEASURED files behind BODY, or the body by flags: --radius, --nu")
     return (body_file, measured) if by_case else (flags, (body_file, *measured))
+
+
+def _is_body(path: Path) -> bool:
+    """Whether the file is a case, or a series and no measured one."""
+    if path.suffix != ".h5" or not path.is_file():
+        return path.suffix == ".toml"
+    from ..base import hdf5
+    from ..case import store
+
+    return hdf5.kind(path) == store.FORMAT
 
 
 def fitted_body(source: Path | dict[str, str | None], slopes: str, limits: Limits) -> FittedBody:

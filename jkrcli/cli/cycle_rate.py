@@ -87,7 +87,8 @@ def flag(name: str) -> str:
 def rate_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options of turn, speed and time, as one argument ``rates``."""
     options = (
-        click.option("--to-load", type=LoadType(), help="Turn at this load [default: at the end of the series]."),
+        click.option("--to-load", type=LoadType(),
+                     help="Turn at this load [default: at the end of the series, what creeps on included]."),
         click.option("--to-depth", type=LengthType(), help="Turn at this displacement delta."),
         click.option("--rate", type=PairsType(), help='w0 (1 + (v/v0)^n) as the edge recedes: v0="1 um/s",n=0.6; '
                      'law=log,v0=...,b="5 mJ/m^2": w0 + b log(1 + v/v0). w0 is --w-retract.'),

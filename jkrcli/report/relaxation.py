@@ -90,7 +90,8 @@ class CycledRelaxing(RelaxedHistory, Result):
                 )
         ends = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost, 'time')}"
         energy = "" if isinstance(self.energy_lost, Unknown) else f"; energy lost per cycle {self.energy_lost:.4g} J"
-        return [*lines, f"  {ends}; it stopped growing at t = {show(self.turn, 'time')}{energy}"]
+        grown = f"it stopped growing at t = {show(self.turn, 'time')}{', at the end of the series' * self.whole}"
+        return [*lines, f"  {ends}; {grown}{energy}"]
 
     @property
     def warnings(self) -> list[str]:

@@ -204,7 +204,7 @@ def test_a_depth_beyond_the_series_is_refused(stiffness: float) -> None:
     with pytest.raises(
         InputError, match=r"beyond the largest depth of the series, 1.5 m: turn before, or increase \[loading\] radius"
     ):
-        path(SOLID, TRIANGLE[0], 4 * TRIANGLE[1], stiffness=stiffness)
+        RelaxingContact(depths().body, SOLID, stiffness).history(Program(TRIANGLE[0], 4 * TRIANGLE[1]))
 
 
 def test_moments_of_exponentials() -> None:

@@ -84,6 +84,22 @@ def test_the_end_of_the_series_is_where_it_turns(jkr: Callable, tmp_path: Path, 
     assert found["corners"][0]["delta_m"] == pytest.approx(1e-4, rel=1e-7)
 
 
+@pytest.mark.parametrize(
+    ("stiffness", "hold"), [("1 N/m", 0), ("10 N/m", 20), pytest.param("load", 20, marks=pytest.mark.slow)]
+)
+def test_a_turn_after_which_it_creeps_keeps_it_within_the_series(
+    jkr: Callable, tmp_path: Path, stiffness: str, hold: float
+) -> None:
+    """Once "the contact comes 2.6 um beyond the largest depth of the series", without anything said of the turn."""
+    assert jkr("run", CASES / "relaxing-gel.toml", "-o", tmp_path / "gel.h5", "-q").code == 0
+    speed = "1 mN/s" if stiffness == "load" else "1 um/s"
+    done = jkr("cycle", "gel.h5", "--speed", speed, "--stiffness", stiffness, "--hold", f"{hold} s", "--no-plots")
+    assert done.code == 0, done.err
+    assert ", at the end of the series; energy lost" in done.out
+    deepest = float(np.max(np.genfromtxt("gel-cycle.csv", delimiter=",", names=True, dtype=None)["delta_m"]))
+    assert 0.998e-4 < deepest < 1.0000001e-4
+
+
 def test_a_hold_and_a_program(jkr: Callable, series: Path) -> None:
     held = answer(jkr, series, "--speed", "1", "--hold", "5 s")
     Path("way.csv").write_text("t_s,x_m\n0,-1\n1,0\n2,1\n7,1\n8,0\n")

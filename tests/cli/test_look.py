@@ -204,6 +204,15 @@ def test_a_body_file_and_flags_are_not_both_taken(jkr: Callable[..., Outcome], t
     )  # fmt: skip
 
 
+def test_a_series_file_and_flags_are_not_both_taken(jkr: Callable[..., Outcome], table: Path) -> None:
+    """It was read as a measured file: "--nu missing"."""
+    assert jkr("run", CASES / "soft-gel.toml", "-o", "gel.h5", "-q").code == 0
+    done = jkr("fit", "gel.h5", str(table), "--radius", "5 um")
+    assert (done.code, done.err) == (
+        2, "jkr: error: fit: give a body file or the body by flags, not both: gel.h5 and --radius\n"
+    )  # fmt: skip
+
+
 def test_a_sensitivity_without_volts_is_refused(jkr, tmp_path: Path) -> None:
     rows = "".join(f"{i},{i * i},{i**3}\n" for i in range(1, 12))
     (tmp_path / "probe.csv").write_text(f"a_um,delta_nm,P_nN\n{rows}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -125,6 +126,10 @@ class RateContact(Contact):
             told = show(value, "load" if quantity == "P" else "length")
             raise InputError(f"cycle: the turn at {quantity} = {told} is not passed on approach within the series")
         return found
+
+    def within(self, _: Callable[[float], Program], x: float) -> float:
+        """The turn ``x``: the body does not creep."""
+        return x
 
 
 @dataclass(frozen=True, eq=False)

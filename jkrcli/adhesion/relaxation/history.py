@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -37,6 +38,7 @@ class HistoryTuning:
     """How turns and largest loads are looked for."""
 
     intervals: int = 100  # choice: of the way back at least, over which its work is integrated; leaves 1e-8
+    within: float = 1e-3  # choice: of the depth of the series, what a turn leaves of it that is looked for
 
 
 HISTORY = HistoryTuning()
@@ -61,10 +63,25 @@ class RelaxingContact:
 
     def history(self, program: Program) -> RelaxedHistory:
         """What happens under ``program`` of positions [m], of loads [N] under load control."""
-        t, x = _in_contact(*_ended(program), self.stiffness == LOAD_CONTROL)
-        return RelaxedHistory(self, program, self._path(t, x))
+        path, most = self._path(program), self.depths.most
+        if path.deepest > most * (1 + SAME):
+            raise InputError(
+                f"program: the contact comes {show(path.deepest - most, 'length')} beyond the largest depth of the "
+                f"series, {show(most, 'length')}: turn before, or increase [loading] radius"
+            )
+        return RelaxedHistory(self, program, path)
 
-    def _path(self, t: Array, x: Array) -> RelaxedPath:
+    def within(self, program: Callable[[float], Program], x: float) -> float:
+        """The turn ``x``, or before it that after which the contact creeps no farther than the series goes."""
+        for _ in range(MOST_STEPS):
+            beyond = self._path(program(x)).deepest / self.depths.most
+            if beyond <= 1 + SAME:
+                return x
+            x *= (1 - HISTORY.within) / beyond  # theory: the depth grows no faster than what the device holds
+        raise InputError("cycle: no turn keeps the contact within the series: say where it turns, --to-depth")
+
+    def _path(self, program: Program) -> RelaxedPath:
+        t, x = _in_contact(*_ended(program), self.stiffness == LOAD_CONTROL)
         modes = self._modes(t)
         if math.isinf(self.stiffness):
             return given_depth(self.depths, modes, t, x, TUNING.ratio**self.coarser, self.grows)
@@ -162,6 +179,11 @@ class RelaxedHistory:
     def turn(self) -> float:
         """When the contact stopped to grow [s]."""
         return self.path.turn
+
+    @property
+    def whole(self) -> bool:
+        """Whether it grew up to the end of the series."""
+        return self.path.deepest >= (1 - HISTORY.within) * self.path.depths.most
 
     @property
     def control(self) -> str:

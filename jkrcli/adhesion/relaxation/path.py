@@ -45,13 +45,10 @@ class RelaxedPath:
     lost: float = math.inf
     grows: float = SAME
 
-    def __post_init__(self) -> None:
-        deepest, most = float(self.depth.values(np.array([self.last]))[0]), self.depths.most
-        if deepest > most * (1 + SAME):
-            raise InputError(
-                f"program: the contact comes {show(deepest - most, 'length')} beyond the largest depth of the series, "
-                f"{show(most, 'length')}: turn before, or increase [loading] radius"
-            )
+    @property
+    def deepest(self) -> float:
+        """The depth [m] at which the contact stops to grow."""
+        return float(self.depth.values(np.array([self.last]))[0])
 
     @property
     def begin(self) -> float:

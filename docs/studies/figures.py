@@ -26,13 +26,14 @@ from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.report.output import PICTURES
 from jkrcli.report.plots import BLACK, BLUE, GREEN, ORANGE, Figure, pretty
-from jkrcli.report.plots.study import UNNAMED, Line, Panel, panels_figure
+from jkrcli.report.plots.study import Line, Panel, panels_figure
 from jkrcli.report.scaling import Scales, scales_of
 from jkrcli.series import Series
 
 from .command import call, output_of, parser_of, quantity
 
 Measured = tuple[Array, Array]  # displacement [m], load [N]
+UNNAMED = "_nolegend_"  # label of a line that the legend leaves out
 Drawn = tuple[str, str, str, Array, tuple[Measured, Measured]]  # label, style, colour, radii [m], without and with w
 
 

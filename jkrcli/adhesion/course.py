@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from ..base import InputError, parse
 from .device import LOAD_CONTROL
@@ -23,6 +23,17 @@ class Turning(Protocol):
     def within(self, program: Callable[[float], Program], x: float) -> float: ...
 
 
+class Moves(NamedTuple):
+    """Speeds ``there`` and ``back``, the time of a ``hold``, where it is then ``held``, None: nowhere, and how long
+    that ``lasts``; SI."""
+
+    there: float
+    back: float
+    hold: float
+    held: float | None = None
+    lasts: float = 0.0
+
+
 @dataclass(frozen=True)
 class Course:
     """The device presses at ``speed_approach`` (default: ``speed``) to ``to_load`` [N] or ``to_depth`` [m], both None
@@ -38,25 +49,30 @@ class Course:
     dwell: float | str | None = None
     dwell_time: float | str | None = None
 
-    def program(self, contact: Turning, called: Callable[[str], str] = str) -> Program:
-        """What the device does to ``contact``; InputError that names the field as it is ``called``."""
+    def moves(self, loaded: bool, called: Callable[[str], str] = str) -> Moves:
+        """The fields in SI, under load control where ``loaded``; InputError that names one as it is ``called``."""
 
         def quantity(name: str, dimension: str, least: float | None = None) -> float:
             return _quantity(called(name), getattr(self, name), dimension, least)
 
-        loaded, least = contact.stiffness == LOAD_CONTROL, contact.least
         length, speed = ("load", "load rate") if loaded else ("length", "speed")
         back = quantity("speed", speed)
         there = back if self.speed_approach is None else quantity("speed_approach", speed)
         hold = 0.0 if self.hold is None else quantity("hold", "time", least=0.0)
-        x = contact.turning(self.to_load, self.to_depth, there)
-        held = None if self.dwell is None else quantity("dwell", length, least=-math.inf)
-        lasts = 0.0 if self.dwell is None else quantity("dwell_time", "time")
+        if self.dwell is None:
+            return Moves(there, back, hold)
+        return Moves(there, back, hold, quantity("dwell", length, least=-math.inf), quantity("dwell_time", "time"))
+
+    def program(self, contact: Turning, called: Callable[[str], str] = str) -> Program:
+        """What the device does to ``contact``; InputError that names the field as it is ``called``."""
+        moves = self.moves(contact.stiffness == LOAD_CONTROL, called)
+        x = contact.turning(self.to_load, self.to_depth, moves.there)
 
         def turned(x: float) -> Program:
+            there, back, hold, held, lasts = moves
             if held is None:
-                return there_and_back(x, there, back, hold, least)
-            return dwell(x, there, back, held, lasts, hold, least)
+                return there_and_back(x, there, back, hold, contact.least)
+            return dwell(x, there, back, held, lasts, hold, contact.least)
 
         told = self.to_load is not None or self.to_depth is not None
         return turned(x if told else contact.within(turned, x))

@@ -68,6 +68,8 @@ def cycle(
     jkr cycle gel.h5 --rate v0="1 um/s",n=0.6 --speed "10 um/s"
     jkr cycle relaxing-gel.h5 --w-approach 0 --speed "10 um/s" --hold "30 s"
     """
+    rates.refuse_wrong(stiffness)
+    output.folder(Path())
     file = series_file(file)
     solution = read_series(file)
     law = solution.problem.specimen.relaxation

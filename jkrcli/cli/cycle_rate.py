@@ -75,8 +75,16 @@ class RateOptions:
         """What the device does, of the table or of the speeds."""
         if self.program is not None:
             return read_program(self.program, contact.stiffness)
-        told = {name: getattr(self, name) for name in ("to_load", "to_depth", *ALONE)}
-        return Course(**told).program(contact, flag)
+        return self._course.program(contact, flag)
+
+    def refuse_wrong(self, stiffness: float) -> None:
+        """InputError where a speed, time or place is none, before anything is solved."""
+        if self.speed is not None:
+            self._course.moves(stiffness == LOAD_CONTROL, flag)
+
+    @property
+    def _course(self) -> Course:
+        return Course(**{name: getattr(self, name) for name in ("to_load", "to_depth", *ALONE)})
 
 
 def flag(name: str) -> str:

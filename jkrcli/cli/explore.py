@@ -52,6 +52,8 @@ def explore(
     """
     if work == 0:
         raise InputError("explore: --w must be > 0 J/m^2 to begin with, got 0")
+    if output.where is not None:
+        output.file(output.where, [file, *data])
     file = series_file(file)
     target = output.file(file.parent / f"{file.stem}-explore.html", [file, *data])
     solution = read_series(file)

@@ -37,6 +37,7 @@ def export(file: Path, dem: bool, work: float | None, slopes: str, limits: Limit
     """
     if not dem:
         raise InputError("export: say for what: --dem, for particle codes (LAMMPS, LIGGGHTS, Lethe)")
+    output.folder(Path())
     file = series_file(file)
     solution = read_series(file)
     without_range(solution.record, "export")

@@ -49,6 +49,7 @@ def fields(
     """
     if (radius is None) == (load is None):
         raise InputError("fields: give exactly one of --a and --load")
+    output.folder(Path())
     file = series_file(file)
     solution = read_series(file)
     without_range(solution.record, "fields")

@@ -50,6 +50,7 @@ def profile(
     """
     if (radius is None) == (load is None):
         raise InputError("profile: give exactly one of --a and --load")
+    output.folder(Path())
     file = series_file(file)
     solution = read_series(file)
     w = first_work(solution) if work is None else work

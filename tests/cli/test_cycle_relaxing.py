@@ -133,6 +133,29 @@ def test_limits_where_surfaces_adhere(jkr: Callable, series: Path) -> None:
     assert (series.parent / "gel-cycle-very-slow.csv").exists()
 
 
+@pytest.mark.parametrize(("words", "line"), [
+    (("cycle", "gel.toml", "--speed", "0"), "--speed: must be > 0, got 0"),
+    (("cycle", "gel.toml", "--speed", "1 um/s", "--hold", "-1 s"), "--hold: must be >= 0, got -1 s"),
+    (
+        ("cycle", "gel.toml", "--speed", "1 um/s", "--stiffness", "load"),
+        '--speed: must be a rate of loading, got "1 um/s": unknown unit "um/s", did you mean "uN/s"? '
+        "(allowed: N/s, pN/s, nN/s, uN/s, mN/s)",
+    ),
+    (("explore", "gel.toml", "-o", "."), ".: is a folder, cannot be written as a file"),
+    (
+        ("profile", "gel.toml", "--a", "0.5", "-o", "gel.toml/in"),
+        "gel.toml/in: cannot be made a folder (Not a directory)",
+    ),
+])  # fmt: skip
+def test_what_is_wrong_is_refused_before_a_case_is_solved(
+    jkr: Callable, tmp_path: Path, words: tuple[str, ...], line: str
+) -> None:
+    (tmp_path / "gel.toml").write_text(CASE)
+    done = jkr(*words)
+    assert (done.code, done.err) == (2, f"jkr: error: {line}\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["gel.toml"]
+
+
 REFUSED = {
     "no motion": ((), 'cycle: the specimen relaxes: say what the device does, --speed "10 um/s" or --program TABLE'),
     "rate without adhesion": (

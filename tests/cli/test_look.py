@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Outcome
+from conftest import CASES, Outcome
 from force_curves import Instrument, record
 
 from jkrcli.bodies import EqualAreaCone, RoundedCone, Sphere

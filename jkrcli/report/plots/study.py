@@ -13,8 +13,6 @@ from ...base import Array
 from ...series.differences import Difference
 from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below, log_ticks
 
-UNNAMED = "_nolegend_"  # label of a line that the legend leaves out
-
 
 @dataclass(frozen=True, eq=False)
 class Line:

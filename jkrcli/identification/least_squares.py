@@ -29,8 +29,6 @@ class SearchTuning:
     held: float = 10.0  # theory: how much more a held value weighs than the data, whose pull is then a hundredth
     close: float = 1e-3  # choice: of the step, to which the end of a profile is found
     reach: float = 12.0  # choice: guard, how far logs may move from their start
-    rows: int = 20  # choice: least rows of a record
-    floor: float = 1e-6  # choice: of a column's range, no smaller noise is taken
     vague: float = 0.3  # choice: relative standard error beyond which a value is little more than its order
     poor: float = 0.25  # choice: of what a step foretold, below which the next ones are shorter
     good: float = 0.75  # choice: of it, above which they may be longer
@@ -82,7 +80,7 @@ class LeastSquares:
 
     model: Callable[[Array], State]
     bounds: tuple[Array, Array]
-    converged: float
+    converged: float = 1e-8  # as SciPy's; far below any standard error
     cost: float = 0.0
     evaluations: int | None = None
     loss: Loss = "linear"

@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from ..adhesion import Nonadhesive, Program, RelaxingContact
-from ..base import Array, InputError, JkrError, Ranged, did_you_mean, ranges_of, show
+from ..base import SAME, Array, InputError, JkrError, Ranged, did_you_mean, ranges_of, show
 from ..bodies import RELAXATIONS, Relaxation
 from ..data import Curve
+from ..data.record import TUNING as RECORDS
 from .answer import Answer, times
 from .fit import FittedBody, covariance, t_quantile, third_differences
 from .least_squares import TUNING as FITS
@@ -178,8 +179,8 @@ def timed_record(curve: Curve) -> TimedRecord:
         raise InputError(f"{curve.where}: a fit of relaxation needs t, delta and P, it lacks {', '.join(missing)}")
     assert curve.t is not None
     assert curve.P is not None
-    if len(curve) < FITS.rows:
-        raise InputError(f"{curve.where}: {len(curve)} rows, at least {FITS.rows} are needed")
+    if len(curve) < RECORDS.least_rows:
+        raise InputError(f"{curve.where}: {len(curve)} rows, at least {RECORDS.least_rows} are needed")
     if (falls := np.flatnonzero(np.diff(curve.t) <= 0)).size:
         raise InputError(f"{curve.where}: time must rise from row to row, it does not in row {int(falls[0]) + 2}")
     curve = averaged(curve)
@@ -205,7 +206,7 @@ def timed_record(curve: Curve) -> TimedRecord:
 
 
 def _noise(column: Array) -> float:
-    return max(third_differences(column), FITS.floor * float(np.ptp(column)))
+    return max(third_differences(column), SAME * float(np.ptp(column)))
 
 
 def _knots(t: Array, column: Array) -> tuple[tuple[Array, Array], float]:
@@ -323,7 +324,7 @@ class _Problem:
         rows, off = self.record.t.size, found.state.residuals
         share = 1 - found.x.size / off.size
         held, made = (math.sqrt(float(np.mean(part**2)) / share) for part in (off[:rows], off[-rows:]))
-        low = [FITS.floor * float(np.ptp(column)) for column in (self.record.held, self.record.made)]
+        low = [SAME * float(np.ptp(column)) for column in (self.record.held, self.record.made)]
         return max(held * self.record.sigma[0], low[0]), max(made * self.record.sigma[1], low[1])
 
     def minimise(self, start: Array) -> Least:
@@ -414,8 +415,8 @@ class _Problem:
         """The modulus with which the largest load would make the depth that was read then."""
         record, law = self.record, self.settings.relaxation(values)
         row, depths = int(np.argmax(record.held)), self._contact(law, math.inf).depths
-        depth = min(max(float(record.made[row]) - values["delta0"], depths.most * FITS.floor), depths.most)
-        left = float(law.modes(float(np.ptp(record.t)))(record.t[row] - record.t[0] + FITS.floor))
+        depth = min(max(float(record.made[row]) - values["delta0"], depths.most * SAME), depths.most)
+        left = float(law.modes(float(np.ptp(record.t)))(record.t[row] - record.t[0] + SAME))
         return float(record.held[row]) / (float(depths.loads(np.array([depth]))[0]) * left)
 
     # ------------------------------------------------------------------ the answer

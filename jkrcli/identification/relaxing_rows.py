@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base import TINY, Array, show
+from ..base import ROWS, TINY, Array, show
 from ..data import Curve
 from .motion import corners
 
@@ -20,7 +20,6 @@ class RowsTuning:
     apart: float = 5.0  # theory: standard deviations by which a load stands out
     falls: float = 0.2  # choice: of the largest speed, at which a device goes back
     before: int = 5  # choice: rows before contact that tell a base line
-    drawn: int = 200  # choice: places by which a motion that is not straight is followed
 
 
 TUNING = RowsTuning()
@@ -66,7 +65,7 @@ def base_line(P: Array, x: Array, noise: float) -> tuple[str, ...]:
 
 def followed(t: Array, depth: Array) -> tuple[Array, Array]:
     """A motion by some of its places, that goes in up to its deepest and then out."""
-    edges = np.unique(np.linspace(0, t.size, min(t.size, TUNING.drawn) + 1).astype(int))
+    edges = np.unique(np.linspace(0, t.size, min(t.size, ROWS) + 1).astype(int))
     t, x = (np.add.reduceat(column, edges[:-1]) / np.diff(edges) for column in (t, depth))
     top = int(np.argmax(x))
     x = np.concatenate([np.maximum.accumulate(x[: top + 1]), np.minimum.accumulate(x[top:])[1:]])

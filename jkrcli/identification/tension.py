@@ -23,6 +23,7 @@ from ..data import Curve
 from ..formulas.griffith import shift
 from ..formulas.surface_tension import edge_angle
 from ..methods.layered.layered import Layered, largest_radius, unbounded
+from ..methods.radii import DENSE
 from .answer import Answer, FittedValue, times, word
 from .fit.body import for_each
 from .fit.statistics import covariance, t_quantile
@@ -40,14 +41,11 @@ class TensionFitTuning:
     lengths: int = 14  # of 2 Ups/E*; choice: curves between them err by 1e-4
     least: float = 1e-3  # of it over the largest contact radius; choice: less changes loads by 1e-3
     most: float = 1e2  # choice: beyond, tension alone carries
-    radii: int = 60  # choice: as dense as curves are smooth
     smallest: float = 0.002  # of the largest, the least of them; choice: where a slight w lets the contact go
     beyond: float = 3.0  # times the range of the displacement, to which it reaches; choice: spare for w
     accuracy: float = 1e-6  # choice: far below the noise of any record
     points: int = 800  # of a curve; choice: interpolated to 1e-5
     step: float = 1e-4  # of unknowns, for derivatives; choice: the square root of the accuracy is coarser
-    converged: float = 1e-8  # choice: relative, far below any standard error
-    evaluations: int = 200  # choice: guard
     work: float = 0.05  # of its unit, w to begin with; choice: the search goes far from it
     starts: int = 9  # of 2 Ups/E*, over the whole table; choice: two minima may lie a decade apart
     kept: int = 2  # choice: of the starts, those from which 2 Ups/E* is searched
@@ -131,7 +129,7 @@ class TenseFamily:
 def _tabulated(problem: Problem) -> TenseFamily:
     plain = replace(problem, specimen=replace(problem.specimen, surface_tension=0.0))
     largest = min(largest_radius(plain), 0.95 * problem.indenter.r_max)
-    radii = largest * np.geomspace(TUNING.smallest, 1.0, TUNING.radii)
+    radii = largest * np.geomspace(TUNING.smallest, 1.0, DENSE)
     lengths = largest * np.geomspace(TUNING.least, TUNING.most, TUNING.lengths)
     given = replace(problem, loading=Loading.given("radius", tuple(radii)))
     columns = []
@@ -251,7 +249,7 @@ class _Model:
         x = self._first(start) if x is None else x
         try:
             bounds = self.unknowns.bounds(np.zeros(x.size), TUNING.farthest)
-            return LeastSquares(self.state, bounds, TUNING.converged, evaluations=TUNING.evaluations).least(x)
+            return LeastSquares(self.state, bounds).least(x)
         except ValueError as error:
             raise SolveError(f"fit of surface tension: {error}") from None
 

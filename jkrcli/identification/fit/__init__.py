@@ -20,18 +20,4 @@ if TYPE_CHECKING:
     from .settings import USUALLY_FREE, Loss, Settings, settings_of, uncertain_of
     from .statistics import covariance, t_quantile
 
-__getattr__ = lazily(
-    __name__,
-    {
-        "..answer": "FittedValue",
-        "..parameters": "ALIAS Parameter",
-        ".body": "FittedBody body_of",
-        ".fitting": "Failure fit fit_all",
-        ".joint": "JointFit joint_fit shared_of with_radii",
-        ".plan": "further planned",
-        ".points": "third_differences",
-        ".result": "Fit Further",
-        ".settings": "USUALLY_FREE Loss Settings settings_of uncertain_of",
-        ".statistics": "covariance t_quantile",
-    },
-)
+__getattr__ = lazily(__name__, __file__)

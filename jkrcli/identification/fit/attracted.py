@@ -14,7 +14,7 @@ from functools import cached_property, partial
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
-from ...base import MOST_STEPS, Array, Refusal, SolveError, show
+from ...base import MOST_STEPS, REMEMBERED, SAME, Array, Refusal, SolveError, show
 from ...bodies import Problem
 from ...methods import AttractedBody
 from ...methods.integral import Attraction, Rims, refuse_narrow
@@ -34,9 +34,7 @@ class AttractedFamilyTuning:
     degree: int = 5  # theory: of the splines; errors fall with the power 6 of the spacing
     near_touch: float = 1e-4  # theory: of arcosh sqrt(c/c0): nearer the derivatives are those there, to its square
     step: float = 1e-5  # theory: of logs, for central differences: the cube root of round-off
-    close: float = 1e-6  # choice: relative, how far a foot point may lie beyond
     least: int = 12  # choice: guard, radii in contact that a curve needs
-    remembered: int = 64  # choice: curves kept; more only saves time
 
 
 TUNING = AttractedFamilyTuning()
@@ -114,7 +112,7 @@ class AttractedFamily:
         for the same."""
         key = f"{s:.12g}", f"{gap:.12g}"
         if key not in self._curves:
-            if len(self._curves) >= TUNING.remembered:
+            if len(self._curves) >= REMEMBERED:
                 self._curves.clear()
             self._curves[key] = self._solved(s, gap)
         return self._curves[key]
@@ -239,7 +237,7 @@ class AttractedMember:
 
     def refuse_beyond(self, a: float) -> None:
         """Refusal where the curve ends before the contact radius ``a`` [m]: beyond it attraction leaves the body."""
-        if a > float(self.states.touching(self.states.end)[0]) * (1 + TUNING.close):
+        if a > float(self.states.touching(self.states.end)[0]) * (1 + SAME):
             raise Refusal(
                 f"adhesion of finite range: around a contact of a = {show(a, 'length')} the surfaces attract each "
                 f"other beyond {show(self.family.body.limit, 'length')}, where profile or side end, at a range of "

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...adhesion import AskedRange, FiniteRangeBody, Nonadhesive, Slopes
 from ...adhesion.slopes.choice import slopes
-from ...base import InputError, JkrError, Refusal, SolveError, show
+from ...base import REMEMBERED, InputError, JkrError, Refusal, SolveError, show
 from ...beside import JKR, nonadhesive
 from ...bodies import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal
 from ...case import Case, load_case, store
@@ -25,8 +25,6 @@ from ...methods import Layered, Limits, unbounded
 from ...series import Series, Solution
 from .attracted import COARSE, FINE, AttractedFamily, Resolution
 from .family import Family, Members
-
-REMEMBERED = 256  # choice: families kept; more only saves solves
 
 
 @dataclass(frozen=True)

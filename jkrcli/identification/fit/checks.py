@@ -10,6 +10,7 @@ import numpy as np
 from ...adhesion import REMEDY, judge
 from ...base import Unknown, show
 from ...base.units import LARGE_WORK
+from ...series import Record
 from ..answer import word
 from ..parameters import POSITIONS
 from .body import FittedBody
@@ -24,12 +25,10 @@ class WarningThresholds:
     """Limits beyond which a reader is warned; nothing else depends on them."""
 
     resolved: float = 1e-6  # choice: residuals below this part of the curve are those of the series' interpolation
-    least_scatter: float = 0.5  # choice: of the residuals in units of the user's noise
-    most_scatter: float = 2.0  # choice: the same
+    scatter: float = 2.0  # choice: factor from the user's noise to the residuals, either way
     reached: float = 1.1  # choice: in contact radius, how near to pull-off the data must come
     touching: float = 0.05  # choice: of the largest contact radius, below which pull-off without contact is near
     far_from_case: float = 30.0  # choice: factor of the case's moduli that makes wrong units likelier than the case
-    z0: float = 0.3e-9  # choice: [m], the paper's equilibrium distance, for the Tabor number
 
 
 THRESHOLDS = WarningThresholds()
@@ -138,7 +137,7 @@ def _relative_residual(found: Fit) -> float:
 
 
 def _scatter(found: Fit) -> Iterator[str]:
-    low, high = THRESHOLDS.least_scatter, THRESHOLDS.most_scatter
+    low, high = 1 / THRESHOLDS.scatter, THRESHOLDS.scatter
     if found.settings.noise and not low <= found.scatter <= high:
         more = "more" if found.scatter > high else "less"
         yield f"the data scatter {found.scatter:.2g} times as much as the given noise, {more} than it explains"
@@ -181,7 +180,7 @@ def _validity(found: Fit, body: FittedBody, family: Family) -> list[str]:
     judged = judge(
         a=a, delta=float(D[0]), E_star=found.value("E_star"), w=found.work.value if _adhesion(found) else 0.0,
         R=problem.indenter.tip_radius, h=thickness, depth=thickness if depth == top else depth,
-        L=problem.specimen.radius, z0=THRESHOLDS.z0 if found.jkr is None else None, end_is_cut=False,
+        L=problem.specimen.radius, z0=Record.z0 if found.jkr is None else None, end_is_cut=False,
         tension=problem.specimen.surface_tension, profile=problem.indenter.noun,
     )  # fmt: skip
     return [line.replace(REMEDY, "fit with --free range (or stress)") for line in judged.warnings]

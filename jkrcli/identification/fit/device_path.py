@@ -16,7 +16,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ...base import Array, SolveError, show
+from ...base import MOST_STEPS, REMEMBERED, Array, SolveError, show
 from .family import Family
 
 
@@ -24,15 +24,12 @@ from .family import Family
 class DevicePathTuning:
     """How finely branches are tabulated."""
 
-    bodies: int = 8  # choice: whose functions on the grid are remembered
-    branches: int = 32  # choice: of one record, asked for again at the same unknowns, that are remembered
     nodes: int = 400  # choice: of a branch; loads between them are good to 1e-7 of the largest
     polished: int = 4  # choice: steps of Newton's method for the fold; its position, flat there, is then good to 1e-16
     beside: float = 0.5  # choice: of a step of the grid, how near to the fold its next node may be
     below: float = 4.0  # choice: of log a below the series, where its limit by power laws holds
     beyond: float = 0.5  # choice: of log a above the series, tried while starting values are looked for
     flat: float = 1e-6  # choice: of the displacement, least dz/du at the turn; nothing rests on a turn at the fold
-    steps: int = 30  # choice: of Newton's method for the radius at the turn, at most
     found: float = 1e-13  # choice: of log a, when it has come there
     widest: float = 0.5  # choice: of log a, a step of it
 
@@ -46,13 +43,13 @@ HERMITE = np.array([[1, 0, 0, -10, 15, -6], [0, 1, 0, -6, 8, -3], [0, 0, 0.5, -1
                     [0, 0, 0, 10, -15, 6], [0, 0, 0, -4, 7, -3], [0, 0, 0, 0.5, -1, 0.5]])  # fmt: skip
 
 
-@lru_cache(maxsize=TUNING.bodies)
+@lru_cache(maxsize=REMEMBERED)
 def grid(family: Family) -> Array:
     """Logs of contact radii over which paths are looked at."""
     return np.linspace(family.low - TUNING.below, family.high + TUNING.beyond, TUNING.nodes)
 
 
-@lru_cache(maxsize=TUNING.bodies)
+@lru_cache(maxsize=REMEMBERED)
 def on_grid(family: Family) -> tuple[Array, Array, Array]:
     """The functions of a body there, as ``Family.at`` gives them."""
     return family.at_nodes(grid(family))
@@ -71,7 +68,7 @@ class Nodes:
     released: Array
 
     @classmethod
-    @lru_cache(maxsize=TUNING.bodies)
+    @lru_cache(maxsize=REMEMBERED)
     def of(cls, family: Family) -> Nodes:
         u, (value, first, second) = grid(family), on_grid(family)
         rate, step = first / value, float(u[1] - u[0])
@@ -170,7 +167,7 @@ class DeviceBranch:
         return found
 
 
-@lru_cache(maxsize=TUNING.branches)
+@lru_cache(maxsize=REMEMBERED)
 def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
     """The stable branch for moduli times ``s`` and work of adhesion ``q`` s, by a device of stiffness ``k``: at the
     fold and at radii of the grid beyond."""
@@ -257,7 +254,7 @@ class Rest:
         return found
 
 
-@lru_cache(maxsize=TUNING.branches)
+@lru_cache(maxsize=REMEMBERED)
 def rest(family: Family, s: float, advanced: float, receding: float, k: float, turn: float) -> Rest:
     """The resting edge of a device that turns at position ``turn`` [m], after an advance with the root ``advanced`` of
     q, until it recedes with ``receding``. ``advanced`` < 0: a smaller contact than without adhesion."""
@@ -265,7 +262,7 @@ def rest(family: Family, s: float, advanced: float, receding: float, k: float, t
     z = _path(s, advanced, k, nodes.functions[:, 0])[0]
     first = int(np.argmin(z))
     near = float(np.interp(turn, z[first:], nodes.u[first:]))
-    for _ in range(TUNING.steps):
+    for _ in range(MOST_STEPS):
         (d, t, h, v), (dD, dT, dH, dV), _ = nodes.at(near).tolist()
         dz = dD - advanced * dT + s * (dH - advanced * dV) / k
         off = turn - (d - advanced * t + s * (h - advanced * v) / k)

@@ -22,7 +22,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from ...base import Array, SolveError, known
+from ...base import ROWS, Array, SolveError, known
 from ...data.measured.curve import APPROACH
 from ...data.record import BaseLine, Direction, ForceCurve
 from ..least_squares import Least, LeastSquares, State
@@ -53,7 +53,6 @@ class ForceCurveTuning:
     alone: tuple[tuple[float, float], ...] = ((0.5, 0.1), (0.5, 0.6), (1.0, 1.0))
     shapes: int = 25  # choice: ratios w/s tried
     points: int = 41  # choice: contact points tried
-    rows: int = 200  # choice: rows of a stretch used while trying, and by the first searches
     # tuned on fits, by `make constants`: of the rows in contact, those next to the turning point that are left out
     turning: float = 0.01
     blunt: tuple[float, ...] = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt fold while searching
@@ -119,7 +118,7 @@ class DirectionReadings:
 
     def thinned(self) -> DirectionReadings:
         """Means of neighbouring rows, none across the border of contact."""
-        size = self.z.size // TUNING.rows
+        size = self.z.size // ROWS
         if size < 2:
             return self
         first = np.union1d(np.arange(0, self.z.size, size), np.flatnonzero(np.diff(self.touching)) + 1)
@@ -750,10 +749,10 @@ def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tup
 def _some_rows(part: DirectionReadings) -> Array:
     """Rows spread evenly, half of them where contact may be."""
     n = part.z.size
-    if n <= TUNING.rows:
+    if n <= ROWS:
         return np.arange(n)
     near = int(np.argmax(part.touching)) if part.jumped else n // 2
-    halves = [np.linspace(first, n - 1, TUNING.rows // 2) for first in (0, near)]
+    halves = [np.linspace(first, n - 1, ROWS // 2) for first in (0, near)]
     return np.unique(np.concatenate(halves).astype(int))
 
 

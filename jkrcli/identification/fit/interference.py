@@ -14,13 +14,13 @@ import numpy as np
 
 from ...base import Array
 from ...data import APPROACH, Curve, Direction, ForceCurve, examine
+from ...data.record import TUNING as RECORDS
 
 
 @dataclass(frozen=True)
 class InterferenceTuning:
     """Where a sine is looked for, and when it is told from noise."""
 
-    least_rows: int = 20  # choice: free rows of a direction in which a wave is looked for
     blocks: int = 2000  # choice: means of successive free rows that are looked at
     shortest: int = 6  # choice: of them in a period
     finer: int = 4  # choice: frequencies tried for each that the free way tells apart
@@ -58,7 +58,7 @@ def straightened(record: ForceCurve) -> tuple[ForceCurve, Mapping[str, Wave]]:
     """
     curve, waves = record.curve, dict[str, Wave]()
     for share in TUNING.shares:
-        sides = [side for side in record.directions if side.base.rows >= TUNING.least_rows]
+        sides = [side for side in record.directions if side.base.rows >= RECORDS.least_rows]
         free = {side.segment.kind: _free(curve, side, share) for side in sides}
         period = _period(list(free.values())) if free else None
         if period is None:

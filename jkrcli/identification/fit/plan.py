@@ -17,6 +17,7 @@ import numpy as np
 
 from ...base import Array, InputError, JkrError, show
 from ...bodies import RADIUS
+from ...methods.radii import ROOM
 from ..parameters import Parameter
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING
@@ -32,12 +33,10 @@ class PlanTuning:
     """What is tried."""
 
     radii: tuple[float, ...] = (0.25, 0.5, 2.0, 4.0)  # choice: over that at hand
-    loads: tuple[float, ...] = (0.3, 3.0)  # choice: over the largest at hand
-    thicknesses: tuple[float, ...] = (0.3, 3.0)  # choice: over that at hand
+    factors: tuple[float, ...] = (0.3, 3.0)  # choice: loads and thicknesses over those at hand
     widest: float = 0.4  # choice: of a tip's radius, to which it is pressed at most
     nodes: int = 400  # choice: of a branch, among which rows are placed
     placed: float = 1e-3  # choice: of the loads' relative noise, that of positions which have none
-    room: float = 1.05  # choice: of the largest contact radius, to which a body is solved
 
 
 TUNING = PlanTuning()
@@ -70,7 +69,7 @@ def planned(body: FittedBody, found: Fit) -> Fit:
 
 def _candidates(body: FittedBody, found: Fit, largest: float) -> Iterator[tuple[str, Mapping[str, float], float]]:
     """Measurements in words, changes of the body, and their largest load [N]."""
-    for factor in TUNING.loads:
+    for factor in TUNING.factors:
         yield f"largest load {show(factor * largest, 'load', 3)}", {}, factor * largest
     if not body.own_parameters:
         return
@@ -80,7 +79,7 @@ def _candidates(body: FittedBody, found: Fit, largest: float) -> Iterator[tuple[
             yield f"tip radius {show(R, 'length', 3)}", {RADIUS: R}, largest
     for name in [name for name in body.own_parameters if name.startswith("h:")][:1]:
         h = next((item.value for item in found.estimates if item.name == name), body.nominal(name))
-        for factor in TUNING.thicknesses:
+        for factor in TUNING.factors:
             yield f"thickness {show(factor * h, 'length', 3)}", {name: factor * h}, largest
 
 
@@ -160,7 +159,7 @@ def _branch(body: FittedBody, s: float, w: float, largest: float) -> tuple[Fitte
         end = float(np.interp(largest, P[low:], u[low:]))
         if not body.extensible or end <= body.family.high:
             break
-        body = body.to_radius(TUNING.room * math.exp(end))
+        body = body.to_radius(ROOM * math.exp(end))
     return body, np.array([u[low], end])
 
 

@@ -39,7 +39,6 @@ class RangeRivalTuning:
     hopeless: float = 30.0  # choice: excess over what is possible, from which on there are no more steps
     rounded: float = 0.05  # choice: of logs of range and w with which curves are solved, so that fits share them
     chance: float = 2e-3  # choice: at which data of JKR itself show a range
-    least_work: float = 1e-3  # choice: of the natural one; with less there is nothing whose range could matter
     slow: float = 0.1  # choice: CPU seconds of a body's spectrum, above which no range is tried
 
 
@@ -91,7 +90,7 @@ def range_rival_of(minimum: Minimum, variance: float, limit: float, settings: Se
     own, values = any(p.of_body for p in minimum.objective.parameters), minimum.objective.values(minimum.x)
     if own or problem.specimen.radius is not None or spectrum_seconds(problem.specimen) > TUNING.slow:
         return None
-    if min(_works(values)) < TUNING.least_work * values["modulus"] * body.family.natural_work:
+    if min(_works(values)) < SEARCH.least_work * values["modulus"] * body.family.natural_work:
         return None
     try:
         body.coarse.attracted  # noqa: B018  a Refusal where there is none

@@ -9,9 +9,11 @@ from functools import partial
 
 import numpy as np
 
-from ...base import Array, InputError, Pool, SolveError, Unknown, known, show
+from ...base import SAME, Array, InputError, Pool, SolveError, Unknown, known, show
 from ...data import Curve, ForceCurve, examine
 from ...data.measured.curve import APPROACH, RETRACT
+from ...data.record import TUNING as RECORDS
+from ...methods.radii import ROOM
 from ..answer import FittedValue
 from ..intervals import Intervals, bootstrap, changes_by, wider
 from ..least_squares import State
@@ -44,8 +46,6 @@ from .statistics import structure, t_quantile
 class WholeRecordTuning:
     """When a record is taken as a whole, and how far its body must reach."""
 
-    free_rows: int = 20  # choice: least rows of a base line
-    room: float = 1.05  # choice: of the largest contact radius, to which the body is solved anew
     placed_rows: float = 0.05  # choice: of the loads' relative scatter, that of positions which have none
     placed: float = 0.3  # choice: scatter of positions over that of loads, both over their range, of a table
     rounds: int = 3  # choice: solves to larger radii before the record is given up
@@ -60,7 +60,6 @@ class WholeRecordTuning:
     excess: float = 4.0  # choice: of the standard errors, what misfit would add to them where its flag is raised
     differs: float = 0.01  # choice: of the modulus, below which they do not
     drifting: float = 3.0  # choice: standard errors of a drift that was not fitted, from which on it is said
-    at_bound: float = 1e-6  # choice: relative distance of a modulus from a bound at which it is said to end there
 
 
 TUNING = WholeRecordTuning()
@@ -147,7 +146,7 @@ def _usable(record: ForceCurve, kind: str) -> bool:
     side = record.direction(kind)
     if side is None or isinstance(side.touch, Unknown):
         return False
-    return side.begins_free and side.base.rows >= TUNING.free_rows
+    return side.begins_free and side.base.rows >= RECORDS.least_rows
 
 
 def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None) -> Fit:
@@ -270,7 +269,7 @@ def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> tup
         reach = _contact_radii(found).max()
         if not body.extensible or reach <= body.series.a[-1]:
             break
-        body = body.to_radius(TUNING.room * float(reach))
+        body = body.to_radius(ROOM * float(reach))
     assert found is not None
     if np.count_nonzero(_contact_radii(found)) <= len(found.names):
         raise SolveError("the curve that fits best has next to no row in contact; --flip P, if compression is negative")
@@ -480,7 +479,7 @@ def _result(
         directions=_directions(record, found, settings),
     )
     said = [f"{name}: {sentence}" for name, sentence in flags.items()]
-    at_bound = ["modulus"] * bool(np.isclose(values["modulus"], found.model.moduli, rtol=TUNING.at_bound).any())
+    at_bound = ["modulus"] * bool(np.isclose(values["modulus"], found.model.moduli, rtol=SAME).any())
     more = warnings_of(result, body, body.family, at_bound)
     return replace(result, warnings=(*said, *_words(found, settings), *more))
 

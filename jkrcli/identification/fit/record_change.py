@@ -31,7 +31,7 @@ class ChangeTuning:
     little: float = 1e-3  # theory: relative amounts whose squares are below the noise of any record
     step: float = 1e-5  # theory: relative, for one-sided differences of loads that are good to 1e-9; of histories more
     small: float = 1e-2  # choice: amounts, and shares of the largest w, below which steps are no smaller
-    lost: float = 0.02  # choice: of the way in contact, rows before the loss of a slow edge that are left out
+    fold: float = 0.02  # choice: of the way in contact, rows left out about folds and before the loss of a slow edge
     remembered: int = 8  # choice: changed models kept, one for each stretch and set of amounts
 
 
@@ -166,7 +166,7 @@ def _before_loss(part: DirectionReadings) -> DirectionReadings:
     if not part.touching.any():
         return part
     lost = float(part.z[part.touching].min())
-    keep = ~part.touching | (part.z > lost + max(TUNING.lost * part.reach, 2 * part.spacing))
+    keep = ~part.touching | (part.z > lost + max(TUNING.fold * part.reach, 2 * part.spacing))
     held = {name: getattr(part, name)[keep] for name in ("rows", "z", "P", "touching", "t")}
     return replace(part, **held)
 

@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 from scipy.special import fdtrc
 
-from ...base import Array, JkrError, SolveError
+from ...base import MOST_SOLVES, TINY, Array, JkrError, SolveError
 from .body import FittedBody
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
 from .record_change import AMOUNT, Change, RivalModel
@@ -59,13 +59,11 @@ class FullTuning:
     excluded: float = 6.0
     about: float = 0.5  # choice: standard errors, by which what a range does to a fit may be off
     falling: float = 2.0  # choice: of the step to come, by which chi^2 may still fall
-    none: float = 1e-300  # choice: for a division
     possible: float = 3.84  # theory: rise of chi^2 up to which a number is in its 95 % interval
     chords: int = 12  # choice: guard, steps with derivatives of the fit without; three to six are needed
     hopeless: float = 3000.0  # choice: rise of chi^2 after a step, from which on there are no more
     still: float = 0.02  # choice: standard errors, below which a step is the last one
     slow: float = 0.3  # choice: of w of the retraction, the least w of a slow edge to start from where none advanced
-    rounds: int = 4  # choice: guard, fits of a change that is made about a fit
     settled: float = 0.1  # choice: standard errors of the modulus, by which the last round may move it
 
 
@@ -184,7 +182,7 @@ def _moves(own: Weighted, x: Array) -> tuple[float, float]:
     """By how much the logs of E* and w differ at the unknowns ``x``."""
     here, there = (own.at.model.values(one) for one in (own.x, x))
     works = [max(one[f"q:{part.kind}"] for part in own.at.model.stretches) for one in (here, there)]
-    E, (old, new) = there["ln_s"] - here["ln_s"], (max(work, TUNING.none) for work in works)
+    E, (old, new) = there["ln_s"] - here["ln_s"], (max(work, TINY) for work in works)
     return E, E + math.log(new / old) if own.at.work else 0.0
 
 
@@ -312,7 +310,7 @@ def _in_full(at: Situation, model: RivalModel, x: Array, score: Score) -> InFull
 
 def settled(found: ForceCurveFit) -> ForceCurveFit:
     """A fit whose change is made about it."""
-    for _ in range(TUNING.rounds):
+    for _ in range(MOST_SOLVES):
         model, before = found.model, found
         if not isinstance(model, RivalModel) or model.change.renewed is None or AMOUNT not in found.names:
             break

@@ -19,10 +19,11 @@ from scipy.interpolate import CubicSpline
 
 from ...adhesion import LIMITS, Nonadhesive, Program, RelaxingContact
 from ...adhesion.validity import EXCESS, STRAINED
-from ...base import TINY, Array, InputError, JkrError
+from ...base import SAME, TINY, Array, InputError, JkrError
 from ...bodies import HalfSpace, Layer, Loading, PowerRelaxation, Relaxation, Rigid, Specimen, StandardSolid
 from ...data.measured.curve import APPROACH
 from ...methods.layered.layered import unbounded
+from ...methods.radii import DENSE
 from .body import FittedBody, solved
 from .device_path import grid, on_grid, rest
 from .family import Family
@@ -39,13 +40,11 @@ class RecordRivalTuning:
 
     thick: float = 3.0  # choice: of the largest contact radius, the layer that a half-space is compared with
     under: tuple[float, float] = (3e-3, 0.5)  # of its thickness, radii it is solved at; theory: up to a contact of 0.44
-    radii: int = 60  # choice: splines between them err by less than what a rival is told to
     decades: int = 4  # choice: such layers to a decade of thickness, so that many curves share one solve
     neighbour: float = 0.02  # choice: of thickness and nu, for differences of two bodies
     zone: float = 0.01  # choice: of the contact radius, width of the ring of attraction
     skin: float = 0.01  # choice: of the contact radius, length kappa of tension
     finest: float = 4.0  # theory: of kappa, below which the expansion for small kappa is not used
-    same: float = 1e-6  # choice: relative difference of bodies below which they are one, errors of their solution
     widest_rim: float = 0.3  # choice: of the contact radius, a ring with which the search for its width begins
     steps: int = 12  # choice: of Newton's method for it; it needs four
     widest_step: float = 2.0  # choice: of the log of that width
@@ -76,7 +75,13 @@ class RecordRivalTuning:
     rises: tuple[float, float] = (-5.0, 5.0)  # choice: of the log of w along a record
     farther: float = 1.5  # choice: of the largest radius, beyond which a modulus that changes is even
     profiles: tuple[float, ...] = (-0.8, 0.0)  # choice: exponents less that of a paraboloid, to begin with
-    tabor: tuple[float, ...] = (3.0, 1.0, 0.3, 0.1, 0.03)  # choice: Tabor numbers, to begin with
+    tabor: tuple[float, ...] = (
+        3.0,
+        1.0,
+        0.3,
+        0.1,
+        0.03,
+    )  # choice: Tabor numbers, to begin with; a tenth of a long range
     farthest: float = 1e3  # choice: range over how far adhesion deforms the body; longer ones change nothing
     tensions: tuple[float, ...] = (0.03,)  # choice: 2 tension/E* over the contact radius, to begin with
     exponents: tuple[float, ...] = (0.3, 0.8)  # choice: of the speed of the edge, to begin with
@@ -230,7 +235,7 @@ def _on_rigid(body: FittedBody, h: float, most: float) -> Family:
     assert isinstance(specimen.base, HalfSpace)
     problem = replace(unbounded(body.problem), specimen=Specimen((Layer(specimen.base.material, h),), Rigid()))
     most = min(most, TUNING.inside * problem.indenter.r_max / h)
-    radii = tuple((h * np.geomspace(TUNING.under[0], most, TUNING.radii)).tolist())
+    radii = tuple((h * np.geomspace(TUNING.under[0], most, DENSE)).tolist())
     return solved(replace(problem, loading=Loading.given("radius", radii)), body.tolerance)
 
 
@@ -240,7 +245,7 @@ def _below(body: FittedBody, widest: float, h: float) -> Change:
     @lru_cache(maxsize=1)
     def ratios(family: Family) -> CubicSpline:
         other = _on_rigid(body, h, TUNING.thin)
-        u = np.linspace(other.low, other.high, TUNING.radii)
+        u = np.linspace(other.low, other.high, DENSE)
         return CubicSpline(u - math.log(h), np.log(other.at(u)[0] / family.at(u)[0]).T)
 
     def changes(family: Family, amount: float) -> Array:
@@ -337,7 +342,7 @@ def no_slip(at: Situation) -> Change | None:
     if problem.sticks or problem.specimen.radius is not None:
         return None
     other, u = at.body.on_surface("sticking").family, np.array([at.model.family.high])
-    if np.abs(np.log(other.at(u)[0] / at.model.family.at(u)[0])).max() < TUNING.same:
+    if np.abs(np.log(other.at(u)[0] / at.model.family.at(u)[0])).max() < SAME:
         return None
 
     def changes(family: Family, amount: float) -> Array:

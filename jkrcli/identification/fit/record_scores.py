@@ -19,6 +19,7 @@ from ...base import Array
 from .coloured import TUNING as COLOURED
 from .coloured import in_time
 from .force_curve import ForceCurveFit
+from .record_change import TUNING as CHANGES
 from .record_rivals import Known, Rival, columns, known_amount
 from .record_situation import Situation
 from .statistics import t_quantile
@@ -39,7 +40,6 @@ class ScoreTuning:
     normal: float = 1.96  # theory: 95 % of a normal value
     alike: float = 0.9  # choice: correlation of what is left of two columns, from which they are named together
     singular: float = 1e-4  # choice: share of a column beyond the model's own, below which no data tell it
-    fold: float = 0.02  # choice: of the way in contact about folds, where columns diverge
 
 
 TUNING = ScoreTuning()
@@ -314,7 +314,7 @@ def told_rows(at: Situation) -> Array:
     for part, (a, _) in zip(at.model.stretches, at.radii, strict=True):
         z, touching = part.z, a > 0
         near = z[touching].min() if touching.any() else math.inf
-        span = max(TUNING.fold * part.reach, 2 * part.spacing)
+        span = max(CHANGES.fold * part.reach, 2 * part.spacing)
         keep.append(~touching | (z > near + span) if part.jumped else np.abs(z - near) > span)
     return np.concatenate(keep)
 

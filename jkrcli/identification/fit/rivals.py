@@ -32,8 +32,7 @@ class RivalTuning:
 
     likely: float = 0.5  # choice: standard deviation of the relative change along the record; w of polymers may double
     chance: float = 5e-3  # choice: at which data of the model itself show a rival
-    least: float = -0.7  # choice: guard, a change along the record; w and moduli stay above 0
-    most: float = 1.2  # choice: guard, the same
+    changes: tuple[float, float] = (-0.7, 1.2)  # choice: guard, along the record; w and moduli stay above 0
     steps: int = 4  # choice: guard, of Gauss and Newton
     close: float = 0.5  # choice: the last step, in standard errors; what remains is its square
     fewest: int = 6  # choice: degrees of freedom; two of them go to the rivals
@@ -58,7 +57,7 @@ class Rival:
     @property
     def words(self) -> str:
         """The change with its size, which is of first order and no number where it is beyond ``TUNING``'s guards."""
-        held = min(max(self.change, TUNING.least), TUNING.most)
+        held = float(np.clip(self.change, *TUNING.changes))
         return f"{RIVALS[self.name][0]} by {'' if held == self.change else 'more than '}{held:+.0%}"
 
 
@@ -137,9 +136,7 @@ def _moves(minimum: Minimum, name: str, changes: tuple[float, ...], close: float
     moves = dict.fromkeys(free, 0.0)
     a = np.exp(minimum.found.u)
     for change in changes:
-        drift = Drift(
-            name, min(max(change, TUNING.least), TUNING.most), RIVALS[name][1], float(a.min()), float(a.max())
-        )
+        drift = Drift(name, float(np.clip(change, *TUNING.changes)), RIVALS[name][1], float(a.min()), float(a.max()))
         after = _followed(minimum, drift, close)
         moves = {key: max(move, abs(after[key] - before[key])) for key, move in moves.items()}
     return moves

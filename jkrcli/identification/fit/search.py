@@ -16,7 +16,7 @@ from functools import partial
 
 import numpy as np
 
-from ...base import Array, InputError, JkrError, SolveError, show
+from ...base import MOST_SOLVES, Array, InputError, JkrError, SolveError, show
 from ..least_squares import Least, LeastSquares, State
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING, RestingMember
@@ -69,7 +69,6 @@ class FitSearchTuning:
     shares: tuple[float, ...] = (0.75, 0.5)  # choice: of a way back, what may recede if the rest is at rest
     asked: float = 16.0  # theory: fall of chi^2 by a turn and a choice of rows that chance brings once in 2000
     nearer: float = 16.0  # choice: square of a distance, in standard deviations, that no noise makes
-    rounds: int = 8  # choice: guard, of which rows are at rest and what fits them best
     # Minima, in sizes of the curve
     least_size: float = 0.05  # choice: of the data's range, the least size of a curve
     near: float = 1e-3  # tuned on records by `make tuning`: residuals so small that no other start is tried
@@ -81,7 +80,6 @@ class FitSearchTuning:
     far_past_end: float = 1.3  # choice: the same of starts, before the body is solved anew
     room: float = 1.25  # choice: of the radii that the data reach, where a body is solved anew
     least_used: float = 0.5  # choice: part of the series below which it is solved anew to smaller radii
-    solves: int = 5  # choice: guard
 
 
 TUNING = FitSearchTuning()
@@ -425,7 +423,7 @@ def _settled(objective: Objective, values: Mapping[str, float]) -> Minimum:
     """The minimum from ``values`` on at which each row lies on the edge that it was fitted with."""
     parameters = objective.parameters
     _, points, x = _assigned(objective, values)
-    for _ in range(TUNING.rounds):
+    for _ in range(MOST_SOLVES):
         objective = _without_idle(replace(objective, parameters=parameters, points=points))
         found = minimise(objective, x)
         before = points
@@ -476,7 +474,7 @@ def _of_a_branch(body: FittedBody, points: Points, settings: Settings) -> Minimu
     InputError where no curve of the body comes near the data, or where they leave the radii of its series.
     """
     body = _among_radii(body, points)
-    for _ in range(TUNING.solves):
+    for _ in range(MOST_SOLVES):
         tried = _all_starts(body, points, settings)
         high = float(body.series.a[-1])
         if body.extensible and tried[0].reach > high * TUNING.far_past_end:

@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from ...base import Array
+from ...base import MOST_STEPS, Array
 from .device_path import Rest
 from .family import Family
 
@@ -27,7 +27,6 @@ class SlowEdgeTuning:
     last: float = 0.99  # choice: of it, by how much the contact has shrunk when it is taken as lost
     even: float = 0.01  # choice: of it, from where on radii are even; in a geometric sequence before
     radii: int = 100  # choice: of either; loads are then good to 5e-4 of the tension
-    steps: int = 60  # choice: guard, of Newton's method for a speed; five are needed
     still: float = 1e-12  # choice: of the log of a speed, when it has come there
     widest: float = 3.0  # choice: of it, a step
 
@@ -62,7 +61,7 @@ def _follow(
     for i, (whole, shift, step) in enumerate(zip(free, pulled, steps, strict=True)):
         half = step if i == 0 else step / 2  # it begins at rest: the rule of the trapezium from the second on
         target = z - (0.0 if i == 0 else half * before)
-        for _ in range(TUNING.steps):
+        for _ in range(MOST_STEPS):
             power, slowness = b * math.exp(n * log), half * math.exp(-log)
             root = math.sqrt(1 + power)
             off = whole - shift * root + slowness - target

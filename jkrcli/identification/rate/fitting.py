@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...adhesion import RATE_LAWS, Nonadhesive, RateLaw, rate_parameters
-from ...base import Array, InputError, JkrError, Ranged, SolveError, Unknown, did_you_mean, show
+from ...base import SAME, Array, InputError, JkrError, Ranged, SolveError, Unknown, did_you_mean, show
 from ...data import Curve
 from ..answer import Answer, times
 from ..fit import FittedBody, Settings, covariance, fit, t_quantile
@@ -35,7 +35,6 @@ class RateFitTuning:
 
     converged: float = 1e-6  # choice: relative, far below any standard error
     started: float = 1e-3  # choice: the same of a start, beyond which it takes the whole records
-    evaluations: int = 300  # choice: guard
     good: float = 3.0  # theory: standard deviations of the scatter over 1 up to which no other start is tried
     softer: tuple[float, ...] = (1.0, 0.8, 0.64, 0.5, 0.4)  # choice: moduli over that of an even adhesion
     beyond: float = 0.2  # choice: of a record's length, how long after its last row contact may be predicted to be lost
@@ -199,7 +198,7 @@ class _Problem:
         """The least sum of squares from ``start`` on, to ``cost`` relatively; None where the way there fails."""
         try:
             bounds = self.unknowns.bounds(start, FITS.reach)
-            return LeastSquares(self.equations, bounds, TUNING.converged, cost, TUNING.evaluations).least(start)
+            return LeastSquares(self.equations, bounds, TUNING.converged, cost).least(start)
         except (JkrError, FloatingPointError, OverflowError, np.linalg.LinAlgError):
             return None
 
@@ -235,7 +234,7 @@ class _Problem:
         for i, (record, part) in enumerate(zip(self.records, self.residuals(found), strict=True)):
             again = rate_record(record.curve, self.settings.segment, self._lost(found.x, i))
             sigma = {name: math.sqrt(float(np.mean(values**2)) / (1 - share)) for name, values in part.items()}
-            least = {name: FITS.floor * float(np.ptp(getattr(record, name))) for name in part}
+            least = {name: SAME * float(np.ptp(getattr(record, name))) for name in part}
             records.append(replace(again, sigma={name: max(sigma[name], least[name]) for name in part}))
         return replace(self, records=tuple(records))
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...adhesion import Program
-from ...base import Array, InputError
+from ...base import SAME, Array, InputError
 from ...data import Curve
+from ...data.record import TUNING as RECORDS
 from ..fit import third_differences
-from ..least_squares import TUNING as FITS
 
 
 @dataclass(frozen=True)
@@ -93,12 +93,12 @@ def rate_record(curve: Curve, segment: str | None, lost: float | None = None) ->
     if (np.diff(t) <= 0).any():
         row = int(numbers[int(np.flatnonzero(np.diff(t) <= 0)[0]) + 1]) + 1
         raise InputError(f"{curve.where}: time must rise from row to row, it does not in row {row}")
-    chosen = _retraction(t, P, device, lost) if t.size >= FITS.rows else np.empty(0, dtype=int)
-    if chosen.size < FITS.rows:
-        raise InputError(f"{curve.where}: {chosen.size} rows of a retraction, at least {FITS.rows} are needed")
+    chosen = _retraction(t, P, device, lost) if t.size >= RECORDS.least_rows else np.empty(0, dtype=int)
+    if chosen.size < RECORDS.least_rows:
+        raise InputError(f"{curve.where}: {chosen.size} rows of a retraction, at least {RECORDS.least_rows} are needed")
     a = None if part.a is None else part.a[chosen]
     read = {"P": P[chosen]} | ({} if a is None else {"a": a})
-    noise = {name: max(third_differences(column), FITS.floor * float(np.ptp(column))) for name, column in read.items()}
+    noise = {name: max(third_differences(column), SAME * float(np.ptp(column))) for name, column in read.items()}
     base, loose = _motion(t[chosen], device[chosen])
     stiffness = np.inf if curve.stiffness is None else curve.stiffness
     return RateRecord(curve, t[chosen], P[chosen], a, noise, noise, base, loose, float(stiffness), numbers[chosen])
@@ -116,7 +116,7 @@ def _retraction(t: Array, P: Array, device: Array, lost: float | None) -> Array:
     begin = 0
     if rate < 0 and level + rate * (t[0] - t[last]) > top + TUNING.still * noise:
         begin = int(np.searchsorted(t, t[last] + (top - TUNING.highest * noise - level) / rate))
-    over = _over(P, lowest) if lost is None else max(int(np.searchsorted(t, lost)), begin + FITS.rows)
+    over = _over(P, lowest) if lost is None else max(int(np.searchsorted(t, lost)), begin + RECORDS.least_rows)
     return np.arange(begin, min(over, t.size))
 
 
@@ -137,7 +137,7 @@ def _motion(t: Array, device: Array) -> tuple[tuple[Array, Array], tuple[float, 
     """The device's motion as points (t, x), and standard deviations of its shift and tilt, from noise alone: that of
     the readings about the motion."""
     middle, half = (t[0] + t[-1]) / 2, (t[-1] - t[0]) / 2
-    z, least = (t - middle) / half, FITS.floor * float(np.ptp(device))
+    z, least = (t - middle) / half, SAME * float(np.ptp(device))
     line = np.polynomial.polynomial.polyfit(z, device, 1)
     base = t[[0, -1]], np.polynomial.polynomial.polyval(np.array([-1.0, 1.0]), line)
     noise = _rms(device - np.polynomial.polynomial.polyval(z, line), 2)

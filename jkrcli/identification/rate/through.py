@@ -25,7 +25,6 @@ class ThroughTuning:
     exponents: tuple[float, ...] = (0.25, 0.5, 1.0)  # choice: starts of n
     laws: tuple[float, float] = (0.1, 3.0)  # choice: exponents that are sought; measured ones are 0.1 to 1
     reach: float = 40.0  # choice: guard, how far logs move
-    converged: float = 1e-8  # choice: relative, far below any standard error
     sure: float = 0.3  # choice: relative half-width of a speed, beyond which its point tells nothing of a law
     rounds: int = 3  # choice: of weights by the errors of the speeds, which ask for the law
     blocks: int = 8  # choice: of neighbouring points that are left out in turn
@@ -190,4 +189,4 @@ def _nearest(name: str, logs: Unknowns, v: Array, w: Array, sigma: Array, start:
 
     scale = max(float(np.median(np.abs(residuals(start)))), 1e-3)
     width, bounds = scale * TUNING.turn / 10, logs.bounds(start, TUNING.reach)
-    return LeastSquares(state, bounds, TUNING.converged, loss="soft_l1", width=width).least(start)
+    return LeastSquares(state, bounds, loss="soft_l1", width=width).least(start)

@@ -84,22 +84,8 @@ __all__ = [
     "plan", "plot", "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas",
     "transform", "work",
 ]  # fmt: skip
-_HOMES = {
-    ".adhesion": "LogRate PowerRate Program",
-    ".base": "InputError JkrError Refusal Unknown",
-    ".bodies": "Elastic EqualAreaCone Exponential Graded HalfSpace Layer Linear Loading Paraboloid Power PowerLaw"
-    " PowerRelaxation Problem Prony Rigid RoundedCone RoundedFlat Specimen Sphere StandardSolid TableProfile Tabulated"
-    " TransverselyIsotropic",
-    ".data.measured.curve": "Reading",
-    ".methods.closed_form.method": "ClosedForm",
-    ".methods.fem.method": "FEM",
-    ".methods.guards": "Limits",
-    ".methods.hybrid.method": "Hybrid",
-    ".methods.layered.layered": "Layered",
-}
-_API = set(__all__).difference(*(names.split() for names in _HOMES.values()))
 
-__getattr__ = lazily(__name__, {**_HOMES, ".api": " ".join(_API)})
+__getattr__ = lazily(__name__, __file__)
 
 
 def __dir__() -> list[str]:

@@ -157,13 +157,12 @@ def test_each_heavy_library_has_one_door() -> None:
 
 
 @pytest.mark.parametrize("room", OFFERING)
-def test_what_a_room_offers_is_there_and_is_what_types_say(room: str) -> None:
-    """Names are imported when they are first asked for; the types of them are imported apart from that."""
+def test_what_a_room_offers_is_there(room: str) -> None:
+    """Names that a room imports for the types are imported when they are first asked for."""
     package, parts = importlib.import_module(f"jkrcli.{room}"), nodes(PACKAGE / room.replace(".", "/") / "__init__.py")
     typed = [alias.name for block in parts if isinstance(block, ast.If)
              for node in block.body if isinstance(node, ast.ImportFrom) for alias in node.names]  # fmt: skip
-    table = next(ast.literal_eval(node) for node in parts if isinstance(node, ast.Dict))
-    assert sorted(typed) == sorted(" ".join(table.values()).split())
+    assert typed
     assert all(hasattr(package, name) for name in typed)
     with pytest.raises(AttributeError, match=f"module jkrcli.{room} has no attribute nothing"):
         _ = package.nothing

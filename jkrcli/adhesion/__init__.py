@@ -24,25 +24,4 @@ if TYPE_CHECKING:
     from .stability import Behaviour, behaviour, behaviours, branch, stable_radius, turning_radius
     from .validity import LIMITS, REMEDY, Validity, end_of_body, judge, refuse_wetting, regime, sizes, unresolved
 
-__getattr__ = lazily(
-    __name__,
-    {
-        ".course": "Course",
-        ".critical": "Errors point_error",
-        ".curve": "AdhesiveCurve CriticalPoint Equilibrium EquilibriumCurve transform",
-        ".device": "CONTROLS DISPLACEMENT_CONTROL LOAD_CONTROL control position",
-        ".finite_range": "FiniteRangeBody FiniteRangeCurve unable",
-        ".law": "AskedRange Range",
-        ".nonadhesive": "Nonadhesive Parts",
-        ".path": "Jump TimedState",
-        ".program": "Program",
-        ".rate.history": "RateContact",
-        ".rate.laws": "LogRate PowerRate RATE_LAWS RateLaw parameters_of rate_law_of rate_parameters",
-        ".relaxation.history": "RelaxingContact",
-        ".relaxation.limits": "limits_of",
-        ".slopes.result": "TWO_SIDED_90 Slopes",
-        ".stability": "Behaviour behaviour behaviours branch stable_radius turning_radius",
-        ".validity": "LIMITS REMEDY Validity end_of_body judge refuse_wetting regime sizes unresolved",
-        ".sharp": "resolved yielding",
-    },
-)
+__getattr__ = lazily(__name__, __file__)

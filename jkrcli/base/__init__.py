@@ -77,26 +77,4 @@ if TYPE_CHECKING:
     )
     from .unknown import Estimate, Unknown, accuracy, known
 
-__getattr__ = lazily(
-    __name__,
-    {
-        ".arrays": "Array",
-        ".clock": "PATIENCE SILENCE StageClock duration",
-        ".cubic": "EvenCubic PiecewiseCubic PiecewiseQuintic spline_slopes zeros_between",
-        ".errors": "InputError JkrError Refusal SolveError did_you_mean first_line nearest positive printable writable",
-        ".executors": "Pool Progress completed executor in_order silent",
-        ".files": "atomic beside check_series_target check_target make_folder opened read_bytes real remove"
-        " together write_bytes write_text",
-        ".installing": "installs",
-        ".iteration": "AT_ONCE DRAWN LOOKED_AT MOST_CELLS MOST_SOLVES MOST_STEPS NO_CLAIM NOTICEABLE REMEMBERED ROUNDED"
-        " ROWS SAME SHOWN TINY UNSEEN",
-        ".memory": "SHARE free_memory",
-        ".quadrature": "composite_gauss",
-        ".registry": "Key Registry",
-        ".table": "as_json lists write_csv",
-        ".threads": "one_thread",
-        ".units": "AnyLength LARGEST_SI Length Modulus Ranged SI UNITS check_ranges decades parse ranges_of"
-        " reached scale show",
-        ".unknown": "Estimate Unknown accuracy known",
-    },
-)
+__getattr__ = lazily(__name__, __file__)

@@ -12,13 +12,4 @@ if TYPE_CHECKING:
     from .solved import is_solved
     from .sticking import StickingEffect, as_told, effect_facts, effect_on, sticking_effect, sticking_warnings
 
-__getattr__ = lazily(
-    __name__,
-    {
-        ".analysis": "JKR Analysis adhesive analyse forecast nonadhesive with_solved_points",
-        ".lost": "Lost where_lost",
-        ".profile": "profile_columns radius_under",
-        ".solved": "is_solved",
-        ".sticking": "StickingEffect as_told effect_facts effect_on sticking_effect sticking_warnings",
-    },
-)
+__getattr__ = lazily(__name__, __file__)

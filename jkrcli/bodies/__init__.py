@@ -23,14 +23,4 @@ if TYPE_CHECKING:
     from .problem import NO_FINITE_RANGE, HalfSpace, Layer, Loading, Problem, Quantity, Rigid, Specimen
     from .relaxation import RELAXATIONS, Modes, PowerRelaxation, Prony, Relaxation, StandardSolid, relaxing_words
 
-__getattr__ = lazily(
-    __name__,
-    {
-        ".grading": "Exponential LAWS Law Linear Power Tabulated",
-        ".indenters": "SHAPES EqualAreaCone Indenter Paraboloid PowerLaw RoundedCone RoundedFlat Sphere TableProfile",
-        ".materials": "Elastic Graded Material TransverselyIsotropic contact_modulus",
-        ".problem": "NO_FINITE_RANGE HalfSpace Layer Loading Problem Quantity Rigid Specimen",
-        ".relaxation": "Modes PowerRelaxation Prony RELAXATIONS Relaxation StandardSolid relaxing_words",
-        ".parts": "RADIUS changed checked_names layer_names nominal",
-    },
-)
+__getattr__ = lazily(__name__, __file__)

@@ -23,12 +23,4 @@ if TYPE_CHECKING:
     from .record import BaseLine, Direction, ForceCurve, examine
     from .text_table import SEPARATORS, some
 
-__getattr__ = lazily(
-    __name__,
-    {
-        ".measured": "APPROACH AS_DEPTH NOT_SUBTRACTED OVERRULED RETRACT Curve Pixel Reading each from_columns usable",
-        ".measured.contact": "saturation with_zero_points",
-        ".record": "BaseLine Direction ForceCurve examine",
-        ".text_table": "SEPARATORS some",
-    },
-)
+__getattr__ = lazily(__name__, __file__)

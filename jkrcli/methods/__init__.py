@@ -32,18 +32,7 @@ if TYPE_CHECKING:
         without_tension,
     )
 
-__getattr__ = lazily(
-    __name__,
-    {
-        ".attraction": "AttractedBody",
-        ".choose": "Choice Option long_look survey",
-        ".fem.method": "FEM",
-        ".guards": "LESS Limits admit",
-        ".layered.layered": "Layered largest_radius unbounded",
-        ".protocol": "METHODS Descriptor Forecast InTable Method Place least_first method_class register"
-        " without_tension",
-    },
-)
+__getattr__ = lazily(__name__, __file__)
 
 for _folder in sorted(Path(__file__).parent.glob("*/options.py")):
     importlib.import_module(f"{__name__}.{_folder.parent.name}.options")

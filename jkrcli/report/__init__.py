@@ -28,29 +28,4 @@ if TYPE_CHECKING:
     from .transform import Transformed
     from .work import Work
 
-__getattr__ = lazily(
-    __name__,
-    {
-        ".check": "Check",
-        ".compare": "Compared of_curves of_solutions",
-        ".cycle": "Cycled CycledByProgram",
-        ".dem": "Exported",
-        ".fields": "Fields",
-        ".fit": "Fits Fitted plan_table rivals_table",
-        ".joint_fit": "JointFitted",
-        ".look": "Look",
-        ".mesh": "Meshed",
-        ".output": "PICTURES SHOWN Files Output",
-        ".profile": "Profile",
-        ".pull_off": "MeasuredPullOff PullOff",
-        ".rate": "CycledAtSpeed",
-        ".rate_fit": "LawFit",
-        ".relaxation": "CycledInLimits CycledRelaxing",
-        ".relaxation_fit": "RelaxationFits RelaxationFitted",
-        ".result": "Held Result as_result",
-        ".solved": "Imported Solved",
-        ".tension_fit": "TensionFitted",
-        ".transform": "Transformed",
-        ".work": "Work",
-    },
-)
+__getattr__ = lazily(__name__, __file__)

@@ -28,16 +28,4 @@ if TYPE_CHECKING:
     from .quadrature import Panels, Quadrature, crowded_rule, gauss, phase_allowed, rule, split
     from .stuck import StuckDisc, StuckKernel, ring_transforms
 
-__getattr__ = lazily(
-    __name__,
-    {
-        ".attraction": "Attraction Rims panels_for refuse_narrow",
-        ".contact": "FLOPS_PER_SECOND InaccurateError first_stiffness largest_for_contact"
-        " radii_for_contact series_of tolerance_remedy",
-        ".disc": "disc_warnings refuse_shrinking",
-        ".equation": "ContactResult DiscreteEquation EquationResult solve",
-        ".kernel": "CosineKernel FredholmKernel SumKernel",
-        ".quadrature": "Panels Quadrature crowded_rule gauss phase_allowed rule split",
-        ".stuck": "StuckDisc StuckKernel ring_transforms",
-    },
-)
+__getattr__ = lazily(__name__, __file__)

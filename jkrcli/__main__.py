@@ -12,9 +12,9 @@ except KeyboardInterrupt:  # these milliseconds too
 def main() -> None:
     """Entry point of ``jkr``."""
     leave_at_once()
-    from .base import program
+    from .base import process
 
-    program.begin()
+    process.begin()
     from .cli import main as command
 
     command()

@@ -14,7 +14,7 @@ from jkrcli.base.errors import JkrError, Refusal
 from jkrcli.beside.comparison import curve_distance
 from jkrcli.bodies.problem import Loading, Problem
 from jkrcli.methods import Method, method_class
-from jkrcli.methods.integral.contact import InaccurateError
+from jkrcli.methods.integral.pair import InaccurateError
 from jkrcli.methods.layered.layered import Layered, largest_radius
 from jkrcli.series import Series
 

@@ -22,8 +22,8 @@ from jkrcli.formulas.griffith import shift
 from jkrcli.methods.attraction import AttractedBody
 from jkrcli.methods.integral.attraction import Attraction
 from jkrcli.methods.integral.quadrature import Panels, Quadrature
-from jkrcli.methods.layered.contact import LayeredContact
 from jkrcli.methods.layered.layered import Layered, unbounded
+from jkrcli.methods.layered.stack import LayeredContact
 from jkrcli.series import Series
 
 from .bounds import body as random_body

@@ -19,7 +19,7 @@ from ..base import ROUNDED, SAME, TINY, Array, Estimate, InputError, Refusal, co
 from ..bodies import NO_FINITE_RANGE, Problem
 from ..methods import METHODS, AttractedBody
 from ..methods.integral import Attraction, Rims, refuse_narrow
-from ..methods.layered.contact import checked
+from ..methods.layered.stack import checked
 from ..series import Series, Solution
 from .critical import Errors
 from .curve import TUNING as CURVE

@@ -15,8 +15,8 @@ import numpy as np
 from ..base import Array, Estimate, JkrError, Unknown, show
 from ..bodies import Problem
 from ..methods.guards import QUICK
-from ..methods.layered.contact import LayeredContact
 from ..methods.layered.layered import unbounded
+from ..methods.layered.stack import LayeredContact
 from ..methods.layered.stuck import StuckLayeredContact, unable
 from ..series import Series, Solution
 

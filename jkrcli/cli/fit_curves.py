@@ -135,7 +135,7 @@ def _draw(drawn: Pictures) -> None:
     from ..data import examine
     from ..identification.fit import Failure
     from ..report.plots.fit import fit_figure
-    from ..report.plots.record import record_figure
+    from ..report.plots.segments import record_figure
 
     for item, target in drawn:
         if not isinstance(item, Failure):

@@ -18,12 +18,12 @@ import numpy as np
 from ..base import MOST_STEPS, ROUNDED, Array, Refusal, show
 from ..bodies import HalfSpace, Problem, Specimen
 from .integral import Attraction
-from .layered.contact import LayeredContact
 from .layered.layered import GRADED, unbounded
 from .layered.spectrum import spectrum_seconds
+from .layered.stack import LayeredContact
 
 if TYPE_CHECKING:
-    from .hybrid.contact import AdaptiveKernel, ErrorEstimates, KernelContact  # finite elements: of cylinders alone
+    from .hybrid.adaptive import AdaptiveKernel, ErrorEstimates, KernelContact  # finite elements: of cylinders alone
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class AttractedBody:
     def _cylinder(self) -> AdaptiveKernel | None:
         if self.problem.specimen.radius is None:
             return None
-        from .hybrid.contact import AdaptiveKernel
+        from .hybrid.adaptive import AdaptiveKernel
 
         return AdaptiveKernel(self.problem.indenter, self.problem.specimen, TUNING.cylinder[0])
 

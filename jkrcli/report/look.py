@@ -79,7 +79,7 @@ class Look(Result):
         return self.unusable
 
     def figure(self) -> Figure:
-        from .plots.record import record_figure
+        from .plots.segments import record_figure
 
         return record_figure(self.records)
 

@@ -21,7 +21,7 @@ from jkrcli.methods.integral.annulus import AttractedSurface, attracted_surface
 from jkrcli.methods.integral.attraction import Rims
 from jkrcli.methods.integral.equation import DiscreteEquation
 from jkrcli.methods.integral.quadrature import Panels
-from jkrcli.methods.layered.contact import LayeredContact
+from jkrcli.methods.layered.stack import LayeredContact
 
 HALF_SPACE = jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(1 - 0.3**2, 0.3)))  # E* = 1
 LOAD, DISPLACEMENT = 0.0, math.inf

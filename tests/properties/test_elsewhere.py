@@ -31,8 +31,8 @@ import os, sys
 assert sys.modules["fcntl"] is None and not hasattr(os, "fork")
 from jkrcli.base.interrupts import leave_at_once
 leave_at_once()
-from jkrcli.base import program
-program.begin()
+from jkrcli.base import process
+process.begin()
 from jkrcli.cli import call
 for words in (
     ("new", "n.toml"), ("run", "l.toml"), ("show", "l.h5"), ("transform", "l.h5", "--no-plots"),

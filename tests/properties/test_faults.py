@@ -503,7 +503,7 @@ def test_streams_that_take_nothing_stop_no_work(closed: str, tmp_path: Path) -> 
 def test_no_file_gets_the_number_of_a_closed_stream(tmp_path: Path) -> None:
     """Libraries print their warnings to 2, whatever that is."""
     opens = (
-        "from jkrcli.base import program as p; p.begin(); x = open('x', 'w'); print(x.fileno(), file=open('n', 'w'))"
+        "from jkrcli.base import process as p; p.begin(); x = open('x', 'w'); print(x.fileno(), file=open('n', 'w'))"
     )
     subprocess.run(["sh", "-c", 'exec "$0" -c "$1" >&- 2>&- <&-', sys.executable, opens], cwd=tmp_path, check=True)
     assert int((tmp_path / "n").read_text()) > 2

@@ -317,7 +317,7 @@ def test_a_chart_of_alike_costs_has_readable_ticks() -> None:
 @pytest.mark.parametrize("begun", [True, False], ids=["program", "library"])
 def test_matplotlib_keeps_its_own_words_but_in_the_program(begun: bool) -> None:
     code = (
-        f"from jkrcli.base import program\nif {begun}: program.begin()\nimport jkrcli.report.plots\n"
+        f"from jkrcli.base import process\nif {begun}: process.begin()\nimport jkrcli.report.plots\n"
         "from matplotlib import artist, lines\nprint('drawstyle' in lines.Line2D.set.__doc__)\n"
         "print('drawstyle' in artist.kwdoc(lines.Line2D))"
     )

@@ -14,8 +14,8 @@ from studies.tuning import Knob
 CHEAP = ("half-space by layered", "layer by layered", "gel by layered", "transverse by layered", "table", "loads")
 SAMPLE = {
     "jkrcli.methods.layered.minors": ("small", "small_transverse"),
-    "jkrcli.methods.layered.contact": ("refinements", "no_claim", "most_nodes", "most_flops"),
-    "jkrcli.bodies.indenters.table": ("pointed", "looks", "few"),
+    "jkrcli.methods.layered.stack": ("refinements", "most_nodes", "most_flops"),
+    "jkrcli.bodies.indenters.table": ("pointed", "few"),
 }
 
 

@@ -21,9 +21,9 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Specimen
 from jkrcli.methods import Forecast
 from jkrcli.methods.integral.disc import disc_warnings
-from jkrcli.methods.layered.contact import LayeredContact
 from jkrcli.methods.layered.fields import profile
 from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.stack import LayeredContact
 from jkrcli.series import ErrorBudget, Series, Solution
 from studies import failures_judge
 from studies.failures_cells import AXES, Cell, draw

@@ -12,7 +12,7 @@ from ...base import PATIENCE, Array, InputError, Refusal, SolveError, StageClock
 from ...bodies import Elastic, Layer, Loading, Paraboloid, Problem, Rigid, Sphere
 from ...formulas import thin_layer
 from ...series import COLUMNS, ErrorBudget, Series, Solution
-from ..integral.contact import CHECKED
+from ..integral.pair import CHECKED
 from ..layered.layered import Layered, unbounded
 from ..protocol import Forecast, without_tension
 from ..radii import ROUGH, half_space_guess, radii_of_loading

@@ -9,8 +9,8 @@ import numpy as np
 
 from ...base import Array, Estimate, InputError, Unknown
 from ...series import Coarser, ErrorBudget, Series
-from .contact import Events, SurfaceContact, solve_depths
 from .loading import power_interpolated, raw_series
+from .nested import Events, SurfaceContact, solve_depths
 from .run import MeshLevel, Run
 
 

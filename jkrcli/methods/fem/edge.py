@@ -18,8 +18,8 @@ from ...bodies import Elastic, Graded, HalfSpace, Indenter, Paraboloid, Specimen
 from ..layered.tense import TenseContact
 from ..radii import DENSE
 from .body import at_surface
-from .contact import SurfaceContact, nested_events
 from .model import Model
+from .nested import SurfaceContact, nested_events
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from ...base import Array, Refusal
 from ...bodies import Loading, Problem
 from ...series import PressureTable, RawSeries
 from ..radii import graded_radii
-from .contact import Events, Increment, SurfaceContact, solve_depths
+from .nested import Events, Increment, SurfaceContact, solve_depths
 from .surface import Surface
 
 Columns = tuple[Array, Array, Array]  # a [m], delta [m], P [N]

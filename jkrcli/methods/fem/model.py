@@ -10,10 +10,10 @@ import numpy as np
 from ...base import Array, StageClock
 from ...bodies import Graded, Indenter, Material
 from .body import MeshedBody, at_surface, half_space_like
-from .contact import StuckContact, SurfaceContact
 from .elasticity import ElasticSystem, assemble
 from .far_field import missing_displacement
 from .layout import Layout
+from .nested import StuckContact, SurfaceContact
 from .options import Solver
 from .stuck_edge import EdgeRows
 from .surface import StiffnessFactor, Surface, condense, factorise

@@ -10,10 +10,10 @@ import numpy as np
 from ...base import Array, StageClock
 from ...bodies import Indenter, Problem
 from ...series import RawSeries, filter_plateaus
-from .contact import Events, Increment, StuckContact, SurfaceContact, nested_events
 from .edge import edge_correction
 from .loading import Columns, power_interpolated, raw_series
 from .model import Discretisation, Model
+from .nested import Events, Increment, StuckContact, SurfaceContact, nested_events
 
 FEWEST = 4  # events for slopes; theory: S takes two, dS/da three, and its error one more
 SPARE = 2  # events beyond the end of the loading; theory: the end lies between two, and dS/da takes one more

@@ -7,10 +7,10 @@ import math
 from ...base import MOST_SOLVES, JkrError, Refusal, StageClock
 from ...bodies import Problem
 from ..layered.layered import largest_radius
-from .contact import Events, Increment, SurfaceContact, nested_events, solve_depths, solve_loads
 from .layout import layout_for
 from .loading import depths_of, needed_radius, nested_columns
 from .model import Discretisation, Model, pressure_layers
+from .nested import Events, Increment, SurfaceContact, nested_events, solve_depths, solve_loads
 from .options import FEMOptions
 from .run import SPARE, MeshLevel, Run
 

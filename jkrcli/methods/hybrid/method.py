@@ -23,8 +23,8 @@ from ..integral import (
 from ..layered.layered import expected_radius
 from ..protocol import Forecast, without_tension
 from ..radii import check_radius
-from .contact import TUNING as REFINING
-from .contact import AdaptiveKernel, fem_for
+from .adaptive import TUNING as REFINING
+from .adaptive import AdaptiveKernel, fem_for
 from .kernel import STEP, KernelLevels
 from .options import HybridOptions
 

@@ -13,7 +13,10 @@ from ...base.lazy import lazily
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .attraction import Attraction, Rims, panels_for, refuse_narrow
-    from .contact import (
+    from .disc import disc_warnings, refuse_shrinking
+    from .equation import ContactResult, DiscreteEquation, EquationResult, solve
+    from .kernel import CosineKernel, FredholmKernel, SumKernel
+    from .pair import (
         FLOPS_PER_SECOND,
         InaccurateError,
         first_stiffness,
@@ -22,9 +25,6 @@ if TYPE_CHECKING:
         series_of,
         tolerance_remedy,
     )
-    from .disc import disc_warnings, refuse_shrinking
-    from .equation import ContactResult, DiscreteEquation, EquationResult, solve
-    from .kernel import CosineKernel, FredholmKernel, SumKernel
     from .quadrature import Panels, Quadrature, crowded_rule, gauss, phase_allowed, rule, split
     from .stuck import StuckDisc, StuckKernel, ring_transforms
 

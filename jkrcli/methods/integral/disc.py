@@ -15,9 +15,9 @@ import numpy as np
 
 from ...base import Array, JkrError, Refusal, show
 from ...bodies import Specimen
-from .contact import CHECKED, Contact
 from .density import Density, unsmooth
 from .kernel import FredholmKernel
+from .pair import CHECKED, Contact
 from .quadrature import EXACT
 
 

@@ -17,8 +17,8 @@ from ...bodies import Problem
 from ...formulas.griffith import shift
 from ..integral import InaccurateError
 from ..integral.density import Density, unsmooth
-from .contact import LayeredContact
 from .layered import Layered
+from .stack import LayeredContact
 
 TOLERANCE = 1e-8  # of delta, P, S, S'; choice: finer than any picture
 

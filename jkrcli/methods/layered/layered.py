@@ -23,9 +23,9 @@ from ..integral import (
     series_of,
 )
 from ..protocol import Forecast
-from .contact import TUNING, LayeredContact, checked
 from .options import LayeredOptions
 from .spectrum import spectrum_seconds
+from .stack import TUNING, LayeredContact, checked
 from .stuck import StuckLayeredContact, unable
 from .tense import TUNING as TENSE
 from .tense import TenseContact

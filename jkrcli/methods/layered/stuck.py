@@ -17,11 +17,11 @@ from ...bodies import Graded, Indenter, Material, Specimen, TransverselyIsotropi
 from ..integral import ContactResult, Panels, Quadrature, StuckDisc, StuckKernel, gauss, phase_allowed, rule, split
 from ..integral.growth import Growth, Pieces
 from ..integral.quadrature import EXACT
-from .contact import TUNING as REFINING
-from .contact import ResolvedTwice
 from .minors import Medium, minors_of, shear_moduli
 from .spectrum import TUNING as SPECTRUM
 from .spectrum import LayeredSpectrum, resolved
+from .stack import TUNING as REFINING
+from .stack import ResolvedTwice
 
 
 @dataclass(frozen=True)

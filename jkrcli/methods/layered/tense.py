@@ -32,10 +32,10 @@ from ...formulas import surface_tension as formulas
 from ..integral import ContactResult, Panels, crowded_rule, phase_allowed
 from ..integral.equation import panel_means
 from .angles import Angles, Function
-from .contact import TUNING as REFINING
-from .contact import ResolvedTwice
 from .product import logarithms
 from .spectrum import LayeredSpectrum, deviation, resolved
+from .stack import TUNING as REFINING
+from .stack import ResolvedTwice
 from .tail import COUNT, Tail, regularised, surface_series
 
 

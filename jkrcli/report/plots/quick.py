@@ -1,5 +1,5 @@
 """matplotlib's import without the tables of properties that it writes into its own docstrings, a third of its time,
-and, in the program ``jkr``, without what its surroundings say: no figure depends on it."""
+and, in the process ``jkr``, without what its surroundings say: no figure depends on it."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import os
 from collections.abc import Iterator
 from typing import Any
 
-from ...base import InputError, program
+from ...base import InputError, process
 
 
 def _properties() -> Any:
     """matplotlib.artist; InputError where a matplotlibrc is in the way."""
-    if program.runs():
+    if process.runs():
         os.environ.pop("MPLBACKEND", None)  # one that is unknown is an error
         logging.getLogger("matplotlib").setLevel(logging.ERROR)  # of lines in a matplotlibrc, folders for caches
     try:
@@ -32,9 +32,9 @@ properties = _properties()
 
 @contextlib.contextmanager
 def without_tables() -> Iterator[None]:
-    """What is imported here has none in the program ``jkr``, which shows none; elsewhere nothing is changed."""
+    """What is imported here has none in the process ``jkr``, which shows none; elsewhere nothing is changed."""
     tables = properties.kwdoc
-    if program.runs():
+    if process.runs():
         properties.kwdoc = lambda artist: ""
     try:
         yield

@@ -11,9 +11,9 @@ from jkrcli.base.clock import StageClock
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat
 from jkrcli.bodies.materials import Elastic
 from jkrcli.methods.fem.body import MeshedBody
-from jkrcli.methods.fem.contact import SurfaceContact, nested_events, solve_depths, solve_loads
 from jkrcli.methods.fem.layout import scaled_layout
 from jkrcli.methods.fem.model import Discretisation
+from jkrcli.methods.fem.nested import SurfaceContact, nested_events, solve_depths, solve_loads
 from jkrcli.methods.fem.surface import Surface
 
 SOFT = Elastic(2.0, 0.35)

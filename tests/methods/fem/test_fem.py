@@ -14,12 +14,12 @@ from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Spe
 from jkrcli.formulas.half_space import hertz
 from jkrcli.methods.fem import surface
 from jkrcli.methods.fem.body import MeshedBody
-from jkrcli.methods.fem.contact import nested_events
 from jkrcli.methods.fem.elasticity import assemble
 from jkrcli.methods.fem.layout import scaled_layout
 from jkrcli.methods.fem.mesh import triangles
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.model import Discretisation
+from jkrcli.methods.fem.nested import nested_events
 from jkrcli.methods.fem.surface import factorise
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.layered import Layered

@@ -16,11 +16,11 @@ from jkrcli.bodies.materials import Elastic, Graded, TransverselyIsotropic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods import method_class
 from jkrcli.methods.choose import choose
-from jkrcli.methods.hybrid.contact import AdaptiveKernel, KernelContact
+from jkrcli.methods.hybrid.adaptive import AdaptiveKernel, KernelContact
 from jkrcli.methods.hybrid.kernel import KernelLevels, count_for
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.hybrid.region import Region
-from jkrcli.methods.integral.contact import COLUMNS
+from jkrcli.methods.integral.pair import COLUMNS
 from jkrcli.methods.integral.quadrature import rule
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.methods.layered.spectrum import LayeredSpectrum

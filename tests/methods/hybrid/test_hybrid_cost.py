@@ -13,7 +13,7 @@ from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.hybrid.contact import AdaptiveKernel, ErrorEstimates, Refinement
+from jkrcli.methods.hybrid.adaptive import AdaptiveKernel, ErrorEstimates, Refinement
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.hybrid.region import Region
 from jkrcli.methods.layered.layered import Layered

@@ -13,8 +13,8 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Rigid, Specimen
 from jkrcli.methods.integral.equation import DiscreteEquation, forward_substitution, panel_means, solve
 from jkrcli.methods.integral.quadrature import Panels, Quadrature, phase_allowed
-from jkrcli.methods.layered.contact import LayeredContact, checked
 from jkrcli.methods.layered.spectrum import LayeredSpectrum, deviation, resolved
+from jkrcli.methods.layered.stack import LayeredContact, checked
 
 BONDED = Specimen((Layer(Elastic(1.0, 0.4), 1.0),), Rigid())
 INCOMPRESSIBLE = Specimen((Layer(Elastic(1.0, 0.5), 1.0),), Rigid())

@@ -23,11 +23,11 @@ from jkrcli.case import parse_case
 from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.integral.quadrature import Panels, Quadrature
-from jkrcli.methods.layered.contact import LayeredContact
 from jkrcli.methods.layered.fields import profile
 from jkrcli.methods.layered.layered import GRADED, Layered
 from jkrcli.methods.layered.product import product_matrix
 from jkrcli.methods.layered.spectrum import LayeredSpectrum, compliance_ratio, deviation
+from jkrcli.methods.layered.stack import LayeredContact
 from jkrcli.methods.layered.tail import Tail, surface_series
 
 LAWS = [

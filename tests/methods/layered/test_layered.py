@@ -18,10 +18,10 @@ from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Quantity, 
 from jkrcli.formulas.half_space import adhesive_half_space
 from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
 from jkrcli.methods.integral import contact
-from jkrcli.methods.integral.contact import response
+from jkrcli.methods.integral.pair import response
 from jkrcli.methods.integral.quadrature import Quadrature
-from jkrcli.methods.layered.contact import LayeredContact
 from jkrcli.methods.layered.layered import Layered, largest_radius, unbounded
+from jkrcli.methods.layered.stack import LayeredContact
 from jkrcli.methods.radii import Response
 from jkrcli.series import Solution
 

@@ -20,8 +20,8 @@ from ..integral import (
     solve,
     tolerance_remedy,
 )
-from ..layered.contact import LayeredContact
 from ..layered.layered import GRADED
+from ..layered.stack import LayeredContact
 from .kernel import STEP, CorrectionCost, KernelLevels, PolynomialKernel, convergence, count_for
 from .region import Region, nearest
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any, cast
 
@@ -85,11 +85,13 @@ class Record:
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TensionFit(Answer):
     """E_star, surface_tension, w and the zero points, ``covariance`` in the units of their search; ``scatter`` of the
-    load [N]; ``loads``: fitted loads [N] of each of the ``records``."""
+    load [N]; ``loads``: fitted loads [N] of each of the ``records``; ``mixed``: by name what those of one radius do not
+    separate from the tension, with the correlation."""
 
     scatter: float
     records: tuple[Record, ...]
     loads: tuple[Array, ...]
+    mixed: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -289,7 +291,8 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
         covariance=spread, dof=dof, records=model.records, loads=tuple(model.loads(x)),
         scatter=math.sqrt(variance) * float(np.mean([record.load for record in model.records])),
     )  # fmt: skip
-    return replace(found, warnings=(*_untold(found, sigma, told), *_steep(model.values(x))))
+    found = replace(found, mixed={} if told else _mixed(found))
+    return replace(found, warnings=(*_untold(found, sigma), *_steep(model.values(x))))
 
 
 def _zero(record: str) -> Parameter:
@@ -312,17 +315,24 @@ def _work(best: Least, i: int, sigma: float, variance: float, t: float, unit: fl
     return FittedValue("w", max(float(best.x[i]), 0.0) * unit, True, "work", error, low * unit, high * unit)
 
 
-def _untold(found: TensionFit, sigma: Array, told: bool) -> list[str]:
-    """What records of one radius do not tell, and from what."""
-    if told or TENSION not in found.free or found.correlation is None:
-        return []
+def _mixed(found: TensionFit) -> dict[str, float]:
+    """The two unknowns that go most with the tension, and how: from these records of one radius do not tell it."""
+    if TENSION not in found.free or found.correlation is None:
+        return {}
     i = found.free.index(TENSION)
     others = sorted((-abs(float(c)), name) for c, name in zip(found.correlation[i], found.free, strict=True))[1:3]
-    worst = [f"{word(name)} ({-c:.3f})" for c, name in others]
+    return {word(name): -c for c, name in others}
+
+
+def _untold(found: TensionFit, sigma: Array) -> list[str]:
+    """What records of one radius do not tell, and from what."""
+    if not found.mixed:
+        return []
+    worst = " and ".join(f"{name} ({c:.3f})" for name, c in found.mixed.items())
     return [
-        f"records of one radius do not separate surface_tension from {' and '.join(worst)} (correlation; "
-        f"standard error {sigma[i]:.0%} if the model were exact): give records of another radius (--tip-radius), or "
-        "--fix one of them"
+        f"records of one radius do not separate surface_tension from {worst} (correlation; "
+        f"standard error {sigma[found.free.index(TENSION)]:.0%} if the model were exact): give records of another "
+        "radius (--tip-radius), or --fix one of them"
     ]
 
 

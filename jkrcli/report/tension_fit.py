@@ -47,8 +47,9 @@ class TensionFitted(TensionFit, Result):
         rows = sum(record.P.size for record in self.records)
         together = "1 record" if len(self.records) == 1 else f"{len(self.records)} records together"
         free = [item for item in self.estimates if item.free]
+        mixed = f"; one radius does not separate the tension from {' and '.join(self.mixed)}" if self.mixed else ""
         lines = [
-            ", ".join(map(brief, free)),
+            ", ".join(map(brief, free)) + mixed,
             f"  {together}, {rows} rows, scatter of the load {show(self.scatter, 'load', 2)}",
         ]
         known = [f"{item.name} = {show(item.value, item.dimension)}" for item in self.estimates if not item.free]

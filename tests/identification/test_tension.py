@@ -19,6 +19,7 @@ from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.measured import Curve
 from jkrcli.identification.tension import tension_fit
 from jkrcli.methods.layered.layered import Layered
+from jkrcli.report import TensionFitted, as_result
 
 E_STAR, TENSION, W = 4e3 / (1 - 0.49**2), 0.02, 5e-4
 SMALL, LARGE = 3e-6, 30e-6
@@ -78,6 +79,9 @@ def test_one_radius_does_not_and_it_is_said_from_what():
     found = tension_fit(START, [record(LARGE, 0.01, 1)], [LARGE], {})
     assert found.estimate("surface_tension").low is None
     assert "do not separate surface_tension from E*" in found.warnings[0]
+    first, *_ = as_result(TensionFitted, found).words()
+    assert first.endswith(f"; one radius does not separate the tension from {' and '.join(found.mixed)}")
+    assert next(iter(found.mixed)) == "E*"
     known = tension_fit(START, [record(LARGE, 0.01, 1)], [LARGE], {"surface_tension": TENSION})
     assert known.estimate("E_star").value == pytest.approx(E_STAR, rel=0.05)
     assert not known.warnings

@@ -173,23 +173,28 @@ def rivals_of_record(at: Situation, known: Known) -> RecordRivals:
     dof = max(int(np.count_nonzero(keep)) - J.shape[1], 1)
     misfit, errors = float(r @ r), _errors(found)
     scores = [
-        _score(rival, float(size), float(along), whole, _rates(found, move), errors,
-               (misfit, told_by(found), len(names)),
+        _score(rival, float(size), float(along), whole, _rates(found, move), errors, (misfit, told, len(names)),
                known_amount(at, rival, known))
-        for rival, size, along, whole, move in zip(
-            names, sizes, r @ left, np.linalg.norm(wide, axis=0), moves.T, strict=True)
+        for rival, size, along, whole, move, told in zip(
+            names, sizes, r @ left, np.linalg.norm(wide, axis=0), moves.T, _told_at(found, left), strict=True)
     ]  # fmt: skip
     return RecordRivals(tuple(scores), _named(scores, left), misfit, dof, loose)
 
 
-def told_by(found: ForceCurveFit) -> int:
-    """The degrees of freedom of the noise."""
-    return max(round(found.spread.dof / found.spread.tau), 1)
+def _told_at(found: ForceCurveFit, left: Array) -> list[float]:
+    """The degrees of freedom of the noise at the frequencies of each of the columns ``left``, of length 1: waves of the
+    free rows in each octave, of which a share has as much of the variance, at least one."""
+    if not found.spread.noise.slow:
+        return [found.spread.dof] * left.shape[1]
+    edges = np.append(0, 2 ** np.arange(math.ceil(math.log2(len(left)))))
+    share = np.add.reduceat(left**2, edges, axis=0)
+    waves = np.maximum(np.diff(np.append(edges, len(left))) * found.spread.dof / len(left), 1)
+    return (1 / (share**2 / waves[:, None]).sum(axis=0)).tolist()
 
 
 def at_chance(found: ForceCurveFit, taken: float) -> float:
     """The chance that noise makes one number more take as much of chi^2."""
-    return float(fdtrc(1, told_by(found), max(taken, 0.0)))
+    return float(fdtrc(1, max(found.spread.dof / found.spread.tau, 1.0), max(taken, 0.0)))
 
 
 def left_over(at: Situation, keep: Array) -> tuple[float, int, int]:
@@ -261,7 +266,7 @@ def least_of_named(most: float) -> float:
 
 def _score(
     rival: Rival, size: float, along: float, whole: float, rates: tuple[float, float], errors: tuple[float, float],
-    judged: tuple[float, int, int], most: float,
+    judged: tuple[float, float, int], most: float,
 ) -> Score:  # fmt: skip
     """The score of a rival whose weighted column is ``whole`` long, ``size`` of it beyond the model's own, with the
     product ``along`` of that direction and the residuals; ``errors`` of E* and w, relative; ``judged``: chi^2, the
@@ -280,7 +285,7 @@ def _score(
         and chance * count < TUNING.chance
         and any(abs(rate * amount) > TUNING.moves * own for rate, own in zip(rates, errors, strict=True))
     )
-    ends = abs(amount) + t_quantile(0.95, dof) * error
+    ends = abs(amount) + t_quantile(0.95, round(dof)) * error
     word = ASKED if asked else EXCLUDED if max(map(abs, rates)) * ends < TUNING.matters else UNTOLD
     return Score(*told, amount, error, chance, taken, taken / max(misfit, taken), *rates, *known, word)
 

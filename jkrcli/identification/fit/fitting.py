@@ -29,6 +29,7 @@ from .body import FittedBody, check_parameters
 from .checks import warnings_of
 from .confidence import confidence_of
 from .edges import ADVANCING, RECEDING, RESTING, RestingMember
+from .force_curve import Neighbour
 from .jkr_beside import jkr_beside
 from .model import PathDistances
 from .points import Points, directed, points_of, points_of_cycle
@@ -95,8 +96,8 @@ def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool:
     one the pool works on the samples of its bootstrap."""
     found: dict[int, Fit | Failure] = {}
     with nullcontext(pool) if len(curves) > 1 else executor(1) as outer:
-        work = partial(fit, body, settings=settings, pool=None if outer is pool else pool)
-        for index, result in completed(outer, work, curves, "fitting", chunk=CHUNK):
+        work = partial(_next, body, settings, None if outer is pool else pool, Neighbour())
+        for index, result in completed(outer, work, list(enumerate(curves)), "fitting", chunk=CHUNK):
             if isinstance(result, JkrError):
                 lines = result.lines if isinstance(result, InputError) else (str(result),)
                 found[index] = Failure(curves[index], lines)
@@ -107,14 +108,27 @@ def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool:
     return [found[index] for index in sorted(found)]
 
 
-def fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None = None) -> Fit:
+def _next(
+    body: FittedBody, settings: Settings, pool: Pool | None, before: Neighbour, numbered: tuple[int, Curve]
+) -> Fit:
+    """The fit of a numbered curve, its search begun where that of the one ``before`` it in its task ended: the same
+    however many work on tasks."""
+    number, curve = numbered
+    if number % CHUNK == 0:
+        before.found = None
+    return fit(body, curve, settings, pool, before)
+
+
+def fit(
+    body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None = None, before: Neighbour | None = None
+) -> Fit:
     """The parameters of ``settings`` that bring the curves of ``body`` nearest to a measured ``curve``; ``pool``: for
-    the samples of its bootstrap.
+    the samples of its bootstrap; ``before``: where the search of a raw record before it in a map ended.
 
     Raises InputError where the data do not allow it, SolveError where it does not converge; both name the curve.
     """
     try:
-        found = _fit(body, curve, settings, pool)
+        found = _fit(body, curve, settings, pool, before)
         kept = [WARNED.get(flag, "") + flag for flag in curve.flags if flag in WARNED or OVERRULED in flag]
         warnings = (*kept, *found.warnings)
         return replace(found, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
@@ -167,10 +181,10 @@ def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | F
     return Prepared(curve, points, settings, asked, (*curve.flags[len(given.flags) :], *words))
 
 
-def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) -> Fit:
+def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None, before: Neighbour | None = None) -> Fit:
     ready = prepared(body, curve, settings)
     if isinstance(ready, ForceCurve):
-        return fit_record(body, ready, settings, pool)
+        return fit_record(body, ready, settings, pool, before)
     curve, points, settings, words = ready.curve, ready.points, ready.settings, ready.words
     edges, zero = set() if points.edges is None else set(points.edges), settings.parameter("P0")
     minimum = robust(search(body, points, settings), settings.loss)

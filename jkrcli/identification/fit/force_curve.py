@@ -661,9 +661,42 @@ def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
     return np.maximum(lowest, least), np.minimum(highest, most)
 
 
-def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:
-    """The unknowns that leave least, from several starts until one leaves no more than noise; SolveError where no
-    search converges. Of a retraction alone all are tried: how far its edge rests is told by its shape only."""
+class Neighbour:
+    """Where the search of one record ended, for that of the next one of a map."""
+
+    def __init__(self) -> None:
+        self.found: ForceCurveFit | None = None
+
+    def start(self, model: ForceCurveModel) -> Array | None:
+        """Unknowns of a ``model`` with moduli and w of the last record, contact beginning as far from the outermost row
+        that is in contact for sure; None where it has others."""
+        found = self.found
+        if found is None or found.names != model.names or model.positions or any(one.wave for one in model.stretches):
+            return None
+        then, now = _outermost(found.model), _outermost(model)
+        if then is None or now is None:
+            return None
+        values = {name: found.value(name) for name in found.names} | _by_base_lines(model)
+        values["z0"] += now - then
+        return np.array([values[name] for name in model.names])
+
+
+def _outermost(model: ForceCurveModel) -> float | None:
+    """The position [m] of the outermost row of the last direction that is in contact for sure."""
+    part = model.stretches[-1]
+    return float(part.z[part.touching].min()) if part.jumped else None
+
+
+def nearest(model: ForceCurveModel, loss: Loss = "linear", near: Array | None = None) -> ForceCurveFit:
+    """The unknowns that leave least, from several starts until one leaves no more than noise, ``near`` being the first
+    one; SolveError where no search converges. Of a retraction alone all are tried: how far its edge rests is told by
+    its shape only."""
+    noise = max(part.line.noise for part in model.stretches)
+    if near is not None and "turn" not in model.names:
+        with contextlib.suppress(SolveError):
+            found = fit(model, near, True, loss)
+            if found.ended and found.sigma <= TUNING.surely_found * noise:
+                return found
     best: ForceCurveFit | SolveError = SolveError("no curve of this body resembles the record")
     for x in starts_of(model):
         try:
@@ -673,7 +706,7 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:
             continue
         if isinstance(best, SolveError) or (not found.ended, found.sigma) < (not best.ended, best.sigma):
             best = found
-        if "turn" not in model.names and best.sigma <= TUNING.enough * max(part.line.noise for part in model.stretches):
+        if "turn" not in model.names and best.sigma <= TUNING.enough * noise:
             break
     if isinstance(best, SolveError):
         raise best
@@ -693,15 +726,20 @@ def _start(model: ForceCurveModel, part: DirectionReadings, share: float, turn: 
     points are tried; for each of them the rest is linear."""
     s, zero, r = _tried(model, part, share)
     values = {"ln_s": math.log(s), "z0": zero, "turn": turn, **dict.fromkeys(model.positions, 0.0)}
+    values |= _by_base_lines(model)
     for other in model.stretches:
         q = r**2 if other is part else _of_tension(model, s, other.tension)
-        values[f"offset:{other.kind}"] = float(other.line(other.z[0]))
-        values[f"tilt:{other.kind}"] = other.line.tilt
         values |= {f"q:{other.kind}": q, f"r:{other.kind}": math.sqrt(q)}
         if other.wave is not None:
             values["ln_period"] = math.log(other.wave.period)
             values |= {f"cos:{other.kind}": other.wave.cos, f"sin:{other.kind}": other.wave.sin}
     return np.array([values[name] for name in model.names])
+
+
+def _by_base_lines(model: ForceCurveModel) -> dict[str, float]:
+    """Offsets and tilts as the free rows have them."""
+    offsets = {f"offset:{part.kind}": float(part.line(part.z[0])) for part in model.stretches}
+    return offsets | {f"tilt:{part.kind}": part.line.tilt for part in model.stretches}
 
 
 def _of_tension(model: ForceCurveModel, s: float, tension: float) -> float:

@@ -24,6 +24,7 @@ from .force_curve import (
     DirectionReadings,
     ForceCurveFit,
     ForceCurveModel,
+    Neighbour,
     another_modulus,
     base_line,
     fit,
@@ -149,12 +150,19 @@ def _usable(record: ForceCurve, kind: str) -> bool:
     return side.begins_free and side.base.rows >= RECORDS.least_rows
 
 
-def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None) -> Fit:
+def fit_record(
+    body: FittedBody,
+    record: ForceCurve,
+    settings: Settings,
+    pool: Pool | None = None,
+    before: Neighbour | None = None,
+) -> Fit:
     """Modulus, w, contact point and base lines of a whole record; InputError where it holds no contact.
 
     Where one modulus does not describe both directions, the retraction's answer with that of the approach beside it.
-    ``pool``: for the samples of its bootstrap.
+    ``pool``: for the samples of its bootstrap; ``before``: the record from whose end its search begins.
     """
+    before = before or Neighbour()
     if (reason := record.flags.get("no contact")) is not None:
         raise InputError(f"{record.curve.where}: no contact: {reason}")
     curve = record.curve
@@ -163,7 +171,7 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: P
     kinds = _kinds(record, settings)
 
     def of(*kinds: str) -> tuple[FittedBody, ForceCurveFit]:
-        return _fitted(body, _model(body, record, settings, waves, kinds), settings)
+        return _fitted(body, _model(body, record, settings, waves, kinds), settings, before)
 
     def told(body: FittedBody, found: ForceCurveFit) -> Fit:
         return _result(body, record, curve, settings, found, pool)
@@ -171,6 +179,7 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: P
     whole, joint = of(*kinds)
     if not joint.ended:
         return told(whole, joint)
+    before.found = joint
     plain = judged(_of_directions(of, told, whole, joint), whole, joint)
     if settings.model != AUTO:
         return plain
@@ -260,12 +269,15 @@ def reduced(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[C
     return curve, replace(settings, parameters=parameters, noise=noise, contact="as-is", base_line="straight")
 
 
-def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> tuple[FittedBody, ForceCurveFit]:
+def _fitted(
+    body: FittedBody, model: ForceCurveModel, settings: Settings, before: Neighbour | None = None
+) -> tuple[FittedBody, ForceCurveFit]:
     """The model that fits best, and the body solved as far as it reaches."""
     body, found = _deep_enough(body, model), None
     for _ in range(TUNING.rounds):
         model = replace(model if found is None else found.model, family=body.family)
-        found = nearest(model, settings.loss) if found is None else fit(model, found.x, True, settings.loss)
+        near = None if before is None else before.start(model)
+        found = nearest(model, settings.loss, near) if found is None else fit(model, found.x, True, settings.loss)
         reach = _contact_radii(found).max()
         if not body.extensible or reach <= body.series.a[-1]:
             break

@@ -427,8 +427,8 @@ def identify_law(
     """w0, the parameters of a ``law`` over the edge's speed, E* and the zero point, from records with time together.
 
     ``measured``: curves of retractions at one or several speeds, or their files; ``free``: more parameters ("P0");
-    ``fix``: known ones, {"n": "0.5"}; ``options``: start, level, segment as of ``jkr fit --law``. Raises InputError
-    where the records cannot be fitted.
+    ``fix``: known ones, {"n": "0.5"}; ``options``: start, level, confidence, segment as of ``jkr fit --law``. Raises
+    InputError where the records cannot be fitted.
     """
     from .identification.fit import body_of
     from .identification.rate.fitting import rate_fit, rate_settings
@@ -452,7 +452,7 @@ def identify_relaxation(
     """The modulus, the parameters of a ``law`` of relaxation and the zero point, from a record with time.
 
     ``measured``: one curve of t, delta, P, or its file; ``fix``: known ones, {"ratio": "0.3"}; ``options``: level,
-    terms as of ``jkr fit --relaxation``. Raises InputError where the record cannot be fitted.
+    confidence, terms as of ``jkr fit --relaxation``. Raises InputError where the record cannot be fitted.
     """
     from .identification.fit import body_of
     from .identification.relaxation import relaxation_fit, relaxation_settings

@@ -19,7 +19,8 @@ def fit_relaxation(asked: Asked, law: str) -> None:
     body, options, targets = asked.body, asked.options, asked.targets
     terms = {} if options["terms"] is None else {"terms": options["terms"]}
     E_star = body.problem.E_star
-    settings = relaxation_settings(law, asked.fix, asked.names, E_star, level=options["level"], **terms)
+    told = {name: options[name] for name in ("level", "confidence")}
+    settings = relaxation_settings(law, asked.fix, asked.names, E_star, **told, **terms)
     found, skipped = [], list[str]()
     for path in asked.measured:
         for item in each(path, asked.reading):

@@ -78,7 +78,7 @@ def fit_law(asked: Asked, law: str) -> None:
     from ..identification.rate.fitting import rate_fit, rate_settings
     from ..report import LawFit, as_result
 
-    told = {name: asked.options[name] for name in ("level", "segment")}
+    told = {name: asked.options[name] for name in ("level", "segment", "confidence")}
     settings = rate_settings(asked.body, law, asked.names, asked.fix, asked.start, **told)
     curves, _ = asked.curves(asked.measured)
     asked.conclude(lambda: as_result(LawFit, rate_fit(asked.body, curves, settings), body=asked.told))

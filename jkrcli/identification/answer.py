@@ -39,12 +39,6 @@ class FittedValue:
     model: Mapping[str, float] | None = None
 
 
-def times(item: FittedValue, factor: float, name: str, dimension: str) -> FittedValue:
-    """What is ``factor`` times an estimate, under its own ``name``."""
-    error, low, high = (None if end is None else end * factor for end in (item.error, item.low, item.high))
-    return FittedValue(name, item.value * factor, item.free, dimension, error, low, high)
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Answer:
     """``estimates``: the parameters, then what follows from them; ``free``: names of those that were fitted, with their

@@ -11,13 +11,14 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import Literal, get_args
 
 import numpy as np
 
 from ..base import Array, InputError, Pool, in_order
 from .answer import FittedValue
 from .least_squares import Least, State
-from .parameters import LIMITED, ONE_SIDED, Parameter
+from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, Parameter, Unknowns
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class IntervalTuning:
 
 
 TUNING = IntervalTuning()
+Followed = Literal["covariance", "profile"]  # how intervals are found where records are not drawn again
 Meaning = Callable[[Array], Mapping[str, float]]  # of the unknowns: quantities by name, on their scales
 
 
@@ -51,6 +53,22 @@ class Intervals:
     profiled: bool = False
     variance: float | None = None
     samples: Array | None = None
+
+    @classmethod
+    def of(
+        cls, unknowns: Unknowns, least: Least, covariance: Array | None, t: float, level: float,
+        confidence: Followed = "covariance", E_star: float | None = None,
+    ) -> Intervals:  # fmt: skip
+        """Of the first ``unknowns`` of a search, and of what a factor of all moduli makes of ``E_star`` [Pa]."""
+        if confidence not in get_args(Followed):
+            raise InputError(f"fit: --confidence {confidence}: is for curves each for itself: leave it out")
+        follow = () if E_star is None else (Parameter(ALIAS, True, scale=LOG, quantity="modulus", follows=True),)
+
+        def meaning(x: Array) -> dict[str, float]:
+            found = unknowns.meaning(x)
+            return found if E_star is None else found | {ALIAS: found["modulus"] + math.log(E_star)}
+
+        return cls(least, (*unknowns.parameters, *follow), meaning, covariance, t, level, confidence == "profile")
 
     @cached_property
     def here(self) -> Mapping[str, float]:
@@ -98,7 +116,8 @@ class Intervals:
     def _estimate(self, item: Parameter, before: Sequence[FittedValue]) -> FittedValue:
         y = self.here[item.name]
         if not self.rates[item.name].any():
-            return FittedValue(item.name, item.outer(y), False, item.dimension)
+            value = item.outer(y) if item.value is None else item.value
+            return FittedValue(item.name, value, False, item.dimension)
         found = item.estimate(y, self._sigma(item), self.t)
         if self.drawn:
             return self._of_samples(item, found)

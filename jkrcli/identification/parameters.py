@@ -195,17 +195,11 @@ class Unknowns:
         n = len(self.free)
         return None if whole is None else whole[:n, :n] * np.outer(self.scales, self.scales)
 
-    def estimates(self, x: Array, covariance: Array | None, t: float) -> tuple[FittedValue, ...]:
-        """What is known of all parameters, by the unknowns and the ``covariance`` of the free ones."""
-        known, sigma = self.values(x), dict.fromkeys(self.names)
-        if covariance is not None:
-            sigma |= dict(zip(self.names, np.sqrt(np.diag(covariance)).tolist(), strict=True))
-        return tuple(
-            p.estimate(p.inner(known[p.name]), sigma[p.name], t)
-            if p.free
-            else FittedValue(p.name, known[p.name], False, p.dimension)
-            for p in self.parameters
-        )
+    def meaning(self, x: Array) -> dict[str, float]:
+        """All parameters on their scales."""
+        own = x[: len(self.free)] * self.scales
+        held = {p.name: p.inner(self.fixed[p.name]) for p in self.parameters if not p.free}
+        return held | dict(zip(self.names, own.tolist(), strict=True))
 
 
 def parameters_of(

@@ -19,8 +19,9 @@ from ..base import SAME, Array, InputError, JkrError, Ranged, did_you_mean, rang
 from ..bodies import RELAXATIONS, Relaxation
 from ..data import Curve
 from ..data.record import TUNING as RECORDS
-from .answer import Answer, times
+from .answer import Answer
 from .fit import FittedBody, covariance, t_quantile, third_differences
+from .intervals import Followed, Intervals
 from .least_squares import TUNING as FITS
 from .least_squares import Least, LeastSquares, State, by_differences
 from .motion import corners
@@ -63,13 +64,14 @@ WEIGHT, TIME = Ranged("number", above=0, most=1), Ranged("time", above=0)
 @dataclass(frozen=True)
 class RelaxationSettings:
     """What is asked: the ``law`` by name, of ``terms`` where it is "prony", the names of the ``zeros`` that are free,
-    what is ``fixed``, SI, and the ``level`` of the intervals."""
+    what is ``fixed``, SI, the ``level`` of the intervals, and by what ``confidence`` they are found."""
 
     law: str
     zeros: tuple[str, ...]
     fixed: Mapping[str, float] = field(default_factory=dict)
     terms: int = 2
     level: float = 0.95
+    confidence: Followed = "covariance"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -423,13 +425,13 @@ class _Problem:
     def result(self, found: Least, E_star: float) -> RelaxationFit:
         settings, record, unknowns = self.settings, self.record, self.unknowns
         dof = max(found.state.residuals.size - found.x.size, 1)
-        inner = unknowns.covariance(covariance(found.state.jacobian, 2 * found.cost / dof))
-        estimates = unknowns.estimates(found.x, inner, t_quantile(settings.level, dof))
+        whole, t = covariance(found.state.jacobian, 2 * found.cost / dof), t_quantile(settings.level, dof)
+        told = Intervals.of(unknowns, found, whole, t, settings.level, settings.confidence, E_star)
         held, made = self.model(found.x)
         squares = np.sum(((made - record.made) / record.noise[1]) ** 2)
         fit = RelaxationFit(
-            estimates=(*estimates, times(estimates[0], E_star, "E_star", "modulus")), free=unknowns.names,
-            covariance=inner, dof=dof, relaxation=settings.relaxation(unknowns.values(found.x)), record=record,
+            estimates=told.estimates(), free=unknowns.names, covariance=unknowns.covariance(whole), dof=dof,
+            relaxation=settings.relaxation(unknowns.values(found.x)), record=record,
             held=held, made=made, settings=settings,
             scatter=math.sqrt(float(squares) / max(record.t.size - len(unknowns.free), 1)),
         )  # fmt: skip

@@ -24,9 +24,10 @@ from ..formulas.griffith import shift
 from ..formulas.surface_tension import edge_angle
 from ..methods.layered.layered import Layered, largest_radius, unbounded
 from ..methods.radii import DENSE
-from .answer import Answer, FittedValue, times, word
+from .answer import Answer, FittedValue, word
 from .fit.body import for_each
 from .fit.statistics import covariance, t_quantile
+from .intervals import Intervals
 from .least_squares import Least, LeastSquares, State, by_differences
 from .parameters import ALIAS, LINEAR, ONE_SIDED, Parameter, Unknowns, Vocabulary, parameters_of
 
@@ -268,51 +269,43 @@ class _Model:
 
 
 def _result(model: _Model, best: Least, radii: Sequence[float], level: float) -> TensionFit:
-    x, dof = best.x, max(best.state.residuals.size - best.x.size, 1)
+    dof = max(best.state.residuals.size - best.x.size, 1)
     variance = 2 * best.cost / dof
     spread = covariance(best.state.jacobian, variance)
     if spread is None:
         raise SolveError("fit of surface tension: the records do not determine the unknowns: --fix one of them")
-    told, t = len(set(radii)) > 1, t_quantile(level, dof)
-    m, unknowns, sigma = len(model.unknowns.free), model.unknowns, np.sqrt(np.diag(spread))
-    estimates = {item.name: item for item in unknowns.estimates(x, unknowns.covariance(spread), t)}
-    estimates["modulus"] = times(estimates["modulus"], 1.0, ALIAS, "modulus")
-    if TENSION in unknowns.names and not told:
-        estimates[TENSION] = replace(estimates[TENSION], error=None, low=None, high=None)
-    if "w" in unknowns.names:
-        i = unknowns.names.index("w")
-        estimates["w"] = _work(best, i, float(sigma[i]), variance, t, unknowns.units["w"])
+    several, unknowns, t = len(set(radii)) > 1, model.unknowns, t_quantile(level, dof)
+    told = Intervals.of(unknowns, best, spread, t, level)
+    estimates = [_work(told, item) if item.name == "w" and item.free else item for item in told.estimates()]
+    estimates[0] = replace(estimates[0], name=ALIAS)
+    if TENSION in unknowns.names and not several:
+        estimates[1] = replace(estimates[1], error=None, low=None, high=None)
+    errors, m = np.sqrt(np.diag(spread)).tolist(), len(unknowns.free)
     zeros = [
-        _zero(record.name).estimate(zero, error * record.depth, t)
-        for record, zero, error in zip(model.records, model.zeros(x).tolist(), sigma[m:].tolist(), strict=True)
+        Parameter(f"delta0:{record.name}", True, scale=LINEAR, quantity="length").estimate(x, error * record.depth, t)
+        for record, x, error in zip(model.records, model.zeros(best.x).tolist(), errors[m:], strict=True)
     ]
     found = TensionFit(
-        estimates=(*estimates.values(), *zeros), free=(*unknowns.names, *(item.name for item in zeros)),
-        covariance=spread, dof=dof, records=model.records, loads=tuple(model.loads(x)),
+        estimates=(*estimates, *zeros), free=(*unknowns.names, *(item.name for item in zeros)),
+        covariance=spread, dof=dof, records=model.records, loads=tuple(model.loads(best.x)),
         scatter=math.sqrt(variance) * float(np.mean([record.load for record in model.records])),
     )  # fmt: skip
-    found = replace(found, mixed={} if told else _mixed(found))
-    return replace(found, warnings=(*_untold(found, sigma), *_steep(model.values(x))))
+    found = replace(found, mixed={} if several else _mixed(found))
+    return replace(found, warnings=(*_untold(found, errors), *_steep(model.values(best.x))))
 
 
-def _zero(record: str) -> Parameter:
-    return Parameter(f"delta0:{record}", True, scale=LINEAR, quantity="length")
-
-
-def _work(best: Least, i: int, sigma: float, variance: float, t: float, unit: float) -> FittedValue:
+def _work(told: Intervals, item: FittedValue) -> FittedValue:
     """w by its profile: the load of a row next to the loss of contact changes like a root of w, whose slope would tell
     more than the row does."""
-    along = np.eye(best.x.size)[i]
-
-    def end(width: float) -> float:
-        found = best.profile(lambda x: (float(x[i]), along), width * sigma, 0.5 * variance * width**2)
-        return float(best.x[i] + width * sigma) if found is None else found
-
-    low, high = end(-t), end(t)
-    error = (high - low) / (2 * t) * unit
+    w = next(one for one in told.quantities if one.name == "w")
+    ends = told.end(w, -told.t), told.end(w, told.t)
+    low, high = (plain if end is None else end for plain, end in zip((item.low, item.high), ends, strict=True))
+    assert low is not None
+    assert high is not None
+    error = (high - low) / (2 * told.t)
     if low <= 0:
-        low, high = 0.0, end(ONE_SIDED * t)
-    return FittedValue("w", max(float(best.x[i]), 0.0) * unit, True, "work", error, low * unit, high * unit)
+        low, high = 0.0, told.end(w, ONE_SIDED * told.t) or high
+    return replace(item, value=max(item.value, 0.0), error=error, low=low, high=high)
 
 
 def _mixed(found: TensionFit) -> dict[str, float]:
@@ -324,14 +317,14 @@ def _mixed(found: TensionFit) -> dict[str, float]:
     return {word(name): -c for c, name in others}
 
 
-def _untold(found: TensionFit, sigma: Array) -> list[str]:
+def _untold(found: TensionFit, errors: Sequence[float]) -> list[str]:
     """What records of one radius do not tell, and from what."""
     if not found.mixed:
         return []
     worst = " and ".join(f"{name} ({c:.3f})" for name, c in found.mixed.items())
     return [
         f"records of one radius do not separate surface_tension from {worst} (correlation; "
-        f"standard error {sigma[found.free.index(TENSION)]:.0%} if the model were exact): give records of another "
+        f"standard error {errors[found.free.index(TENSION)]:.0%} if the model were exact): give records of another "
         "radius (--tip-radius), or --fix one of them"
     ]
 

@@ -68,6 +68,20 @@ def test_a_press_a_wait_and_a_retraction(body: FittedBody) -> None:
     assert fit.warnings == ()
 
 
+@pytest.mark.slow
+def test_profiles_are_near_the_covariance(body: FittedBody) -> None:
+    """Where the model is about linear within its errors; none of the bootstrap, as no rows are drawn again."""
+    made = record(loads(body), 1.4, SOLID, HELD, rows=60, zero=0.2, seed=4)
+    plain, profiled = (relaxation_fit(body, made, relaxation_settings("sls", confidence=how))
+                       for how in ("covariance", "profile"))  # fmt: skip
+    for name in ("E_star", "ratio", "time", "delta0"):
+        one, other = plain.estimate(name), profiled.estimate(name)
+        assert (other.low, other.high) == pytest.approx((one.low, one.high), abs=0.2 * one.error)
+        assert other.low != one.low
+    with pytest.raises(InputError, match="--confidence bootstrap: is for curves each for itself"):
+        relaxation_fit(body, made, relaxation_settings("sls", confidence="bootstrap"))
+
+
 def test_a_quick_press_of_a_long_record(body: FittedBody) -> None:
     """Four of 300 rows, which lie between those that starts are compared by."""
     motion = np.array([0.0, 0.4, 29.6, 30.0]), HELD[1]

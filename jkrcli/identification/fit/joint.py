@@ -18,9 +18,10 @@ from scipy.special import chdtrc
 from ...base import MOST_STEPS, Array, InputError, did_you_mean
 from ...bodies import RADIUS
 from ...data import Curve, ForceCurve
-from ..answer import Answer, FittedValue, times
+from ..answer import Answer, FittedValue
+from ..intervals import Intervals
 from ..least_squares import Least, LeastSquares, State
-from ..parameters import ALIAS, LOG, Parameter
+from ..parameters import ALIAS, LOG, Parameter, Unknowns
 from .body import FittedBody, for_each
 from .confidence import spread_of
 from .fitting import fit, prepared
@@ -227,13 +228,11 @@ def joint_fit(
     spread = covariance(found.state.jacobian, 1.0)
     if spread is None or not found.ended:
         raise InputError(f"fit: the records together do not determine {', '.join(shared)}: fix one of them (--fix)")
-    sigma, t = np.sqrt(np.diag(spread))[:m], t_quantile(settings.level, dof)
-    estimates = [Parameter(name, True).estimate(float(x), float(s), t)
-                 for name, x, s in zip(shared, found.x, sigma, strict=False)]  # fmt: skip
+    E_star = bodies[0].problem.E_star if "modulus" in shared else None
+    common = Unknowns(tuple(Parameter(name, True) for name in shared))
+    t = t_quantile(settings.level, dof)
+    estimates = Intervals.of(common, found, spread, t, settings.level, E_star=E_star).estimates()
     known = {item.name: item.value for item in estimates}
-    if "modulus" in known:
-        modulus = estimates[list(shared).index("modulus")]
-        estimates.append(times(modulus, bodies[0].problem.E_star, "E_star", "modulus"))
     fixed = tuple(Parameter(p.name, False, known[p.name]) if p.name in known else p for p in settings.parameters)
     asked = replace(settings, parameters=fixed, given=settings.given)
     fits = tuple(_sharing(fit(body, curve, asked), estimates) for body, curve in zip(bodies, curves, strict=True))
@@ -242,7 +241,7 @@ def joint_fit(
     alone = tuple(_alone(part, shared, bodies[0].problem.E_star) for part in parts)
     warnings = *_warnings(estimates, chance), *(f"{one.where}: {line}" for one in fits for line in one.warnings)
     return JointFit(
-        estimates=tuple(estimates), free=tuple(shared), covariance=spread[:m, :m], dof=dof, warnings=warnings,
+        estimates=estimates, free=tuple(shared), covariance=spread[:m, :m], dof=dof, warnings=warnings,
         fits=fits, alone=alone, chance=chance,
     )  # fmt: skip
 

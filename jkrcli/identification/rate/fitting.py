@@ -17,8 +17,9 @@ import numpy as np
 from ...adhesion import RATE_LAWS, Nonadhesive, RateLaw, rate_parameters
 from ...base import SAME, Array, InputError, JkrError, Ranged, SolveError, Unknown, did_you_mean, show
 from ...data import Curve
-from ..answer import Answer, times
+from ..answer import Answer
 from ..fit import FittedBody, Settings, covariance, fit, t_quantile
+from ..intervals import Followed, Intervals
 from ..least_squares import TUNING as FITS
 from ..least_squares import Least, LeastSquares, State
 from ..parameters import MODULUS, Parameter, Unknowns, Vocabulary, parameters_of
@@ -50,12 +51,13 @@ TUNING = RateFitTuning()
 @dataclass(frozen=True)
 class RateSettings:
     """What is asked: the ``law`` by name, the common ``unknowns`` (modulus, w0, those of the law, delta0, P0), the
-    ``level`` of the intervals, the ``segment`` of the rows; values to ``start`` from: the search begins there alone
-    where all of the free ones are given."""
+    ``level`` of the intervals and by what ``confidence`` they are found, the ``segment`` of the rows; values to
+    ``start`` from: the search begins there alone where all of the free ones are given."""
 
     law: str
     unknowns: Unknowns
     level: float = 0.95
+    confidence: Followed = "covariance"
     segment: str | None = None
     start: Mapping[str, float] = field(default_factory=dict)
 
@@ -336,15 +338,15 @@ class _Problem:
         values, settings, unknowns = self.unknowns.values(found.x), self.settings, self.unknowns
         law, w0 = law_of(settings.law, values)
         dof, scatter = max(found.state.residuals.size - found.x.size, 1), self.scatter(found)
-        inner = unknowns.covariance(covariance(found.state.jacobian, max(scatter, 1e-12) ** 2))
-        estimates = unknowns.estimates(found.x, inner, t_quantile(settings.level, dof))
-        E_star = times(estimates[0], self.body.problem.E_star, "E_star", "modulus")
+        whole, t = covariance(found.state.jacobian, max(scatter, 1e-12) ** 2), t_quantile(settings.level, dof)
+        E_star = self.body.problem.E_star
+        told = Intervals.of(unknowns, found, whole, t, settings.level, settings.confidence, E_star)
         predictions = tuple(self.prediction(found.x, i) for i in range(len(self.records)))
         moving = np.concatenate([item.speed[item.speed > 0] for item in predictions])
         low, high = map(float, np.quantile(moving, (0.05, 0.95))) if moving.size else (0.0, 0.0)
         fit = RateFit(
-            estimates=(*estimates, E_star), free=unknowns.names, covariance=inner, dof=dof, law=law, w0=w0,
-            records=self.records, predictions=predictions, zero=values["P0"], scatter=self.misfit(found),
+            estimates=told.estimates(), free=unknowns.names, covariance=unknowns.covariance(whole), dof=dof, law=law,
+            w0=w0, records=self.records, predictions=predictions, zero=values["P0"], scatter=self.misfit(found),
             speeds=(low, high), evaluations=found.steps, settings=settings,
         )  # fmt: skip
         return replace(fit, warnings=tuple(_warnings(fit)))

@@ -16,6 +16,7 @@ from conftest import CASES
 from scipy.interpolate import PPoly
 
 from jkrcli.adhesion.curve import AdhesiveCurve
+from jkrcli.base import DRAWN
 from jkrcli.base.files import is_ours
 from jkrcli.base.installing import installs
 from jkrcli.beside.analysis import adhesive, analyse, nonadhesive
@@ -23,7 +24,6 @@ from jkrcli.case import store
 from jkrcli.cli import call
 from jkrcli.data.measured import Curve
 from jkrcli.report.explorer import payload
-from jkrcli.report.explorer.payload import MOST_POINTS
 
 pytest.importorskip("plotly")
 ROUND_OFF = 1e-13  # logs, splines and exponentials of both sides, a few rounding errors each
@@ -134,10 +134,10 @@ def test_the_reading_options_hold(jkr: Callable, gel: Path) -> None:
 
 
 def test_many_points_are_thinned(gel: Path) -> None:
-    rows = np.linspace(1e-6, 2e-6, 3 * MOST_POINTS)
+    rows = np.linspace(1e-6, 2e-6, 3 * DRAWN)
     held = payload(analyse(store.read(gel), [0.04])[0], [Curve("long", delta=rows, P=rows)])
-    assert held["measured_points"] == 3 * MOST_POINTS
-    assert len(held["measured"][0]["P"]) == MOST_POINTS
+    assert held["measured_points"] == 3 * DRAWN
+    assert len(held["measured"][0]["P"]) == DRAWN
     assert held["measured"][0]["P"][:2] == [rows[0], rows[3]]
 
 

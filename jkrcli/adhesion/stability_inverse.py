@@ -53,11 +53,14 @@ def work_from_pull_off(
     def point(w: float) -> CriticalPoint | Unknown:
         return AdhesiveCurve(body, w).pull_off(stiffness)
 
-    def excess(log_w: float) -> float:
+    def force(log_w: float) -> float:
         found = point(math.exp(log_w))
         if isinstance(found, Unknown):
             raise SolveError(f"load: the search for w left the series: {found.reason}")
-        return -found.P / load - 1
+        return -found.P
+
+    def excess(log_w: float) -> float:
+        return force(log_w) / load - 1
 
     def inside(works: Array) -> float:
         """The log of the first of ``works`` whose pull-off lies in the series."""
@@ -75,7 +78,7 @@ def work_from_pull_off(
     works = _stationary(body, stiffness)
     low, high = widened(inside(works), -TUNING.step), widened(inside(works[::-1]), TUNING.step)
     if not excess(low) <= 0 <= excess(high):
-        raise InputError(_out_of_reach(load, (1 + excess(low)) * load, (1 + excess(high)) * load))
+        raise InputError(_out_of_reach(load, force(low), force(high)))
     if low < high:
         low = float(zeros_between(np.vectorize(excess), np.array([low]), np.array([high]), 1e-14)[0])
     w = math.exp(low)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..adhesion import LOAD_CONTROL, AdhesiveCurve
 from ..adhesion.stability_inverse import work_from_pull_off
-from ..base import ROWS, Array, InputError
+from ..base import ROWS, Array, InputError, JkrError
 from ..bodies import Indenter, Loading, Problem
 from ..formulas.half_space import adhesive_half_space
 from ..methods.radii import ROOM
@@ -37,7 +37,7 @@ TUNING = ReachTuning()
 
 def solved_for(problem: Problem, works: Sequence[float], slopes: str = "auto", modulus_factor: float = 1.0) -> Solution:
     """The ``problem``, whatever its loading, solved as far as its pull-off asks with any of the ``works`` [J/m^2]
-    > 0: to little more than the largest contact radius without load."""
+    > 0: to little more than the largest contact radius without load; coarsely where thin layers leave no more."""
     w, held = max(works), 0.0
     for wider in _wider(problem, w, modulus_factor):
         body = nonadhesive(wider, slopes).scaled(modulus_factor)
@@ -45,7 +45,10 @@ def solved_for(problem: Problem, works: Sequence[float], slopes: str = "auto", m
         held = float(body.a[P <= 0].max(initial=body.a[0]))
         if P[-1] > 0:
             break
-    return again(_to(problem, held))
+    try:
+        return again(_to(problem, held))
+    except JkrError:
+        return again(_to(problem, held), method=COARSE)
 
 
 def solved_for_force(

@@ -16,6 +16,7 @@ from ..beside import Analysis, adhesive, nonadhesive, with_solved_points
 from ..beside.again import method_behind
 from ..bodies import Loading, changed, checked_names, layer_names, nominal
 from ..series import Solution
+from .intervals import refuse_vague
 
 FORCE, RADIUS, MODULI = "load", "R", "E"  # uncertain inputs beside "h", "nu" and those of single layers
 DIMENSIONS = {FORCE: "load", RADIUS: "length", MODULI: "modulus", "h": "length", "nu": "number"}
@@ -144,6 +145,7 @@ def _change(inverse: _Inverse, name: str, sigma: float) -> float:
     ``sigma`` is relative."""
     centre = _nominal(inverse, name)
     size = -sigma * abs(centre) if sigma < 0 else sigma
+    refuse_vague(name, centre, size)
     ends = []
     for value in (centre - size, centre + size):
         try:

@@ -224,6 +224,15 @@ REFUSALS = [
         "increase [loading] radius",
     ),
     (
+        ("pull-off", "p.h5", "--load", "1e20 N"),  # once "from 0 N to 0 N": rounded at its own size
+        "p.h5: load: a pull-off force of 1e+17 kN lies outside the series, which can tell forces from 1.902 uN to "
+        "410.9 mN: increase [loading] radius",
+    ),
+    (
+        ("pull-off", "p.h5", "--load", "1 mN", "--uncertain", "R=1 m"),  # once w with an error of 0.04 of it
+        "p.h5: the uncertainty of R is 1e+04 times its value: give less than the value",
+    ),
+    (
         ("pull-off", "p.h5", "--stiffness", "soft"),
         'invalid value for \'--stiffness\': must be a stiffness, such as "0.2 N/m", got "soft"; '
         "see jkr pull-off --help",

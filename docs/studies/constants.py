@@ -1,7 +1,8 @@
 """The study of chosen numbers: which results move when one of them is halved or doubled.
 
-Every algorithm keeps its numbers in one frozen dataclass, a module's constant whose name ends in TUNING. Each field
-whose comment says what is asked for ("choice" where nothing is) is varied, one at a time, for all results that read it.
+Every algorithm keeps its numbers in one frozen dataclass, a module's constant whose name ends in TUNING; numbers that
+several share stand alone. Each whose comment says what is asked for ("choice" where nothing is) is varied, one at a
+time: fields for the results that read them, numbers that stand alone for the cheapest of all results.
 A number of a result moves where it changes by more than a tenth of its stated error, or by 1e-9 where none is stated.
 """
 
@@ -11,9 +12,11 @@ import contextlib
 import functools
 import gc
 import importlib
+import inspect
 import itertools
 import math
 import pkgutil
+import re
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -40,6 +43,7 @@ class ConstantsTuning:
     rounding: float = 1e-9  # choice: relative, where no error is stated
     longest: float = 60.0  # choice: CPU seconds of a result with a number varied
     all: float = 1.0  # choice: CPU seconds of the results that are looked at, the cheapest that read it
+    alone: float = 5.0  # choice: the same of a number that stands alone, which any may read
     seconds: float = 3.0  # choice: CPU seconds of a varied number, for the number of processes
 
 
@@ -124,12 +128,11 @@ def moved(knob: Knob) -> Moved:
 def readers(knob: Knob) -> tuple[str, ...]:
     """The results that read a number: the cheapest of them, within a limit of time."""
     usual = shipped()
-    names = [name for name, seen in usual.read.items() if (knob.module, knob.field) in seen]
+    alone, most = (True, TUNING.alone) if knob.name == knob.field else (False, TUNING.all)
+    names = [name for name, seen in usual.read.items() if alone or (knob.module, knob.field) in seen]
     names.sort(key=lambda name: usual.seconds[name])
     spent = itertools.accumulate(usual.seconds[name] for name in names)
-    return tuple(
-        name for i, (name, so_far) in enumerate(zip(names, spent, strict=True)) if not i or so_far < TUNING.all
-    )
+    return tuple(name for i, (name, so_far) in enumerate(zip(names, spent, strict=True)) if not i or so_far < most)
 
 
 def farthest(before: Numbers, after: Numbers) -> tuple[float, str]:
@@ -170,14 +173,38 @@ def _memories() -> list[Any]:
 @contextlib.contextmanager
 def varied(knob: Knob, value: float) -> Iterator[None]:
     """The tuning itself with ``value`` at ``knob``; nothing computed before, or with it, is used."""
-    held = getattr(importlib.import_module(knob.module), knob.name)
-    object.__setattr__(held, knob.field, value)
+    for holder in (holders := _holders(knob)):
+        object.__setattr__(holder, knob.field, value)
     forget()
     try:
         yield
     finally:
-        object.__setattr__(held, knob.field, knob.shipped)
+        for holder in holders:
+            object.__setattr__(holder, knob.field, knob.shipped)
         forget()
+
+
+def _holders(knob: Knob) -> list[Any]:
+    """The set of tunings of a field; of a number that stands alone all modules that know it."""
+    module = importlib.import_module(knob.module)
+    if knob.name != knob.field:
+        return [getattr(module, knob.name)]
+    loaded = [item for name, item in list(sys.modules.items()) if name.startswith("jkrcli.")]
+    return [item for item in loaded if vars(item).get(knob.name) == knob.shipped]
+
+
+def alone(asked: Sequence[str], says: str) -> list[Knob]:
+    """All numbers that stand alone in modules, as ``knobs`` has those in sets."""
+    found = []
+    for item in pkgutil.walk_packages(jkrcli.__path__, "jkrcli."):
+        if item.name.split(".")[1] in WITHOUT or (
+            asked and not any(word.replace("-", "_") in item.name for word in asked)
+        ):
+            continue
+        module = importlib.import_module(item.name)
+        told = re.findall(r"^([A-Z][A-Z_]*) = [^#\n]*#(.*)$", inspect.getsource(module), re.MULTILINE)
+        found += [Knob(item.name, name, name, getattr(module, name)) for name, words in told if re.search(says, words)]
+    return [knob for knob in found if type(knob.shipped) in (int, float)]
 
 
 @contextlib.contextmanager
@@ -236,7 +263,7 @@ def main(words: Sequence[str] | None = None) -> int:
     )
     given = parser.parse_args(words)
     files = output_of(given).files(given.output / "constants", (".csv",))
-    every = knobs(given.algorithms, given.says, WITHOUT)
+    every = [*knobs(given.algorithms, given.says, WITHOUT), *alone(given.algorithms, given.says)]
     found: list[Moved] = []
     with pool_of(given, TUNING.seconds * len(every)) as pool:
         for _, item in completed(pool, moved, every, "constants"):

@@ -36,6 +36,15 @@ def test_no_result_depends_on_a_sample_of_choices() -> None:
             assert (found.verdict, bool(found.read)) == ("nothing moves", True), found
 
 
+def test_numbers_that_stand_alone_are_varied_wherever_they_are_known() -> None:
+    (same,) = (item for item in constants.alone(["base.iteration"], "choice:") if item.name == "SAME")
+    radii = importlib.import_module("jkrcli.methods.radii")
+    with constants.varied(same, 1e-3):
+        assert (radii.SAME, importlib.import_module(same.module).SAME) == (1e-3, 1e-3)
+    assert radii.SAME == same.shipped
+    assert constants.moved(same).verdict == "nothing moves"
+
+
 def test_a_number_that_results_depend_on_is_told_with_where() -> None:
     found = constants.moved(knob("jkrcli.methods.integral.quadrature", "most_nodes"))
     assert found.verdict == "moves"

@@ -37,7 +37,9 @@ class AttractionTuning:
     # nodes in the integrals of F; tuned on bodies, by `make constants`: as in the equation without attraction
     inner: int = 20
     halvings: int = 40  # of the rest to the profile's end, cut there; theory: F of a sphere is singular at it
-    arc: int = 24  # nodes in separations; choice: for checks and pictures
+    # nodes in separations; tuned on bodies, by `make constants`: half as many move displacements around a contact by
+    # 1e-8
+    arc: int = 24
     # polynomials on a panel; tuned on bodies, by `make constants`: beyond, narrower panels are as cheap
     most_order: int = 16
     most_nodes: int = 800  # choice: some seconds, half a gigabyte

@@ -44,15 +44,25 @@ class TenseTuning:
     """How the equation of the first kind is discretised for an accuracy."""
 
     tolerance: float = 5e-8  # the least; choice: rounding leaves some 1e-9 on thin incompressible layers
-    levels: int = 7  # halvings towards the edge for a = kappa; choice: one less errs by 1e-8
-    least_order: int = 6  # nodes on a panel at the accuracy 1e-4; choice: one more for each decade
-    most_order: int = 14  # choice: beyond, rounding counts
-    per_decade: int = 5  # of a/kappa, points near a singularity, beside 2.5 times the order; choice: good to 1e-9
+    # halvings towards the edge for a = kappa; tuned on bodies, by `make constants`: one less moves depths by 2e-5
+    levels: int = 7
+    # nodes on a panel at the accuracy 1e-4, one more for each decade; tuned on bodies, by `make constants`: one less
+    # moves S by 2e-5
+    least_order: int = 6
+    most_order: int = 14  # tuned on bodies, by `make constants`: half of it moves S by 2e-5, beyond it rounding counts
+    # of a/kappa, points near a singularity, beside 2.5 times the order; tuned on bodies, by `make constants`: one less
+    # moves S by 3e-6
+    per_decade: int = 5
     frequency: float = 5.0  # times the scale of the layers: highest wave number noticed; theory: as for ``Quadrature``
-    knots: int = 60  # of the smooth part's spline of degree 7, per scale; choice: good to 1e-12
-    finer: int = 12  # of the cubic that stands for it, ten times as fast; choice: good to 1e-11
+    # of the smooth part's spline of degree 7, per scale; tuned on bodies, by `make constants`: half as many move S by
+    # 4e-9
+    knots: int = 60
+    # of the cubic that stands for it, ten times as fast; tuned on bodies, by `make constants`: half as many move S by
+    # 4e-9
+    finer: int = 12
     least: float = 1e-6  # kappa/a of layers; choice: below, tension changes nothing by 1e-5
-    inner: int = 20  # nodes per panel in integrals of F; choice: exact for powers
+    # nodes per panel in integrals of F; tuned on bodies, by `make constants`: half as many move depths by 1e-9
+    inner: int = 20
     per_entry: int = 60  # operations per entry of the matrix; tuned on half-spaces and layers, by `make bench`
 
 

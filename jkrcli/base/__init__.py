@@ -50,8 +50,10 @@ if TYPE_CHECKING:
         ROUNDED,
         ROWS,
         SAME,
+        SETTLED,
         SHOWN,
         TINY,
+        TOGETHER,
         UNSEEN,
     )
     from .memory import SHARE, free_memory

@@ -15,7 +15,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from ..base import Array, InputError, Pool, in_order
+from ..base import TOGETHER, Array, InputError, Pool, in_order
 from .answer import FittedValue
 from .least_squares import Least, State
 from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, Parameter, Unknowns
@@ -30,7 +30,6 @@ class IntervalTuning:
     none: float = 1e-6  # choice: of a standard error, below which a value that cannot be less than 0 is 0
     begin: float = 0.1  # choice: of a log, where a profile is begun while no error is known
     shared: float = 1e-6  # choice: relative, up to which two quantities are functions of each other
-    samples: int = 20  # choice: of a bootstrap, in one task
 
 
 TUNING = IntervalTuning()
@@ -192,7 +191,7 @@ def bootstrap(
     pool: Pool | None,
 ) -> Array:  # fmt: skip
     """Unknowns of the least of ``count`` problems, each with its states changed at random (samples, unknowns)."""
-    found = in_order(pool, partial(_sample, least, change, cost, seed), range(count), "bootstrap", TUNING.samples)
+    found = in_order(pool, partial(_sample, least, change, cost, seed), range(count), "bootstrap", TOGETHER)
     return np.array([x for x in found if x is not None])
 
 

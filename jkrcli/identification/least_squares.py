@@ -29,7 +29,6 @@ class SearchTuning:
     held: float = 10.0  # theory: how much more a held value weighs than the data, whose pull is then a hundredth
     close: float = 1e-3  # choice: of the step, to which the end of a profile is found
     reach: float = 12.0  # choice: guard, how far logs may move from their start
-    vague: float = 0.3  # choice: relative standard error beyond which a value is little more than its order
     poor: float = 0.25  # choice: of what a step foretold, below which the next ones are shorter
     good: float = 0.75  # choice: of it, above which they may be longer
     whole: float = 0.95  # choice: of the radius, above which a step is as long as it

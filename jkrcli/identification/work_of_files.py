@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from ..adhesion import Nonadhesive
-from ..base import InputError, Pool, completed
+from ..base import TOGETHER, InputError, Pool, completed
 from ..data import Reading, each, some
 from ..series import Solution
 from .fit import body_of, settings_of
-from .fit.fitting import CHUNK
 from .work import Evaluation, WorkAlong, check_window
 
 
@@ -35,7 +34,7 @@ def along_file(path: Path, reading: Reading, evaluation: Evaluation, pool: Pool)
     """The curves of a file that have a work of adhesion, in its order, and why the others have none."""
     outcomes: list[Any] = list(each(path, reading))
     rows = [i for i, item in enumerate(outcomes) if not isinstance(item, InputError)]
-    for i, outcome in completed(pool, evaluation, [outcomes[row] for row in rows], path.name, CHUNK):
+    for i, outcome in completed(pool, evaluation, [outcomes[row] for row in rows], path.name, TOGETHER):
         outcomes[rows[i]] = outcome
     for outcome in outcomes:
         if isinstance(outcome, Exception) and not isinstance(outcome, InputError):

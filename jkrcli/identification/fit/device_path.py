@@ -16,7 +16,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ...base import MOST_STEPS, REMEMBERED, Array, SolveError, show
+from ...base import MOST_STEPS, REMEMBERED, SETTLED, Array, SolveError, show
 from .family import Family
 
 
@@ -30,7 +30,6 @@ class DevicePathTuning:
     below: float = 4.0  # choice: of log a below the series, where its limit by power laws holds
     beyond: float = 0.5  # choice: of log a above the series, tried while starting values are looked for
     flat: float = 1e-6  # choice: of the displacement, least dz/du at the turn; nothing rests on a turn at the fold
-    found: float = 1e-13  # choice: of log a, when it has come there
     widest: float = 0.5  # choice: of log a, a step of it
 
 
@@ -267,7 +266,7 @@ def rest(family: Family, s: float, advanced: float, receding: float, k: float, t
         dz = dD - advanced * dT + s * (dH - advanced * dV) / k
         off = turn - (d - advanced * t + s * (h - advanced * v) / k)
         step = min(max(off / max(dz, 1e-300), -TUNING.widest), TUNING.widest)
-        if abs(step) < TUNING.found or near + step < nodes.u[first]:
+        if abs(step) < SETTLED or near + step < nodes.u[first]:
             break
         near += step
     S = s * v / t

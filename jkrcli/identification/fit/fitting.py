@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from ...base import InputError, JkrError, Pool, SolveError, completed, executor
+from ...base import TOGETHER, InputError, JkrError, Pool, SolveError, completed, executor
 from ...data import (
     APPROACH,
     AS_DEPTH,
@@ -42,7 +42,6 @@ from .statistics import covariance, structure
 
 OWN = {"w": "w_approach"}  # names of an approach alone
 DIRECTIONS: tuple[SegmentName, ...] = ("approach", "retract")
-CHUNK = 20  # choice: curves per task
 WARNED = {NOT_SUBTRACTED: "E* is that of contact and device in series: ", AS_DEPTH: ""}  # flags of a curve that matter
 
 
@@ -97,7 +96,7 @@ def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool:
     found: dict[int, Fit | Failure] = {}
     with nullcontext(pool) if len(curves) > 1 else executor(1) as outer:
         work = partial(_next, body, settings, None if outer is pool else pool, Neighbour())
-        for index, result in completed(outer, work, list(enumerate(curves)), "fitting", chunk=CHUNK):
+        for index, result in completed(outer, work, list(enumerate(curves)), "fitting", chunk=TOGETHER):
             if isinstance(result, JkrError):
                 lines = result.lines if isinstance(result, InputError) else (str(result),)
                 found[index] = Failure(curves[index], lines)
@@ -114,7 +113,7 @@ def _next(
     """The fit of a numbered curve, its search begun where that of the one ``before`` it in its task ended: the same
     however many work on tasks."""
     number, curve = numbered
-    if number % CHUNK == 0:
+    if number % TOGETHER == 0:
         before.found = None
     return fit(body, curve, settings, pool, before)
 

@@ -51,16 +51,14 @@ class WholeRecordTuning:
     placed: float = 0.3  # choice: scatter of positions over that of loads, both over their range, of a table
     rounds: int = 3  # choice: solves to larger radii before the record is given up
     misfit: float = 0.03  # choice: residual over the range of the load above which the model does not describe it
-    noisy: float = 0.1  # choice: noise over the range of the load above which little can be told
-    vague: float = 0.1  # choice: error of the contact point over the depth above which it is not determined
+    vague: float = 0.1  # choice: noise over the range, error of the contact point over the depth: little is told
     spoilt: float = 0.1  # choice: factor of the quality for each thing that is wrong with the record itself
     dependent: float = 2.0  # choice: rows worth one above which it is said
     apart: float = 4.0  # choice: standard errors between the moduli of the two directions from which on they differ
     rough: float = 1.5  # choice: of the noise, residuals from which on the directions are fitted each alone as well
-    repelling: float = 3.0  # choice: standard errors below 0 from which on w is held at 0
+    sure: float = 3.0  # choice: standard errors of w below 0, or of a drift, that are no noise
     excess: float = 4.0  # choice: of the standard errors, what misfit would add to them where its flag is raised
     differs: float = 0.01  # choice: of the modulus, below which they do not
-    drifting: float = 3.0  # choice: standard errors of a drift that was not fitted, from which on it is said
 
 
 TUNING = WholeRecordTuning()
@@ -295,7 +293,7 @@ def _repels(found: ForceCurveFit, kind: str) -> bool:
     """Whether w of a direction comes out below 0 by more than noise and misfit explain: another body, w = 0 is as near
     as it can come."""
     name = next((name for name in (f"q:{kind}", f"r:{kind}") if name in found.names), None)
-    return name is not None and found.value(name) < -TUNING.repelling * found.error(name) * found.spread.excess
+    return name is not None and found.value(name) < -TUNING.sure * found.error(name) * found.spread.excess
 
 
 def _apart(found: ForceCurveFit) -> bool:
@@ -608,11 +606,11 @@ def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[st
         )
     if slow > TUNING.misfit:
         flags["misfit"] = f"the residuals in contact are {slow:.1%} of the range of the load: another body or indenter"
-    if noise / span > TUNING.noisy:
+    if noise / span > TUNING.vague:
         flags["noisy"] = f"the noise is {noise / span:.0%} of the range of the load"
     if contact > TUNING.vague:
         flags["vague contact point"] = f"known to {contact:.0%} of the depth only"
-    ratios = {"misfit": max(slow / TUNING.misfit, beyond), "noise": noise / span / TUNING.noisy,
+    ratios = {"misfit": max(slow / TUNING.misfit, beyond), "noise": noise / span / TUNING.vague,
               "base line": wavy / TUNING.misfit, "contact point": contact / TUNING.vague}  # fmt: skip
     parts = {name: math.exp(-(x**2) / 2) for name, x in ratios.items()}
     parts["record"] = TUNING.spoilt ** sum(not name.endswith((APPROACH, RETRACT)) for name in record.flags)
@@ -636,7 +634,7 @@ def _words(found: ForceCurveFit, settings: Settings) -> Iterator[str]:
         and all(np.ptp(part.t) > 0 for part in model.stretches)
     ):
         drift = unasked_drift(found)
-        if drift.size > TUNING.drifting and abs(drift.last) > TUNING.drifting * drift.error:
+        if drift.size > TUNING.sure and abs(drift.last) > TUNING.sure * drift.error:
             change = float(drift.step[found.names.index("ln_s")]) if "ln_s" in found.names else 0.0
             yield (
                 f"drift: the depth drifts by {show(drift.last, 'speed', 3)} ± {show(drift.error, 'speed', 2)}, which "

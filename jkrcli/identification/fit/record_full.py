@@ -1,6 +1,6 @@
 """The best rivals of each family, fitted in full where the data ask for them, and the one that is taken.
 
-A rival is taken where its misfit is lower than that of the plain model by more than ``TUNING.falls``, in chi^2, and
+A rival is taken where its misfit is lower than that of the plain model by more than ``SCORES.tied``, in chi^2, and
 what it leaves is no more than the noise of the free rows. Of several that are taken the first is the best one; those
 within as much of it cannot be told from it.
 """
@@ -42,7 +42,6 @@ from .record_situation import Situation
 class FullTuning:
     """Which rivals are fitted in full, and when one is taken."""
 
-    falls: float = 9.0  # choice: of chi^2, by which a rival must be better: three standard errors of one number
     passes: float = 1e-3  # choice: chance of what is left, by the noise of the free rows, below which it is misfit
     each: int = 3  # choice: of a family, its best by one step, which does not always name the right one
     steps: int = 20  # choice: guard, of a search that only finds out which rivals are worth a fit
@@ -84,7 +83,7 @@ class InFull:
 
     @property
     def passes(self) -> bool:
-        return self.found.ended and self.falls > TUNING.falls and self.chance > TUNING.passes
+        return self.found.ended and self.falls > SCORES.tied and self.chance > TUNING.passes
 
 
 @np.errstate(all="ignore")
@@ -238,7 +237,7 @@ def fitted_in_full(
 def _likeliest(scores: Sequence[Score]) -> Iterator[Score]:
     """Those of each family that one step takes most from the misfit with: it detects, so that neither sign nor size of
     an amount that is not small says much."""
-    ranked = sorted((one for one in scores if one.taken > TUNING.falls), key=lambda one: -one.taken)
+    ranked = sorted((one for one in scores if one.taken > SCORES.tied), key=lambda one: -one.taken)
     of_range = dict(zip([LONG.name], (one for one in scores if one.name == RANGE.name), strict=False))  # of all lengths
     for family in dict.fromkeys(one.family for one in ranked):
         best = [one for one in ranked if one.family == family][: TUNING.each]

@@ -34,7 +34,7 @@ class ScoreTuning:
     chance: float = 0.01  # choice: of any rival being asked for, of data of the model itself
     moves: float = 0.5  # choice: of its error, by which E* or w must move
     matters: float = 0.02  # choice: relative change of E* and w, below which a rival is excluded
-    tied: float = 9.0  # choice: of chi^2, within which rivals are named together
+    tied: float = 9.0  # choice: of chi^2, three standard errors: rivals nearer are named together or not at all
     near: float = 0.5  # choice: of the misfit that the best takes, the same: one step is of first order
     over: float = 1.25  # choice: of what is possible, up to which an amount may come out: the same
     normal: float = 1.96  # theory: 95 % of a normal value

@@ -16,7 +16,7 @@ from functools import partial
 
 import numpy as np
 
-from ...base import MOST_SOLVES, Array, InputError, JkrError, SolveError, show
+from ...base import MOST_SOLVES, SETTLED, Array, InputError, JkrError, SolveError, show
 from ..least_squares import Least, LeastSquares, State
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING, RestingMember
@@ -33,7 +33,6 @@ class FitSearchTuning:
     """Limits of the search: where starts are looked for, how they are followed, which minimum is the answer."""
 
     # Least squares
-    converged: float = 1e-13  # choice: relative change of unknowns and cost; leaves only round-off
     converged_layers: float = 1e-9  # choice: the same for layers and ranges, by curves good to 1e-8 themselves
     converged_robust: float = 1e-7  # choice: the same with a robust loss, whose turn is an estimate
     evaluations: int = 200  # choice: guard
@@ -159,7 +158,7 @@ def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: f
     units = np.array([1.0 if p.kind == "log" else natural[p.name] for p in objective.parameters])[free]
     bounds = low[free] / units, high[free] / units
     splines = objective.ranged or any(objective.parameters[i].of_body for i in free)
-    close = TUNING.converged_layers if splines else TUNING.converged
+    close = TUNING.converged_layers if splines else SETTLED
     close = close if loss == "linear" else max(close, TUNING.converged_robust)
     problem = LeastSquares(
         partial(_scaled, objective, begin, units), bounds, close, 0.0, TUNING.evaluations, loss, width

@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from ...base import MOST_STEPS, Array
+from ...base import MOST_STEPS, SETTLED, Array
 from .device_path import Rest
 from .family import Family
 
@@ -27,7 +27,6 @@ class SlowEdgeTuning:
     last: float = 0.99  # choice: of it, by how much the contact has shrunk when it is taken as lost
     even: float = 0.01  # choice: of it, from where on radii are even; in a geometric sequence before
     radii: int = 100  # choice: of either; loads are then good to 5e-4 of the tension
-    still: float = 1e-12  # choice: of the log of a speed, when it has come there
     widest: float = 3.0  # choice: of it, a step
 
 
@@ -67,7 +66,7 @@ def _follow(
             off = whole - shift * root + slowness - target
             change = off / (shift * n * power / (2 * root) + slowness)
             log += min(max(change, -TUNING.widest), TUNING.widest)
-            if abs(change) < TUNING.still:
+            if abs(change) < SETTLED:
                 break
         before = math.exp(-log)
         grown[i] = math.sqrt(1 + b * math.exp(n * log))

@@ -245,17 +245,18 @@ def _likeliest(scores: Sequence[Score]) -> Iterator[Score]:
 
 
 def _roughly(at: Situation, fresh: ForceCurveModel, change: Change, amount: float) -> tuple[float, Array]:
-    """About the least misfit with a ``change``, and its unknowns: from the best of its starts, and of what one step
-    asks for."""
+    """About the least misfit with a ``change``, and its unknowns: from the best of its starts and what one step asks
+    for, and from the best that the body suggests at each of these."""
     low, high = change.limits.get(AMOUNT, (-math.inf, math.inf))
     starts = dict.fromkeys([(min(max(amount, low), high), *change.starts[0][1:]), *change.starts])
     model = RivalModel.of(fresh, change)
     x = _known(at, model, at.found.x)
-    begun = [[np.append(x, start) for start in starts], [x for start in starts for x in _new(at, model, start)]]
+    plain, new = [np.append(x, start) for start in starts], [[*_new(at, model, start)] for start in starts]
+    begun = [plain, *new]
     if change.felt and change.bends is not None:
         begun = [[*_adapted(at, model, starts)]]
     if change.load is not None or change.back is not None:  # of histories, which have several minima
-        begun = [[start] for start in begun[change.back is not None]]
+        begun = [[start] for group in ([plain] if change.back is None else new) for start in group]
     searches = []
     for some in filter(None, begun):
         with contextlib.suppress(JkrError):  # others may come to an end

@@ -74,7 +74,7 @@ class RecordRivalTuning:
     quartics: tuple[float, float] = (-3.0, 6.0)  # theory: profiles that rise up to a/R = 1; choice: the largest
     rises: tuple[float, float] = (-5.0, 5.0)  # choice: of the log of w along a record
     farther: float = 1.5  # choice: of the largest radius, beyond which a modulus that changes is even
-    profiles: tuple[float, ...] = (-0.8, 0.0)  # choice: exponents less that of a paraboloid, to begin with
+    profiles: tuple[float, ...] = (-1.0, -0.8, 0.0)  # choice: exponents less that of a paraboloid, to begin with
     tabor: tuple[float, ...] = (3.0, 1.0, 0.3, 0.1, 0.03)  # choice: Tabor numbers, to begin with
     farthest: float = 1e3  # choice: range over how far adhesion deforms the body; longer ones change nothing
     tensions: tuple[float, ...] = (0.03,)  # choice: 2 tension/E* over the contact radius, to begin with

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -67,6 +67,7 @@ class FullTuning:
 
 
 TUNING = FullTuning()
+Moves = tuple[float, float, float]  # rises of chi^2 and of the logs of E* and w
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +104,8 @@ def _bounded(at: Situation, own: Weighted, score: Score, known: Known) -> Score:
     if not isinstance(look, Change):
         return score
     if score.name == RANGE.name:
-        return _of_amounts(at, own, score, look, _ranges(at, score, known.range))
+        tried = {amount: _left_moves(own, _held(at, look, amount)) for amount in _ranges(at, score, known.range)}
+        return _of_amounts(at, own, score, look, tried)
     if score.name == TENSION.name:
         return _of_tension(at, own, score, look, known.tension)
     return _at_most(at, own, look, score)
@@ -132,15 +134,23 @@ def _of_tension(at: Situation, own: Weighted, score: Score, change: Change, know
     """The same of surface tensions up to the one that is ``known`` [N/m], or the usual one where the data lean to any:
     by more than can be chance, in all rows."""
     most = tension_amount(at, known or TUNING.skinned)
-    amounts = [min(most, TUNING.skins[0]), *(amount for amount in TUNING.skins if amount < most)]
-    judged = _of_amounts(at, own, score, change, amounts)
-    return judged if known or judged.word == ASKED or judged.taken > TUNING.leaning**2 else score
+    tried: dict[float, Moves | None] = {}
+    least, leans = 0.0, False
+    for amount in sorted({min(most, TUNING.skins[0]), *(amount for amount in TUNING.skins if amount < most)}):
+        tried[amount] = found = _left_moves(own, _held(at, change, amount))
+        rises = found is not None and found[0] > least
+        least = least if found is None else min(least, found[0])
+        leans = bool(known) or -least > TUNING.leaning**2 or at_chance(at.found, -least) < SCORES.chance / len(RIVALS)
+        if (found is None and len(tried) > 1) or (rises and not leans):
+            break  # no larger one is left either, or takes more
+    return _of_amounts(at, own, score, change, tried) if leans else score
 
 
-def _of_amounts(at: Situation, own: Weighted, score: Score, change: Change, amounts: Sequence[float]) -> Score:
-    """The score with the largest moves at those of falling ``amounts`` of a ``change`` that the data leave; it is asked
-    for where one takes enough of the misfit, of all rows."""
-    tried = {amount: _left_moves(own, _held(at, change, amount)) for amount in amounts}
+def _of_amounts(
+    at: Situation, own: Weighted, score: Score, change: Change, tried: Mapping[float, Moves | None]
+) -> Score:
+    """The score with the largest moves at those amounts ``tried`` of a ``change`` that the data leave; it is asked for
+    where one takes enough of the misfit, of all rows."""
     left = {amount: found for amount, found in tried.items() if found is not None}
     if not left:
         return score
@@ -170,7 +180,7 @@ def _ranges(at: Situation, score: Score, longest: float) -> list[float]:
     return [amount_of_range(at, z0) for z0 in ranges]
 
 
-def _left_moves(own: Weighted, model: RivalModel) -> tuple[float, float, float] | None:
+def _left_moves(own: Weighted, model: RivalModel) -> Moves | None:
     """By how much chi^2, and the logs of E* and w, rise with a change; None where the data exclude it."""
     found = _stepped(own, model, TUNING.possible, TUNING.about)
     told = None if found is None else (found[0], *_moves(own, found[1]))

@@ -495,8 +495,7 @@ def _missing(parts: Sequence[Segment], directions: Sequence[Direction]) -> Itera
 
 def _on_base_lines(curve: Curve, touched: Sequence[Direction]) -> Iterator[tuple[str, str]]:
     """Flags of base lines that are not there, or not straight."""
-    assert curve.P is not None
-    span = float(np.ptp(curve.P))
+    span = float(np.ptp(curve.load))
     for item in touched:
         name, waviness = item.segment.kind, item.base.waviness
         if not item.begins_free:

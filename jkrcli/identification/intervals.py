@@ -208,9 +208,11 @@ def changes_by(
     """Change of everything in ``outcome`` by a change of the input ``name`` by ``sigma`` from its value ``centre``,
     where it is ``here``.
 
-    The input is moved to both sides, where that is possible, the body solved anew and the data fitted again.
+    The input is moved to both sides, where that is possible, the body solved anew and the data fitted again; InputError
+    where it is uncertain by all of its value or more, but for Poisson's ratios.
     """
-    refuse_vague(name, centre, sigma)
+    if sigma >= centre and not name.startswith("nu"):
+        raise InputError(f"the uncertainty of {name} is {sigma / centre:.3g} times its value: give less than the value")
     ends = [(centre, here)]
     for value in (centre - sigma, centre + sigma):
         with contextlib.suppress(InputError):  # beyond what the quantity can be, as nu > 1/2
@@ -219,12 +221,6 @@ def changes_by(
         raise InputError(f"{name} cannot be {sigma:g} off its value {centre:g} to either side")
     (one, low), (two, high) = ends[-2:]
     return {key: (high[key] - low[key]) / (two - one) * sigma for key in here}
-
-
-def refuse_vague(name: str, centre: float, sigma: float) -> None:
-    """InputError where an input, which is no Poisson's ratio, is uncertain by all of its value or more."""
-    if sigma >= centre and not name.startswith("nu"):
-        raise InputError(f"the uncertainty of {name} is {sigma / centre:.3g} times its value: give less than the value")
 
 
 def wider(item: FittedValue, systematic: Mapping[str, float], t: float) -> FittedValue:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Array
+from ..base import Array, InputError
+from ..data import Curve
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,19 @@ class MotionTuning:
 
 
 TUNING = MotionTuning()
+
+
+def check_over_time(curve: Curve, what: str) -> None:
+    """Refuse a curve that holds no readings over time, ``what`` needs them."""
+    if missing := [name for name in ("t", "delta", "P") if name not in curve.measured]:
+        raise InputError(f"{curve.where}: {what} needs t, delta and P, it lacks {', '.join(missing)}")
+
+
+def check_rising(where: str, t: Array, rows: Array) -> None:
+    """Refuse times that do not rise, by the numbers of their ``rows``."""
+    if (falls := np.flatnonzero(np.diff(t) <= 0)).size:
+        row = int(rows[falls[0] + 1]) + 1
+        raise InputError(f"{where}: time must rise from row to row, it does not in row {row}")
 
 
 def corners(t: Array, x: Array, noise: float) -> tuple[Array, Array]:

@@ -24,7 +24,7 @@ from .fit import FittedBody, covariance, t_quantile, third_differences
 from .intervals import Followed, Intervals
 from .least_squares import TUNING as FITS
 from .least_squares import Least, LeastSquares, State, by_differences
-from .motion import corners
+from .motion import check_over_time, check_rising, corners
 from .parameters import MODULUS, Parameter, Unknowns, Vocabulary, parameters_of
 from .relaxing_rows import averaged, base_line, followed, without_adhesion
 
@@ -177,34 +177,25 @@ class RelaxationFit(Answer):
 
 def timed_record(curve: Curve) -> TimedRecord:
     """The readings of ``curve`` over time; InputError where a column is missing."""
-    if missing := [name for name in ("t", "delta", "P") if getattr(curve, name) is None]:
-        raise InputError(f"{curve.where}: a fit of relaxation needs t, delta and P, it lacks {', '.join(missing)}")
-    assert curve.t is not None
-    assert curve.P is not None
+    check_over_time(curve, "a fit of relaxation")
     if len(curve) < RECORDS.least_rows:
         raise InputError(f"{curve.where}: {len(curve)} rows, at least {RECORDS.least_rows} are needed")
-    if (falls := np.flatnonzero(np.diff(curve.t) <= 0)).size:
-        raise InputError(f"{curve.where}: time must rise from row to row, it does not in row {int(falls[0]) + 2}")
+    check_rising(curve.where, curve.time, np.arange(len(curve)))
     curve = averaged(curve)
-    assert curve.t is not None
-    assert curve.P is not None
-    curve, told = without_adhesion(curve, (_noise(curve.device), _noise(curve.P)))
+    curve, told = without_adhesion(curve, (_noise(curve.device), _noise(curve.load)))
     said: tuple[str, ...] = () if told is None else (told,)
-    assert curve.t is not None
-    assert curve.P is not None
-    found = [_knots(curve.t, column) for column in (curve.device, curve.P)]
+    found = [_knots(curve.time, column) for column in (curve.device, curve.load)]
     if min(pieces[0].size for pieces, _ in found) > TUNING.pieces:
-        assert curve.delta is not None
-        noise = _noise(curve.delta), found[1][1]
+        noise = _noise(curve.depth), found[1][1]
         said += (AS_READ,)
-        knots = followed(curve.t, curve.delta)
-        return TimedRecord(curve, curve.t, curve.delta, curve.P, False, math.inf, knots, noise, noise, True, said)
+        knots = followed(curve.time, curve.depth)
+        return TimedRecord(curve, curve.time, curve.depth, curve.load, False, math.inf, knots, noise, noise, True, said)
     loaded = found[1][0][0].size < found[0][0][0].size
     order = (1, 0) if loaded else (0, 1)
-    columns = (curve.device, curve.P) if not loaded else (curve.P, curve.device)
+    columns = (curve.device, curve.load) if not loaded else (curve.load, curve.device)
     noise = found[order[0]][1], found[order[1]][1]
     stiffness = 0.0 if loaded else math.inf if curve.stiffness is None else float(curve.stiffness)
-    return TimedRecord(curve, curve.t, *columns, loaded, stiffness, found[order[0]][0], noise, noise, said=said)
+    return TimedRecord(curve, curve.time, *columns, loaded, stiffness, found[order[0]][0], noise, noise, said=said)
 
 
 def _noise(column: Array) -> float:

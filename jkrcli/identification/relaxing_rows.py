@@ -37,14 +37,12 @@ def averaged(curve: Curve) -> Curve:
 
 def without_adhesion(curve: Curve, noise: tuple[float, float]) -> tuple[Curve, str | None]:
     """The rows up to a retraction that pulls, and what is said of it; ``noise`` of device and load."""
-    assert curve.t is not None
-    assert curve.P is not None
-    t, x = corners(curve.t, curve.device, noise[0])
+    t, x = corners(curve.time, curve.device, noise[0])
     slopes = np.diff(x) / np.diff(t)
     back = np.logical_and.accumulate(slopes[::-1] < -TUNING.falls * np.abs(slopes).max())
     begin = float(t[-1 - int(back.sum())])
-    later = curve.t > begin
-    pulls = float(np.min(curve.P[~later]) - np.min(curve.P[later], initial=math.inf))
+    later = curve.time > begin
+    pulls = float(np.min(curve.load[~later]) - np.min(curve.load[later], initial=math.inf))
     if pulls < TUNING.apart * noise[1] or later.all():
         return curve, None
     told = (

@@ -16,7 +16,7 @@ from ..beside import Analysis, adhesive, nonadhesive, with_solved_points
 from ..beside.again import method_behind
 from ..bodies import Loading, changed, checked_names, layer_names, nominal
 from ..series import Solution
-from .intervals import refuse_vague
+from .intervals import changes_by
 
 FORCE, RADIUS, MODULI = "load", "R", "E"  # uncertain inputs beside "h", "nu" and those of single layers
 DIMENSIONS = {FORCE: "load", RADIUS: "length", MODULI: "modulus", "h": "length", "nu": "number"}
@@ -145,19 +145,11 @@ def _change(inverse: _Inverse, name: str, sigma: float) -> float:
     ``sigma`` is relative."""
     centre = _nominal(inverse, name)
     size = -sigma * abs(centre) if sigma < 0 else sigma
-    refuse_vague(name, centre, size)
-    ends = []
-    for value in (centre - size, centre + size):
-        try:
-            ends.append((value, _moved(inverse, name, value).found().w))
-        except InputError:  # beyond what the quantity can be, or what the series tells
-            continue
-    if len(ends) < 2:
-        ends.append((centre, inverse.found().w))
-    if len(ends) < 2:
-        raise InputError(f"pull-off: {name} cannot be {size:g} off its value {centre:g} to either side")
-    (one, low), (two, high) = ends
-    return (high - low) / (two - one) * size
+
+    def outcome(value: float) -> dict[str, float]:
+        return {"w": _moved(inverse, name, value).found().w}
+
+    return changes_by(name, centre, size, {"w": inverse.found().w}, outcome)["w"]
 
 
 def _nominal(inverse: _Inverse, name: str) -> float:

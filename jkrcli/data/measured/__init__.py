@@ -145,12 +145,10 @@ def _selected(curve: Curve, reading: Reading) -> Curve:
 
 def _by_convention(curve: Curve, reading: Reading, stiffness: float | None) -> Curve:
     """The curve with signs, zero points and deflection (of a device of ``stiffness`` [N/m]) as ``reading`` tells."""
-    columns = {name: getattr(curve, name) for name in ("delta", "P")}
+    columns: dict[str, Any] = {}
     for name in {*reading.flip, *reading.zero}:
-        if columns[name] is None:
-            raise InputError(f"{curve.where}: holds no {name} to flip or to set to zero (it holds "
-                             f"{', '.join(curve.measured)})")  # fmt: skip
-        columns[name] = (-1.0 if name in reading.flip else 1.0) * columns[name] - reading.zero.get(name, 0.0)
+        sign, read = -1.0 if name in reading.flip else 1.0, curve.column(name, " to flip or to set to zero")
+        columns[name] = sign * read - reading.zero.get(name, 0.0)
     found = replace(curve, **columns)
     if reading.contact == "estimate":
         found = with_zero_points(found)

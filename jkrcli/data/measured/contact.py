@@ -101,7 +101,6 @@ def _standing_still(P: Array, z: Array, end: float) -> int:
 
 def _approach(curve: Curve) -> Array:
     """Rows of the approach, in order: those the file names so, else those before the largest displacement."""
-    assert curve.delta is not None
     if curve.segment is None:
         return np.arange(int(np.argmax(curve.device)) + 1)
     rows = np.flatnonzero(curve.segment == APPROACH)

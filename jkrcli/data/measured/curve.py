@@ -93,14 +93,32 @@ class Curve:
         """The names of the quantities that were measured, of a, delta, P, t."""
         return tuple(name for name in QUANTITIES if getattr(self, name) is not None)
 
+    def column(self, name: str, purpose: str = "") -> Array:
+        """A quantity that was measured; InputError, which may name the ``purpose``, where it was not."""
+        if (found := getattr(self, name)) is None:
+            raise InputError(f"{self.where}: holds no {name}{purpose} (it holds {', '.join(self.measured)})")
+        array: Array = found
+        return array
+
+    @property
+    def depth(self) -> Array:
+        """The displacement [m], which was measured."""
+        return self.column("delta")
+
+    @property
+    def load(self) -> Array:
+        """The load [N], which was measured."""
+        return self.column("P")
+
+    @property
+    def time(self) -> Array:
+        """The times [s], which were measured."""
+        return self.column("t")
+
     @property
     def device(self) -> Array:
         """Position of the device [m], its deflection added again; needs displacement and load."""
-        assert self.delta is not None
-        if self.stiffness is None:
-            return self.delta
-        assert self.P is not None
-        return self.delta + self.P / self.stiffness
+        return self.depth if self.stiffness is None else self.depth + self.load / self.stiffness
 
     def rows(self, chosen: Array) -> Curve:
         """The curve at ``chosen`` rows alone (a mask or numbers)."""
@@ -112,10 +130,8 @@ class Curve:
 
     def multiplied(self, factors: Mapping[str, float]) -> Curve:
         """The curve with its quantities multiplied; InputError names one that was not measured."""
-        for key in factors:
-            if key not in self.measured:
-                raise InputError(f"{self.where}: holds no {key} to multiply (it holds {', '.join(self.measured)})")
-        return replace(self, **{key: getattr(self, key) * number for key, number in factors.items()})
+        found: dict[str, Any] = {key: self.column(key, " to multiply") * number for key, number in factors.items()}
+        return replace(self, **found)
 
     def only(self, segment: str) -> Curve:
         """The rows of one segment; InputError names the segments there are, where this is none of them."""

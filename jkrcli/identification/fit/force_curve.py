@@ -428,11 +428,10 @@ def stretches(
 
 def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> DirectionReadings:
     curve, rows = record.curve, np.arange(side.segment.first, side.segment.last + 1)
-    assert curve.P is not None
     if side.segment.kind != APPROACH:
         rows = rows[::-1]
     z = curve.device[rows]
-    P = curve.P[rows] if wave is None else curve.P[rows] + wave(z)
+    P = curve.load[rows] if wave is None else curve.load[rows] + wave(z)
     line, tension, touching, keep = _told(side, z, P)
     contact = np.count_nonzero(touching) or rows.size - side.border[1]
     keep[rows.size - round(TUNING.turning * contact) :] = False

@@ -70,8 +70,7 @@ def straightened(record: ForceCurve) -> tuple[ForceCurve, Mapping[str, Wave]]:
 
 def _without(curve: Curve, directions: Sequence[Direction], waves: Mapping[str, Wave]) -> Curve:
     """The curve less its waves; the device stays where it is."""
-    assert curve.P is not None
-    z, P = curve.device, curve.P.copy()
+    z, P = curve.device, curve.load.copy()
     for side in directions:
         rows = side.segment.rows
         P[rows] -= waves[side.segment.kind](z[rows])
@@ -81,9 +80,8 @@ def _without(curve: Curve, directions: Sequence[Direction], waves: Mapping[str, 
 def _free(curve: Curve, side: Direction, share: float) -> tuple[Array, Array]:
     """Positions [m] of a share of the free rows of a direction, from the far end on, and their loads over its base line
     [N], in means of some rows."""
-    assert curve.P is not None
     order, end = 1 if side.segment.kind == APPROACH else -1, round(share * side.base.rows)
-    z, off = (column[side.segment.rows][::order][:end] for column in (curve.device, curve.P))
+    z, off = (column[side.segment.rows][::order][:end] for column in (curve.device, curve.load))
     off = off - np.polynomial.Polynomial.fit(z, off, 1)(z)
     size = max(1, z.size // TUNING.blocks)
     count = z.size // size

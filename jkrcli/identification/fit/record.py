@@ -220,9 +220,7 @@ def receding(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
         return curve
     _, found = _fitted(body, _model(body, record, settings, {}, _kinds(record, settings)), settings)
     curve = _in_contact(found, curve, found.model.stretches[-1:], still=False)
-    assert curve.delta is not None
-    assert curve.P is not None
-    return replace(curve, delta=curve.delta - curve.P / found.model.k)
+    return replace(curve, delta=curve.depth - curve.load / found.model.k)
 
 
 def _in_contact(found: ForceCurveFit, curve: Curve, parts: Sequence[DirectionReadings], still: bool = True) -> Curve:
@@ -247,22 +245,20 @@ def reduced(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[C
     plain = replace(settings, parameters=usual, given=frozenset(), noise={}, branch="all", loss="linear")
     found = whole_fit(body, record, plain)
     curve = _in_contact(found, record.curve, found.model.stretches)
-    assert curve.delta is not None
-    assert curve.P is not None
     told, asked = _outcome(found, found.x, body), {p.name: p for p in settings.parameters if p.name in settings.given}
     given = {name for name in ("delta0", "P0") if name in asked and not asked[name].free}
     shift = {name: told[name] if name in given else 0.0 for name in ("delta0", "P0")}
     stiff = 0.0 if "compliance" in asked else 1 / found.model.k
-    delta = curve.delta - (1 / found.model.k - stiff) * curve.P + shift["delta0"]
+    delta = curve.depth - (1 / found.model.k - stiff) * curve.load + shift["delta0"]
     said = (
         f"the rows in contact alone are fitted, less the base lines of the whole record and from its zero, delta0 = "
         f"{show(told['delta0'], 'length', 5)} and P0 = {show(told['P0'], 'load', 5)}"
     )
-    placed = TUNING.placed_rows * found.sigma * float(np.ptp(delta) / np.ptp(curve.P))
+    placed = TUNING.placed_rows * found.sigma * float(np.ptp(delta) / np.ptp(curve.load))
     placed = max(placed, found.sigma * (1 / found.model.k - stiff))
     fixed = {"compliance": Parameter("compliance", False, stiff)} | {"P0": Parameter("P0", True)}
     parameters = tuple(fixed.get(p.name, p) if p.name not in asked else p for p in settings.parameters)
-    curve = replace(curve, delta=delta, P=curve.P + shift["P0"], flags=(*curve.flags, said))
+    curve = replace(curve, delta=delta, P=curve.load + shift["P0"], flags=(*curve.flags, said))
     noise = {"delta": placed, "P": found.sigma} | dict(settings.noise)
     return curve, replace(settings, parameters=parameters, noise=noise, contact="as-is", base_line="straight")
 
@@ -458,8 +454,6 @@ def _result(
                  and (item.error is not None or item.name != WORKS[RETRACT]))  # fmt: skip
     rows = np.concatenate([part.rows for part in found.model.stretches])
     a, order = _contact_radii(found), np.argsort(rows)
-    assert curve.delta is not None
-    assert curve.P is not None
     flags, quality = _judged(record, found, a)
     flags = {**record.flags, **flags}
     result = Fit(
@@ -470,7 +464,7 @@ def _result(
         free=free,
         covariance=told.covariance_of(free) if found.ended else None,
         samples=told.sampled(free),
-        data={"delta": curve.delta[rows[order]], "P": curve.P[rows[order]]},
+        data={"delta": curve.depth[rows[order]], "P": curve.load[rows[order]]},
         rows=rows[order],
         left_out=_left_out(record, rows.size),
         a=a[order],

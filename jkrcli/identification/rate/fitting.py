@@ -355,9 +355,7 @@ class _Problem:
 def _along(body: Nonadhesive, record: RateRecord, delta0: float, P0: float) -> WorkAlong | InputError:
     """w along the record with the zeros subtracted, or why there is none."""
     part = record.curve.rows(record.rows)
-    assert part.delta is not None
-    assert part.P is not None
-    moved = replace(part, delta=part.delta - delta0, P=part.P - P0)
+    moved = replace(part, delta=part.depth - delta0, P=part.load - P0)
     window = max(11, record.t.size // 40) | 1
     try:
         return work_along(body, moved, window=min(window, record.t.size - 1 + record.t.size % 2))

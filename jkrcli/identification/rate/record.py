@@ -11,6 +11,7 @@ from ...base import SAME, Array, InputError
 from ...data import Curve
 from ...data.record import TUNING as RECORDS
 from ..fit import third_differences
+from ..motion import check_over_time, check_rising
 
 
 @dataclass(frozen=True)
@@ -76,9 +77,7 @@ def rate_record(curve: Curve, segment: str | None, lost: float | None = None) ->
     """The retraction in ``curve``: its rows of ``segment`` (default: "retract" where it names any), from the turn of
     the device until the time ``lost`` [s], None: that at which the readings show the contact to be lost. InputError
     where a column is missing or too few rows are left."""
-    missing = [name for name in ("t", "delta", "P") if getattr(curve, name) is None]
-    if missing:
-        raise InputError(f"{curve.where}: a fit over speed needs t, delta and P, it lacks {', '.join(missing)}")
+    check_over_time(curve, "a fit over speed")
     if segment not in (None, "retract"):
         raise InputError(f"{curve.where}: a fit over speed takes the retraction alone: leave --segment {segment} out")
     numbers = np.arange(len(curve))
@@ -87,12 +86,8 @@ def rate_record(curve: Curve, segment: str | None, lost: float | None = None) ->
     elif segment is not None:
         raise InputError(f'{curve.where}: names no segments, cannot take "{segment}" alone')
     part = curve.rows(numbers)
-    t, P, device = part.t, part.P, part.device if numbers.size else np.empty(0)
-    assert t is not None
-    assert P is not None
-    if (np.diff(t) <= 0).any():
-        row = int(numbers[int(np.flatnonzero(np.diff(t) <= 0)[0]) + 1]) + 1
-        raise InputError(f"{curve.where}: time must rise from row to row, it does not in row {row}")
+    t, P, device = part.time, part.load, part.device
+    check_rising(curve.where, t, numbers)
     chosen = _retraction(t, P, device, lost) if t.size >= RECORDS.least_rows else np.empty(0, dtype=int)
     if chosen.size < RECORDS.least_rows:
         raise InputError(f"{curve.where}: {chosen.size} rows of a retraction, at least {RECORDS.least_rows} are needed")

@@ -6,6 +6,7 @@ from ..base.lazy import lazily
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from .columns import NO_UNIT
     from .measured import (
         APPROACH,
         AS_DEPTH,

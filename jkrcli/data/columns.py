@@ -12,6 +12,7 @@ from ..base import LARGEST_SI, SHOWN, Array, InputError, did_you_mean
 from .text_table import TextTable, unit_power
 
 LONGEST = 200  # choice: characters of a cell or a line that names something; longer ones take long to look through
+NO_UNIT = " left out: it ends in no unit of "  # in a sentence on a column
 EXAMPLES = {"length": "um", "area": "um^2", "load": "mN", "time": "s"}
 
 
@@ -65,6 +66,18 @@ class Vocabulary:
     def named(self, table: TextTable, key: str) -> list[int]:
         """Columns whose name is one of those of ``key``."""
         return [i for i, title in enumerate(table.names) if self.key_of(title) == key]
+
+    def without_unit(self, table: TextTable, key: str) -> list[str]:
+        """A sentence on each column that is named like ``key`` but for an ending that is no unit, as in "P_mn"."""
+        found, quantity = [], self.quantities[key]
+        for i, title in enumerate(table.names):
+            match = re.match(r"(.+?)\s*[/_]\s*([^/_\s]+)\Z", title[:LONGEST])
+            if match and self.key_of(title) is None and self.key_of(match[1]) == key:
+                found.append(
+                    f'column {i + 1} "{title}"{NO_UNIT}{quantity.dimension}; if it is the {quantity.meaning}: '
+                    f"--column {key}={title} --unit {key}={EXAMPLES[quantity.dimension]}"
+                )
+        return found
 
     def guess(self, table: TextTable, key: str) -> int:
         """The one column that is named like ``key``, or the one of several whose unit is one of its dimension."""

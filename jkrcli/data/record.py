@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import Array, Estimate, InputError, Unknown, known, show
+from .columns import NO_UNIT
 from .measured import APPROACH, RETRACT, Curve
 from .measured.contact import saturation
 
@@ -174,10 +175,11 @@ class ForceCurve:
 def examine(curve: Curve) -> ForceCurve:
     """Take a measured curve apart; InputError where it holds no displacement and load, or too few rows."""
     if curve.delta is None or curve.P is None:
-        raise InputError(
+        left_out = [f"{curve.where}: {flag}" for flag in curve.flags if NO_UNIT in flag]
+        raise InputError([
             f"{curve.where}: a force curve needs displacement and load, it holds {', '.join(curve.measured)}"
-            + ("; jkr fit reads contact radius and load as they are" if curve.a is not None else "")
-        )
+            + ("; jkr fit reads contact radius and load as they are" if curve.a is not None else ""), *left_out,
+        ])  # fmt: skip
     if len(curve) < TUNING.least_rows:
         raise InputError(f"{curve.where}: holds {len(curve)} rows, at least {TUNING.least_rows} are needed to look at")
     whole, P, spikes = curve, curve.P, _spikes(curve.P)

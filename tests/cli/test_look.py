@@ -213,6 +213,30 @@ def test_a_series_file_and_flags_are_not_both_taken(jkr: Callable[..., Outcome],
     )  # fmt: skip
 
 
+def test_what_is_no_measurement_is_said_to_be_none(jkr: Callable[..., Outcome], table: Path) -> None:
+    """A case was told to "give --separator and --decimal", a series was "no file that afmformats reads"."""
+    (table.parent / "gel.toml").write_bytes((CASES / "soft-gel.toml").read_bytes())
+    assert jkr("run", "gel.toml", "-o", "gel.h5", "-q").code == 0
+    for words, line in {
+        ("look", "gel.toml"): "gel.toml: is a case file, no measurement",
+        ("fit", "gel.toml", "gel.h5"): "gel.h5: was written by jkr (jkr-series), is no measurement",
+        ("run", "gel.h5", "-o", "other.h5"): "gel.h5: is not a text file (byte 0 is not UTF-8); of a series file the "
+        "case is what jkr show --case prints",
+    }.items():
+        done = jkr(*words)
+        assert (done.code, done.err) == (2, f"jkr: error: {line}\n")
+
+
+def test_a_column_of_an_unknown_unit_is_said_to_be_left_out(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
+    """P_mn was left out without a word, and E* with it."""
+    rows = "".join(f"{i},{i * i},{i**3}\n" for i in range(1, 30))
+    (tmp_path / "probe.csv").write_text(f"a_um,delta_nm,P_mn\n{rows}")
+    done = jkr("fit", "--radius", "1 mm", "--nu", "0.5", "probe.csv", "--no-plots")
+    line = 'column 3 "P_mn" left out: it ends in no unit of load; if it is the load: --column P=P_mn --unit P=mN'
+    assert f"jkr: warning: probe.csv: {line}\n" in done.err
+    assert jkr("look", "probe.csv").err.endswith(f"jkr: error: probe.csv: {line}\n")
+
+
 def test_a_sensitivity_without_volts_is_refused(jkr, tmp_path: Path) -> None:
     rows = "".join(f"{i},{i * i},{i**3}\n" for i in range(1, 12))
     (tmp_path / "probe.csv").write_text(f"a_um,delta_nm,P_nN\n{rows}")

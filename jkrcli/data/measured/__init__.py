@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base import SHOWN, InputError, did_you_mean
+from ...base import SHOWN, InputError, did_you_mean, hdf5
 from . import nanoscope
 from .contact import with_zero_points
 from .curve import (
@@ -88,9 +88,18 @@ def each(path: Path, reading: Reading | None = None) -> Iterator[Curve | InputEr
         raise InputError(f'{path}: holds no curve "{wanted}"{did_you_mean(wanted, names)} ({", ".join(names[:SHOWN])})')
 
 
+def _refuse_ours(path: Path) -> None:
+    """InputError where the file describes a body or holds what was computed."""
+    if path.suffix == ".toml":
+        raise InputError(f"{path}: is a case file, no measurement")
+    if path.suffix == ".h5" and path.is_file() and (kind := hdf5.kind(path)).startswith("jkr-"):
+        raise InputError(f"{path}: was written by jkr ({kind}), is no measurement")
+
+
 def _as_read(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, float | None]]:
     """The curves by the reader of the format; where that is to be found out, by the second one where the first does not
     know the file."""
+    _refuse_ours(path)
     if reading.format != "text" and nanoscope.knows(path):
         yield from nanoscope.curves(path, reading)
         return

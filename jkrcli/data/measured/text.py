@@ -428,6 +428,7 @@ def _columns(table: TextTable, reading: Reading, stiffness: float | None) -> tup
         if any(table.names):
             raise UnknownColumnsError(question)
         raise InputError(question + (BARE if len(table.names) == 3 else ""))  # afmformats takes any three for its own
+    said += [line for key in CONTACT if key not in chosen for line in NAMES.without_unit(table, key)]
     for option, told in (("unit", reading.units), ("factor", reading.factors)):
         for key in told:
             if key not in chosen:

@@ -14,6 +14,7 @@ from ...base import TOGETHER, InputError, JkrError, Pool, SolveError, completed,
 from ...data import (
     APPROACH,
     AS_DEPTH,
+    NO_UNIT,
     NOT_SUBTRACTED,
     OVERRULED,
     RETRACT,
@@ -128,7 +129,11 @@ def fit(
     """
     try:
         found = _fit(body, curve, settings, pool, before)
-        kept = [WARNED.get(flag, "") + flag for flag in curve.flags if flag in WARNED or OVERRULED in flag]
+        kept = [
+            WARNED.get(flag, "") + flag
+            for flag in curve.flags
+            if flag in WARNED or OVERRULED in flag or NO_UNIT in flag
+        ]
         warnings = (*kept, *found.warnings)
         return replace(found, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
     except InputError as error:

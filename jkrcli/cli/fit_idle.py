@@ -15,10 +15,11 @@ EFFECT: Mapping[str, tuple[str, ...]] = {  # others have one on every kind
     "law": (LAW,), "relaxation": (RELAXATION,), "terms": (RELAXATION,), "shared": (SHARED,), "own": (SHARED,),
     "tip_radius": (SHARED, TENSION), "start": (EACH, SHARED, LAW), "bound": (EACH, SHARED),
     "segment": (EACH, SHARED, LAW, RELAXATION), "base_line": (EACH, SHARED), "branch": (EACH, SHARED),
-    "noise": (EACH, SHARED), "loss": (EACH,), "confidence": (EACH, LAW, RELAXATION), "samples": (EACH,),
+    "noise": (EACH, SHARED), "loss": (EACH,), "confidence": (EACH, SHARED, LAW, RELAXATION), "samples": (EACH,),
     "seed": (EACH,), "rivals": (EACH,), "model": (EACH,), "plan": (EACH,), "surface": (EACH,), "uncertain": (EACH,),
     "contact": (EACH, SHARED, LAW, RELAXATION), "slopes": (EACH, SHARED, LAW),
 }  # fmt: skip
+NOT = {("contact", "fitted"): (LAW, RELAXATION), ("confidence", "bootstrap"): (SHARED, LAW, RELAXATION)}
 GOES_WITH = {
     "terms": "--relaxation prony", "own": "--shared", "tip_radius": "--shared or --free surface_tension",
     "samples": "--confidence bootstrap", "seed": "--confidence bootstrap",
@@ -39,8 +40,7 @@ def refuse_idle(kind: str, options: Mapping[str, Any]) -> None:
         idle += [name for name in ("samples", "seed") if name in options]
     if kind == RELAXATION and options["relaxation"] != "prony":
         idle += [name for name in ("terms",) if name in options]
-    if kind in (LAW, RELAXATION):
-        idle += [name for name, one in (("contact", "fitted"), ("confidence", "bootstrap")) if options.get(name) == one]
+    idle += [name for (name, value), kinds in NOT.items() if kind in kinds and options.get(name) == value]
     if "slopes" in options and options.get("tip_radius") and kind == SHARED:
         raise InputError("fit: --slopes does not go with --tip-radius, whose bodies have exact ones: leave it out")
     for name in idle:

@@ -56,7 +56,7 @@ class Intervals:
     @classmethod
     def of(
         cls, unknowns: Unknowns, least: Least, covariance: Array | None, t: float, level: float,
-        confidence: Followed = "covariance", E_star: float | None = None,
+        confidence: str = "covariance", E_star: float | None = None,
     ) -> Intervals:  # fmt: skip
         """Of the first ``unknowns`` of a search, and of what a factor of all moduli makes of ``E_star`` [Pa]."""
         if confidence not in get_args(Followed):

@@ -229,7 +229,7 @@ def _end(parameter: Parameter, value: float) -> float:
 
 # ---------------------------------------------------------------------- what a user writes
 @dataclass(frozen=True)
-class Vocabulary:
+class Nameable:
     """What a user may name beside an ``option``: ``ranges`` by name; ``aliases``: other names of some of them, beside
     ``ALIAS``, the modulus of a body of ``E_star`` [Pa]."""
 

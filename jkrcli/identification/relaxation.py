@@ -25,7 +25,7 @@ from .intervals import Followed, Intervals
 from .least_squares import TUNING as FITS
 from .least_squares import Least, LeastSquares, State, by_differences
 from .motion import check_over_time, check_rising, corners
-from .parameters import MODULUS, Parameter, Unknowns, Vocabulary, parameters_of
+from .parameters import MODULUS, Nameable, Parameter, Unknowns, parameters_of
 from .relaxing_rows import averaged, base_line, followed, without_adhesion
 
 
@@ -109,7 +109,7 @@ def relaxation_settings(
     if law not in RELAXATIONS:
         raise InputError(f'fit: unknown law "{law}"{did_you_mean(law, RELAXATIONS)} (laws: {", ".join(RELAXATIONS)})')
     own = _of_law(law, options.get("terms", 2))
-    named = Vocabulary("--relaxation", MODULUS | own | ZEROS, E_star)
+    named = Nameable("--relaxation", MODULUS | own | ZEROS, E_star)
     fixed = ({"time": 1.0} if law == "power" else {}) | named.known(fix)
     wanted = ["delta0", *(named.own(name) for name in free if name != "relaxation")]
     return RelaxationSettings(law, tuple(name for name in wanted if name in ZEROS), fixed, **options)

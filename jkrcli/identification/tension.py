@@ -29,7 +29,7 @@ from .fit.body import for_each
 from .fit.statistics import covariance, t_quantile
 from .intervals import Intervals
 from .least_squares import Least, LeastSquares, State, by_differences
-from .parameters import ALIAS, LINEAR, ONE_SIDED, Parameter, Unknowns, Vocabulary, parameters_of
+from .parameters import ALIAS, LINEAR, ONE_SIDED, Nameable, Parameter, Unknowns, parameters_of
 
 TENSION = "surface_tension"
 RANGES = {TENSION: Ranged("tension", above=0), "w": Ranged("work", least=0)}  # beside E_star
@@ -161,7 +161,7 @@ def known_values(problem: Problem, names: Iterable[str], fix: Iterable[tuple[str
     names, fix = list(names), list(fix)
     if other := [name for name in (*names, *dict(fix)) if name not in (*RANGES, ALIAS, "modulus", "delta0")]:
         raise InputError(f"fit: surface_tension: {other[0]} cannot be free or fixed beside it: leave it out")
-    found = Vocabulary(TENSION, RANGES, 1.0).known(fix)
+    found = Nameable(TENSION, RANGES, 1.0).known(fix)
     return {TENSION: problem.specimen.surface_tension} | found if TENSION not in names else found
 
 

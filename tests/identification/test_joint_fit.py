@@ -73,6 +73,16 @@ def test_two_radii_recover_what_they_share(body: FittedBody, kinds: tuple[Callab
         assert abs(one.value("delta0") - zero) < 4 * (one.estimate("delta0").error or 0)
 
 
+def test_profiles_of_what_is_shared_are_near_its_covariance(body: FittedBody) -> None:
+    """They lean by a fifth of the error of w, as searches with w held there do."""
+    curves = [table(R, seed) for seed, R in enumerate(RADII)]
+    plain, profiled = (together(body, *curves, confidence=how) for how in ("covariance", "profile"))
+    for name in ("E_star", "w"):
+        one, other = plain.estimate(name), profiled.estimate(name)
+        assert (other.low, other.high) == pytest.approx((one.low, one.high), abs=0.3 * one.error)  # 0.19 measured
+        assert other.low != one.low
+
+
 @pytest.mark.slow
 def test_joint_errors_are_those_of_many_records(body: FittedBody) -> None:
     """The mean of z^2 of 40: 1 ± 0.22."""
@@ -117,6 +127,7 @@ def test_the_command_and_python_say_the_same(jkr: Callable) -> None:
         (("--shared", "w", "--own", "w"), "w cannot be shared and every record's own"),
         (("--shared", "w", "--own", "delta0"), "modulus is free too"),
         (("--shared", "w", "--fix", "w=0"), "--shared w: is not free"),
+        (("--shared", "w", "--confidence", "bootstrap"), "--shared does not take --confidence bootstrap"),
         (("--shared", "w", "--loss", "huber"), "--shared does not take --loss huber"),
         (("--shared", "w", "--law", "power"), "--law does not take --shared"),
         (("--shared", "w", "--tip-radius", "1 um", "--tip-radius", "2 um", "--tip-radius", "3 um"), "got 3"),

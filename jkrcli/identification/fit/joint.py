@@ -231,7 +231,7 @@ def joint_fit(
     E_star = bodies[0].problem.E_star if "modulus" in shared else None
     common = Unknowns(tuple(Parameter(name, True) for name in shared))
     t = t_quantile(settings.level, dof)
-    estimates = Intervals.of(common, found, spread, t, settings.level, E_star=E_star).estimates()
+    estimates = Intervals.of(common, found, spread, t, settings.level, settings.confidence, E_star).estimates()
     known = {item.name: item.value for item in estimates}
     fixed = tuple(Parameter(p.name, False, known[p.name]) if p.name in known else p for p in settings.parameters)
     asked = replace(settings, parameters=fixed, given=settings.given)

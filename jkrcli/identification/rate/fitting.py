@@ -22,7 +22,7 @@ from ..fit import FittedBody, Settings, covariance, fit, t_quantile
 from ..intervals import Followed, Intervals
 from ..least_squares import TUNING as FITS
 from ..least_squares import Least, LeastSquares, State
-from ..parameters import MODULUS, Parameter, Unknowns, Vocabulary, parameters_of
+from ..parameters import MODULUS, Nameable, Parameter, Unknowns, parameters_of
 from ..work import WorkAlong, work_along
 from .prediction import BESIDE, Prediction, predict
 from .record import RateRecord, rate_record, recovered
@@ -104,7 +104,7 @@ def rate_settings(
     if law not in RATE_LAWS:
         raise InputError(f'fit: unknown law "{law}"{did_you_mean(law, RATE_LAWS)} (laws: {", ".join(RATE_LAWS)})')
     ranges = MODULUS | law_ranges(law) | {"delta0": Ranged("length"), "P0": Ranged("load")}
-    named = Vocabulary("--law", ranges, body.problem.E_star, {"w": "w0"})
+    named = Nameable("--law", ranges, body.problem.E_star, {"w": "w0"})
     fixed, wanted = named.known(fix), [named.own(name) for name in free]
     if both := [name for name in wanted if name in fixed]:
         raise InputError(f"fit: {both[0]} is both free and fixed")

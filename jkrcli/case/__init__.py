@@ -87,6 +87,8 @@ def parse_case(content: bytes, source: str, folder: Path | None = None) -> Case:
         tree = parse_toml(content, source)
     except UnquotedError as error:
         raise InputError([*error.lines, *_mistakes(error.quoted, source, folder)]) from None
+    if "base" in tree and "indenter" not in tree:
+        raise InputError(f"{source}: is a sweep file, not a case: jkr sweep runs it")
     return Case(validated(case_model(tree), tree, source, folder), source, remarks=tuple(_remarks(tree, source)))
 
 

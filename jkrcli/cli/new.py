@@ -23,6 +23,8 @@ def new(file: Path, force: bool) -> None:
     \b
     jkr new my.toml && jkr check my.toml && jkr transform my.toml
     """
+    if file.suffix != ".toml":
+        raise InputError(f"{file}: the name of a case ends in .toml")
     if file.exists() and not force:
         raise InputError(f"{file}: exists; give --force to replace it, or another name")
     check_target(file, force)

@@ -78,9 +78,9 @@ class Cycled(Result):
         jump_in = f"jump-in at delta = {show(onset, 'length') if onset else 0} to"
         start = jump_in if inwards.w > 0 else "contact grows from a point; first of the series:"
         energies = {"energy lost per cycle": found.energy_lost, "work of separation": found.separation}
-        told = [f"{name} {item if isinstance(item, Unknown) else f'{item:.4g} J'}" for name, item in energies.items()]
+        told = [item if isinstance(item, Unknown) else f"{name} {item:.4g} J" for name, item in energies.items()]
         lines = [
-            f"{'; '.join(told)}: {self.file}",
+            f"{'; '.join(dict.fromkeys(map(str, told)))}: {self.file}",
             f"  {control(found.stiffness)}, w = {works[0]} on approach, {works[1]} on retraction",
             f"  {start} P = {show(begin.P, 'load')}, a = {show(begin.a, 'length')}",
             f"  turn at a = {show(inwards.point(found.turn).a, 'length')}",

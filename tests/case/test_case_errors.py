@@ -138,6 +138,7 @@ WHOLE_FILES = {
         ["is not valid TOML: expected ']' at the end of a table declaration (at line 1, column 10)"],
     ),
     "twice the same key": (b"a = 1\na = 2\n", ["is not valid TOML: cannot overwrite a value (at line 2, column 6)"]),
+    "a sweep": (b"base = 'x.toml'\n[[axes]]\nkey = 'E'", ["is a sweep file, not a case: jkr sweep runs it"]),
     "binary": (b"\x89HDF\r\n", ["is not a text file (byte 0 is not UTF-8)"]),
     "wrong types": (
         b"indenter = 3\nspecimen = []\nloading = 'x'",

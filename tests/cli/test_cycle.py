@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
+from conftest import CASES
 
 from jkrcli.adhesion.curve import AdhesiveCurve, transform
 from jkrcli.adhesion.slopes.choice import slopes
@@ -256,3 +258,10 @@ def test_change_of_units(length: float, force: float) -> None:
     one, two = trace(here, 20), trace(there, 20)
     for name, unit in (("a_m", length), ("delta_m", length), ("P_N", force), ("device_m", length)):
         assert np.allclose(two[name], one[name] * unit, rtol=0, atol=1e-12 * unit * np.max(np.abs(one[name])))
+
+
+def test_no_energy_is_named_where_contact_is_not_lost(jkr: Callable) -> None:
+    """Once "energy lost per cycle contact is not lost within the series ...; work of separation contact ..."."""
+    assert jkr("run", CASES / "gel.toml", "-o", "gel.h5", "-q").code == 0
+    done = jkr("cycle", "gel.h5", "--w-approach", "0", "--no-plots")
+    assert done.out.splitlines()[0] == "contact is not lost within the series, which begins at a = 12 um: gel.h5"

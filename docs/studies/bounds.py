@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -13,8 +12,6 @@ import numpy as np
 from jkrcli.adhesion.critical import Errors
 from jkrcli.adhesion.curve import CriticalPoint
 from jkrcli.adhesion.device import CONTROLS
-from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve
-from jkrcli.adhesion.law import Range
 from jkrcli.adhesion.sharp import resolved
 from jkrcli.base.arrays import Array
 from jkrcli.base.errors import JkrError
@@ -27,22 +24,20 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Side, Spacing, Specimen
 from jkrcli.formulas.griffith import shift
 from jkrcli.methods import method_class
-from jkrcli.methods.attraction import AttractedBody
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import Series, Solution
 
 from .command import call, output_of, parser_of, pool_of
+from .range_judge import BESIDE, NODES, REFINED, SMALL, Judged, ranged, stationary, without_table, work_within
 
 METHODS = ("layered", "hybrid", "fem")
 ACCURACIES = (1e-11, 1e-10, 1e-9)  # of the exact solution, the first that is reached
-REFINED = (1e-7, 1e-6)  # tolerance of the method hybrid, which is the reference of cylinders
 PATIENCE = 1.0  # CPU seconds that a solve may be forecast to take
 ROWS = 6  # of a series that are compared
 SIDES: tuple[Side, ...] = ("free", "roller", "clamped")
-SMALL = 1e-8  # a true error to which the stated one need not be near
 FEW, FAR = 0.01, 10.0  # of the quantities, that may lie beyond; of stated over true errors, the median at most
-RANGED = 0.3  # of the wide bodies, that get adhesion of finite range too
+RANGED = 0.3  # of the bodies, that get adhesion of finite range too
 
 
 @dataclass(frozen=True)
@@ -65,7 +60,7 @@ def main(words: Sequence[str] | None = None) -> int:
     out.
 
     Series of 10 to 40 rows, even in radius, its logarithm or depth; tables of 3 to 100 points against the shape behind
-    them; flat ends; on some wide bodies adhesion of finite range. Every printed quantity counts for itself.
+    them; flat ends; on some bodies adhesion of finite range. Every printed quantity counts for itself.
 
     Writes bounds.csv and .json: for each quantity of each body the worst ratio of true to stated error. The exit code
     is 1 where more than 1 % lie beyond the stated error, any beyond three times it, or the median of stated over true
@@ -205,8 +200,7 @@ class Reference:
 
 def _exact(problem: Problem, loading: Loading) -> Reference:
     wide = problem.specimen.radius is None
-    if isinstance(problem.indenter, Sampled) and problem.indenter.shape is not None:
-        problem = replace(problem, indenter=problem.indenter.shape)
+    problem = without_table(problem)
     for accuracy in ACCURACIES if wide else REFINED:
         method = Layered(accuracy) if wide else Hybrid(accuracy)
         try:
@@ -214,9 +208,6 @@ def _exact(problem: Problem, loading: Loading) -> Reference:
         except JkrError as error:
             reason = error
     raise reason
-
-
-Judged = tuple[str, float, float, bool]  # of a quantity: its name, ratio, stated error and whether it is clear
 
 
 def _columns(solution: Solution) -> list[Judged]:
@@ -261,12 +252,11 @@ def _ratio(
 def _points(solution: Solution) -> list[Judged]:
     """P and delta of the pull-off points under load, displacement and a spring, for a work of adhesion that brings them
     within the series: against the stationary state of polynomials through nine exact radii."""
-    series, middle = solution.series, len(solution.series) // 2
+    series = solution.series
     if series.S is None or series.dS is None:
         return []
-    rate = np.gradient(series.P, series.a) / np.gradient(series.S * shift(1.0, series.a, series.dS), series.a)
-    spring = float(series.S[middle])
-    first = analyse(solution, [float(rate[middle] ** 2)])[0]
+    spring = float(series.S[len(series) // 2])
+    first = analyse(solution, [work_within(series)])[0]
     result, found = with_solved_points(first, spring), []
     for control, stiffness in {**CONTROLS, "spring": spring}.items():
         point = resolved(result.curve.pull_off(stiffness), result.curve, stiffness, 0.0)
@@ -282,81 +272,25 @@ def _against(
 ) -> list[Judged]:
     """The ``stated`` errors of a pull-off ``point`` against what exact radii around it say."""
     beyond = point.a - solution.series.a0
-    x = 0.02 * np.cos(np.pi * np.arange(9) / 8)[::-1]
+    x = BESIDE * np.cos(np.pi * np.arange(NODES) / (NODES - 1))[::-1]
     radii = solution.series.a0 + beyond * (1 + x)
     reference = _exact(solution.problem, Loading.given("radius", tuple(radii.tolist())))
-    fits, unsure = {}, {}
+    values, unsure = {}, {}
     for name in ("delta", "P"):
-        values, by = _adhesive(reference, name, w)
-        fits[name], unsure[name] = np.polynomial.Chebyshev.fit(x, values, 8), float(by.max())
-    held = fits["P"] if stiffness == 0 else fits["delta"] if math.isinf(stiffness) else (
-        fits["delta"] + fits["P"] / stiffness
-    )  # fmt: skip
-    roots = held.deriv().roots()
-    real = np.real(roots[np.abs(np.imag(roots)) < 1e-6])
-    if not real.size or np.min(np.abs(real)) > x[-1]:  # beyond the exact radii: no reference
-        return []
-    place = float(real[np.argmin(np.abs(real))])
-    move = _place_unsure(fits, held, stiffness, unsure, place)
-    found = []
-    for name, fit in fits.items():
-        truth, room = float(fit(place)), unsure[name] + abs(float(fit.deriv()(place))) * move
-        off = abs(getattr(point, name) - truth)
-        clear = off > max(SMALL * abs(truth), 3 * room)
-        found.append((f"{control} {name}", max(off - room, 0.0) / stated[name], stated[name] / abs(truth), clear))
-    return found
-
-
-def _place_unsure(fits: Any, held: Any, stiffness: float, unsure: dict[str, float], place: float) -> float:
-    """How far the stationary place may lie off by what the exact radii err by: their errors vary over some tenths."""
-    by_load = 0.0 if math.isinf(stiffness) else unsure["P"] / (stiffness or 1.0)
-    error = by_load if stiffness == 0 else unsure["delta"] + by_load
-    bend = abs(float(held.deriv(2)(place)))
-    return error / 0.02 / bend if bend > 0 else 0.0
-
-
-def kinked(curve: FiniteRangeCurve, point: CriticalPoint, near: float) -> bool:
-    """Whether a kink lies so ``near``, relative, that no polynomial goes through states around the ``point``."""
-    assert point.c is not None
-    return any(abs(kink / r - 1) < near for kink in curve.problem.indenter.kinks for r in (point.a, point.c))
+        values[name], by = _adhesive(reference, name, w)
+        unsure[name] = float(by.max())
+    return stationary(control, stiffness, x, values, unsure, point, stated)
 
 
 def _ranged(solution: Solution, rng: np.random.Generator) -> list[Judged]:
-    """P and delta at the pull-off of adhesion of a random finite range, under load, against the panels of a check with
-    twice the nodes: on some of the wide bodies."""
+    """P and delta of adhesion of a random finite range, on some of the bodies."""
     series = solution.series
-    if solution.problem.specimen.radius is not None or solution.method == "fem" or rng.random() > RANGED:
+    if solution.method == "fem" or rng.random() > RANGED or series.S is None or series.dS is None:
         return []
-    if isinstance(solution.problem.indenter, Sampled) or series.S is None or series.dS is None:
-        return []
-    rate = np.gradient(series.P, series.a) / np.gradient(series.S * shift(1.0, series.a, series.dS), series.a)
-    w, width = float(rate[len(series) // 2] ** 2), 10 ** rng.uniform(-3, 0) * float(series.a[len(series) // 2])
-    law = Range.of(w, stress=math.sqrt(math.pi * solution.problem.E_star * w / (4 * width)))
     try:
-        body = FiniteRangeBody(solution.problem, series, AttractedBody(solution.problem))
-        curve = body.curve(law)
-        point = curve.pull_off(0.0)
-        if not isinstance(point, CriticalPoint) or point.a == 0:
-            return []
-        stated = curve.point_error(point, 0.0)
-        exact = body.body.check(body.body.reach(*body.pulled(law)))
-        x = 1e-2 * np.cos(np.pi * np.arange(9) / 8)[::-1]
-        a = point.a * (1 + x)
-        if kinked(curve, point, 2e-2):
-            return []
-        states = exact.discs(a).equilibria(2 * law.stress / solution.problem.E_star, law.length, exact.reach)
+        return ranged(solution.problem, without_table(solution.problem), series, rng)
     except JkrError:
         return []
-    P, delta = (np.polynomial.Chebyshev.fit(x, values, 8) for values in (states.P, states.delta))
-    roots = np.real(P.deriv().roots())
-    place = float(roots[np.argmin(np.abs(roots))])
-    found = []
-    for name, fit in (("P", P), ("delta", delta)):
-        truth = float(fit(place))
-        off, room = abs(getattr(point, name) - truth), 1e-10 * abs(truth)
-        clear = off > max(SMALL * abs(truth), 3 * room)
-        found.append((f"range {name}", max(off - room, 0.0) / stated[name], stated[name] / abs(truth), clear))
-    return found
 
 
 def _adhesive(exact: Reference, held: str, w: float) -> tuple[Array, Array]:

@@ -79,7 +79,7 @@ class FiniteRangeCurve(EquilibriumCurve):
     w-free functions at the latter. Between the points: splines over arcosh sqrt(c/c0), c0 at first touch, in which the
     curve is smooth on both sides of it and far from it; without contact P = -pi sigma c^2, and delta(c) less the
     profile f(c) is a spline. ``half_widths``: the ``errors``; ``moved``: relative errors of the places at which contact
-    is lost, by stiffness; ``doubts``: what speaks against the states, in sentences.
+    is lost, by stiffness; ``doubts``: what speaks against the states, in sentences; ``body``: which computed them.
     """
 
     law: Range
@@ -91,6 +91,7 @@ class FiniteRangeCurve(EquilibriumCurve):
     half_widths: Mapping[str, Array] = field(default_factory=dict)
     moved: Mapping[float, float] = field(default_factory=dict)
     doubts: tuple[str, ...] = ()
+    body: FiniteRangeBody | None = None
     ranged: ClassVar[bool] = True
 
     @property
@@ -125,16 +126,22 @@ class FiniteRangeCurve(EquilibriumCurve):
         halves = [[other for other in curve.critical(stiffness) if other.kind == "minimum"]
                   for curve in (self.thinned(0), self.thinned(1))]  # fmt: skip
         found = [min(half, key=lambda other: abs(other.place - point.place)) for half in halves if half]
-        fraction = self.moved.get(stiffness, float(here["P"]) / max(abs(point.P), TINY))
+        unseen = 0.0 if stiffness in self.moved else float(here["P"]) / max(abs(point.P), TINY)
         if len(found) < len(halves):
             assert isinstance(self.interpolation_error, float)
-            fraction += TUNING.halved * self.interpolation_error
+            unseen += TUNING.halved * self.interpolation_error
+        fraction = unseen + self.moved.get(stiffness, 0.0)
         rates = dict(zip(("delta", "P"), self._rates(np.array(point.place)), strict=True))
         return {
-            name: float(here[name]) + fraction * (abs(getattr(point, name)) + point.place * abs(float(rate)))
+            name: float(here[name]) + unseen * abs(getattr(point, name)) + fraction * point.place * abs(float(rate))
             + max((abs(getattr(other, name) - getattr(point, name)) for other in found), default=0.0) / TUNING.halved
             for name, rate in rates.items()
         }  # fmt: skip
+
+    def with_solved_points(self, *devices: float) -> FiniteRangeCurve:
+        """The curve with states at the pull-off points by ``devices`` of a stiffness [N/m], too."""
+        more = set(devices) - {*CONTROLS.values()}
+        return self if self.body is None or not more else self.body.curve(self.law, *sorted(more))
 
     @property
     def onset(self) -> float:
@@ -392,8 +399,10 @@ class FiniteRangeBody:
         """The largest contact radius [m], s = 2 sigma/E* and the range [m] of a ``law``."""
         return float(self.series.a[-1]), 2 * law.stress / self.problem.E_star, law.length
 
-    def curve(self, law: Range) -> FiniteRangeCurve:
-        """The curve for a ``law``, with its errors."""
+    def curve(self, law: Range, *devices: float) -> FiniteRangeCurve:
+        """The curve for a ``law``, with its errors, and states at the pull-off points under load and displacement
+        control and by ``devices`` of a stiffness [N/m]."""
+        controls = (*CONTROLS.values(), *devices)
         largest, s, gap = self.pulled(law)
         reach = self.body.reach(largest, s, gap)
         attraction = self.body.attraction(reach)
@@ -404,9 +413,9 @@ class FiniteRangeBody:
             apart = _with_begin(attraction.apart(np.linspace(0, rims.c[0], TUNING.apart + 1)[1:-1], s, gap), gap)
         else:
             apart = Rims(*(np.empty(0) for _ in STATES))
-        found = FiniteRangeCurve(law, self.problem, self.series, apart, rims, _no_parts(rims))
+        found = FiniteRangeCurve(law, self.problem, self.series, apart, rims, _no_parts(rims), body=self)
         for _ in range(TUNING.rounds):
-            near = _around_pull_off(found)
+            near = _around_pull_off(found, controls)
             if not near.size:
                 break
             states = attraction.discs(near).equilibria(s, gap, attraction.reach, found.places_of(near))
@@ -418,7 +427,7 @@ class FiniteRangeBody:
         parts = Parts(*attraction.discs(rims.a).nonadhesive, np.zeros(rims.a.size))
         found = replace(found, parts=parts)
         doubts = _doubts(attraction, rims, s, gap) if complete else (*_begins(rims), *_doubts(attraction, rims, s, gap))
-        errors, moved = self._errors(found, reach, s), self._moved(found, attraction, reach, s)
+        errors, moved = self._errors(found, reach, s), self._moved(found, attraction, reach, s, controls)
         return replace(found, half_widths=errors, moved=moved, doubts=doubts)
 
     def _touching(self, attraction: Attraction, s: float, gap: float) -> Rims:
@@ -464,8 +473,17 @@ class FiniteRangeBody:
         around = zeros_between(beyond, first.a[row - 1], first.a[row], 0.0) if reached.size else reached
         return np.unique(np.concatenate([kinks[kinks < first.a[-1]], around]))
 
+    def _unresolved(self, a: Array, c: Array, S: Array) -> Array:
+        """Errors (2, n) of delta [m] and of its slope by a profile that is known at points only, at contact radii ``a``
+        and where the surfaces attract up to ``c`` [m]: those of F, more of what is softer than the surface."""
+        softer = np.divide(2 * self.problem.E_star * a, S, out=np.ones_like(a), where=S > 0)
+        resolution = self.problem.indenter.resolution
+        found: Array = np.maximum(softer, 1.0) * np.maximum(resolution(a), resolution(c))
+        return found
+
     def _errors(self, curve: FiniteRangeCurve, reach: float, s: float) -> dict[str, Array]:
-        """Half-widths of delta and P: the change on other panels at some of the points, and what the kernel leaves."""
+        """Half-widths of delta and P: the change on other panels at some of the points, and what the kernel and a
+        profile that is known at points only leave."""
         rims, parts = curve.touching, curve.parts
         some = checked(rims.a)
         other = self.body.check(reach).discs(rims.a[some]).equilibria(s, curve.law.length, reach, rims.c[some])
@@ -479,13 +497,29 @@ class FiniteRangeBody:
             seen = float(np.max(np.abs(getattr(other, name) - here[some]) / unit[some]))
             relative = TUNING.safety * seen + TUNING.no_claim + kernel
             errors[name] = relative * np.concatenate([free[name], unit])
+        shift, slope = self._unresolved(rims.a, rims.c, parts.S)
+        if shift.any():
+            apart, _ = self.problem.indenter.resolution(curve.apart.c)
+            by_gap, gap = self._by_gap(rims, reach, s), np.minimum(slope * (rims.c - rims.a), shift)
+            errors["delta"] += np.concatenate([apart, shift + by_gap["delta"] * gap])
+            errors["P"] += np.concatenate([np.zeros_like(apart), parts.S * shift + by_gap["P"] * gap])
         return errors
 
-    def _moved(self, curve: FiniteRangeCurve, attraction: Attraction, reach: float, s: float) -> dict[float, float]:
+    def _by_gap(self, rims: Rims, reach: float, s: float) -> dict[str, Array]:
+        """Derivatives of delta [-] and P [N/m] by the separation at the edge of the attraction, at the same contact
+        radii, without their sign."""
+        discs, step = self.body.attraction(reach).discs(rims.a), TUNING.solved
+        more, less = (discs.rims((rims.c - rims.a) * (1 + side * step), s) for side in (1, -1))
+        return {name: np.abs((getattr(more, name) - getattr(less, name)) / (more.gap - less.gap))
+                for name in ("delta", "P")}  # fmt: skip
+
+    def _moved(
+        self, curve: FiniteRangeCurve, attraction: Attraction, reach: float, s: float, controls: tuple[float, ...]
+    ) -> dict[float, float]:
         """Relative errors of the places at which contact is lost: other panels add a slope to what is stationary there,
         as states on both sides of each show, and so does what the kernel leaves."""
         found, kinks = {}, np.array(curve.problem.indenter.kinks)
-        for stiffness in CONTROLS.values():
+        for stiffness in controls:
             point = curve.pull_off(stiffness)
             if not isinstance(point, CriticalPoint) or not 0 < point.a < curve.touching.a[-1] / (1 + TUNING.slope):
                 continue
@@ -500,7 +534,11 @@ class FiniteRangeBody:
             bend, added = held[0] - 2 * held[1] + held[2], np.max(np.abs(np.diff(other - held)))
             if bend > 0:
                 kernel = float(self.body.kernel_error(reach, np.array([point.place]))[0])
-                found[stiffness] = TUNING.safety * TUNING.slope * float(added / bend) + kernel + TUNING.no_claim
+                S = attraction.discs(a).nonadhesive[2]
+                _, slope = self._unresolved(a, ours.c, S)
+                table = TUNING.slope * point.a * float(np.max(position(slope, S * slope, stiffness)))
+                found[stiffness] = TUNING.slope * (TUNING.safety * float(added) + table) / float(bend)
+                found[stiffness] += kernel + TUNING.no_claim
         return found
 
 
@@ -508,14 +546,16 @@ def _no_parts(rims: Rims) -> Parts:
     return Parts(*(np.zeros(rims.a.size) for _ in Parts._fields))
 
 
-def _around_pull_off(curve: FiniteRangeCurve) -> Array:
-    """Contact radii [m] at the points where contact is lost and close around them, but for those that were solved
-    before, next to a kink or a state, or beyond the curve."""
-    steps, rows, kinks = np.array(TUNING.close), curve.touching.a, np.array(curve.problem.indenter.kinks)
+def _around_pull_off(curve: FiniteRangeCurve, controls: tuple[float, ...]) -> Array:
+    """Contact radii [m] at the points where contact is lost under ``controls`` and close around them, but for those
+    that were solved before, next to a kink or a state, or beyond the curve."""
+    rows, kinks = curve.touching.a, np.array(curve.problem.indenter.kinks)
     found = np.empty(0)
-    for point in (curve.pull_off(stiffness) for stiffness in CONTROLS.values()):
+    for point in map(curve.pull_off, controls):
         if isinstance(point, CriticalPoint) and point.a > 0 and np.min(np.abs(rows / point.a - 1)) > TUNING.solved:
-            if any(abs(kink / r - 1) < 2 * steps[-1] for kink in kinks for r in (point.a, point.place)):
+            room = min((abs(kink / r - 1) / 2 for kink in kinks for r in (point.a, point.place)), default=math.inf)
+            steps = np.array(TUNING.close) * min(room / TUNING.close[-1], 1.0)  # to the same side of a kink
+            if steps[0] < TUNING.solved:
                 continue
             around = point.a * (1 + np.append(-steps, steps))
             known = np.concatenate([rows, found])

@@ -233,7 +233,12 @@ def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: fl
 def with_solved_points(result: Analysis, *devices: float) -> Analysis:
     """The same curve with its pull-off points, those by ``devices`` of a stiffness [N/m] included, solved at their own
     radii, where the method is exact and quick."""
-    if result.w == 0 or result.law is not None or result.curve.slopes.method != "exact":
+    if result.law is not None:
+        from ..adhesion import FiniteRangeCurve
+
+        assert isinstance(result.curve, FiniteRangeCurve)
+        return replace(result, curve=result.curve.with_solved_points(*devices))
+    if result.w == 0 or result.curve.slopes.method != "exact":
         return result
     further = solver_of(result.solution)
     return result if further is None else replace(result, curve=solved(result.jkr, further, *devices))

@@ -436,3 +436,46 @@ def test_where_the_attracted_radius_turns_round_is_no_pull_off() -> None:
     for control in (LOAD, DISPLACEMENT):
         found = ranged.curve(Range.of(4.74949053e-7, stress=3.62506637)).pull_off(control)
         assert "falls as the contact grows" in str(found)
+
+
+def test_a_device_s_pull_off_is_solved_at_its_own_radius() -> None:
+    """Between the points its delta was 1.7e-8 off, beyond what was stated; so was P beside a kink."""
+    body = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, 0.45), 8e-6),), jkr.Rigid())
+    for indenter, a in ((jkr.Paraboloid(1e-4), 1.2e-5), (jkr.RoundedFlat(4e-6, 1e-5), 8e-6)):
+        solution = jkr.solve(jkr.Problem(indenter, body, jkr.Loading("radius", a, 15)), "layered")
+        ranged = FiniteRangeBody(solution.problem, solution.series, AttractedBody(solution.problem))
+        law, k = Range.of(0.05, length=5e-8), float(np.asarray(solution.series.S)[4])
+        curve = ranged.curve(law).with_solved_points(k)
+        point, exact = curve.pull_off(k), ranged.body.check(2e-5)
+        assert isinstance(point, CriticalPoint)
+        states = exact.discs(point.a * (1 + 1e-4 * np.arange(-1, 2))).equilibria(
+            2 * law.stress / solution.problem.E_star, law.length, exact.reach
+        )
+        held, stated = states.delta + states.P / k, curve.point_error(point, k)
+        assert held[1] == min(held)
+        for name in ("delta", "P"):
+            off = abs(getattr(states, name)[1] - getattr(point, name))
+            assert off <= stated[name] < 1e-6 * abs(getattr(point, name))
+            assert off < 1e-8 * abs(getattr(point, name))
+
+
+def test_what_a_table_leaves_open_is_part_of_the_error() -> None:
+    """Of a sphere at 12 points nothing of it was stated: at the same radii P was up to 1e9 times beyond its error."""
+    body = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, 0.45), 8e-6),), jkr.Rigid())
+    sphere, r = jkr.Sphere(2e-5), np.linspace(0, 1.8e-5, 12)
+    table = jkr.TableProfile(tuple(r.tolist()), tuple(sphere.f(r).tolist()))
+    loading = jkr.Loading("radius", 1e-5, 20)
+    solution = jkr.solve(jkr.Problem(table, body, loading), "layered")
+    law = Range.of(0.05, length=2e-8)
+    curve, exact = (
+        FiniteRangeBody(problem, solution.series, AttractedBody(problem)).curve(law)
+        for problem in (jkr.Problem(table, body, loading), jkr.Problem(sphere, body, loading))
+    )
+    for control in (LOAD, DISPLACEMENT):
+        found, true = curve.pull_off(control), exact.pull_off(control)
+        assert isinstance(found, CriticalPoint)
+        assert isinstance(true, CriticalPoint)
+        stated = curve.point_error(found, control)
+        for name in ("delta", "P"):
+            off = abs(getattr(found, name) - getattr(true, name))
+            assert 1e-7 * abs(getattr(true, name)) < off <= stated[name], (control, name)

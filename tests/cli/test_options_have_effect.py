@@ -191,6 +191,14 @@ def _left(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
+def test_every_option_of_every_verb_is_tried() -> None:
+    """Those of ``fit`` are in ``test_fit_options.py``."""
+    assert {" ".join(path) for path, _ in _commands(cli.jkr)} == {*BASES, "fit"}
+    for verb in BASES:
+        names = {each.opts[-1] for each in _options(verb) if not each.is_flag}
+        assert names <= {*VALUES, *(name for owner, name in OWN if owner == verb)}, verb
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("verb", BASES)
 def test_every_option_of_a_verb_changes_what_it_says_or_leaves_or_is_refused(

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...adhesion import DISPLACEMENT_CONTROL, AdhesiveCurve, Equilibrium, behaviour
 from ...base import InputError, Unknown, did_you_mean
-from ...beside import Analysis
+from ...beside import Analysis, with_solved_points
 from ...report import tables
 
 Value = float | int | str
@@ -114,6 +114,7 @@ class Wanted:
 
     def values(self, result: Analysis) -> list[Value | Unknown]:
         """One value per column."""
+        result = with_solved_points(result, *self.stiffness) if self.stiffness else result
         sections = {name: SECTIONS[name][0](result) for name in dict.fromkeys(n.split(".")[0] for n in self.names)}
         told = [
             _value(name, sections[section][key]) for name in self.names for section, _, key in [name.partition(".")]

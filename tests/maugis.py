@@ -11,6 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve
+from jkrcli.adhesion.law import Range
+from jkrcli.series import Solution
+
 Array = np.ndarray
 
 
@@ -65,3 +69,10 @@ class Maugis:
     def P(self) -> Array:
         root, arc = self._root
         return (self._a**3 - self.lam * self._a**2 * (root + self.m**2 * arc)) * math.pi * self.w * self.R
+
+
+def finite_range_curve(
+    solution: Solution, w: float, *, stress: float | None = None, length: float | None = None
+) -> FiniteRangeCurve:
+    """The adhesive curve of a solved body for ``w`` and a constant tension ``stress`` or its range ``length``."""
+    return FiniteRangeBody.of(solution).curve(Range.of(w, stress=stress, length=length))

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ..base import ROUNDED, SAME, TINY, Array, Estimate, InputError, Refusal, composite_gauss, show, zeros_between
+from ..base import ROUNDED, SAME, TINY, Array, Estimate, Refusal, composite_gauss, show, zeros_between
 from ..bodies import NO_FINITE_RANGE, Problem
 from ..methods import METHODS, AttractedBody
 from ..methods.integral import Attraction, Rims, refuse_narrow
@@ -187,20 +187,6 @@ class FiniteRangeCurve(EquilibriumCurve):
         """The places of the contact radii ``a`` [m], about."""
         return np.interp(a, self.touching.a, self.touching.c)
 
-    def place_of(self, a: float) -> float:
-        """The place of the contact radius ``a`` [m]."""
-        from scipy.optimize import brentq
-
-        if not 0 < a <= self.touching.a[-1] * (1 + ROUNDED):
-            end = show(float(self.touching.a[-1]), "length")
-            raise InputError(f"a: must lie between 0 and {end}, where the curve ends, got {show(a, 'length')}")
-        ends = self._stretched(self.touching.c[[0, -1]])
-        goal = min(a, float(self.touching.a[-1]))
-        if goal == self.touching.a[-1]:
-            return float(self.touching.c[-1])
-        v = brentq(lambda v: float(self._spline(v)[0]) - goal, *ends, xtol=1e-14, rtol=1e-14)
-        return float(self._c0 * math.cosh(v) ** 2)
-
     @property
     def _c0(self) -> float:
         return float(self.touching.c[0])
@@ -346,17 +332,6 @@ class Broken:
 
     def derivative(self) -> Broken:
         return Broken(self.breaks, tuple(spline.derivative() for spline in self.splines))
-
-
-def finite_range_curve(
-    solution: Solution, w: float, *, stress: float | None = None, length: float | None = None
-) -> FiniteRangeCurve:
-    """The adhesive curve of a solved body for the work of adhesion ``w`` [J/m^2] and a constant tension ``stress`` [Pa]
-    or its range ``length`` [m].
-
-    Refusal where the kernel of the body is not known: series of finite elements, and those computed elsewhere.
-    """
-    return FiniteRangeBody.of(solution).curve(Range.of(w, stress=stress, length=length))
 
 
 def unable(problem: Problem, method: str) -> str | None:

@@ -4,9 +4,9 @@ import json
 
 import numpy as np
 import pytest
+from maugis import finite_range_curve
 
 from jkrcli import parse_case, read
-from jkrcli.adhesion.finite_range import finite_range_curve
 from jkrcli.api import solve, transform
 from jkrcli.base.errors import InputError, Refusal
 

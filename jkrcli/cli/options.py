@@ -216,32 +216,26 @@ class KeyValueType(ParamType):
         return key, text
 
 
-class ColumnUnitType(ParamType):
-    """KEY=UNIT with the key of a quantity, or the name or number of a column: only its file tells them apart."""
-
-    name = "KEY=UNIT"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, str]:
-        if isinstance(value, tuple):
-            return value
-        key, mark, unit = (part.strip() for part in str(value).rpartition("="))
-        if not (key and mark and unit):
-            self.fail(f'must be KEY=UNIT with a quantity or a column, such as P=nN, got "{value}"', param, ctx)
-        return key, unit
-
-
 class NamedType(ParamType):
     """NAME=TEXT, told apart by the name alone: what the text may be depends on it."""
 
-    name = "NAME=VALUE"
+    name, example = "NAME=VALUE", 'NAME=VALUE, such as w="50 mJ/m^2"'
+    parted = staticmethod(str.partition)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, str]:
         if isinstance(value, tuple):
             return value
-        name, mark, text = (part.strip() for part in str(value).partition("="))
+        name, mark, text = (part.strip() for part in self.parted(str(value), "="))
         if not (name and mark and text):
-            self.fail(f'must be NAME=VALUE, such as w="50 mJ/m^2", got "{value}"', param, ctx)
+            self.fail(f'must be {self.example}, got "{value}"', param, ctx)
         return name, text
+
+
+class ColumnUnitType(NamedType):
+    """KEY=UNIT with the key of a quantity, or the name or number of a column: only its file tells them apart."""
+
+    name, example = "KEY=UNIT", "KEY=UNIT with a quantity or a column, such as P=nN"
+    parted = staticmethod(str.rpartition)
 
 
 class PairsType(ParamType):

@@ -32,9 +32,7 @@ class LawFit(RateFit, Result):
     @property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
         """All rows of all records: readings, prediction, and the edge's speed and radius."""
-        found: dict[str, list[Any]] = {
-            name: [] for name in ("curve", "t_s", "P_N", "P_fit_N", "a_fit_m", "speed_m_per_s")
-        }
+        found: dict[str, list[Any]] = {name: [] for name in NAMES}
         measured = any(record.a is not None for record in self.records)
         if measured:
             found["a_m"] = []

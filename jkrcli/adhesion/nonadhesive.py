@@ -23,8 +23,9 @@ Columns = TypeVar("Columns", Series, Slopes)
 
 @dataclass(frozen=True)
 class NonadhesiveTuning:
-    """Where rows lie at kinks."""
+    """Where rows lie at kinks, and which are neighbours."""
 
+    apart: float = 0.5  # choice: of a - a0, from which no error of theirs makes two radii one
     kink: float = 1e-9  # relative distance; theory: rounding of radii and units
 
 
@@ -161,7 +162,7 @@ class Nonadhesive:
         distance = np.abs(further.a[np.clip([right - 1, right], 0, further.a.size - 1)] - self.a).min(axis=0)
         beyond = (self.a < further.a[0]) | (self.a > further.a[-1])
         ends = np.isin(self.a, self.a[[0, -1]]) & beyond
-        return ends | (distance > max(wrong) ** 0.25 * (self.a - series.a0))
+        return ends | (distance > min(max(wrong) ** 0.25, TUNING.apart) * (self.a - series.a0))
 
     @cached_property
     def bends(self) -> Array:

@@ -17,7 +17,7 @@ from jkrcli.bodies.materials import Elastic, Graded
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Quantity, Rigid, Specimen
 from jkrcli.formulas.half_space import adhesive_half_space
 from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
-from jkrcli.methods.integral import contact
+from jkrcli.methods.integral import pair
 from jkrcli.methods.integral.pair import response
 from jkrcli.methods.integral.quadrature import Quadrature
 from jkrcli.methods.layered.layered import Layered, largest_radius, unbounded
@@ -284,7 +284,7 @@ def test_radii_for_depths_are_found_with_few_responses(
 
         return counted
 
-    monkeypatch.setattr(contact, "response", counting)
+    monkeypatch.setattr(pair, "response", counting)
     Layered()(Problem(Sphere(5.0), specimen, Loading("depth", 0.2, 20, "depth")))
     assert sum(size >= 20 for size in sizes) <= most
 

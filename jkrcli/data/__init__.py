@@ -20,8 +20,9 @@ if TYPE_CHECKING:
         from_columns,
         usable,
     )
-    from .measured.contact import saturation, with_zero_points
+    from .measured.saturation import saturation
     from .record import BaseLine, Direction, ForceCurve, examine
     from .text_table import SEPARATORS, some
+    from .zero_points import with_zero_points
 
 __getattr__ = lazily(__name__, __file__)

@@ -14,8 +14,8 @@ import numpy as np
 
 from ..base import Array, Estimate, InputError, Unknown, known, show
 from .columns import NO_UNIT
-from .measured import APPROACH, RETRACT, Curve
-from .measured.contact import saturation
+from .measured.curve import APPROACH, RETRACT, Curve
+from .measured.saturation import saturation
 
 PAUSE = "pause"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,8 @@ from hypothesis import strategies as st
 from jkrcli.base.errors import InputError
 from jkrcli.data import measured
 from jkrcli.data.measured import Curve, Reading
-from jkrcli.data.measured.contact import saturation, with_zero_points
+from jkrcli.data.measured.saturation import saturation
+from jkrcli.data.zero_points import with_zero_points
 
 MEND = ": correct it, or put # before it"
 A = np.array([1.0, 2.0, 3.0, 2.5]) * 1e-5
@@ -279,18 +281,20 @@ def test_baseline_tilt_and_first_touch_are_found(noise: float) -> None:
 
 def test_zero_points_need_a_free_approach() -> None:
     raw = recorded()
-    with pytest.raises(InputError, match=r"^c: zero points are estimated from displacement and load, it holds P$"):
+    with pytest.raises(InputError, match=r"^c: a force curve needs displacement and load, it holds P$"):
         with_zero_points(Curve("c", P=raw.P))
     with pytest.raises(
         InputError, match=r"^c: the load of the approach never leaves its baseline: no contact was made$"
     ):
         with_zero_points(raw.rows(slice(0, 900)))
-    with pytest.raises(InputError, match=r"^c: the first 10% of the approach are no straight baseline: loads scatter"):
+    with pytest.raises(InputError, match=r"^c: the approach has no free part, which zero points"):
         with_zero_points(raw.rows(slice(990, 1400)))
-    with pytest.raises(InputError, match=r"^c: the first 10% of the approach hold 0 rows, at least 10 are needed"):
+    with pytest.raises(InputError, match=r"^c: has no approach: zero points cannot be estimated$"):
         with_zero_points(raw.rows(slice(1201, None)))
-    with pytest.raises(InputError, match=r'^c: has no rows of segment "approach" \(segments: up\): zero points cannot'):
-        with_zero_points(Curve("c", delta=raw.delta, P=raw.P, segment=np.full(len(raw), "up")))
+    with pytest.raises(InputError, match=r"^c: has no approach \(segments: up\): zero points cannot"):
+        with_zero_points(replace(raw.rows(slice(0, 1201)), segment=np.full(1201, "up")))
+    both = with_zero_points(replace(raw, segment=np.full(len(raw), "up")))  # what turns back holds both directions
+    assert both.flags == with_zero_points(raw).flags
 
 
 def test_a_detector_at_its_limit_is_seen() -> None:

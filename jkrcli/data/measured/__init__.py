@@ -11,7 +11,6 @@ import numpy as np
 
 from ...base import SHOWN, InputError, did_you_mean, hdf5
 from . import nanoscope
-from .contact import with_zero_points
 from .curve import (
     APPROACH,
     AS_DEPTH,
@@ -160,6 +159,8 @@ def _by_convention(curve: Curve, reading: Reading, stiffness: float | None) -> C
         columns[name] = sign * read - reading.zero.get(name, 0.0)
     found = replace(curve, **columns)
     if reading.contact == "estimate":
+        from ..zero_points import with_zero_points
+
         found = with_zero_points(found)
     if stiffness is None or found.delta is None:
         return found

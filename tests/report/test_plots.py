@@ -10,6 +10,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -57,19 +58,25 @@ SLACK = 1.0  # pixels at 100 dpi: round-off of text extents
 SMALLEST = 7.0  # points, of any text in print
 
 
-@pytest.fixture(name="drawn")
-def _drawn(jkr: Callable, monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Figure]]:
-    """Run ``jkr`` and return the figures that it would have saved, each once."""
+@pytest.fixture(name="kept")
+def _kept(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Figure]]:
+    """Run a command and return the figures that it would have saved, each once."""
 
-    def run(*words: object) -> list[Figure]:
+    def run(command: Callable, *words: object) -> list[Figure]:
         figures: list[Figure] = []
         with monkeypatch.context() as patch:
             patch.setattr(plots, "save", lambda figure, paths: figure in figures or figures.append(figure))
-            done = jkr(*words)
+            done = command(*words)
         assert done.code in (0, 1), done.err
         return figures
 
     return run
+
+
+@pytest.fixture(name="drawn")
+def _drawn(jkr: Callable, kept: Callable[..., list[Figure]]) -> Callable[..., list[Figure]]:
+    """The figures of ``jkr`` with the words given."""
+    return partial(kept, jkr)
 
 
 @pytest.fixture(name="body")
@@ -269,8 +276,6 @@ def write_measured() -> None:
         ("study", "pull-off-map", "--q", 0.01, "--q", 100),
         pytest.param(("study", "converge", CASES / "halfspace.toml", "--levels", 2), marks=pytest.mark.slow),
         pytest.param(("fields", "body.h5", "--a", "3 um"), marks=pytest.mark.slow),
-        pytest.param(("study", "noise", "--seeds", 2, "--points", 30), marks=pytest.mark.slow),
-        pytest.param(("study", "figures", "--cases", CASES), marks=pytest.mark.slow),
     ],
     ids=lambda words: " ".join(map(str, words)).replace(str(CASES), "cases"),
 )
@@ -288,13 +293,26 @@ def test_figures_of_the_verbs_are_fit_for_print(
         assert figure.get_size_inches()[0] in (plots.WIDE, plots.MIDDLE, plots.NARROW)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "words"), [("noise", ("--seeds", 2, "--points", 30)), ("figures", ("--cases", CASES))]
+)
+def test_figures_of_studies_are_fit_for_print(
+    study: Callable, kept: Callable[..., list[Figure]], name: str, words: tuple[object, ...]
+) -> None:
+    figures = kept(study, name, *words)
+    assert figures
+    for figure in figures:
+        assert troubles(figure) == []
+
+
 def test_a_map_of_failures_knows_every_outcome() -> None:
     assert set(LOOKS) == set(OUTCOMES)
 
 
 @pytest.mark.slow
-def test_a_map_of_failures_is_readable(drawn: Callable[..., list[Figure]]) -> None:
-    (figure,) = drawn("study", "failures", "--cells", 3, "--seed", 3, "--methods", "closed-form")
+def test_a_map_of_failures_is_readable(study: Callable, kept: Callable[..., list[Figure]]) -> None:
+    (figure,) = kept(study, "failures", "--cells", 3, "--seed", 3, "--methods", "closed-form")
     assert troubles(figure, smallest=6) == []  # an atlas for the screen, one panel for each pair of axes
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import csv
 import json
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from conftest import CASES, Outcome
 from fit_data import A_C, A_END, DELTA_C, E_STAR, P_C, W, adhesive, coating, measured, sphere
 
 from jkrcli.bodies.indenters import EqualAreaCone, PowerLaw, RoundedCone
@@ -251,3 +253,11 @@ def test_a_work_of_adhesion_that_no_contact_bears_is_refused(jkr) -> None:
     assert "take a smaller w, or check the radius and the units" in outcome.err
     assert outcome.err.count("\n") == 1
     assert "w = 5 mJ/m^2 (held)" in jkr(*words, "w=5 mJ/m^2").out
+
+
+def test_a_work_of_adhesion_on_its_upper_bound_is_said_to_be(jkr: Callable[..., Outcome]) -> None:
+    """Its interval begins at 0, which was taken for the bound."""
+    probe = CASES / "measured" / "gel-probe.csv"
+    done = jkr("fit", CASES / "gel.toml", probe, "--bound", "w=..1 mJ/m^2", "--no-plots", "-o", "fitted")
+    assert done.code == 0, done.err
+    assert f"jkr: warning: {probe}: w ends on its bound 1 mJ/m^2\n" in done.err

@@ -146,7 +146,7 @@ def _scatter(found: Fit) -> Iterator[str]:
 def _bounds(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:
     for name in at_bound:
         item = found.estimate(name)
-        if item.low != 0 and not (name in RANGES and item.error is None):  # else said already
+        if (item.low != 0 or item.value > 0) and not (name in RANGES and item.error is None):  # else said already
             yield f"{word(name)} ends on its bound {show(item.value, item.dimension)}"
 
 

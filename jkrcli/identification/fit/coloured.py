@@ -9,7 +9,8 @@ transform takes a series that ends elsewhere than it began for no jump.
 
 With rows weighted by W the covariance of the unknowns is (WJ)^+ W C W^T (WJ)^+T, C the noise (White, Econometrica 48,
 817, 1980); where W C W^T = 1, the generalised least squares, it is the least there is.
-Residuals in contact that are larger or slower are no noise: they are told as an excess.
+Residuals in contact that are larger or slower are no noise: they are told as an excess. Where noise goes on rising
+below the frequencies of the free rows (1/f) nothing tells how far: standard errors are wider there, by the excess too.
 """
 
 from __future__ import annotations
@@ -38,6 +39,11 @@ class ColouredTuning:
     free: int = 40  # choice: free rows of a direction that tell its noise
     seen: float = 4.0  # choice: of the lowest frequency of the free rows, the lowest corner that they tell
     lowest: float = 1e-3  # choice: of the lowest frequency of the free rows, the corner of a power of f: none is seen
+    # of standard errors, where noise goes on rising at frequencies that no free row tells; tuned on cycles with 1/f
+    # noise, by `make record-bounds`
+    unseen: float = 1.25
+    least_unseen: float = 0.5  # choice: of the noise at the lowest frequency that they tell, such noise that counts
+    exceeded: float = 2.0  # choice: the same, what the rows in contact say more of it at most
     untold: float = 1e-12  # choice: least singular value over the largest, below which rounding has the word
 
 
@@ -54,6 +60,12 @@ class Spectrum:
     def __call__(self, f: Array) -> Array:
         found: Array = self.A + sum((B * _slow(f, corner, power) for B, corner, power in self.slow), np.zeros_like(f))
         return found
+
+    def beyond(self, f: float) -> bool:
+        """Whether most of it goes on rising at frequencies below ``f``, which no run of free rows tells."""
+        unseen = Spectrum(0.0, tuple(part for part in self.slow if part[1] < f))
+        at = np.array(f)
+        return bool(unseen(at) > TUNING.least_unseen * self(at))
 
     def whitened(self, columns: Array) -> Array:
         """Columns of rows in the order of time, (rows, ...), so that this noise has unit variance and no colour."""
@@ -133,7 +145,10 @@ def spread(off: Array, J: Array, free: Sequence[Array], weight: Spectrum) -> Spr
     known = np.diag(plain) > 0
     tau, excess = (float(np.median((np.diag(one) / np.diag(two))[known])) if known.any() else 1.0
                    for one, two in ((covariance, plain), (beside, covariance)))  # fmt: skip
-    return Spread(covariance, max(tau, 1.0), math.sqrt(max(excess, 1.0)), loose if told else off.size, noise)
+    excess = math.sqrt(max(excess, 1.0))
+    if told and noise.beyond(1 / (2 * max(run.size for run in free))):
+        covariance = covariance * (TUNING.unseen * min(excess, TUNING.exceeded)) ** 2
+    return Spread(covariance, max(tau, 1.0), excess, loose if told else off.size, noise)
 
 
 def _of_base_lines(runs: Sequence[Array]) -> Spectrum:

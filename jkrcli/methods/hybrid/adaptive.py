@@ -46,7 +46,7 @@ class HybridTuning:
     # On the error that the last step of the degree leaves:
     safety: float = 2.5  # tuned on random bodies, by `make bounds`
     slowest: float = 3.0  # what a step divides it by, at least; tuned on random bodies, by `make failures`
-    fastest: float = 25.0  # at most; tuned on random bodies, by `make bounds`
+    fastest: float = 15.0  # at most; tuned on random bodies, by `make failures`
     cornered: float = 8.0  # at most, with singular corners; tuned on random bodies, by `make failures`
     # Of the last step but one over the last, at most; where it falls by more, the last is small by accident:
     plausible: float = 200.0  # tuned on random bodies, by `make bounds`

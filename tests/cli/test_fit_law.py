@@ -67,9 +67,9 @@ def test_two_speeds_are_fitted_together(jkr: Callable, records: list[str]) -> No
 @pytest.mark.slow
 def test_what_is_wrong_is_one_line(jkr: Callable, records: list[str]) -> None:
     for words, said in (
-        (("--loss", "huber"), "fit: --law does not take --loss huber"),
+        (("--loss", "huber"), "fit: --law does not take --loss huber: leave it out"),
         (("--fix", "n=-1"), "fit: n: must be > 0 and <= 100, got -1"),
-        (("--bound", "w=0..1"), "fit: --law does not take --bound"),
+        (("--bound", "w=0..1"), "fit: --law does not take --bound: leave it out"),
     ):
         done = jkr("fit", "lens.h5", *records, "--law", "power", *words)
         assert done.code == 2

@@ -31,6 +31,7 @@ from .record_scores import (
     at_chance,
     least_of_named,
     left_over,
+    off_folds,
     rows_of,
     told_rows,
 )
@@ -163,10 +164,17 @@ def _of_amounts(
             left[middle], end = found, middle
     best = min(left, key=lambda amount: left[amount][0])
     taken, moves = -left[best][0], np.abs([found[1:] for found in left.values()]).max(axis=0).tolist()
+    taken = min(taken, _off_folds(at, _held(at, change, best)))
     if (chance := at_chance(at.found, taken)) < SCORES.chance / len(RIVALS):
         asked = _moving(score, best, left[best][1:])
         return replace(asked, amount=best, word=ASKED, chance=chance, taken=taken)
     return replace(_moving(score, end, moves), amount=best * (taken > 0), chance=chance, taken=max(taken, 0.0))
+
+
+def _off_folds(at: Situation, model: RivalModel) -> float:
+    """By how much chi^2 falls in a ``model`` whose change is known on the rows that are not right at a fold."""
+    found = _stepped(Weighted.of(at, off_folds(at)), model)
+    return 0.0 if found is None else -found[0]
 
 
 def _ranges(at: Situation, score: Score, longest: float) -> list[float]:

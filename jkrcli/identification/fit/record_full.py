@@ -94,22 +94,22 @@ def bounded(at: Situation, rivals: RecordRivals, known: Known) -> RecordRivals:
     is possible does: one step trusts no row next to a fold. ``at``: the fit without."""
     if rivals.named:
         return rivals
-    own = Weighted.of(at)
-    scores = [_bounded(at, own, score, known) for score in rivals.scores]
+    scores = [_bounded(at, score, known) for score in rivals.scores]
     named = next((_with_alike(one, scores) for one in scores if one.word == ASKED), ())
     return replace(rivals, scores=tuple(scores), named=named)
 
 
-def _bounded(at: Situation, own: Weighted, score: Score, known: Known) -> Score:
+def _bounded(at: Situation, score: Score, known: Known) -> Score:
     look = _look(at, score) if score.most > 0 or score.name in (RANGE.name, TENSION.name) else None
     if not isinstance(look, Change):
         return score
+    own = Weighted.of(at, off_folds(at))
     if score.name == RANGE.name:
         tried = {amount: _left_moves(own, _held(at, look, amount)) for amount in _ranges(at, score, known.range)}
         return _of_amounts(at, own, score, look, tried)
     if score.name == TENSION.name:
         return _of_tension(at, own, score, look, known.tension)
-    return _at_most(at, own, look, score)
+    return _at_most(at, Weighted.of(at), look, score)
 
 
 def _with_alike(asked: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
@@ -164,17 +164,10 @@ def _of_amounts(
             left[middle], end = found, middle
     best = min(left, key=lambda amount: left[amount][0])
     taken, moves = -left[best][0], np.abs([found[1:] for found in left.values()]).max(axis=0).tolist()
-    taken = min(taken, _off_folds(at, _held(at, change, best)))
     if (chance := at_chance(at.found, taken)) < SCORES.chance / len(RIVALS):
         asked = _moving(score, best, left[best][1:])
         return replace(asked, amount=best, word=ASKED, chance=chance, taken=taken)
     return replace(_moving(score, end, moves), amount=best * (taken > 0), chance=chance, taken=max(taken, 0.0))
-
-
-def _off_folds(at: Situation, model: RivalModel) -> float:
-    """By how much chi^2 falls in a ``model`` whose change is known on the rows that are not right at a fold."""
-    found = _stepped(Weighted.of(at, off_folds(at)), model)
-    return 0.0 if found is None else -found[0]
 
 
 def _ranges(at: Situation, score: Score, longest: float) -> list[float]:

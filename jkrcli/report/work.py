@@ -134,10 +134,13 @@ def summary(found: Sequence[WorkAlong], body: Analysis, path: Path, skipped: Seq
 
 
 def curve_summary(item: WorkAlong) -> dict[str, Any]:
-    """Counts, quartiles of w over all usable rows and by the sense of the edge's motion, and what to mind."""
+    """Counts, quartiles of w over all usable rows and by the sense of the edge's motion, where its speed is more than
+    its error in as many rows as a speed is taken from, and what to mind."""
     groups = {"all": item.ok}
     if item.timed is not None and item.speed is not None:
-        groups |= {"advancing": item.timed & (item.speed > 0), "receding": item.timed & (item.speed < 0)}
+        told = item.timed if item.speed_err is None else item.timed & (np.abs(item.speed) > item.speed_err)
+        senses = {"advancing": told & (item.speed > 0), "receding": told & (item.speed < 0)}
+        groups |= {name: rows & (np.count_nonzero(rows) >= item.window) for name, rows in senses.items()}
     return {
         "curve": item.curve.name,
         "from": list(item.used),

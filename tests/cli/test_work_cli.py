@@ -195,8 +195,9 @@ def test_a_raw_record_is_zeroed_by_its_fit(jkr: Run) -> None:
         '[loading]\nradius = "2 um"\npoints = 100\nspacing = "log"\n'
     )
     assert jkr("run", "gel.toml").code == 0
-    for segment, w in (("retract", 1e-3), ("approach", 0.2e-3)):
+    for segment, w, other in (("retract", 1e-3, "advancing"), ("approach", 0.2e-3, "receding")):
         done = jkr("work", "gel.h5", str(RAW), "--segment", segment, "--json", "--no-plots", "-o", segment)
         assert done.code == 0
         (found,) = json.loads(done.out)["results"]
         assert found["curves"][0]["w"]["all"]["median_J_per_m2"] == pytest.approx(w, rel=0.05)
+        assert found["curves"][0]["w"][other] is None

@@ -1,20 +1,23 @@
 """The error of a critical point of finite elements: what larger ones change of the curve around it.
 
-Both curves are fitted alike and compared at equal nonadhesive displacement: radii of meshes err by more than their
-loads, and a wrong radius that nothing is read at does no harm. d(x), x = log(a - a0), is how far what the device holds
-lies off: it moves the value by d and the place by -d'/x'', x'' being the bend of what is held, and along with the place
-what varies there. At one place d passes through zero by accident; it is averaged, squared, around it.
+Curves are fitted alike and compared at equal nonadhesive displacement: radii of meshes err by more than their loads,
+and a wrong radius that nothing is read at does no harm. d(x), x = log(a - a0), is how far what the device holds lies
+off: it moves the value by d and the place by -d'/x'', x'' being the bend of what is held, and along with the place what
+varies there. At one place d passes through zero by accident, and so it does all over where two meshes err alike: it is
+averaged, squared, around the place, and with what the doubling before it changed, which second order makes the square
+of the ratio as large.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from ..base import Array, InputError
+from ..series import Series
 from .curve import AdhesiveCurve, Equilibrium
 from .device import position
 from .nonadhesive import Nonadhesive
@@ -25,10 +28,14 @@ from .slopes import slopes_function
 class CoarserTuning:
     """Where curves are compared, and what is concluded."""
 
-    left: float = 1.1  # of what doubling changes; tuned on random bodies, by `make bounds`
+    # of what doubling changes, over (ratio - 1), at the end of the series; tuned on random bodies, by `make bounds`
+    left: float = 2.0
+    # Powers of a - a0 over that at the end, with which it falls towards first contact, where larger elements have few
+    # nodes: of values, and of places
+    powers: tuple[float, float] = (0.6, 0.3)  # tuned on random bodies, by `make bounds`
     # of log(a - a0) on either side, over which values are averaged
     values: float = 0.5  # tuned on random bodies, by `make bounds`
-    rates: float = 0.35  # and their rates; tuned on random bodies, by `make bounds`
+    rates: float = 0.2  # and their rates; tuned on random bodies, by `make bounds`
     bend: float = 0.15  # and over which the bend is that of a parabola; tuned on random bodies, by `make bounds`
     spacing: float = 0.01  # theory: of log(a - a0), far below what meshes resolve
     points: int = 1000  # theory: of the whole series, as close
@@ -41,28 +48,42 @@ def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) ->
     """90 % half-widths of "delta" [m] and "P" [N] at a critical ``point`` under a device of ``stiffness`` [N/m]; None
     where no larger elements tell them."""
     coarser, series = curve.series.coarser, curve.series
-    other = None if coarser is None else _fitted_alike(curve.nonadhesive)
-    if coarser is None or other is None:
+    others = () if coarser is None else _fitted_alike(curve.nonadhesive)
+    if coarser is None or not others:
         return None
     steps = np.arange(-TUNING.values, TUNING.values + TUNING.spacing / 2, TUNING.spacing)
     a = series.a0 + (point.a - series.a0) * np.exp(steps)
-    inside = (a >= max(curve.a[0], other.a[0])) & (a <= curve.a[-1])
+    inside = (a >= max(curve.a[0], others[0].a[0])) & (a <= curve.a[-1])
     a, x = a[inside], steps[inside]
     near, around = np.abs(x) <= TUNING.bend, np.abs(x) <= TUNING.rates
     if np.count_nonzero(near) * TUNING.spacing < TUNING.bend:
         return None
-    values, off = np.stack(curve.at(a)), _off(curve, other, a)
+    values, (by_delta, by_P) = np.stack(curve.at(a)), _changes(curve, others, a, coarser.ratio)
     bend = 2 * np.polyfit(x[near], position(values[0], values[1], stiffness)[near], 2)[0]
     along = np.polyfit(x[near], values[:, near].T, 2)[1]
-    moved = _mean(np.gradient(position(off[0], off[1], stiffness), x)[around]) / abs(bend)
-    errors = TUNING.left / (coarser.ratio - 1) * np.hypot(_mean(off), along * moved)
+    rates = np.gradient(np.asarray(position(by_delta, by_P, stiffness)), x, axis=-1)
+    moved = _mean(rates[:, around]) / abs(bend)
+    of_value, of_place = ((point.a - series.a0) / (series.a[-1] - series.a0)) ** np.array(TUNING.powers)
+    wrong = np.hypot(of_value * np.array([_mean(by_delta), _mean(by_P)]), of_place * along * moved)
+    errors = TUNING.left / (coarser.ratio - 1) * wrong
     return dict(zip(("delta", "P"), errors.tolist(), strict=True))
 
 
-def _mean(values: Array) -> Array:
-    """The root of the mean square."""
-    mean: Array = np.sqrt(np.mean(values**2, axis=-1))
-    return mean
+def _mean(values: Array) -> float:
+    """The root of the mean square of what is known."""
+    return float(np.sqrt(np.nanmean(values**2)))
+
+
+def _changes(curve: AdhesiveCurve, others: Sequence[Nonadhesive], a: Array, ratio: float) -> Array:
+    """What each step to elements ``ratio`` times as large changes of delta [m] and P [N] at the radii ``a`` [m],
+    (2, steps, n), over what second order makes it larger than the first; NaN below the first radius of the larger."""
+    off = np.full((len(others) + 1, 2, a.size), np.nan)
+    off[0] = 0.0
+    for level, other in enumerate(others, start=1):
+        reached = a >= other.a[0]
+        off[level][:, reached] = _off(curve, other, a[reached])
+    second_order = ratio ** (2.0 * np.arange(len(others)))
+    return np.moveaxis(np.diff(off, axis=0) / second_order[:, None, None], 0, 1)
 
 
 def _off(curve: AdhesiveCurve, other: Nonadhesive, a: Array) -> Array:
@@ -79,19 +100,28 @@ def _off(curve: AdhesiveCurve, other: Nonadhesive, a: Array) -> Array:
 
 
 @lru_cache(maxsize=2)
-def _fitted_alike(body: Nonadhesive) -> Nonadhesive | None:
-    """The functions by larger elements, with slopes by the same rule: their columns err by as much more as second
-    order says; None where the rule finds none."""
+def _fitted_alike(body: Nonadhesive) -> tuple[Nonadhesive, ...]:
+    """The functions by larger and larger elements, with slopes by the same rule: their columns err by as much more as
+    second order says; as far as the rule finds them."""
+    found, more, coarser = [], 1.0, body.series.coarser
+    while coarser is not None:
+        more *= coarser.ratio**2
+        try:
+            found.append(_fitted(coarser.series, body, more))
+        except InputError:
+            break
+        coarser = coarser.series.coarser
+    return tuple(found)
+
+
+def _fitted(coarse: Series, body: Nonadhesive, more: float) -> Nonadhesive:
+    """The functions of the ``coarse`` series, which errs ``more`` times as much as that of the ``body``, by its rule;
+    InputError where this finds none."""
     series, rule = body.series, body.slopes.method
-    assert series.coarser is not None
-    coarse, more = series.coarser.series, series.coarser.ratio**2
     errors = {
         name: more * getattr(coarse, name) * np.interp(coarse.a, series.a, series.errors[name] / getattr(series, name))
         for name in ("a", "P")
     }
     S, dS = (coarse.S, coarse.dS) if rule == "exact" else (None, None)
     coarse = replace(coarse, S=S, dS=dS, S0=series.S0, errors=errors, kinks=series.kinks, bends=series.bends)
-    try:
-        return Nonadhesive(coarse, slopes_function(rule)(coarse))
-    except InputError:
-        return None
+    return Nonadhesive(coarse, slopes_function(rule)(coarse))

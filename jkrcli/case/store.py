@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import platform
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -43,6 +43,7 @@ from . import MOST_BYTES, Case, parse_case
 from .writing import case_of
 
 FORMAT, VERSION = "jkr-series", 2
+COARSER = ("coarser", "coarsest")  # groups of the series by larger and by still larger elements
 UNPROTECTED = 1  # the format without a digest
 NAMES = {"a": "a", "delta": "delta", "P": "P", "S": "S", "dS": "dS_da"}
 UNITS = {"a": "m", "delta": "m", "P": "N", "S": "N/m", "dS": "N/m^2"}
@@ -93,9 +94,7 @@ def _tree(solution: Solution, command_line: str) -> Group:
         "versions": Group(record.versions or versions()),
         "warnings": Group({str(i): text for i, text in enumerate(solution.warnings)}),
     }
-    if (coarser := series.coarser) is not None:
-        columns = {name: getattr(coarser.series, name) for name in COLUMNS}
-        members["coarser"] = Group({"ratio": coarser.ratio}, _columns(columns, WORDS))
+    members |= dict(_larger_elements(series))
     if raw is not None:
         rows = hdf5.column(np.asarray(raw.rows), "1", "number of the row")
         columns = {name: getattr(raw, name) for name in ("a", "delta", "P")}
@@ -106,6 +105,15 @@ def _tree(solution: Solution, command_line: str) -> Group:
         members["contact"] = hdf5.sealed(Group({}, {"r": r, "pressure": p}))
     identity = {"format": FORMAT, "version": VERSION, "method": solution.method, "problem_key": solution.key}
     return Group(identity | {"command_line": record.command_line or command_line}, members)
+
+
+def _larger_elements(series: Series) -> Iterator[tuple[str, Group]]:
+    """The groups of the series by larger elements."""
+    for name in COARSER:
+        if series.coarser is None:
+            return
+        ratio, series = series.coarser.ratio, series.coarser.series
+        yield name, Group({"ratio": ratio}, _columns({name: getattr(series, name) for name in COLUMNS}, WORDS))
 
 
 def _errors(series: Series) -> dict[str, Group | Dataset]:
@@ -219,15 +227,16 @@ class _Reader:
         except InputError as error:
             raise InputError(f"{self.path}: {error}") from None
 
-    def coarser(self, a0: float) -> Coarser | None:
-        """The series by larger elements, where there is one."""
-        if "coarser" not in self.root.members:
+    def coarser(self, a0: float, groups: Sequence[str] = COARSER) -> Coarser | None:
+        """The series by larger elements, where there is one; with those by still larger ones, in later ``groups``."""
+        if not groups or groups[0] not in self.root.members:
             return None
-        columns: dict[str, Any] = self.columns("coarser")
-        ratio = _real(self.group("coarser").attributes.get("ratio"))
+        name, *larger = groups
+        columns: dict[str, Any] = self.columns(name)
+        ratio = _real(self.group(name).attributes.get("ratio"))
         if not 1 < ratio < math.inf:
-            raise InputError(f"coarser: attribute ratio must be > 1, got {ratio:g}")
-        return Coarser(Series(**columns, a0=a0), ratio)
+            raise InputError(f"{name}: attribute ratio must be > 1, got {ratio:g}")
+        return Coarser(Series(**columns, a0=a0, coarser=self.coarser(a0, larger)), ratio)
 
     def budget(self) -> ErrorBudget:
         told = self.group("errors").attributes

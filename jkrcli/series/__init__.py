@@ -139,8 +139,8 @@ class Series:
 
 @dataclass(frozen=True, eq=False)
 class Coarser:
-    """A ``series`` of the same contact on elements ``ratio`` times as large; what the cut of the body costs is off in
-    it, too."""
+    """A ``series`` of the same contact on elements ``ratio`` times as large, which may have its own; what the cut of
+    the body costs is off in it, too."""
 
     series: Series
     ratio: float

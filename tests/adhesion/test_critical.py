@@ -22,7 +22,7 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods import method_class
 from jkrcli.methods.layered.layered import Layered
-from jkrcli.series import Series
+from jkrcli.series import Coarser, Series
 from studies.noise_cells import noisy
 
 CONTROLS = {"load": 0.0, "displacement": math.inf, "spring": 2.0}
@@ -154,6 +154,20 @@ def test_points_of_finite_elements_err_as_is_stated(problem: Problem) -> None:
     assert len(ratios) > 30
     assert max(ratios) < 1
     assert np.median(ratios) > 0.05
+
+
+def test_meshes_that_agree_by_accident_leave_the_error_that_the_larger_shows() -> None:
+    """Loads of a third mesh are 1.6 % off: a fourth counts, by second order, beside a mesh that changes nothing."""
+    series = method_class("fem")()(THIN).series
+    assert series.coarser is not None
+    largest = replace(series, P=1.016 * series.P, S=1.016 * series.S, dS=1.016 * series.dS, coarser=None)
+    other = replace(series, coarser=Coarser(largest, 2.0))
+    ours = AdhesiveCurve(Nonadhesive.of(replace(series, coarser=Coarser(other, 2.0))), 10.0)
+    point = ours.pull_off(0.0)
+    assert isinstance(point, CriticalPoint)
+    stated = point_error(ours, point, 0.0)
+    assert not isinstance(stated, Unknown)
+    assert 1e-3 * abs(point.P) < stated["P"] < 1e-2 * abs(point.P)
 
 
 CASE = """

@@ -45,12 +45,21 @@ def in_increments(**changes: Any) -> Solution:
     )
     series = Series(
         np.array([1.0, 2]), np.array([2.0, 4]), np.array([2.0, 4]), errors={"P": np.ones(2)}, a0=0.5, S0=None,
-        coarser=Coarser(coarser, 1.5),
+        coarser=Coarser(replace(coarser, coarser=Coarser(replace(coarser, delta=coarser.delta + 1), 2.0)), 1.5),
     )  # fmt: skip
     pressure = PressureTable(np.array([0.0, 1]), np.arange(8.0).reshape(4, 2))
     budget, facts = ErrorBudget(1e-3, Unknown("nobody asked"), 0.0), {"nodes": 7, "solver": "SuperLU", "fits": True}
     made = Solution(PROBLEM, series, budget, "fem", raw, pressure, facts, {"mesh": 0.1}, ("mind", "the gap"))
     return replace(made, record=store.record_of(CASE), **changes)
+
+
+def assert_same_by_larger_elements(one: Series, other: Series) -> None:
+    assert (one.coarser is None) == (other.coarser is None)
+    if one.coarser is not None and other.coarser is not None:
+        assert one.coarser.ratio == other.coarser.ratio
+        for name in COLUMNS:
+            np.testing.assert_array_equal(getattr(one.coarser.series, name), getattr(other.coarser.series, name))
+        assert_same_by_larger_elements(one.coarser.series, other.coarser.series)
 
 
 def assert_same(one: Solution, other: Solution) -> None:
@@ -61,12 +70,7 @@ def assert_same(one: Solution, other: Solution) -> None:
     for name in ("a", "delta", "P", "rows"):
         np.testing.assert_array_equal(getattr(one.increments, name), getattr(other.increments, name))
     assert (one.raw is None) == (other.raw is None)
-    assert (one.series.coarser is None) == (other.series.coarser is None)
-    if one.series.coarser is not None and other.series.coarser is not None:
-        assert one.series.coarser.ratio == other.series.coarser.ratio
-        for name in COLUMNS:
-            pair = (getattr(each.series.coarser.series, name) for each in (one, other))
-            np.testing.assert_array_equal(*pair)
+    assert_same_by_larger_elements(one.series, other.series)
     for name in ("problem", "budget", "method", "facts", "timings", "warnings", "key"):
         assert getattr(one, name) == getattr(other, name), name
     assert (one.series.a0, one.series.S0) == (other.series.a0, other.series.S0)

@@ -77,21 +77,27 @@ def assessed(
     if isinstance(radius, Unknown) or isinstance(truncation, Unknown):
         return Assessment(budget, judged_from)
     errors = {"P": load + truncation, "a": radius} | _slopes(run, coarse, radii, radius)
-    other = _coarser(coarse, delta, ratio, truncation * float(np.sign(np.mean(there - P))))
+    cut = truncation * float(np.sign(np.mean(there - P)))
+    other = _coarser([coarse] if coarsest is None else [coarse, coarsest], delta, ratio, cut)
     return Assessment(budget, judged_from, {name: values[rows] for name, values in errors.items()}, other)
 
 
-def _coarser(level: MeshLevel, delta: Array, ratio: float, cut: float) -> Coarser | None:
-    """The series of the ``level`` of larger elements as deep as ``delta`` [m], of a body that is stiffer by the
-    fraction ``cut``; None where its contact is no disc that only grows, or too small."""
+def _coarser(levels: Sequence[MeshLevel], delta: Array, ratio: float, cut: float) -> Coarser | None:
+    """The series of the ``levels``, each of elements ``ratio`` times as large as those before, as deep as ``delta``
+    [m], of a body that is stiffer by the fraction ``cut``; None where the first one's contact is no disc that only
+    grows, or too small."""
+    if not levels:
+        return None
+    level, *larger = levels
     events = level.events.rising
     rows = slice(int(np.searchsorted(events.delta, delta[-1])) + 1)
     a, slopes = events.a[rows], level.slopes(events.a[rows])
     if slopes is None:
         return None
     P, S, dS = ((1 + cut) * values for values in (events.P[rows], *slopes))
+    beyond = _coarser(larger, delta, ratio, cut)
     try:
-        return Coarser(Series(a, events.delta[rows], P, S, dS, a0=level.indenter.a0), ratio)
+        return Coarser(Series(a, events.delta[rows], P, S, dS, a0=level.indenter.a0, coarser=beyond), ratio)
     except InputError:
         return None
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
@@ -25,6 +25,7 @@ from .critical import Errors
 from .curve import TUNING as CURVE
 from .curve import CriticalPoint, Equilibrium, EquilibriumCurve
 from .device import CONTROLS, position
+from .fewer_points import error_by_points
 from .law import Range
 from .nonadhesive import Parts
 from .slopes.choice import slopes
@@ -78,8 +79,10 @@ class FiniteRangeCurve(EquilibriumCurve):
     c. Where c falls as the contact grows, the curve begins beyond, and ``apart`` is empty. ``parts``: columns of the
     w-free functions at the latter. Between the points: splines over arcosh sqrt(c/c0), c0 at first touch, in which the
     curve is smooth on both sides of it and far from it; without contact P = -pi sigma c^2, and delta(c) less the
-    profile f(c) is a spline. ``half_widths``: the ``errors``; ``moved``: relative errors of the places at which contact
-    is lost, by stiffness; ``doubts``: what speaks against the states, in sentences; ``body``: which computed them.
+    profile f(c) is a spline. ``half_widths``: the ``errors``, ``of_profile``: what is part of them by a profile that is
+    known at points only; ``moved``: relative errors of the places at which contact is lost, by stiffness, and
+    ``by_points``: errors by such a profile there; ``doubts``: what speaks against the states, in sentences; ``body``:
+    which computed them.
     """
 
     law: Range
@@ -89,7 +92,9 @@ class FiniteRangeCurve(EquilibriumCurve):
     touching: Rims
     parts: Parts
     half_widths: Mapping[str, Array] = field(default_factory=dict)
+    of_profile: Mapping[str, Array] = field(default_factory=dict)
     moved: Mapping[float, float] = field(default_factory=dict)
+    by_points: Mapping[float, Errors] = field(default_factory=dict)
     doubts: tuple[str, ...] = ()
     body: FiniteRangeBody | None = None
     ranged: ClassVar[bool] = True
@@ -120,9 +125,11 @@ class FiniteRangeCurve(EquilibriumCurve):
 
     def point_error(self, point: Equilibrium, stiffness: float) -> Errors:
         """Half-widths of "delta" [m] and "P" [N] at the lowest ``point`` under a device of a ``stiffness`` [N/m]: those
-        of the curve there, of the place, and what every second state changes. Where it is not known how far other
-        panels move the place, it errs by about the same fraction as P."""
-        here = self.error_at(np.array(point.place))
+        of the curve there, of the place, by a profile at points, and what every second state changes. Where it is not
+        known how far other panels move the place, it errs by about the same fraction as P."""
+        here, by_points = self.error_at(np.array(point.place)), self.by_points.get(stiffness, {})
+        for name in by_points:
+            here[name] = here[name] - np.interp(point.place, self.places, self.of_profile[name])
         halves = [[other for other in curve.critical(stiffness) if other.kind == "minimum"]
                   for curve in (self.thinned(0), self.thinned(1))]  # fmt: skip
         found = [min(half, key=lambda other: abs(other.place - point.place)) for half in halves if half]
@@ -133,7 +140,8 @@ class FiniteRangeCurve(EquilibriumCurve):
         fraction = unseen + self.moved.get(stiffness, 0.0)
         rates = dict(zip(("delta", "P"), self._rates(np.array(point.place)), strict=True))
         return {
-            name: float(here[name]) + unseen * abs(getattr(point, name)) + fraction * point.place * abs(float(rate))
+            name: float(here[name]) + by_points.get(name, 0.0)
+            + unseen * abs(getattr(point, name)) + fraction * point.place * abs(float(rate))
             + max((abs(getattr(other, name) - getattr(point, name)) for other in found), default=0.0) / TUNING.halved
             for name, rate in rates.items()
         }  # fmt: skip
@@ -402,8 +410,14 @@ class FiniteRangeBody:
         parts = Parts(*attraction.discs(rims.a).nonadhesive, np.zeros(rims.a.size))
         found = replace(found, parts=parts)
         doubts = _doubts(attraction, rims, s, gap) if complete else (*_begins(rims), *_doubts(attraction, rims, s, gap))
-        errors, moved = self._errors(found, reach, s), self._moved(found, attraction, reach, s, controls)
-        return replace(found, half_widths=errors, moved=moved, doubts=doubts)
+        errors, of_profile = self._errors(found, reach, s), self._of_profile(found, reach, s)
+        errors = {name: error + of_profile.get(name, 0.0) for name, error in errors.items()}
+        points = list(_judged_points(found, controls))
+        moved = self._moved(found, attraction, reach, s, points)
+        by_points = self._by_points(found, attraction, s, points) if of_profile else {}
+        return replace(
+            found, half_widths=errors, of_profile=of_profile, moved=moved, by_points=by_points, doubts=doubts
+        )
 
     def _touching(self, attraction: Attraction, s: float, gap: float) -> Rims:
         """States in contact from a = 0 on: at the radii of the series, and at more of them where they are too far apart
@@ -457,8 +471,7 @@ class FiniteRangeBody:
         return found
 
     def _errors(self, curve: FiniteRangeCurve, reach: float, s: float) -> dict[str, Array]:
-        """Half-widths of delta and P: the change on other panels at some of the points, and what the kernel and a
-        profile that is known at points only leave."""
+        """Half-widths of delta and P: the change on other panels at some of the points, and what the kernel leaves."""
         rims, parts = curve.touching, curve.parts
         some = checked(rims.a)
         other = self.body.check(reach).discs(rims.a[some]).equilibria(s, curve.law.length, reach, rims.c[some])
@@ -472,13 +485,20 @@ class FiniteRangeBody:
             seen = float(np.max(np.abs(getattr(other, name) - here[some]) / unit[some]))
             relative = TUNING.safety * seen + TUNING.no_claim + kernel
             errors[name] = relative * np.concatenate([free[name], unit])
-        shift, slope = self._unresolved(rims.a, rims.c, parts.S)
-        if shift.any():
-            apart, _ = self.problem.indenter.resolution(curve.apart.c)
-            by_gap, gap = self._by_gap(rims, reach, s), np.minimum(slope * (rims.c - rims.a), shift)
-            errors["delta"] += np.concatenate([apart, shift + by_gap["delta"] * gap])
-            errors["P"] += np.concatenate([np.zeros_like(apart), parts.S * shift + by_gap["P"] * gap])
         return errors
+
+    def _of_profile(self, curve: FiniteRangeCurve, reach: float, s: float) -> dict[str, Array]:
+        """Half-widths of delta and P by a profile that is known at points only; none where it is known everywhere."""
+        rims, S = curve.touching, curve.parts.S
+        shift, slope = self._unresolved(rims.a, rims.c, S)
+        if not shift.any():
+            return {}
+        apart, _ = self.problem.indenter.resolution(curve.apart.c)
+        by_gap, gap = self._by_gap(rims, reach, s), np.minimum(slope * (rims.c - rims.a), shift)
+        return {
+            "delta": np.concatenate([apart, shift + by_gap["delta"] * gap]),
+            "P": np.concatenate([np.zeros_like(apart), S * shift + by_gap["P"] * gap]),
+        }
 
     def _by_gap(self, rims: Rims, reach: float, s: float) -> dict[str, Array]:
         """Derivatives of delta [-] and P [N/m] by the separation at the edge of the attraction, at the same contact
@@ -489,17 +509,13 @@ class FiniteRangeBody:
                 for name in ("delta", "P")}  # fmt: skip
 
     def _moved(
-        self, curve: FiniteRangeCurve, attraction: Attraction, reach: float, s: float, controls: tuple[float, ...]
-    ) -> dict[float, float]:
+        self, curve: FiniteRangeCurve, attraction: Attraction, reach: float, s: float,
+        points: Sequence[tuple[float, CriticalPoint]],
+    ) -> dict[float, float]:  # fmt: skip
         """Relative errors of the places at which contact is lost: other panels add a slope to what is stationary there,
         as states on both sides of each show, and so does what the kernel leaves."""
-        found, kinks = {}, np.array(curve.problem.indenter.kinks)
-        for stiffness in controls:
-            point = curve.pull_off(stiffness)
-            if not isinstance(point, CriticalPoint) or not 0 < point.a < curve.touching.a[-1] / (1 + TUNING.slope):
-                continue
-            if any(abs(kink / r - 1) < 2 * TUNING.slope for kink in kinks for r in (point.a, point.place)):
-                continue
+        found = {}
+        for stiffness, point in points:
             a = point.a * (1 + TUNING.slope * np.array([-1.0, 0.0, 1.0]))
             ours, others = (
                 panels.discs(a).equilibria(s, curve.law.length, reach, curve.places_of(a))
@@ -509,12 +525,33 @@ class FiniteRangeBody:
             bend, added = held[0] - 2 * held[1] + held[2], np.max(np.abs(np.diff(other - held)))
             if bend > 0:
                 kernel = float(self.body.kernel_error(reach, np.array([point.place]))[0])
-                S = attraction.discs(a).nonadhesive[2]
-                _, slope = self._unresolved(a, ours.c, S)
-                table = TUNING.slope * point.a * float(np.max(position(slope, S * slope, stiffness)))
-                found[stiffness] = TUNING.slope * (TUNING.safety * float(added) + table) / float(bend)
+                found[stiffness] = TUNING.slope * TUNING.safety * float(added) / float(bend)
                 found[stiffness] += kernel + TUNING.no_claim
         return found
+
+    def _by_points(
+        self, curve: FiniteRangeCurve, attraction: Attraction, s: float, points: Sequence[tuple[float, CriticalPoint]]
+    ) -> dict[float, Errors]:
+        """Errors where contact is lost, by a profile that is known at points only."""
+        indenter = self.problem.indenter
+        bodies = [attraction, *(replace(attraction, indenter=fewer) for fewer in indenter.thinned)]
+
+        def states(body: Attraction, a: Array) -> Rims:
+            return body.discs(a).equilibria(s, curve.law.length, body.reach, curve.places_of(a))
+
+        end = float(curve.touching.a[-1])
+        return {k: error_by_points(indenter, bodies, states, point, k, end) for k, point in points}
+
+
+def _judged_points(curve: FiniteRangeCurve, controls: Sequence[float]) -> Iterator[tuple[float, CriticalPoint]]:
+    """The points at which contact is lost under ``controls`` away from the end of the curve and from kinks."""
+    kinks = np.array(curve.problem.indenter.kinks)
+    for stiffness in controls:
+        point = curve.pull_off(stiffness)
+        if not isinstance(point, CriticalPoint) or not 0 < point.a < curve.touching.a[-1] / (1 + TUNING.slope):
+            continue
+        if not any(abs(kink / r - 1) < 2 * TUNING.slope for kink in kinks for r in (point.a, point.place)):
+            yield stiffness, point
 
 
 def _no_parts(rims: Rims) -> Parts:

@@ -63,6 +63,16 @@ class Indenter(ABC):
         return np.zeros((2, a.size))
 
     @property
+    def thinned(self) -> tuple[Indenter, ...]:
+        """The profiles through fewer points, where f is only known at points."""
+        return ()
+
+    def left(self, a: Array) -> Array:
+        """Errors of F near the radii ``a`` (n,), of its slope, and of the mean of F up to there, over what the
+        ``thinned`` profiles change of them, (3, n)."""
+        return np.zeros((3, a.size))
+
+    @property
     def keys(self) -> dict[str, Any]:
         """Its keys in the table [indenter] of a case file."""
         name, keys = SHAPES.keys_in_file(self)

@@ -467,9 +467,10 @@ def test_a_device_s_pull_off_is_solved_at_its_own_radius() -> None:
 
 
 def test_what_a_table_leaves_open_is_part_of_the_error() -> None:
-    """Of a sphere at 12 points nothing of it was stated: at the same radii P was up to 1e9 times beyond its error."""
+    """Of a sphere at 20 points: 1.4 to 12 times the true error where contact is lost. Where errors of F that
+    cancel in the loads were added, it was 2 to 22 times."""
     body = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, 0.45), 8e-6),), jkr.Rigid())
-    sphere, r = jkr.Sphere(2e-5), np.linspace(0, 1.8e-5, 12)
+    sphere, r = jkr.Sphere(2e-5), np.linspace(0, 1.8e-5, 20)
     table = jkr.TableProfile(tuple(r.tolist()), tuple(sphere.f(r).tolist()))
     loading = jkr.Loading("radius", 1e-5, 20)
     solution = jkr.solve(jkr.Problem(table, body, loading), "layered")
@@ -485,4 +486,4 @@ def test_what_a_table_leaves_open_is_part_of_the_error() -> None:
         stated = curve.point_error(found, control)
         for name in ("delta", "P"):
             off = abs(getattr(found, name) - getattr(true, name))
-            assert 1e-7 * abs(getattr(true, name)) < off <= stated[name], (control, name)
+            assert 1e-7 * abs(getattr(true, name)) < off <= stated[name] <= 20 * off, (control, name)

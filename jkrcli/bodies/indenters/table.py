@@ -120,26 +120,35 @@ class TableProfile(Indenter):
     def resolution(self, a: Array) -> Array:
         """Errors (2, n) of F [m] and of its slope [-] near radii ``a`` [m], as fewer points tell them: the error of the
         mean of F over the contact, which P feels, is part of the first."""
-        x, found = self._resolved
-        last: Array = found[:, np.clip(np.searchsorted(x, a), 0, x.size - 1)]
-        return last
+        changes, shares = self._at(self._resolved, a)
+        F, slope, mean = changes * shares
+        return np.stack([F + mean, slope])
+
+    def left(self, a: Array) -> Array:
+        return self._at(self._resolved, a)[1]
+
+    def _at(self, columns: tuple[Array, ...], a: Array) -> list[Array]:
+        """The ``columns`` after the first, even radii [m], at the next to each of ``a``."""
+        x, *rest = columns
+        return [values[:, np.clip(np.searchsorted(x, a), 0, x.size - 1)] for values in rest]
 
     @cached_property
-    def _resolved(self) -> tuple[Array, Array]:
-        """Even radii [m] up to the end, and ``resolution`` there."""
+    def _resolved(self) -> tuple[Array, Array, Array]:
+        """Even radii [m] up to the end, what the thinned profiles change near each of F, its slope and the mean of F up
+        to there, (3, n), and what is left over that."""
         x = np.linspace(0, self.r_max, LOOKED_AT + 1)[1:]
-        halves = self._thinned()
-        seen, before = _changes(self, halves, x), _changes(halves[0], halves[0]._thinned()[:1], x)
-        points, found = np.searchsorted(self.r, x).tolist(), np.empty((3, x.size))
+        halves = self.thinned
+        seen, before = _changes(self, halves, x), _changes(halves[0], halves[0].thinned[:1], x)
+        points, found, shares = np.searchsorted(self.r, x).tolist(), np.empty((3, x.size)), np.empty((3, x.size))
         for i, k in enumerate(points):
             if len(self.r) < TUNING.few:
-                found[:, i] = _most(seen, i // 2, i) / TUNING.few_factors
+                found[:, i], shares[:, i] = _most(seen, i // 2, i), 1 / np.array(TUNING.few_factors)
                 continue
             near, wider = (_most(part, *self._beside(x, k, steps)) for part, steps in ((seen, 1), (before, 2)))
             near[2], wider[2] = seen[2, i], before[2, i]
             orders = np.divide(wider, near, out=np.full(3, np.inf), where=near > 0) - 1
-            found[:, i] = TUNING.safety * near / np.clip(orders, TUNING.flattest, TUNING.steepest)
-        return x, np.stack([found[0] + found[2], found[1]])
+            found[:, i], shares[:, i] = near, TUNING.safety / np.clip(orders, TUNING.flattest, TUNING.steepest)
+        return x, found, shares
 
     def _beside(self, x: Array, k: int, steps: int) -> tuple[int, int]:
         """The first and the last of the radii ``x`` [m] within so many points around those beside the point ``k``."""
@@ -147,12 +156,13 @@ class TableProfile(Indenter):
         first, last = np.clip(np.searchsorted(x, ends), 0, x.size - 1)
         return int(first), int(last)
 
-    def _thinned(self) -> list[TableProfile]:
+    @cached_property
+    def thinned(self) -> tuple[TableProfile, ...]:
         """The profiles through every second point, ends and bends kept."""
         r, f = np.array(self.r), np.array(self.heights)
         kept = [0, r.size - 1, *np.searchsorted(r, self.bends)]
         rows = [np.unique([*kept, *range(first, r.size, 2)]) for first in (0, 1)]
-        return [_of_points(r[row], f[row], self.bends) for row in rows if row.size < r.size]
+        return tuple(_of_points(r[row], f[row], self.bends) for row in rows if row.size < r.size)
 
     def _sums(self, x: Array) -> tuple[Array, Array, Array, Array]:
         """The sums over all pieces of alpha times the change of arcsin(r/x), of beta times that of sqrt(x^2 - r^2) [m],

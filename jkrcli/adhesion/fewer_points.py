@@ -1,0 +1,74 @@
+"""What the points of a tabulated profile leave open where contact is lost: how far fewer points move that state.
+
+At given contact radius fewer points change delta and P by d(a): the value changes by d, and the place by the slope of
+what the device holds of d over the bend of the curve, and along with it what varies there. Errors of F that cancel in
+the loads (a rigid shift of the profile leaves P as it is) cancel here too. Between points d passes through zero: the
+largest within an interval of the table on either side counts. The order of the table's own error says what is left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import Array
+from ..bodies import Indenter
+from ..methods.integral import Attraction, Rims
+from .critical import Errors
+from .curve import Equilibrium
+from .device import position
+
+
+@dataclass(frozen=True)
+class FewerPointsTuning:
+    """Radii at which fewer points are looked at, and what is concluded."""
+
+    left: float = 1.4  # of what the order leaves of a change; tuned on tables, by `make range-bounds`
+    radii: int = 6  # on either side; choice: some to an interval
+    nearest: float = 0.02  # of the radius, how far the outermost lie at least; choice: as for other panels
+    farthest: float = 1.5  # and the factor by which at most; choice: the contact is still like it
+    bend: int = 2  # on either side, through which the bend is that of a parabola; choice: with room for rounding
+
+
+TUNING = FewerPointsTuning()
+
+
+def error_by_points(
+    indenter: Indenter,
+    bodies: Sequence[Attraction],
+    states: Callable[[Attraction, Array], Rims],
+    point: Equilibrium,
+    stiffness: float,
+    end: float,
+) -> Errors:
+    """Half-widths of "delta" [m] and "P" [N] at a critical ``point`` under a device of ``stiffness`` [N/m].
+
+    ``bodies``: under the table ``indenter`` and under the profiles through fewer of its points; ``states``: those of
+    one of them at contact radii up to ``end`` [m].
+    """
+    a, middle = _around(indenter, point.a, end), TUNING.radii
+    here, *others = (states(body, a) for body in bodies)
+    values = np.stack([here.delta, here.P])
+    changes = np.stack([[other.delta, other.P] - values for other in others])
+    rates = np.gradient(np.asarray(position(changes[:, 0], changes[:, 1], stiffness)), a, axis=-1)
+    near = slice(middle - TUNING.bend, middle + TUNING.bend + 1)
+    x = a[near] - a[middle]
+    bend = 2 * np.polyfit(x, np.asarray(position(values[0], values[1], stiffness))[near], 2)[0]
+    along = np.polyfit(x, values[:, near].T, 2)[1]
+    of_F, of_slope, of_mean = indenter.left(np.array([point.a, point.place])).max(axis=1)
+    moved = of_slope * np.abs(rates).max() / abs(bend)
+    value = max(of_F, of_mean) * np.abs(changes).max(axis=(0, 2))
+    errors = TUNING.left * np.hypot(value, along * moved)
+    return dict(zip(("delta", "P"), errors.tolist(), strict=True))
+
+
+def _around(indenter: Indenter, a: float, end: float) -> Array:
+    """Contact radii [m] from an interval of the table below ``a`` to one above, the middle one ``a`` itself."""
+    knots = np.array([0.0, *indenter.joints])
+    after = int(np.clip(np.searchsorted(knots, a), 1, knots.size - 1))
+    width = max(knots[after] - knots[after - 1], TUNING.nearest * a)
+    below, above = max(a - width, a / TUNING.farthest), min(a + width, a * TUNING.farthest, end)
+    steps = np.arange(TUNING.radii + 1) / TUNING.radii
+    return np.concatenate([below + (a - below) * steps, a + (above - a) * steps[1:]])

@@ -45,8 +45,6 @@ class SolvedTuning:
     bent: float = 0.45  # tuned on random bodies, by `make bounds`
     # Error of a rate, in logs, over that of its column: one kernel errs smoothly
     steeper: float = 1.5  # tuned on random bodies, by `make bounds`
-    # and one of polynomials in waves as short as theirs too: so much of what is stated of a column
-    waves: float = 0.08  # tuned on random bodies, by `make bounds`
     # Radius up to which such a kernel is made over that of the outermost point, less the flat end, at most:
     reach: float = 1.6  # tuned on random bodies, by `make bounds`
     scatter: float = 1e-11  # of the columns from radius to radius; tuned on random bodies, by `make bounds`
@@ -109,39 +107,38 @@ def _in_the_middle(solution: Solution, sevens: Array) -> Nonadhesive:
     here = np.searchsorted(rows, middle)
     log_rates[here] = np.stack([known + rate, by_dS * series.a[middle] / beyond], axis=1)
     unit = np.stack([delta, dS]) / beyond
-    joint[here] = _joint(solution, middle, np.stack([known + rate, by_dS]) * unit, left * unit)
+    joint[here] = _joint(solution, sevens, np.stack([known + rate, by_dS]) * unit, left * unit)
     return Nonadhesive(inner, replace(exact(inner), joint=joint), log_rates)
 
 
-def _joint(solution: Solution, at: Array, rates: Array, left: Array) -> Array:
-    """Covariance (n, 6, 6) of the columns and of the ``rates`` delta_H', S'' (2, n) at the rows ``at``, of which
-    polynomials leave ``left``.
+def _joint(solution: Solution, sevens: Array, rates: Array, left: Array) -> Array:
+    """Covariance (n, 6, 6) of the columns and of the ``rates`` delta_H', S'' (2, n) at the middle of the ``sevens``, of
+    which polynomials leave ``left``.
 
     A kernel errs smoothly: most of it is the compliance of one spring in series, which leaves P as it is and changes S
     by the relative error e, S' by 2 e, delta_H by e P/S and delta_H' by e delta_H' the other way, S'' as S'; and what
     errs of P is one stiffness that is too large, of S, S' and S'' too. A small share of what is stated goes its own
     way, more of it where rates are meant; and so does the profile's part.
 
-    A kernel of polynomials errs in waves along a too, which are shortest at the end of its reach: small ones of S' are
-    large ones of S'' (``_waves``).
+    What is known better are ``companions``: each errs in a way of its own, rates included.
     """
-    series = solution.series
+    series, companions = solution.series, solution.companions
+    at = sevens[:, MIDDLE]
     values = np.stack([getattr(series, name)[at] for name in ("delta", "P", "S", "dS")])
     stated = np.stack([series.errors[name][at] for name in ("delta", "P", "S", "dS")])
     shift, slope = solution.unresolved[:, at]
     delta, P, S, dS = values
     kernel = stated - shift * np.stack([np.ones_like(S), S, 0 * S, 0 * S])
+    kernel = kernel if companions is None else companions.least * values
     by_spring = np.stack([-P / S, 0 * S, S, 2 * dS, -rates[0], 2 * (dS**2 / S + rates[1])]) * kernel[2] / S
     by_stiffness = np.stack([0 * S, P, S, dS, 0 * S, rates[1]]) * kernel[1] / P
-    common = np.stack([by_spring, by_stiffness])
-    beyond = series.a[at] - series.a0
-    unit = np.stack([delta, dS]) / beyond
+    common = np.stack([by_spring, by_stiffness, *_by_companions(solution, sevens)])
+    unit = np.stack([delta, dS]) / (series.a[at] - series.a0)
     steep = np.maximum(np.abs(rates), unit)
     pair = kernel[::3]
     not_of = np.sqrt(np.maximum(pair**2 - by_spring[:4:3] ** 2, 0.0))  # one spring
     rough = np.maximum(not_of, np.array([[TUNING.rough], [TUNING.bent]]) * pair)
-    steeper = TUNING.steeper * steep * rough + TUNING.waves * _waves(solution, at) * unit * pair
-    of_rates = steeper / values[::3] + left + TUNING.scatter / TUNING.step * unit
+    of_rates = TUNING.steeper * steep * rough / values[::3] + left + TUNING.scatter / TUNING.step * unit
     profile = np.stack([shift, S * shift, 0 * S, 0 * S, slope, 0 * S])
     covariance = np.sum(common[:, :, None] * common[:, None], axis=0)
     own = np.array(TUNING.own)[:, None] * kernel
@@ -149,14 +146,16 @@ def _joint(solution: Solution, at: Array, rates: Array, left: Array) -> Array:
     return np.moveaxis(covariance, -1, 0) / TWO_SIDED_90**2
 
 
-def _waves(solution: Solution, at: Array) -> Array:
-    """The largest slope over log(a - a0) at the rows ``at`` of a polynomial in a that is at most 1 within the reach of
-    the kernel, of the degree of the kernel's in x: Bernstein's inequality (Borwein and Erdelyi 1995, Ch. 5); 0 where it
-    is not made of such."""
-    series, degree = solution.series, 2 * max(solution.facts.get("parameters", 1) - 1, 0)
-    a, reach = series.a[at], series.a[-1]
-    waves: Array = degree * (a - series.a0) / np.sqrt(np.maximum(reach**2 - a**2, np.finfo(float).eps * reach**2))
-    return waves
+def _by_companions(solution: Solution, sevens: Array) -> Array:
+    """Errors (m, 6, n) of the columns and of the rates delta_H', S'' at the middle of the ``sevens``, by companion."""
+    if solution.companions is None:
+        return np.zeros((0, 6, len(sevens)))
+    series = solution.series
+    values = np.stack([getattr(series, name) for name in ("delta", "P", "S", "dS")])
+    changes = (solution.companions(series.a) * values)[:, :, sevens]
+    rates, _ = _rates(changes[:, ::3])
+    here = changes[..., MIDDLE]
+    return np.concatenate([here, rates / (series.a[sevens[:, MIDDLE]] - series.a0)], axis=1)
 
 
 def _own(places: Array) -> Array:
@@ -201,17 +200,26 @@ def _rates(values: Array) -> tuple[Array, Array]:
 def solved(curve: AdhesiveCurve, further: Further, *devices: float) -> AdhesiveCurve:
     """The ``curve`` through what is solved at its pull-off points, those by ``devices`` of a stiffness [N/m] included,
     until they lie there."""
-    for _ in range(MOST_SOLVES):
+    before = np.array([])
+    for step in range(MOST_SOLVES):
         radii = _wanted(curve, {*CONTROLS.values(), *devices})
         if not radii.size:
             break
+        kept = _apart(before, radii, curve.series.a0) if step > 1 else before[:0]
         try:
-            found = _through(curve, further(radii))
+            found = _through(curve, further(np.union1d(kept, radii)))
             found.nonadhesive.logs  # noqa: B018 - refuses points that do not fit in between the rows
         except JkrError:  # nor may body or profile allow it: what is interpolated stands, with its error
             break
-        curve = found
+        curve, before = found, radii
     return curve
+
+
+def _apart(before: Array, radii: Array, a0: float) -> Array:
+    """Those radii of the step ``before`` that lie apart from the new ``radii``: where steps go to and fro, the place
+    lies between them."""
+    steps = np.abs(np.log((before[:, None] - a0) / (radii - a0)))
+    return before[np.min(steps, axis=1) > TUNING.step]
 
 
 def _wanted(curve: AdhesiveCurve, devices: set[float]) -> Array:

@@ -218,12 +218,24 @@ class Record:
         return "" if self.case is None else self.case.to_toml()
 
 
+class Companions(Protocol):
+    """What a solution leaves open, as others show that it was compared with: ``companions(radii)`` are relative errors
+    (n, 4, radii) of delta, P, S, S' at radii [m], each set of one cause, alike from radius to radius and column to
+    column; ``least``: relative errors that no other tells apart."""
+
+    @property
+    def least(self) -> float: ...
+
+    def __call__(self, radii: Array) -> Array: ...
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution:
     """A solved problem: what every method returns, and what its file gives back.
 
     ``raw``: the increments, where the method works in increments; ``facts``: plain numbers and words about mesh, solver
-    and choices; ``timings``: CPU seconds per stage; ``warnings``: sentences with numbers.
+    and choices; ``timings``: CPU seconds per stage; ``warnings``: sentences with numbers; ``companions``: where the
+    method knows them.
     """
 
     problem: Problem
@@ -236,6 +248,7 @@ class Solution:
     timings: Mapping[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     record: Record = field(default_factory=Record)
+    companions: Companions | None = None
 
     def __repr__(self) -> str:
         a = self.increments.a

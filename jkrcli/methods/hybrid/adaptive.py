@@ -44,12 +44,13 @@ class HybridTuning:
     # more near the largest, where polynomials err in their shortest waves: one radius alone may lie at a node of them
     near: tuple[float, ...] = (0.84, 0.92, 0.97)  # of it; tuned on random bodies, by `make bounds`
     # On the error that the last step of the degree leaves:
-    safety: float = 2.5  # tuned on random bodies, by `make bounds`
+    safety: float = 2.2  # tuned on random bodies, by `make bounds`
     slowest: float = 3.0  # what a step divides it by, at least; tuned on random bodies, by `make failures`
-    fastest: float = 15.0  # at most; tuned on random bodies, by `make failures`
+    fastest: float = 22.0  # at most; tuned on random bodies, by `make bounds`
     cornered: float = 8.0  # at most, with singular corners; tuned on random bodies, by `make failures`
+    irregular: int = 2  # elements, up to which no fall is trusted; tuned on random bodies, by `make bounds`
     # Of the last step but one over the last, at most; where it falls by more, the last is small by accident:
-    plausible: float = 200.0  # tuned on random bodies, by `make bounds`
+    plausible: float = 300.0  # tuned on random bodies, by `make bounds`
     plausible_cornered: float = 50.0  # with singular corners; tuned on random bodies, by `make bounds`
     steeper: float = 2.0  # error of S' over that of the others, at least; tuned on random bodies, by `make failures`
     allowed: float = 0.5  # of the tolerance, up to which ``steeper`` asks for no finer elements; choice: half
@@ -81,6 +82,7 @@ class HybridTuning:
 
 
 TUNING = HybridTuning()
+ALL = np.ones(4)  # of delta, P, S, S' alike
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,13 +157,45 @@ class SideContact(KernelContact):
 
 
 @dataclass(frozen=True, eq=False)
+class Companions:
+    """A ``contact`` beside others with one of the ``kernels``, each without one thing: finer elements, the last
+    polynomial, the cut's distance; found to the relative ``accuracy``. ``weights``: the part of each change that is
+    left as an error, of each column; ``least``: relative errors that nothing tells apart."""
+
+    contact: KernelContact
+    kernels: tuple[PolynomialKernel, ...]
+    accuracy: float
+    weights: tuple[Array, ...] = ()
+    least: float = 0.0
+
+    def changes(self, radii: Array) -> Array:
+        """Relative changes, with their signs, of delta, P, S, S' (kernels, 4, radii) at ``radii`` [m]; infinite where
+        the equation is not positive definite."""
+        best = self.contact.columns(radii, self.accuracy)
+        return np.array([self._of(kernel, radii, best) for kernel in self.kernels])
+
+    def _of(self, kernel: PolynomialKernel, radii: Array, best: Array) -> Array:
+        try:
+            return replace(self.contact, kernel=kernel).columns(radii, self.accuracy) / best - 1
+        except SolveError:
+            return np.full_like(best, np.inf)
+
+    def __call__(self, radii: Array) -> Array:
+        """What is left, relative errors (n, 4, radii), those of one companion alike from radius to radius."""
+        changes = self.changes(radii)
+        return np.array(self.weights)[:, :, None] * np.where(np.isfinite(changes), changes, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
 class ErrorEstimates:
-    """Estimated relative errors (columns, radii) at ``radii`` [m]: of elements, of the parameters t, of the cut."""
+    """Estimated relative errors (columns, radii) at ``radii`` [m]: of elements, of the parameters t, of the cut; and
+    the ``companions`` that show them."""
 
     radii: Array
     elements: Array
     parameters: Array
     cut: Array
+    companions: Companions | None = None
 
     @property
     def total(self) -> Array:
@@ -338,36 +372,28 @@ class AdaptiveKernel:
         """Errors at some radii, from what lower levels, one polynomial less and the cut change."""
         a0, end = self.indenter.a0, levels.region.unit
         radii = a0 + (end - a0) * np.union1d(np.geomspace(TUNING.smallest, 1, TUNING.samples), TUNING.near)
-        precise = NO_CLAIM * self.tolerance
-        best = contact.columns(radii, precise)
-
-        def change(kernel: PolynomialKernel) -> Array:
-            try:
-                return np.abs(replace(contact, kernel=kernel).columns(radii, precise) / best - 1)
-            except SolveError:
-                return np.full_like(best, np.inf)
-
-        last, before = (change(levels.kernel(degree, coarser=steps)) for steps in (1, 2))
-        fastest, plausible = _fastest(levels.region)
-        known = np.isfinite(before).all()
-        fall = float(np.clip(before.max() / last.max() - 1, TUNING.slowest, fastest)) if known else TUNING.slowest
-        left = TUNING.unseen / (convergence(levels.region) - 1)
-        falls = np.full_like(last, fall)
-        if known:  # two levels that agree by accident are no sign of fast convergence
-            falls[last < before / plausible] = TUNING.slowest
-            last = np.maximum(last, before / plausible)
-        if not levels.region.cut_beside:
-            cut = np.zeros_like(best)
-        elif levels.region.algebraic:
-            cut = _extrapolated(levels.region, change(levels.cut(degree)))
-        else:
-            cut = TUNING.decayed * change(levels.cut(degree, nearer=True))
-        parameters = max(left, TUNING.least) * change(contact.kernel.shorter())
+        region, precise = levels.region, NO_CLAIM * self.tolerance
+        kernels = [levels.kernel(degree, coarser=1), levels.kernel(degree, coarser=2), contact.kernel.shorter()]
+        kernels += [levels.cut(degree, nearer=not region.algebraic)] if region.cut_beside else []
+        companions = Companions(contact, tuple(kernels), precise)
+        last, before, shorter, *cuts = np.abs(companions.changes(radii))
+        fastest, plausible = _fastest(region)
+        known = bool(np.isfinite(before).all())
+        fast = known and levels.correction(degree).elements > TUNING.irregular
+        fall = float(np.clip(before.max() / last.max() - 1, TUNING.slowest, fastest)) if fast else TUNING.slowest
+        # Two levels may agree by accident; one below the lowest tells of that only where they agree too well:
+        too_well = known and before.max() > plausible * last.max()
+        telling = too_well or (known and degree - 2 * STEP >= TUNING.lowest)
+        by_accident = TUNING.safety / TUNING.slowest / plausible * telling
+        left = max(TUNING.unseen / (convergence(region) - 1), TUNING.least)
+        cut = _left_by_cut(region, cuts[0]) if cuts else np.zeros_like(last)
         least = TUNING.no_claim * self.tolerance + (GRADED if levels.wide is not None else 0.0)
-        elements = TUNING.safety / falls * last + least
+        elements = np.hypot(TUNING.safety / fall * last, by_accident * (before if telling else 0.0)) + least
         steeper = np.minimum(TUNING.steeper * elements[:-1].max(axis=0), TUNING.allowed * self.attainable)
         elements[-1] = np.maximum(elements[-1], steeper)
-        return ErrorEstimates(radii, elements, parameters, cut)
+        weights = (TUNING.safety / fall * ALL, by_accident * ALL, left * ALL, _of_cut(region))[: len(kernels)]
+        companions = replace(companions, weights=weights, least=least + precise)
+        return ErrorEstimates(radii, elements, left * shorter, cut, companions)
 
 
 def _fastest(region: Region) -> tuple[float, float]:
@@ -375,13 +401,24 @@ def _fastest(region: Region) -> tuple[float, float]:
     return (TUNING.cornered, TUNING.plausible_cornered) if region.corners else (TUNING.fastest, TUNING.plausible)
 
 
-def _extrapolated(region: Region, change: Array) -> Array:
-    """Error that extrapolating the cut leaves, where it makes a ``change``: of the next order."""
-    *others, last = change
-    change = np.stack([*others, np.maximum(last, TUNING.steeper_cut * others[-1])])
-    if not region.higher_order:
-        return region.next_order * change
-    return TUNING.cancelled * np.maximum(change, change[:-1].max())
+def _left_by_cut(region: Region, change: Array) -> Array:
+    """Error that the cut leaves, where extrapolating it makes a ``change``, of the next order, or, of fields that decay
+    exponentially, the second cut."""
+    left = _of_cut(region)[:, None] * change
+    if not region.algebraic:
+        return left
+    *others, last = left
+    left = np.stack([*others, np.maximum(last, TUNING.steeper_cut * left[2])])
+    return np.maximum(left, left[:-1].max()) if region.higher_order else left
+
+
+def _of_cut(region: Region) -> Array:
+    """What is left of such a change of delta, P, S, S'; of P all, which the spring that extrapolating adds leaves."""
+    if not region.algebraic:
+        return np.full(4, TUNING.decayed)
+    if region.higher_order:
+        return np.full(4, TUNING.cancelled)
+    return np.where([False, True, False, False], 1.0, region.next_order)
 
 
 def fem_for(indenter: Indenter) -> str:

@@ -122,6 +122,7 @@ class Hybrid(HybridOptions):
             facts=_facts(levels, degree, result),
             timings=clock.seconds,
             warnings=warnings,
+            companions=errors.companions,
         ).widened()
 
     def _body(self, problem: Problem) -> AdaptiveKernel:

@@ -23,7 +23,7 @@ class RegionTuning:
     least: int = 6  # tuned on reference bodies, by `make tuning`
     decays: float = 40.0  # lengths, where the field falls exponentially; tuned on reference bodies, by `make tuning`
     # Left by extrapolation over its change, times size/length:
-    next_order: float = 24.0  # tuned on a coating cut at 27 to 217 thicknesses, by `make bounds`
+    next_order: float = 12.0  # tuned on random bodies, by `make bounds`
     # Poisson's ratio of a half-space, from which on it does not move sideways where it is pulled from far:
     vanishing: float = 0.45  # tuned on random bodies, by `make bounds`
     # Relative error left elsewhere, times (size/length)^3:

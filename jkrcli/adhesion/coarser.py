@@ -65,8 +65,21 @@ def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) ->
     moved = _mean(rates[:, around]) / abs(bend)
     of_value, of_place = ((point.a - series.a0) / (series.a[-1] - series.a0)) ** np.array(TUNING.powers)
     wrong = np.hypot(of_value * np.array([_mean(by_delta), _mean(by_P)]), of_place * along * moved)
-    errors = TUNING.left / (coarser.ratio - 1) * wrong
+    of_mesh = TUNING.left / (coarser.ratio - 1) * wrong
+    shift, slope = _by_profile(curve, point.a)
+    errors = np.sqrt(of_mesh**2 + shift**2 + (along * float(position(slope[0], slope[1], stiffness)) / bend) ** 2)
     return dict(zip(("delta", "P"), errors.tolist(), strict=True))
+
+
+def _by_profile(curve: AdhesiveCurve, a: float) -> tuple[Array, Array]:
+    """Errors of delta [m] and P [N] at the radius ``a`` [m], and of their slopes over log(a - a0), by a profile that is
+    known at points only."""
+    series = curve.series
+    if series.unresolved is None:
+        return np.zeros(2), np.zeros(2)
+    shift, slope = (np.interp(a, series.a, values) for values in series.unresolved)
+    unit = np.array([1.0, float(curve.nonadhesive.parts(np.array(a)).S)])
+    return shift * unit, (a - series.a0) * slope * unit
 
 
 def _mean(values: Array) -> float:

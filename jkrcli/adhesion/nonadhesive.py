@@ -190,5 +190,7 @@ def _at(columns: Columns, rows: Array) -> Columns:
     """The series or slopes at the points ``rows`` alone, without errors."""
     names = ("a", "delta", "P", "S", "dS")
     values = {name: getattr(columns, name)[rows] for name in names if getattr(columns, name, None) is not None}
-    blank: dict[str, Any] = {"errors": {}} if isinstance(columns, Series) else {"covariance": None, "joint": None}
+    blank: dict[str, Any] = (
+        {"errors": {}, "unresolved": None} if isinstance(columns, Series) else {"covariance": None, "joint": None}
+    )
     return replace(columns, **values, **blank)

@@ -293,6 +293,8 @@ def _series_and_slopes(solution: Solution, name: str) -> tuple[Series, Slopes]:
         return smoothed(solution.raw, solution.series.a0, solution.series.S0, own=own)
     indenter = solution.problem.indenter
     series = replace(solution.filtered, own=own, kinks=indenter.kinks, bends=indenter.bends)
+    if series.coarser is not None and indenter.thinned:
+        series = replace(series, unresolved=solution.unresolved)
     if name not in ("auto", "exact"):
         series = replace(series, S=None, dS=None)
     return series, slopes(series, name)

@@ -64,6 +64,8 @@ class Series:
     ``own``: of columns that were read, the exact solution of the bodies they are said to be of, where there is one: a
     smooth fit departs from its shape no more than the columns ask for.
     ``coarser``: the same by larger elements, where there are such.
+    ``unresolved``: errors (2, n) of delta [m] and of its slope by a profile that is known at points only, where
+    ``coarser`` does not show them.
     """
 
     a: Array
@@ -78,6 +80,7 @@ class Series:
     coarser: Coarser | None = None
     kinks: tuple[float, ...] = ()
     bends: tuple[float, ...] = ()
+    unresolved: Array | None = None
 
     def __post_init__(self) -> None:
         a = _frozen("a", self.a)
@@ -283,7 +286,7 @@ class Solution:
         relative = max(float(np.max((more[name] / getattr(series, name))[judged])) for name in more)
         own = self.budget.discretisation
         budget = self.budget if isinstance(own, Unknown) else replace(self.budget, discretisation=own + relative)
-        return replace(self, series=replace(series, errors=errors, coarser=None), budget=budget)
+        return replace(self, series=replace(series, errors=errors), budget=budget)
 
     @property
     def increments(self) -> RawSeries:

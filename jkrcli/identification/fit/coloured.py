@@ -172,19 +172,37 @@ def _spectrum(f: Array, power: Array, taken: Array) -> Spectrum:
     mean = np.add.reduceat(power, edges) / count
     centre = np.add.reduceat(np.maximum(f, lowest / 2), edges) / np.diff(np.append(edges, f.size))
     white = float(np.average(mean, weights=count))
+    most = _unlikely(mean, np.stack([np.full(mean.size, white), _falling(mean, count)]), count)
+    if most[0] < most[1] + TUNING.least:
+        return Spectrum(white)  # no spectrum that falls gains as much
     corners = np.geomspace(TUNING.seen * lowest, 0.2, TUNING.corners)
     shapes = [(c, 2.0) for c in corners] + [(TUNING.lowest * lowest, b) for b in TUNING.powers]
     slow = np.stack([_slow(centre, *shape) for shape in shapes])
     slow /= slow[:, :1]
     A, B = _parts(slow, mean, count)
     found = _unlikely(mean, A[:, None] + B[:, None] * slow, count)
-    if found.min() > _unlikely(mean, np.full((1, mean.size), white), count)[0] - TUNING.least:
+    if found.min() > most[0] - TUNING.least:
         return Spectrum(white)
     share = np.exp((found.min() - found) / 2)
     share = np.where(share > TUNING.likely, share, 0.0) / share[share > TUNING.likely].sum()
     heights = share * B / np.array([_slow(centre[0], *shape) for shape in shapes])
     parts = ((float(B), *shape) for B, shape in zip(heights, shapes, strict=True) if B)
     return Spectrum(float(share @ A), tuple(parts))
+
+
+def _falling(mean: Array, count: Array) -> Array:
+    """The likeliest spectrum of octaves with these ``mean`` squares that rises nowhere: means of those that do pooled
+    (Barlow et al., Statistical Inference under Order Restrictions, 1972)."""
+    pools: list[tuple[float, float, int]] = []  # mean, weight, octaves
+    for one, weight in zip(mean.tolist(), count.tolist(), strict=True):
+        pool = one, weight, 1
+        while pools and pools[-1][0] < pool[0]:
+            before = pools.pop()
+            weights = before[1] + pool[1]
+            pool = (before[0] * before[1] + pool[0] * pool[1]) / weights, weights, before[2] + pool[2]
+        pools.append(pool)
+    levels, _, octaves = zip(*pools, strict=True)
+    return np.maximum(np.repeat(levels, octaves), TUNING.untold * mean.max())
 
 
 def _octaves(left: Array) -> Array:

@@ -106,7 +106,7 @@ def judged(kind: str, made: Wrong, found: Fit) -> dict[str, float]:
         inside &= item.low - part <= true <= item.high + part
         far |= abs(item.value - true) > 3 * math.hypot(item.error, part)
         if name == "E_star":
-            told["part"] = part / item.error
+            told |= {"over half": 2 * part / (item.high - item.low), "over error": part / item.error}
     told |= {"inside, widened": float(inside), "said or inside": float(inside or bool(named.named))}
     return told | {"silent": float(far and not found.flags)}
 
@@ -220,10 +220,11 @@ def _line(kind: str, seed: int, count: int, louder: float) -> None:
             print(f"  {kind} {i}: {error}")
         for name, value in told.items():
             columns[name].append(value)
-    parts = columns.pop("part", [0.0])
+    halves, errors = (np.median(columns.pop(name, [0.0])) for name in ("over half", "over error"))
     shares = ", ".join(f"{name} {np.mean(values):.2f}" for name, values in columns.items() if name != "silent")
     silent = np.sum(columns["silent"])
-    print(f"{kind:<24} {shares}, silent {silent:.0f}, systematic over statistical {np.median(parts):.2g}", flush=True)
+    parts = f"systematic over 95 % half-width {halves:.2g}, over standard error {errors:.2g}"
+    print(f"{kind:<24} {shares}, silent {silent:.0f}, {parts}", flush=True)
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.special import ndtri
 
 from ..base import SI, Array, hdf5, scale, show
 from ..identification.fit import Failure, Fit, FittedValue
@@ -262,7 +263,8 @@ def verdict_words(item: Fit) -> list[str]:
     give, and which rivals the parts by the model are from."""
     shown, formula = [item.estimate("E_star"), item.work], list[str]()
     doubts = [flag for flag in item.flags if not flag.endswith(VAGUE)]
-    verdict = ", ".join(map(brief, shown)) + (f"; doubtful: {', '.join(doubts)}" if doubts else "")
+    verdict = brief(shown, item.settings.level)
+    verdict += f"; doubtful: {', '.join(doubts)}" if doubts else ""
     if item.verdict is None:
         return [verdict]
     if item.verdict.E_star is not None:
@@ -281,13 +283,21 @@ def verdict_words(item: Fit) -> list[str]:
     return [verdict + rejected, *(f"  {'; '.join(lines)}" for lines in (formula, judged) if lines)]
 
 
-def brief(item: FittedValue) -> str:
-    """A value with its statistical part, that of inputs, and that of the model."""
+def brief(items: Sequence[FittedValue], level: float) -> str:
+    """Values with their statistical part, that of inputs, and that of the model, all half-widths at one ``level``."""
+    said = ", ".join(_with_parts(item, level) for item in items)
+    return said + f", at {100 * level:g} %" * any(item.error is not None for item in items)
+
+
+def _with_parts(item: FittedValue, level: float) -> str:
     name = f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension, 4)}"
     if item.error is None:
         return f"{name} (not determined by the data)" if item.free else f"{name} (held)"
-    calibration = math.hypot(*(item.systematic or {}).values())
-    own = math.sqrt(max(item.error**2 - calibration**2, 0.0))
+    half = item.error * float(ndtri((1 + level) / 2))
+    if item.low is not None and item.high is not None:
+        half = (item.high - item.low) / 2
+    calibration = half * min(math.hypot(*(item.systematic or {}).values()) / (item.error or 1.0), 1.0)
+    own = math.sqrt(half**2 - calibration**2)
     parts = {"statistical": own, "calibration": calibration, "model": math.hypot(*(item.model or {}).values())}
     unit, _ = scale(item.value, item.dimension)
     said = [f"± {float(f'{size / unit:.2g}'):g} ({kind})" for kind, size in parts.items() if size > NOTICEABLE * own]

@@ -49,7 +49,7 @@ class JointFitted(JointFit, Result):
         """What is shared, then what each record says alone, and its own."""
         shared = [item for item in self.shared if item.name != "modulus"]
         lines = [
-            ", ".join(map(brief, shared)) + (f"; {DOUBTFUL}: {', '.join(self.flags)}" if self.flags else ""),
+            brief(shared, self.level) + (f"; {DOUBTFUL}: {', '.join(self.flags)}" if self.flags else ""),
             f"  {len(self.fits)} records together (p = {self.chance:.2g} that such records differ as much)",
         ]
         lines += [f"  {item.name:<12} {estimate_words(item, self.level)}" for item in shared]

@@ -72,7 +72,7 @@ class LawFit(RateFit, Result):
         speeds = " to ".join(show(v, "speed", 3) for v in self.speeds)
         records = f"{len(self.records)} record{'s' if len(self.records) > 1 else ''}"
         free = [item for item in self.estimates if item.free and item.name in ("E_star", "w0")]
-        lines = [", ".join(map(brief, free)), f"  {records}, {rows} rows; {law_words(self.law)}; edge {speeds}"]
+        lines = [brief(free, self.settings.level), f"  {records}, {rows} rows; {law_words(self.law)}; edge {speeds}"]
         for item in self.estimates:
             if item.free and item.name != "modulus":
                 lines.append(

@@ -113,7 +113,7 @@ def _words(fit: RelaxationFit) -> list[str]:
     held = "load" if record.loaded else "displacement"
     motion = "as it was read" if record.read else f"held, {_pieces(record.knots[0])}"
     lines = [
-        brief(fit.estimate("E_star")),
+        brief([fit.estimate("E_star")], level),
         f"  {record.curve.where}: {fit.relaxation}; {record.t.size} rows, the {held} {motion}",
     ]
     for item in fit.estimates:

@@ -49,7 +49,7 @@ class TensionFitted(TensionFit, Result):
         free = [item for item in self.estimates if item.free]
         mixed = f"; one radius does not separate the tension from {' and '.join(self.mixed)}" if self.mixed else ""
         lines = [
-            ", ".join(map(brief, free)) + mixed,
+            brief(free, self.level) + mixed,
             f"  {together}, {rows} rows, scatter of the load {show(self.scatter, 'load', 2)}",
         ]
         known = [f"{item.name} = {show(item.value, item.dimension)}" for item in self.estimates if not item.free]

@@ -46,7 +46,7 @@ def test_a_case_and_a_curve_give_table_summary_archive_and_picture(jkr, folder: 
     assert outcome.code == 0
     lines = outcome.out.splitlines()
     assert lines[0].startswith(
-        "E* = 1 MPa ± 0.0017 (statistical) ± 0.018 (model), w = 99.8 mJ/m^2 ± 0.25 (statistical)"
+        "E* = 1 MPa ± 0.0034 (statistical) ± 0.018 (model), w = 99.8 mJ/m^2 ± 0.49 (statistical)"
     )
     assert lines[1].startswith("  range        the data allow up to ")
     assert lines[2] == "  probe.csv: 200 rows of delta, P"

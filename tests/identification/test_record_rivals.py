@@ -204,7 +204,7 @@ def _noisy(at: Situation, seed: int) -> object:
 def test_what_is_left_of_a_known_amount() -> None:
     """The data exclude part of it: amounts from 0.1 to 0.3 of a rival known within 0.2 leave 0.2."""
     score = next(one for one in answer("right").verdict.rivals.scores)  # type: ignore[union-attr]
-    one = replace(score, amount=0.2, error=0.1 / 1.96, least=-0.2, known=0.2, word=UNTOLD)
+    one = replace(score, amount=0.2, error=0.1 / 1.96, wide=1.96, least=-0.2, known=0.2, word=UNTOLD)
     assert one.most == pytest.approx(0.2)
     assert replace(one, known=1.0).most == pytest.approx(0.3)
     assert replace(one, amount=-0.2, known=1.0).most == pytest.approx(0.2)

@@ -59,7 +59,6 @@ class FullTuning:
     excluded: float = 6.0
     about: float = 0.5  # choice: standard errors, by which what a range does to a fit may be off
     falling: float = 2.0  # choice: of the step to come, by which chi^2 may still fall
-    possible: float = 3.84  # theory: rise of chi^2 up to which a number is in its 95 % interval
     chords: int = 12  # choice: guard, steps with derivatives of the fit without; three to six are needed
     hopeless: float = 3000.0  # choice: rise of chi^2 after a step, from which on there are no more
     still: float = 0.02  # choice: standard errors, below which a step is the last one
@@ -75,7 +74,7 @@ Moves = tuple[float, float, float]  # rises of chi^2 and of the logs of E* and w
 class InFull:
     """A rival fitted in full: its one-step ``score``, what was ``found``; ``misfit``: chi^2 of what is left in units of
     the noise of the free rows, where no row is next to a fold; ``chance``: that this noise leaves as much; ``falls``:
-    how much lower it is than without, on all rows of both."""
+    how much lower it is than without, on the rows of both that are off the folds."""
 
     score: Score
     found: ForceCurveFit
@@ -105,7 +104,9 @@ def _bounded(at: Situation, score: Score, known: Known) -> Score:
         return score
     own = Weighted.of(at, off_folds(at))
     if score.name == RANGE.name:
-        tried = {amount: _left_moves(own, _held(at, look, amount)) for amount in _ranges(at, score, known.range)}
+        tried = {
+            amount: _left_moves(own, _held(at, look, amount), score.wide) for amount in _ranges(at, score, known.range)
+        }
         return _of_amounts(at, own, score, look, tried)
     if score.name == TENSION.name:
         return _of_tension(at, own, score, look, known.tension)
@@ -133,12 +134,12 @@ def _at_most(at: Situation, own: Weighted, change: Change, score: Score) -> Scor
 
 def _of_tension(at: Situation, own: Weighted, score: Score, change: Change, known: float) -> Score:
     """The same of surface tensions up to the one that is ``known`` [N/m], or the usual one where the data lean to any:
-    by more than can be chance, in all rows."""
+    by more than can be chance."""
     most = tension_amount(at, known or TUNING.skinned)
     tried: dict[float, Moves | None] = {}
     least, leans = 0.0, False
     for amount in sorted({min(most, TUNING.skins[0]), *(amount for amount in TUNING.skins if amount < most)}):
-        tried[amount] = found = _left_moves(own, _held(at, change, amount))
+        tried[amount] = found = _left_moves(own, _held(at, change, amount), score.wide)
         rises = found is not None and found[0] > least
         least = least if found is None else min(least, found[0])
         leans = bool(known) or -least > TUNING.leaning**2 or at_chance(at.found, -least) < SCORES.chance / len(RIVALS)
@@ -151,14 +152,14 @@ def _of_amounts(
     at: Situation, own: Weighted, score: Score, change: Change, tried: Mapping[float, Moves | None]
 ) -> Score:
     """The score with the largest moves at those amounts ``tried`` of a ``change`` that the data leave; it is asked for
-    where one takes enough of the misfit, of all rows."""
+    where one takes enough of the misfit."""
     left = {amount: found for amount, found in tried.items() if found is not None}
     if not left:
         return score
     end, beyond = max(left), min((amount for amount in tried if amount > max(left)), default=0.0)
     for _ in range(TUNING.halves * (beyond > 0)):
         middle = math.sqrt(end * beyond)
-        if (found := _left_moves(own, _held(at, change, middle))) is None:
+        if (found := _left_moves(own, _held(at, change, middle), score.wide)) is None:
             beyond = middle
         else:
             left[middle], end = found, middle
@@ -181,11 +182,12 @@ def _ranges(at: Situation, score: Score, longest: float) -> list[float]:
     return [amount_of_range(at, z0) for z0 in ranges]
 
 
-def _left_moves(own: Weighted, model: RivalModel) -> Moves | None:
-    """By how much chi^2, and the logs of E* and w, rise with a change; None where the data exclude it."""
-    found = _stepped(own, model, TUNING.possible, TUNING.about)
+def _left_moves(own: Weighted, model: RivalModel, wide: float) -> Moves | None:
+    """By how much chi^2, and the logs of E* and w, rise with a change; None where it is more than ``wide`` standard
+    errors off."""
+    found = _stepped(own, model, wide**2, TUNING.about)
     told = None if found is None else (found[0], *_moves(own, found[1]))
-    return told if told is not None and told[0] < TUNING.possible and np.isfinite(told).all() else None
+    return told if told is not None and told[0] < wide**2 and np.isfinite(told).all() else None
 
 
 def _moves(own: Weighted, x: Array) -> tuple[float, float]:

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.special import ndtri
 
 from ...adhesion import LIMITS, Nonadhesive, Program, RelaxingContact
 from ...adhesion.validity import EXCESS, STRAINED
@@ -700,10 +701,16 @@ RIVALS: tuple[Rival, ...] = (
 
 class Known(NamedTuple):
     """What the user knows before the data: the longest ``range`` of adhesion [m], inf where nothing is, and the largest
-    surface ``tension`` [N/m], 0 where nothing is."""
+    surface ``tension`` [N/m], 0 where nothing is; and the ``level`` of intervals."""
 
     range: float = math.inf
     tension: float = 0.0
+    level: float = 0.95
+
+    @property
+    def wide(self) -> float:
+        """Half-width of what is stated, in standard errors."""
+        return float(ndtri((1 + self.level) / 2))
 
 
 def known_amount(at: Situation, rival: Rival, known: Known) -> float:

@@ -53,7 +53,8 @@ class Score:
 
     ``error``: standard error of the amount, infinite where no row tells it; ``chance`` of as much from noise; ``taken``
     from chi^2, and the ``share`` of all that is; ``E_star``, ``w``: by how much their logarithms move per amount.
-    ``least, known``: the amounts that are likely before the data; ``word``: one of three.
+    ``least, known``: the amounts that are likely before the data; ``word``: one of three; ``wide``: half-width of what
+    is stated, in standard errors.
     """
 
     name: str
@@ -70,16 +71,18 @@ class Score:
     least: float
     known: float
     word: str
+    wide: float = TUNING.normal
 
     def change(self, rate: float) -> float:
         """Relative change, with the amount found, of a quantity whose logarithm moves by ``rate`` per amount."""
         return math.expm1(min(self.amount * rate, 700.0))
 
     def moved(self, rate: float) -> float:
-        """How far a quantity may be off, relative, that moves by ``rate`` per amount: by the amount found and its 95 %
-        error, where the data ask for it; else by the largest that they and what is known leave."""
+        """How far a quantity may be off, relative, that moves by ``rate`` per amount: by the amount found and its
+        error, at the level of the intervals, where the data ask for it; else by the largest that they and what is known
+        leave."""
         if self.word == ASKED and math.isfinite(self.error):
-            return abs(rate) * (abs(self.amount) + TUNING.normal * self.error)
+            return abs(rate) * (abs(self.amount) + self.wide * self.error)
         return abs(rate) * self.most if rate else 0.0
 
     @property
@@ -87,7 +90,8 @@ class Score:
         """The largest amount that is known to be possible and not excluded by the data."""
         if math.isinf(self.error):
             return self.known
-        reach = (self.amount - TUNING.normal * self.error, self.amount + TUNING.normal * self.error)
+        room = self.wide * self.error
+        reach = (self.amount - room, self.amount + room)
         return max(abs(min(max(end, self.least), self.known)) for end in reach)
 
 
@@ -176,7 +180,7 @@ def rivals_of_record(at: Situation, known: Known) -> RecordRivals:
     misfit, errors = float(r @ r), _errors(found)
     scores = [
         _score(rival, float(size), float(along), whole, _rates(found, move), errors, (misfit, told, len(names)),
-               known_amount(at, rival, known))
+               (known_amount(at, rival, known), known.wide))
         for rival, size, along, whole, move, told in zip(
             names, sizes, r @ left, np.linalg.norm(wide, axis=0), moves.T, _told_at(found, left), strict=True)
     ]  # fmt: skip
@@ -281,16 +285,17 @@ def least_of_named(most: float) -> float:
 
 def _score(
     rival: Rival, size: float, along: float, whole: float, rates: tuple[float, float], errors: tuple[float, float],
-    judged: tuple[float, float, int], most: float,
+    judged: tuple[float, float, int], known: tuple[float, float],
 ) -> Score:  # fmt: skip
     """The score of a rival whose weighted column is ``whole`` long, ``size`` of it beyond the model's own, with the
     product ``along`` of that direction and the residuals; ``errors`` of E* and w, relative; ``judged``: chi^2, the
-    degrees of freedom of the noise, and how many rivals there are; ``most``: what is likely of it."""
-    misfit, dof, count = judged
+    degrees of freedom of the noise, and how many rivals there are; ``known``: what is likely of it, and how wide a
+    statement is."""
+    (misfit, dof, count), (most, wide) = judged, known
     told = (rival.name, rival.family, rival.amount, rival.of_directions)
-    known = (0.0 if rival.positive else -most, most)
+    likely = (0.0 if rival.positive else -most, most)
     if size <= TUNING.singular * whole:
-        return Score(*told, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, *known, UNTOLD)
+        return Score(*told, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, *likely, UNTOLD, wide)
     amount, error, taken = -along / size, 1 / size, along**2
     chance = float(fdtrc(1, dof, taken))
     room, reach = TUNING.normal * error, TUNING.over * rival.possible
@@ -302,7 +307,7 @@ def _score(
     )
     ends = abs(amount) + t_quantile(0.95, round(dof)) * error
     word = ASKED if asked else EXCLUDED if max(map(abs, rates)) * ends < TUNING.matters else UNTOLD
-    return Score(*told, amount, error, chance, taken, taken / max(misfit, taken), *rates, *known, word)
+    return Score(*told, amount, error, chance, taken, taken / max(misfit, taken), *rates, *likely, word, wide)
 
 
 def _rates(found: ForceCurveFit, moves: Array) -> tuple[float, float]:

@@ -36,7 +36,7 @@ TUNING = VerdictTuning()
 def judged(result: Fit, body: FittedBody, found: ForceCurveFit) -> Fit:
     """The fit with its verdict: that of ``found``, which is of all directions of the record."""
     settings, at = result.settings, Situation(body, found)
-    known = Known(settings.range_at_most, settings.tension_at_most)
+    known = Known(settings.range_at_most, settings.tension_at_most, settings.level)
     rivals = bounded(at, rivals_of_record(at, known), known)
     said = {name: sentence for name, sentence in _flags(rivals) if name not in result.flags}
     estimates = tuple(_with_part(item, rivals) for item in result.estimates)

@@ -121,7 +121,7 @@ class Intervals:
         if self.drawn:
             return self._of_samples(item, found)
         if not self.profiled:
-            return found
+            return self._with_limit(found, item) if item.kind == "root" and found.low == 0 else found
         return self._shared(item, found, before) if item.follows else self._with_profile(item, found)
 
     def _sigma(self, item: Parameter) -> float | None:
@@ -136,6 +136,11 @@ class Intervals:
         if item.kind in LIMITED and low <= 0:
             low, high = 0.0, float(np.quantile(values, self.level))
         return replace(found, error=float(np.std(values, ddof=1)), low=low, high=high)
+
+    def _with_limit(self, found: FittedValue, item: Parameter) -> FittedValue:
+        """The estimate of a signed root that may be 0, as far as its profile goes: curves bend in it."""
+        high = max(self.end(item, ONE_SIDED * self.t) or 0.0, found.high or 0.0)
+        return replace(found, error=high / (2 * self.t), high=high)
 
     def _with_profile(self, item: Parameter, found: FittedValue) -> FittedValue:
         low, high = self.end(item, -self.t), self.end(item, self.t)

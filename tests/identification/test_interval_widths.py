@@ -36,7 +36,9 @@ from jkrcli.identification.fit.statistics import (
     t_quantile,
     variance_factor,
 )
-from jkrcli.identification.intervals import wider
+from jkrcli.identification.intervals import Intervals, wider
+from jkrcli.identification.least_squares import LeastSquares, State
+from jkrcli.identification.parameters import ONE_SIDED, ROOT, Parameter
 from jkrcli.identification.rate.fitting import rate_fit, rate_settings
 from jkrcli.identification.rate.through import LawThrough, law_through
 
@@ -76,6 +78,20 @@ def test_systematic_parts_count_as_standard_errors() -> None:
     assert (item.low, item.high) == pytest.approx((1 - 2 * 13.0, 1 + 2 * 13.0))
 
 
+def test_limit_of_a_root_that_a_curve_bends_in() -> None:
+    """Of a reading 0.1 ± 0.3 of tanh r, r the signed root of w: the profile ends as many errors off in tanh r."""
+
+    def model(x: np.ndarray) -> State:
+        return State((np.tanh(x) - 0.1) / 0.3, lambda: np.diag(1 / np.cosh(x) ** 2 / 0.3))
+
+    least = LeastSquares(model, (np.array([-9.0]), np.array([9.0]))).least(np.array([0.1]))
+    quantity, variance = Parameter("w", True, scale=ROOT), np.array([[(0.3 / 0.99) ** 2]])
+    (item,) = Intervals(least, [quantity], lambda x: {"w": float(x[0])}, variance, 1.96, 0.95).estimates()
+    assert item.value == pytest.approx(math.atanh(0.1) ** 2, rel=1e-6)
+    assert (item.low, item.high) == (0.0, pytest.approx(math.atanh(0.1 + 0.3 * 1.96 * ONE_SIDED) ** 2, rel=1e-2))
+    assert item.error == item.high / (2 * 1.96)
+
+
 # ---------------------------------------------------------------------- noise that has a colour
 @pytest.mark.parametrize("rows", [64, 65])
 def test_white_noise_through_the_coloured_covariance_is_white(rows: int) -> None:
@@ -101,6 +117,20 @@ def test_lines_through_coloured_noise() -> None:
     for row, unknowns in zip(noise, off, strict=True):
         widths.append(np.sqrt(np.diag(spread(row - J @ unknowns, J, (), Spectrum(1.0)).covariance)))
     assert_neither_doubled_nor_halved(mean_squares(off, widths))
+
+
+def test_noise_of_one_over_f_at_the_lowest_frequencies_of_runs_that_lost_a_line() -> None:
+    """At the wave of one period a run, in the mean of 300 records of two runs each."""
+    f = np.fft.rfftfreq(8192)
+    true = 1 / np.maximum(f, f[1])
+    waves = np.fft.rfft(np.random.default_rng(5).standard_normal((300, 8192)), axis=1) * np.sqrt(true)
+    line = np.stack([np.ones(900), np.arange(900)], axis=1)
+    ratios = []
+    for row in np.fft.irfft(waves, axis=1)[:, :900]:
+        off = row - line @ np.linalg.lstsq(line, row, rcond=None)[0]
+        noise = spread(off, line, [off[:300], off[600:]], Spectrum(1.0)).noise
+        ratios.append(float(noise(np.array(1 / 300))) / 300)
+    assert np.mean(ratios) == pytest.approx(1, abs=0.07)
 
 
 def test_weighted_lines_through_noise_of_one_over_f() -> None:

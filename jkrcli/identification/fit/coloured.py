@@ -11,6 +11,8 @@ With rows weighted by W the covariance of the unknowns is (WJ)^+ W C W^T (WJ)^+T
 817, 1980); where W C W^T = 1, the generalised least squares, it is the least there is.
 Residuals in contact that are larger or slower are no noise: they are told as an excess. Where noise goes on rising
 below the frequencies of the free rows (1/f) nothing tells how far: standard errors are wider there, by the excess too.
+An octave stands at the frequency where 1/f has its mean over what the fit has left of it: at that of its middle, the
+lowest octave of a run, of which a straight line was taken, would tell two thirds of such noise.
 """
 
 from __future__ import annotations
@@ -38,10 +40,12 @@ class ColouredTuning:
     likely: float = 0.05  # choice: of the likeliest spectrum, likelihood below which one has no share
     free: int = 40  # choice: free rows of a direction that tell its noise
     seen: float = 4.0  # choice: of the lowest frequency of the free rows, the lowest corner that they tell
-    lowest: float = 1e-3  # choice: of the lowest frequency of the free rows, the corner of a power of f: none is seen
+    # choice: of the lowest frequency of the free rows, the corner of a power of f: below what a record sees, but not so
+    # far that its mean says nothing of the offsets
+    lowest: float = 0.05
     # of standard errors, where noise goes on rising at frequencies that no free row tells; tuned on cycles with 1/f
     # noise, by `make record-bounds`
-    unseen: float = 1.25
+    unseen: float = 1.1
     least_unseen: float = 0.5  # choice: of the noise at the lowest frequency that they tell, such noise that counts
     exceeded: float = 2.0  # choice: the same, what the rows in contact say more of it at most
     untold: float = 1e-12  # choice: least singular value over the largest, below which rounding has the word
@@ -170,7 +174,7 @@ def _spectrum(f: Array, power: Array, taken: Array) -> Spectrum:
     edges = _octaves(left)
     count = np.add.reduceat(left, edges)
     mean = np.add.reduceat(power, edges) / count
-    centre = np.add.reduceat(np.maximum(f, lowest / 2), edges) / np.diff(np.append(edges, f.size))
+    centre = count / np.add.reduceat(left / np.maximum(f, lowest / 2), edges)  # where 1/f is its mean
     white = float(np.average(mean, weights=count))
     most = _unlikely(mean, np.stack([np.full(mean.size, white), _falling(mean, count)]), count)
     if most[0] < most[1] + TUNING.least:

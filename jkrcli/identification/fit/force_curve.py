@@ -416,6 +416,11 @@ class ForceCurveFit:
         i = self.names.index(name)
         return math.sqrt(self.covariance[i, i])
 
+    def unknowns(self, model: ForceCurveModel) -> Array:
+        """Those of a ``model`` that may know fewer of them."""
+        values = self.model.values(self.x)
+        return np.array([values[name] for name in model.names])
+
 
 def stretches(
     record: ForceCurve, kinds: Sequence[str], waves: Mapping[str, Wave] | None = None
@@ -522,13 +527,13 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     noise = best.spread.noise
     if loss != "linear" or not noise.slow:
         return best
-    weighted = _problem(best.model, noise, _bounds(best.model, best.x), sharp, TUNING.about)
-    return _fitted(best.model, weighted.least(best.x), noise)
+    x = best.unknowns(model)  # an edge that rests by white noise need not by this one
+    return _fitted(model, _problem(model, noise, _bounds(model, x), sharp, TUNING.about).least(x), noise)
 
 
 def _fitted(model: ForceCurveModel, found: Least, weight: Spectrum) -> ForceCurveFit:
     """What the end of a search means."""
-    before, sharp, (model, x) = found.problem, TUNING.blunt[-1], _without_idle(model, found.x)
+    before, sharp, (model, x) = found.problem, TUNING.blunt[-1], _without_idle(model, found.x, weight)
     problem = replace(before, model=partial(_state, model, weight, sharp), bounds=_bounds(model, x))
     off, rates = model.residuals(x, sharp)
     found = replace(found, problem=problem, x=x, state=_weighted(model, weight, off, rates))
@@ -548,7 +553,7 @@ def _flat(off: Array, J: Array, share: float) -> bool:
     return float(step @ step) < share * float(off @ off)
 
 
-def _without_idle(model: ForceCurveModel, x: Array) -> tuple[ForceCurveModel, Array]:
+def _without_idle(model: ForceCurveModel, x: Array, weight: Spectrum) -> tuple[ForceCurveModel, Array]:
     """The model and its unknowns without those that no row depends on, which are known then: the share of an edge that
     never rests, w of an edge that rests throughout, which is at least what its last row holds."""
     idle = ~model.residuals(x, 0.0)[1].any(axis=0)
@@ -559,18 +564,18 @@ def _without_idle(model: ForceCurveModel, x: Array) -> tuple[ForceCurveModel, Ar
     if told and (resting := model.rest(last, model.values(x))):
         depth = model.depth(last, model.values(x))[last.touching]
         most = resting.released(math.sqrt(max(values[own], 0.0)), float(depth.min())) ** 2  # its last row holds that
-        if _rests_throughout(model, x, own, most):
+        if _rests_throughout(model, x, own, most, weight):
             idle |= np.array(model.names) == own
             values[own] = most
     known = {name: values[name] for name, no in zip(model.names, idle, strict=True) if no}
     return (replace(model, known={**model.known, **known}), x[~idle]) if known else (model, x)
 
 
-def _rests_throughout(model: ForceCurveModel, x: Array, own: str, most: float) -> bool:
-    """Whether an edge that never recedes, as of a w above ``most``, describes the rows as well."""
+def _rests_throughout(model: ForceCurveModel, x: Array, own: str, most: float, weight: Spectrum) -> bool:
+    """Whether an edge that never recedes, as of a w above ``most``, describes the rows as well, in units of noise."""
     never = np.where(np.array(model.names) == own, min(TUNING.above * most, model.most), x)
     with contextlib.suppress(SolveError):  # no contact bears that
-        recedes, rests = (float(np.sum(model.residuals(at, 0.0)[0] ** 2)) for at in (x, never))
+        recedes, rests = (float(np.sum(model.whitened(model.residuals(at, 0.0)[0], weight) ** 2)) for at in (x, never))
         return (rests / recedes - 1) * sum(part.P.size for part in model.stretches) < TUNING.recedes
     return False
 

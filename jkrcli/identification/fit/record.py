@@ -269,9 +269,9 @@ def _fitted(
     """The model that fits best, and the body solved as far as it reaches."""
     body, found = _deep_enough(body, model), None
     for _ in range(TUNING.rounds):
-        model = replace(model if found is None else found.model, family=body.family)
+        model = replace(model, family=body.family)
         near = None if before is None else before.start(model)
-        found = nearest(model, settings.loss, near) if found is None else fit(model, found.x, True, settings.loss)
+        found = nearest(model, settings.loss, near) if found is None else _again(found, model, settings)
         reach = _contact_radii(found).max()
         if not body.extensible or reach <= body.series.a[-1]:
             break
@@ -279,10 +279,16 @@ def _fitted(
     assert found is not None
     if np.count_nonzero(_contact_radii(found)) <= len(found.names):
         raise SolveError("the curve that fits best has next to no row in contact; --flip P, if compression is negative")
-    model = windowed(found)
-    found = found if model is found.model else fit(model, found.x, True, settings.loss)
+    cut = windowed(found)
+    found = found if cut is found.model else _again(found, replace(cut, known=model.known), settings)
+    model = found.model
     held = {kind: 0.0 for part in model.stretches if _repels(found, kind := part.kind)}
     return body, nearest(replace(model, works={**model.works, **held}), settings.loss) if held else found
+
+
+def _again(found: ForceCurveFit, model: ForceCurveModel, settings: Settings) -> ForceCurveFit:
+    """The fit of a ``model`` that differs a little from the one ``found``."""
+    return fit(model, found.unknowns(model), True, settings.loss)
 
 
 def _repels(found: ForceCurveFit, kind: str) -> bool:

@@ -42,10 +42,22 @@ def test_a_body_of_each_method_is_within_what_is_stated(number: int) -> None:
     assert all(0 <= item.ratio <= 1 for item in found)
 
 
-@pytest.mark.parametrize("number", [97000026, 101000022], ids=["a table on a soft layer", "a flat end, nearly at it"])
+@pytest.mark.parametrize(
+    "number",
+    [97000026, 101000022, 5077000009],
+    ids=["a table on a soft layer", "a flat end, nearly at it", "two degrees that agree there"],
+)
 def test_points_that_were_more_than_three_times_beyond_what_is_stated(number: int) -> None:
-    """Up to 5.6 times, as softer layers magnify what a table's points leave open, and 6.2 times, as rows as close as
-    1e-7 of their radius made S'' of their differences."""
+    """Up to 5.6 times, as softer layers magnify what a table's points leave open, 6.2 times, as rows as close as
+    1e-7 of their radius made S'' of their differences, and 3.3 times, as P by elements of one degree less was right
+    there by accident."""
     found = judged(number)
     assert {"load P", "displacement P", "spring delta"} <= {item.column for item in found}
     assert all(item.ratio <= 1 for item in found)
+
+
+def test_a_point_next_to_the_edge_of_a_flat_end_is_found() -> None:
+    """Its place went to and fro between two radii; P was stated 2500 times too badly."""
+    (load,) = [item for item in judged(5200042) if item.column == "load P"]
+    assert load.ratio <= 1
+    assert load.stated < 1e-6

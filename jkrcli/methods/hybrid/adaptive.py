@@ -373,27 +373,30 @@ class AdaptiveKernel:
         a0, end = self.indenter.a0, levels.region.unit
         radii = a0 + (end - a0) * np.union1d(np.geomspace(TUNING.smallest, 1, TUNING.samples), TUNING.near)
         region, precise = levels.region, NO_CLAIM * self.tolerance
-        kernels = [levels.kernel(degree, coarser=1), levels.kernel(degree, coarser=2), contact.kernel.shorter()]
+        shorter = contact.kernel.shorter()
+        kernels = [levels.kernel(degree, coarser=1), levels.kernel(degree, coarser=2), shorter, shorter.shorter()]
         kernels += [levels.cut(degree, nearer=not region.algebraic)] if region.cut_beside else []
         companions = Companions(contact, tuple(kernels), precise)
-        last, before, shorter, *cuts = np.abs(companions.changes(radii))
+        last, before, waves, _, *cuts = np.abs(companions.changes(radii))
         fastest, plausible = _fastest(region)
         known = bool(np.isfinite(before).all())
         fast = known and levels.correction(degree).elements > TUNING.irregular
         fall = float(np.clip(before.max() / last.max() - 1, TUNING.slowest, fastest)) if fast else TUNING.slowest
         # Two levels may agree by accident; one below the lowest tells of that only where they agree too well:
-        too_well = known and before.max() > plausible * last.max()
-        telling = too_well or (known and degree - 2 * STEP >= TUNING.lowest)
-        by_accident = TUNING.safety / TUNING.slowest / plausible * telling
+        by_accident = TUNING.safety / TUNING.slowest / plausible * known
+        telling = known and (degree - 2 * STEP >= TUNING.lowest or bool(before.max() > plausible * last.max()))
+        accident = by_accident * (before if telling else 0.0)
         left = max(TUNING.unseen / (convergence(region) - 1), TUNING.least)
         cut = _left_by_cut(region, cuts[0]) if cuts else np.zeros_like(last)
         least = TUNING.no_claim * self.tolerance + (GRADED if levels.wide is not None else 0.0)
-        elements = np.hypot(TUNING.safety / fall * last, by_accident * (before if telling else 0.0)) + least
+        elements = np.hypot(TUNING.safety / fall * last, accident) + least
         steeper = np.minimum(TUNING.steeper * elements[:-1].max(axis=0), TUNING.allowed * self.attainable)
         elements[-1] = np.maximum(elements[-1], steeper)
-        weights = (TUNING.safety / fall * ALL, by_accident * ALL, left * ALL, _of_cut(region))[: len(kernels)]
+        # The polynomial that is missing goes in waves: the last one shows one phase of them, the last but one another:
+        parts = (TUNING.safety / fall, by_accident, left, left / convergence(region))
+        weights = (*(part * ALL for part in parts), _of_cut(region))[: len(kernels)]
         companions = replace(companions, weights=weights, least=least + precise)
-        return ErrorEstimates(radii, elements, left * shorter, cut, companions)
+        return ErrorEstimates(radii, elements, left * waves, cut, companions)
 
 
 def _fastest(region: Region) -> tuple[float, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ import click
 
 from ..base import InputError, writable
 from ..methods import Limits
+from .verb import as_one
 from .voice import warn
 
 if TYPE_CHECKING:
@@ -31,8 +32,7 @@ class BodyTuning:
 
 
 TUNING = BodyTuning()
-TIP = ("shape", "radius", "half_angle")
-FLAGS = (*TIP, "modulus", "nu", "thickness", "base")
+FLAGS = ("shape", "radius", "half_angle", "modulus", "nu", "thickness", "base")
 SHAPES = {  # by flags, and which of them each needs
     **dict.fromkeys(("sphere", "paraboloid"), ("radius",)),
     "rounded-cone": ("radius", "half_angle"),
@@ -43,7 +43,6 @@ FLAG_OF = {  # by the last part of a case's key
     "base": "base",
 }  # fmt: skip
 KEYS = re.compile(rf"\b(?:indenter|specimen)(?:\.half_space|\.layers\[0\])?\.({'|'.join(FLAG_OF)})\b")
-Command = Callable[..., Any]
 OPTIONS = (
     click.option("--shape", type=click.Choice(list(SHAPES)), metavar="SHAPE",
                  help=f"{', '.join(SHAPES)} [default: sphere]; pyramids by their equal-area cone."),
@@ -56,18 +55,8 @@ OPTIONS = (
 )  # fmt: skip
 
 
-def body_options(command: Command) -> Command:
-    """Add the flags to a verb; their values are among its keyword arguments by the names in ``FLAGS``."""
-    for option in reversed(OPTIONS):
-        command = option(command)
-    return command
-
-
-def tip_options(command: Command) -> Command:
-    """The same, of the tip alone, by the names in ``TIP``."""
-    for option in reversed(OPTIONS[: len(TIP)]):
-        command = option(command)
-    return command
+body_options = as_one("flags", dict, *OPTIONS)
+tip_options = as_one("flags", dict, *OPTIONS[:3])
 
 
 def flag(name: str) -> str:
@@ -77,7 +66,7 @@ def flag(name: str) -> str:
 
 def given_flags(body: Mapping[str, str | None]) -> str:
     """The flags that were given, for messages."""
-    return ", ".join(flag(name) for name, value in body.items() if value is not None)
+    return ", ".join(flag(name) for name in FLAGS if body.get(name) is not None)
 
 
 def by_flags(verb: str, body: Mapping[str, str | None], files: Sequence[Path]) -> bool:
@@ -107,7 +96,7 @@ def case_of(
 
 
 def tip_of(verb: str, flags: Mapping[str, str | None]) -> Indenter | None:
-    """The tip of the flags in ``TIP``; None where none is given."""
+    """The tip of the ``tip_options``; None where none is given."""
     if not any(flags.values()):
         return None
     body = dict.fromkeys(FLAGS) | dict(flags) | {"modulus": "1 MPa", "nu": "0.5"}  # any: the tip is rigid

@@ -9,9 +9,9 @@ import click
 from ..case import load_case
 from ..methods import long_look
 from ..report import Check
-from .output import answer, json_option
+from .output import give, json_option
 from .verb import Verb
-from .voice import note, present, warn
+from .voice import note
 
 
 @click.command(cls=Verb)
@@ -28,10 +28,4 @@ def check(case: Path, as_json: bool) -> None:
     loaded = load_case(case)
     if words := long_look(loaded.model.problem()):
         note(words)
-    result = Check.of(case, loaded)
-    if as_json:
-        answer(result.summary())
-        return
-    present(result.words())
-    for warning in result.warnings:
-        warn(warning)
+    give(Check.of(case, loaded), as_json)

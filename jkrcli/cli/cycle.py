@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,19 +16,17 @@ from ..series import Solution
 from .cycle_rate import RateOptions, rate_options, read_program, run, run_relaxing
 from .measured import TUNING, begin_reading
 from .options import ControlType, WorkType, limits_options, modulus_factor_option, range_options, slopes_option
-from .output import answer, into_folder, output_options
+from .output import give, into_folder, output_options
 from .series import begin_curves, read_series, series_file, works_of
 from .verb import Verb
-from .voice import present, warn
 
 
 @click.command(cls=Verb)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--w-approach", type=WorkType(), help="While the contact grows [default: the case's first w].")
 @click.option("--w-retract", type=WorkType(), help="While it shrinks, not smaller [default: that of approach].")
-@click.option(
-    "--stiffness", type=ControlType(), default="rigid", show_default=True, help='"0.2 N/m", "rigid" or "load".'
-)
+@click.option("--stiffness", type=ControlType(), default="rigid", show_default=True,
+              help='"0.2 N/m", "rigid" or "load".')  # fmt: skip
 @rate_options
 @click.option("--points", type=click.IntRange(2, 100_000), default=200, show_default=True, help="Rows per branch.")
 @range_options
@@ -44,8 +41,7 @@ def cycle(
     w_retract: float | None,
     stiffness: float,
     points: int,
-    stress: float | None,
-    length: float | None,
+    attraction: tuple[float | None, float | None],
     slopes: str,
     modulus_factor: float,
     rates: RateOptions,
@@ -76,19 +72,16 @@ def cycle(
     if law is None:
         rates.refuse_without_time()
     works = _works(solution, w_approach, w_retract)
-    names: Sequence[str] = ("",)
-    if law is not None and any(works):
-        names = tuple(limits_of(law))
+    in_limits = law is not None and any(works)
+    if in_limits:
         rates.refuse_in_limits()
     if rates.rate is not None:  # there the stress is that of the zone in which energy is lost
-        rates, stress = replace(rates, stress=stress), None
-    asked = AskedRange.of(solution.record, stress, length)
+        rates, attraction = replace(rates, stress=attraction[0]), (None, attraction[1])
+    asked = AskedRange.of(solution.record, *attraction)
     if asked:
         _refuse_range(rates, works)
-    if rates.program is not None:
-        per_row = TUNING.cycle_per_row + TUNING.cycle_per_point * points
-        begin_reading("cycle --program", [rates.program], limits, "fewer rows of the program, or fewer --points",
-                      per_row=per_row, mib_per_row=TUNING.cycle_mib_per_row)  # fmt: skip
+    _begin_program(rates.program, points, limits)
+    names = limits_of(law) if law is not None and in_limits else ("",)
     stem = output.folder(file.parent) / f"{file.stem}-cycle{asked.suffix}"
     named = [stem.with_name("-".join([stem.name, *name.split()])) for name in names]
     targets = [output.files(one, (".csv", *PICTURES), [file]) for one in named]
@@ -97,24 +90,23 @@ def cycle(
     def cycled(share: float = 1.0) -> Result:
         curves = analyse(solution, works, slopes, modulus_factor * share, asked)
         results = [with_solved_points(curve, stiffness) for curve in curves]
-        if law is not None and not any(works):
+        if law is not None and not in_limits:
             return run_relaxing(results[0], law, stiffness, points, rates)
         return _traced(results, stiffness, points, rates)
 
-    if law is None or not any(works):
-        result = cycled()
-        found = [result]
-    else:
-        result = CycledInLimits.of(file, law, cycled)
-        found = [one for _, one in result.limits.values()]
+    result = CycledInLimits.of(file, law, cycled) if law is not None and in_limits else cycled()
+    found = [one for _, one in result.limits.values()] if isinstance(result, CycledInLimits) else [result]
     for one, files in zip(found, targets, strict=True):
         files.write(one.columns, figure=files.draw(one.figure))
-    if output.json:
-        answer(result.summary())
-    else:
-        present(*result.parts, last=f"  written {', '.join(map(str, targets))}")
-    for line in result.warnings:
-        warn(f"{file}: {line}")
+    give(result, output.json, f"  written {', '.join(map(str, targets))}", file)
+
+
+def _begin_program(program: Path | None, points: int, limits: Limits) -> None:
+    """Say what it takes to follow a ``program``, if there is one, with so many rows for each of its own."""
+    if program is not None:
+        per_row = TUNING.cycle_per_row + TUNING.cycle_per_point * points
+        begin_reading("cycle --program", [program], limits, "fewer rows of the program, or fewer --points",
+                      per_row=per_row, mib_per_row=TUNING.cycle_mib_per_row)  # fmt: skip
 
 
 def _refuse_range(rates: RateOptions, works: tuple[float, float]) -> None:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from ..adhesion import LOAD_CONTROL, Course
 from ..base import InputError
 from .options import LengthType, LoadType, PairsType
+from .verb import as_one
 
 if TYPE_CHECKING:
     from ..adhesion import Program, RateContact, RelaxingContact
@@ -92,34 +92,23 @@ def flag(name: str) -> str:
     return "--" + name.replace("_", "-")
 
 
-def rate_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The options of turn, speed and time, as one argument ``rates``."""
-    options = (
-        click.option("--to-load", type=LoadType(),
-                     help="Turn at this load [default: at the end of the series, what creeps on included]."),
-        click.option("--to-depth", type=LengthType(), help="Turn at this displacement delta."),
-        click.option("--rate", type=PairsType(), help='w0 (1 + (v/v0)^n) as the edge recedes: v0="1 um/s",n=0.6; '
-                     'law=log,v0=...,b="5 mJ/m^2": w0 + b log(1 + v/v0). w0 is --w-retract.'),
-        click.option("--rate-advance", type=PairsType(), help="The same of an edge that advances [default: at once]."),
-        click.option("--speed", help='Of the device, "10 um/s"; of the load under load control, "1 mN/s".'),
-        click.option("--speed-approach", help="The same on approach [default: --speed]."),
-        click.option("--hold", help='Time to wait at the turn, "10 s".'),
-        click.option("--dwell", help="Go back as far as this position (load under load control) and stay there."),
-        click.option("--dwell-time", help="How long to stay."),
-        click.option("--program", type=click.Path(path_type=Path), help="Table t, x of the device instead: times [s] "
-                     "and positions (loads) between which it moves evenly; equal times are steps."),
-    )  # fmt: skip
-
-    @functools.wraps(command)
-    def with_rates(*words: Any, **others: Any) -> Any:
-        names = [name for name in RateOptions.__dataclass_fields__ if name != "stress"]
-        rates = RateOptions(**{name: others.pop(name) for name in names})
-        return command(*words, rates=rates, **others)
-
-    decorated = with_rates
-    for option in reversed(options):
-        decorated = option(decorated)
-    return decorated
+rate_options = as_one(
+    "rates",
+    RateOptions,
+    click.option("--to-load", type=LoadType(),
+                 help="Turn at this load [default: at the end of the series, what creeps on included]."),
+    click.option("--to-depth", type=LengthType(), help="Turn at this displacement delta."),
+    click.option("--rate", type=PairsType(), help='w0 (1 + (v/v0)^n) as the edge recedes: v0="1 um/s",n=0.6; '
+                 'law=log,v0=...,b="5 mJ/m^2": w0 + b log(1 + v/v0). w0 is --w-retract.'),
+    click.option("--rate-advance", type=PairsType(), help="The same of an edge that advances [default: at once]."),
+    click.option("--speed", help='Of the device, "10 um/s"; of the load under load control, "1 mN/s".'),
+    click.option("--speed-approach", help="The same on approach [default: --speed]."),
+    click.option("--hold", help='Time to wait at the turn, "10 s".'),
+    click.option("--dwell", help="Go back as far as this position (load under load control) and stay there."),
+    click.option("--dwell-time", help="How long to stay."),
+    click.option("--program", type=click.Path(path_type=Path), help="Table t, x of the device instead: times [s] "
+                 "and positions (loads) between which it moves evenly; equal times are steps."),
+)  # fmt: skip
 
 
 def run(curves: Sequence[Analysis], stiffness: float, points: int, rates: RateOptions) -> CycledAtSpeed:

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import click
 
 from ..adhesion import AskedRange
 from ..base import InputError, write_text
 from ..beside import analyse
-from ..data import measured
+from ..data import Reading, measured
 from ..methods import Limits
 from ..report import Output
 from ..report.explorer import Explored, page, payload, start_work
-from .measured import begin_reading, reading_of, reading_options
+from .measured import begin_reading, reading_options
 from .options import WorkType, limits_options, slopes_option
 from .output import ONE_FILE, give, into_file, output_options
 from .series import begin_curves, read_series, series_file, without_range
@@ -35,9 +34,9 @@ def explore(
     data: tuple[Path, ...],
     work: float | None,
     slopes: str,
+    reading: Reading,
     limits: Limits,
     output: Output,
-    **reading: Any,
 ) -> None:
     """Make one self-contained page with sliders from FILE, a case or a series, with measured DATA (CSV) drawn over the
     curve.
@@ -59,7 +58,7 @@ def explore(
     solution = read_series(file)
     without_range(solution.record, "explore")
     begin_reading("explore", data, limits)
-    curves = [curve for path in data for curve in measured.read(path, reading_of(dict(reading)))]
+    curves = [curve for path in data for curve in measured.read(path, reading)]
     works = (work,) if work is not None else tuple(w for w in solution.record.w if w > 0)[:1]
     begin_curves("explore", [solution], [works or (1.0,)], [AskedRange()], limits)
     result = analyse(solution, works or (1.0,), slopes)[0]

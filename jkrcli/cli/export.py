@@ -13,7 +13,7 @@ from ..methods import Limits
 from ..report import Output
 from .options import WorkType, limits_options, slopes_option
 from .output import give, into_folder, output_options
-from .series import begin_curves, first_work, read_series, series_file, without_range
+from .series import begin_curves, body_and_work
 from .verb import Verb
 
 
@@ -38,10 +38,7 @@ def export(file: Path, dem: bool, work: float | None, slopes: str, limits: Limit
     if not dem:
         raise InputError("export: say for what: --dem, for particle codes (LAMMPS, LIGGGHTS, Lethe)")
     output.folder(Path())
-    file = series_file(file)
-    solution = read_series(file)
-    without_range(solution.record, "export")
-    w = first_work(solution) if work is None else work
+    file, solution, w = body_and_work("export", file, work)
     if w == 0:
         raise InputError(f"{file}: a contact without adhesion needs no table of what holds it: give --w")
     targets = output.files(output.folder(file.parent) / f"{file.stem}-dem", (".h", ".csv"), [file])

@@ -13,28 +13,21 @@ from ..case import Case
 from ..report import PICTURES, Fields, Output
 from ..report.fields import COMPONENTS
 from .mesh import MARKS
-from .options import LengthType, LoadType, WorkType
+from .options import state_options
 from .output import give, into_folder, output_options
-from .series import first_work, read_series, series_file, without_range
+from .series import body_and_work
 from .verb import Verb
 
 
 @click.command(cls=Verb)
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--a", "radius", type=LengthType(), help='Contact radius, "2 um".')
-@click.option("--load", type=LoadType(), help='Load, "-3 mN" (stable branch), compression positive.')
-@click.option("--w", "work", type=WorkType(), help="Work of adhesion; 0: nonadhesive [default: the case's first].")
+@state_options
 @click.option("--component", type=click.Choice(COMPONENTS), default="zz", show_default=True,
               help="Stress in the picture; the .vtu holds all.")  # fmt: skip
 @into_folder()
 @output_options(plots="Write .vtu and .csv only.", json="Print the summary as JSON.")
 def fields(
-    file: Path,
-    radius: float | None,
-    load: float | None,
-    work: float | None,
-    component: str,
-    output: Output,
+    file: Path, radius: float | None, load: float | None, work: float | None, component: str, output: Output
 ) -> None:
     """Displacement and stress in the body of FILE, a case or a series, at one state of adhesive contact, by finite
     elements.
@@ -50,10 +43,7 @@ def fields(
     if (radius is None) == (load is None):
         raise InputError("fields: give exactly one of --a and --load")
     output.folder(Path())
-    file = series_file(file)
-    solution = read_series(file)
-    without_range(solution.record, "fields")
-    w = first_work(solution) if work is None else work
+    file, solution, w = body_and_work("fields", file, work)
     targets = output.files(output.folder(file.parent) / f"{file.stem}-fields", (".vtu", ".csv", *PICTURES), [file])
     from ..case.numerics import fem_of
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,21 +12,23 @@ import click
 from ..base import InputError, beside
 from ..base.files import TUNING as FILES
 from ..bodies import RELAXATIONS
+from ..data import Reading
 from ..methods import Limits
 from ..report import PICTURES, Files, Output
-from .body import FLAGS, fitted_body, given_body
+from .body import fitted_body, given_body
 from .fit_curves import FEWER, fit_curves, refits_of
 from .fit_idle import EACH, LAW, RELAXATION, SHARED, TENSION, given, refuse_idle
 from .fit_options import fit_options
 from .fit_relaxation import fit_relaxation
 from .fit_together import Asked, fit_joint, fit_law, fit_tension, is_asked
-from .measured import TUNING, begin_reading, reading_of
+from .measured import TUNING, begin_reading
 from .verb import Verb
 
 if TYPE_CHECKING:
-    from ..identification.fit import FittedBody, Settings
+    from ..identification.fit import Settings
 
 SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}
+HOW = ("segment", "base_line", "branch", "loss", "confidence", "model", "level", "samples", "seed")
 NO_RANGE = "has no adhesion of finite range: leave the case's adhesion.range, stress and capillary out"
 
 
@@ -37,22 +39,10 @@ NO_RANGE = "has no adhesion of finite range: leave the case's adhesion.range, st
 def fit(
     body_file: Path,
     measured: tuple[Path, ...],
-    free: tuple[tuple[str, ...], ...],
-    fix: tuple[tuple[str, str], ...],
-    start: tuple[tuple[str, str], ...],
-    bound: tuple[tuple[str, str], ...],
-    uncertain: tuple[tuple[str, str], ...],
-    surface: str | None,
-    shared: tuple[tuple[str, ...], ...],
-    own: tuple[tuple[str, ...], ...],
-    tip_radius: tuple[float, ...],
+    flags: dict[str, str | None],
+    reading: Reading,
     slopes: str,
-    law: str | None,
-    rivals: bool,
-    plan: bool,
-    relaxation: str | None,
-    workers: int | None,
-    scheduler: str | None,
+    parallel: tuple[int | None, str | None],
     limits: Limits,
     output: Output,
     **options: Any,
@@ -74,48 +64,53 @@ def fit(
     jkr fit gel.toml held.csv --relaxation sls
     jkr fit gel.toml small.csv large.csv --shared E_star,w
     """
-    flags = {key: options.pop(key) for key in FLAGS}
     source, paths = given_body(body_file, measured, flags)
     inputs = (body_file, *measured)
-    common, kept = ([name for group in groups for name in group] for groups in (shared, own))
-    names = [*(name for group in free for name in group), *_freed((*common, *kept), fix)]
-    if relaxation is None and "relaxation" in names:
-        raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
-    kind = RELAXATION if relaxation else LAW if law else SHARED if common else EACH
+    told, kind = given(), _kind(options)
     if kind != EACH:
-        refuse_idle(kind, given())
+        refuse_idle(kind, told)
     targets = _targets(body_file, kind != EACH, inputs, output)
-    refits = refits_of(options["confidence"], options["samples"], len(uncertain))
-    surfaces = len(SURFACES.get(surface or "", ("",)))
+    refits = refits_of(options["confidence"], options["samples"], len(options["uncertain"]))
+    surfaces = SURFACES.get(options["surface"], ("",))
     per_row, per_file = TUNING.fit_per_row + refits * TUNING.refit_per_row, refits * TUNING.refit
-    begin_reading("fit", paths, limits, FEWER, per_row=surfaces * per_row, per_file=surfaces * per_file)
-    reading = reading_of(options)
-    options["noise"], options["contact"] = dict(options["noise"]), reading.contact
+    begin_reading("fit", paths, limits, FEWER, per_row=len(surfaces) * per_row, per_file=len(surfaces) * per_file)
     body = fitted_body(source, slopes, limits)
-    told = str(source) if isinstance(source, Path) else body.problem.words
-    if (law or relaxation) and body.asked:
-        raise InputError(f"fit: --{'law' if law else 'relaxation'} {NO_RANGE}")
-    options |= {"rivals": rivals, "plan": plan}
-    asked = Asked(body, paths, reading, names, fix, start, dict(options), targets, told, output)
+    if kind in (LAW, RELAXATION) and body.asked:
+        raise InputError(f"fit: {kind} {NO_RANGE}")
+    words = str(source) if isinstance(source, Path) else body.problem.words
+    asked = Asked(body, paths, reading, _names(options), options, targets, words, output)
     if kind in (EACH, SHARED):
-        kind = TENSION if is_asked(body, names, fix) else kind
-        refuse_idle(kind, given())
+        kind = TENSION if is_asked(asked) else kind
+        refuse_idle(kind, told)
         asked = replace(asked, reading=replace(reading, contact="as-is"))  # the fit finds zeros with the rest
-    if relaxation is not None:
-        fit_relaxation(asked, relaxation)
+    if kind == RELAXATION:
+        fit_relaxation(asked)
+    elif kind == LAW:
+        fit_law(asked)
     elif kind == TENSION:
-        fit_tension(replace(asked, targets=output.files(targets.stem, (".csv", ".json"), inputs)), tip_radius)
-    elif law is not None:
-        fit_law(asked, law)
+        fit_tension(replace(asked, targets=output.files(targets.stem, (".csv", ".json"), inputs)))
+    elif kind == SHARED:
+        fit_joint(asked, _settings(asked, reading.contact))
     else:
-        for name in ("terms", "rivals", "plan"):
-            del options[name]
-        settings = _settings(body, uncertain, names, fix, start, bound, options)
-        if common:
-            fit_joint(asked, tip_radius, settings, common, kept)
-            return
-        bodies = [body.on_surface(one) for one in SURFACES[surface or body.problem.surface]]
-        fit_curves(asked, bodies, settings, refits, inputs, limits, workers, scheduler)
+        bodies = [body.on_surface(one) for one in SURFACES[options["surface"] or body.problem.surface]]
+        fit_curves(asked, bodies, _settings(asked, reading.contact), refits, inputs, limits, parallel)
+
+
+def _kind(options: Mapping[str, Any]) -> str:
+    """Which kind of fit is asked for, but for that of a surface tension."""
+    if options["relaxation"] is None and "relaxation" in _flat(options["free"]):
+        raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
+    kinds = {RELAXATION: options["relaxation"], LAW: options["law"], SHARED: options["shared"]}
+    return next((kind for kind, given in kinds.items() if given), EACH)
+
+
+def _names(options: Mapping[str, Any]) -> list[str]:
+    """The parameters that are free beside the usual ones, those that records share or have each among them."""
+    from ..identification.fit import ALIAS, USUALLY_FREE
+
+    kept = (*USUALLY_FREE, ALIAS, *dict(options["fix"]))
+    own = [name for name in _flat((*options["shared"], *options["own"])) if name not in kept]
+    return [*_flat(options["free"]), *own]
 
 
 def _targets(body_file: Path, timed: bool, inputs: tuple[Path, ...], output: Output) -> Files:
@@ -127,22 +122,18 @@ def _targets(body_file: Path, timed: bool, inputs: tuple[Path, ...], output: Out
     return targets
 
 
-def _freed(names: Sequence[str], fix: Sequence[tuple[str, str]]) -> list[str]:
-    """Those of the parameters that records share or have each that are not free anyway."""
-    from ..identification.fit import ALIAS, USUALLY_FREE
-
-    return [name for name in names if name not in (*USUALLY_FREE, ALIAS, *dict(fix))]
-
-
-def _settings(
-    body: FittedBody, uncertain: tuple[tuple[str, str], ...], names: list[str], fix: Any, start: Any, bound: Any,
-    options: dict[str, Any],
-) -> Settings:  # fmt: skip
+def _settings(asked: Asked, contact: str) -> Settings:
     """What is fitted and how; uncertain inputs are known only when the parameters are."""
     from ..identification.fit import settings_of, uncertain_of
 
-    settings = settings_of(body, names, fix, start, bound, **options)
-    if not uncertain:
+    options = asked.options
+    told = (asked.body, asked.names, options["fix"], options["start"], options["bound"])
+    how = {name: options[name] for name in HOW} | {"noise": dict(options["noise"]), "contact": contact}
+    settings = settings_of(*told, **how)
+    if not options["uncertain"]:
         return settings
-    carried = uncertain_of(body, uncertain, settings)
-    return settings_of(body, names, fix, start, bound, uncertain=carried, **options)
+    return settings_of(*told, uncertain=uncertain_of(asked.body, options["uncertain"], settings), **how)
+
+
+def _flat(groups: Iterable[Sequence[str]]) -> list[str]:
+    return [name for group in groups for name in group]

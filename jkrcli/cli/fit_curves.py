@@ -32,7 +32,7 @@ def refits_of(confidence: str, samples: int, uncertain: int) -> int:
 
 def fit_curves(
     asked: Asked, bodies: list[FittedBody], settings: Settings, refits: int, inputs: tuple[Path, ...], limits: Limits,
-    workers: int | None, scheduler: str | None,
+    parallel: tuple[int | None, str | None],
 ) -> None:  # fmt: skip
     """Each curve on each of the ``bodies``, which are one under different surfaces: table, archive and pictures."""
     from ..base import executor
@@ -48,7 +48,7 @@ def fit_curves(
     begin(f"fit of {len(curves):,} curves", Forecast(len(bodies) * seconds, 0.0, 0.0), limits, FEWER)
     each = []
     for one in bodies:
-        with executor(workers, scheduler, progress, seconds) as pool:
+        with executor(*parallel, progress, seconds) as pool:
             each.append(fit_all(one, curves, settings, pool))
     found = [item for items in each for item in items]
     if asked.options["rivals"] and not any(isinstance(item, Fit) and item.verdict for item in found):

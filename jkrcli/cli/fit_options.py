@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import click
@@ -14,6 +13,7 @@ from .body import body_options
 from .measured import reading_options
 from .options import NamedType, ParamType, RangeType, ScaleType, limits_options, parallel_options, slopes_option
 from .output import into_folder, output_options
+from .verb import several
 
 
 class NamesType(ParamType):
@@ -27,7 +27,9 @@ class NamesType(ParamType):
         )
 
 
-OPTIONS = (
+# Of the body, of the fit, of the reading, of what is written.
+fit_options = several(
+    body_options,
     click.option("--free", multiple=True, type=NamesType(),
                  help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (of adhesion), drift, "
                  "hysteresis, creep (of a raw record's positions), surface_tension."),
@@ -73,15 +75,10 @@ OPTIONS = (
                  help="Of the body, instead of its own; both: under either, and what the data prefer."),
     click.option("--uncertain", multiple=True, type=NamedType(),
                  help="Standard deviation of an input, carried on: radius=3%, stiffness=10%, thickness=5%."),
+    slopes_option,
+    reading_options,
+    limits_options,
+    parallel_options,
+    into_folder("Folder [default: BODY's]."),
+    output_options(plots=f"Draw nothing (else up to {SHOWN} curves are drawn).", json="Print the summary as JSON."),
 )  # fmt: skip
-
-
-def fit_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """All options of the verb: of the body, of the fit, of the reading, of what is written."""
-    output = output_options(
-        plots=f"Draw nothing (else up to {SHOWN} curves are drawn).", json="Print the summary as JSON."
-    )
-    of_body = (body_options, *OPTIONS, slopes_option, reading_options, limits_options, parallel_options)
-    for option in reversed((*of_body, into_folder("Folder [default: BODY's]."), output)):
-        command = option(command)
-    return command

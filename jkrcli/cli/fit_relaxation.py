@@ -8,7 +8,7 @@ from .output import give
 from .voice import warn
 
 
-def fit_relaxation(asked: Asked, law: str) -> None:
+def fit_relaxation(asked: Asked) -> None:
     """A fit of each curve in all files, their table, summary and picture; curves that cannot be used are skipped and
     said."""
     from ..base import one_thread
@@ -20,7 +20,7 @@ def fit_relaxation(asked: Asked, law: str) -> None:
     terms = {} if options["terms"] is None else {"terms": options["terms"]}
     E_star = body.problem.E_star
     told = {name: options[name] for name in ("level", "confidence")}
-    settings = relaxation_settings(law, asked.fix, asked.names, E_star, **told, **terms)
+    settings = relaxation_settings(options["relaxation"], options["fix"], asked.names, E_star, **told, **terms)
     found, skipped = [], list[str]()
     for path in asked.measured:
         for item in each(path, asked.reading):

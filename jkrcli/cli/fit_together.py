@@ -22,15 +22,13 @@ Beside = TypeVar("Beside")
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """What is fitted to what, how the files are read, and where it goes; ``told``: the ``body`` in words; ``options``:
-    all the others by name."""
+    """What is fitted to what, how the files are read, and where it goes; ``names``: of what is free beside the usual;
+    ``told``: the ``body`` in words; ``options``: of the fit, by name."""
 
     body: FittedBody
     measured: Sequence[Path]
     reading: Reading
     names: Sequence[str]
-    fix: Sequence[tuple[str, str]]
-    start: Sequence[tuple[str, str]]
     options: dict[str, Any]
     targets: Files
     told: str
@@ -60,42 +58,43 @@ class Asked:
         give(found, self.output.json, f"  written {self.targets}")
 
 
-def fit_joint(
-    asked: Asked, radii: Sequence[float], settings: Settings, shared: Sequence[str], own: Sequence[str]
-) -> None:
+def fit_joint(asked: Asked, settings: Settings) -> None:
     """What all records have in common, from all of them together."""
     from ..identification.fit import joint_fit, shared_of, with_radii
     from ..report import JointFitted, as_result
 
+    shared, own = ([name for group in asked.options[kind] for name in group] for kind in ("shared", "own"))
     names = shared_of(shared, own, settings)
-    curves, bodies = asked.curves(with_radii(asked.body, radii, len(asked.measured)))
+    curves, bodies = asked.curves(with_radii(asked.body, asked.options["tip_radius"], len(asked.measured)))
     told = {"body": asked.told, "level": settings.level}
     asked.conclude(lambda: as_result(JointFitted, joint_fit(bodies, curves, settings, names), **told))
 
 
-def fit_law(asked: Asked, law: str) -> None:
+def fit_law(asked: Asked) -> None:
     """w0, the law's parameters, E* and zeros from records at one or several speeds."""
     from ..identification.rate.fitting import rate_fit, rate_settings
     from ..report import LawFit, as_result
 
+    law, fix, start = (asked.options[name] for name in ("law", "fix", "start"))
     told = {name: asked.options[name] for name in ("level", "segment", "confidence")}
-    settings = rate_settings(asked.body, law, asked.names, asked.fix, asked.start, **told)
+    settings = rate_settings(asked.body, law, asked.names, fix, start, **told)
     curves, _ = asked.curves(asked.measured)
     asked.conclude(lambda: as_result(LawFit, rate_fit(asked.body, curves, settings), body=asked.told))
 
 
-def is_asked(body: FittedBody, names: Sequence[str], fix: Sequence[tuple[str, str]]) -> bool:
+def is_asked(asked: Asked) -> bool:
     """Whether surface tension has a part in the fit."""
-    return TENSION in names or TENSION in dict(fix) or body.problem.specimen.surface_tension > 0
+    named = TENSION in asked.names or TENSION in dict(asked.options["fix"])
+    return named or asked.body.problem.specimen.surface_tension > 0
 
 
-def fit_tension(asked: Asked, radii: Sequence[float]) -> None:
+def fit_tension(asked: Asked) -> None:
     """The surface tension, E*, w and zeros from records by tips of several radii."""
     from ..identification.tension import known_values, radii_of, tension_fit
     from ..report import TensionFitted, as_result
 
     problem, level = asked.body.problem, asked.options["level"]
-    fixed = known_values(problem, asked.names, asked.fix)
-    curves, tips = asked.curves(radii_of(problem, radii, len(asked.measured)))
+    fixed = known_values(problem, asked.names, asked.options["fix"])
+    curves, tips = asked.curves(radii_of(problem, asked.options["tip_radius"], len(asked.measured)))
     told = {"body": asked.told, "level": level}
     asked.conclude(lambda: as_result(TensionFitted, tension_fit(problem, curves, tips, fixed, level), **told))

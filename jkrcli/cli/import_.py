@@ -18,7 +18,7 @@ from ..data import SEPARATORS
 from ..data.foreign import NAMES, SeriesReading, read_series
 from ..report import Imported, Output
 from ..series import Solution
-from .body import FLAGS, body_options, case_of, flag
+from .body import body_options, case_of, given_flags
 from .measured import begin_reading
 from .options import ColumnUnitType, KeyNumberType, KeyValueType, LengthType, ScaleType
 from .output import ONE_FILE, give, into_file, output_options
@@ -43,9 +43,8 @@ class ZeroType(ScaleType):
 @into_file("Series file [default: <table>.h5 here].")
 @click.option("--case", type=click.Path(path_type=Path), help="Case with indenter and specimen; it needs no loading.")
 @body_options
-@click.option(
-    "--column", "columns", multiple=True, type=KeyValueType("NAME", KEYS), help="Column name or number, delta=U2."
-)
+@click.option("--column", "columns", multiple=True, type=KeyValueType("NAME", KEYS),
+              help="Column name or number, delta=U2.")  # fmt: skip
 @click.option("--unit", "units", multiple=True, type=ColumnUnitType(),
               help="Unit, whatever the header says, P=mN; of a quantity or of a column by name or number.")  # fmt: skip
 @click.option("--factor", "factors", multiple=True, type=KeyNumberType(KEYS), help="Factor of a column, P=180.")
@@ -66,6 +65,7 @@ def import_(
     units: Sequence[tuple[str, str]],
     factors: Sequence[tuple[str, float]],
     zero: Sequence[tuple[str, float]],
+    flags: dict[str, str | None],
     output: Output,
     **options: Any,
 ) -> None:
@@ -80,9 +80,8 @@ def import_(
     jkr import table.csv -o data.h5 --radius "1 mm" --E "15 kPa" --nu 0.5
     jkr import run.csv --case my.toml --column P=RF2 --column a=4 --factor P=180
     """
-    body = {key: options.pop(key) for key in FLAGS}
     target = output.series(Path(f"{table.stem}.h5"), [table, *([case] if case else [])])
-    held = _case(case, body)
+    held = _case(case, flags)
     reading = SeriesReading(dict(columns), dict(units), dict(factors), dict(zero), **options)
     begin_reading("import", [table])
     solution = read_series(table, held.model.problem(), reading)
@@ -94,11 +93,11 @@ def import_(
 
 def _case(path: Path | None, body: dict[str, str | None]) -> Case:
     """The case of a file that may lack a loading, or one made of the flags of indenter and specimen."""
-    given = [name for name, value in body.items() if value is not None]
+    given = given_flags(body)
     if path is None:
         return case_of("import", body, "--case", {"depth": 1.0})
     if given:
-        raise InputError(f"import: {flag(given[0])} belongs to an import without --case; {path} says it already")
+        raise InputError(f"import: {given.split(', ')[0]} belongs to an import without --case; {path} says it already")
     content = read_bytes(path, "case file")
     with contextlib.suppress(ValueError):  # what is no TOML is reported by parse_case
         if "loading" not in tomllib.loads(content.decode("utf-8")):

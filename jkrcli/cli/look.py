@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import click
 
 from ..base import InputError
+from ..data import Reading
 from ..report import PICTURES, Output
-from .body import TIP, tip_of, tip_options
-from .measured import begin_reading, reading_of, reading_options
+from .body import tip_of, tip_options
+from .measured import begin_reading, reading_options
 from .output import answer, into_folder, output_options, refuse_doubles
 from .verb import Verb
 from .voice import present, warn
@@ -22,7 +22,7 @@ from .voice import present, warn
 @reading_options
 @into_folder()
 @output_options(plots="Draw nothing.", json="Print everything as JSON.")
-def look(files: tuple[Path, ...], output: Output, **options: Any) -> None:
+def look(files: tuple[Path, ...], flags: dict[str, str | None], reading: Reading, output: Output) -> None:
     """What measured FILES hold: the first thing to do with a force curve. No body is needed.
 
     Says how columns and units were understood, and finds in every curve approach, pause and retraction, the base line
@@ -37,8 +37,7 @@ def look(files: tuple[Path, ...], output: Output, **options: Any) -> None:
     """
     from ..report import Look
 
-    tip = tip_of("look", {name: options.pop(name) for name in TIP})
-    reading = reading_of(options)
+    tip = tip_of("look", flags)
     stems = [(output.where or path.parent) / f"{path.stem}-look" for path in files]
     refuse_doubles(stems, "give each its own -o")
     output.folder(Path())
@@ -48,12 +47,11 @@ def look(files: tuple[Path, ...], output: Output, **options: Any) -> None:
     for path, target in zip(files, targets, strict=True):
         result = Look.at(path, reading, tip)
         results.append(result)
-        drawn = output.plots and bool(result.records)
-        if drawn:
-            target.write(figure=result.figure())
-            pictures.append(str(target))
         if result.records:
             told.append(result.words())
+            if output.plots:
+                target.write(figure=result.figure())
+                pictures.append(str(target))
     if output.json:
         answer({"files": [result.summary() for result in results]})
     elif told:

@@ -24,7 +24,7 @@ from .options import (
     StiffnessType,
     begin,
 )
-from .output import Command
+from .verb import as_one
 
 
 @dataclass(frozen=True)
@@ -47,24 +47,17 @@ class TableTuning:
 
 TUNING = TableTuning()
 KEYS = tuple(NAMES.quantities)
-FIELDS = (
-    "columns",
-    "units",
-    "factors",
-    "flip",
-    "stiffness",
-    "sensitivity",
-    "zero",
-    "contact",
-    "format",
-    "separator",
-    "decimal",
-    "rows",
-    "where",
-)
 
 
-OPTIONS = (
+def _reading(**told: Any) -> Reading:
+    """The reading that the values of the options ask for."""
+    pairs = {name: dict(told[name]) for name in ("columns", "units", "factors", "zero", "where")}
+    return Reading(**told | pairs | {"flip": frozenset(told["flip"])})
+
+
+reading_options = as_one(
+    "reading",
+    _reading,
     click.option("--column", "columns", multiple=True, type=KeyValueType("NAME", KEYS),
                  help=f"Column name or number where the header does not tell; keys {', '.join(KEYS)}."),
     click.option("--unit", "units", multiple=True, type=ColumnUnitType(),
@@ -93,21 +86,6 @@ OPTIONS = (
     click.option("--where", multiple=True, type=NamedType(),
                  help="Only rows of a segment, of a curve or of one content of a column: segment=retract."),
 )  # fmt: skip
-
-
-def reading_options(command: Command) -> Command:
-    """Add the options to a verb; their values are among its keyword arguments by the names in ``FIELDS``."""
-    for option in reversed(OPTIONS):
-        command = option(command)
-    return command
-
-
-def reading_of(values: dict[str, Any]) -> Reading:
-    """The reading that the options ask for; takes their values out of ``values``."""
-    told: dict[str, Any] = {name: values.pop(name) for name in FIELDS}
-    for name in ("columns", "units", "factors", "zero", "where"):
-        told[name] = dict(told[name])
-    return Reading(**told | {"flip": frozenset(told["flip"])})
 
 
 def begin_reading(

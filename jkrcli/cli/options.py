@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-import functools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -14,6 +13,7 @@ from ..adhesion import LOAD_CONTROL
 from ..adhesion.slopes import RULES
 from ..base import units
 from ..methods import LESS, Forecast, Limits, admit
+from .verb import as_one, several
 from .voice import forewarn, warn
 
 if TYPE_CHECKING:
@@ -38,18 +38,14 @@ class NumberRange(click.FloatRange):
 POSITIVE = NumberRange(min=0, min_open=True)
 
 
-def limits_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """--limit-memory and --limit-time, as one argument ``limits``."""
-
-    @functools.wraps(command)
-    def limited(*words: Any, limit_memory: float | None, limit_time: float, **others: Any) -> Any:
-        return command(*words, limits=Limits(limit_memory, limit_time), **others)
-
-    memory = click.option("--limit-memory", type=POSITIVE, metavar="GIB",
-                          help="Refuse runs that need more memory [default: 80 % of what is free].")  # fmt: skip
-    hours = click.option("--limit-time", type=POSITIVE, default=Limits().hours, show_default=True, metavar="HOURS",
-                         help="Refuse runs that need more CPU time.")  # fmt: skip
-    return memory(hours(limited))
+limits_options = as_one(
+    "limits",
+    lambda limit_memory, limit_time: Limits(limit_memory, limit_time),
+    click.option("--limit-memory", type=POSITIVE, metavar="GIB",
+                 help="Refuse runs that need more memory [default: 80 % of what is free]."),
+    click.option("--limit-time", type=POSITIVE, default=Limits().hours, show_default=True, metavar="HOURS",
+                 help="Refuse runs that need more CPU time."),
+)  # fmt: skip
 
 
 def begin(what: str, cost: Forecast, limits: Limits = ANY, less: str = LESS) -> None:
@@ -59,30 +55,16 @@ def begin(what: str, cost: Forecast, limits: Limits = ANY, less: str = LESS) -> 
         forewarn(said, cost.seconds)
 
 
-def range_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """--stress and --range of adhesion of finite range, as ``stress`` [Pa] and ``length`` [m]."""
-    stress = click.option("--stress", type=StressType(),
-                          help='Adhesion of finite range: its tension, "100 MPa" [default: the case\'s].')  # fmt: skip
-    length = click.option("--range", "length", type=RangeType(), help='The same by its range, "0.3 nm".')
-    return stress(length(command))
+slopes_option = click.option("--slopes", type=click.Choice(["auto", *RULES]), default="auto", show_default=True,
+                             help="How S and S' are found.")  # fmt: skip
 
 
-slopes_option = click.option(
-    "--slopes",
-    type=click.Choice(["auto", *RULES]),
-    default="auto",
-    show_default=True,
-    help="How S and S' are found.",
+parallel_options = as_one(
+    "parallel",
+    lambda workers, scheduler: (workers, scheduler),
+    click.option("--workers", type=WORKERS, help="Local processes [default: one per core, if they pay]."),
+    click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler that you run, such as tcp://node1:8786."),
 )
-
-
-def parallel_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """--workers and --scheduler."""
-    workers = click.option("--workers", type=WORKERS, help="Local processes [default: one per core, if they pay].")
-    scheduler = click.option(
-        "--scheduler", metavar="ADDRESS", help="Dask scheduler that you run, such as tcp://node1:8786."
-    )
-    return workers(scheduler(command))
 
 
 class QuantityType(ParamType):
@@ -101,12 +83,9 @@ class QuantityType(ParamType):
             self.fail(str(error), param, ctx)
         if not (math.isfinite(number) and number >= self.least):
             self.fail(f"must be {self.allowed or f'finite and >= {self.least:g}'}, got {value}", param, ctx)
-        if number != 0 and not 1 / units.LARGEST_SI <= abs(number) <= units.LARGEST_SI:
-            self.fail(
-                f"must lie within {1 / units.LARGEST_SI:g} and {units.LARGEST_SI:g} in SI units, got {value}",
-                param,
-                ctx,
-            )
+        least, most = 1 / units.LARGEST_SI, units.LARGEST_SI
+        if number != 0 and not least <= abs(number) <= most:
+            self.fail(f"must lie within {least:g} and {most:g} in SI units, got {value}", param, ctx)
         return number
 
 
@@ -191,13 +170,24 @@ class SensitivityType(PositiveType):
     dimension = "sensitivity"
 
 
-modulus_factor_option = click.option(
-    "--modulus-factor",
-    type=FactorType(),
-    default="1",
-    show_default=True,
-    help="All moduli, and a surface tension, this many times the case's; nothing is solved anew.",
+# Of adhesion of finite range: its tension [Pa] and its length [m].
+range_options = as_one(
+    "attraction",
+    lambda stress, length: (stress, length),
+    click.option("--stress", type=StressType(),
+                 help='Adhesion of finite range: its tension, "100 MPa" [default: the case\'s].'),
+    click.option("--range", "length", type=RangeType(), help='The same by its range, "0.3 nm".'),
+)  # fmt: skip
+# One state of a contact, of which exactly one of radius and load is given.
+state_options = several(
+    click.option("--a", "radius", type=LengthType(), help='Contact radius, "2 um".'),
+    click.option("--load", type=LoadType(), help='Load, "-3 mN" (stable branch), compression positive.'),
+    click.option("--w", "work", type=WorkType(), help="Work of adhesion; 0: nonadhesive [default: the case's first]."),
 )
+modulus_factor_option = click.option(
+    "--modulus-factor", type=FactorType(), default="1", show_default=True,
+    help="All moduli, and a surface tension, this many times the case's; nothing is solved anew.",
+)  # fmt: skip
 
 
 class KeyValueType(ParamType):

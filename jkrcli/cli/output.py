@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,11 +11,11 @@ import click
 
 from ..base import InputError, as_json, real
 from ..report import Output
+from .verb import Command, Options, several
 from .voice import present, warn
 
 ONE_FILE = "Replace an existing file that jkr did not write."  # help of --force
 FILES = (".msh", ".vtu", ".csv", ".json", ".png", ".svg", ".pdf", ".h5", ".html", ".toml", ".txt")
-Command = Callable[..., Any]
 if TYPE_CHECKING:
     from ..report import Result
 
@@ -37,19 +37,19 @@ class Folder(_Path):
         return found
 
 
-def into_folder(help: str = "Folder [default: the file's].", **options: Any) -> Callable[[Command], Command]:
+def into_folder(help: str = "Folder [default: the file's].", **options: Any) -> Options:
     """-o for a folder."""
     return click.option("-o", "--output", type=Folder(path_type=Path, file_okay=False), help=help, **options)
 
 
-def into_file(help: str) -> Callable[[Command], Command]:
+def into_file(help: str) -> Options:
     """-o for a file."""
     return click.option("-o", "--output", type=click.Path(path_type=Path), help=help)
 
 
 def output_options(
     plots: str = "", json: str = "", force: str = "Replace existing files that jkr did not write."
-) -> Callable[[Command], Command]:
+) -> Options:
     """--no-plots, --force and --json with their help, the first and last where they have one.
 
     The verb takes the values, with that of -o (see ``into_folder``), as one argument ``output``: an ``Output``.
@@ -63,9 +63,7 @@ def output_options(
             output = Output(others.pop("output", None), force, not no_plots, json)
             return command(*words, output=output, **others)
 
-        for flag in reversed(flags):
-            flag(verb)
-        return verb
+        return several(*flags)(verb)
 
     return decorate
 
@@ -83,11 +81,12 @@ def answer(data: Mapping[str, Any]) -> None:
     click.echo(as_json(data), nl=False)
 
 
-def give(result: Result, json: bool, written: str = "") -> None:
-    """A result on stdout, for machines or for people, these with what is ``written``; then its warnings."""
+def give(result: Result, json: bool, written: str = "", of: Path | None = None) -> None:
+    """A result on stdout, for machines or for people, these with what is ``written``; then its warnings, after the name
+    of the file that they are ``of``."""
     if json:
         answer(result.summary())
     else:
         present(*result.parts, last=written)
     for line in result.warnings:
-        warn(line)
+        warn(f"{of}: {line}" if of else line)

@@ -11,17 +11,15 @@ from ..base import InputError
 from ..beside import profile_columns, radius_under
 from ..methods import Limits
 from ..report import PICTURES, Output, Profile
-from .options import LengthType, LoadType, WorkType, limits_options, range_options
+from .options import limits_options, range_options, state_options
 from .output import give, into_folder, output_options
-from .series import begin_curves, first_work, read_series, series_file
+from .series import begin_curves, body_and_work
 from .verb import Verb
 
 
 @click.command(cls=Verb)
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--a", "radius", type=LengthType(), help='Contact radius, "2 um".')
-@click.option("--load", type=LoadType(), help='Load, "-3 mN" (stable branch), compression positive.')
-@click.option("--w", "work", type=WorkType(), help="Work of adhesion; 0: nonadhesive [default: the case's first].")
+@state_options
 @range_options
 @limits_options
 @into_folder()
@@ -31,8 +29,7 @@ def profile(
     radius: float | None,
     load: float | None,
     work: float | None,
-    stress: float | None,
-    length: float | None,
+    attraction: tuple[float | None, float | None],
     limits: Limits,
     output: Output,
 ) -> None:
@@ -51,10 +48,8 @@ def profile(
     if (radius is None) == (load is None):
         raise InputError("profile: give exactly one of --a and --load")
     output.folder(Path())
-    file = series_file(file)
-    solution = read_series(file)
-    w = first_work(solution) if work is None else work
-    asked = AskedRange.of(solution.record, stress, length)
+    file, solution, w = body_and_work("profile", file, work, ranged=True)
+    asked = AskedRange.of(solution.record, *attraction)
     stem = output.folder(file.parent) / f"{file.stem}-profile{asked.suffix}"
     targets = output.files(stem, (".csv", *PICTURES), [file])
     if radius is None:

@@ -13,7 +13,7 @@ from ..base import InputError
 from ..beside import effect_on, sticking_warnings, where_lost
 from ..methods.guards import Limits
 from ..report.pull_off import MeasuredPullOff, PullOff
-from ..report.result import Result
+from ..report.result import Result, Results
 from ..series import Solution
 from .body import body_options, by_flags, case_of
 from .options import (
@@ -26,10 +26,9 @@ from .options import (
     range_options,
     slopes_option,
 )
-from .output import answer, json_option
+from .output import give, json_option
 from .series import begin_curves, read_files, without_range, works_of
 from .verb import Verb
-from .voice import present, warn
 
 SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of a measured force; choice: for forecasts
 
@@ -38,20 +37,13 @@ SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of 
 @click.argument("files", nargs=-1, type=click.Path(path_type=Path))
 @body_options
 @click.option("--w", "works", multiple=True, type=WorkType(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
-@click.option(
-    "--stiffness",
-    "stiffnesses",
-    multiple=True,
-    type=ControlType(),
-    help='Of the machine or cantilever, "0.2 N/m"; also "load" and "rigid" [default: these two].',
-)
+@click.option("--stiffness", "stiffnesses", multiple=True, type=ControlType(),
+              help='Of the machine or cantilever, "0.2 N/m"; also "load" and "rigid" [default: these two].'
+)  # fmt: skip
 @click.option("--load", "force", type=LoadType(), help='A measured pull-off force, "12 uN": which w does it mean?')
-@click.option(
-    "--uncertain",
-    multiple=True,
-    type=NamedType(),
-    help="With --load: standard deviation of load, R, E, h, nu or E:LAYER, such as load=5%, h=1um.",
-)
+@click.option("--uncertain", multiple=True, type=NamedType(),
+              help="With --load: standard deviation of load, R, E, h, nu or E:LAYER, such as load=5%, h=1um."
+)  # fmt: skip
 @range_options
 @slopes_option
 @modulus_factor_option
@@ -63,13 +55,12 @@ def pull_off(
     stiffnesses: tuple[float, ...],
     force: float | None,
     uncertain: tuple[tuple[str, str], ...],
-    stress: float | None,
-    length: float | None,
+    attraction: tuple[float | None, float | None],
     slopes: str,
     modulus_factor: float,
     limits: Limits,
+    flags: dict[str, str | None],
     as_json: bool,
-    **flags: str | None,
 ) -> None:
     """Say where contact is lost in each FILE, a case or a series, or on the body by flags (--radius, --E, --nu,
     --thickness ...): under load control, displacement control, devices of a stiffness.
@@ -86,12 +77,12 @@ def pull_off(
     """
     if force is not None and works:
         raise InputError("pull-off: give either --w or --load, not both")
-    if force is not None and (stress is not None or length is not None):
-        raise InputError("pull-off: --load asks for the w of JKR: give neither --stress nor --range with it")
-    if force is not None and force == 0:
-        raise InputError("pull-off: --load must not be 0; give the measured pull-off force")
     if uncertain and force is None:
         raise InputError("pull-off: --uncertain says how well a measured force and its body are known: give --load too")
+    if force is not None and attraction != (None, None):
+        raise InputError("pull-off: --load asks for the w of JKR: give neither --stress nor --range with it")
+    if force == 0:
+        raise InputError("pull-off: --load must not be 0; give the measured pull-off force")
     if by_flags("pull-off", flags, files):
         held = [_by_flags(flags, works, force, stiffnesses, slopes, modulus_factor)]
     elif files:
@@ -99,36 +90,36 @@ def pull_off(
     else:
         raise InputError("pull-off: give FILES, a case or a series, or the body by flags: --radius, --E, --nu")
     if force is not None:
-        for solution in held:
-            without_range(solution.record, "pull-off: --load")
-    asked = [AskedRange.of(solution.record, stress, length) if force is None else AskedRange() for solution in held]
-    if force is None:
-        wanted = [works or works_of(solution) for solution in held]
-        begin_curves("pull-off", held, wanted, asked, limits, devices=len(stiffnesses))
-    else:
-        wanted, beside = _searched(held, len(stiffnesses) or 1, [name for name, _ in uncertain])
-        begin_curves("pull-off --load", held, wanted, asked, limits, beside=beside)
-    results, warnings = list[Result](), list[str]()
-    for solution, some, ranged in zip(held, wanted, asked, strict=True):
-        if force is None:
-            curves = where_lost(solution, some, stiffnesses, slopes, modulus_factor, ranged)
-            results += [PullOff(*each) for each in curves]
-            continue
-        from ..identification.work_of_adhesion import measured_work
+        give(_means(held, abs(force), stiffnesses, uncertain, slopes, modulus_factor, limits), as_json)
+        return
+    asked = [AskedRange.of(solution.record, *attraction) for solution in held]
+    wanted = [works or works_of(solution) for solution in held]
+    begin_curves("pull-off", held, wanted, asked, limits, devices=len(stiffnesses))
+    found = [one for solution, some, ranged in zip(held, wanted, asked, strict=True)
+             for one in where_lost(solution, some, stiffnesses, slopes, modulus_factor, ranged)]  # fmt: skip
+    give(Results([PullOff(*one) for one in found]), as_json)
 
-        means = [
-            measured_work(solution, abs(force), stiffness, slopes, modulus_factor, uncertain)
-            for stiffness in stiffnesses or (LOAD_CONTROL,)
-        ]
+
+def _means(
+    held: Sequence[Solution], force: float, stiffnesses: Sequence[float], uncertain: Sequence[tuple[str, str]],
+    slopes: str, modulus_factor: float, limits: Limits,
+) -> Results:  # fmt: skip
+    """The work of adhesion that a measured ``force`` [N] means on each body under each control."""
+    from ..identification.work_of_adhesion import measured_work, seconds_of_inputs
+
+    controls, names = stiffnesses or (LOAD_CONTROL,), [name for name, _ in uncertain]
+    for solution in held:
+        without_range(solution.record, "pull-off: --load")
+    seconds = len(controls) * sum(seconds_of_inputs(solution, names) for solution in held)
+    tried = [SEARCHED * len(controls) * (1 + 2 * len(names))] * len(held)
+    begin_curves("pull-off --load", held, tried, [AskedRange()] * len(held), limits, beside=seconds)
+    found, warnings = list[Result](), list[str]()
+    for solution in held:
+        means = [measured_work(solution, force, one, slopes, modulus_factor, uncertain) for one in controls]
         effect = effect_on(solution, [means[0].found.w])
         warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
-        results += map(MeasuredPullOff, means)
-    if as_json:
-        answer({"results": [result.summary() for result in results]})
-    else:
-        present(*(result.words() for result in results))
-    for text in warnings:
-        warn(text)
+        found += map(MeasuredPullOff, means)
+    return Results(found, warnings)
 
 
 def _by_flags(
@@ -149,14 +140,3 @@ def _by_flags(
         raise InputError("pull-off: give --w, or --load with a measured pull-off force")
     called = f"{problem.indenter.words} on {problem.specimen.words}"
     return replace(solution, record=replace(solution.record, path=Path(called)))
-
-
-def _searched(
-    held: Sequence[Solution], controls: int, uncertain: Sequence[str]
-) -> tuple[list[tuple[float, ...]], float]:
-    """Works of adhesion that are tried on each body under so many ``controls`` with ``uncertain`` inputs, and the CPU
-    seconds of the bodies that are solved for these."""
-    from ..identification.work_of_adhesion import seconds_of_inputs
-
-    seconds = controls * sum(seconds_of_inputs(solution, uncertain) for solution in held)
-    return [SEARCHED * controls * (1 + 2 * len(uncertain))] * len(held), seconds

@@ -23,20 +23,12 @@ from .voice import command_line, detail, note
 @click.argument("case", type=click.Path(path_type=Path))
 @into_file("Series file [default: <case>.h5 here].")
 @click.option("--method", type=click.Choice(["auto", *METHODS]), help="Method, instead of the case's.")
-@click.option(
-    "--tolerance",
-    type=float,
-    help="Relative error asked of the load at given depth, of any method, instead of the case's.",
-)
+@click.option("--tolerance", type=float,
+              help="Relative error asked of the load at given depth, of any method, instead of the case's."
+)  # fmt: skip
 @limits_options
 @output_options(force=ONE_FILE, json="Print the summary as JSON.")
-def run(
-    case: Path,
-    method: str | None,
-    tolerance: float | None,
-    limits: Limits,
-    output: Output,
-) -> None:
+def run(case: Path, method: str | None, tolerance: float | None, limits: Limits, output: Output) -> None:
     """Solve the nonadhesive contact of CASE (TOML) and write load, displacement and contact radius to HDF5.
 
     The work of adhesion plays no part here: one run serves every w (see: jkr transform).

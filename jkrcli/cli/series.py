@@ -97,7 +97,17 @@ def works_of(solution: Solution, option: str = "--w") -> tuple[float, ...]:
     return solution.record.w
 
 
-def first_work(solution: Solution) -> float:
+def body_and_work(verb: str, path: Path, work: float | None, ranged: bool = False) -> tuple[Path, Solution, float]:
+    """The series file that is meant by ``path``, what it holds, and the ``work`` of adhesion [J/m^2] or the first that
+    its case names; Refusal by a ``verb`` that is not ``ranged``, see ``without_range``."""
+    file = series_file(path)
+    solution = read_series(file)
+    if not ranged:
+        without_range(solution.record, verb)
+    return file, solution, _first_work(solution) if work is None else work
+
+
+def _first_work(solution: Solution) -> float:
     """The first work of adhesion [J/m^2] that the case names; 0, which is said, where it names none."""
     if not solution.record.w:
         note(f"{solution.record.path}: its case names no work of adhesion: the contact without adhesion, or give --w")

@@ -10,9 +10,9 @@ import click
 from ..many.study import MAPS
 from ..report import PICTURES, Output
 from .options import PairsType, parallel_options
-from .output import answer, into_folder, output_options
-from .verb import Verb
-from .voice import level_options, present, progress, warn
+from .output import give, into_folder, output_options
+from .verb import Verb, several
+from .voice import level_options, progress
 
 if TYPE_CHECKING:
     from ..many.study.maps import Axis, Map
@@ -20,12 +20,7 @@ if TYPE_CHECKING:
 STUDIES = {f"{name}-map": words for name, words in MAPS.items()} | {
     "converge": "The same case on a sequence of meshes."
 }
-MAKE = {
-    "noise": "noise-study",
-    "chart": "chart",
-    "failures": "failures",
-    "figures": "figures",
-}  # studies of the methods
+MAKE = {name: name for name in ("chart", "failures", "figures")} | {"noise": "noise-study"}  # studies of the methods
 
 
 class Studies(click.Group):
@@ -80,24 +75,18 @@ def _command(row: Map) -> click.Command:
     @parallel_options
     @into_folder("Folder [default: .].", default=Path())
     @output_options(plots="Write the CSV only.", json="Print the table as JSON.")
-    def study_map(output: Output, workers: int | None, scheduler: str | None, **axes: Any) -> None:
+    def study_map(output: Output, parallel: tuple[int | None, str | None], **axes: Any) -> None:
         from ..base import executor
 
         given = {name: value for name, value in axes.items() if value not in (None, ())}
         files = output.files(output.folder(Path()) / f"{row.name}-map", (".csv", *PICTURES))
-        with executor(workers, scheduler, progress, row.forecast(**given)) as pool:
+        with executor(*parallel, progress, row.forecast(**given)) as pool:
             result = row.over(pool, **given)
-        for words in result.warnings:
-            warn(words)
         files.write(result.columns, figure=files.draw(result.figure))
-        if output.json:
-            answer(result.summary())
-        else:
-            present(result.words(), last=f"  written {files}")
+        give(result, output.json, f"  written {files}")
 
-    for name, axis in reversed(list(row.axes.items())):
-        study_map = _option(name, axis)(study_map)
-    return click.command(f"{row.name}-map", cls=Verb, help=row.help)(study_map)
+    options = several(*(_option(name, axis) for name, axis in row.axes.items()))
+    return click.command(f"{row.name}-map", cls=Verb, help=row.help)(options(study_map))
 
 
 def _option(name: str, axis: Axis) -> Any:

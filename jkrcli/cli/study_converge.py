@@ -32,8 +32,7 @@ def study_converge(
     levels: int,
     contact: str | None,
     work: float | None,
-    workers: int | None,
-    scheduler: str | None,
+    parallel: tuple[int | None, str | None],
     output: Output,
 ) -> None:
     """Solve CASE by finite elements on meshes whose elements halve from one to the next (Appendix C).
@@ -56,7 +55,7 @@ def study_converge(
     if contact is not None:
         method = replace(method, contact=contact)  # type: ignore[arg-type]
     problem = loaded.model.problem()
-    with executor(workers, scheduler, progress, method.forecast(problem).seconds) as pool:
+    with executor(*parallel, progress, method.forecast(problem).seconds) as pool:
         found = converge(problem, method, w, levels, pool=pool)
     files.write(found.columns, found.summary(), files.draw(found.figure))
     give(found, output.json, f"  written   {files}")

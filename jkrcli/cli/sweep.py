@@ -33,8 +33,7 @@ from .voice import note, progress
 def sweep(
     sweep_file: Path,
     output: Output,
-    workers: int | None,
-    scheduler: str | None,
+    parallel: tuple[int | None, str | None],
     hours: float,
     retry_failed: bool,
     only: int | None,
@@ -60,7 +59,7 @@ def sweep(
     else:
         folder = replace(output, where=output.where or Path(f"{sweep_file.stem}-results")).folder(Path())
         pictures = output.files(folder / STEM, PICTURES)
-        means = Means(workers, scheduler, hours, retry_failed, progress)
+        means = Means(*parallel, hours, retry_failed, progress)
         found = carry_out(plan, folder, means, output.force, note)
         if output.plots and _draw(found, pictures):
             found = replace(found, files=(*found.files, *(pictures[ending] for ending in PICTURES)))

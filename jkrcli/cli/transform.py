@@ -29,21 +29,15 @@ from .voice import present, warn
 @modulus_factor_option
 @into_folder()
 @click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]), help="Also in units of Eq. 15, 19.")
-@click.option(
-    "--scale",
-    "own",
-    multiple=True,
-    type=ScaleType(),
-    help='Own units, one a --scale: a="1 um", delta=..., P=..., all three.',
-)
+@click.option("--scale", "own", multiple=True, type=ScaleType(),
+              help='Own units, one a --scale: a="1 um", delta=..., P=..., all three.')  # fmt: skip
 @click.option("--together", is_flag=True, help="One picture of all w, <stem>-all-w.png and .svg, instead of one each.")
 @limits_options
 @output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
 def transform(
     files: tuple[Path, ...],
     works: tuple[float, ...],
-    stress: float | None,
-    length: float | None,
+    attraction: tuple[float | None, float | None],
     slopes: str,
     modulus_factor: float,
     dimensionless: str | None,
@@ -69,7 +63,7 @@ def transform(
     users = own_scales(dict(own)) if own else None
     files, held = read_files("transform", files)
     wanted = [works or works_of(solution) for solution in held]
-    asked = [AskedRange.of(solution.record, stress, length) for solution in held]
+    asked = [AskedRange.of(solution.record, *attraction) for solution in held]
     figures = output.plots and not together
     begin_curves("transform", held, wanted, asked, limits, tables=True, figures=figures)
     plans = _plans(files, wanted, asked, modulus_factor, together, output)

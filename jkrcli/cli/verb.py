@@ -1,8 +1,11 @@
-"""A verb, and how its help groups the options: what everybody needs first, each other kind under its title. What
-would be longer than two screens names the options of the other kinds; ``--help-all`` describes them."""
+"""A verb, options that it takes together, and how its help groups the options: what everybody needs first, each other
+kind under its title. What would be longer than two screens names the options of the other kinds; ``--help-all``
+describes them."""
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from typing import Any
 
 import click
@@ -10,6 +13,8 @@ import click
 from .voice import TUNING
 
 ALL = "jkr.help_all"
+Command = Callable[..., Any]
+Options = Callable[[Command], Command]  # one or several, as a decorator
 
 GROUPS = {
     "Reading": (
@@ -33,6 +38,30 @@ GROUPS = {
 }  # fmt: skip
 # Options that mean something else to some verbs, where everybody needs them.
 FIRST = {"cycle": ("stiffness",), "pull-off": ("stiffness", "uncertain"), "rate-map": ("rate", "speed", "stiffness")}
+
+
+def several(*options: Options) -> Options:
+    """Options as one, in this order."""
+    return lambda command: functools.reduce(lambda held, option: option(held), reversed(options), command)
+
+
+def as_one(name: str, make: Callable[..., Any], *options: Options) -> Options:
+    """Options that a verb takes as one argument ``name``: what ``make`` makes of their values."""
+
+    def unused() -> None: ...
+
+    several(*options)(unused)
+    keys = [option.name for option in unused.__click_params__]  # type: ignore[attr-defined]
+
+    def decorate(command: Command) -> Command:
+        @functools.wraps(command)
+        def verb(*words: Any, **others: Any) -> Any:
+            held = {key: others.pop(key) for key in keys}
+            return command(*words, **{name: make(**held)}, **others)
+
+        return several(*options)(verb)
+
+    return decorate
 
 
 class Verb(click.Command):

@@ -7,12 +7,13 @@ from typing import Any
 
 import click
 
-from ..report import PICTURES, Output
-from .measured import TUNING, begin_reading, reading_of, reading_options
+from ..data import Reading
+from ..report import PICTURES, Output, Results
+from .measured import TUNING, begin_reading, reading_options
 from .options import WORKERS, ScaleType, modulus_factor_option, slopes_option
-from .output import answer, into_folder, output_options, refuse_doubles
+from .output import give, into_folder, output_options, refuse_doubles
 from .verb import Verb
-from .voice import present, progress, warn
+from .voice import progress
 
 
 @click.command(cls=Verb)
@@ -34,6 +35,7 @@ def work(
     measured: tuple[Path, ...],
     modulus_factor: float,
     slopes: str,
+    reading: Reading,
     workers: int,
     output: Output,
     **options: Any,
@@ -67,7 +69,7 @@ def work(
     begin_reading("work", measured, per_row=TUNING.work_per_row)
     solution = read_series(series)
     without_range(solution.record, "work")
-    unit, reading = nonadhesive(solution, slopes), reading_of(options)
+    unit = nonadhesive(solution, slopes)
     options["noise"] = dict(options["noise"])
     evaluation = evaluation_of(solution, unit, reading, modulus_factor, **options)
     results = []
@@ -77,9 +79,5 @@ def work(
         result = Work.of(path, found, skipped, solution, unit, modulus_factor)
         results.append(result)
         target.write(result.columns, result.summary(), target.draw(result.figure))
-    if output.json:
-        answer({"results": [result.summary() for result in results]})
-    else:
-        present(*(result.words() for result in results), last=f"  written {', '.join(map(str, targets))}")
-    for warning in [text for result in results for text in result.warnings]:
-        warn(warning)
+    warnings = [text for result in results for text in result.warnings]
+    give(Results(results, warnings), output.json, f"  written {', '.join(map(str, targets))}")

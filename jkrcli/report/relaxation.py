@@ -12,7 +12,7 @@ from ..adhesion import Program, RelaxingContact, TimedState, limits_of
 from ..adhesion.relaxation.history import RelaxedHistory
 from ..base import ROWS, SI, UNSEEN, Array, InputError, Unknown, show
 from ..bodies import RELAXATIONS, Relaxation
-from .result import Result, as_result
+from .result import Result, Several, as_result
 from .tables import energies, point, stiffness
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ class CycledRelaxing(RelaxedHistory, Result):
 
 
 @dataclass(frozen=True, eq=False)
-class CycledInLimits(Result):
+class CycledInLimits(Several):
     """The cycles of a body that relaxes and adheres in the limits that are known: by the name of each its share of the
     moduli and its result."""
 
@@ -115,9 +115,6 @@ class CycledInLimits(Result):
     def summary(self) -> dict[str, Any]:
         told = {name: {"moduli": share} | found.summary() for name, (share, found) in self.limits.items()}
         return {"file": str(self.file), "limits": told}
-
-    def words(self) -> list[str]:
-        return [line for part in self.parts for line in part]
 
     @property
     def parts(self) -> Sequence[Sequence[str]]:

@@ -10,7 +10,7 @@ from ..base import SI
 from ..identification.relaxation import RelaxationFit
 from .fit import brief, estimate_summary, estimate_words
 from .relaxation import NEGLECTED, law_summary
-from .result import Result
+from .result import Result, Several
 from .tables import stiffness
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ FORMAT = "jkr-relaxation-fit"
 
 
 @dataclass(frozen=True, eq=False)
-class RelaxationFits(Result):
+class RelaxationFits(Several):
     """Fits of one law, each of a record; ``body``: of what, in words."""
 
     fits: Sequence[RelaxationFit]
@@ -49,9 +49,6 @@ class RelaxationFits(Result):
             "fits": [_fit(fit) for fit in self.fits],
             "neglected": NEGLECTED,
         }
-
-    def words(self) -> list[str]:
-        return [line for lines in self.parts for line in lines]
 
     @property
     def parts(self) -> list[list[str]]:

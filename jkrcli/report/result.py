@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..base import InputError, installs
@@ -54,6 +54,29 @@ class Result:
 
     def __str__(self) -> str:
         return "\n".join(self.words())
+
+
+class Several(Result):
+    """A result of several ``parts``."""
+
+    def words(self) -> Sequence[str]:
+        return [line for part in self.parts for line in part]
+
+
+@dataclass(frozen=True, eq=False)
+class Results(Several):
+    """Results of one kind, with ``warnings`` of all of them; ``name``: of their list in the summary."""
+
+    held: Sequence[Result]
+    warnings: Sequence[str] = ()
+    name: str = "results"
+
+    def summary(self) -> dict[str, Any]:
+        return {self.name: [one.summary() for one in self.held]}
+
+    @property
+    def parts(self) -> Sequence[Sequence[str]]:
+        return [one.words() for one in self.held]
 
 
 def as_result(kind: type[Held], found: Any, **more: Any) -> Held:

@@ -9,11 +9,11 @@ from typing import Any
 from ..base import accuracy, show
 from ..series import COLUMNS, Solution
 from . import archive
-from .result import Result
+from .result import Several
 
 
 @dataclass(frozen=True, eq=False)
-class Shown(Result):
+class Shown(Several):
     """What each file holds: a series, or the summary of an archive."""
 
     held: Sequence[Solution | Mapping[str, Any]]
@@ -24,9 +24,6 @@ class Shown(Result):
     @property
     def parts(self) -> Sequence[Sequence[str]]:
         return [_words(item) if isinstance(item, Solution) else archive.words(item) for item in self.held]
-
-    def words(self) -> list[str]:
-        return [line for part in self.parts for line in part]
 
 
 def _as_dict(solution: Solution) -> dict[str, Any]:

@@ -106,9 +106,13 @@ def _flat(path: str, value: Any) -> list[tuple[str, tuple[float, float]]]:
 
 
 def _stated(name: str, told: Mapping[str, Any]) -> float:
-    """The error that stands beside a number; of an error itself."""
+    """The error that stands beside a number; of an error itself; infinite where it is known that it is not known."""
     if "_err" in name:
         return _plain(told[name])
+    shares = told.get("relative_standard_errors", {})  # of the parameters of a law, whose keys end in their units
+    for parameter, share in shares.items():
+        if name.startswith(parameter):
+            return math.inf if share is None else _plain(share) * abs(told[name])
     return next((_plain(item) for key, item in told.items() if key.replace("_err", "", 1) == name != key), 0.0)
 
 

@@ -18,9 +18,10 @@ from .stability import behaviour
 class DemTuning:
     """How finely the law is tabulated."""
 
-    fewest: int = 65  # choice: rows to begin with, doubled until the law is met
+    fewest: int = 65  # tuned on contact laws, by `make constants`: rows to begin with, doubled until the law is met
     most: int = 4097  # choice: rows at which it is given up
-    error: float = 1e-6  # choice: of the interpolation, relative to the largest load or radius
+    # tuned on contact laws, by `make constants`: of the interpolation, relative to the largest load or radius
+    error: float = 1e-6
     halvings: int = 60  # theory: of the interval of radii, to the last place of a number
     vectors: int = 12  # choice: states with which an implementation is checked, between the rows
 

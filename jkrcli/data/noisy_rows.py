@@ -18,8 +18,12 @@ class NoisyRowsTuning:
     """What noise does not do to the order of rows."""
 
     fewest: int = 8  # choice: rows; of fewer none can be spared
-    ordered: float = 0.85  # rank correlation of a column with the rows; choice: 10 % noise on 15 rows leaves more
-    hidden: float = 0.1  # choice: of the rows, those near first touch that noise may hide, and those of outliers
+    # rank correlation of a column with the rows; tuned on imported tables, by `make constants`: 10 % noise on 15 rows
+    # leaves more
+    ordered: float = 0.85
+    # tuned on imported tables, by `make constants`: of the rows, those near first touch that noise may hide, and those
+    # of outliers
+    hidden: float = 0.1
     dense: float = 0.2  # choice: share of hidden rows near first touch; noise of the load alone leaves 0.3
     window: int = 10  # choice: rows up to one of them, of which as many are hidden
 

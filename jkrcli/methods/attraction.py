@@ -30,13 +30,16 @@ if TYPE_CHECKING:
 class AttractedTuning:
     """Accuracy of the kernel and how far it is needed."""
 
-    tolerance: float = 1e-10  # of K by its polynomials; choice: far below what is stated, at no cost
+    # of K by its polynomials; tuned on ranges, by `make constants`: far below what is stated, at no cost
+    tolerance: float = 1e-10
     checked: float = 0.01  # of that, of the second panels with which results are compared; choice: two digits more
     other_order: int = 20  # Gauss nodes in k on the second panels; choice: shares nothing with the first's 24
     # Tolerances of finite elements, the first that is met; what they leave is stated:
     cylinder: tuple[float, ...] = (1e-5, 1e-4, 1e-3)  # choice: from the default of hybrid on
-    room: float = 1.15  # of a reach over the one expected; choice: what is looked at beyond c
-    further: float = 1.5  # of the next reach over one that was too short; choice: each is a small solve
+    # of a reach over the one expected; tuned on ranges, by `make constants`: what is looked at beyond c
+    room: float = 1.15
+    # of the next reach over one that was too short; tuned on ranges, by `make constants`: each is a small solve
+    further: float = 1.5
     # CPU seconds of a curve, for forecasts, beside those of resolving the stack:
     curve: float = 0.06  # tuned on half-spaces, by `make bench`
     polynomials: float = 2.8e-6  # by the square of their number; tuned on 30 to 700 of them, by `make bench`

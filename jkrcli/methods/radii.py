@@ -27,7 +27,8 @@ ROUGH = 1e-5  # accuracy of the first part of every search; choice: what costs l
 class SearchTuning:
     """How radii are followed to the depths and loads that are asked for."""
 
-    probe: float = 0.98  # a second radius beside each trial, for the slope; choice: what costs least
+    # a second radius beside each trial, for the slope; tuned on loads, by `make constants`: what costs least
+    probe: float = 0.98
     # Largest factor between trials, as a larger contact costs more:
     stride: float = 3.0  # choice: what costs least
     table: int = 48  # radii of the first response to all targets; choice: what costs least

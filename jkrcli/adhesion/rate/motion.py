@@ -35,10 +35,13 @@ class MotionTuning:
 
     # theory: of the excess, over which it is drawn to the state's: its round-off, 1e-16 over this, is an absolute step
     drawn: float = 1e-4
-    absolute: float = 1e-2  # choice: of the relative tolerance; the unknowns are scaled to 1
+    # tuned on cycles at speed, by `make constants`: of the relative tolerance; the unknowns are scaled to 1
+    absolute: float = 1e-2
     fastest: float = 1e200  # theory: in radii per T: a speed beyond numbers, its square must not overflow
     longest: float = 1e15  # theory: of s; beyond it the round-off of a double is longer than a step
-    instant: float = 1e-6  # choice: of a motion's time, at its end: contact runs away, which inertia would delay
+    # tuned on cycles at speed, by `make constants`: of a motion's time, at its end: contact runs away, which inertia
+    # would delay
+    instant: float = 1e-6
     # theory: distances to a fold, over the first, at which a slow edge is looked at; D rises by the square of the last
     nearer: Array = field(default_factory=lambda: np.geomspace(1, 1e-6, 200))
 

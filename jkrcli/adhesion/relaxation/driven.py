@@ -39,7 +39,7 @@ class DrivenTuning:
     rounding: float = 1e-13  # theory: of what the device holds, about the round-off of what follows from it
     falls: float = 1e-10  # theory: of the depth, what is no round-off
     near: float = 2.0  # choice: of a step, how far at least it is to end before contact is lost; leaves 1e-7
-    far: float = 2.0  # choice: guard, of the log depth in an iteration
+    far: float = 2.0  # tuned on relaxing bodies, by `make constants`: guard, of the log depth in an iteration
 
 
 TUNING = DrivenTuning()

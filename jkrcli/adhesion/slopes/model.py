@@ -33,7 +33,9 @@ class SplineTuning:
     below: float = 2.5  # in x, how far they reach below the first point; tuned on the same, by `make tuning`
     intervals_below: int = 3  # there; tuned on the same, by `make tuning`
     step: float = 0.04  # of the grid in x; theory: Hermite and Gauss errors stay below 1e-9
-    small_exponent: float = 0.2  # of an integral towards zero radius, kept positive below it; choice: no body has less
+    # of an integral towards zero radius, kept positive below it; tuned on imported tables, by `make constants`: no body
+    # has less
+    small_exponent: float = 0.2
 
 
 TUNING = SplineTuning()

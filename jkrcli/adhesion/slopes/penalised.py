@@ -38,27 +38,32 @@ class PenaltyTuning:
     """How the fit steps, how the penalties follow the data, and when both are settled."""
 
     least: float = 1e-15  # lambda, in units of the mean diagonal of J^T J over the block; theory: round-off
-    most: float = 100.0  # and the largest; choice: it leaves none of the block
-    most_prior: float = 10.0  # variance of a coefficient before data are seen; choice: bodies do not bend more
+    most: float = 100.0  # and the largest; tuned on imported tables, by `make constants`: it leaves none of the block
+    # variance of a coefficient before data are seen; tuned on imported tables, by `make constants`: bodies do not bend
+    # more
+    most_prior: float = 10.0
     spread: tuple[float, ...] = tuple(4.0**n for n in range(-7, 3))  # about a lambda; choice: beyond, weights vanish
     bias: float = 0.2  # of the allowance for smoothing bias, in noise; tuned on noisy series, by `make noise-study`
     negligible: float = 1e-4  # weight of a lambda or a correlation; choice: below, it does not show
     factor: float = 100.0  # most that an update changes a lambda by; tuned on noisy series, by `make tuning`
     settled: float = 0.02  # change of log(lambda); tuned on the same, by `make tuning`
     freeze: int = 25  # steps, after which the lambdas stay; tuned on the same, by `make tuning`
-    steps: int = 50  # choice: what has not settled then does not
+    steps: int = 50  # tuned on imported tables, by `make constants`: what has not settled then does not
     damping: float = 1e-8  # least, of the diagonal of the linearised problem; tuned on the same, by `make tuning`
     poor_step: float = 0.2  # below it the next step is damped (Levenberg); tuned on the same, by `make tuning`
-    halvings: int = 30  # choice: down to a billionth of a step
-    longest_step: float = 5.0  # of a coefficient; choice: all of them belong to logarithms
+    halvings: int = 30  # theory: down to a billionth of a step
+    # of a coefficient; tuned on imported tables, by `make constants`: all of them belong to logarithms
+    longest_step: float = 5.0
     tolerance: float = 3e-2  # of a step, in standard deviations of the fit; tuned on the same, by `make tuning`
     stuck: float = 0.5  # standard deviations of a step still open at the end; choice: more is flagged as not settled
     # Correlations of neighbours that are thought possible beside none; choice: beyond the last, noise is drift
     correlations: tuple[float, ...] = (0.15, 0.3, 0.45, 0.6, 0.7, 0.78, 0.85, 0.9, 0.94, 0.97, 0.985)
-    uncorrelated: float = 0.5  # probability of no correlation before data are seen; choice: as likely as any
+    uncorrelated: float = 0.5  # probability of no correlation before data are seen; theory: as likely as any
     worth: float = 2.0  # log of a likelihood ratio that makes a correlation believed; choice: none is simpler
     beyond: float = 4.0  # standard errors of the residuals' own correlation; choice: above, none is looked for
-    linear: float = 2.0  # choice: residuals over those of the fit, beyond which a correlation's are not believed
+    # tuned on imported tables, by `make constants`: residuals over those of the fit, beyond which a correlation's are
+    # not believed
+    linear: float = 2.0
 
 
 TUNING = PenaltyTuning()

@@ -28,7 +28,9 @@ class AttractedFamilyTuning:
 
     beyond: float = 1.4  # choice: of the largest over the end of the series, on the way to a solution
     below_limit: float = 0.9  # choice: of the largest over the end of profile or cylinder
-    reach: float = 1.5  # choice: of the radius to which the kernel is known over the largest of contact; its growth
+    # tuned on fits of tables, by `make constants`: of the radius to which the kernel is known over the largest of
+    # contact; its growth
+    reach: float = 1.5
     apart: int = 24  # choice: points without contact
     first: float = 0.03  # choice: c of the first of them over c at first touch, where P is 1e-3 of that there
     degree: int = 5  # theory: of the splines; errors fall with the power 6 of the spacing

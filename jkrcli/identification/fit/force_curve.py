@@ -46,7 +46,9 @@ class ForceCurveTuning:
     narrow: float = 0.3  # choice: of the depth of contact, that the window covers at most
     above: float = 1.1  # choice: of the w that the last row holds at rest, one with which it rests for sure
     recedes: float = 12.0  # theory: fall of chi^2 by one unknown that chance brings once in 2000
-    surely: float = 0.9  # choice: of the rows of a base line, those that tell the noise: contact begins gently
+    # tuned on raw records, by `make constants`: of the rows of a base line, those that tell the noise: contact begins
+    # gently
+    surely: float = 0.9
     surely_found: float = 1.05  # choice: of the noise, residuals that the search is not begun anew for
     enough: float = 1.5  # choice: of the noise, residuals that no other start is tried below
     # choice: of a retraction alone, the share of its way in contact that tells a start, and ``turn`` to begin with:

@@ -24,12 +24,17 @@ class ThroughTuning:
     decade: float = 10.0  # choice: ratio of the speeds below which n and v0 are not told apart
     exponents: tuple[float, ...] = (0.25, 0.5, 1.0)  # choice: starts of n
     laws: tuple[float, float] = (0.1, 3.0)  # choice: exponents that are sought; measured ones are 0.1 to 1
-    reach: float = 40.0  # choice: guard, how far logs move
-    sure: float = 0.3  # choice: relative half-width of a speed, beyond which its point tells nothing of a law
-    rounds: int = 3  # choice: of weights by the errors of the speeds, which ask for the law
+    reach: float = 40.0  # tuned on work along a record, by `make constants`: guard, how far logs move
+    # tuned on work along a record, by `make constants`: relative half-width of a speed, beyond which its point tells
+    # nothing of a law
+    sure: float = 0.3
+    # tuned on work along a record, by `make constants`: of weights by the errors of the speeds, which ask for the law
+    rounds: int = 3
     blocks: int = 8  # choice: of neighbouring points that are left out in turn
     even: float = 0.01  # choice: guard, least weight of a point's error over the median
-    turn: float = 1.5  # choice: standard deviations beyond which a point pulls less, as outliers are usual
+    # tuned on work along a record, by `make constants`: standard deviations beyond which a point pulls less, as
+    # outliers are usual
+    turn: float = 1.5
 
 
 TUNING = ThroughTuning()

@@ -33,7 +33,7 @@ class RateMapTuning:
     per_decade: int = 40
     # tuned on maps, by `make constants`: radius in units of that at no load, where contact is as good as lost
     smallest: float = 1e-3
-    largest: float = 1.3  # choice: the same, beyond which no path goes
+    largest: float = 1.3  # tuned on maps, by `make constants`: the same, beyond which no path goes
     tolerance: float = 1e-7  # tuned on maps, by `make constants`: relative, of the layer's series
     per_point: float = 0.075  # CPU seconds; tuned on maps of 13 and 100 speeds, by `make guards`
 

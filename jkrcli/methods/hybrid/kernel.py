@@ -17,7 +17,7 @@ from .lines import LineElements, lines
 from .region import TUNING as REGIONS
 from .region import Region, nearest
 
-STEP = 2  # in the degree, from one level to the next; choice: odd ones gain little
+STEP = 2  # in the degree, from level to level; tuned on bodies by hybrid, by `make constants`: odd ones gain little
 
 
 @dataclass(frozen=True)

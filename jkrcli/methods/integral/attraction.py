@@ -51,7 +51,7 @@ class AttractionTuning:
     close: float = 1e-13  # theory: relative, of the width; rounding of the separation
     power: float = 1.3  # theory: of the width, with which the separation grows: 1 to 2; of the first step
     powers: tuple[float, float] = (0.3, 30.0)  # choice: those that are believed
-    far: float = 1.5  # choice: longest step
+    far: float = 1.5  # tuned on ranges, by `make constants`: longest step
     least: float = 1e-3  # choice: smallest separation over the one looked for that is told apart
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...base import Array
 
-CHUNK = 2048  # nodes in k per matrix product; choice: a bound on the memory
+CHUNK = 2048  # nodes in k per matrix product; tuned on ranges, by `make constants`: a bound on the memory
 
 
 class FredholmKernel(Protocol):

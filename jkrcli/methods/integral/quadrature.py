@@ -11,7 +11,9 @@ import numpy as np
 
 from ...base import Array
 
-EXACT = 12  # nodes on a panel over which a function is a power or an exponential; choice: exact to rounding
+# nodes on a panel over which a function is a power or an exponential; tuned on bodies, by `make constants`: exact to
+# rounding
+EXACT = 12
 
 
 @dataclass(frozen=True)

@@ -47,8 +47,8 @@ from ...bodies import Elastic, Graded, HalfSpace, Law, Layer, Rigid, Specimen, T
 class MinorsTuning:
     """Where series replace closed forms, and how finely a graded layer is cut."""
 
-    small: float = 1.0  # y below which the isotropic functions are power series; choice: both hold there to rounding
-    small_transverse: float = 2.0  # the same of A y and |D| y; choice: both hold there to rounding
+    small: float = 1.0  # y below which the isotropic functions are power series; theory: both hold there to rounding
+    small_transverse: float = 2.0  # the same of A y and |D| y; theory: both hold there to rounding
     terms: int = 14  # of the transverse series; theory: the next are below rounding at ``small_transverse``
     seen: float = 18.0  # theory: exp(-2 seen) is the rounding of a double
     steps: int = 5  # of the extrapolation; tuned on graded layers, by `make tuning`

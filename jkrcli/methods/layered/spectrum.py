@@ -38,7 +38,7 @@ class SpectrumTuning:
     start: float = 0.012  # CPU seconds of any stack; tuned on the cases of `make bench`, by `make bench`
     layer_seconds: float = 5e-4  # and of a layer; tuned on stacks of 50 to 1000 layers, by `make bench`
     graded_seconds: float = 0.1  # and of a smooth piece of a law; tuned on tables of 10 to 100 points, by `make bench`
-    halvings: int = 45  # choice: panels are then 2^-45 of k_max
+    halvings: int = 45  # theory: panels are then 2^-45 of k_max
 
 
 TUNING = SpectrumTuning()

@@ -43,7 +43,9 @@ from .tail import COUNT, Tail, regularised, surface_series
 class TenseTuning:
     """How the equation of the first kind is discretised for an accuracy."""
 
-    tolerance: float = 5e-8  # the least; choice: rounding leaves some 1e-9 on thin incompressible layers
+    # the least; tuned on bodies by layered, by `make constants`: rounding leaves some 1e-9 on thin incompressible
+    # layers
+    tolerance: float = 5e-8
     # halvings towards the edge for a = kappa; tuned on bodies, by `make constants`: one less moves depths by 2e-5
     levels: int = 7
     # nodes on a panel at the accuracy 1e-4, one more for each decade; tuned on bodies, by `make constants`: one less

@@ -156,13 +156,16 @@ class Nonadhesive:
 
     def _apart(self, further: Nonadhesive) -> Array:
         """Which rows are not too close to a ``further`` radius, or end the series: all between lies within knots."""
-        series, columns = further.series, ("delta", "dS")
-        wrong = [np.max(series.errors[name] / getattr(series, name), initial=0.0) for name in columns]
+        series = further.series
+        delta, dS = (series.errors[name] / getattr(series, name) for name in ("delta", "dS"))
+        if series.unresolved is not None:  # rows and solved radii share it
+            delta = np.maximum(delta - series.unresolved[0] / series.delta, 0.0)
+        wrong = np.max([delta, dS], initial=0.0)
         right = np.searchsorted(further.a, self.a)
         distance = np.abs(further.a[np.clip([right - 1, right], 0, further.a.size - 1)] - self.a).min(axis=0)
         beyond = (self.a < further.a[0]) | (self.a > further.a[-1])
         ends = np.isin(self.a, self.a[[0, -1]]) & beyond
-        return ends | (distance > min(max(wrong) ** 0.25, TUNING.apart) * (self.a - series.a0))
+        return ends | (distance > min(wrong**0.25, TUNING.apart) * (self.a - series.a0))
 
     @cached_property
     def bends(self) -> Array:

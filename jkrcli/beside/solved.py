@@ -96,7 +96,8 @@ def _in_the_middle(solution: Solution, sevens: Array) -> Nonadhesive:
     assert series.dS is not None
     rows = np.unique(sevens[_own(np.log(series.a[sevens] - series.a0))])
     columns = {name: getattr(series, name)[rows] for name in ("a", "delta", "P", "S", "dS")}
-    inner = replace(series, **columns, errors={name: values[rows] for name, values in series.errors.items()})
+    errors = {name: values[rows] for name, values in series.errors.items()}
+    inner = replace(series, **columns, errors=errors, unresolved=solution.unresolved[:, rows])
     middle = sevens[:, MIDDLE]
     beyond, delta, dS = series.a[middle] - series.a0, series.delta[middle], series.dS[middle]
     followed = [_followed(problem, series, seven) for seven in sevens]

@@ -64,8 +64,8 @@ class Series:
     ``own``: of columns that were read, the exact solution of the bodies they are said to be of, where there is one: a
     smooth fit departs from its shape no more than the columns ask for.
     ``coarser``: the same by larger elements, where there are such.
-    ``unresolved``: errors (2, n) of delta [m] and of its slope by a profile that is known at points only, where
-    ``coarser`` does not show them.
+    ``unresolved``: errors (2, n) of delta [m] and of its slope by a profile that is known at points only, part of the
+    ``errors``: the same at all rows nearby, and in the ``coarser`` series.
     """
 
     a: Array

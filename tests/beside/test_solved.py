@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.curve import CriticalPoint
+from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint
 from jkrcli.base.unknown import Unknown
-from jkrcli.beside.analysis import analyse
+from jkrcli.beside.analysis import analyse, nonadhesive
 from jkrcli.beside.solved import is_solved
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
@@ -202,3 +202,19 @@ def test_points_are_solved_where_that_takes_seconds(
         errors = {name: abs(getattr(point, name) - getattr(exact, name)) for name in stated}
         assert errors[held] <= stated[held] < 1e-3 * abs(getattr(exact, held))
         assert errors[other] <= 2 * stated[other] < 2e-3 * abs(getattr(exact, other))  # 90 %: measured 1.39
+
+
+def test_rows_stay_beside_solved_radii_whatever_a_table_leaves_open() -> None:
+    """A parabola that goes on as a cone, by 21 points: all rows beyond the kink gave way, and contact seemed to be lost
+    at 1.7 times the radius under five times the load."""
+    r = np.linspace(0, 2e-5, 21)
+    f = np.where(r < 1.05e-5, r**2 / 2e-4, 5e-7 + 0.13 * (r - 1e-5))
+    table = TableProfile(tuple(r.tolist()), tuple(f.tolist()))
+    problem = Problem(table, Specimen((), HalfSpace(Elastic(1e6, 0.4))), Loading("radius", 1.8e-5, 200))
+    solution = Layered()(problem)
+    rows = AdhesiveCurve(nonadhesive(solution), 0.0258).pull_off(0.0)
+    found = analyse(solution, [0.0258])[0].pull_off["load"]
+    assert isinstance(rows, CriticalPoint)
+    assert isinstance(found, CriticalPoint)
+    assert found.a == pytest.approx(rows.a, rel=1e-3)
+    assert found.P == pytest.approx(rows.P, rel=1e-6)

@@ -116,3 +116,25 @@ def _study(
         return Outcome(code, captured.out, captured.err)
 
     return run
+
+
+@pytest.fixture(name="no_pictures")
+def _no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of sweeps are drawn in test_sweep_figure.py: each takes longer than the sweeps."""
+    monkeypatch.setattr("jkrcli.cli.sweep._draw", lambda *_: False)
+
+
+@pytest.fixture(name="solves")
+def _solves(monkeypatch: pytest.MonkeyPatch) -> list[object]:
+    """The problems that are really solved, in order."""
+    seen: list[object] = []
+
+    from jkrcli.methods.closed_form.method import ClosedForm
+    from jkrcli.methods.layered.layered import Layered
+
+    def counted(plain: Callable) -> Callable:
+        return lambda method, body: seen.append(body.key) or plain(method, body)
+
+    for kind in (ClosedForm, Layered):
+        monkeypatch.setattr(kind, "__call__", counted(kind.__call__))
+    return seen

@@ -23,6 +23,7 @@ import numpy as np
 from cycle_records import spoilt  # type: ignore[import-not-found]
 from wrong_records import SPEED, WRONG, Drawn, Wrong, right  # type: ignore[import-not-found]
 
+from jkrcli.adhesion import LIMITS
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import JkrError
 from jkrcli.bodies.indenters import Paraboloid, Sphere
@@ -106,7 +107,8 @@ def judged(kind: str, made: Wrong, found: Fit) -> dict[str, float]:
         inside &= item.low - part <= true <= item.high + part
         far |= abs(item.value - true) > 3 * math.hypot(item.error, part)
         if name == "E_star":
-            told |= {"over half": 2 * part / (item.high - item.low), "over error": part / item.error}
+            strained = "above" if found.a.max() > LIMITS.a_over_R * made.R else "below"
+            told |= {f"{strained}, half": 2 * part / (item.high - item.low), f"{strained}, error": part / item.error}
     told |= {"inside, widened": float(inside), "said or inside": float(inside or bool(named.named))}
     return told | {"silent": float(far and not found.flags)}
 
@@ -220,11 +222,17 @@ def _line(kind: str, seed: int, count: int, louder: float) -> None:
             print(f"  {kind} {i}: {error}")
         for name, value in told.items():
             columns[name].append(value)
-    halves, errors = (np.median(columns.pop(name, [0.0])) for name in ("over half", "over error"))
+    parts = {key: [columns.pop(f"{side}, {key}", []) for side in ("below", "above")] for key in ("half", "error")}
     shares = ", ".join(f"{name} {np.mean(values):.2f}" for name, values in columns.items() if name != "silent")
     silent = np.sum(columns["silent"])
-    parts = f"systematic over 95 % half-width {halves:.2g}, over standard error {errors:.2g}"
-    print(f"{kind:<24} {shares}, silent {silent:.0f}, {parts}", flush=True)
+    print(f"{kind:<24} {shares}, silent {silent:.0f}", flush=True)
+    for key, (below, above) in parts.items():
+        medians = [float(np.median(one)) if one else math.nan for one in (below + above, below, above)]
+        size = "95 % half-width" if key == "half" else "standard error"
+        sides = (
+            f"a/R below {LIMITS.a_over_R:g} {medians[1]:.2g} of {len(below)}, above {medians[2]:.2g} of {len(above)}"
+        )
+        print(f"  part over {size}, median {medians[0]:.2g}; {sides}", flush=True)
 
 
 if __name__ == "__main__":

@@ -23,9 +23,9 @@ from jkrcli.identification.fit.coloured import Spectrum
 from jkrcli.identification.fit.device_path import grid, on_grid
 from jkrcli.identification.fit.record import _fitted, _kinds, _model, whole_record
 from jkrcli.identification.fit.record_change import AMOUNT, LITTLE, Bent, Change, RivalModel
-from jkrcli.identification.fit.record_full import bounded
+from jkrcli.identification.fit.record_full import _of_amounts, bounded
 from jkrcli.identification.fit.record_rivals import RIVALS, Known, columns, narrow_range, work_over_speed
-from jkrcli.identification.fit.record_scores import ASKED, EXCLUDED, UNTOLD, rivals_of_record
+from jkrcli.identification.fit.record_scores import ASKED, EXCLUDED, UNTOLD, Weighted, rivals_of_record
 from jkrcli.identification.fit.record_situation import Situation
 from jkrcli.identification.fit.record_verdict import half_space_modulus
 from jkrcli.identification.fit.settings import Settings
@@ -328,6 +328,30 @@ def test_moves_at_a_bound_are_those_of_a_fit_in_full() -> None:
     here = Situation(at.body, force_curve.fit(held, at.found.x, near=True))
     for rate, ratio in ((score.E_star, here.modulus / at.modulus), (score.w, here.work / at.work)):
         assert 0.5 < rate * score.most / math.log(ratio) < 2
+
+
+def test_ranges_beyond_the_interval_count_by_the_chord() -> None:
+    """Of rises of chi^2 by 0, 6 and 7: the larger moves of the last two at 1.96 over the root of theirs."""
+    at, rival = situation(), named("adhesion of finite range")
+    score = next(one for one in rivals_of_record(at, Known()).scores if one.name == rival.name)
+    look = rival.look(at)
+    assert isinstance(look, Change)
+    tried = {4.0: (0.0, 0.01, -0.02), 2.0: (6.0, 0.3, 0.1), 1.0: (7.0, 0.2, -0.4)}
+    found = _of_amounts(at, Weighted.of(at), score, look, tried)
+    assert found.known == 4
+    assert found.moved(found.E_star) == pytest.approx(0.3 * 1.96 / math.sqrt(6), rel=1e-4)
+    assert found.moved(found.w) == pytest.approx(0.4 * 1.96 / math.sqrt(7), rel=1e-4)
+
+
+@pytest.mark.slow
+def test_the_angle_of_a_cone_is_an_error_of_its_modulus() -> None:
+    """It follows from the contact radius at the turn, known to a fifth of a per cent: by a fixed one E* is 4.3 of its
+    errors off."""
+    made = WRONG["cone"](Drawn.of(np.random.default_rng((32, 19, 1)), 1.0))
+    item = fit(BODY, curve(made), usual(model="auto")).estimate("E_star")
+    assert item.error is not None
+    assert item.error < 4e-3 * item.value
+    assert item.value == pytest.approx(made.truth["E_star"], abs=3 * item.error)
 
 
 def test_a_surface_tension_that_may_be_there_is_in_the_part_of_the_model() -> None:

@@ -59,6 +59,7 @@ class FullTuning:
     excluded: float = 6.0
     about: float = 0.5  # choice: standard errors, by which what a range does to a fit may be off
     falling: float = 2.0  # choice: of the step to come, by which chi^2 may still fall
+    certain: float = 9.0  # choice: rise of chi^2 by three standard errors, from which on a change is excluded
     chords: int = 12  # choice: guard, steps with derivatives of the fit without; three to six are needed
     hopeless: float = 3000.0  # choice: rise of chi^2 after a step, from which on there are no more
     still: float = 0.02  # choice: standard errors, below which a step is the last one
@@ -104,9 +105,7 @@ def _bounded(at: Situation, score: Score, known: Known) -> Score:
         return score
     own = Weighted.of(at, off_folds(at))
     if score.name == RANGE.name:
-        tried = {
-            amount: _left_moves(own, _held(at, look, amount), score.wide) for amount in _ranges(at, score, known.range)
-        }
+        tried = {amount: _left_moves(own, _held(at, look, amount)) for amount in _ranges(at, score, known.range)}
         return _of_amounts(at, own, score, look, tried)
     if score.name == TENSION.name:
         return _of_tension(at, own, score, look, known.tension)
@@ -139,7 +138,7 @@ def _of_tension(at: Situation, own: Weighted, score: Score, change: Change, know
     tried: dict[float, Moves | None] = {}
     least, leans = 0.0, False
     for amount in sorted({min(most, TUNING.skins[0]), *(amount for amount in TUNING.skins if amount < most)}):
-        tried[amount] = found = _left_moves(own, _held(at, change, amount), score.wide)
+        tried[amount] = found = _left_moves(own, _held(at, change, amount))
         rises = found is not None and found[0] > least
         least = least if found is None else min(least, found[0])
         leans = bool(known) or -least > TUNING.leaning**2 or at_chance(at.found, -least) < SCORES.chance / len(RIVALS)
@@ -152,23 +151,28 @@ def _of_amounts(
     at: Situation, own: Weighted, score: Score, change: Change, tried: Mapping[float, Moves | None]
 ) -> Score:
     """The score with the largest moves at those amounts ``tried`` of a ``change`` that the data leave; it is asked for
-    where one takes enough of the misfit."""
-    left = {amount: found for amount, found in tried.items() if found is not None}
-    if not left:
+    where one takes enough of the misfit. Those beyond the interval count by the chord to it, as moves may grow steeply
+    there."""
+    near = {amount: found for amount, found in tried.items() if found is not None}
+    if not near:
         return score
-    end, beyond = max(left), min((amount for amount in tried if amount > max(left)), default=0.0)
+    left = [amount for amount, found in near.items() if found[0] < score.wide**2]
+    end = max(left, default=min(near))
+    beyond = min((amount for amount in tried if amount > end), default=0.0)
     for _ in range(TUNING.halves * (beyond > 0)):
         middle = math.sqrt(end * beyond)
-        if (found := _left_moves(own, _held(at, change, middle), score.wide)) is None:
-            beyond = middle
-        else:
-            left[middle], end = found, middle
-    best = min(left, key=lambda amount: left[amount][0])
-    taken, moves = -left[best][0], np.abs([found[1:] for found in left.values()]).max(axis=0).tolist()
+        if (found := _left_moves(own, _held(at, change, middle))) is not None:
+            near[middle] = found
+        end, beyond = (end, middle) if found is None or found[0] > score.wide**2 else (middle, beyond)
+    best = min(near, key=lambda amount: near[amount][0])
+    chords = [min(1.0, score.wide / math.sqrt(max(found[0], TINY))) for found in near.values()]
+    moves = np.max([chord * np.abs(found[1:]) for chord, found in zip(chords, near.values(), strict=True)], axis=0)
+    taken = -near[best][0]
     if (chance := at_chance(at.found, taken)) < SCORES.chance / len(RIVALS):
-        asked = _moving(score, best, left[best][1:])
+        asked = _moving(score, best, near[best][1:])
         return replace(asked, amount=best, word=ASKED, chance=chance, taken=taken)
-    return replace(_moving(score, end, moves), amount=best * (taken > 0), chance=chance, taken=max(taken, 0.0))
+    told = _moving(score, end, moves.tolist())
+    return replace(told, amount=best * (taken > 0), chance=chance, taken=max(taken, 0.0))
 
 
 def _ranges(at: Situation, score: Score, longest: float) -> list[float]:
@@ -182,12 +186,11 @@ def _ranges(at: Situation, score: Score, longest: float) -> list[float]:
     return [amount_of_range(at, z0) for z0 in ranges]
 
 
-def _left_moves(own: Weighted, model: RivalModel, wide: float) -> Moves | None:
-    """By how much chi^2, and the logs of E* and w, rise with a change; None where it is more than ``wide`` standard
-    errors off."""
-    found = _stepped(own, model, wide**2, TUNING.about)
+def _left_moves(own: Weighted, model: RivalModel) -> Moves | None:
+    """By how much chi^2, and the logs of E* and w, rise with a change; None where the data exclude it for certain."""
+    found = _stepped(own, model, TUNING.certain, TUNING.about)
     told = None if found is None else (found[0], *_moves(own, found[1]))
-    return told if told is not None and told[0] < wide**2 and np.isfinite(told).all() else None
+    return told if told is not None and told[0] < TUNING.certain and np.isfinite(told).all() else None
 
 
 def _moves(own: Weighted, x: Array) -> tuple[float, float]:

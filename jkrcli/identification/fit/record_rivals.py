@@ -30,7 +30,7 @@ from .device_path import grid, on_grid, rest
 from .family import Family
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, base_line
 from .positions import creep, hysteresis
-from .record_change import AMOUNT, LITTLE, Change, Values, bending, bent, of_body
+from .record_change import AMOUNT, LITTLE, Change, RivalModel, Values, bending, bent, of_body
 from .record_situation import Situation
 from .slow_edge import load_at, receding
 
@@ -200,7 +200,7 @@ def _over_speed(typical: float) -> Change:
     def back(model: ForceCurveModel, part: DirectionReadings, values: Values) -> Array:
         first, s = model.stretches[0], math.exp(values["ln_s"])
         q = max(values[f"q:{part.kind}"], LITTLE**3 * model.most)
-        root = values.get(f"r:{first.kind}", math.sqrt(max(values[f"q:{first.kind}"], 0.0)))
+        root = _root(values, first.kind)
         turn, n = part.turn - values["z0"], values[EXPONENT]
         held = rest(model.family, s, root, math.sqrt(q), model.k, turn)
         path = receding(model.family, s, q, model.k, (max(values[AMOUNT], LITTLE**2) * typical**-n, n), held, turn)
@@ -305,14 +305,34 @@ def _power(widest: float) -> Change:
     def changes(family: Family, amount: float) -> Array:
         return of_body(family, *_of_tip(amount * (grid(family) - math.log(widest))))
 
-    def renewed(found: ForceCurveFit) -> Change:
-        part, values = found.model.stretches[0], found.model.values(found.x)
-        turn = float(found.model.branch(part, values).radii(np.array(part.turn - values["z0"])))
-        return _power(math.sqrt(widest * turn))  # of a cone the radius falls as that of its scale rises
-
     told = lambda values: {"exponent": 2 + values[AMOUNT]}  # noqa: E731
     starts = tuple((amount,) for amount in TUNING.profiles)
-    return replace(of_family(changes, TUNING.pointed), starts=starts, told=told, renewed=renewed)
+    return replace(of_family(changes, TUNING.pointed), starts=starts, told=told, renewed=_power_at_turn)
+
+
+def _power_at_turn(found: ForceCurveFit) -> Change:
+    """The same about the contact radius at the turn, which follows the unknowns: its error is one of E*."""
+    part, values = found.model.stretches[0], found.model.values(found.x)
+    (kind, turn), change = (part.kind, part.turn), cast(RivalModel, found.model).change
+    start = np.log(found.model.branch(part, values).radii(np.array([turn - values["z0"]])))
+    (D, T, _, _), _, _ = found.model.followed(part, values).family.at(start)  # type: ignore[attr-defined]
+    bent_by = (turn - values["z0"]) - (D - _root(values, kind) * T)  # of the device [m]
+
+    def changes(family: Family, values: Values) -> Array:
+        u = start
+        for _ in range(TUNING.steps):
+            (D, T, _, _), (dD, dT, _, _), _ = family.at(u)
+            off = D - _root(values, kind) * T - (turn - values["z0"] - bent_by)
+            u = u - off / (dD - _root(values, kind) * dT)
+        return of_body(family, *_of_tip(values[AMOUNT] * (grid(family) - u)))
+
+    bends = lambda plain, part, values: changes(plain.family, values)  # noqa: E731
+    return replace(change, **bending(bends), felt=True, renewed=None)
+
+
+def _root(values: Values, kind: str) -> float:
+    """The root of w over the moduli of a direction."""
+    return values.get(f"r:{kind}", math.sqrt(max(values[f"q:{kind}"], 0.0)))
 
 
 def quartic(at: Situation) -> Change | None:

@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards mutants tuning constants sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench figures noise-study chart chart-peers failures bounds point-bounds range-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards mutants tuning constants sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -138,6 +138,9 @@ failures: $(READY) ## where each method is right, refuses, or errs (an hour)
 
 bounds: $(READY) ## whether stated errors bound the true ones and are near them, on 500 random bodies (half an hour)
 	$(STUDY).bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/bounds
+
+point-bounds: $(READY) ## whether stated errors of pull-off points by fem bound the true ones and are near them, on 200 random bodies
+	$(STUDY).point_bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/point-bounds
 
 guards: $(READY) ## forecasts against costs over all that grows, and how soon too much is refused (ten minutes)
 	$(STUDY).guards

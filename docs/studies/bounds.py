@@ -198,7 +198,7 @@ class Reference:
         return np.minimum(stated, self.accuracy)
 
 
-def _exact(problem: Problem, loading: Loading) -> Reference:
+def exact_at(problem: Problem, loading: Loading) -> Reference:
     wide = problem.specimen.radius is None
     problem = without_table(problem)
     for accuracy in ACCURACIES if wide else REFINED:
@@ -218,13 +218,13 @@ def _columns(solution: Solution) -> list[Judged]:
     rows = rows[np.unique(np.linspace(0, rows.size - 1, ROWS).round().astype(int))]
     at_depth = bool(np.any(series.errors.get("a", 0.0)))
     found = []
-    exact = _exact(solution.problem, Loading.given("radius", tuple(series.a[rows].tolist())))
+    exact = exact_at(solution.problem, Loading.given("radius", tuple(series.a[rows].tolist())))
     errors = {**series.errors, **series.errors_at_radius}
     for name in ("delta", "P", "S", "dS"):
         if name in errors:
             found.append(_ratio(f"{name} at equal a", series, exact, name, errors[name], rows, exact.unsure(name)))
     if at_depth:
-        exact = _exact(solution.problem, Loading.given("depth", tuple(series.delta[rows].tolist())))
+        exact = exact_at(solution.problem, Loading.given("depth", tuple(series.delta[rows].tolist())))
         found += [
             _ratio(f"{name} at equal delta", series, exact, name, series.errors[name], rows, exact.accuracy)
             for name in ("a", "P")
@@ -274,7 +274,7 @@ def _against(
     beyond = point.a - solution.series.a0
     x = BESIDE * np.cos(np.pi * np.arange(NODES) / (NODES - 1))[::-1]
     radii = solution.series.a0 + beyond * (1 + x)
-    reference = _exact(solution.problem, Loading.given("radius", tuple(radii.tolist())))
+    reference = exact_at(solution.problem, Loading.given("radius", tuple(radii.tolist())))
     values, unsure = {}, {}
     for name in ("delta", "P"):
         values[name], by = _adhesive(reference, name, w)

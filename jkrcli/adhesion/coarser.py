@@ -29,7 +29,7 @@ class CoarserTuning:
     """Where curves are compared, and what is concluded."""
 
     # of what doubling changes, over (ratio - 1), at the end of the series; tuned on random bodies, by `make bounds`
-    left: float = 2.0
+    left: float = 2.1
     # Powers of a - a0 over that at the end, with which it falls towards first contact, where larger elements have few
     # nodes: of values, and of places
     powers: tuple[float, float] = (0.6, 0.3)  # tuned on random bodies, by `make bounds`

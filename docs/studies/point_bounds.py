@@ -1,0 +1,131 @@
+"""Whether stated errors of pull-off points of finite elements bound the true ones, over the whole of a series."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from jkrcli.adhesion.critical import point_error
+from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint
+from jkrcli.adhesion.device import CONTROLS
+from jkrcli.adhesion.nonadhesive import Nonadhesive
+from jkrcli.base.arrays import Array
+from jkrcli.base.errors import JkrError
+from jkrcli.base.executors import completed
+from jkrcli.base.table import as_json
+from jkrcli.base.unknown import Unknown
+from jkrcli.beside.analysis import nonadhesive
+from jkrcli.bodies.problem import Loading
+from jkrcli.formulas.griffith import shift
+from jkrcli.methods import method_class
+from jkrcli.series import Series
+
+from .bounds import PATIENCE, Bound, body, exact_at, summary
+from .command import call, output_of, parser_of, pool_of
+from .range_judge import SMALL
+
+
+@dataclass(frozen=True)
+class PointTuning:
+    """Where points are compared, and with what."""
+
+    places: tuple[float, ...] = (
+        0.08,
+        0.15,
+        0.3,
+        0.5,
+        0.7,
+        0.9,
+    )  # choice: of pull-off under load, of the series
+    springs: tuple[float, ...] = (0.4, 0.9)  # choice: of the largest radius, where a device is as stiff as the contact
+    radii: int = 50  # choice: of the exact series, whose curve is interpolated to 1e-6 or better
+    least: float = 0.02  # choice: the smallest of them over the largest
+    first: float = 0.9  # choice: and at least this part of the first row's
+    apart: float = 1.5  # choice: a factor between radii of points beyond which they are two minima
+
+
+TUNING = PointTuning()
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Solve random bodies by fem, and compare their pull-off points under load, displacement and two springs, for six
+    works of adhesion that put them anywhere in the series, with those of an exact method.
+
+    Writes point-bounds.csv and .json: for each point of each body the ratio of true to stated error. The exit code is
+    1 where more than 1 % lie beyond the stated error, any beyond three times it, or the median of stated over true
+    errors is above ten for a quantity.
+    """
+    parser = parser_of(str(main.__doc__))
+    parser.add_argument("--bodies", type=int, default=200, help="how many [default: 200]")
+    parser.add_argument("--seed", type=int, default=1, help="of the first body [default: 1]")
+    given = parser.parse_args(words)
+    files = output_of(given).files(given.output / "point-bounds", (".csv", ".json"))
+    numbers = [given.seed * 1_000_000 + i for i in range(given.bodies)]
+    with pool_of(given, given.bodies) as pool:
+        results = completed(pool, judged, numbers, "point bounds", chunk=4)
+        found = [bound for _, bounds in results if isinstance(bounds, tuple) for bound in bounds]
+    found.sort(key=lambda item: (item.number, item.column))
+    told = summary(found, given.bodies, given.seed) | {"format": "jkr-point-bounds"}
+    files.write({name: [vars(item)[name] for item in found] for name in Bound.__annotations__}, told)
+    print(as_json(told), end="")
+    return int(not told["held"])
+
+
+def judged(number: int) -> tuple[Bound, ...]:
+    """The points of the body ``number``; none where it is refused, or too costly."""
+    problem, solver = body(np.random.default_rng(number), cylinders=True), method_class("fem")()
+    try:
+        if solver.refusal(problem) or solver.forecast(problem).seconds > PATIENCE:
+            return ()
+        solution = solver(problem)
+        series = solution.series
+        if not series.errors or solution.facts.get("contact") == "incremental":
+            return ()
+        wide = series.a[-1] - series.a0
+        first = max(TUNING.least * wide, TUNING.first * (series.a[0] - series.a0))
+        radii = series.a0 + np.geomspace(first, wide, TUNING.radii)
+        reference = exact_at(problem, Loading.given("radius", tuple(radii.tolist()))).series
+        return tuple(_points(number, nonadhesive(solution), reference))
+    except JkrError:
+        return ()
+
+
+def _points(number: int, ours: Nonadhesive, reference: Series) -> Iterator[Bound]:
+    """Each point that both curves have, against the exact one."""
+    assert reference.S is not None
+    true, beyond = Nonadhesive.of(reference, "exact"), reference.a - reference.a0
+    springs = np.interp(np.array(TUNING.springs) * beyond[-1], beyond, reference.S)
+    devices = [*CONTROLS.items(), *(("spring", float(stiffness)) for stiffness in springs)]
+    for w in _works(reference):
+        curve, exact = AdhesiveCurve(ours, w), AdhesiveCurve(true, w)
+        for control, stiffness in devices:
+            point, truth = curve.pull_off(stiffness), exact.pull_off(stiffness)
+            if not isinstance(point, CriticalPoint) or not isinstance(truth, CriticalPoint):
+                continue
+            stated, unsure = point_error(curve, point, stiffness), exact.interpolation_at(np.array(truth.a))
+            away = abs(math.log((point.a - reference.a0) / (truth.a - reference.a0)))
+            if isinstance(stated, Unknown) or isinstance(unsure, Unknown) or away > math.log(TUNING.apart):
+                continue
+            for name in ("delta", "P"):
+                size, room = abs(getattr(truth, name)), float(unsure[name])
+                off = abs(getattr(point, name) - getattr(truth, name))
+                clear = off > max(SMALL * size, 3 * room)
+                ratio = max(off - room, 0.0) / stated[name]
+                yield Bound(number, "fem", f"{control} {name}", ratio, stated[name] / size, clear)
+
+
+def _works(series: Series) -> Array:
+    """The works of adhesion [J/m^2] that put pull-off under load at the ``places``."""
+    assert series.S is not None
+    assert series.dS is not None
+    rate = np.gradient(series.P, series.a) / np.gradient(series.S * shift(1.0, series.a, series.dS), series.a)
+    works: Array = np.interp(np.array(TUNING.places) * (series.a[-1] - series.a0), series.a - series.a0, rate**2)
+    return works
+
+
+if __name__ == "__main__":
+    sys.exit(call(main))

@@ -128,7 +128,7 @@ class CycledByProgram(Result):
             "stiffness_N_per_m": tables.stiffness(k),
             "w_approach_J_per_m2": found.contact.advance.equilibrium.curve.w,
             "w_retract_J_per_m2": found.contact.recede.equilibrium.curve.w,
-            "jumps": [{"t_s": jump.t} | tables.jump(jump) for jump in found.jumps],
+            "jumps": list(map(tables.timed_jump, found.jumps)),
             "contact_lost": found.pieces[-1].ends == "lost" or found.pieces[-1].phase == path.FREE,
             "work_of_device_J": found.work,
         }

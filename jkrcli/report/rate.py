@@ -10,11 +10,9 @@ import numpy as np
 
 from ..adhesion import (
     LOAD_CONTROL,
-    Jump,
     Program,
     RateContact,
     RateLaw,
-    TimedState,
     parameters_of,
     position,
     rate_parameters,
@@ -25,7 +23,7 @@ from ..base import ROWS, SI, UNSEEN, Array, InputError, SolveError, Unknown, kno
 from ..beside import Analysis
 from ..identification.rate.through import LawThrough
 from .result import Result, as_result
-from .tables import point, stiffness
+from .tables import stiffness, timed, timed_jump
 
 if TYPE_CHECKING:
     from .plots import Figure
@@ -101,11 +99,11 @@ class CycledAtSpeed(History, Result):
             "w_retract_J_per_m2": contact.w0,
             "rate": law_summary(contact.law),
             "rate_advance": law_summary(contact.law_advance),
-            "pull_off": _state(self.pull_off)
+            "pull_off": timed(self.pull_off)
             | {f"{name}_relative_error": known(error[name]) for name in ("P", "t")}
             | {"edge_speed_m_per_s": self.fastest},
             "turn_t_s": self.turn,
-            "jumps": [_jump(jump) for jump in self.jumps],
+            "jumps": list(map(timed_jump, self.jumps)),
             "contact_lost": lost is not None,
             "lost_t_s": None if lost is None else lost.t,
             "lost_t_relative_error": known(error["lost"]),
@@ -160,14 +158,6 @@ class CycledAtSpeed(History, Result):
         lines.append(f"  energy lost: {energy if isinstance(energy, Unknown) else f'{energy:.4g} J'}")
         lines.append(f"  dissipating zone at the edge: {self.zone.words}")
         return lines
-
-
-def _state(state: TimedState) -> dict[str, Any]:
-    return point(state) | {"t_s": state.t}
-
-
-def _jump(jump: Jump) -> dict[str, Any]:
-    return {"t_s": jump.t, "from": point(jump.start), "to": None if jump.end is None else point(jump.end)}
 
 
 def through_summary(found: LawThrough | Unknown | None) -> dict[str, Any] | None:

@@ -8,12 +8,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..adhesion import Program, RelaxingContact, TimedState, limits_of
+from ..adhesion import Program, RelaxingContact, limits_of
 from ..adhesion.relaxation.history import RelaxedHistory
 from ..base import ROWS, SI, UNSEEN, Array, InputError, Unknown, show
 from ..bodies import RELAXATIONS, Relaxation
 from .result import Result, Several, as_result
-from .tables import energies, point, stiffness
+from .tables import energies, stiffness, timed
 
 if TYPE_CHECKING:
     from .plots import Figure
@@ -64,9 +64,9 @@ class CycledRelaxing(RelaxedHistory, Result):
             "control": self.control,
             "stiffness_N_per_m": stiffness(self.contact.stiffness),
             "relaxation": law_summary(self.contact.law),
-            "largest_load": _state(self.peak),
+            "largest_load": timed(self.peak),
             "turn_t_s": self.turn,
-            "corners": [_state(corner) for corner in self.corners],
+            "corners": list(map(timed, self.corners)),
             "contact_lost": self.lost is not None,
             "lost_t_s": self.lost,
             **energies(energy_lost=self.energy_lost),
@@ -126,7 +126,3 @@ class CycledInLimits(Several):
     @property
     def warnings(self) -> list[str]:
         return list(dict.fromkeys(line for _, found in self.limits.values() for line in found.warnings))
-
-
-def _state(state: TimedState) -> dict[str, Any]:
-    return point(state) | {"t_s": state.t}

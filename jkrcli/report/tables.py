@@ -18,6 +18,7 @@ from ..adhesion import (
     EquilibriumCurve,
     Errors,
     Jump,
+    TimedState,
     behaviour,
     branch,
 )
@@ -191,6 +192,16 @@ def control(found: Behaviour) -> dict[str, Any]:
 def jump(found: Jump) -> dict[str, Any]:
     """A jump between two states; "to" is null where contact is lost."""
     return {"from": point(found.start), "to": None if found.end is None else point(found.end)}
+
+
+def timed(state: TimedState) -> dict[str, Any]:
+    """A state and its time."""
+    return point(state) | {"t_s": state.t}
+
+
+def timed_jump(found: Jump) -> dict[str, Any]:
+    """A jump and its time."""
+    return {"t_s": found.t, **jump(found)}
 
 
 def stiffness(value: float) -> float | None:

@@ -13,6 +13,8 @@ from ...formulas import half_space
 from ..indenter import Indenter, shape
 from ..materials import Elastic
 
+HalfAngle = Annotated[float, Ranged("angle", above=0, below=math.pi / 2)]
+
 
 @dataclass(frozen=True)
 class _Round(Indenter):
@@ -141,9 +143,7 @@ class PowerLaw(Indenter):
 
 
 @shape("cone")
-def of_half_angle(
-    half_angle: Annotated[float, Ranged("angle", above=0, below=math.pi / 2)], material: Elastic | None
-) -> PowerLaw:
+def of_half_angle(half_angle: HalfAngle, material: Elastic | None) -> PowerLaw:
     """The cone of a case file; ``half_angle``: between the axis and the surface."""
     return PowerLaw(1 / math.tan(half_angle), 1.0, material)
 

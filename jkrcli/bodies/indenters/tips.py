@@ -8,13 +8,12 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from ...base import Array, InputError, Key, Length, Ranged, positive, show
+from ...base import Array, InputError, Key, Length, positive, show
 from ...formulas import half_space
 from ..indenter import Indenter, shape
 from ..materials import Elastic
-from .analytic import PowerLaw
+from .analytic import HalfAngle, PowerLaw
 
-HalfAngle = Annotated[float, Ranged("angle", above=0, below=math.pi / 2)]
 AREAS = {3: 3 * math.sqrt(3), 4: 4.0}  # theory: of the section of a pyramid over the square of its inner radius
 
 

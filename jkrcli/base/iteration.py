@@ -22,5 +22,5 @@ ROUNDED = 1e-9  # choice: relative, what units, sums and inputs lose to round-of
 UNSEEN = 1e-4  # choice: relative error that no measurement sees
 NOTICEABLE = 1e-3  # choice: relative change from which on a reader is told of it
 NO_CLAIM = 1e-3  # of a tolerance, no error below it is said; tuned on work along a record, by `make constants`
-SETTLED = 1e-13  # theory: some hundred machine epsilons, round-off of logs and of unknowns near 1
+SETTLED = 1e-13  # choice: a step of logs or of unknowns near 1 that is none: 450 machine epsilons, above round-off
 TINY = sys.float_info.min  # theory: the least normal number, below every size that something is divided by

@@ -409,7 +409,8 @@ class _Problem:
         record, law = self.record, self.settings.relaxation(values)
         row, depths = int(np.argmax(record.held)), self._contact(law, math.inf).depths
         depth = min(max(float(record.made[row]) - values["delta0"], depths.most * SAME), depths.most)
-        left = float(law.modes(float(np.ptp(record.t)))(record.t[row] - record.t[0] + SAME))
+        lasting = float(np.ptp(record.t))
+        left = float(law.modes(lasting)(max(record.t[row] - record.t[0], SAME * lasting)))
         return float(record.held[row]) / (float(depths.loads(np.array([depth]))[0]) * left)
 
     # ------------------------------------------------------------------ the answer

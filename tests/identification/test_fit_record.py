@@ -186,6 +186,18 @@ def test_both_directions_share_modulus_and_zero_and_have_their_own_works() -> No
     assert np.abs(np.diff(drawn)).max() < 0.1 * np.ptp(drawn)  # in and out in one stroke: the line crosses no picture
 
 
+def test_a_retraction_that_ends_in_contact_is_told_to_determine_nothing() -> None:
+    """Alone, after a third of its way in contact: what rivals would do to it leads to contacts that no w holds."""
+    force = 1.5 * math.pi * 1e-4 * R
+    device = Instrument(0.05, 800, 3e-6, 4 * force, 0.01 * force, force, 1e5 * force)
+    columns = record(20e3, R, 3e-5, 1e-4, device, 3)
+    end = 800 + int(0.3 * np.count_nonzero(columns["z"][800:] > 0))
+    z, P, words = (columns[name][:end] for name in ("z", "P", "segment"))
+    found = fit(BODY, Curve("made", delta=z - P / 0.05, P=P, segment=words, stiffness=0.05), usual(segment="retract"))
+    assert found.directions == "retraction alone"
+    assert "E* not determined" in found.flags
+
+
 def drifting(share: float, seed: int = 5) -> tuple[Curve, float, float]:
     """A record whose displacement drifts by a ``share`` of the way meanwhile; its E* [Pa] and the drift [m/s]."""
     E_star, w_in, w_out, k = 20e3, 3e-5, 1e-4, 0.05

@@ -217,17 +217,19 @@ def _stepped(
     own: Weighted, model: RivalModel, least: float = math.inf, still: float = TUNING.still
 ) -> tuple[float, Array] | None:
     """By how much chi^2 rises in a ``model`` whose change is known, and its unknowns, by steps with the derivatives of
-    the fit without, down to ``still`` standard errors; None where they do not settle, or chi^2 will not fall to about
-    ``least``."""
+    the fit without, down to ``still`` standard errors; None where they do not settle, or come to a contact that is
+    nowhere stable, or chi^2 will not fall to about ``least``."""
     x, size, excess = own.x, math.inf, math.inf
-    for _ in range(TUNING.chords):
-        step, r = own.step(ForceCurveModel.evaluated(model, x, 0.0)[0])
-        before, size, x, excess = size, own.size(step), x - step, float(r @ r) - own.left
-        if not (size < before and excess < min(TUNING.hopeless, least + TUNING.falling * size)):
-            return None
-        if size < still:
-            break
-    return excess, x
+    with contextlib.suppress(SolveError):
+        for _ in range(TUNING.chords):
+            step, r = own.step(ForceCurveModel.evaluated(model, x, 0.0)[0])
+            before, size, x, excess = size, own.size(step), x - step, float(r @ r) - own.left
+            if not (size < before and excess < min(TUNING.hopeless, least + TUNING.falling * size)):
+                return None
+            if size < still:
+                break
+        return excess, x
+    return None
 
 
 @np.errstate(all="ignore")

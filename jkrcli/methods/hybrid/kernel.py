@@ -58,12 +58,14 @@ class PolynomialKernel:
     reach: float
     scale: float
 
-    def __call__(self, x: Array, t: Array) -> Array:
+    def times(self, x: Array, t: Array, values: Array) -> Array:
         count = len(self.coefficients)
-        return _even(x / self.reach, count) @ self.coefficients @ _even(t / self.reach, count).T
+        waves: Array = self.coefficients @ (_even(t / self.reach, count).T @ values)
+        return _even(x / self.reach, count) @ waves
 
     def square(self, x: Array) -> Array:
-        return self(x, x)
+        even = _even(x / self.reach, len(self.coefficients))
+        return even @ self.coefficients @ even.T
 
     def shorter(self) -> PolynomialKernel:
         """Kernel without the highest polynomial in x and in t."""

@@ -77,14 +77,16 @@ class Density:
         edges = np.linspace(0, reach, pieces + 1)
         nodes, node_weights = rule(order)
         x, _ = gauss(edges[:-1], edges[1:], nodes, node_weights)
-        K = 2 / math.pi * kernel(x, result.panels.x)
+        known = [(n, *result.density(n, shift)) for n in which]
+        sources = np.zeros((result.panels.x.size, len(known)))
+        for i, (_, t, weights, phi) in enumerate(known):
+            sources[: t.size, i] = 2 / math.pi * weights * phi
+        smooth = kernel.times(x, result.panels.x, sources)
         project = legendre.legvander(nodes, order - 1) * node_weights[:, None] * (np.arange(order) + 0.5)
         breaks = indenter.joints
-        for n in which:
-            t, weights, phi = result.density(n, shift)
-            smooth = (K[:, : t.size] @ (weights * phi)).reshape(pieces, order)
+        for i, (n, *_) in enumerate(known):
             a, delta = float(result.panels.radii[n]), float(result.delta[n]) - shift
-            yield cls(indenter, a, delta, edges, (smooth @ project).T, breaks)
+            yield cls(indenter, a, delta, edges, (smooth[:, i].reshape(pieces, order) @ project).T, breaks)
 
     def anchored(self) -> Density:
         """Density with phi(a) = 0 not only to rounding: that is what decides on the gap next to a nonadhesive edge."""

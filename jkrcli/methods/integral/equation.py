@@ -74,8 +74,11 @@ def nested_factor(K: Array, root: Array, panels: Panels, kernel: str) -> Array:
 
     SolveError, which calls K as ``kernel`` says, where that is not positive definite.
     """
+    A = K * root
+    A *= root[:, None]
+    A.flat[:: root.size + 1] += 1.0
     try:
-        return np.linalg.cholesky(root[:, None] * K * root + np.eye(root.size))
+        return np.linalg.cholesky(A)
     except np.linalg.LinAlgError:
         raise SolveError(
             f"contact equation: {panels.x.size} nodes up to a = {panels.radii[-1]:g} m do not resolve {kernel} "

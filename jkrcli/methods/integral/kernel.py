@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from ...base import Array
 
-CHUNK = 2048  # nodes in k per matrix product; tuned on ranges, by `make constants`: a bound on the memory
+CHUNK = 256  # nodes in k per matrix product; tuned on ranges, by `make constants`: a bound on the memory
 
 
 class FredholmKernel(Protocol):
@@ -20,8 +21,8 @@ class FredholmKernel(Protocol):
         """The length over which K varies [m], about the thickness of the top layer; infinite for K = 0."""
         ...
 
-    def __call__(self, x: Array, t: Array) -> Array:
-        """K(x_i, t_j), shape (x.size, t.size)."""
+    def times(self, x: Array, t: Array, values: Array) -> Array:
+        """sum_j K(x_i, t_j) values_j (x.size, m) of values (t.size, m)."""
         ...
 
     def square(self, x: Array) -> Array:
@@ -41,18 +42,25 @@ class CosineKernel:
     weights: Array
     scale: float
 
-    def __call__(self, x: Array, t: Array) -> Array:
-        return (np.cos(np.outer(x, self.k)) * self.weights) @ np.cos(np.outer(t, self.k)).T
+    def times(self, x: Array, t: Array, values: Array) -> Array:
+        total = np.zeros((x.size, values.shape[1]))
+        for part in _chunks(self.k.size):
+            waves = self.weights[part, None] * (np.cos(np.outer(self.k[part], t)) @ values)
+            total += np.cos(np.outer(x, self.k[part])) @ waves
+        return total
 
     def square(self, x: Array) -> Array:
         total = np.zeros((x.size, x.size))
         for sign in (1.0, -1.0):
             k, amplitude = self.k[sign * self.weights > 0], np.sqrt(np.abs(self.weights[sign * self.weights > 0]))
-            for start in range(0, k.size, CHUNK):
-                part = slice(start, start + CHUNK)
+            for part in _chunks(k.size):
                 cosines = np.cos(np.outer(x, k[part])) * amplitude[part]
                 total += sign * (cosines @ cosines.T)  # one array with its transpose: half the work of two
         return total
+
+
+def _chunks(count: int) -> Iterator[slice]:
+    return (slice(start, start + CHUNK) for start in range(0, count, CHUNK))
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +74,8 @@ class SumKernel:
     def scale(self) -> float:
         return min(self.first.scale, self.second.scale)
 
-    def __call__(self, x: Array, t: Array) -> Array:
-        return self.first(x, t) + self.second(x, t)
+    def times(self, x: Array, t: Array, values: Array) -> Array:
+        return self.first.times(x, t, values) + self.second.times(x, t, values)
 
     def square(self, x: Array) -> Array:
         return self.first.square(x) + self.second.square(x)

@@ -125,9 +125,10 @@ class LeastSquares:
                 new = x.copy()
                 new[inner] -= ball.step(radius) / length[inner]
                 new = np.clip(new, low, high)
-                there, steps = self.model(new), steps + 1
+                there, steps = self._if_any(new), steps + 1
                 change, moved = state.jacobian @ (new - x), float(np.linalg.norm((new - x) * length))
-                foretold, fallen = -float(change @ (state.residuals + change / 2)), cost - there.cost
+                foretold = -float(change @ (state.residuals + change / 2))
+                fallen = -math.inf if there is None else cost - there.cost
                 good = fallen / foretold if foretold > 0 else 0.0
                 close = float(np.linalg.norm(new - x)) < self.converged * (self.converged + float(np.linalg.norm(x)))
                 ended = close or (good > TUNING.poor and fallen < max(self.cost, self.converged) * cost)
@@ -135,13 +136,19 @@ class LeastSquares:
                     radius = TUNING.poor * moved
                 elif good > TUNING.good and moved > TUNING.whole * radius:
                     radius = 2 * radius
-                if fallen > 0:
+                if there is not None and fallen > 0:
                     x, state, cost = new, there, there.cost
                 if ended:
                     return self._ended(x, state, steps, True)
                 if fallen > 0:
                     break
         return self._ended(x, state, steps, False)
+
+    def _if_any(self, x: Array) -> State | None:
+        """The state at unknowns a step away; None where there is none: the next step is shorter."""
+        with contextlib.suppress(SolveError):
+            return self.model(x)
+        return None
 
     def _ended(self, x: Array, state: State, steps: int, ended: bool) -> Least:
         low, high = self.bounds

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import fdtrc
 
-from ...base import TINY, Array
+from ...base import TINY, Array, SolveError
 from ..answer import FittedValue
 from .family import Drift
 from .range_rival import RangeRival, range_rival_of
@@ -149,9 +149,15 @@ def _followed(minimum: Minimum, drift: Drift, close: float) -> dict[str, float]:
     free, kept = objective.free, minimum.found.residuals.ravel()
     logs = np.array([parameter.kind == "log" for parameter in objective.parameters])
     low, high = x - np.where(logs, SEARCH.reach, np.inf), x + np.where(logs, SEARCH.reach, np.inf)
+    before = x
     for _ in range(TUNING.steps):
-        there = objective.distances(x)
-        jacobian = there.jacobian(free)
+        try:
+            there = objective.distances(x)
+            jacobian = there.jacobian(free)
+        except SolveError:  # a step to where no body can be solved
+            x = (x + before) / 2
+            continue
+        before = x.copy()
         step = np.linalg.lstsq(jacobian, there.residuals.ravel() - kept, rcond=None)[0]
         x[free] -= step
         x = np.clip(x, low, high)

@@ -47,6 +47,7 @@ class HybridTuning:
     safety: float = 2.2  # tuned on random bodies, by `make bounds`
     slowest: float = 3.0  # what a step divides it by, at least; tuned on random bodies, by `make failures`
     fastest: float = 22.0  # at most; tuned on random bodies, by `make bounds`
+    unproven: float = 18.0  # at most, after one step from the lowest; tuned on random bodies, by `make failures`
     cornered: float = 8.0  # at most, with singular corners; tuned on random bodies, by `make failures`
     irregular: int = 2  # elements, up to which no fall is trusted; tuned on random bodies, by `make bounds`
     # Of the last step but one over the last, at most; where it falls by more, the last is small by accident:
@@ -159,8 +160,8 @@ class SideContact(KernelContact):
 @dataclass(frozen=True, eq=False)
 class Companions:
     """A ``contact`` beside others with one of the ``kernels``, each without one thing: finer elements, the last
-    polynomial, the cut's distance; found to the relative ``accuracy``. ``weights``: the part of each change that is
-    left as an error, of each column; ``least``: relative errors that nothing tells apart."""
+    polynomial, digits, the cut's distance; found to the relative ``accuracy``. ``weights``: the part of each change
+    that is left as an error, of each column; ``least``: relative errors that nothing tells apart."""
 
     contact: KernelContact
     kernels: tuple[PolynomialKernel, ...]
@@ -375,25 +376,28 @@ class AdaptiveKernel:
         region, precise = levels.region, NO_CLAIM * self.tolerance
         shorter = contact.kernel.shorter()
         kernels = [levels.kernel(degree, coarser=1), levels.kernel(degree, coarser=2), shorter, shorter.shorter()]
+        kernels += [levels.rounded(degree)]
         kernels += [levels.cut(degree, nearer=not region.algebraic)] if region.cut_beside else []
         companions = Companions(contact, tuple(kernels), precise)
-        last, before, waves, _, *cuts = np.abs(companions.changes(radii))
+        last, before, waves, _, rounding, *cuts = np.abs(companions.changes(radii))
         fastest, plausible = _fastest(region)
+        after_lowest = degree - 2 * STEP < TUNING.lowest
+        fastest = min(fastest, TUNING.unproven) if after_lowest else fastest
         known = bool(np.isfinite(before).all())
         fast = known and levels.correction(degree).elements > TUNING.irregular
         fall = float(np.clip(before.max() / last.max() - 1, TUNING.slowest, fastest)) if fast else TUNING.slowest
         # Two levels may agree by accident; one below the lowest tells of that only where they agree too well:
         by_accident = TUNING.safety / TUNING.slowest / plausible * known
-        telling = known and (degree - 2 * STEP >= TUNING.lowest or bool(before.max() > plausible * last.max()))
+        telling = known and (not after_lowest or bool(before.max() > plausible * last.max()))
         accident = by_accident * (before if telling else 0.0)
         left = max(TUNING.unseen / (convergence(region) - 1), TUNING.least)
         cut = _left_by_cut(region, cuts[0]) if cuts else np.zeros_like(last)
         least = TUNING.no_claim * self.tolerance + (GRADED if levels.wide is not None else 0.0)
-        elements = np.hypot(TUNING.safety / fall * last, accident) + least
+        elements = np.hypot(TUNING.safety / fall * last, accident) + rounding + least
         steeper = np.minimum(TUNING.steeper * elements[:-1].max(axis=0), TUNING.allowed * self.attainable)
         elements[-1] = np.maximum(elements[-1], steeper)
         # The polynomial that is missing goes in waves: the last one shows one phase of them, the last but one another:
-        parts = (TUNING.safety / fall, by_accident, left, left / convergence(region))
+        parts = (TUNING.safety / fall, by_accident, left, left / convergence(region), 1.0)
         weights = (*(part * ALL for part in parts), _of_cut(region))[: len(kernels)]
         companions = replace(companions, weights=weights, least=least + precise)
         return ErrorEstimates(radii, elements, left * waves, cut, companions)

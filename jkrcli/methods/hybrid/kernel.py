@@ -191,6 +191,12 @@ class KernelLevels:
             K = K + change / (REGIONS.shrink**2 - 1)
         return self._kernel(K)
 
+    def rounded(self, degree: int) -> PolynomialKernel:
+        """K of the whole body by elements of ``degree`` with the error that rounding leaves."""
+        error = self._kernel(self.correction(degree).rounding)
+        kernel = self.kernel(degree)
+        return replace(kernel, coefficients=kernel.coefficients + error.coefficients)
+
     def _kernel(self, K: Array) -> PolynomialKernel:
         t, w = (half[self.count :] for half in rule(2 * self.count))
         even = _even(t, self.count) * w[:, None] * (4 * np.arange(self.count) + 1)

@@ -317,7 +317,8 @@ def _end_of_free_part(x: Array, y: Array) -> int:
         off = y - (line(x) if line is not None else y[:sure].mean())
         inner = _blocks(off[:sure], size)
         scatter = max(float(np.sqrt(np.mean(inner**2))), _robust(np.diff(y, 2)) / math.sqrt(6 * size))
-        away = np.abs(_blocks(off, size)) > max(TUNING.sigmas * scatter, TUNING.least * float(np.ptp(y)))
+        least = TUNING.least * float(np.ptp(y[: 2 * end]))
+        away = np.abs(_blocks(off, size)) > max(TUNING.sigmas * scatter, least)
         held = np.concatenate([away, away[-1:].repeat(TUNING.run - 1)])  # the last block alone may be in contact
         runs = np.convolve(held, np.ones(TUNING.run, dtype=int), "valid") == TUNING.run
         end = max(int(np.argmax(runs)) * size if runs.any() else n, 5)

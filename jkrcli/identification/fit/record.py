@@ -267,6 +267,9 @@ def _fitted(
     body: FittedBody, model: ForceCurveModel, settings: Settings, before: Neighbour | None = None
 ) -> tuple[FittedBody, ForceCurveFit]:
     """The model that fits best, and the body solved as far as it reaches."""
+    for part in model.stretches:
+        if np.ptp(part.z) == 0:
+            raise SolveError(f"the {part.kind} has {part.z.size} rows to fit, all at one position of the device")
     body, found = _deep_enough(body, model), None
     for _ in range(TUNING.rounds):
         model = replace(model, family=body.family)

@@ -220,7 +220,7 @@ def _stepped(
     the fit without, down to ``still`` standard errors; None where they do not settle, or come to a contact that is
     nowhere stable, or chi^2 will not fall to about ``least``."""
     x, size, excess = own.x, math.inf, math.inf
-    with contextlib.suppress(SolveError):
+    with contextlib.suppress(SolveError, OverflowError):  # unknowns that no row tells may go anywhere
         for _ in range(TUNING.chords):
             step, r = own.step(ForceCurveModel.evaluated(model, x, 0.0)[0])
             before, size, x, excess = size, own.size(step), x - step, float(r @ r) - own.left

@@ -254,7 +254,8 @@ class Weighted:
         """What the unknowns are to fall by for residuals ``off`` [N] of all rows, and what is left then."""
         r = self.at.model.whitened(off * self.kept, self.at.found.spread.noise)
         along = self.Q.T @ r
-        return np.linalg.solve(self.triangle, along) / self.scale, r - self.Q @ along
+        shift = np.linalg.lstsq(self.triangle, along, rcond=None)[0]  # rows that are left out may hold an unknown alone
+        return shift / self.scale, r - self.Q @ along
 
     def size(self, step: Array) -> float:
         """The size of a step, in standard errors of white noise."""

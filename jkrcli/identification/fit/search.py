@@ -60,6 +60,7 @@ class FitSearchTuning:
     ranged: int = 1  # choice: starts of JKR from which ranges are tried
     # Ranges over the displacement that adhesion adds at JKR's pull-off; Tabor numbers 0.3, 1, 3, 10:
     ranges: tuple[float, ...] = (1.0, 0.3, 0.1, 0.03)  # choice: least squares bridges what lies between
+    halvings: int = 2  # tuned on the least squares over a range, whose valley is as narrow as a factor of two
     followed_ranges: int = 2  # choice: of them that are followed to their minimum
     least_work: float = 1e-3  # choice: of the natural one, with which a range is tried
     span: float = 5.0  # choice: of the log of a range from its start: beyond, all is a rigid sphere or JKR
@@ -630,7 +631,24 @@ def _by_cost(objective: Objective, unknowns: list[Array]) -> list[Array]:
         except JkrError:
             if not objective.ranged:
                 raise
+    for _ in range(TUNING.halvings if objective.ranged and found else 0):
+        found += _between(held, found, next(i for i, p in enumerate(objective.parameters) if p.name in RANGES))
     return [found[i].x for i in np.argsort([minimum.cost for minimum in found])] if found else unknowns
+
+
+def _between(held: Objective, found: Sequence[Minimum], place: int) -> list[Minimum]:
+    """The least costs half way from the lowest of those ``found`` to its neighbours on both sides, in the logarithm of
+    the range that is held, at the ``place`` of the unknowns."""
+    ordered = sorted(found, key=lambda minimum: float(minimum.x[place]))
+    best = min(range(len(ordered)), key=lambda i: ordered[i].cost)
+    between = []
+    for other in ordered[max(best - 1, 0) : best + 2]:
+        x = ordered[best].x.copy()
+        x[place] = (x[place] + other.x[place]) / 2
+        if other is not ordered[best]:
+            with contextlib.suppress(JkrError):
+                between.append(minimise(held, x))
+    return between
 
 
 def _cost(objective: Objective, x: Array) -> float:

@@ -308,7 +308,8 @@ def flat_end(specimen: jkr.Specimen, R: float, a: float, c: float) -> tuple[floa
     phi = equation.density(0, np.ones(panels.x.size))
     x, v = np.polynomial.legendre.leggauss(40)
     psi = math.acos(a / c) * (x + 1) / 2
-    beyond = 2 / math.pi * (1 - kernel(c * np.cos(psi), panels.x) @ (panels.w * phi))
+    pressed = kernel.times(c * np.cos(psi), panels.x, (panels.w * phi)[:, None])[:, 0]
+    beyond = 2 / math.pi * (1 - pressed)
     return math.pi * contact.E_star * panels.w @ phi, math.acos(a / c) / 2 * v @ beyond
 
 

@@ -11,7 +11,7 @@ from force_curves import Instrument, equilibrium, record
 
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
-from jkrcli.data.measured import Curve
+from jkrcli.data.measured import APPROACH, Curve
 from jkrcli.data.record import ForceCurve, examine
 
 E_STAR, R, W = 20e3, 5e-6, 1e-4
@@ -269,3 +269,13 @@ def test_tension_that_counts_as_positive_is_named() -> None:
     assert examine(replace(curve, P=-curve.P)).flags["wrong sign"] == (
         "the load of the retract is least where the device presses deepest: is compression negative (--flip P)?"
     )
+
+
+@pytest.mark.parametrize("noise", [0.0, 3e-5, 3e-4])
+def test_a_base_line_ends_at_a_jump_far_smaller_than_the_largest_load(noise: float) -> None:
+    """Pressed to 300 times its jump into contact; the line went on through it as far as loads were within 0.5 %."""
+    z = np.linspace(-1.0, 2.0, 6001)
+    P = np.where(z > 0, 0.25 * z**2 - 1 / 300, 0.0) + noise * np.random.default_rng(4).normal(size=z.size)
+    side = examine(Curve("made", delta=1e-6 * z, P=1e-6 * (P + 0.01 * z))).direction(APPROACH)
+    assert side is not None
+    assert 1900 <= side.base.rows <= 2030

@@ -269,7 +269,7 @@ def _fitted(
     """The model that fits best, and the body solved as far as it reaches."""
     for part in model.stretches:
         if np.ptp(part.z) == 0:
-            raise SolveError(f"the {part.kind} has {part.z.size} rows to fit, all at one position of the device")
+            raise SolveError(f"the {part.kind} has {part.z.size} rows to fit, all at one piezo position")
     body, found = _deep_enough(body, model), None
     for _ in range(TUNING.rounds):
         model = replace(model, family=body.family)

@@ -107,7 +107,7 @@ def test_the_work_of_adhesion_behind_a_measured_pull_off(jkr, body: Path) -> Non
         assert first == "w = 25.46 J/m^2: the pull-off force 12 mN of p.h5 (load control, a = 5.327 um)"
         assert lines == [
             "  load and body taken as exact: --uncertain load=5% and others give w its standard error",
-            "  numerical error below 1e-8 (90 %)",
+            "  numerical error below 1e-14 (90 %)",
             "  1.5 pi w R of a half-space would have given 25.46 J/m^2, 1 times this body's",
             lines[3],
             "  a/R = 0.173, a/R at pull-off = 0.0533",

@@ -351,7 +351,7 @@ def test_a_load_finds_its_radius(jkr: Callable, solved: Path) -> None:
     assert (outcome.code, outcome.err) == (0, "")
     lines = outcome.out.splitlines()
     assert re.fullmatch(
-        r"  load         -2 uN, of the series -2 uN: \de-0[678] of the forces in the contact apart; \d+ elements",
+        r"  load         of the series -2 uN: \de-0[678] of the forces in the contact apart; \d+ elements",
         lines[1],
     )
     assert lines[-1] == "  written      gel-fields{.vtu,.csv}"

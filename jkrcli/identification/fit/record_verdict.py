@@ -28,6 +28,7 @@ class VerdictTuning:
 
     large: float = 0.3  # choice: share of E* or w that rivals may move it by, above which it is flagged
     radii: tuple[float, float] = (1 + 1e-9, 1e4)  # choice: over the contact radius without adhesion
+    tenfold: float = 9.0  # theory: relative change of a quantity that becomes ten times as large
 
 
 TUNING = VerdictTuning()
@@ -86,10 +87,15 @@ def _with_ties(item: FittedValue, tied: Sequence[Tried]) -> FittedValue:
     return replace(item, model={worst: moves[worst]}) if worst else item
 
 
+def _by(change: float) -> str:
+    """A relative change; of one step, which is of first order, no more is told than that it is tenfold."""
+    return f"{change:+.1%}" if change < TUNING.tenfold else "more than tenfold"
+
+
 def _flags(rivals: RecordRivals) -> Iterator[tuple[str, str]]:
     """Flags with a sentence each."""
     if rivals.named:
-        names = " or ".join(f"{one.name} (E* {one.change(one.E_star):+.1%})" for one in rivals.named)
+        names = " or ".join(f"{one.name} (E* {_by(one.change(one.E_star))})" for one in rivals.named)
         apart = ", which one step cannot tell apart" if len(rivals.named) > 1 else ""
         yield REJECTED, f"p = {rivals.chance:.1g}, the residuals ask for {names}{apart}"
     if rivals.named and rivals.named[0].of_directions:

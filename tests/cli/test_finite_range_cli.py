@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import runpy
 from pathlib import Path
 
 import numpy as np
@@ -271,3 +272,21 @@ def test_check_says_what_transform_will_refuse(jkr, case: str, says: str) -> Non
     assert "JKR holds" not in found.out
     assert says in found.err
     assert ("its range will be solved" in found.out) == (not says)
+
+
+def test_a_range_between_those_that_are_tried_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The curve of the guide, 20 pN and 1 pm of noise: its valley is narrower than the ranges to begin with are apart,
+    and a search from these ended at 176 pm with four times the noise."""
+    monkeypatch.chdir(tmp_path)
+    example = Path(__file__).parents[2] / "docs" / "examples" / "curve_of_a_tip.py"
+    runpy.run_path(str(example))["main"]("probe.csv")
+    Path("afm.toml").write_text(
+        'indenter = { shape = "paraboloid", radius = "20 nm" }\nloading = { radius = "12 nm" }\n'
+        'specimen.layers = [{ thickness = "50 nm", E = "2 GPa", nu = 0.4 }]\n'
+    )
+    assert call(["fit", "afm.toml", "probe.csv", "--free", "range", "--no-plots", "-o", "fitted"]) == 0
+    (written,) = Path("fitted").glob("*-fit.json")
+    (found,) = json.loads(written.read_text())["curves"]
+    estimate = found["estimates"]["range"]
+    assert estimate["low"] < 0.3e-9 < estimate["high"]
+    assert estimate["standard_error"] < 2e-12

@@ -13,6 +13,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+import sweep_files
 from series_files import edit
 from stopwatch import seconds_of, takes_less_than
 
@@ -36,19 +37,15 @@ specimen.half_space = {{ E = "1 MPa", nu = 0.3 }}
 loading = {{ radius = "0.1 mm", points = 20 }}
 adhesion = {{ w = "50 mJ/m^2" }}
 """
-SWEEP = """
-[base]
-method = "closed-form"
-indenter = { shape = "paraboloid", radius = "1 mm" }
-specimen.half_space = { E = "1 MPa", nu = 0.3 }
-loading = { radius = "0.1 mm" }
-adhesion = { w = "50 mJ/m^2" }
-[[axes]]
+SWEEP = (
+    sweep_files.HALF_SPACE
+    + """[[axes]]
 key = "specimen.half_space.nu"
 from = 0.1
 to = 0.4
 count = 400
 """
+)
 
 
 LAYERS = """

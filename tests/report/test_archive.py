@@ -10,6 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from sweep_files import HALF_SPACE
 
 from jkrcli.base import hdf5
 from jkrcli.base.errors import InputError
@@ -26,18 +27,14 @@ specimen.half_space = { E = "1 MPa", nu = 0.3 }
 loading = { radius = "0.1 mm", points = 20 }
 adhesion = { w = "50 mJ/m^2" }
 """
-SWEEP = """
-[base]
-method = "closed-form"
-indenter = { shape = "paraboloid", radius = "1 mm" }
-specimen.half_space = { E = "1 MPa", nu = 0.3 }
-loading = { radius = "0.1 mm" }
-adhesion = { w = "50 mJ/m^2" }
-[samples]
+SWEEP = (
+    HALF_SPACE
+    + """[samples]
 count = 8
 [samples.of]
 "specimen.half_space.nu" = { distribution = "normal", mean = 0.5, sd = 0.1 }
 """
+)
 KINDS = ("fits", "table")
 TRIALS = pytest.mark.parametrize("trials", [100, pytest.param(2000, marks=pytest.mark.slow)])
 

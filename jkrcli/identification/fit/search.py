@@ -60,7 +60,7 @@ class FitSearchTuning:
     ranged: int = 1  # choice: starts of JKR from which ranges are tried
     # Ranges over the displacement that adhesion adds at JKR's pull-off; Tabor numbers 0.3, 1, 3, 10:
     ranges: tuple[float, ...] = (1.0, 0.3, 0.1, 0.03)  # choice: least squares bridges what lies between
-    halvings: int = 2  # tuned on the least squares over a range, whose valley is as narrow as a factor of two
+    halvings: int = 2  # choice: of the steps next to the least, whose valley may be as narrow as one
     followed_ranges: int = 2  # choice: of them that are followed to their minimum
     least_work: float = 1e-3  # choice: of the natural one, with which a range is tried
     span: float = 5.0  # choice: of the log of a range from its start: beyond, all is a rigid sphere or JKR

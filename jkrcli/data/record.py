@@ -47,6 +47,7 @@ class RecordTuning:
     # tuned on records, by `make constants`: just below the half of a step in speed that smoothing leaves at its place
     still: float = 0.45
     least_part: float = 0.02  # choice: of all rows, least length of a pause or a direction
+    stands: float = 0.01  # choice: of the way of a named direction, what a pause within it moves at most
     smooth: int = 4  # choice: degree of a polynomial that follows the end of a contact and no kink
     beyond: float = 1.5  # choice: rows over those of the base line, through which the polynomial must go on
     better: float = 0.5  # choice: of what the line leaves, what the polynomial may leave
@@ -205,8 +206,8 @@ def _spikes(P: Array) -> Array:
 
 
 def _told(curve: Curve) -> list[Segment]:
-    """Stretches of rows with the same word; one that turns back in its middle holds both directions, whatever it is
-    called."""
+    """Stretches of rows with the same word. One that turns back in its middle holds both directions, whatever it is
+    called; rows of one direction at a standstill by the turn are a pause."""
     words, delta = curve.segment, curve.device
     assert words is not None
     ends = np.flatnonzero(words[1:] != words[:-1])
@@ -217,8 +218,11 @@ def _told(curve: Curve) -> list[Segment]:
     parts: list[Segment] = []
     for part in told:
         inside = _found(delta[part.rows]) if len(part) >= TUNING.least_rows else []
-        ways = [float(np.ptp(delta[part.rows][item.rows])) for item in inside if item.kind != PAUSE]
-        if len(ways) > 1 and min(ways) > TUNING.back * float(np.ptp(delta)):
+        moved = [item for item in inside if item.kind != PAUSE]
+        ways = {item.kind: float(np.ptp(delta[part.rows][item.rows])) for item in inside}
+        both = len(moved) > 1 and min(ways[item.kind] for item in moved) > TUNING.back * float(np.ptp(delta))
+        stood = len(moved) == 1 and ways.get(PAUSE, math.inf) < TUNING.stands * ways[moved[0].kind]
+        if both or (stood and moved[0].kind == part.kind):
             parts += [Segment(item.kind, part.first + item.first, part.first + item.last) for item in inside]
         else:
             parts.append(part)

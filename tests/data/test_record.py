@@ -105,6 +105,16 @@ def test_a_record_called_approach_that_turns_back_holds_both_directions() -> Non
     assert [part.kind for part in found.segments] == ["approach", "pause", "retract"]
 
 
+@pytest.mark.parametrize("kind", ["approach", "retract"])
+def test_rows_at_a_standstill_are_a_pause_whatever_they_are_called(kind: str) -> None:
+    """The load drifts meanwhile, at one position: as rows of a direction they were taken for relaxation."""
+    curve = curve_of(DEVICE, told=True)
+    assert curve.segment is not None
+    found = examine(replace(curve, segment=np.where(curve.segment == "pause", kind, curve.segment)))
+    assert [part.kind for part in found.segments] == ["approach", "pause", "retract"]
+    assert [len(part) for part in found.segments] == pytest.approx([DEVICE.rows, DEVICE.pause, DEVICE.rows], abs=5)
+
+
 def test_what_is_wrong_is_named() -> None:
     free = replace(DEVICE, largest=1e-6 * PULL_OFF, drag=0.0)
     assert set(examined(free, w_retract=0.0).flags) == {"no contact"}

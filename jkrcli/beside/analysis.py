@@ -289,7 +289,7 @@ def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:
 def _series_and_slopes(solution: Solution, name: str) -> tuple[Series, Slopes]:
     read = solution.method == "import"
     own = own_solution(solution.problem, solution.series.a) if read else None
-    if solution.raw is not None and name in ("auto", "integral") and not is_series(solution.raw):
+    if solution.raw is not None and name in ("auto", "integral") and not is_series(solution.raw.touching):
         return smoothed(solution.raw, solution.series.a0, solution.series.S0, own=own)
     indenter = solution.problem.indenter
     series = replace(solution.filtered, own=own, kinks=indenter.kinks, bends=indenter.bends)

@@ -50,6 +50,13 @@ class RawSeries:
         rows = np.arange(1, a.size + 1) if self.rows is None else np.array(self.rows)
         object.__setattr__(self, "rows", rows)
 
+    @property
+    def touching(self) -> RawSeries:
+        """The increments in contact: another program's table begins with the undeformed state."""
+        there = self.a > 0
+        assert self.rows is not None
+        return RawSeries(self.a[there], self.delta[there], self.P[there], self.rows[there])
+
 
 @dataclass(frozen=True, eq=False)
 class Series:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
+from jkrcli.beside.analysis import analyse
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
@@ -120,6 +121,16 @@ def test_units_only_change_the_numbers(tmp_path_factory, length: str, depth: str
     path.write_text(f"a [{length}],delta [{depth}],P [{load}]\n" + rows(a, delta, force))
     series = read_series(path, on_a_half_space(BALL), SeriesReading()).series
     np.testing.assert_allclose([series.a, series.delta, series.P], [A[KEPT], DELTA[KEPT], P[KEPT]], rtol=1e-14)
+
+
+@pytest.mark.parametrize("first", ["", "0,0,0\n", "0,-1e-7,0\n0,0,0\n"])
+def test_states_before_contact_leave_the_pull_off_force_that_of_jkr(tmp_path: Path, first: str) -> None:
+    a, w = np.linspace(1, 20, 20) * 1e-5, 0.02
+    (tmp_path / "t.csv").write_text("a_m,delta_m,P_N\n" + first + rows(a, a**2 / R, hertz(a, E_STAR, R)[1]))
+    (found,) = analyse(read_series(tmp_path / "t.csv", on_a_half_space(BALL), SeriesReading()), [w])
+    point = found.pull_off["load"]
+    assert not isinstance(point, Unknown)
+    assert point.P == pytest.approx(-1.5 * math.pi * w * R, rel=1e-8)  # measured: 1e-11
 
 
 @pytest.mark.parametrize(

@@ -15,10 +15,10 @@ from ...series import RawSeries, filter_plateaus
 
 def has_plateaus(raw: RawSeries) -> bool:
     """Whether radii repeat while depth and load go on, as node-based radii do: at one increment in five at least."""
-    touching = raw.a > 0
-    if np.sum(touching) < 2 or min(raw.delta[touching][0], raw.P[touching][0]) <= 0:
+    raw = raw.touching
+    if raw.a.size < 2 or min(raw.delta[0], raw.P[0]) <= 0:
         return False
-    a, delta, P = (np.diff(values[touching]) for values in (raw.a, raw.delta, raw.P))
+    a, delta, P = (np.diff(values) for values in (raw.a, raw.delta, raw.P))
     return bool(np.mean(a == 0) > 0.2 and np.all(a >= 0) and np.all(delta > 0) and np.all(P > 0))
 
 
@@ -30,8 +30,7 @@ def touch_events(raw: RawSeries) -> tuple[RawSeries, dict[str, Array]]:
     one of the radius by the local slope of log a over log delta.
     """
     kept, _ = filter_plateaus(raw)
-    touching = raw.a > 0
-    log_delta, log_P = np.log(raw.delta[touching]), np.log(raw.P[touching])
+    log_delta, log_P = np.log(raw.touching.delta), np.log(raw.touching.P)
     after = kept.delta
     before = np.array([np.max(raw.delta[raw.delta < depth], initial=0.0) for depth in after])
     middle = (before + after) / 2

@@ -89,6 +89,7 @@ def smoothed(
     """
     if errors is None and has_plateaus(raw):
         raw, errors = touch_events(raw)
+    raw = raw.touching
     settled = _settle(raw, errors or {}, a0, S0, own)
     kept = np.delete(raw.a, settled.outliers)
     a = np.unique(raw.a[(raw.a >= kept.min()) & (raw.a <= kept.max())])

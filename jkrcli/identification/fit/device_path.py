@@ -81,13 +81,17 @@ class Nodes:
         i = math.floor(place)
         if not 0 <= i < self.u.size - 1:
             return np.stack(self.family.at(np.array([u])))[..., 0]
-        x, n = place - i, self.u.size - 1
-        powers = np.array([[1, x, x**2, x**3, x**4, x**5], [0, 1, 2 * x, 3 * x**2, 4 * x**3, 5 * x**4],
-                           [0, 0, 2, 6 * x, 12 * x**2, 20 * x**3]])  # fmt: skip
-        logs, rates, bends = (powers @ HERMITE.T) @ self.logs[i : i + 2].reshape(6, 4)
-        rates, bends = (rates * (per := n / float(self.u[-1] - self.u[0])), bends * per**2)
-        values = np.exp(logs)
-        return np.stack([values, values * rates, values * (bends + rates**2)])
+        x, per = place - i, (self.u.size - 1) / float(self.u[-1] - self.u[0])
+        x2, x3, per2 = x * x, x * x * x, per * per
+        powers = np.array([
+            [1, x, x2, x3, x2 * x2, x2 * x3], [0, per, 2 * x * per, 3 * x2 * per, 4 * x3 * per, 5 * x2 * x2 * per],
+            [0, 0, 2 * per2, 6 * x * per2, 12 * x2 * per2, 20 * x3 * per2],
+        ])  # fmt: skip
+        found: Array = powers @ (HERMITE.T @ self.logs[i : i + 2].reshape(6, 4))
+        found[0] = np.exp(found[0])
+        found[2] += found[1] ** 2
+        found[1:] *= found[0]
+        return found
 
 
 def _path(s: float, r: float, k: float, functions: Array) -> Array:
@@ -102,8 +106,9 @@ class DeviceBranch:
     """The stable branch of one body at a device, on which the edge moves: load over zeta = sqrt(z - fold), where it is
     smooth, of a body at ``nodes`` with moduli times ``s`` and ``r`` the root of q.
 
-    ``rates``: derivatives of the load at fixed z by ln s and q = w/s, times zeta, (2, n). ``fold`` [m]: where it ends;
-    ``u``: log of the contact radius [m] along it. ``below``: q where it is negative, else 0; ``k`` of the device.
+    ``fold`` [m]: where it ends; ``u``: log of the contact radius [m] along it, ``steep``: zeta over the derivative of z
+    by it, ``slope``: derivative of the load by zeta; ``released`` as of ``nodes``. ``below``: q where it is negative,
+    else 0; ``k`` of the device.
     """
 
     fold: float
@@ -111,7 +116,8 @@ class DeviceBranch:
     zeta: Array
     P: Array
     slope: Array
-    rates: Array
+    steep: Array
+    released: Array
     below: float
     k: float
     s: float
@@ -126,13 +132,36 @@ class DeviceBranch:
 
     @cached_property
     def cubics(self) -> Array:
-        """Between nodes: where they begin, the inverse width, the load's coefficients of a cubic, and of the two rates
-        value and change (10, n - 1)."""
-        width = np.diff(self.zeta)
-        left, rise, dl, dr = self.P[:-1], np.diff(self.P), self.slope[:-1] * width, self.slope[1:] * width
-        curved = dl + dr - 2 * rise
-        of_load = [left, dl, rise - dl - curved, curved]
-        return np.stack([self.zeta[:-1], 1 / width, *of_load, *self.rates[:, :-1], *np.diff(self.rates)])
+        """Between nodes: where they begin, the inverse width, and the load's coefficients of a cubic (6, n - 1)."""
+        first, left, found = self.zeta[:-1], self.P[:-1], np.empty((6, self.zeta.size - 1))
+        width, rise = self.zeta[1:] - first, self.P[1:] - left
+        found[0], found[1], found[2], found[3] = first, 1 / width, left, self.slope[:-1] * width
+        found[5] = found[3] + self.slope[1:] * width - 2 * rise
+        found[4] = rise - found[3] - found[5]
+        return found
+
+    @cached_property
+    def rates(self) -> Array:
+        """Derivatives of the load at fixed z by ln s and q = w/s, times zeta, between nodes: value and change (4, n -
+        1)."""
+        by_s, by_q = self.zeta * self.P - self.slope * self.P / (2 * self.k), -self.s / 2 * self.released * self.steep
+        return np.stack([by_s[:-1], by_q[:-1], by_s[1:] - by_s[:-1], by_q[1:] - by_q[:-1]])
+
+    def load(self, z: Array, blunt: float) -> Array:
+        """Load at positions ``z`` [m], as ``at`` gives it."""
+        if self.below:
+            return self.at(z, blunt)[0]
+        return self._load(z, blunt)[0]
+
+    def _load(self, z: Array, blunt: float) -> tuple[Array, Array, Array, Array, Array]:
+        """Load at positions ``z`` [m] and its derivative by them, for w = 0 where w is less; zeta there, the nodes
+        before, and the place between two."""
+        zeta = np.sqrt(np.maximum(z - self.fold, blunt))
+        i = np.minimum(np.maximum(self.zeta.searchsorted(zeta) - 1, 0), self.zeta.size - 2)
+        first, per, c0, c1, c2, c3 = self.cubics[:, i]
+        x = (zeta - first) * per
+        by_z = (c1 + x * (2 * c2 + 3 * x * c3)) * per / (2 * zeta)
+        return c0 + x * (c1 + x * (c2 + x * c3)) + by_z * (z - self.fold - zeta**2), by_z, zeta, i, x
 
     def at(self, z: Array, blunt: float) -> tuple[Array, Array]:
         """Load at positions ``z`` [m], and its derivatives by ln s, q and z, (3, n).
@@ -140,15 +169,11 @@ class DeviceBranch:
         From ``blunt`` [m] before the fold on the tangent there goes on: a load for every position, and a search that
         sees where the fold should be.
         """
-        zeta = np.sqrt(np.maximum(z - self.fold, blunt))
-        i = np.clip(np.searchsorted(self.zeta, zeta) - 1, 0, self.zeta.size - 2)
-        first, per, c0, c1, c2, c3, s0, q0, s1, q1 = self.cubics[:, i]
-        x = (zeta - first) * per
-        by_z = (c1 + x * (2 * c2 + 3 * x * c3)) * per / (2 * zeta)
-        P = c0 + x * (c1 + x * (c2 + x * c3)) + by_z * (z - self.fold - zeta**2)
+        P, by_z, zeta, i, x = self._load(z, blunt)
+        s0, q0, s1, q1 = self.rates[:, i]
         by_s, by_q = (s0 + s1 * x) / zeta, (q0 + q1 * x) / zeta
         if self.below:
-            bent = (q1 * per - by_q) / (2 * zeta**2)
+            bent = (q1 * self.cubics[1, i] - by_q) / (2 * zeta**2)
             P, by_s, by_z = P + self.below * by_q, by_s + self.below * by_q, by_z + self.below * bent
         return P, np.stack([by_s, by_q, by_z])
 
@@ -183,17 +208,16 @@ def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
     bend = float(path[0, 2, i - 1])
     if i > 1 and bend > 0:
         steep[0] = 1 / math.sqrt(2 * bend)  # its limit at the fold, where z is a parabola of u
-    slope = 2 * dP * steep
-    rates = np.stack([zeta * P - slope * P / (2 * k), -s / 2 * released * steep])
-    up = np.append(True, np.diff(zeta) > 0)
-    if not up[1:].any():
+    slope, up = 2 * dP * steep, zeta[1:] > zeta[:-1]
+    if not up.any():
         raise SolveError(
             f"no contact is stable at this w up to a = {show(math.exp(u[-1]), 'length')}: take a smaller w, or check "
             "the radius and the units"
         )
     if not up.all():
-        u, zeta, P, slope, rates = u[up], zeta[up], P[up], slope[up], rates[:, up]
-    return DeviceBranch(float(z[0]), u, zeta, P, slope, rates, min(q, 0.0), k, s, r, nodes)
+        up = np.append(True, up)
+        u, zeta, P, slope, steep, released = (one[up] for one in (u, zeta, P, slope, steep, released))
+    return DeviceBranch(float(z[0]), u, zeta, P, slope, steep, released, min(q, 0.0), k, s, r, nodes)
 
 
 def _fold(u: Array, rates: Array, bends: Array) -> tuple[int, float]:
@@ -235,10 +259,14 @@ class Rest:
         """The root of q that a row at ``z`` [m] holds, where ``receding`` is that at the end."""
         return receding + (self.end - z) * self.by_u[2] / self.by_u[1]
 
+    def load(self, z: Array) -> Array:
+        """Load at positions ``z`` [m]."""
+        found: Array = (self.P_H - self.S * (self.D - z)) / (1 + self.S / self.k)
+        return found
+
     def at(self, z: Array) -> tuple[Array, Array]:
         """Load at positions ``z`` [m], and its derivatives by ln s, the root of q, z, and the position of the turn."""
-        yields = 1 / (1 + self.S / self.k)
-        P = (self.P_H - self.S * (self.D - z)) * yields
+        yields, P = 1 / (1 + self.S / self.k), self.load(z)
         of_u = -self.dS * (self.D - z + P / self.k) * yields
         by_s, by_root, by_turn = (of_u * rate for rate in self.by_u)
         return P, np.stack([P * yields + by_s, by_root, np.full_like(P, self.S * yields), by_turn])

@@ -206,7 +206,9 @@ class ForceCurveModel:
     def depth(self, part: DirectionReadings, values: Mapping[str, float]) -> Array:
         """Position of the device beyond its zero [m], at all rows of a stretch."""
         depth: Array = part.z - values["z0"]
-        return depth + sum((values[name] * by for name, by in self.misplaced(part).items()), np.zeros_like(depth))
+        for name, by in self.misplaced(part).items():
+            depth += values[name] * by
+        return depth
 
     def misplaced(self, part: DirectionReadings) -> dict[str, Array]:
         """How much deeper the rows of a stretch stand than they say, per amount of each error of positions [m]."""
@@ -304,22 +306,44 @@ class ForceCurveModel:
                     rates[names[name], first:last] = column
         return off, rates.T
 
+    def off(self, x: Array, blunt: float) -> Array:
+        """Model minus reading [N] of all rows."""
+        values = self.values(x)
+        parts = (base_line(part, values)[0] + self._load(part, values, blunt) - part.P for part in self.stretches)
+        return np.concatenate([*parts])
+
     def by_position(self, x: Array) -> Array:
         """Derivative of the loads of all rows by their positions [N/m], the turn and the base lines where they are."""
         values = self.values(x)
         return np.concatenate([self._contact(part, values, 0.0)[1]["z"] for part in self.stretches])
 
+    def _load(self, part: DirectionReadings, values: Mapping[str, float], blunt: float) -> Array:
+        """Load of the contact at all rows of a stretch."""
+        moving, resting, depth, rows, still = self._edges(part, values)
+        P = np.zeros(depth.size)
+        P[rows] = moving.load(depth[rows], blunt * part.reach if blunt else part.spacing / 2)
+        if resting is not None:
+            P[still] = resting.load(depth[still])
+        return P
+
+    def _edges(
+        self, part: DirectionReadings, values: Mapping[str, float]
+    ) -> tuple[DeviceBranch, Rest | None, Array, Array, Array]:
+        """The branch and the resting edge of a stretch, the depth [m] of all rows, and the numbers of those at which
+        the edge moves, and of those at which it rests."""
+        moving, resting, depth = self.branch(part, values), self.rest(part, values), self.depth(part, values)
+        rows = np.flatnonzero(self.touching(part, values, moving.fold))
+        if resting is None:
+            return moving, None, depth, rows, rows[:0]
+        rests = depth[rows] > resting.end
+        return moving, resting, depth, rows[~rests], rows[rests]
+
     def _contact(
         self, part: DirectionReadings, values: Mapping[str, float], blunt: float
     ) -> tuple[Array, dict[str, Array]]:
         """Load of the contact at all rows of a stretch, and its derivatives by name."""
-        moving, resting, depth = self.branch(part, values), self.rest(part, values), self.depth(part, values)
+        moving, resting, depth, rows, still = self._edges(part, values)
         own, q = f"q:{part.kind}", values[f"q:{part.kind}"]
-        touching = self.touching(part, values, moving.fold)
-        rows, still = np.flatnonzero(touching), np.empty(0, dtype=int)
-        if resting is not None:
-            rests = depth[rows] > resting.end
-            rows, still = rows[~rests], rows[rests]
         P, by = np.zeros(depth.size), np.zeros((3, depth.size))  # by ln s, own q, z
         P[rows], by[:, rows] = moving.at(depth[rows], blunt * part.reach if blunt else part.spacing / 2)
         by_s, by_q, by_z = by

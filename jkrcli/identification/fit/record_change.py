@@ -228,7 +228,7 @@ class RivalModel(ForceCurveModel):
             if name in self.change.names or (self.change.felt and name.startswith(("ln_s", "q:", "r:", "z0"))):
                 step = (TUNING.step if self.change.load is None else LITTLE) * self._unit(name, float(x[i]))
                 step = -step if x[i] + step > self.limits.get(name, (0.0, math.inf))[1] else step
-                rates[:, i] = (super().evaluated(x + step * (np.arange(x.size) == i), blunt)[0] - off) / step
+                rates[:, i] = (self.off(x + step * (np.arange(x.size) == i), blunt) - off) / step
         return off, rates
 
     def _unit(self, name: str, x: float) -> float:
@@ -237,9 +237,14 @@ class RivalModel(ForceCurveModel):
             return max(part.reach for part in self.stretches)
         return max(abs(x), TUNING.small * (self.most if name.startswith(("q:", "r:")) else 1.0))
 
+    def _told(self, part: DirectionReadings) -> Callable[[ForceCurveModel, DirectionReadings, Values], Array] | None:
+        """What gives the loads of a stretch in place of a path."""
+        return self.change.load or (self.change.back if part is self.stretches[-1] else None)
+
+    def _load(self, part: DirectionReadings, values: Values, blunt: float) -> Array:
+        told = self._told(part)
+        return super()._load(part, values, blunt) if told is None else told(self, part, values)
+
     def _contact(self, part: DirectionReadings, values: Values, blunt: float) -> tuple[Array, dict[str, Array]]:
-        if self.change.load is not None:
-            return self.change.load(self, part, values), {}
-        if self.change.back is not None and part is self.stretches[-1]:
-            return self.change.back(self, part, values), {}
-        return super()._contact(part, values, blunt)
+        told = self._told(part)
+        return super()._contact(part, values, blunt) if told is None else (told(self, part, values), {})

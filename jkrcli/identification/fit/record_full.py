@@ -222,8 +222,8 @@ def _stepped(
     x, size, excess = own.x, math.inf, math.inf
     with contextlib.suppress(SolveError, OverflowError):  # unknowns that no row tells may go anywhere
         for _ in range(TUNING.chords):
-            step, r = own.step(ForceCurveModel.evaluated(model, x, 0.0)[0])
-            before, size, x, excess = size, own.size(step), x - step, float(r @ r) - own.left
+            step, left = own.step(model.off(x, 0.0))
+            before, size, x, excess = size, own.size(step), x - step, left - own.left
             if not (size < before and excess < min(TUNING.hopeless, least + TUNING.falling * size)):
                 return None
             if size < still:

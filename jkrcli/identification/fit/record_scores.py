@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.special import fdtrc
@@ -247,15 +248,20 @@ class Weighted:
         kept = np.ones(off.size, dtype=bool) if kept is None else kept
         scale, Q, triangle = _spanned(at.model.whitened(J * kept[:, None], noise))
         plain = cls(at, kept, at.found.x, scale, Q, triangle, 0.0)
-        step, r = plain.step(off)
-        return replace(plain, x=at.found.x - step, left=float(r @ r))
+        step, left = plain.step(off)
+        return replace(plain, x=at.found.x - step, left=left)
 
-    def step(self, off: Array) -> tuple[Array, Array]:
-        """What the unknowns are to fall by for residuals ``off`` [N] of all rows, and what is left then."""
+    @cached_property
+    def inverse(self) -> Array:
+        """The unknowns in their lengths by what is along ``Q``: rows that are left out may hold one alone."""
+        found: Array = np.linalg.pinv(self.triangle, rcond=len(self.triangle) * np.finfo(float).eps)
+        return found
+
+    def step(self, off: Array) -> tuple[Array, float]:
+        """What the unknowns are to fall by for residuals ``off`` [N] of all rows, and chi^2 of what is left then."""
         r = self.at.model.whitened(off * self.kept, self.at.found.spread.noise)
         along = self.Q.T @ r
-        shift = np.linalg.lstsq(self.triangle, along, rcond=None)[0]  # rows that are left out may hold an unknown alone
-        return shift / self.scale, r - self.Q @ along
+        return self.inverse @ along / self.scale, float(r @ r - along @ along)
 
     def size(self, step: Array) -> float:
         """The size of a step, in standard errors of white noise."""

@@ -115,7 +115,7 @@ class Situation:
             u, each = grid(self.model.family), [change.bends(model, part, values) for part in model.stretches]
             changes = [None if one is None else by_log(u, one / e) for one in each]
             return self.model.by_body(self.found.x, changes)
-        return (ForceCurveModel.evaluated(model, x, 0.0)[0] - self.here[0]) / e
+        return (model.off(x, 0.0) - self.here[0]) / e
 
     @cached_property
     def reach(self) -> float:

@@ -127,9 +127,12 @@ def _dataset(target: h5py.Group, name: str, values: Any) -> h5py.Dataset:
     if isinstance(values, str):
         return target.create_dataset(name, data=_fixed(values))
     values = values if isinstance(values, np.ndarray) else _all_fixed(values)
-    fastest = {"compression": "gzip", "compression_opts": 1, "shuffle": True}  # noise is packed no smaller by more
-    packed = {"chunks": values.shape, "fletcher32": True, **fastest} if values.size else {}
-    return target.create_dataset(name, data=values, **packed)
+    if not values.size:
+        return target.create_dataset(name, data=values)
+    fastest = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+    packed = {} if values.dtype.kind == "f" else fastest  # digits of measured numbers are noise, two thirds remain
+    chunks = (min(len(values), allowance.TUNING.rows), *values.shape[1:])
+    return target.create_dataset(name, data=values, chunks=chunks, fletcher32=True, **packed)
 
 
 def _describe(target: h5py.Group | h5py.Dataset, attributes: Mapping[str, Any]) -> None:

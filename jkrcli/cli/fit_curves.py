@@ -80,16 +80,17 @@ def _write(
     """Write table, summary, archive and pictures; the files of the map, if there is one. InputError, when all that can
     be written is, where no curve could be used."""
     from ..data import some
-    from ..report.fit import write
+    from ..report.fit_archive import write
     from ..report.map import map_of
 
     if not result.found:
         raise InputError(some(reasons))
     held = map_of(result.found) if output.plots else None
     of_map = None if held is None else output.files(Path(f"{targets.stem}-map"), PICTURES, inputs)
+    told = result.summary()
     with together():
-        targets.write(result.columns, result.summary())
-        write(targets[".h5"], result.found, result.body)
+        targets.write(result.columns, told)
+        write(targets[".h5"], result.found, told)
         if pictures:
             _draw(pictures)
         if held is not None and of_map is not None:

@@ -15,7 +15,8 @@ from ..base import Array, InputError, as_json, hdf5, read_bytes, write_bytes
 from .output import SHOWN
 
 FITS, SWEEP_TABLE = FORMATS = ("jkr-fit", "jkr-sweep-table")
-VERSION = 2
+VERSION = 3
+READ = (1, 2, VERSION)
 UNPROTECTED = 1  # the version that may lack a digest
 WRITE_AGAIN = "run the command that wrote it again"
 DOUBT = f"the archive is of version 1 without a digest: damage may go unnoticed; {WRITE_AGAIN} for full protection"
@@ -49,9 +50,9 @@ def read(path: Path) -> Archive:
     held, version = (str(root.attributes.get(name, "")) for name in ("format", "version"))  # or an array, or none
     if held not in FORMATS:
         raise InputError(f'{path}: format must be one of {", ".join(FORMATS)}, got "{held}"')
-    if version not in (str(UNPROTECTED), str(VERSION)):
+    if version not in map(str, READ):
         raise InputError(f"{path}: version must be {VERSION}, got {version}; this file needs another release of jkr")
-    is_sealed = version == str(VERSION) or hdf5.SEAL in root.attributes
+    is_sealed = version != str(UNPROTECTED) or hdf5.SEAL in root.attributes
     if is_sealed and not hdf5.is_sound(root):
         raise hdf5.unreadable(path, content, " (it does not hold what was written)", WRITE_AGAIN)
     return Archive(path, held, root, is_sealed)
@@ -72,8 +73,12 @@ def summary(archive: Archive) -> dict[str, Any]:
 
 
 def _fits(root: hdf5.Group) -> dict[str, Any]:
-    curves = _group(root, "curves").members.values()
-    return {"body": root.attributes["body"], "curves": [json.loads(curve.attributes["summary"]) for curve in curves]}
+    curves = _group(root, "curves").members
+    if "summary" in curves:
+        told = _values(curves["summary"])
+    else:  # of versions 1 and 2, a group for each curve
+        told = [curve.attributes["summary"] for curve in curves.values()]
+    return {"body": root.attributes["body"], "curves": [json.loads(one) for one in told]}
 
 
 def _table(root: hdf5.Group) -> dict[str, Any]:

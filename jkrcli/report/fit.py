@@ -1,26 +1,23 @@
-"""Fits as a table, as a summary, in words, and in HDF5 with rows, foot points, residuals and fitted curves."""
+"""Fits as a table, as a summary, and in words."""
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.special import ndtri
 
-from ..base import SI, Array, hdf5, scale, show
+from ..base import SI, scale, show
 from ..identification.fit import Failure, Fit, FittedValue
 from ..identification.fit.record_rivals import OF_RIVALS
 from ..identification.fit.record_scores import Score, Tried
 from ..identification.fit.result import JKRBeside
 from ..identification.fit.rivals import RANGE
 from . import archive
-from .map import images_of, map_of
 from .output import SHOWN
 from .result import Result
 
@@ -405,28 +402,3 @@ def estimate_words(estimate: FittedValue, level: float) -> str:
 def _scatter(item: Fit) -> list[str]:
     """Standard deviation of the readings as the residuals have it."""
     return [f"{show(item.scatter * scale, DIMENSIONS[name], 2)} in {name}" for name, scale in item.scales.items()]
-
-
-def write(path: Path, found: Sequence[Fit | Failure], body: str) -> None:
-    """Write all fits to ``path``: one group per curve, numbered, its summary as JSON in an attribute."""
-    told = summary(found, body)["curves"]
-    curves = {
-        f"{number:06d}": hdf5.Group({"summary": json.dumps(words)}, _held(item) if isinstance(item, Fit) else {})
-        for number, (item, words) in enumerate(zip(found, told, strict=True))
-    }
-    images = {"map": images_of(held)} if (held := map_of(found)) else {}
-    archive.write(path, FORMAT, {"body": body}, {"curves": hdf5.Group({}, curves), **images})
-
-
-def _held(item: Fit) -> dict[str, hdf5.Group | hdf5.Dataset]:
-    held: dict[str, hdf5.Group | hdf5.Dataset] = {
-        "data": hdf5.Group({}, {**_with_units(item.data), "row": hdf5.column(item.rows + 1, "1")}),
-        "fitted": hdf5.Group({}, _with_units(item.line)),
-        "foot_a": hdf5.column(item.a, "m"),
-        "residuals": hdf5.column(item.residuals, "1"),
-    }
-    return held if item.samples is None else held | {"bootstrap": hdf5.column(item.samples, "SI")}
-
-
-def _with_units(columns: Mapping[str, Array]) -> dict[str, hdf5.Dataset]:
-    return {name: hdf5.column(values, SI[DIMENSIONS[name]]) for name, values in columns.items()}

@@ -65,9 +65,10 @@ def test_a_case_and_a_curve_give_table_summary_archive_and_picture(jkr, folder: 
     assert curve["estimates"]["w"]["unit"] == "J/m^2"
     assert np.array(curve["correlation"])[0, 1] == pytest.approx(-0.66, abs=0.02)
     with h5py.File(folder / "sphere-fit.h5") as file:
-        group = file["curves/000000"]
-        assert json.loads(group.attrs["summary"]) == curve
-        assert group["data/delta"].shape == group["foot_a"].shape == (200,)
+        group = file["curves"]
+        assert [json.loads(told) for told in group["summary"]] == [curve]
+        assert group["data/delta"].shape == group["data/foot_a"].shape == group["data/residuals"].shape == (200,)
+        assert set(group["data/curve"][()]) == {0}
         assert group["data/P"].attrs["unit"].decode() == "N"
 
 

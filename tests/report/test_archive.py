@@ -128,13 +128,13 @@ def change_unsealed(path: Path, change: Callable[[h5py.File], object]) -> None:
 
 
 CHANGES = {
-    "fits": lambda file: file["curves/000000/foot_a"].__setitem__(0, 1.0),
+    "fits": lambda file: file["curves/data/foot_a"].__setitem__(0, 1.0),
     "table": lambda file: file["table/status"].__setitem__(0, b"no"),
 }
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("version", [1, 2])
+@pytest.mark.parametrize("version", [1, 2, 3])
 def test_what_is_not_as_written_is_refused_by_name(jkr, archives: dict[str, Path], kind: str, version: int) -> None:
     path = archives[kind]
     change_unsealed(path, CHANGES[kind])
@@ -165,6 +165,15 @@ def test_an_earlier_version_reads_and_is_said_to_be_without_protection(
     assert json.loads(done.out)["files"] == [{**wanted, "version": 1, "warnings": [archive.DOUBT]}]
 
 
+def test_a_group_for_each_curve_is_read(tmp_path: Path) -> None:
+    """As versions 1 and 2 had them."""
+    told = {"file": "m.csv", "curve": "m", "status": "fitted"}
+    curves = hdf5.Group({}, {"000000": hdf5.Group({"summary": json.dumps(told)})})
+    identity = {"format": archive.FITS, "version": 2, "jkr": "0", "body": "x"}
+    (tmp_path / "old.h5").write_bytes(hdf5.image(hdf5.Group(identity, {"curves": curves})))
+    assert archive.summary(archive.read(tmp_path / "old.h5"))["curves"] == [told]
+
+
 def test_a_version_without_its_digest_is_refused(jkr, archives: dict[str, Path]) -> None:
     change_unsealed(archives["table"], lambda file: file.attrs.__delitem__(hdf5.SEAL))
     assert "it does not hold what was written" in jkr("show", archives["table"]).err
@@ -172,16 +181,16 @@ def test_a_version_without_its_digest_is_refused(jkr, archives: dict[str, Path])
 
 def test_an_archive_of_a_later_release_is_refused(jkr, archives: dict[str, Path]) -> None:
     path = archives["fits"]
-    change_unsealed(path, lambda file: file.attrs.__setitem__("version", 3))
+    change_unsealed(path, lambda file: file.attrs.__setitem__("version", 4))
     done = jkr("show", path)
-    assert done.err == f"jkr: error: {path}: version must be 2, got 3; this file needs another release of jkr\n"
+    assert done.err == f"jkr: error: {path}: version must be 3, got 4; this file needs another release of jkr\n"
 
 
 def test_archives_are_told(jkr, archives: dict[str, Path]) -> None:
     fits, table = jkr("show", *archives.values(), "-v").out.split("\n8 cases of a sweep: ")
-    assert fits.startswith(f"1 curves fitted to s.toml: {archives['fits']} (format jkr-fit 2, ")
+    assert fits.startswith(f"1 curves fitted to s.toml: {archives['fits']} (format jkr-fit 3, ")
     assert "  probe.csv, probe: fitted" in fits
-    assert table.startswith(f"{archives['table']} (format jkr-sweep-table 2, ")
+    assert table.startswith(f"{archives['table']} (format jkr-sweep-table 3, ")
     assert "  status                                   failed, ok" in table
     told = json.loads(jkr("show", "--json", *archives.values()).out)["files"]
     assert told[0]["curves"] == json.loads(Path("s-fit.json").read_text())["curves"]

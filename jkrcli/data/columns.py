@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Container, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ..base import LARGEST_SI, SHOWN, Array, InputError, did_you_mean
+from ..base import LARGEST_SI, REMEMBERED, SHOWN, Array, InputError, did_you_mean
 from .text_table import TextTable, unit_power
 
 LONGEST = 200  # choice: characters of a cell or a line that names something; longer ones take long to look through
@@ -59,9 +60,13 @@ class Vocabulary:
         name = split_name(title)[0]
         if name == "A":
             return "area"
-        plain = name.lower().strip()
-        words = {plain, re.split(r"[:\s]", plain)[0], plain.rsplit(":", 1)[-1].strip(), *_history(plain)}
-        return next((key for key, quantity in self.quantities.items() if words & set(quantity.names)), None)
+        words = _words_of(name.lower().strip())
+        return next((key for key, names in self.names.items() if words & names), None)
+
+    @cached_property
+    def names(self) -> Mapping[str, frozenset[str]]:
+        """The names of columns by the keys of their quantities."""
+        return {key: frozenset(quantity.names) for key, quantity in self.quantities.items()}
 
     def named(self, table: TextTable, key: str) -> list[int]:
         """Columns whose name is one of those of ``key``."""
@@ -193,6 +198,7 @@ def words(table: TextTable, chosen: Mapping[str, int]) -> str:
                      for key, i in sorted(chosen.items()))  # fmt: skip
 
 
+@lru_cache(maxsize=REMEMBERED)
 def split_name(title: str) -> tuple[str, str]:
     """Name and unit of a header cell: "P (mN)", "P [mN]", "P / mN", "P_mN", "P in mN", "P mN"; "" where no unit is."""
     title = title.strip()
@@ -203,6 +209,12 @@ def split_name(title: str) -> tuple[str, str]:
     if (match := re.match(r"(.+?)(?:\s*[/,_]\s*|\s+(?:in\s+)?)([^/,_\s]+)\Z", title)) and unit_power(match[2]):
         return match[1], match[2]
     return title, ""
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _words_of(name: str) -> frozenset[str]:
+    """What may name the quantity of a column called ``name``, in lower case."""
+    return frozenset({name, re.split(r"[:\s]", name)[0], name.rsplit(":", 1)[-1].strip(), *_history(name)})
 
 
 def _history(name: str) -> list[str]:

@@ -7,7 +7,8 @@ import contextlib
 import csv
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from bisect import bisect_left
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -209,14 +210,17 @@ def _table(
     if decimal is None:
         _refuse_doubtful(path, [(n, line) for n, line in sample if n >= lines[0]], dialect)
     dialect = replace(dialect, text=frozenset(i for i in dialect.text if i < values.shape[1]))
-    header = [line for n, line in lines_of_file if n < lines[0]]
-    notes = _notes(lines_of_file, header, set(lines.tolist()), is_note)
-    remarks = _remarks(lines_of_file, header, int(lines[-1]), dialect)
-    rest = [item for item in lines_of_file if item[0] not in notes and item[0] not in remarks]
-    _check_rows(path, rest, dialect, lines, values, finite)
-    first = next(line for n, line in lines_of_file if n == lines[0])
-    names = _names(header, dialect, values.shape[1], dialect.ends(first))
-    text = _texts(lines_of_file, dialect, set(lines.tolist()))
+    begin = bisect_left(lines_of_file, (int(lines[0]), ""))
+    header, body = [line for _, line in lines_of_file[:begin]], lines_of_file[begin:]
+    notes, remarks = dict[int, str](), dict[int, str]()
+    if len(body) > lines.size:
+        notes = _notes(body, header, set(lines.tolist()), is_note)
+        remarks = _remarks(body, header, int(lines[-1]), dialect)
+    if len(body) > lines.size or finite:
+        rest = [item for item in body if item[0] not in notes and item[0] not in remarks]
+        _check_rows(path, rest, dialect, lines, values, finite)
+    names = _names(header, dialect, values.shape[1], dialect.ends(body[0][1]))
+    text = _texts(body, dialect, set(lines.tolist()))
     return TextTable(path, names, values, lines, dialect, text, tuple(header), notes, remarks)
 
 
@@ -246,8 +250,11 @@ def _remarks(content: list[tuple[int, str]], header: list[str], last: int, diale
 
 def _lines(path: Path, text: str) -> list[tuple[int, str]]:
     """The lines that are not empty, by their numbers; InputError where a row holds more cells than any table has."""
+    lines = text.splitlines()
+    if max(map(len, lines), default=0) <= MOST_COLUMNS:
+        return [(n, line) for n, line in enumerate(lines, start=1) if line and not line.isspace()]
     found = []
-    for n, line in enumerate(text.splitlines(), start=1):
+    for n, line in enumerate(lines, start=1):
         if len(line) > MOST_COLUMNS:  # few cells stand in shorter ones
             if not _ROW.match(line):
                 line = line if len(line) <= LONGEST_HEAD else ""
@@ -295,7 +302,7 @@ def _refuse_doubtful(path: Path, content: list[tuple[int, str]], dialect: Dialec
 def _rows(content: list[tuple[int, str]], dialect: Dialect, least: int, gaps: bool) -> tuple[Array, Array]:
     """Lines and values of all rows of numbers; ``gaps``: a few with words in place of some too, behind the first."""
     first, row = next(_data(content, dialect, least))
-    body = [(n, line) for n, line in content if n >= first]
+    body = content[bisect_left(content, (first, "")) :]
     values = _regular(body, dialect, len(row))
     if values is not None:
         return np.array([n for n, _ in body]), values
@@ -369,6 +376,10 @@ def _dialect(
     allowed = [d for d in found if separator in (None, d.separator) and decimal in (None, d.decimal)]
     if not allowed:
         raise InputError('separator "comma" and decimal "," exclude each other: say which one the comma is')
+    whole = "\n".join(line for _, line in content)
+    allowed = [d for d in allowed if (SEPARATORS[d.separator] or "") in whole]
+    if not allowed:
+        return None
     plain = [_with_text(content, dialect, least, is_text) for dialect in allowed]
     best, unread = _most_rows(content, plain, least)
     if unread:  # columns of words that nobody names, and grouped digits, are tried only where others leave lines over
@@ -387,18 +398,19 @@ def _most_rows(content: list[tuple[int, str]], dialects: list[Dialect], least: i
     most = sizes.index(max(sizes))
     if not sizes[most]:
         return None, True
-    later = sum(1 for n, line in content if n >= rows[most][0] and not _is_comment(line))
+    behind = content[bisect_left(content, (rows[most][0], "")) :]
+    later = len(behind) if len(behind) == sizes[most] else sum(not _is_comment(line) for _, line in behind)
     return dialects[most], later > sizes[most]
 
 
 def _row_lines(content: list[tuple[int, str]], dialect: Dialect, least: int) -> list[int]:
     """The lines that are rows of numbers: all behind the first one where numpy reads them."""
     marked = dialect.decimal == "," and not (dialect.text or dialect.thousands)
-    likely = [item for item in content if not (marked and "." in item[1]) and dialect.divides(item[1])]
+    likely = (item for item in content if not (marked and "." in item[1]))
     first = next(_data(likely, dialect, least), None)
     if first is None:
         return []
-    body = [(n, line) for n, line in content if n >= first[0]]
+    body = content[bisect_left(content, (first[0], "")) :]
     values = _regular(body, dialect, len(first[1]))
     if values is not None and np.isfinite(values).all():
         return [n for n, _ in body]
@@ -424,7 +436,7 @@ def _with_words(content: list[tuple[int, str]], dialect: Dialect, least: int) ->
 
 
 def _data(
-    content: list[tuple[int, str]], dialect: Dialect, least: int, gaps: bool = False
+    content: Iterable[tuple[int, str]], dialect: Dialect, least: int, gaps: bool = False
 ) -> Iterator[tuple[int, list[float]]]:
     """The rows of at least ``least`` numbers, all as wide as the first; ``gaps``: behind it also those of fewer."""
     width = 0

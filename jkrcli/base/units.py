@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cache
-from typing import Annotated, Any, TypeAlias, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, NamedTuple, TypeAlias, Union, get_args, get_origin, get_type_hints
 
 from .errors import InputError, did_you_mean
 
@@ -26,36 +26,34 @@ def _family(unit: str, prefixes: str, **extra: int) -> dict[str, int]:
     return {p + unit: PREFIX[p] for p in ("", *prefixes)} | extra
 
 
-UNITS: dict[str, dict[str, int]] = {
-    "length": _family("m", "pnumk", cm=-2) | {"Å": -10},
-    "modulus": _family("Pa", "kMGT") | {"N/m^2": 0, "kN/m^2": 3, "N/mm^2": 6},
-    "load": _family("N", "pnumk"),
-    "work": _family("J/m^2", "num") | _family("N/m", "m") | {"erg/cm^2": -3},
-    "tension": _family("N/m", "um") | {"dyn/cm": -3},
-    "stiffness": _family("N/m", "umk")
-    | {"N/mm": 3, "N/um": 6, "mN/um": 3, "uN/um": 0, "nN/um": -3, "nN/nm": 0}
-    | {"uN/nm": 3, "pN/nm": -3},
-    "speed": _family("m/s", "pnum"),
-    "time": _family("s", "num"),
-    "load rate": _family("N/s", "pnum"),
-    "sensitivity": _family("m/V", "pnum"),
+class Dimension(NamedTuple):
+    """A quantity in ``words``, its unit in ``SI``, an ``example``, its ``units`` with their powers of ten of that."""
+
+    words: str
+    SI: str
+    example: str
+    units: dict[str, int]
+
+
+PER_LENGTH = {"N/mm": 3, "N/um": 6, "mN/um": 3, "uN/um": 0, "nN/um": -3, "nN/nm": 0, "uN/nm": 3, "pN/nm": -3}
+DIMENSIONS = {
+    "length": Dimension("a length", "m", "100 um", _family("m", "pnumk", cm=-2) | {"Å": -10}),
+    "modulus": Dimension("a modulus", "Pa", "5 GPa", _family("Pa", "kMGT") | {"N/m^2": 0, "kN/m^2": 3, "N/mm^2": 6}),
+    "load": Dimension("a force", "N", "12 uN", _family("N", "pnumk")),
+    "work": Dimension(
+        "a work of adhesion", "J/m^2", "50 mJ/m^2", _family("J/m^2", "num") | _family("N/m", "m") | {"erg/cm^2": -3}
+    ),
+    "tension": Dimension("a surface tension", "N/m", "30 mN/m", _family("N/m", "um") | {"dyn/cm": -3}),
+    "stiffness": Dimension("a stiffness", "N/m", "0.2 N/m", _family("N/m", "umk") | PER_LENGTH),
+    "speed": Dimension("a speed", "m/s", "10 um/s", _family("m/s", "pnum")),
+    "time": Dimension("a time", "s", "20 ms", _family("s", "num")),
+    "load rate": Dimension("a rate of loading", "N/s", "1 mN/s", _family("N/s", "pnum")),
+    "sensitivity": Dimension("a deflection per volt", "m/V", "45 nm/V", _family("m/V", "pnum")),
+    "angle": Dimension("an angle", "rad", "70 deg", {}),
+    "number": Dimension("a plain number", "", "0.3", {}),
 }
-WORDS = {
-    "length": "a length",
-    "modulus": "a modulus",
-    "load": "a force",
-    "work": "a work of adhesion",
-    "tension": "a surface tension",
-    "stiffness": "a stiffness",
-    "speed": "a speed",
-    "time": "a time",
-    "load rate": "a rate of loading",
-    "sensitivity": "a deflection per volt",
-    "angle": "an angle",
-    "number": "a plain number",
-}
-SI = {"length": "m", "modulus": "Pa", "load": "N", "work": "J/m^2", "stiffness": "N/m", "angle": "rad", "number": ""}
-SI |= {"tension": "N/m", "speed": "m/s", "time": "s", "load rate": "N/s", "sensitivity": "m/V"}
+SI = {name: dimension.SI for name, dimension in DIMENSIONS.items()}
+UNITS = {name: dimension.units for name, dimension in DIMENSIONS.items() if dimension.units}
 LARGEST_SI = 1e30  # of a quantity in SI, its inverse the least: beyond what exists, and products of a few stay finite
 LARGE_WORK = 1.0  # choice: J/m^2, above what gels, polymers and contaminated metals have; remarked, never refused
 LONGEST = 100  # characters of a quantity
@@ -66,16 +64,17 @@ def parse(text: str, dimension: str) -> float:
     """The SI value of ``text`` ("100 um"; a bare number is SI). Raises ValueError with a full sentence."""
     match = _QUANTITY.match(text) if len(text) <= LONGEST else None
     if not match:
-        raise ValueError(f'must be {WORDS[dimension]}, such as "{_example(dimension)}", got "{text[:LONGEST]}"')
+        words, _, example, _ = DIMENSIONS[dimension]
+        raise ValueError(f'must be {words}, such as "{example}", got "{text[:LONGEST]}"')
     number, unit = Decimal(match[1]), _normalise(match[2])
     if not unit:
         return float(number)
     if dimension == "angle" and unit in ("rad", "deg", "°"):
         return float(number) if unit == "rad" else math.radians(float(number))
-    table = UNITS.get(dimension, {})
-    if unit not in table:
-        raise ValueError(f'must be {WORDS[dimension]}, got "{text}": unknown unit "{match[2]}"{_hint(unit, dimension)}')
-    return float(number.scaleb(table[unit]))
+    words, _, _, powers = DIMENSIONS[dimension]
+    if unit not in powers:
+        raise ValueError(f'must be {words}, got "{text}": unknown unit "{match[2]}"{_hint(unit, dimension)}')
+    return float(number.scaleb(powers[unit]))
 
 
 @dataclass(frozen=True)
@@ -148,7 +147,7 @@ def doubtful_work(w: float) -> str:
 def _number(value: Any, dimension: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         found = str(value).lower() if isinstance(value, bool) else value
-        raise ValueError(f"must be {WORDS[dimension]}, got {found}")  # noqa: TRY004 (a sentence for the user)
+        raise ValueError(f"must be {DIMENSIONS[dimension].words}, got {found}")  # noqa: TRY004 (a sentence for the user)
     if isinstance(value, str):
         return parse(value, dimension)
     try:
@@ -208,20 +207,8 @@ def _normalise(unit: str) -> str:
     return re.sub(r"(?<=m)2\Z", "^2", unit)
 
 
-def _example(dimension: str) -> str:
-    examples = {"length": "100 um", "modulus": "5 GPa", "load": "12 uN", "work": "50 mJ/m^2", "stiffness": "0.2 N/m"}
-    examples |= {
-        "tension": "30 mN/m",
-        "speed": "10 um/s",
-        "time": "20 ms",
-        "load rate": "1 mN/s",
-        "sensitivity": "45 nm/V",
-    }
-    return examples.get(dimension, "70 deg" if dimension == "angle" else "0.3")
-
-
 def _hint(unit: str, dimension: str) -> str:
-    allowed = list(UNITS.get(dimension, ())) or (["rad", "deg"] if dimension == "angle" else [])
+    allowed = list(DIMENSIONS[dimension].units) or (["rad", "deg"] if dimension == "angle" else [])
     if not allowed:
         return ", no unit is allowed here"
     pressure = ", a pressure is no force per length" if dimension == "tension" and unit in UNITS["modulus"] else ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
@@ -17,16 +17,22 @@ JUDGED = 0.01  # of the largest depth, from which a profile's points count in th
 NO_SMOOTHING = Unknown("no smoothing was done")
 
 
-def _frozen(name: str, values: Array | None, size: int | None = None) -> Array | None:
-    if values is None:
-        return None
+def _frozen(name: str, values: Array, size: int) -> Array:
+    """A copy that cannot be written to; InputError where it is no column of ``size`` finite numbers."""
     array = np.array(values, dtype=float)
-    if array.ndim != 1 or (size is not None and array.size != size):
+    if array.shape != (size,):
         raise InputError(f"series: {name} must be one-dimensional with {size} values, got shape {array.shape}")
     if not np.isfinite(array).all():
         raise InputError(f"series: {name}[{int(np.argmin(np.isfinite(array)))}] is not finite")
     array.setflags(write=False)
     return array
+
+
+def _freeze(held: RawSeries | Series, names: Sequence[str]) -> None:
+    """Put such copies in place of the columns that are there, as long as ``a``."""
+    for name in names:
+        if (values := getattr(held, name)) is not None:
+            object.__setattr__(held, name, _frozen(name, values, np.size(held.a)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,12 +48,8 @@ class RawSeries:
     rows: Array | None = None
 
     def __post_init__(self) -> None:
-        a = _frozen("a", self.a)
-        assert a is not None
-        object.__setattr__(self, "a", a)
-        for name in ("delta", "P"):
-            object.__setattr__(self, name, _frozen(name, getattr(self, name), a.size))
-        rows = np.arange(1, a.size + 1) if self.rows is None else np.array(self.rows)
+        _freeze(self, ("a", "delta", "P"))
+        rows = np.arange(1, self.a.size + 1) if self.rows is None else np.array(self.rows)
         object.__setattr__(self, "rows", rows)
 
     @property
@@ -90,26 +92,18 @@ class Series:
     unresolved: Array | None = None
 
     def __post_init__(self) -> None:
-        a = _frozen("a", self.a)
-        assert a is not None
-        object.__setattr__(self, "a", a)
-        for name in ("delta", "P", "S", "dS"):
-            object.__setattr__(self, name, _frozen(name, getattr(self, name), a.size))
-        errors = {key: _frozen(f"errors[{key}]", value, a.size) for key, value in self.errors.items()}
+        _freeze(self, COLUMNS)
+        errors = {key: _frozen(f"errors[{key}]", value, len(self)) for key, value in self.errors.items()}
         object.__setattr__(self, "errors", errors)
         self._check()
 
     def _check(self) -> None:
         if self.a.size < 1:
             raise InputError("series: holds no points")
-        if (np.diff(self.a) <= 0).any() or self.a[0] <= 0:
-            i = int(np.argmax(np.diff(self.a, prepend=0.0) <= 0))
-            raise InputError(f"series: contact radii must be positive and increase, point {i + 1} is {self.a[i]:g} m")
-        for name in ("delta", "P"):
-            values = getattr(self, name)
-            if values[0] <= 0 or (np.diff(values) <= 0).any():
-                i = int(np.argmax(np.diff(values, prepend=0.0) <= 0))
-                raise InputError(f"series: {name} must be positive and increase, point {i + 1} is {values[i]:g}")
+        for name, rising, unit in (("contact radii", self.a, " m"), ("delta", self.delta, ""), ("P", self.P, "")):
+            if (still := np.diff(rising, prepend=0.0) <= 0).any():
+                i = int(np.argmax(still))
+                raise InputError(f"series: {name} must be positive and increase, point {i + 1} is {rising[i]:g}{unit}")
         if not 0 <= self.a0 < self.a[0]:
             raise InputError(f"series: a0 must be >= 0 and below the first radius {self.a[0]:g} m, got {self.a0:g} m")
         for name, values in (("S", self.S), ("dS", self.dS)):
@@ -124,6 +118,11 @@ class Series:
         return self.a.size
 
     @property
+    def stiffness(self) -> Array:
+        """S [N/m], of differences where it is not known."""
+        return np.gradient(self.P, self.delta) if self.S is None else self.S
+
+    @property
     def errors_at_radius(self) -> Mapping[str, Array]:
         """Errors of "delta" and "P" at equal contact radius, where that of the radius itself is stated (it and P's are
         at equal displacement): a wrong radius shifts delta along its curve, and P with it; else empty."""
@@ -131,8 +130,7 @@ class Series:
         if of_radius is None or "P" not in self.errors or not of_radius.any() or len(self) < 2:
             return {}
         shift = of_radius * np.gradient(self.delta, self.a)
-        S = np.gradient(self.P, self.delta) if self.S is None else self.S
-        return {"delta": shift + self.errors.get("delta", 0.0), "P": S * shift + self.errors["P"]}
+        return {"delta": shift + self.errors.get("delta", 0.0), "P": self.stiffness * shift + self.errors["P"]}
 
     def scaled(self, factor: float) -> Series:
         """The series of the same bodies with all moduli multiplied by ``factor``: P, S and S' scale, delta does not."""
@@ -180,13 +178,7 @@ class ErrorBudget:
         return self.series + self.smoothing
 
     def as_dict(self) -> dict[str, Estimate]:
-        return {
-            "discretisation": self.discretisation,
-            "truncation": self.truncation,
-            "radius": self.radius,
-            "smoothing": self.smoothing,
-            "total": self.total,
-        }
+        return {**vars(self), "total": self.total}
 
 
 @dataclass(frozen=True, eq=False)
@@ -274,8 +266,7 @@ class Solution:
         """Errors (2, n) of delta [m] and of its slope at the rows where the profile is known at points only: those of F
         at the surface, more as far as what lies below is softer, as of a spring in series."""
         series = self.series
-        S = np.gradient(series.P, series.delta) if series.S is None else series.S
-        softer: Array = np.maximum(2 * self.problem.E_star * series.a / S, 1.0)
+        softer: Array = np.maximum(2 * self.problem.E_star * series.a / series.stiffness, 1.0)
         return softer * self.problem.indenter.resolution(series.a)
 
     def widened(self) -> Solution:
@@ -285,10 +276,9 @@ class Solution:
         shift = np.zeros(1) if len(series) < 2 else self.unresolved[0]
         if not shift.any():
             return self
-        S = np.gradient(series.P, series.delta) if series.S is None else series.S
-        more, judged = {"delta": shift, "P": S * shift}, series.delta >= JUDGED * series.delta[-1]
+        more, judged = {"delta": shift, "P": series.stiffness * shift}, series.delta >= JUDGED * series.delta[-1]
         if "a" in series.errors and series.errors["a"].any():
-            more = {"a": shift / np.gradient(series.delta, series.a), "P": S * shift}
+            more["a"] = more.pop("delta") / np.gradient(series.delta, series.a)
         errors = {name: error + more.get(name, 0.0) for name, error in series.errors.items()}
         relative = max(float(np.max((more[name] / getattr(series, name))[judged])) for name in more)
         own = self.budget.discretisation

@@ -19,15 +19,6 @@ class Key:
     name: str
 
 
-@dataclass(frozen=True)
-class Parameter:
-    """A parameter of what builds a thing: its name there, its annotation, its default (``...``: none)."""
-
-    name: str
-    annotation: Any
-    default: Any
-
-
 class Registry(dict[str, Callable[..., Any]]):
     """The classes or functions that build what a case file calls by a name, by that name.
 
@@ -48,14 +39,14 @@ class Registry(dict[str, Callable[..., Any]]):
 
         return known
 
-    def parameters(self, name: str) -> dict[str, Parameter]:
-        """The parameters of what is called ``name``, by key; the one that is given too."""
+    def parameters(self, name: str) -> dict[str, inspect.Parameter]:
+        """The parameters of what is called ``name``, by key; the one that is given too; a default of ``...``: none."""
         hints, found = get_type_hints(self[name], include_extras=True), {}
         for item in inspect.signature(self[name]).parameters.values():
             notes = getattr(hints[item.name], "__metadata__", ())
             key = next((note.name for note in notes if isinstance(note, Key)), item.name)
-            default = ... if item.default is inspect.Parameter.empty else item.default
-            found[key] = Parameter(item.name, hints[item.name], default)
+            default = ... if item.default is item.empty else item.default
+            found[key] = item.replace(annotation=hints[item.name], default=default)
         return found
 
     def keys_in_file(self, thing: object) -> tuple[str, dict[str, Any]]:

@@ -10,18 +10,5 @@ from .analytic import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from .table import TableProfile
 from .tips import EqualAreaCone, RoundedCone
 
-__all__ = [
-    "SHAPES",
-    "EqualAreaCone",
-    "Indenter",
-    "Paraboloid",
-    "PowerLaw",
-    "RoundedCone",
-    "RoundedFlat",
-    "Sphere",
-    "TableProfile",
-    "shape",
-]
-
 for _module in pkgutil.iter_modules(__path__):
     importlib.import_module(f"{__name__}.{_module.name}")

@@ -10,12 +10,13 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BeforeValidator
 
-from jkrcli.base.units import SI, WORDS, Ranged
+from jkrcli.base.units import DIMENSIONS, Ranged
 from jkrcli.bodies.grading import LAWS
 from jkrcli.bodies.indenters import SHAPES
 from jkrcli.bodies.relaxation import RELAXATIONS
 from jkrcli.case.fields import Read, Table, as_several
-from jkrcli.case.materials import LawTable, LayerTable, TransverseLayerTable
+from jkrcli.case.laws import LawTable
+from jkrcli.case.materials import LayerTable, TransverseLayerTable
 from jkrcli.case.models import AdhesionTable, CapillaryTable, LoadingTable, SpecimenTable
 from jkrcli.methods import METHODS
 
@@ -147,8 +148,8 @@ def _annotated(kind: Any, notes: Iterable[Any]) -> str:
 
 
 def _ranged(ranged: Ranged) -> str:
-    unit = f" ({SI[ranged.dimension]})" if SI[ranged.dimension] else ""
-    return f"{WORDS[ranged.dimension].replace('plain ', '')}{unit} {ranged.rule}".strip()
+    words, unit, _, _ = DIMENSIONS[ranged.dimension]
+    return " ".join(filter(None, (words.replace("plain ", ""), unit and f"({unit})", ranged.rule)))
 
 
 def _prose(thing: Any) -> str:

@@ -14,7 +14,9 @@ from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    Discriminator,
     GetCoreSchemaHandler,
+    Tag,
     ValidationError,
     create_model,
 )
@@ -23,6 +25,8 @@ from pydantic_core.core_schema import no_info_before_validator_function
 
 from ..base import InputError, Ranged, Registry, units
 
+NUMBER = "number"  # tag of what is no table
+
 
 def wrong(message: str) -> PydanticCustomError:
     """A finding in our own words; braces would be taken as a template."""
@@ -30,12 +34,12 @@ def wrong(message: str) -> PydanticCustomError:
 
 
 @contextlib.contextmanager
-def findings() -> Iterator[None]:
-    """What an InputError says within becomes a finding on the table."""
+def findings(table: str = "") -> Iterator[None]:
+    """What an InputError says within, by the name of the ``table`` or not, becomes a finding on it."""
     try:
         yield
     except InputError as error:
-        raise wrong(str(error)) from None
+        raise wrong(str(error).removeprefix(f"{table}: ")) from None
 
 
 def with_others(finding: str | None, data: Any, handler: Callable[[Any], Any]) -> Any:
@@ -118,7 +122,7 @@ class Table(BaseModel):
     """A table of the case file: strict types, no unknown keys, frozen."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
-    tag: ClassVar[str] = ""  # what an error's path calls this table where several are possible
+    tag: ClassVar[str] = ""  # tells it apart from others that may stand in its place
 
     @classmethod
     def allowed_keys(cls) -> list[str]:
@@ -126,10 +130,19 @@ class Table(BaseModel):
         return list(cls.model_fields)
 
 
+def either(tag_of: Callable[[Any], str], *kinds: Any) -> Any:
+    """The type of one of several tables, or a number: ``tag_of`` says by which tag data are read."""
+
+    def tag(value: Any) -> str:
+        return f"<{value.tag if isinstance(value, Table) else tag_of(value)}>"
+
+    tagged = (Annotated[kind, Tag(f"<{getattr(kind, 'tag', NUMBER)}>")] for kind in kinds)
+    return Annotated[functools.reduce(operator.or_, tagged), Discriminator(tag)]
+
+
 class BuiltTable(Table):
     """A table whose keys are the parameters of what builds it: ``table_of`` makes the model."""
 
-    name: ClassVar[str] = ""
     builder: ClassVar[Callable[..., Any]]
     parameters: ClassVar[dict[str, str]] = {}  # of the builder, by key
     given: ClassVar[str | None] = None  # its parameter that the file does not give
@@ -146,6 +159,6 @@ def table_of(registry: Registry, name: str, base: type[BuiltTable], **keys: Any)
     given = found.pop(registry.given, None)
     keys |= {key: (readable(item.annotation), item.default) for key, item in found.items()}
     table = create_model(name, __base__=base, **keys)
-    table.name, table.builder, table.given = name, staticmethod(registry[name]), given.name if given else None
+    table.tag, table.builder, table.given = name, staticmethod(registry[name]), given.name if given else None
     table.parameters = {key: item.name for key, item in found.items()}
     return table

@@ -1,59 +1,75 @@
-"""The material keys of a layer or half-space: homogeneous, graded over depth, or transversely isotropic."""
+"""Layers and half-spaces: homogeneous, graded over depth, or transversely isotropic."""
 
 from __future__ import annotations
 
-import functools
-import operator
-from typing import Annotated, Any, ClassVar, Literal, Self
+import math
+from typing import Annotated, Any, ClassVar, Self
 
-from pydantic import BeforeValidator, Discriminator, Tag, model_validator
+from pydantic import BeforeValidator, model_validator
 
-from ..base import did_you_mean
-from ..bodies import LAWS, Elastic, Graded, Layer, TransverselyIsotropic
-from .fields import BuiltTable, Length, Modulus, Poisson, Table, findings, quantity, table_of, wrong
-
-CONSTANTS = ("E_p", "E_z", "nu_p", "nu_zp", "G_z")
+from ..bodies import Elastic, Graded, HalfSpace, Layer, TransverselyIsotropic
+from .fields import Length, Modulus, Poisson, Table, either, findings, quantity, wrong
+from .laws import LawTable, ModulusOrLaw
 
 
-class LawTable(BuiltTable):
-    """E of a graded layer, one model per registered law."""
+class _Part(Table):
+    def build(self) -> Any:
+        raise NotImplementedError
 
-    law: str
+    def material(self, thickness: float) -> Any:
+        """The material of a part of this ``thickness`` [m]."""
+        raise NotImplementedError
 
     @model_validator(mode="after")
     def _usable(self) -> Self:
         with findings():
-            self.built(1.0)
+            self.build()
         return self
 
 
-def _known_law(value: Any) -> Any:
-    """A table that names no known law is told so before its other keys are looked at."""
-    if isinstance(value, dict) and not {"law", "depth"} & set(value):
-        raise wrong(f"needs a law, one of {', '.join(LAWS)}, got keys {', '.join(value) or 'none'}")
-    if isinstance(value, dict) and str(value.get("law", "table")) not in LAWS:
-        hint = did_you_mean(value["law"], LAWS)
-        raise wrong(f'law must be one of {", ".join(LAWS)}, got "{value["law"]}"{hint}')
-    return value
+class _Layer(_Part):
+    thickness: Length
+    name: str = ""
+
+    def build(self) -> Layer:
+        return Layer(self.material(self.thickness), self.thickness, self.name)
 
 
-def _tag_of_modulus(value: Any) -> str:
-    if isinstance(value, LawTable):
-        return f"<{value.law}>"
-    return f"<{value.get('law', 'table')}>" if isinstance(value, dict) else "<number>"
+class _HalfSpace(_Part):
+    def build(self) -> HalfSpace:
+        return HalfSpace(self.material(math.inf))
 
 
-def _law_table(name: str) -> Any:
-    table = table_of(LAWS, name, LawTable, law=(Literal.__getitem__(name), name))
-    table.tag = f"<{name}>"
-    return Annotated[table, Tag(table.tag)]
+class IsotropicTable(_Part):
+    """E, or its law over the depth, and nu."""
+
+    tag: ClassVar[str] = "isotropic"
+    E: ModulusOrLaw
+    nu: Poisson
+
+    def material(self, thickness: float) -> Elastic | Graded:
+        E: Any = self.E
+        return Graded(E.built(thickness), self.nu) if isinstance(E, LawTable) else Elastic(E, self.nu)
 
 
-ModulusOrLaw = Annotated[
-    functools.reduce(operator.or_, map(_law_table, LAWS), Annotated[Modulus, Tag("<number>")]),
-    Discriminator(_tag_of_modulus),
-    BeforeValidator(_known_law),
-]
+class TransverseTable(_Part):
+    """The five constants of a transversely isotropic material: p in the plane, z along the depth."""
+
+    tag: ClassVar[str] = "transverse"
+    E_p: Modulus
+    E_z: Modulus
+    nu_p: quantity("number", above=-1, below=1)
+    nu_zp: quantity("number")
+    G_z: Modulus
+
+    def material(self, thickness: float) -> TransverselyIsotropic:
+        return TransverselyIsotropic(self.E_p, self.E_z, self.nu_p, self.nu_zp, self.G_z)
+
+
+class LayerTable(_Layer, IsotropicTable): ...
+
+
+class TransverseLayerTable(_Layer, TransverseTable): ...
 
 
 def _one_modulus(value: Any) -> Any:
@@ -62,81 +78,17 @@ def _one_modulus(value: Any) -> Any:
     return value
 
 
-class TransverseTable(Table):
-    """The five constants of a transversely isotropic material: p in the plane, z along the depth."""
-
-    E_p: Modulus
-    E_z: Modulus
-    nu_p: quantity("number", above=-1, below=1)
-    nu_zp: quantity("number")
-    G_z: Modulus
-
-    @model_validator(mode="after")
-    def _positive_energy(self) -> Self:
-        with findings():
-            _ = self.material
-        return self
-
-    @property
-    def material(self) -> TransverselyIsotropic:
-        return TransverselyIsotropic(self.E_p, self.E_z, self.nu_p, self.nu_zp, self.G_z)
-
-
-class HalfSpaceTable(Table):
-    tag: ClassVar[str] = "<isotropic>"
+class HalfSpaceTable(_HalfSpace, IsotropicTable):
     E: Annotated[Modulus, BeforeValidator(_one_modulus)]
-    nu: Poisson
-
-    @property
-    def material(self) -> Elastic:
-        return Elastic(self.E, self.nu)
 
 
-class TransverseHalfSpaceTable(TransverseTable):
-    tag: ClassVar[str] = "<transverse>"
+class TransverseHalfSpaceTable(_HalfSpace, TransverseTable): ...
 
 
-class LayerTable(Table):
-    tag: ClassVar[str] = "<isotropic>"
-    E: ModulusOrLaw
-    nu: Poisson
-    thickness: Length
-    name: str = ""
-
-    @model_validator(mode="after")
-    def _law_reaches(self) -> Self:
-        with findings():
-            self.build()
-        return self
-
-    def build(self) -> Layer:
-        E: Any = self.E
-        if isinstance(E, LawTable):
-            return Layer(Graded(E.built(self.thickness), self.nu), self.thickness, self.name)
-        return Layer(Elastic(E, self.nu), self.thickness, self.name)
+def _tag(value: Any) -> str:
+    constants = isinstance(value, dict) and not TransverseTable.model_fields.keys().isdisjoint(value)
+    return (TransverseTable if constants else IsotropicTable).tag
 
 
-class TransverseLayerTable(TransverseTable):
-    tag: ClassVar[str] = "<transverse>"
-    thickness: Length
-    name: str = ""
-
-    def build(self) -> Layer:
-        return Layer(self.material, self.thickness, self.name)
-
-
-def _tag_of_material(value: Any) -> str:
-    if isinstance(value, Table):
-        return value.tag
-    return "<transverse>" if isinstance(value, dict) and any(key in value for key in CONSTANTS) else "<isotropic>"
-
-
-AnyLayer = Annotated[
-    Annotated[LayerTable, Tag(LayerTable.tag)] | Annotated[TransverseLayerTable, Tag(TransverseLayerTable.tag)],
-    Discriminator(_tag_of_material),
-]
-AnyHalfSpace = Annotated[
-    Annotated[HalfSpaceTable, Tag(HalfSpaceTable.tag)]
-    | Annotated[TransverseHalfSpaceTable, Tag(TransverseHalfSpaceTable.tag)],
-    Discriminator(_tag_of_material),
-]
+AnyLayer = either(_tag, LayerTable, TransverseLayerTable)
+AnyHalfSpace = either(_tag, HalfSpaceTable, TransverseHalfSpaceTable)

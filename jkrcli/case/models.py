@@ -17,8 +17,7 @@ from pydantic import (
     model_validator,
 )
 
-from ..base import InputError
-from ..bodies import NO_FINITE_RANGE, SHAPES, HalfSpace, Loading, Problem, Quantity, Rigid, Specimen
+from ..bodies import NO_FINITE_RANGE, SHAPES, Loading, Problem, Quantity, Rigid, Specimen
 from ..formulas.capillary import capillary, kelvin_radius
 from ..methods import METHODS, Descriptor
 from ..series import Record
@@ -38,8 +37,8 @@ from .fields import (
     wrong,
 )
 from .indenter import IndenterTable, any_indenter
+from .laws import AnyRelaxation
 from .materials import AnyHalfSpace, AnyLayer
-from .relaxation import AnyRelaxation
 
 GOALS: tuple[Quantity, ...] = ("depth", "load", "radius")
 
@@ -87,8 +86,8 @@ class SpecimenTable(Table):
         return self
 
     def build(self) -> Specimen:
-        base = Rigid(self.base != "frictionless") if self.half_space is None else HalfSpace(self.half_space.material)
-        layers = tuple(table.build() for table in self.layers)
+        base = Rigid(self.base != "frictionless") if self.half_space is None else self.half_space.build()
+        layers = tuple(table.build() for table in cast(Any, self.layers))
         relaxation = None if self.relaxation is None else self.relaxation.built(None)
         return Specimen(layers, base, self.radius, self.side, self.surface_tension, relaxation)
 
@@ -215,7 +214,7 @@ class RootTable(Table):
             if part in tables[0].model_fields:
                 tables = list(_tables_in(tables[0].model_fields[part].annotation))
             else:
-                tables = [table for table in tables if part in (table.tag, getattr(table, "name", None))]
+                tables = [table for table in tables if part.strip("<>") == table.tag]
         return list(dict.fromkeys(key for table in tables for key in table.allowed_keys()))
 
 
@@ -303,10 +302,8 @@ def _option_table(table: str, keys: dict[str, Any], method: Descriptor) -> type[
 
     def accepted(self: Table) -> Table:
         given = {name: getattr(self, place.key) for name, place in method.places.items() if place.table == table}
-        try:
+        with findings(table):
             cast(Any, method.options)(**given)
-        except InputError as error:
-            raise wrong(str(error).removeprefix(f"{table}: ")) from None
         return self
 
     check: Any = model_validator(mode="after")(accepted)

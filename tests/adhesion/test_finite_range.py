@@ -304,7 +304,7 @@ def flat_end(specimen: jkr.Specimen, R: float, a: float, c: float) -> tuple[floa
     radii = np.array([a])
     panels = Panels.through(radii, contact.plan(radii, 1e-10))
     kernel = contact.spectrum.kernel(a + c)
-    equation = DiscreteEquation.of(kernel, panels)
+    equation = DiscreteEquation.of(kernel.square(panels.places), panels)
     phi = equation.density(0, np.ones(panels.x.size))
     x, v = np.polynomial.legendre.leggauss(40)
     psi = math.acos(a / c) * (x + 1) / 2

@@ -105,13 +105,21 @@ class KernelContact:
 
     def solved(self, radii: Array, plan: Quadrature, inner: int = 20) -> EquationResult:
         """Nonadhesive contact at the increasing ``radii`` [m]; ``inner``: nodes per panel in the integrals of F."""
-        equation = DiscreteEquation.of(self.kernel, Panels.through(radii, plan, self.indenter.a0))
-        return solve(equation, self.indenter, self.E_star, inner)
+        panels = Panels.through(radii, plan, self.indenter.a0)
+        return solve(DiscreteEquation.of(self.matrix(panels), panels), self.indenter, self.E_star, inner)
+
+    def matrix(self, panels: Panels) -> Array:
+        """K [1/m] at the places of the ``panels``."""
+        return self.kernel.square(panels.places)
 
     def attraction(self, reach: float, tolerance: float) -> Attraction:
         """The pair of bodies ready for adhesion of finite range up to ``reach`` <= ``limit`` [m]."""
-        panels = panels_for(reach, self.indenter.a0, self.scale, tolerance, 1.0)
-        return Attraction.of(self.indenter, self.E_star, panels, self.kernel.square(panels.x))
+        panels = self.attraction_panels(reach, tolerance)
+        return Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels))
+
+    def attraction_panels(self, reach: float, tolerance: float) -> Panels:
+        """The panels of ``attraction``; Refusal where they are too many."""
+        return panels_for(reach, self.indenter.a0, self.scale, tolerance, 1.0)
 
     def settled(self, radii: Array, tolerance: float) -> tuple[EquationResult, Array]:
         """Contact at ``radii`` [m] by quadratures ever finer until they agree to the ``tolerance``, and the last change
@@ -147,14 +155,14 @@ class SideContact(KernelContact):
         return replace(plan, widest=plan.widest * min(self.kernel.scale / self.wide.scale, 1.0))
 
     def solved(self, radii: Array, plan: Quadrature, inner: int = 20) -> EquationResult:
-        return self.wide.solved(radii, plan, inner=inner, added=self.kernel)
+        self.wide.guard(radii, plan)
+        return super().solved(radii, plan, inner)
 
-    def attraction(self, reach: float, tolerance: float) -> Attraction:
-        wide = self.wide.attraction(reach, tolerance)
-        panels = wide.basis.panels
-        return Attraction.of(
-            self.indenter, self.E_star, panels, self.wide.matrix(panels) + self.kernel.square(panels.x)
-        )
+    def matrix(self, panels: Panels) -> Array:
+        return self.wide.matrix(panels) + super().matrix(panels)
+
+    def attraction_panels(self, reach: float, tolerance: float) -> Panels:
+        return self.wide.attraction_panels(reach, tolerance)
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .attraction import Attraction, Rims, panels_for, refuse_narrow
     from .disc import disc_warnings, refuse_shrinking
     from .equation import ContactResult, DiscreteEquation, EquationResult, solve
-    from .kernel import CosineKernel, FredholmKernel, SumKernel
+    from .kernel import CosineKernel, FredholmKernel
     from .pair import (
         FLOPS_PER_SECOND,
         InaccurateError,

@@ -251,9 +251,9 @@ class Attraction:
 
     @classmethod
     def of(cls, indenter: Indenter, E_star: float, panels: Panels, matrix: Array) -> Attraction:
-        """From the ``matrix`` of K at the nodes of the ``panels`` [1/m]."""
-        basis = LegendrePanels(panels)
-        kernel = 2 / math.pi * (basis.projection @ matrix @ basis.projection.T)
+        """From the ``matrix`` of K at the nodes of the ``panels``, or at all their places [1/m]."""
+        basis, n = LegendrePanels(panels), panels.x.size
+        kernel = 2 / math.pi * (basis.projection @ matrix[:n, :n] @ basis.projection.T)
         return cls(indenter, E_star, basis, (kernel + kernel.T) / 2)
 
     @property

@@ -20,7 +20,6 @@ import numpy as np
 
 from ...base import Array, SolveError
 from ...bodies import Indenter
-from .kernel import FredholmKernel
 from .quadrature import Panels, crowded_rule, rule
 
 
@@ -38,15 +37,13 @@ class DiscreteEquation:
     largest: float
 
     @classmethod
-    def of(cls, kernel: FredholmKernel, panels: Panels, singular: Array | None = None) -> DiscreteEquation:
-        """Equation of a kernel; ``singular``: what is to be added to the smooth ``kernel`` at the nodes and radii
-        (``product_matrix``).
+    def of(cls, K: Array, panels: Panels) -> DiscreteEquation:
+        """Equation of the kernel ``K`` [1/m] at the ``places`` of the panels.
 
         Raises SolveError where A is not positive definite: the panels do not resolve the kernel.
         """
         n, root = panels.x.size, np.sqrt(panels.w)
-        K = kernel.square(np.concatenate([panels.x, panels.radii]))
-        K = 2 / math.pi * (K if singular is None else K + singular)
+        K = 2 / math.pi * K
         factor = nested_factor(K[:n, :n], root, panels, "the kernel")
         return cls(panels, factor, root[:, None] * K[:n, n:], np.max(np.abs(np.diag(K))))
 

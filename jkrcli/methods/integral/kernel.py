@@ -1,4 +1,4 @@
-"""The Fredholm kernel K(x, t) of the contact equation: what every kernel offers, sums of cosines, sums of kernels."""
+"""The Fredholm kernel K(x, t) of the contact equation: what every kernel offers, and sums of cosines."""
 
 from __future__ import annotations
 
@@ -61,21 +61,3 @@ class CosineKernel:
 
 def _chunks(count: int) -> Iterator[slice]:
     return (slice(start, start + CHUNK) for start in range(0, count, CHUNK))
-
-
-@dataclass(frozen=True, eq=False)
-class SumKernel:
-    """The sum of two kernels."""
-
-    first: FredholmKernel
-    second: FredholmKernel
-
-    @property
-    def scale(self) -> float:
-        return min(self.first.scale, self.second.scale)
-
-    def times(self, x: Array, t: Array, values: Array) -> Array:
-        return self.first.times(x, t, values) + self.second.times(x, t, values)
-
-    def square(self, x: Array) -> Array:
-        return self.first.square(x) + self.second.square(x)

@@ -142,6 +142,11 @@ class Panels:
     w: Array
     stops: Array
 
+    @property
+    def places(self) -> Array:
+        """Where the contact equation needs the kernel: at the nodes, then at the radii [m]."""
+        return np.concatenate([self.x, self.radii])
+
     @classmethod
     def through(cls, radii: Array, quadrature: Quadrature, a0: float = 0.0) -> Panels:
         """Panels with edges at all ``radii`` (increasing, > 0) and at the flat end ``a0`` [m].

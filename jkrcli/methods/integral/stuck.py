@@ -107,7 +107,7 @@ class StuckDisc:
     def of(cls, kernel: StuckKernel, panels: Panels) -> StuckDisc:
         """Solve; SolveError where the panels do not resolve the kernel."""
         n, root = 2 * panels.x.size, np.repeat(np.sqrt(panels.w), 2)
-        K = 2 / math.pi * kernel.square(np.concatenate([panels.x, panels.radii]))
+        K = 2 / math.pi * kernel.square(panels.places)
         factor = nested_factor(K[:n, :n], root, panels, "the kernel of contact without slip")
         unit = np.zeros(n)
         unit[::2] = kernel.Lambda

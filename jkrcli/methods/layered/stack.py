@@ -16,11 +16,9 @@ from ..integral import (
     ContactResult,
     DiscreteEquation,
     EquationResult,
-    FredholmKernel,
     InaccurateError,
     Panels,
     Quadrature,
-    SumKernel,
     solve,
     tolerance_remedy,
 )
@@ -151,24 +149,18 @@ class LayeredContact(IndenterOnLayers):
                 f"(limit {TUNING.most_nodes}); ask for a smaller contact{fewer}"
             )
 
-    def solved(
-        self, radii: Array, plan: Quadrature, order: int = 24, inner: int = 20, added: FredholmKernel | None = None
-    ) -> EquationResult:
+    def solved(self, radii: Array, plan: Quadrature, order: int = 24, inner: int = 20) -> EquationResult:
         """Contact at the increasing ``radii`` [m]; ``order``: Gauss nodes per panel in k, ``inner``: per panel in the
-        integrals of F; ``added``: what the sides of a finite body add to K."""
+        integrals of F."""
         self.guard(radii, plan)
         panels = Panels.through(radii, plan, self.indenter.a0)
-        tail = self.spectrum.tail
-        singular = None if tail is None else product_matrix(tail.transform, panels)
-        kernel: FredholmKernel = self.spectrum.kernel(2 * radii[-1], order)
-        equation = DiscreteEquation.of(kernel if added is None else SumKernel(kernel, added), panels, singular)
-        return solve(equation, self.indenter, self.E_star, inner)
+        return solve(DiscreteEquation.of(self.matrix(panels, order), panels), self.indenter, self.E_star, inner)
 
     def matrix(self, panels: Panels, order: int = 24) -> Array:
-        """K [1/m] at the nodes of the ``panels``; ``order``: Gauss nodes per panel in k."""
-        smooth = self.spectrum.kernel(2 * float(panels.edges[-1]), order).square(panels.x)
-        tail, n = self.spectrum.tail, panels.x.size
-        return smooth if tail is None else smooth + product_matrix(tail.transform, panels)[:n, :n]
+        """K [1/m] at the places of the ``panels``; ``order``: Gauss nodes per panel in k."""
+        spectrum = self.spectrum
+        smooth = spectrum.kernel(2 * float(panels.edges[-1]), order).square(panels.places)
+        return smooth if spectrum.tail is None else smooth + product_matrix(spectrum.tail.transform, panels)
 
     def attraction(self, reach: float, tolerance: float, order: int = 24) -> Attraction:
         """The pair of bodies ready for adhesion of finite range up to ``reach`` [m], K to the relative ``tolerance``;

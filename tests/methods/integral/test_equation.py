@@ -136,7 +136,7 @@ def test_too_coarse_quadrature_is_reported() -> None:
     spectrum = LayeredSpectrum(INCOMPRESSIBLE)
     panels = Panels.through(np.array([20.0]), Quadrature(2, 5.0, 0))
     with pytest.raises(SolveError, match="nodes"):
-        solve(DiscreteEquation.of(spectrum.kernel(40.0), panels), Paraboloid(100.0), 1.0)
+        solve(DiscreteEquation.of(spectrum.kernel(40.0).square(panels.places), panels), Paraboloid(100.0), 1.0)
 
 
 def test_rounding_estimate_bounds_the_scatter() -> None:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
         series_of,
         tolerance_remedy,
     )
-    from .quadrature import Panels, Quadrature, crowded_rule, gauss, phase_allowed, rule, split
+    from .quadrature import Panels, Quadrature, crowded_rule, gauss, phase_allowed, rule, split, to_legendre
     from .stuck import StuckDisc, StuckKernel, ring_transforms
 
 __getattr__ = lazily(__name__, __file__)

@@ -11,13 +11,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.polynomial import legendre
 
 from ...base import Array
 from ...bodies import Indenter
 from .attraction import Attraction, Discs, Rims, tension_arc
-from .density import TUNING, Density
-from .quadrature import gauss, rule
+from .density import TUNING, Density, pieces
+from .quadrature import to_legendre
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,10 +56,6 @@ def attracted_surface(
 def _density(indenter: Indenter, discs: Discs, rims: Rims, s: float, scale: float) -> Density:
     """The density up to a, its smooth part on equal pieces."""
     a, order = float(discs.a[0]), TUNING.piece
-    edges = np.linspace(0, a, max(math.ceil(a / scale), 1) + 1)
-    nodes, weights = rule(order)
-    x, _ = gauss(edges[:-1], edges[1:], nodes, weights)
-    project = legendre.legvander(nodes, order - 1) * weights[:, None] * (np.arange(order) + 0.5)
+    edges, x = pieces(a, scale, order)
     smooth = 2 / math.pi * (discs.basis.at(x) @ discs.smooth(rims, s)[0])
-    coefficients = (smooth.reshape(edges.size - 1, order) @ project).T
-    return Density(indenter, a, float(rims.delta[0]), edges, coefficients, indenter.joints)
+    return Density(indenter, a, float(rims.delta[0]), edges, smooth.reshape(-1, order) @ to_legendre(order))

@@ -21,7 +21,7 @@ from ...base import Array
 from ...bodies import Graded, Indenter, Specimen
 from .equation import EquationResult
 from .kernel import FredholmKernel
-from .quadrature import crowded_rule, gauss, rule, split
+from .quadrature import crowded_rule, gauss, rule, split, to_legendre
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,8 @@ TUNING = DensityTuning()
 class Density:
     """Density phi(x) = (2/pi) (delta - F(x)) - (2/pi) int_0^a K(x,t) phi(t) dt [m] for 0 <= x <= ``reach``.
 
-    The last term is smooth; it is kept as Legendre series ``coefficients`` on the equal pieces between ``edges`` [m].
+    The last term is smooth; it is kept as Legendre series ``coefficients`` (pieces, order) on the equal pieces between
+    ``edges`` [m].
     """
 
     indenter: Indenter
@@ -49,7 +50,6 @@ class Density:
     delta: float
     edges: Array
     coefficients: Array
-    breaks: tuple[float, ...]
 
     @classmethod
     def of(
@@ -73,20 +73,15 @@ class Density:
         """Densities at the radii of the numbers ``which``, from one evaluation of the kernel; ``order``: nodes on each
         piece."""
         order = order or TUNING.piece
-        pieces = max(math.ceil(reach / kernel.scale), 1)
-        edges = np.linspace(0, reach, pieces + 1)
-        nodes, node_weights = rule(order)
-        x, _ = gauss(edges[:-1], edges[1:], nodes, node_weights)
+        edges, x = pieces(reach, kernel.scale, order)
         known = [(n, *result.density(n, shift)) for n in which]
         sources = np.zeros((result.panels.x.size, len(known)))
         for i, (_, t, weights, phi) in enumerate(known):
             sources[: t.size, i] = 2 / math.pi * weights * phi
         smooth = kernel.times(x, result.panels.x, sources)
-        project = legendre.legvander(nodes, order - 1) * node_weights[:, None] * (np.arange(order) + 0.5)
-        breaks = indenter.joints
         for i, (n, *_) in enumerate(known):
             a, delta = float(result.panels.radii[n]), float(result.delta[n]) - shift
-            yield cls(indenter, a, delta, edges, (smooth[:, i].reshape(pieces, order) @ project).T, breaks)
+            yield cls(indenter, a, delta, edges, smooth[:, i].reshape(-1, order) @ to_legendre(order))
 
     def anchored(self) -> Density:
         """Density with phi(a) = 0 not only to rounding: that is what decides on the gap next to a nonadhesive edge."""
@@ -98,25 +93,25 @@ class Density:
 
     def slope(self, x: Array) -> Array:
         """Slope phi'(x) [-], x > 0."""
-        derivative = legendre.legder(self.coefficients) * (2 / self.edges[1])
+        derivative = legendre.legder(self.coefficients, axis=1) * (2 / self.edges[1])
         return -2 / math.pi * self.indenter.abel_slope(x) - self._smooth(x, derivative)
 
     def _smooth(self, x: Array, coefficients: Array) -> Array:
         piece = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, self.edges.size - 2)
         local = 2 * (x - self.edges[piece]) / self.edges[1] - 1
-        return legendre.legval(local, coefficients[:, piece], tensor=False)
+        return legendre.legval(local, coefficients[piece].T, tensor=False)
 
     def nodes(self, lo: float, hi: float, angle: Callable[[Array], Array]) -> tuple[Array, Array]:
         """Quadrature nodes and weights in ``angle(x)`` for x from ``lo`` to ``hi``.
 
         Panels end at pieces and breaks, and nodes crowd quadratically at each left end, where F may have a kink.
         """
-        inner = np.concatenate([self.edges, self.breaks])
+        inner = np.concatenate([self.edges, self.indenter.joints])
         inner = inner[(inner > lo) & (inner < hi)]
         theta = angle(np.unique(np.concatenate([[lo], inner, [hi]])))
         pieces = np.maximum(np.ceil(np.diff(theta) / TUNING.widest), 1).astype(int)
         left, right = split(theta[:-1], theta[1:], pieces)
-        u, v = crowded_rule(len(self.coefficients) + TUNING.more, 2)
+        u, v = crowded_rule(self.coefficients.shape[1] + TUNING.more, 2)
         width = (right - left)[:, None]
         return np.ravel(left[:, None] + width * u), np.ravel(width * v)
 
@@ -140,6 +135,13 @@ class Density:
     def gaps(self, r: Array) -> Array:
         """Distance of the surfaces [m] at any r, 0 inside, by x = r sin(theta)."""
         return np.array([-self.arc(self.a, float(x), float(x)) if x > self.a else 0.0 for x in r])
+
+
+def pieces(reach: float, scale: float, order: int) -> tuple[Array, Array]:
+    """Edges [m] of equal pieces from 0 to ``reach`` [m], no wider than ``scale`` [m], and the ``order`` Gauss nodes on
+    each."""
+    edges = np.linspace(0, reach, max(math.ceil(reach / scale), 1) + 1)
+    return edges, gauss(edges[:-1], edges[1:], *rule(order))[0]
 
 
 def _angle(r: float, t: Array) -> Array:

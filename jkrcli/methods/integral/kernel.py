@@ -25,10 +25,6 @@ class FredholmKernel(Protocol):
         """sum_j K(x_i, t_j) values_j (x.size, m) of values (t.size, m)."""
         ...
 
-    def square(self, x: Array) -> Array:
-        """K(x_i, x_j), symmetric."""
-        ...
-
 
 @dataclass(frozen=True, eq=False)
 class CosineKernel:

@@ -12,22 +12,12 @@ from ...base import Array, Refusal
 from ...bodies import Indenter, Loading, Quantity
 from ...series import Series
 from ..radii import ROUGH, Response, Responses, half_space_guess, largest_of_loading, radii_of_loading
-from .quadrature import Panels
+from .equation import ContactResult
 
 COLUMNS = ("delta", "P", "S", "dS")
 LOOSEST = 1e-2  # tolerance of a method; choice: no worse result is worth a method without a mesh
 CHECKED = 1e-6  # choice: accuracy of solutions with which others are checked
 FLOPS_PER_SECOND = 1e10  # of the dense algebra; tuned on series of 100 to 2000 points, by `make bench`
-
-
-class Solved(Protocol):
-    """Contact at the radii of the ``panels``; ``columns``: rows delta, P, S, S'."""
-
-    @property
-    def panels(self) -> Panels: ...
-
-    @property
-    def columns(self) -> Array: ...
 
 
 class Contact(Protocol):
@@ -54,7 +44,7 @@ class Contact(Protocol):
         ...
 
     def solved(self, radii: Array, plan: Any) -> Any:
-        """Nonadhesive contact at the increasing ``radii`` [m], ``Solved``."""
+        """Nonadhesive contact at the increasing ``radii`` [m]."""
         ...
 
 
@@ -111,7 +101,7 @@ def first_stiffness(contact: Contact, tolerance: float) -> float:
     return float(contact.solved(radii, contact.plan(radii, tolerance)).S[0]) if radii[0] > 0 else 0.0
 
 
-def series_of(result: Solved, errors: Array, a0: float, S0: float) -> Series:
+def series_of(result: ContactResult, errors: Array, a0: float, S0: float) -> Series:
     """The series of a ``result`` with relative ``errors`` (radii,) or, one row for each of ``COLUMNS``, (4, radii)."""
     radii = result.panels.radii
     columns = dict(zip(COLUMNS, result.columns, strict=True))

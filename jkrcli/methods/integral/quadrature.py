@@ -47,6 +47,13 @@ def rule(order: int) -> tuple[Array, Array]:
 
 
 @cache
+def to_legendre(order: int) -> Array:
+    """Matrix from values at the Gauss nodes (..., order) to the coefficients of their Legendre polynomials."""
+    nodes, weights = rule(order)
+    return np.polynomial.legendre.legvander(nodes, order - 1) * (np.arange(order) + 0.5) * weights[:, None]
+
+
+@cache
 def crowded_rule(order: int, power: int) -> tuple[Array, Array]:
     """Gauss nodes and weights on [0, 1] in the root of that ``power``: they crowd at 0, where a function may begin like
     a root (power 2) or a logarithm (power 3)."""

@@ -94,7 +94,7 @@ class Layered(LayeredOptions):
         clock = StageClock()
         contact = _contact(problem)
         with clock("spectrum"):
-            contact.prepare()
+            _ = contact.spectrum.panels  # now rather than at the first solve
         tolerance = self.attainable(problem.specimen)
         with clock("radii"):
             radii = radii_for_contact(contact, problem.loading, max(SEARCH, 0.01 * tolerance))

@@ -21,7 +21,7 @@ from functools import cache
 import numpy as np
 
 from ...base import Array, EvenCubic
-from ..integral import Panels, crowded_rule, rule
+from ..integral import Panels, crowded_rule, rule, to_legendre
 
 Transform = Callable[[Array], Array]
 
@@ -135,7 +135,4 @@ def _alone(order: int, points: int) -> tuple[Array, Array]:
 
 def lagrange(order: int, u: Array) -> Array:
     """l_i(u) on [0, 1] for the Gauss nodes, last axis i."""
-    nodes, w = rule(order)
-    degrees = np.arange(order)
-    basis = np.polynomial.legendre.legvander(nodes, order - 1) * (2 * degrees + 1) / 2
-    return np.polynomial.legendre.legvander(2 * u - 1, order - 1) @ (basis * w[:, None]).T
+    return np.polynomial.legendre.legvander(2 * u - 1, order - 1) @ to_legendre(order).T

@@ -12,14 +12,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 
 import numpy as np
 from numpy.polynomial import legendre
 
 from ...base import Array, SolveError
 from ...bodies import Elastic, Specimen, TransverselyIsotropic, contact_modulus
-from ..integral import CosineKernel, gauss, phase_allowed, rule, split
+from ..integral import CosineKernel, gauss, phase_allowed, rule, split, to_legendre
 from .minors import TUNING as MINORS
 from .minors import Medium, minors_below, minors_of, shear_moduli, through_isotropic
 from .tail import Tail
@@ -42,13 +42,6 @@ class SpectrumTuning:
 
 
 TUNING = SpectrumTuning()
-
-
-@cache
-def _projection(samples: int) -> Array:
-    """Matrix from values at Gauss nodes to Legendre coefficients."""
-    nodes, weights = rule(samples)
-    return legendre.legvander(nodes, samples - 1) * weights[:, None] * (np.arange(samples) + 0.5)
 
 
 def deviation(specimen: Specimen, k: Array, indenter: Elastic | None = None) -> Array:
@@ -188,20 +181,27 @@ class LayeredSpectrum:
     @cached_property
     def panels(self) -> tuple[Array, Array, Array]:
         """Ends lo, hi [1/m] of panels that resolve g, down to k = 0, and the rest at the nodes of each."""
+        return resolved(self, *self.octaves, self.tail)
+
+    @property
+    def octaves(self) -> tuple[Array, Array]:
+        """Ends lo, hi [1/m] of the panels that ``panels`` are halves of; none for a homogeneous half-space."""
         k_max = self.bandwidth(self.floor)
-        edges = np.concatenate([[0.0], k_max * 2.0 ** np.arange(-6, 1)])
-        return resolved(self, edges[:-1], edges[1:], self.tail)
+        edges = np.append(0.0, k_max * 2.0 ** np.arange(-6, 1) if k_max else [])
+        return edges[:-1], edges[1:]
+
+    def nodes(self, reach: float, order: int) -> tuple[Array, Array, Array]:
+        """Wave numbers and weights [1/m] of ``order`` Gauss nodes on every panel, cut for all x, t with x + t <=
+        ``reach`` [m], and the number of each one's panel."""
+        lo, hi, values = self.panels
+        size = np.max(np.abs(values), axis=1)
+        turn = reach / phase_allowed(order - 5, TUNING.phase / np.clip(size, 1e-12, 1.0))
+        pieces = np.maximum(np.ceil((hi - lo) * turn), 1).astype(int)
+        return *gauss(*split(lo, hi, pieces), *rule(order)), np.repeat(np.arange(lo.size), order * pieces)
 
     def kernel(self, reach: float, order: int = 24) -> CosineKernel:
         """Kernel for all x, t with x + t <= ``reach`` [m], from ``order`` Gauss nodes in k on every panel."""
-        if self.bandwidth(self.floor) == 0:
-            return CosineKernel(np.zeros(0), np.zeros(0), np.inf)
-        lo, hi, values = self.panels
-        size = np.max(np.abs(values), axis=1)
-        turn = 0.0 if reach == 0 else reach / phase_allowed(order - 5, TUNING.phase / np.clip(size, 1e-12, 1.0))
-        pieces = np.maximum(np.ceil((hi - lo) * turn), 1).astype(int)
-        k, w = gauss(*split(lo, hi, pieces), *rule(order))
-        panel = np.repeat(np.arange(lo.size), order * pieces)
+        k, w, panel = self.nodes(reach, order)
         rest = self._interpolated(k, panel) if self.specimen.is_graded else self(k)
         return CosineKernel(k, w * rest, self.scale)
 
@@ -209,7 +209,7 @@ class LayeredSpectrum:
         """The rest at ``k``, each on the panel of the given index: cheaper than g itself through graded layers."""
         lo, hi, values = self.panels
         local = (2 * k - lo[panel] - hi[panel]) / (hi - lo)[panel]
-        return legendre.legval(local, (values @ _projection(TUNING.samples)).T[:, panel], tensor=False)
+        return legendre.legval(local, (values @ to_legendre(TUNING.samples)).T[:, panel], tensor=False)
 
 
 def spectrum_seconds(specimen: Specimen) -> float:
@@ -227,7 +227,7 @@ def resolved(
     the minimum of a quadratic form with the symbol g > 0.
     """
     done: list[tuple[Array, Array, Array]] = []
-    project = _projection(TUNING.samples)
+    project = to_legendre(TUNING.samples)
     for _ in range(TUNING.halvings):
         k, _ = gauss(lo, hi, *rule(TUNING.samples))
         values = function(k).reshape(lo.size, TUNING.samples)

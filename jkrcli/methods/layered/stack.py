@@ -121,11 +121,6 @@ class LayeredContact(IndenterOnLayers):
     def spectrum(self) -> LayeredSpectrum:
         return _spectrum(self.specimen, self.indenter.material)
 
-    def prepare(self) -> None:
-        """Resolve the spectrum now rather than at the first solve."""
-        if self.specimen.layers:
-            _ = self.spectrum.panels
-
     def plan(self, radii: Array, tolerance: float) -> Quadrature:
         """The cheapest quadrature expected to be accurate to ``tolerance`` at the increasing ``radii`` [m]."""
         own = radii, self.indenter.a0, self.scale, tolerance

@@ -14,11 +14,10 @@ import numpy as np
 
 from ...base import Array, Refusal
 from ...bodies import Graded, Indenter, Material, Specimen, TransverselyIsotropic
-from ..integral import ContactResult, Panels, Quadrature, StuckDisc, StuckKernel, gauss, phase_allowed, rule, split
+from ..integral import ContactResult, Panels, Quadrature, StuckDisc, StuckKernel
 from ..integral.growth import Growth, Pieces
 from ..integral.quadrature import EXACT
 from .minors import Medium, minors_of, shear_moduli
-from .spectrum import TUNING as SPECTRUM
 from .spectrum import LayeredSpectrum, resolved
 from .stack import TUNING as REFINING
 from .stack import ResolvedTwice
@@ -109,13 +108,11 @@ class StuckSpectrum(LayeredSpectrum):
         )
 
     @cached_property
-    def edges(self) -> tuple[Array, Array, Array]:
-        """Ends lo, hi [1/m] of panels that resolve all three, and the largest value on each."""
-        k_max = self.bandwidth(self.floor)
-        first = np.concatenate([[0.0], k_max * 2.0 ** np.arange(-6, 1)])
-        ends = [resolved(partial(self._acting, row), first[:-1], first[1:])[:2] for row in range(3)]
+    def panels(self) -> tuple[Array, Array, Array]:
+        """Ends lo, hi [1/m] of panels that resolve all three, and the largest value on each (panels, 1)."""
+        ends = [resolved(partial(self._acting, row), *self.octaves)[:2] for row in range(3)]
         edges = np.unique(np.concatenate([np.ravel(pair) for pair in ends]))
-        return edges[:-1], edges[1:], self((edges[1:] + edges[:-1]) / 2)
+        return edges[:-1], edges[1:], self((edges[1:] + edges[:-1]) / 2)[:, None]
 
     def _acting(self, row: int, k: Array) -> Array:
         """A positive compliance less 1: g_zz, g_rr, or what acts on pressure and shear together.
@@ -129,12 +126,7 @@ class StuckSpectrum(LayeredSpectrum):
 
     def stuck_kernel(self, reach: float, order: int) -> StuckKernel:
         """Kernel for all x, t with x + t <= ``reach`` [m], from ``order`` Gauss nodes in k on every panel."""
-        if self.bandwidth(self.floor) == 0:
-            return StuckKernel(np.zeros(0), np.zeros((3, 0)), self.beta)
-        lo, hi, size = self.edges
-        turn = reach / phase_allowed(order - 5, SPECTRUM.phase / np.clip(size, 1e-12, 1.0))
-        pieces = np.maximum(np.ceil((hi - lo) * turn), 1).astype(int)
-        k, w = gauss(*split(lo, hi, pieces), *rule(order))
+        k, w, _ = self.nodes(reach, order)
         return StuckKernel(k, w * self.deviations(k), self.beta)
 
 
@@ -157,11 +149,6 @@ class StuckLayeredContact(ResolvedTwice):
     @cached_property
     def spectrum(self) -> StuckSpectrum:
         return StuckSpectrum(self.specimen, self.indenter.material)
-
-    def prepare(self) -> None:
-        """Resolve the spectra now rather than at the first solve."""
-        if self.specimen.layers:
-            _ = self.spectrum.edges
 
     def plan(self, radii: Array, tolerance: float) -> StuckPlan:
         """The plan expected to be accurate to ``tolerance`` up to the last of the ``radii`` [m]."""

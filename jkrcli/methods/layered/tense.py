@@ -114,10 +114,8 @@ class TenseSpectrum(LayeredSpectrum):
 
     @cached_property
     def panels(self) -> tuple[Array, Array, Array]:
-        k_max = self.bandwidth(self.floor)
-        edges = np.concatenate([[0.0], k_max * 2.0 ** np.arange(-6, 1)])
         rest = (lambda k: 0 * k) if self.tail is None else self.tail
-        return resolved(self, edges[:-1], edges[1:], lambda k: rest(k) - self.kappa * k / (1 + self.kappa * k))
+        return resolved(self, *self.octaves, lambda k: rest(k) - self.kappa * k / (1 + self.kappa * k))
 
     def singular(self, s: Array) -> Array:
         """The part of the kernel [1/m] with a logarithm at s = 0, s > 0 [m]."""
@@ -178,11 +176,6 @@ class TenseContact(ResolvedTwice):
     def kappa(self) -> float:
         """2 Ups/E* [m]."""
         return self.specimen.tension_length
-
-    def prepare(self) -> None:
-        """Resolve the spectrum now rather than at the first solve."""
-        if self.specimen.layers:
-            _ = self.spectrum.panels
 
     def plan(self, radii: Array, tolerance: float) -> TensePlan:
         """The plan expected to be accurate to ``tolerance`` up to the last of the ``radii`` [m]."""

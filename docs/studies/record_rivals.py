@@ -33,7 +33,7 @@ from jkrcli.data.measured import Curve
 from jkrcli.identification.fit import Fit, FittedBody, fit, force_curve, record_verdict
 from jkrcli.identification.fit.record_change import AMOUNT, Change, RivalModel
 from jkrcli.identification.fit.record_rivals import RIVALS
-from jkrcli.identification.fit.record_scores import RecordRivals
+from jkrcli.identification.fit.record_scores import RecordRivals, errors_of
 from jkrcli.identification.fit.record_situation import Situation
 from jkrcli.identification.fit.settings import settings_of, uncertain_of
 from jkrcli.methods.layered.layered import Layered
@@ -151,7 +151,8 @@ def _taken(kind: str, made: Wrong) -> dict[str, float]:
 
 
 def at_bounds(seed: int, count: int) -> None:
-    """Systematic parts over the moves of a fit in full at the same amount, where these exceed a tenth of the error."""
+    """Systematic parts over the largest moves of fits in full at amounts up to the same, where these exceed a tenth of
+    the error."""
     for name in BOUNDED:
         ratios: dict[str, list[float]] = {"E_star": [], "w": []}
         for i in range(count):
@@ -171,14 +172,15 @@ def _add_ratios(name: str, ratios: dict[str, list[float]]) -> None:
         return
     change = next(one for one in RIVALS if one.name == name).look(at)
     assert isinstance(change, Change)
+    upward = np.linspace(0.4, 1, 4) * score.most  # E* moves most at a range below that which moves w most
     moves = []
-    for amount in (score.most, *[-score.most] * (score.least < 0)):
+    for amount in (*upward, *-upward[upward * score.least < 0]):
         model = replace(RivalModel.of(plain.model, change), known={**plain.model.known, AMOUNT: amount})
         here = Situation(body, force_curve.fit(model, plain.x, near=True))
         moves.append([math.log(here.modulus / at.modulus), math.log(here.work / at.work) if here.work else 0.0])
-    for j, quantity in enumerate(ratios):
-        moved, stated = max(abs(one[j]) for one in moves), score.moved(getattr(score, quantity))
-        error = plain.error("ln_s")
+    largest = np.abs(moves).max(axis=0)
+    for quantity, error, moved in zip(ratios, errors_of(plain), largest, strict=True):
+        stated = score.moved(getattr(score, quantity))
         if stated and moved > 0.1 * error:
             ratios[quantity].append(stated / moved)
 

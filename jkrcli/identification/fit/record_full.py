@@ -52,10 +52,12 @@ class FullTuning:
     # choice: 2 tension/E* over the contact radius, those tried: the largest of which the first order holds, and smaller
     skins: tuple[float, ...] = (0.1, 0.05, 0.025, 0.0125, 0.006, 0.003, 0.0015)
     skinned: float = 0.03  # choice: [N/m], surface tension of gels and rubbers; of water 0.07
-    leaning: float = 1.645  # theory: standard errors, 5 % by chance, from which on one that nobody described counts
+    leaning: float = 1.0  # theory: fall of chi^2 by a number that means nothing, from which on one that nobody
+    # described counts
     halves: int = 2  # choice: bisections between the largest amount that the data leave and the next one
-    # choice: standard errors by one step, up to the shortest of these, from which on none is tried; of 85 made records
-    # that were left one, of Tabor numbers 0.15 to 1, the most was 3.5
+    smaller: int = 20  # choice: guard, halvings of the least of those tried down to one that the data leave
+    # choice: standard errors by one step, up to the shortest of these, from which on none is; of 85 made
+    # records that were left one, of Tabor numbers 0.15 to 1, the most was 3.5
     excluded: float = 6.0
     about: float = 0.5  # choice: standard errors, by which what a range does to a fit may be off
     falling: float = 2.0  # choice: of the step to come, by which chi^2 may still fall
@@ -141,7 +143,7 @@ def _of_tension(at: Situation, own: Weighted, score: Score, change: Change, know
         tried[amount] = found = _left_moves(own, _held(at, change, amount))
         rises = found is not None and found[0] > least
         least = least if found is None else min(least, found[0])
-        leans = bool(known) or -least > TUNING.leaning**2 or at_chance(at.found, -least) < SCORES.chance / len(RIVALS)
+        leans = bool(known) or -least > TUNING.leaning or at_chance(at.found, -least) < SCORES.chance / len(RIVALS)
         if (found is None and len(tried) > 1) or (rises and not leans):
             break  # no larger one is left either, or takes more
     return _of_amounts(at, own, score, change, tried) if leans else score
@@ -153,11 +155,12 @@ def _of_amounts(
     """The score with the largest moves at those amounts ``tried`` of a ``change`` that the data leave; it is asked for
     where one takes enough of the misfit. Those beyond the interval count by the chord to it, as moves may grow steeply
     there."""
+    tried = _down_to_left(at, own, score, change, tried)
     near = {amount: found for amount, found in tried.items() if found is not None}
-    if not near:
-        return score
     left = [amount for amount, found in near.items() if found[0] < score.wide**2]
-    end = max(left, default=min(near))
+    if not left:
+        return score
+    end = max(left)
     beyond = min((amount for amount in tried if amount > end), default=0.0)
     for _ in range(TUNING.halves * (beyond > 0)):
         middle = math.sqrt(end * beyond)
@@ -175,15 +178,31 @@ def _of_amounts(
     return replace(told, amount=best * (taken > 0), chance=chance, taken=max(taken, 0.0))
 
 
+def _down_to_left(
+    at: Situation, own: Weighted, score: Score, change: Change, tried: Mapping[float, Moves | None]
+) -> dict[float, Moves | None]:
+    """Those ``tried``, and where the data leave none of them smaller ones, each half of the last, down to one that they
+    leave."""
+    tried, least = dict(tried), min(tried)
+    for _ in range(TUNING.smaller):
+        if any(found is not None and found[0] < score.wide**2 for found in tried.values()):
+            break
+        least /= 2
+        tried[least] = _left_moves(own, _held(at, change, least))
+    return tried
+
+
 def _ranges(at: Situation, score: Score, longest: float) -> list[float]:
-    """Amounts of ranges to try, from the ``longest`` [m] that there may be; none where one step excludes them, or that
-    does not deform the body."""
+    """Amounts of ranges to try, from the ``longest`` [m] that there may be down to the one that is likely before the
+    data; where one step excludes all that are longer, up to what it leaves for certain."""
     deep, shortest = neck(at), TUNING.ranges[-1] * neck(at)
-    if amount_of_range(at, shortest) - score.amount > TUNING.excluded * score.error:
-        return []
+    certain = max(score.amount, 0.0) + TUNING.excluded * score.error
+    if amount_of_range(at, shortest) > certain:
+        return [min(score.known, certain)]
     known = [longest] * (shortest < longest < TUNING.endless * deep)
     ranges = [*known, *(r * deep for r in (TUNING.endless, *TUNING.ranges) if r * deep < longest)]
-    return [amount_of_range(at, z0) for z0 in ranges]
+    amounts = [amount_of_range(at, z0) for z0 in ranges]
+    return [*amounts, *[score.known] * (score.known < min(amounts, default=math.inf))]
 
 
 def _left_moves(own: Weighted, model: RivalModel) -> Moves | None:

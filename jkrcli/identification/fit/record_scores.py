@@ -178,7 +178,7 @@ def rivals_of_record(at: Situation, known: Known) -> RecordRivals:
     left = beyond / np.maximum(sizes, np.finfo(float).tiny)
     moves = -np.linalg.lstsq(triangle, Q.T @ wide, rcond=None)[0] / scale[:, None]
     dof = max(int(np.count_nonzero(keep)) - J.shape[1], 1)
-    misfit, errors = float(r @ r), _errors(found)
+    misfit, errors = float(r @ r), errors_of(found)
     scores = [
         _score(rival, float(size), float(along), whole, _rates(found, move), errors, (misfit, told, len(names)),
                (known_amount(at, rival, known), known.wide))
@@ -332,7 +332,7 @@ def _of_work(found: ForceCurveFit) -> dict[str, float]:
     return {}
 
 
-def _errors(found: ForceCurveFit) -> tuple[float, float]:
+def errors_of(found: ForceCurveFit) -> tuple[float, float]:
     """Relative standard errors of E* and w, infinite where they are not told."""
     E = found.error("ln_s") if "ln_s" in found.names else math.inf
     rates = _of_work(found)

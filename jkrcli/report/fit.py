@@ -316,7 +316,7 @@ def rivals_table(item: Fit) -> list[str]:
         f"  {one.name:<44}{one.word:<23}{one.chance:>9.1g}{one.change(one.E_star):>+8.1%}{one.change(one.w):>+8.1%}"
         f"{-one.taken:>10.3g}" for one in item.verdict.rivals.scores
     ), *(
-        f"  in full: {one.name}: {'taken' if one.taken else f'leaves more than noise, p = {one.chance:.1g}'}, "
+        f"  in full: {one.name}: {'taken' if one.taken else f'not taken, p = {one.chance:.1g}'}, "
         f"E* {show(one.E_star, 'modulus', 4)}, w {show(one.w, 'work', 4)}, {told_words(one)}"
         for one in item.verdict.tried
     )]  # fmt: skip

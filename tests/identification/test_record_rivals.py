@@ -276,6 +276,20 @@ def test_the_right_rival_in_full_gives_the_truth(kind: str, told: dict[str, floa
     assert summary([found], "body")["curves"][0]["verdict"]["model"] == found.verdict.tied[0].name
 
 
+@pytest.mark.parametrize("i", [5, 63])
+def test_a_range_with_two_valleys_is_found_in_full(i: int) -> None:
+    """Tabor's number 0.3: chi^2 has another valley at ranges five times shorter, where w is a sixth too high (5). One
+    step takes less than nine of chi^2, and a surface tension more (63)."""
+    drawn = Drawn.of(np.random.default_rng((97, i, 1)), 1.0)
+    found = fit(BODY, curve(wrong_records.maugis(drawn)), usual(model="auto"))
+    assert found.verdict is not None
+    assert "adhesion" in found.verdict.families
+    for name, true in (("E_star", drawn.E), ("w", drawn.w)):
+        item = found.estimate(name)
+        assert item.error is not None
+        assert item.value == pytest.approx(true, abs=3 * math.hypot(item.error, *(item.model or {}).values()))
+
+
 def test_a_long_range_that_is_possible_widens_w() -> None:
     """Tabor's number 0.3, a range of 0.1 um: no data of this noise tell it, w is a fifth too high. It counts unless the
     user rules it out."""

@@ -1,8 +1,7 @@
 """The best rivals of each family, fitted in full where the data ask for them, and the one that is taken.
 
-A rival is taken where its misfit is lower than that of the plain model by more than ``SCORES.tied``, in chi^2, and
-what it leaves is no more than the noise of the free rows. Of several that are taken the first is the best one; those
-within as much of it cannot be told from it.
+The best one is taken where its misfit is lower than that of the plain model by more than ``SCORES.tied``, in chi^2, and
+what it leaves is no more than the noise of the free rows. Those within as much of it cannot be told from it.
 """
 
 from __future__ import annotations
@@ -87,7 +86,11 @@ class InFull:
 
     @property
     def passes(self) -> bool:
-        return self.found.ended and self.falls > SCORES.tied and self.chance > TUNING.passes
+        return self.found.ended and self.chance > TUNING.passes
+
+    def taken(self, best: InFull) -> bool:
+        """Whether the ``best`` one rejects the model without and this one leaves about as little, as noise would."""
+        return self.passes and best.falls > SCORES.tied and self.falls > best.falls - SCORES.tied
 
 
 @np.errstate(all="ignore")
@@ -255,11 +258,11 @@ def _stepped(
 def fitted_in_full(
     body: FittedBody, found: ForceCurveFit, fresh: ForceCurveModel, rivals: RecordRivals
 ) -> tuple[InFull, ...]:
-    """The best of each family, by how much the misfit falls, those that are taken first; ``fresh``: the model of the
+    """The best of each family, by how much the misfit falls, those that pass first; ``fresh``: the model of the
     record before any row was left out by what was ``found``."""
     at, tried = Situation(body, found), []
     fresh = replace(fresh, family=found.model.family)
-    for score in _likeliest(rivals.scores):
+    for score in _likeliest(rivals):
         with contextlib.suppress(JkrError):  # what cannot be solved is not taken
             look = _look(at, score)
             tried += [(*_roughly(at, fresh, look, score.amount), look, score)] if isinstance(look, Change) else []
@@ -271,11 +274,12 @@ def fitted_in_full(
     return tuple(sorted(each, key=lambda one: (not one.passes, -one.falls)))
 
 
-def _likeliest(scores: Sequence[Score]) -> Iterator[Score]:
+def _likeliest(rivals: RecordRivals) -> Iterator[Score]:
     """Those of each family that one step takes most from the misfit with: it detects, so that neither sign nor size of
     an amount that is not small says much."""
-    ranked = sorted((one for one in scores if one.taken > SCORES.tied), key=lambda one: -one.taken)
-    of_range = dict(zip([LONG.name], (one for one in scores if one.name == RANGE.name), strict=False))  # of all lengths
+    asked = [one for one in rivals.scores if one.taken > SCORES.tied or one in rivals.named]
+    ranked = sorted(asked, key=lambda one: -one.taken)
+    of_range = dict(zip([LONG.name], (one for one in rivals.scores if one.name == RANGE.name), strict=False))  # of all
     for family in dict.fromkeys(one.family for one in ranked):
         best = [one for one in ranked if one.family == family][: TUNING.each]
         yield from dict.fromkeys(of_range.get(one.name, one) for one in best)
@@ -291,7 +295,7 @@ def _roughly(at: Situation, fresh: ForceCurveModel, change: Change, amount: floa
     plain, new = [np.append(x, start) for start in starts], [[*_new(at, model, start)] for start in starts]
     begun = [plain, *new]
     if change.felt and change.bends is not None:
-        begun = [[*_adapted(at, model, starts)]]
+        begun = [[start] for start in _valleys(at, model, starts)]
     if change.load is not None or change.back is not None:  # of histories, which have several minima
         begun = [[start] for group in ([plain] if change.back is None else new) for start in group]
     searches = []
@@ -303,11 +307,15 @@ def _roughly(at: Situation, fresh: ForceCurveModel, change: Change, amount: floa
     return min(searches, key=lambda one: one[0])
 
 
-def _adapted(at: Situation, model: RivalModel, starts: Iterable[tuple[float, ...]]) -> Iterator[Array]:
-    """Unknowns to start from with those of the fit without as an amount would have them."""
-    own = Weighted.of(at)
-    for start in starts:
-        if (found := _stepped(own, _held(at, model.change, start[0]), still=TUNING.about)) is not None:
+def _valleys(at: Situation, model: RivalModel, starts: Iterable[tuple[float, ...]]) -> Iterator[Array]:
+    """Unknowns to start from with those of the fit without as an amount would have them, at those amounts that leave no
+    more than the ones next to them."""
+    own = Weighted.of(at, off_folds(at))
+    tried = [(start, _stepped(own, _held(at, model.change, start[0]), still=TUNING.about)) for start in sorted(starts)]
+    left = np.array([math.inf, *(math.inf if found is None else found[0] for _, found in tried), math.inf])
+    lowest = left[1:-1] <= np.minimum(left[:-2], left[2:])
+    for (start, found), low in zip(tried, lowest, strict=True):
+        if found is not None and low:
             yield np.append(_known(at, model, found[1]), start)
 
 

@@ -76,7 +76,8 @@ class RecordRivalTuning:
     rises: tuple[float, float] = (-5.0, 5.0)  # choice: of the log of w along a record
     farther: float = 1.5  # choice: of the largest radius, beyond which a modulus that changes is even
     profiles: tuple[float, ...] = (-1.0, -0.8, 0.0)  # choice: exponents less that of a paraboloid, to begin with
-    tabor: tuple[float, ...] = (3.0, 1.0, 0.3, 0.1, 0.03)  # choice: Tabor numbers, to begin with
+    # choice: Tabor numbers, to begin with: chi^2 has two valleys over the range, the longer one about a factor 1.4 wide
+    tabor: tuple[float, ...] = (3.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 0.06, 0.03)
     farthest: float = 1e3  # choice: range over how far adhesion deforms the body; longer ones change nothing
     tensions: tuple[float, ...] = (0.03,)  # choice: 2 tension/E* over the contact radius, to begin with
     exponents: tuple[float, ...] = (0.3, 0.8)  # choice: of the speed of the edge, to begin with

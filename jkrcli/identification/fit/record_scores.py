@@ -154,9 +154,8 @@ class Verdict:
 
     @property
     def tied(self) -> tuple[Tried, ...]:
-        """Those that are taken, within ``TUNING.tied`` of the best one, which is the first."""
-        taken = [one for one in self.tried if one.taken]
-        return tuple(one for one in taken if one.falls > taken[0].falls - TUNING.tied)
+        """Those that are taken, the best one first."""
+        return tuple(one for one in self.tried if one.taken)
 
     @property
     def families(self) -> tuple[str, ...]:

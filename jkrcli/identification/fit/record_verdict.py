@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -57,34 +57,45 @@ def by_rivals(
     if verdict is None or not verdict.rivals.named:
         return plain
     full = fitted_in_full(body, found, fresh, verdict.rivals)
-    verdict = replace(verdict, tried=tuple(_tried(one, body) for one in full))
+    verdict = replace(verdict, tried=tuple(_tried(one, full[0], body) for one in full))
     if not verdict.tied:
         return replace(plain, verdict=verdict)
-    result = told(full[0].found)
-    estimates = tuple(_with_ties(item, verdict.tied) for item in result.estimates)
+    fits = {one.score.name: told(one.found) for one in full[: len(verdict.tied)]}
+    result = fits[verdict.tied[0].name]
+    estimates = tuple(_with_ties(item, verdict.tied, fits) for item in result.estimates)
     return replace(result, estimates=estimates, verdict=verdict)
 
 
-def _tried(one: InFull, body: FittedBody) -> Tried:
-    found = one.found
+def _tried(one: InFull, best: InFull, body: FittedBody) -> Tried:
+    found, taken = one.found, one.taken(best)
     values = found.model.values(found.x)
     s, last = math.exp(values["ln_s"]), found.model.stretches[-1].kind
     told = found.model.further(values)
     w = told.pop("w", max(values[f"q:{last}"], 0.0) * s)
-    return Tried(one.score.name, one.score.family, one.falls, one.chance, one.passes, s * body.problem.E_star, w, told)
+    return Tried(one.score.name, one.score.family, one.falls, one.chance, taken, s * body.problem.E_star, w, told)
 
 
-def _with_ties(item: FittedValue, tied: Sequence[Tried]) -> FittedValue:
-    """The estimate with what the farthest of those that are tied makes of it, where that is more."""
+def _with_ties(item: FittedValue, tied: Sequence[Tried], fits: Mapping[str, Fit]) -> FittedValue:
+    """The estimate with what the farthest of those that are tied makes of it, or how far its interval reaches beyond
+    this one's, where that is more; ``fits`` by name."""
     of_modulus, best = _of_modulus(item), tied[0]
     if item.error is None or not (of_modulus or item.dimension == "work"):
         return item
-    pairs = {one.name: (one.E_star / best.E_star - 1) if of_modulus else one.w - best.w for one in tied[1:]}
-    moves = {name: abs(move) * (item.value if of_modulus else 1.0) for name, move in pairs.items()} | dict(
-        item.model or {}
-    )
+    moves = {}
+    for one in tied[1:]:
+        shift = (one.E_star / best.E_star - 1) * item.value if of_modulus else one.w - best.w
+        moves[one.name] = max(abs(shift), _beyond(item, fits[one.name]))
+    moves |= dict(item.model or {})
     worst = max(moves, key=lambda name: moves[name], default="")
     return replace(item, model={worst: moves[worst]}) if worst else item
+
+
+def _beyond(item: FittedValue, other: Fit) -> float:
+    """How far the interval of the same estimate of an ``other`` fit reaches beyond its own."""
+    same = next((one for one in other.estimates if one.name == item.name), None)
+    if same is None or item.low is None or item.high is None or same.low is None or same.high is None:
+        return 0.0
+    return max(item.low - same.low, same.high - item.high, 0.0)
 
 
 def _by(change: float) -> str:

@@ -18,9 +18,8 @@ from .result import Slopes
 class ChoiceTuning:
     """When "auto" takes the slopes that a series carries."""
 
-    few: float = (
-        0.05  # of the radii at which a smooth fit may leave their error; choice: half of what 90 % intervals leave
-    )
+    # of the radii at which a smooth fit may leave their error; choice: half of what 90 % intervals leave
+    few: float = 0.05
 
 
 TUNING = ChoiceTuning()

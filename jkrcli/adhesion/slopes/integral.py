@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.special import stdtrit
@@ -21,7 +22,7 @@ from ...series import RawSeries, Series
 from .events import has_plateaus, touch_events
 from .model import LogSplineModel, OnGrid, Shape, interpolate
 from .penalised import TUNING as PENALTIES
-from .penalised import PenalisedFit, likeliest_correlation, minimise, posterior
+from .penalised import PenalisedFit, Posterior, likeliest_correlation, minimise, posterior
 from .result import TUNING as ERRORS
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 from .scatter import Scatter, correlation_length, estimate, floored, whitener
@@ -57,14 +58,37 @@ TUNING = IntegralTuning()
 
 @dataclass(frozen=True, eq=False)
 class _Data:
-    """Scaled logs of the data, in any order; ``lever``: dx/dlog(a) = a/(a - a0), (n,), which grows without bound at the
-    edge of a flat end; ``given``: relative variances of (a, delta, P), (3, n), or None."""
+    """Scaled logs of the data, many of them put together in bins of equal number; few stay alone.
 
+    ``order``: that of recording where x follows it, as neighbours in it share their errors, else that of x; of all
+    else, ``lever``: dx/dlog(a) = a/(a - a0), (n,), which grows without bound at the edge of a flat end; ``measured``
+    (2, n): logs of delta and P; ``given``: relative variances of (a, delta, P), (3, n), or None.
+    """
+
+    order: Array
     x: Array
     lever: Array
-    log_delta: Array
-    log_P: Array
+    measured: Array
     given: Array | None
+
+    @cached_property
+    def _starts(self) -> Array:
+        # bins of one size: where some hold one point and some two, the noise left in them differs as it does not along
+        # the record, and correlation is told too small
+        return np.arange(0, self.x.size, -(-self.x.size // TUNING.most_bins))
+
+    @cached_property
+    def counts(self) -> Array:
+        """How many points are in each bin."""
+        return np.diff(np.append(self._starts, self.x.size))
+
+    def mean(self, values: Array) -> Array:
+        """Means over the bins, of values (..., n)."""
+        return np.add.reduceat(values, self._starts, axis=-1) / self.counts
+
+    def spread(self, values: Array) -> Array:
+        """Values of the bins, (bins,), for every point, (n,)."""
+        return np.repeat(values, self.counts)
 
 
 def integral(series: Series) -> Slopes:
@@ -176,7 +200,7 @@ def _flags(settled: _Settled, raw: RawSeries) -> Iterator[str]:
     if settled.hidden:
         yield f"errors of neighbouring rows may be correlated; {TOO_FEW} ({raw.a.size})"
     rho = settled.correlation
-    if isinstance(rho, float) and rho > 0 and settled.evidence > TUNING.evidence:
+    if isinstance(rho, float) and rho > 0 and settled.known.evidence > TUNING.evidence:
         bins = settled.fit.residuals.size / 2
         worth = bins * (1 - rho) / (1 + rho)
         yield (
@@ -195,13 +219,13 @@ def _evaluate(settled: _Settled, x: Array, scales: Array) -> tuple[Array, Array,
     jacobian = np.zeros((6, *columns.jacobian.shape[1:]))
     jacobian[:4] = columns.jacobian * values[:, :, None]
     jacobian[4, :, model.v] = np.exp(model.of_shape(x)[0] + basis @ fit.c[model.v])[:, None] * basis
-    bend = model.slope_design(x)  # S'' = S' u'(x)/y
+    bend = model.design(x, 1)  # S'' = S' u'(x)/y
     rate = model.of_shape(x, 1)[1] + bend @ fit.c[model.u]
     jacobian[5, :, model.u] = values[3][:, None] / y * (rate[:, None] * basis + bend)
     jacobian *= scales[:, None, None]
     full = jacobian[:4]
-    covariance = np.einsum("imp,pq,jmq->mij", full, fit.phi * settled.V, full, optimize=True)
-    joint = np.einsum("imp,pq,jmq->mij", jacobian, fit.phi * settled.inner, jacobian, optimize=True)
+    covariance = np.einsum("imp,pq,jmq->mij", full, fit.phi * settled.known.V, full, optimize=True)
+    joint = np.einsum("imp,pq,jmq->mij", jacobian, fit.phi * settled.known.inner, jacobian, optimize=True)
     return values * scales[:4, None], covariance, joint
 
 
@@ -226,7 +250,17 @@ def _prepare(a: Array, delta: Array, P: Array, errors: Mapping[str, Array], a0: 
         given = np.stack([(np.asarray(errors.get(name, 0 * v)) / v / TWO_SIDED_90) ** 2 for name, v in columns])
     y = a - a0
     _refuse_span(a, y)
-    return _Data(np.log(y / np.max(y)), a / y, np.log(delta / np.max(delta)), np.log(P / np.max(P)), given)
+    x, logs = np.log(y / np.max(y)), np.log([delta / np.max(delta), P / np.max(P)])
+    order = _order(x)
+    return _Data(order, x[order], (a / y)[order], logs[:, order], None if given is None else given[:, order])
+
+
+def _order(x: Array) -> Array:
+    """That of recording where ``x`` follows it, else that of ``x``."""
+    recorded = np.arange(x.size)
+    ranks = np.argsort(np.argsort(x, kind="stable"), kind="stable")
+    follows = float(np.corrcoef(recorded, ranks)[0, 1]) > TUNING.recorded
+    return recorded if follows else np.argsort(x, kind="stable")
 
 
 def _refuse_span(a: Array, y: Array) -> None:
@@ -244,30 +278,29 @@ class _Task:
     """The data as a least-squares problem: residuals of log delta and log P, whitened, over bins of points."""
 
     def __init__(self, model: LogSplineModel, data: _Data):
-        self.model, self.bins = model, _Bins(data.x)
+        self.model, self.data, x = model, data, data.mean(data.x)
         self.blocks = (model.rough_v, model.rough_u)
-        self.at, self.basis = model.interpolation(self.bins.x), model.design(self.bins.x)
-        self.everywhere = model.interpolation(self.bins.ordered_x)
-        self.measured = np.stack([data.log_delta, data.log_P])[:, self.bins.order]
-        self.lever = data.lever[self.bins.order]
+        self.at, self.basis = model.interpolation(x), model.design(x)
+        self.everywhere = model.interpolation(data.x)
 
     def difference(self, grid: OnGrid) -> Array:
         """Model minus data at every point, shape (2, n)."""
         (log_delta, _), (log_P, _), _ = grid
-        return np.stack([interpolate(self.everywhere, *pair) for pair in (log_delta, log_P)]) - self.measured
+        return np.stack([interpolate(self.everywhere, *pair) for pair in (log_delta, log_P)]) - self.data.measured
 
     def minimise(
         self, start: Array, variances: Array, lambdas: Array, floor: float, freeze: int, rho: float = 0.0
     ) -> PenalisedFit:
         """The fit with given relative variances of (a, delta, P), (3, n), the radius' slopes taken at ``start``."""
         columns = self.model.columns(start, self.at, self.basis)
-        lever = self.bins.mean(self.lever)
+        data = self.data
+        lever = data.mean(data.lever)
         k, m = columns.rate_delta * lever, columns.rate_P * lever
-        whiten = whitener(self.bins.mean(variances), k, m) * np.sqrt(self.bins.counts)
+        whiten = whitener(data.mean(variances), k, m) * np.sqrt(data.counts)
 
         def residuals(c: Array) -> tuple[Array, Array]:
             grid = self.model.on_grid(c)
-            white = np.einsum("ijn,jn->in", whiten, self.bins.mean(self.difference(grid)))
+            white = np.einsum("ijn,jn->in", whiten, data.mean(self.difference(grid)))
             jacobian = self.model.columns(c, self.at, self.basis, grid).jacobian[:2]
             return white, np.einsum("ijn,jnp->inp", whiten, jacobian)
 
@@ -277,24 +310,18 @@ class _Task:
         """The scatter of a, delta and P as the residuals of ``fit`` show it."""
         grid = self.model.on_grid(fit.c)
         columns = self.model.columns(fit.c, self.at, self.basis, grid)
-        k, m = (self.lever * self.bins.spread(rate) for rate in (columns.rate_delta, columns.rate_P))
-        return estimate(self.bins.ordered_x, self.difference(grid), k, m, fit.spent, TUNING.floor**2)
+        k, m = (self.data.lever * self.data.spread(rate) for rate in (columns.rate_delta, columns.rate_P))
+        return estimate(self.data.x, self.difference(grid), k, m, fit.spent, TUNING.floor**2)
 
 
 @dataclass(frozen=True, eq=False)
 class _Settled:
-    """A fit with all that was learnt on the way.
-
-    ``V, inner``: covariances of its coefficients over phi (``Posterior``); ``rho``: correlation of neighbours, with the
-    ``evidence`` for it; ``outliers``: their points; ``noisy``: whether the residuals are noise; ``few``: whether the
-    points are too few to tell its correlation."""
+    """A fit with all that was ``known`` in the end: ``outliers``: their points; ``noisy``: whether the residuals are
+    noise; ``few``: whether the points are too few to tell its correlation."""
 
     model: LogSplineModel
     fit: PenalisedFit
-    V: Array
-    inner: Array
-    evidence: float
-    rho: float
+    known: Posterior
     outliers: Array
     noisy: bool
     few: bool
@@ -309,17 +336,18 @@ class _Settled:
         """The correlation of neighbours, or why it is unknown; None where the residuals are no noise."""
         if not self.noisy:
             return None
-        return Unknown(TOO_FEW) if self.few else self.rho
+        return Unknown(TOO_FEW) if self.few else self.known.rho
 
 
 def _fine_enough(data: _Data, S0: float | None, shape: Shape | None) -> _Settled:
     """The fit with the knots that the data need; residuals still correlated count as that many fewer data."""
     for intervals in (TUNING.intervals, 2 * TUNING.intervals):
-        found = _fit(_Task(LogSplineModel(data.x, intervals, S0, shape), data), data)
+        found = _fit(_Task(LogSplineModel(data.x, intervals, S0, shape), data))
         length = 1.0 if _explained(found.fit, data) else correlation_length(found.fit.independent)
-        if length == 1 and found.rho < max(PENALTIES.correlations):
+        if length == 1 and found.known.rho < max(PENALTIES.correlations):
             break
-    return replace(found, V=length * found.V, inner=length * found.inner)
+    known = replace(found.known, V=length * found.known.V, inner=length * found.known.inner)
+    return replace(found, known=known)
 
 
 def _explained(fit: PenalisedFit, data: _Data) -> bool:
@@ -327,11 +355,11 @@ def _explained(fit: PenalisedFit, data: _Data) -> bool:
     return fit.floored or (data.given is not None and fit.phi <= 1)
 
 
-def _fit(task: _Task, data: _Data) -> _Settled:
+def _fit(task: _Task) -> _Settled:
     """The fit with penalties found from the data, in rounds, each with the scatter that the one before has shown."""
     stiff = np.full(len(task.blocks), TUNING.stiff)
-    given = None if data.given is None else data.given[:, task.bins.order]
-    variances = _far_off(task) * np.ones((3, 1)) if given is None else given
+    data, given = task.data, task.data.given
+    variances = _far_off(data) * np.ones((3, 1)) if given is None else given
     best: PenalisedFit | None = None
     outliers = np.zeros(data.x.size, dtype=bool)
     rho, noisy, many = 0.0, False, data.x.size >= TUNING.tell_correlation
@@ -339,13 +367,13 @@ def _fit(task: _Task, data: _Data) -> _Settled:
         variances = floored(variances, share, TUNING.floor**2)
         floor = TUNING.floor**2 / float(np.mean(variances))
         # a stiff fit first: far from the solution a linearised one takes all for signal
-        start = best or task.minimise(_start(task, data), variances, stiff, floor, 0)
+        start = best or task.minimise(_start(task), variances, stiff, floor, 0)
         found = task.minimise(start.c, variances, start.lambdas, floor, PENALTIES.freeze, rho)
         if best is not None and not found.settled:
             break  # weights too uneven to go on: the last fit stands
         if found.settled:
             best, noisy = found, _noisy(found, data, variances)
-        if data.given is None and found.phi <= floor:
+        if given is None and found.phi <= floor:
             break
         if given is None:
             scatter = task.scatter(best or start)
@@ -355,24 +383,14 @@ def _fit(task: _Task, data: _Data) -> _Settled:
         rho = likeliest_correlation(best, task.blocks) if best is not None and noisy and many else 0.0
     fit = best or found
     known = posterior(fit, task.blocks, noisy, noisy and many)
-    return _Settled(
-        task.model,
-        fit,
-        known.V,
-        known.inner,
-        known.evidence,
-        known.likeliest,
-        task.bins.order[outliers],
-        noisy,
-        not many,
-    )
+    return _Settled(task.model, fit, known, data.order[outliers], noisy, not many)
 
 
-def _far_off(task: _Task) -> Array:
+def _far_off(data: _Data) -> Array:
     """Relative variances (n,) of the first fit, in the order of recording: 1, and more for rows whose radius lies far
     off what their load and displacement, beside those of their neighbours, make of it: a radius beyond all others bends
     any spline to itself."""
-    x, load = task.bins.ordered_x, np.sum(task.measured, axis=0)
+    x, load = data.x, np.sum(data.measured, axis=0)
     n, reach = x.size, TUNING.beside
     if n <= 2 * reach + 1:
         return np.ones(n)
@@ -393,47 +411,19 @@ def _noisy(fit: PenalisedFit, data: _Data, variances: Array) -> bool:
     return data.given is None and not _explained(fit, data) and size > TUNING.noise
 
 
-class _Bins:
-    """Points in the order of recording, or of x, many of them put together in bins of equal number; few stay alone.
-
-    The order of recording is taken where x follows it: neighbours in it share their errors.
-    """
-
-    def __init__(self, x: Array):
-        recorded = np.arange(x.size)
-        ranks = np.argsort(np.argsort(x, kind="stable"), kind="stable")
-        follows = float(np.corrcoef(recorded, ranks)[0, 1]) > TUNING.recorded
-        self.order = recorded if follows else np.argsort(x, kind="stable")
-        self.ordered_x = x[self.order]
-        # bins of one size: where some hold one point and some two, the noise left in them differs as it does not along
-        # the record, and correlation is told too small
-        self.starts = np.arange(0, x.size, -(-x.size // TUNING.most_bins))
-        self.counts = np.diff(np.append(self.starts, x.size))
-        self.x = self.mean(self.ordered_x)
-
-    def mean(self, values: Array) -> Array:
-        """Means over the bins, of values (..., n) in this order."""
-        return np.add.reduceat(values, self.starts, axis=-1) / self.counts
-
-    def spread(self, values: Array) -> Array:
-        """Values of the bins, (bins,), for every point, (n,)."""
-        return np.repeat(values, self.counts)
-
-
-def _start(task: _Task, data: _Data) -> Array:
+def _start(task: _Task) -> Array:
     """Coefficients of the bodies' own shape, brought to the level of the data; else of power laws through their logs.
     The large radii count most, they are surest."""
     if task.model.shape is None:
-        return _power_laws(task.model, data)
+        return _power_laws(task.model, task.data)
     gap = task.difference(task.model.on_grid(np.zeros(task.model.parameters)))
-    level_delta, level_P = -np.average(gap, axis=1, weights=np.exp(task.bins.ordered_x))
+    level_delta, level_P = -np.average(gap, axis=1, weights=np.exp(task.data.x))
     return task.model.straight((level_delta, 0.0), (level_P - level_delta, 0.0), level_P - level_delta)
 
 
 def _power_laws(model: LogSplineModel, data: _Data) -> Array:
     """Coefficients of straight lines through the logs of the data."""
-    k, log_k = np.polyfit(data.x, data.log_delta, 1, w=np.exp(data.x))
-    m, log_m = np.polyfit(data.x, data.log_P, 1, w=np.exp(data.x))
+    (k, log_k), (m, log_m) = (np.polyfit(data.x, logs, 1, w=np.exp(data.x)) for logs in data.measured)
     k = max(float(k), 0.2)
     excess = max(float(m) - k, 0.2)
     log_S = float(np.log(1 + excess / k)) + log_m - log_k  # S = P' / delta'

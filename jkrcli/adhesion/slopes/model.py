@@ -117,17 +117,14 @@ class LogSplineModel:
         self.y = np.exp(self.x)
         self.inner = self._inner_points()
         self.basis, self.inner_basis = self.design(self.x), self.design(inner)
-        self.first_slope = (self._splines(self.x[:1], 1) @ self.shapes)[0]
+        self.first_slope = self.design(self.x[:1], 1)[0]
         self.parameters = 2 * self.size + (S0 is None)
         self.v, self.u = slice(0, self.size), slice(self.size, 2 * self.size)
         self.rough_v, self.rough_u = slice(2, self.size), slice(self.size + 2, 2 * self.size)
         self.shape, self.log_S0 = shape, 0.0 if shape is None else shape.log_S0
         self.starts = np.ones(3) if shape is None else shape.starts
-        self.known, self.known_rates, self.known_inner = (
-            self.of_shape(self.x),
-            self.of_shape(self.x, 1),
-            self.of_shape(inner),
-        )
+        self.known, self.known_rates = self.of_shape(self.x), self.of_shape(self.x, 1)
+        self.known_inner = self.of_shape(inner)
 
     def of_shape(self, x: Array, order: int = 0) -> Array:
         """v and u of the ``shape`` at ``x`` (m,), or their first derivatives, (2, m)."""
@@ -219,13 +216,9 @@ class LogSplineModel:
             out[1:] += weight * integrand[j :: GAUSS_W.size]
         return np.cumsum(out, axis=0)
 
-    def design(self, x: Array) -> Array:
-        """Values at ``x`` of what the coefficients of v (and of u) multiply, shape (m, size)."""
-        return self._splines(np.clip(x, self.x[0], self.x[-1])) @ self.shapes
-
-    def slope_design(self, x: Array) -> Array:
-        """The x-derivatives of ``design``."""
-        return self._splines(np.clip(x, self.x[0], self.x[-1]), 1) @ self.shapes
+    def design(self, x: Array, order: int = 0) -> Array:
+        """Values at ``x`` of what the coefficients of v (and of u) multiply, or their derivatives, shape (m, size)."""
+        return self._splines(np.clip(x, self.x[0], self.x[-1]), order) @ self.shapes
 
     def _splines(self, x: Array, order: int = 0) -> Array:
         """B-splines (or derivatives) at ``x``, shape (m, size)."""

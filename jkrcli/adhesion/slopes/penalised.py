@@ -159,20 +159,14 @@ class Posterior:
     """The mean over lambdas and correlations: ``V`` (p, p), covariance of the coefficients over the fit's phi.
 
     ``inner``: the same with no more smoothing bias than there is away from the ends; for what is read off within.
-    ``rhos``: correlations that were weighed, ``weights``: their probabilities; ``evidence``: log of the likelihood of
-    the likeliest over that of none.
+    ``rho``: the correlation of neighbours with the greatest probability; ``evidence``: log of the greatest likelihood
+    of any over that of none.
     """
 
     V: Array
     inner: Array
-    rhos: Array
-    weights: Array
+    rho: float
     evidence: float
-
-    @property
-    def likeliest(self) -> float:
-        """The correlation of neighbours with the greatest probability."""
-        return float(self.rhos[np.argmax(self.weights)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,10 +203,9 @@ def posterior(fit: PenalisedFit, blocks: Sequence[slice], noise: bool, correlate
             found = list(_guesses(fit, _flat(seen, rho), blocks, best[i][1], weight, spread))
             masses[i] = np.logaddexp.reduce([guess.height for guess in found])
             guesses += found
-    weights = np.exp(masses - np.logaddexp.reduce(masses))
     full = _mean_covariance(guesses, fit.phi, 1.0, 1.0)
     inner = _mean_covariance(guesses, fit.phi, 0.0, TUNING.bias) if noise else full
-    return Posterior(full, inner, rhos, weights, float(heights.max() - heights[0]))
+    return Posterior(full, inner, float(rhos[np.argmax(masses)]), float(heights.max() - heights[0]))
 
 
 def likeliest_correlation(fit: PenalisedFit, blocks: Sequence[slice]) -> float:

@@ -18,6 +18,7 @@ import numpy as np
 
 from ...base import Array
 from ...bodies import Elastic, TransverselyIsotropic
+from ...formulas import boussinesq
 from .elasticity import ElasticSystem
 
 # theory: equal roots, as of an isotropic material, are taken this far apart; the field changes by the square of it
@@ -52,11 +53,8 @@ class Boussinesq:
 
     def displacement(self, r: Array, z: Array) -> tuple[Array, Array]:
         """u_r, u_z [m/N], u_z upwards."""
-        nu, depth = self.material.nu, -z
-        rho = np.hypot(r, depth)
-        factor = 1 / (4 * np.pi * self.material.G * rho)
-        u_r = factor * (r * depth / rho**2 - (1 - 2 * nu) * r / (rho + depth))
-        return u_r, -factor * (depth**2 / rho**2 + 2 * (1 - nu))
+        u_r, u_z = boussinesq.point_force(r, -z, self.material.E, self.material.nu)
+        return u_r, -u_z
 
     def side_traction(self, r: Array, z: Array) -> tuple[Array, Array]:
         """sigma_rr, sigma_rz [1/m^2]: the traction on a cylinder r = const, outward normal, z upwards."""

@@ -36,7 +36,8 @@ class SurfaceContact:
 
     With C = L L^T, y = L^-1 1 and z = L^-1 f, the leading block k of L serves the contact set {0..k}: running sums
     give the stiffness S_k of that set, the depth delta_k at which node k just touches with zero force, and the load
-    there, P_k = S_k delta_k - T_k.
+    there, P_k = S_k delta_k - T_k. Where surfaces stick, a node has two rows: it is touched with the first of them, and
+    the set has both.
     """
 
     surface: Surface
@@ -61,22 +62,23 @@ class SurfaceContact:
     @cached_property
     def S(self) -> Array:
         """Stiffness dP/d(delta) of the contact sets {0..k} [N/m]."""
-        return np.cumsum(self.y**2)
+        return np.cumsum(self.y**2)[self.surface.last]
 
     @cached_property
     def T(self) -> Array:
         """Load that the profile takes off: P = S delta - T for the contact set {0..k} [N]."""
-        return np.cumsum(self.y * self.z)
+        return np.cumsum(self.y * self.z)[self.surface.last]
 
     @cached_property
     def delta(self) -> Array:
         """Depth at which node k touches with zero force, all nodes inside it in contact [m]."""
-        return self.z / self.y
+        return (self.z / self.y)[self.surface.normal]
 
     @cached_property
     def P(self) -> Array:
         """Load at that depth [N]."""
-        return self.S * self.delta - self.T
+        S, T = np.cumsum([self.y**2, self.y * self.z], axis=1)[:, self.surface.normal]
+        return S * self.delta - T
 
     def pressed(self, last: Array, depth: Array) -> tuple[Array, Array]:
         """Halves L^T p and forces p (m, sets) [N] of the rows {0..last} pressed to ``depth`` [m]."""
@@ -142,23 +144,6 @@ class StuckContact(SurfaceContact):
         if j > 0 and before > 0 < delta[j]:
             power = math.log(delta[k] / delta[j]) / math.log(width / before)
         return float(power * delta[k] / width)
-
-    @cached_property
-    def S(self) -> Array:
-        return np.cumsum(self.y**2)[self.surface.last]
-
-    @cached_property
-    def T(self) -> Array:
-        return np.cumsum(self.y * self.z)[self.surface.last]
-
-    @cached_property
-    def delta(self) -> Array:
-        return (self.z / self.y)[self.surface.normal]
-
-    @cached_property
-    def P(self) -> Array:
-        touching = self.surface.normal
-        return np.cumsum(self.y**2)[touching] * self.delta - np.cumsum(self.y * self.z)[touching]
 
 
 @dataclass(frozen=True, eq=False)

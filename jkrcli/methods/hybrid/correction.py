@@ -20,8 +20,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...base import AT_ONCE, Array
+from ...formulas.boussinesq import point_force
 from ..integral import rule
-from .halfspace import RingField, point_force
+from .halfspace import RingField
 from .lines import LineElements, extended, lines
 from .region import Moduli, Region
 from .system import Mesh

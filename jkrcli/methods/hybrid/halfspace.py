@@ -62,11 +62,3 @@ class RingField:
         trace = nu / (1 + nu) * (self.s_rr + self.s_tt + self.s_zz)
         rr, tt, zz = ((s - trace) / (2 * shear) for s in (self.s_rr, self.s_tt, self.s_zz))
         return rr, tt, zz, self.s_rz / shear
-
-
-def point_force(r: Array, z: Array, E: float, nu: float) -> tuple[Array, Array]:
-    """Displacements u_r, u_z of a half-space of modulus ``E`` under a unit force into it at the origin (Johnson 1985,
-    Sec. 3.2)."""
-    rho = np.hypot(r, z)
-    factor = (1 + nu) / (2 * np.pi * E * rho)
-    return factor * (r * z / rho**2 - (1 - 2 * nu) * r / (rho + z)), factor * (z**2 / rho**2 + 2 * (1 - nu))

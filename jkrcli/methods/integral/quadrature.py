@@ -23,9 +23,8 @@ class QuadratureTuning:
     most_nodes: int = 10  # on a panel; tuned on bodies, by `make constants`: beyond, narrower panels are as cheap
     # Times the kernel's scale: highest wave number noticed:
     frequency: float = 5.0  # tuned on reference bodies, by `make tuning`
-    narrower: float = (
-        1.5  # of panels, from one refinement to the next where phi is not smooth; choice: what a step costs
-    )
+    # of panels, from one refinement to the next where phi is not smooth; choice: what a step costs
+    narrower: float = 1.5
     # Crowding of panels before each radius under a kernel with a logarithm, where phi is not smooth at its edge:
     unsmooth_nodes: int = 4  # least on a panel; tuned on graded layers, by `make tuning`
     # Error there: square of this, the panel's width, the logarithm's strength:

@@ -107,10 +107,7 @@ class ResolvedTwice(IndenterOnLayers):
                 if best <= tolerance:
                     return main, errors
             plan = finer
-        smaller = "ask for a smaller contact radius"
-        missed = f"layered: the estimated relative error of {self.what} is {best:.1e} with {plan.nodes} rows, "
-        missed += f"above the tolerance {tolerance:.1e}; "
-        raise InaccurateError(f"{missed}{tolerance_remedy('layered', best)}{smaller}", f"{missed}{smaller}")
+        raise _inaccurate(f" of {self.what}", best, f"{plan.nodes} rows", tolerance)
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +197,10 @@ class LayeredContact(IndenterOnLayers):
                 if best <= tolerance:
                     return main, errors
             plan, check = (p.finer() if self.spectrum.tail is None else p.narrower() for p in (plan, check))
-        raise _inaccurate(best, plan.nodes, tolerance)
+        if math.isinf(best):
+            missed = f"layered: {plan.nodes} nodes do not resolve the kernel, the error is not known; ask for "
+            raise InaccurateError(*(f"{missed}{more}a smaller contact radius" for more in ("more points or ", "")))
+        raise _inaccurate("", best, f"{plan.nodes} nodes", tolerance)
 
     def _attempt(self, radii: Array, plan: Quadrature, order: int, inner: int) -> EquationResult | None:
         """Result of ``solved``; None where the quadrature is too coarse for a positive definite matrix."""
@@ -215,13 +215,10 @@ def _spectrum(specimen: Specimen, indenter: Elastic | None) -> LayeredSpectrum:
     return LayeredSpectrum(specimen, indenter)
 
 
-def _inaccurate(error: float, nodes: int, tolerance: float) -> InaccurateError:
-    """Refusal that names the least ``error`` found (infinite: none was) and what may help."""
+def _inaccurate(what: str, error: float, rows: str, tolerance: float) -> InaccurateError:
+    """Refusal that names the least ``error`` found and what may help."""
     smaller = "ask for a smaller contact radius"
-    if math.isinf(error):
-        missed = f"layered: {nodes} nodes do not resolve the kernel, the error is not known; "
-        return InaccurateError(f"{missed}ask for more points or a smaller contact radius", f"{missed}{smaller}")
-    missed = f"layered: the estimated relative error is {error:.1e} with {nodes} nodes, above the tolerance "
+    missed = f"layered: the estimated relative error{what} is {error:.1e} with {rows}, above the tolerance "
     missed += f"{tolerance:.1e}; "
     return InaccurateError(f"{missed}{tolerance_remedy('layered', error)}{smaller}", f"{missed}{smaller}")
 

@@ -2,8 +2,9 @@
 
 At given contact radius fewer points change delta and P by d(a): the value changes by d, and the place by the slope of
 what the device holds of d over the bend of the curve, and along with it what varies there. Errors of F that cancel in
-the loads (a rigid shift of the profile leaves P as it is) cancel here too. Between points d passes through zero: the
-largest within an interval of the table on either side counts. The order of the table's own error says what is left.
+the loads (a rigid shift of the profile leaves P as it is) cancel here too. Between points d passes through zero,
+elsewhere than the table's own error does: its mean square within an interval of the table on either side counts, of two
+profiles the larger. The order of the table's own error says what is left.
 """
 
 from __future__ import annotations
@@ -58,10 +59,16 @@ def error_by_points(
     bend = 2 * np.polyfit(x, np.asarray(position(values[0], values[1], stiffness))[near], 2)[0]
     along = np.polyfit(x, values[:, near].T, 2)[1]
     of_F, of_slope, of_mean = indenter.left(np.array([point.a, point.place])).max(axis=1)
-    moved = of_slope * np.abs(rates).max() / abs(bend)
-    value = max(of_F, of_mean) * np.abs(changes).max(axis=(0, 2))
+    moved = of_slope * _largest_mean(rates) / abs(bend)
+    value = max(of_F, of_mean) * _largest_mean(changes)
     errors = TUNING.left * np.hypot(value, along * moved)
     return dict(zip(("delta", "P"), errors.tolist(), strict=True))
+
+
+def _largest_mean(changes: Array) -> Array:
+    """Over the profiles, the first axis, the largest of the roots of the mean squares along the radii, the last one."""
+    largest: Array = np.sqrt(np.mean(changes**2, axis=-1)).max(axis=0)
+    return largest
 
 
 def _around(indenter: Indenter, a: float, end: float) -> Array:

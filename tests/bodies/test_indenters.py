@@ -131,6 +131,17 @@ def test_tables_of_smooth_shapes_converge_without_kinks_and_state_their_error(in
     assert -np.polyfit(np.log([10, 20, 40, 80]), np.log(errors[2:]), 1)[0] > 2.9  # the end's order; inside it is four
 
 
+@pytest.mark.parametrize("power", [1.04, 1.2, 1.5, 1.7])
+@pytest.mark.parametrize("count", [4, 8, 9, 25, 80])
+def test_next_to_a_tip_the_error_of_the_slope_is_stated(power: float, count: int) -> None:
+    pointed = PowerLaw(0.2 * R ** (1 - power), power)
+    table, r = through(pointed, count), np.array([1e-5 * R])
+    wrong, (stated,) = np.abs(table.abel_slope(r) - pointed.abel_slope(r)), table.resolution(r)[1]
+    assert wrong <= stated <= table.abel_slope(r) * (1 + 1e-12)
+    cone = through(PowerLaw(0.2, 1.0), count)
+    assert cone.resolution(r)[1] < 1e-12
+
+
 def test_a_table_bends_where_it_is_said_to_and_where_a_straight_run_ends() -> None:
     blunt = RoundedFlat(0.1 * R, 0.3 * R)
     assert through(blunt, 41).kinks == pytest.approx([0.1 * R])

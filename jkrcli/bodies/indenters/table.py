@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -119,10 +120,12 @@ class TableProfile(Indenter):
 
     def resolution(self, a: Array) -> Array:
         """Errors (2, n) of F [m] and of its slope [-] near radii ``a`` [m], as fewer points tell them: the error of the
-        mean of F over the contact, which P feels, is part of the first."""
+        mean of F over the contact, which P feels, is part of the first. Next to the axis that of the slope is that of a
+        tip."""
         changes, shares = self._at(self._resolved, a)
         F, slope, mean = changes * shares
-        return np.stack([F + mean, slope])
+        at_tip = np.where(np.asarray(a) < self._resolved[0][0], self._tip_error, 0.0)
+        return np.stack([F + mean, np.maximum(slope, at_tip)])
 
     def left(self, a: Array) -> Array:
         return self._at(self._resolved, a)[1]
@@ -149,6 +152,22 @@ class TableProfile(Indenter):
             orders = np.divide(wider, near, out=np.full(3, np.inf), where=near > 0) - 1
             found[:, i], shares[:, i] = near, TUNING.safety / np.clip(orders, TUNING.flattest, TUNING.steepest)
         return x, found, shares
+
+    @cached_property
+    def _tip_error(self) -> float:
+        """Error of the slope of F [-] next to the axis, where the profile is extrapolated to a tip: where that is r^p,
+        1 < p < 2, it falls with the power p - 1 < 1 of the spacing, as fewer points tell; where they tell no power any
+        slope from none on is as convex. A cone, pi/2 times as steep in F, has no error."""
+        tables: list[TableProfile] = [self]
+        while len(tables) < 3 and len(tables[-1].r) >= 5:
+            tables.append(tables[-1].thinned[0])
+        error, *others = (float(table.pieces[1, 0]) for table in tables)
+        if self.pieces[1, 1] - error <= TUNING.straight * error:
+            return 0.0
+        if len(others) == 2:
+            near, wider = abs(others[0] - error), abs(others[1] - others[0])
+            error = min(TUNING.safety * near**2 / max(wider - near, TINY), error)
+        return math.pi / 2 * error
 
     def _beside(self, x: Array, k: int, steps: int) -> tuple[int, int]:
         """The first and the last of the radii ``x`` [m] within so many points around those beside the point ``k``."""

@@ -557,10 +557,12 @@ def _goes_back(curve: Curve, item: Direction) -> bool:
 
 
 def _pulls_deepest(curve: Curve, item: Direction) -> bool:
-    """Whether tension is largest where the device presses deepest, as it is where tension counts as positive."""
+    """Whether tension is largest where the device presses deepest, and compression is not, as where tension counts as
+    positive; a gel that relaxes after the turn has both there."""
     z = curve.device[item.segment.rows]
     deepest = item.adhesion_at > z.max() - TUNING.turning * float(np.ptp(z))
-    return deepest and item.based and isinstance(item.touch, float) and isinstance(item.adhesion, float)
+    pressed = z[np.argmax(curve.load[item.segment.rows])] > item.adhesion_at
+    return deepest and not pressed and item.based and isinstance(item.touch, float) and isinstance(item.adhesion, float)
 
 
 def _wanders(delta: Array) -> bool:

@@ -281,6 +281,21 @@ def test_tension_that_counts_as_positive_is_named() -> None:
     )
 
 
+def test_suction_right_after_the_turn_is_no_wrong_sign() -> None:
+    """A gel whose load falls below its base line before the device has gone back by a hundredth of the way."""
+    z = np.linspace(-1.0, 2.0, 3001)
+    suction = 1.1 * np.exp((z - 2) / 0.005) - 0.1 * np.exp((z - 2) / 0.2)
+    P = np.concatenate([np.where(z > 0, 0.25 * z**2, 0.0), suction[::-1]])
+    P = P + 1e-3 * np.random.default_rng(5).normal(size=P.size)
+    curve = Curve("made", delta=1e-6 * np.concatenate([z, z[::-1]]), P=1e-6 * P)
+    side = examine(curve).direction("retract")
+    assert side is not None
+    assert isinstance(side.adhesion, float)
+    assert side.adhesion_at > 1.9e-6
+    assert "wrong sign" not in examine(curve).flags
+    assert "wrong sign" in examine(replace(curve, P=-1e-6 * P)).flags
+
+
 @pytest.mark.parametrize("noise", [0.0, 3e-5, 3e-4])
 def test_a_base_line_ends_at_a_jump_far_smaller_than_the_largest_load(noise: float) -> None:
     """Pressed to 300 times its jump into contact; the line went on through it as far as loads were within 0.5 %."""

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
         NOT_SUBTRACTED,
         OVERRULED,
         RETRACT,
+        SUBTRACTED_TWICE,
         Curve,
         Pixel,
         Reading,

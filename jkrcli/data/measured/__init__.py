@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -23,10 +24,11 @@ from .curve import (
     Reading,
 )
 from .instruments import SEGMENTS
+from .tip_position import SUBTRACTED_TWICE, of_its_device, stiffness_of_noise
 
 __all__ = [
-    "APPROACH", "AS_DEPTH", "NOT_SUBTRACTED", "OVERRULED", "RETRACT", "Curve", "Pixel", "Reading", "each",
-    "from_columns", "read", "usable",
+    "APPROACH", "AS_DEPTH", "NOT_SUBTRACTED", "OVERRULED", "RETRACT", "SUBTRACTED_TWICE", "Curve", "Pixel", "Reading",
+    "each", "from_columns", "read", "usable",
 ]  # fmt: skip
 # Endings of force microscopes' files. Of .csv and .txt only the user knows: --format afm.
 AFM_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".ibw", ".h5", ".tab")
@@ -162,8 +164,9 @@ def _by_convention(curve: Curve, reading: Reading, stiffness: float | None) -> C
         from ..zero_points import with_zero_points
 
         found = with_zero_points(found)
-    if stiffness is None or found.delta is None:
-        return found
+    if stiffness in (None, math.inf) or found.delta is None:
+        return of_its_device(found)
     if found.P is None:
         raise InputError(f"{curve.where}: holds no load: the device's deflection P/stiffness cannot be subtracted")
-    return replace(found, delta=found.delta - found.P / stiffness, stiffness=stiffness)
+    flags = (*found.flags, SUBTRACTED_TWICE) if stiffness_of_noise(found.delta, found.P) else found.flags
+    return replace(found, delta=found.delta - found.P / stiffness, stiffness=stiffness, flags=flags)

@@ -18,6 +18,7 @@ from ...data import (
     NOT_SUBTRACTED,
     OVERRULED,
     RETRACT,
+    SUBTRACTED_TWICE,
     Curve,
     ForceCurve,
     Pixel,
@@ -43,7 +44,11 @@ from .statistics import covariance, structure
 
 OWN = {"w": "w_approach"}  # names of an approach alone
 DIRECTIONS: tuple[SegmentName, ...] = ("approach", "retract")
-WARNED = {NOT_SUBTRACTED: "E* is that of contact and device in series: ", AS_DEPTH: ""}  # flags of a curve that matter
+WARNED = {  # flags of a curve that matter
+    NOT_SUBTRACTED: "E* is that of contact and device in series: ",
+    AS_DEPTH: "",
+    SUBTRACTED_TWICE: "",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,9 +142,9 @@ def fit(
         warnings = (*kept, *found.warnings)
         return replace(found, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
     except InputError as error:
-        missing = f"; {NOT_SUBTRACTED}" if NOT_SUBTRACTED in curve.flags else ""
+        likely = "".join(f"; {flag}" for flag in (NOT_SUBTRACTED, SUBTRACTED_TWICE) if flag in curve.flags)
         lines = [line if line.startswith(curve.where) else f"{curve.where}: {line}" for line in error.lines]
-        raise InputError([f"{line}{missing}" for line in lines]) from None
+        raise InputError([f"{line}{likely}" for line in lines]) from None
     except SolveError as error:
         raise SolveError(f"{curve.where}: {error}") from None
 

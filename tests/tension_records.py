@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 
 import numpy as np
+from compliance import compliance_ratio
 from scipy.interpolate import CubicSpline
 from scipy.special import jv
 
@@ -14,7 +15,6 @@ from jkrcli.base.arrays import Array
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Rigid, Specimen
 from jkrcli.data.measured import Curve
-from jkrcli.methods.layered.spectrum import compliance_ratio
 
 DEGREES = 40  # radii at which a body of records is solved
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base import UNSEEN, Array, InputError, Unknown
+from ...base import UNSEEN, InputError, Unknown
 from ...series import RawSeries, Series
 from . import slopes_function
 from .result import Slopes
@@ -62,16 +61,12 @@ def _carried(series: Series) -> Slopes:
 
 
 def smoothed(
-    raw: RawSeries,
-    a0: float = 0.0,
-    S0: float | None = 0.0,
-    errors: Mapping[str, Array] | None = None,
-    own: Series | None = None,
+    raw: RawSeries, a0: float = 0.0, S0: float | None = 0.0, own: Series | None = None
 ) -> tuple[Series, Slopes]:
     """Series and slopes straight from increments, noisy or with repeated radii, by the method "integral"."""
     from .integral import smoothed as fitted
 
-    series, found = fitted(raw, a0, S0, errors, own)
+    series, found = fitted(raw, a0, S0, own)
     return series, replace(found, reason=f"the increments themselves were fitted{_towards(own)}{_unseen(found)}")
 
 

@@ -99,11 +99,7 @@ def integral(series: Series) -> Slopes:
 
 
 def smoothed(
-    raw: RawSeries,
-    a0: float = 0.0,
-    S0: float | None = 0.0,
-    errors: Mapping[str, Array] | None = None,
-    own: Series | None = None,
+    raw: RawSeries, a0: float = 0.0, S0: float | None = 0.0, own: Series | None = None
 ) -> tuple[Series, Slopes]:
     """A series and its slopes from increments, also where they are too noisy to be a series (columns out of order).
 
@@ -111,13 +107,11 @@ def smoothed(
     (``events.py``). The series holds the fitted columns at the data's radii, sorted and without repeats, but for those
     of outliers beyond all others.
     """
-    if errors is None and has_plateaus(raw):
-        raw, errors = touch_events(raw)
-    raw = raw.touching
-    settled = _settle(raw, errors or {}, a0, S0, own)
+    raw, errors = touch_events(raw) if has_plateaus(raw) else (raw.touching, {})
+    settled = _settle(raw, errors, a0, S0, own)
     kept = np.delete(raw.a, settled.outliers)
     a = np.unique(raw.a[(raw.a >= kept.min()) & (raw.a <= kept.max())])
-    found = _slopes(settled, raw, errors or {}, a0, S0, a)
+    found = _slopes(settled, raw, errors, a0, S0, a)
     assert found.delta is not None
     assert found.P is not None
     return Series(a, found.delta, found.P, a0=a0, S0=S0, own=own), found

@@ -220,7 +220,7 @@ class LogSplineModel:
         """Values at ``x`` of what the coefficients of v (and of u) multiply, or their derivatives, shape (m, size)."""
         return self._splines(np.clip(x, self.x[0], self.x[-1]), order) @ self.shapes
 
-    def _splines(self, x: Array, order: int = 0) -> Array:
+    def _splines(self, x: Array, order: int) -> Array:
         """B-splines (or derivatives) at ``x``, shape (m, size)."""
         if order == 0:
             return BSpline.design_matrix(np.clip(x, self.knots[0], self.knots[-1]), self.knots, TUNING.degree).toarray()

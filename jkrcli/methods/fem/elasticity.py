@@ -209,9 +209,9 @@ class ElasticSystem:
         """Degree of the polynomials along a side of a cell."""
         return ELEMENTS[self.grid.element].index(type(self.basis.elem)) + 1
 
-    def in_layer(self, layer: int, degree: int | None = None) -> skfem.Basis:
-        """The basis on the cells of a layer, with the quadrature of the stiffness or one of its own ``degree``."""
-        return _restricted(self.basis, self.grid, layer, self.basis.elem, degree)
+    def in_layer(self, layer: int) -> skfem.Basis:
+        """The basis on the cells of a layer."""
+        return _restricted(self.basis, self.grid, layer, self.basis.elem)
 
     def at_corners(self, layer: int) -> skfem.Basis:
         """The basis on the cells of a layer at their vertices (cells, 3 or 4)."""
@@ -291,10 +291,10 @@ def _of_pressure(basis: skfem.Basis, grid: Grid) -> Any:
     return kinds[kinds.index(type(basis.elem)) - 1]()
 
 
-def _restricted(basis: skfem.Basis, grid: Grid, layer: int, element: Any, degree: int | None = None) -> skfem.Basis:
-    """Basis of the ``element`` on the cells of a layer, with the same quadrature or one exact to ``degree``."""
-    quadrature = {"quadrature": (basis.X, basis.W)} if degree is None else {"intorder": degree}
-    return skfem.Basis(basis.mesh, element, elements=np.flatnonzero(grid.materials == layer), **quadrature)
+def _restricted(basis: skfem.Basis, grid: Grid, layer: int, element: Any) -> skfem.Basis:
+    """Basis of the ``element`` on the cells of a layer, with the same quadrature."""
+    numbers = np.flatnonzero(grid.materials == layer)
+    return skfem.Basis(basis.mesh, element, elements=numbers, quadrature=(basis.X, basis.W))
 
 
 def _stiffness(

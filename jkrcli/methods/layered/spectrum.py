@@ -59,23 +59,6 @@ def deviation(specimen: Specimen, k: Array, indenter: Elastic | None = None) -> 
     return (factor * _deviation_of_stack(specimen, _positive(specimen, k))).reshape(k.shape)
 
 
-def compliance_ratio(specimen: Specimen, k: Array, indenter: Elastic | None = None) -> Array:
-    """Compliance ratio g(k): the surface compliance over that of a half-space of the top material: 1 for k h ->
-    infinity [-].
-
-    Relative accuracy also where g is small (rigid base, k -> 0), except that an elastic ``indenter`` adds its constant.
-    """
-    k = np.asarray(k, dtype=float)
-    if not specimen.layers:
-        return np.ones_like(k)
-    top = specimen.surface
-    m = minors_of(specimen, _positive(specimen, k))
-    g = (m[2] / (_half_space(specimen) * m[0])).reshape(k.shape)
-    if indenter is None:
-        return g
-    return contact_modulus(top, indenter) * (g / top.E_star + 1 / indenter.E_star)
-
-
 def _positive(specimen: Specimen, k: Array) -> Array:
     """Wave numbers ``k``, flat, with zero replaced by next to nothing: the minors over a frictionless base vanish at
     zero itself."""

@@ -52,8 +52,10 @@ TUNING = LayeredTuning()
 
 @dataclass(frozen=True, eq=False)
 class IndenterOnLayers(ABC):
-    """An indenter on a layered specimen, whatever their surfaces do to each other."""
+    """An indenter on a layered specimen, whatever their surfaces do to each other; ``what`` is solved. Errors are found
+    from a second discretisation that differs in every part."""
 
+    what: ClassVar[str]
     indenter: Indenter
     specimen: Specimen
     limit: float = math.inf  # the kernel is known at every radius; a search for forecasts need not go so far
@@ -72,14 +74,6 @@ class IndenterOnLayers(ABC):
     def scale(self) -> float:
         """The length over which the kernel varies [m]; infinite for a homogeneous half-space."""
         return self.spectrum.scale
-
-
-@dataclass(frozen=True, eq=False)
-class ResolvedTwice(IndenterOnLayers):
-    """An indenter on layers whose errors are found from a second discretisation that differs in every part;
-    ``what`` is solved."""
-
-    what: ClassVar[str]
 
     @abstractmethod
     def plan(self, radii: Array, tolerance: float) -> Any:
@@ -107,12 +101,21 @@ class ResolvedTwice(IndenterOnLayers):
                 if best <= tolerance:
                     return main, errors
             plan = finer
-        raise _inaccurate(f" of {self.what}", best, f"{plan.nodes} rows", tolerance)
+        raise self._inaccurate(best, f"{plan.nodes} rows", tolerance)
+
+    def _inaccurate(self, error: float, rows: str, tolerance: float) -> InaccurateError:
+        """Refusal that names the least ``error`` found and what may help."""
+        smaller = "ask for a smaller contact radius"
+        missed = f"layered: the estimated relative error{self.what} is {error:.1e} with {rows}, above the tolerance "
+        missed += f"{tolerance:.1e}; "
+        return InaccurateError(f"{missed}{tolerance_remedy('layered', error)}{smaller}", f"{missed}{smaller}")
 
 
 @dataclass(frozen=True, eq=False)
 class LayeredContact(IndenterOnLayers):
     """Surfaces that slide, solved at given radii; nothing is kept between calls except the spectrum."""
+
+    what = ""
 
     @cached_property
     def spectrum(self) -> LayeredSpectrum:
@@ -200,7 +203,7 @@ class LayeredContact(IndenterOnLayers):
         if math.isinf(best):
             missed = f"layered: {plan.nodes} nodes do not resolve the kernel, the error is not known; ask for "
             raise InaccurateError(*(f"{missed}{more}a smaller contact radius" for more in ("more points or ", "")))
-        raise _inaccurate("", best, f"{plan.nodes} nodes", tolerance)
+        raise self._inaccurate(best, f"{plan.nodes} nodes", tolerance)
 
     def _attempt(self, radii: Array, plan: Quadrature, order: int, inner: int) -> EquationResult | None:
         """Result of ``solved``; None where the quadrature is too coarse for a positive definite matrix."""
@@ -213,14 +216,6 @@ class LayeredContact(IndenterOnLayers):
 @lru_cache(maxsize=8)  # the radii of one body are often solved in several steps
 def _spectrum(specimen: Specimen, indenter: Elastic | None) -> LayeredSpectrum:
     return LayeredSpectrum(specimen, indenter)
-
-
-def _inaccurate(what: str, error: float, rows: str, tolerance: float) -> InaccurateError:
-    """Refusal that names the least ``error`` found and what may help."""
-    smaller = "ask for a smaller contact radius"
-    missed = f"layered: the estimated relative error{what} is {error:.1e} with {rows}, above the tolerance "
-    missed += f"{tolerance:.1e}; "
-    return InaccurateError(f"{missed}{tolerance_remedy('layered', error)}{smaller}", f"{missed}{smaller}")
 
 
 def _errors(main: ContactResult, other: ContactResult, some: Array) -> Array:

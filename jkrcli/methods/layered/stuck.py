@@ -20,7 +20,7 @@ from ..integral.quadrature import EXACT
 from .minors import Medium, minors_of, shear_moduli
 from .spectrum import LayeredSpectrum, resolved
 from .stack import TUNING as REFINING
-from .stack import ResolvedTwice
+from .stack import IndenterOnLayers
 
 
 @dataclass(frozen=True)
@@ -141,10 +141,10 @@ def half_space_compliances(material: Material) -> tuple[float, float, float]:
 
 
 @dataclass(frozen=True, eq=False)
-class StuckLayeredContact(ResolvedTwice):
+class StuckLayeredContact(IndenterOnLayers):
     """An indenter that sticks to a layered specimen, solved at given radii."""
 
-    what = "contact without slip"
+    what = " of contact without slip"
 
     @cached_property
     def spectrum(self) -> StuckSpectrum:

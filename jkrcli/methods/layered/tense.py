@@ -35,7 +35,7 @@ from .angles import Angles, Function
 from .product import logarithms
 from .spectrum import LayeredSpectrum, deviation, resolved
 from .stack import TUNING as REFINING
-from .stack import ResolvedTwice
+from .stack import IndenterOnLayers
 from .tail import COUNT, Tail, regularised, surface_series
 
 
@@ -163,10 +163,10 @@ def _tense_series(c: Array, kappa: float) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class TenseContact(ResolvedTwice):
+class TenseContact(IndenterOnLayers):
     """A rigid indenter on a layered specimen with surface tension, solved at given radii."""
 
-    what = "contact under surface tension"
+    what = " of contact under surface tension"
 
     @cached_property
     def spectrum(self) -> TenseSpectrum:

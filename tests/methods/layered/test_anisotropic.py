@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from compliance import compliance_ratio
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import expm
@@ -20,7 +21,7 @@ from jkrcli.methods.fem.mesh import triangles
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.methods.layered.minors import Medium
-from jkrcli.methods.layered.spectrum import compliance_ratio, deviation
+from jkrcli.methods.layered.spectrum import deviation
 
 ISOTROPIC, AS_FIVE = Elastic(2.6, 0.3), TransverselyIsotropic(2.6, 2.6, 0.3, 0.3, 1.0)
 REAL, CONJUGATE = TransverselyIsotropic(1.0, 3.0, 0.2, 0.3, 0.5), TransverselyIsotropic(5.0, 1.0, 0.2, 0.1, 3.0)

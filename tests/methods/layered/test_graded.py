@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from compliance import compliance_ratio
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.polynomial import chebyshev, legendre
@@ -26,7 +27,7 @@ from jkrcli.methods.integral.quadrature import Panels, Quadrature
 from jkrcli.methods.layered.fields import profile
 from jkrcli.methods.layered.layered import GRADED, Layered
 from jkrcli.methods.layered.product import product_matrix
-from jkrcli.methods.layered.spectrum import LayeredSpectrum, compliance_ratio, deviation
+from jkrcli.methods.layered.spectrum import LayeredSpectrum, deviation
 from jkrcli.methods.layered.stack import LayeredContact
 from jkrcli.methods.layered.tail import Tail, surface_series
 

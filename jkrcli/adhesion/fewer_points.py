@@ -26,7 +26,7 @@ from .device import position
 class FewerPointsTuning:
     """Radii at which fewer points are looked at, and what is concluded."""
 
-    left: float = 1.4  # of what the order leaves of a change; tuned on tables, by `make range-bounds`
+    left: float = 1.8  # of what the order leaves of a mean; tuned on tables, by `make range-bounds`
     radii: int = 6  # on either side; choice: some to an interval
     nearest: float = 0.02  # of the radius, how far the outermost lie at least; choice: as for other panels
     farthest: float = 1.5  # and the factor by which at most; choice: the contact is still like it

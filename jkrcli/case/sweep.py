@@ -9,28 +9,15 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from ..base import read_bytes
+from ..base.draws import KINDS
 from . import parse_toml, validated
 from .fields import Length, Table, as_tuple, one_or_more, quantity, wrong
 from .models import RootTable
 
 MOST_CASES = 2_000_000  # of one sweep, about 2 kB of memory each in the process that collects their rows
 LIST, RANGE = {"key", "values"}, {"key", "from", "to", "count", "spacing"}
-DISTRIBUTIONS = {  # the keys that each needs, and those that it may have
-    "uniform": ({"from", "to"}, set()),
-    "loguniform": ({"from", "to"}, set()),
-    "normal": ({"mean", "sd"}, {"least", "most"}),
-    "lognormal": ({"median", "factor"}, {"least", "most"}),
-    "integer": ({"from", "to"}, set()),
-    "choice": ({"values"}, set()),
-}
 Values = Annotated[tuple[Any, ...], BeforeValidator(as_tuple)]
 Count = Annotated[int, Field(ge=1)]
-
-
-def _given(table: Table) -> set[str]:
-    """The keys that stand in the file."""
-    fields = type(table).model_fields
-    return {fields[name].alias or name for name in table.model_fields_set}
 
 
 class AxisTable(Table):
@@ -46,7 +33,7 @@ class AxisTable(Table):
 
     @model_validator(mode="after")
     def _one_form(self) -> Self:
-        given = _given(self)
+        given = set(self.model_dump(by_alias=True, exclude_unset=True))
         if not (given in (LIST, {"zip"}) or given in (RANGE, RANGE - {"spacing"})):
             raise wrong(
                 "must hold key and values, or key, from, to, count (and spacing), or zip alone, got "
@@ -71,7 +58,7 @@ class AxisTable(Table):
 class DistributionTable(Table):
     """How an uncertain key is distributed; parameters in the key's own unit, ``factor`` = exp of the log's sd."""
 
-    distribution: Literal["uniform", "loguniform", "normal", "lognormal", "integer", "choice"]
+    distribution: Literal.__getitem__(tuple(KINDS))
     start: Any = Field(None, alias="from")
     end: Any = Field(None, alias="to")
     mean: Any = None
@@ -84,8 +71,8 @@ class DistributionTable(Table):
 
     @model_validator(mode="after")
     def _its_own_keys(self) -> Self:
-        needed, allowed = DISTRIBUTIONS[self.distribution]
-        given = _given(self) - {"distribution"}
+        kind, given = KINDS[self.distribution], set(self.given)
+        needed, allowed = set(kind.needed), set(kind.limits)
         if not needed <= given <= needed | allowed:
             optional = f" (and {', '.join(sorted(allowed))})" if allowed else ""
             raise wrong(
@@ -95,6 +82,11 @@ class DistributionTable(Table):
         if self.values == ():
             raise wrong("values is empty")
         return self
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """Its parameters as they stand in the file."""
+        return self.model_dump(by_alias=True, exclude_unset=True, exclude={"distribution"})
 
 
 class SamplesTable(Table):

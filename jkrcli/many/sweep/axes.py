@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from ...base import InputError
+from ...base.draws import KINDS, Distribution, draw
 from ...case.models import CaseModel
 from ...case.sweep import AxisTable, DistributionTable, SweepModel
-from .draws import Distribution, check, draw
 from .paths import LAYER_COUNT, Tables, model_of, parse, value_at, with_values
 
 W = "adhesion.w"
@@ -114,9 +114,8 @@ def _first(model: SweepModel) -> dict[str, Any]:
         else:
             first[str(axis.key)] = axis.start if axis.values is None else axis.values[0]
     for key, item in (model.samples.of if model.samples else {}).items():
-        first[key] = (
-            item.values[0] if item.values else next(x for x in (item.start, item.mean, item.median) if x is not None)
-        )
+        value = item.given[KINDS[item.distribution].needed[0]]
+        first[key] = value[0] if item.distribution == "choice" else value
     return first
 
 
@@ -158,19 +157,9 @@ def _samples(model: SweepModel, trial: Trial) -> Axis:
 
 def _distribution(key: str, table: DistributionTable, trial: Trial) -> Distribution:
     if table.values is not None:
-        return Distribution("choice", values=tuple(trial.si({key: value})[0] for value in table.values))
-    read = {name: _number(trial, key, value) for name in ("start", "end", "mean", "sd", "median", "least", "most")
-            if (value := getattr(table, name)) is not None}  # fmt: skip
-    limits = {name: read[name] for name in ("least", "most") if name in read}
-    match table.distribution:
-        case "normal":
-            item = Distribution("normal", read["mean"], read["sd"], **limits)
-        case "lognormal":
-            item = Distribution("lognormal", read["median"], table.factor or 1.0, **limits)
-        case kind:
-            item = Distribution(kind, read["start"], read["end"])
+        return Distribution("choice", {"values": tuple(trial.si({key: value})[0] for value in table.values)})
+    given = {name: value if name == "factor" else _number(trial, key, value) for name, value in table.given.items()}
     try:
-        check(item)
+        return Distribution(table.distribution, given)
     except InputError as error:
         raise InputError(f"{key}: {error}") from None
-    return item

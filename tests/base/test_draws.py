@@ -7,18 +7,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jkrcli.many.sweep.draws import Distribution, draw
+from jkrcli.base.draws import Distribution, draw
 
 
 @given(st.integers(0, 2**20), st.sampled_from(["random", "sobol", "latin-hypercube"]))
 def test_draws_keep_their_limits(seed: int, method: str) -> None:
     items = [
-        Distribution("uniform", -1.0, 2.0),
-        Distribution("loguniform", 1e-3, 1e3),
-        Distribution("normal", 1.0, 0.5, least=0.9),
-        Distribution("lognormal", 2.0, 1.5, most=2.5),
-        Distribution("integer", 1, 3),
-        Distribution("choice", values=("a", "b")),
+        Distribution("uniform", {"from": -1.0, "to": 2.0}),
+        Distribution("loguniform", {"from": 1e-3, "to": 1e3}),
+        Distribution("normal", {"mean": 1.0, "sd": 0.5, "least": 0.9}),
+        Distribution("lognormal", {"median": 2.0, "factor": 1.5, "most": 2.5}),
+        Distribution("integer", {"from": 1, "to": 3}),
+        Distribution("choice", {"values": ("a", "b")}),
     ]
     drawn = draw(items, 33, method, seed)
     assert drawn == draw(items, 33, method, seed)
@@ -34,7 +34,11 @@ def test_draws_keep_their_limits(seed: int, method: str) -> None:
 def test_draws_follow_their_distributions() -> None:
     """4096 Sobol points integrate smooth functions to about 1e-3: mean and sd of the normal, median of the lognormal,
     equal shares of three whole numbers."""
-    items = [Distribution("normal", 3.0, 0.2), Distribution("lognormal", 2.0, 1.5), Distribution("integer", 1, 3)]
+    items = [
+        Distribution("normal", {"mean": 3.0, "sd": 0.2}),
+        Distribution("lognormal", {"median": 2.0, "factor": 1.5}),
+        Distribution("integer", {"from": 1, "to": 3}),
+    ]
     normal, lognormal, integer = (np.array(values) for values in zip(*draw(items, 4096, "sobol", 0), strict=True))
     assert normal.mean() == pytest.approx(3.0, abs=1e-3)
     assert normal.std() == pytest.approx(0.2, rel=5e-3)

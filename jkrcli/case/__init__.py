@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import tomllib
 from collections.abc import Callable, Iterator
@@ -58,11 +57,11 @@ class Case:
             place = METHODS[name].places["tolerance"]
             asked = {place.table: tree.get(place.table, {}) | {place.key: ranged.nearest(tolerance)}}
             try:
-                tree |= validated(case_model(tree), tree | asked, self.source).model_dump(exclude_none=True)
+                tree |= model_of(tree | asked, self.source).model_dump(exclude_none=True)
             except InputError:  # a mesh of given sizes, say, of which no error can be asked
                 if method == name:
                     raise
-        return Case(validated(case_model(tree), tree, self.source), self.source, remarks=self.remarks)
+        return Case(model_of(tree, self.source), self.source, remarks=self.remarks)
 
     def to_toml(self, method: str | None = None) -> str:
         """The resolved case, every default written out, SI numbers: reads back to the same numbers. With the options
@@ -89,7 +88,7 @@ def parse_case(content: bytes, source: str, folder: Path | None = None) -> Case:
         raise InputError([*error.lines, *_mistakes(error.quoted, source, folder)]) from None
     if "base" in tree and "indenter" not in tree:
         raise InputError(f"{source}: is a sweep file, not a case: jkr sweep runs it")
-    return Case(validated(case_model(tree), tree, source, folder), source, remarks=tuple(_remarks(tree, source)))
+    return Case(model_of(tree, source, folder), source, remarks=tuple(_remarks(tree, source)))
 
 
 def _remarks(tree: dict[str, Any], source: str) -> Iterator[str]:
@@ -113,10 +112,9 @@ def parse_toml(content: bytes, source: str) -> dict[str, Any]:
     """The tables in the bytes of a TOML file, not yet looked into."""
     if len(content) > MOST_BYTES:
         raise InputError(f"{source}: is larger than {MOST_BYTES >> 20} MiB; put a long profile into a table of its own")
-    if (keys := content.count(b"=")) > MOST_KEYS:
-        raise InputError(f"{source}: holds about {keys:,} keys, at most {MOST_KEYS:,} are read")
-    if (values := content.count(b",")) > MOST_VALUES:
-        raise InputError(f"{source}: holds about {values:,} values, at most {MOST_VALUES:,} are read")
+    for sign, things, most in ((b"=", "keys", MOST_KEYS), (b",", "values", MOST_VALUES)):
+        if (count := content.count(sign)) > most:
+            raise InputError(f"{source}: holds about {count:,} {things}, at most {most:,} are read")
     if many := MANY_PARTS.search(content):
         line = content.count(b"\n", 0, many.start()) + 1
         raise InputError(f"{source}: line {line}: a key must not have more than {MOST_PARTS} parts")
@@ -144,6 +142,11 @@ def plain_toml(text: str) -> str:
         return text
     dumped = tomli_w.dumps(parse_toml(text.encode(), "case"))  # in strings alone, and of those basic ones
     return "".join(c if c.isprintable() or c == "\n" else f"\\U{ord(c):08x}" for c in dumped)
+
+
+def model_of(tree: dict[str, Any], source: str, folder: Path | None = None) -> CaseModel:
+    """The case of the tables ``tree``; InputError with a line per mistake, each led by ``source``."""
+    return validated(case_model(tree), tree, source, folder)
 
 
 def validated(kind: type[Root], tree: dict[str, Any], source: str, folder: Path | None = None) -> Root:
@@ -238,8 +241,6 @@ def shown(value: Any) -> str:
         text = '"' + value.replace("\n", "\\n") + '"'
     elif isinstance(value, bool):
         text = str(value).lower()
-    elif isinstance(value, float) and not math.isfinite(value):
-        text = str(value)
     elif isinstance(value, dict):
         text = "a table"
     else:

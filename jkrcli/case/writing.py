@@ -19,8 +19,7 @@ from ..bodies import (
     Specimen,
     TransverselyIsotropic,
 )
-from . import Case, validated
-from .models import case_model
+from . import Case, model_of
 
 
 def case_of(problem: Problem) -> Case:
@@ -30,7 +29,7 @@ def case_of(problem: Problem) -> Case:
         "specimen": _specimen(problem.specimen) | ({"surface": "sticking"} if problem.sticks else {}),
         "loading": _loading(problem.loading),
     }
-    return Case(validated(case_model(tree), tree, "problem"), "problem")
+    return Case(model_of(tree, "problem"), "problem")
 
 
 def _material(material: Material | None) -> dict[str, Any]:

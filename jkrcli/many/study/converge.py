@@ -13,7 +13,7 @@ from ...adhesion import AdhesiveCurve, transform
 from ...base import Array, InputError, Pool, Unknown, in_order
 from ...bodies import Problem
 from ...methods import FEM, Layered
-from ...series import Series, Solution
+from ...series import RawSeries, Series, Solution
 from .convergence import Convergence
 from .meshes import TUNING, Level, State
 
@@ -31,12 +31,12 @@ def converge(
     factors = [TUNING.ratio**k for k in reversed(range(count))]
     methods = [coarser(method, problem, factor) for factor in factors]
     meshes = in_order(pool, partial(_timed, problem), methods, "meshes")
-    depth = min(float(_increments(mesh.solution)[1][-1]) for mesh in meshes)
+    depth = min(float(mesh.solution.increments.delta[-1]) for mesh in meshes)
     largest = float(meshes[-1].solution.series.a[-1])
     levels = []
     for mesh in meshes:
         solution, facts = mesh.solution, mesh.solution.facts
-        state = _state(*_increments(solution), _adhesive(solution.series, w, slopes_name), depth)
+        state = _state(solution.increments, _adhesive(solution.series, w, slopes_name), depth)
         levels.append(Level(spacing_at(mesh.radii, largest), state, facts["elements"], facts["unknowns"],
                             len(solution.series), facts["dropped"], mesh.seconds))  # fmt: skip
     return Convergence(problem, w, depth, tuple(levels), _exact(problem, w, depth))
@@ -86,19 +86,12 @@ def spacing_at(radii: Array, a: float) -> float:
     return float(radii[k] - radii[k - 1])
 
 
-def _increments(solution: Solution) -> tuple[Array, Array, Array]:
-    """Columns a, delta, P in the order of loading: every increment where there are some."""
-    rows = solution.raw if solution.raw is not None else solution.series
-    return rows.a, rows.delta, rows.P
-
-
-def _state(a: Array, delta: Array, P: Array, curve: AdhesiveCurve | Unknown, depth: float) -> State:
+def _state(rows: RawSeries | Series, curve: AdhesiveCurve | Unknown, depth: float) -> State:
     """The state at ``depth`` [m]: load and radius (of increments that of a node) between rows in logarithms."""
     at = math.log(depth * (1 + TUNING.round_off))
-    touching = a > 0
-    x = np.log(delta[touching])
-    load = math.exp(np.interp(at, x, np.log(P[touching])))
-    radius = math.exp(np.interp(at, x, np.log(a[touching])))
+    touching = rows.a > 0
+    x = np.log(rows.delta[touching])
+    load, radius = (math.exp(np.interp(at, x, np.log(column[touching]))) for column in (rows.P, rows.a))
     if isinstance(curve, Unknown):
         return State(radius, load, curve, None)
     return State(radius, load, curve.pull_off(0.0), curve)
@@ -120,4 +113,4 @@ def _exact(problem: Problem, w: float, depth: float) -> State | None:
     if method.refusal(asked) is not None:
         return None
     series = method(asked).series
-    return _state(series.a, series.delta, series.P, _adhesive(series, w, "exact"), depth)
+    return _state(series, _adhesive(series, w, "exact"), depth)

@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from ...base import Array, InputError, Pool, Ranged, in_order, lists
-from ...bodies import Elastic, Layer, Rigid, Specimen
+from ...bodies import Elastic, Layer, Loading, Paraboloid, Problem, Rigid, Specimen
+from ...methods import Method
 from ...report import Result
+from ...series import Series
 from . import MAPS
 
 if TYPE_CHECKING:
@@ -158,6 +160,12 @@ def rows(**columns: Any) -> Columns:
 def within(least: float, most: float) -> Ranged:
     """The range of an axis."""
     return Ranged("number", least=least, most=most)
+
+
+def series_at(radii: Array, specimen: Specimen, method: Method, sticks: bool = False) -> Series:
+    """The series of a paraboloid of R = 1 m at the ``radii`` [m]."""
+    loading = Loading.given("radius", tuple(radii.tolist()))
+    return method(Problem(Paraboloid(1.0), specimen, loading, sticks)).series
 
 
 def layer(nu: float, bonded: bool = True) -> Specimen:

@@ -18,11 +18,10 @@ import numpy as np
 from ... import __version__
 from ...adhesion import LOAD_CONTROL, AdhesiveCurve, Nonadhesive
 from ...base import SolveError, Unknown
-from ...bodies import Loading, Paraboloid, Problem
 from ...formulas.surface_tension import wetting_radius
 from ...methods import Layered
 from ...series import Series
-from .maps import BASE, POISSON, SHOWN_NU, SHOWN_Q, Axis, Columns, Map, Q, Values, Work, layer, rows, within
+from .maps import BASE, POISSON, SHOWN_NU, SHOWN_Q, Axis, Columns, Map, Q, Values, Work, layer, rows, series_at, within
 
 if TYPE_CHECKING:
     from ...report.plots import Figure
@@ -86,9 +85,8 @@ def _unit_series(nu: float, bonded: bool, qs: Sequence[float], tension: float) -
     if tension:
         low = min(low, 0.5 * wetting_radius(1.0, qs[0], tension))
     count = max(8, math.ceil(TUNING.per_decade * math.log10(high / low)))
-    radii = tuple(float(a) for a in np.geomspace(low, high, count))
     specimen = replace(layer(nu, bonded), surface_tension=tension)
-    return Layered(TUNING.tolerance)(Problem(Paraboloid(1.0), specimen, Loading.given("radius", radii))).series
+    return series_at(np.geomspace(low, high, count), specimen, Layered(TUNING.tolerance))
 
 
 def _figure(columns: Columns) -> Figure:

@@ -16,10 +16,10 @@ import numpy as np
 
 from ...adhesion import AdhesiveCurve, Nonadhesive, Program, RateContact, rate_law_of
 from ...base import Ranged, SolveError, known
-from ...bodies import Elastic, HalfSpace, Layer, Loading, Paraboloid, Problem, Rigid, Specimen
+from ...bodies import Elastic, HalfSpace, Layer, Rigid, Specimen
 from ...methods import Layered
 from ...methods.closed_form.method import ClosedForm
-from .maps import POISSON, Axis, Columns, Map, Values, Work, rows
+from .maps import POISSON, Axis, Columns, Map, Values, Work, rows, series_at
 
 if TYPE_CHECKING:
     from ...report.plots import Figure
@@ -73,10 +73,8 @@ def _body(thickness: float, nu: float) -> tuple[Nonadhesive, float]:
     specimen = Specimen((), HalfSpace(material)) if whole else Specimen((Layer(material, thickness),), Rigid(True))
     low, high = TUNING.smallest * a, TUNING.largest * a
     count = math.ceil(TUNING.per_decade * math.log10(high / low))
-    loading = Loading.given("radius", tuple(float(r) for r in np.geomspace(low, high, count)))
     method = ClosedForm() if whole else Layered(TUNING.tolerance)
-    series = method(Problem(Paraboloid(1.0), specimen, loading)).series
-    body = Nonadhesive.of(series, "exact")
+    body = Nonadhesive.of(series_at(np.geomspace(low, high, count), specimen, method), "exact")
     radii = AdhesiveCurve(body, 1.0).radii(P=0.0)
     if not radii:
         raise SolveError(f"rate map: no equilibrium without load on a layer of h = {thickness:g} R")

@@ -11,10 +11,10 @@ import numpy as np
 
 from ... import __version__
 from ...base import Array
-from ...bodies import Elastic, Layer, Loading, Paraboloid, Problem, Rigid, Specimen
+from ...bodies import Elastic, Layer, Rigid, Specimen
 from ...methods import Layered
 from ...series import Series
-from .maps import POISSON, SHOWN_NU, Axis, Columns, Map, Values, Work, rows, within
+from .maps import POISSON, SHOWN_NU, Axis, Columns, Map, Values, Work, rows, series_at, within
 
 if TYPE_CHECKING:
     from ...report.plots import Figure
@@ -43,19 +43,14 @@ def _rows(ratios: Sequence[float], nu: float) -> Columns:
     decades = np.log10(TUNING.beyond * wanted[-1] / wanted[0])
     radii = np.geomspace(wanted[0], TUNING.beyond * wanted[-1], max(int(TUNING.per_decade * decades), 8))
     radii = np.unique(np.concatenate([radii, wanted]))
-    sliding, sticking = (_series(nu, radii, sticks) for sticks in (False, True))
+    specimen, method = Specimen((Layer(Elastic(1.0, nu), 1.0),), Rigid()), Layered(TUNING.tolerance)
+    sliding, sticking = (series_at(radii, specimen, method, sticks) for sticks in (False, True))
     at = np.searchsorted(radii, wanted)
     assert sliding.S is not None
     assert sticking.S is not None
     load = _load_at(sticking, sliding.delta[at]) / sliding.P[at]
     return rows(nu=nu, a_over_h=wanted, S_ratio=sticking.S[at] / sliding.S[at], load_ratio=load,
                 solved_by=f"jkr {__version__} layered")  # fmt: skip
-
-
-def _series(nu: float, radii: Array, sticks: bool) -> Series:
-    specimen = Specimen((Layer(Elastic(1.0, nu), 1.0),), Rigid())
-    problem = Problem(Paraboloid(1.0), specimen, Loading.given("radius", tuple(radii)), sticks)
-    return Layered(TUNING.tolerance)(problem).series
 
 
 def _load_at(series: Series, depth: Array) -> Array:

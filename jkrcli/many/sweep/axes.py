@@ -12,9 +12,10 @@ import numpy as np
 
 from ...base import InputError
 from ...base.draws import KINDS, Distribution, draw
+from ...case import model_of
 from ...case.models import CaseModel
 from ...case.sweep import AxisTable, DistributionTable, SweepModel
-from .paths import LAYER_COUNT, Tables, model_of, parse, value_at, with_values
+from .paths import LAYER_COUNT, Tables, parse, value_at, with_values
 
 W = "adhesion.w"
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from ...base import InputError
-from ...case import validated
-from ...case.models import CaseModel, case_model
+from ...case import model_of
+from ...case.models import CaseModel
 
 KeyPath = tuple[str | int, ...]
 Tables = dict[str, Any]
@@ -60,11 +60,6 @@ def _keep_layers(tables: Tables, count: Any) -> None:
     if not (number and 0 <= count <= len(layers) and count == int(count)):
         raise InputError(f"{LAYER_COUNT}: must be a whole number from 0 to {len(layers)}, got {count}")
     tables["specimen"]["layers"] = layers[: int(count)]
-
-
-def model_of(tables: Tables, source: str, folder: Path | None) -> CaseModel:
-    """The case of these tables; InputError with a line per mistake, each led by ``source``."""
-    return validated(case_model(tables), tables, source, folder)
 
 
 def value_at(model: CaseModel, key: str) -> Any:

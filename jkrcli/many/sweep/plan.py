@@ -16,13 +16,13 @@ from ... import __version__
 from ...adhesion.slopes import checked_rule
 from ...base import MOST_CELLS, InputError
 from ...bodies import Problem
-from ...case import Case
+from ...case import Case, model_of
 from ...case.models import CaseModel
 from ...case.sweep import MOST_CASES, SweepModel, load_sweep
 from ...data.text_table import MOST_COLUMNS
 from ..cache import at_unit_modulus
 from .axes import Axis, W, resolve
-from .paths import LAYER_COUNT, Tables, model_of, unit_of, with_values
+from .paths import LAYER_COUNT, Tables, unit_of, with_values
 from .quantities import ALONG, POINT, Wanted, names_of
 
 FIRM = ("radius", "thickness", "nu")  # how keys end whose values tell bodies apart

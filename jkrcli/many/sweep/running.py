@@ -100,7 +100,7 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> Swep
         if plan.count > TUNING.many:
             _guard_early(plan, journal, means.hours, say)
         work = _left(plan, journal, say)
-        _guard(work, means.hours)
+        _guard(f"{work.cases:,} cases with {len(work.groups):,} solves", work.seconds, means.hours)
         if work.groups:
             _solve(plan, work, folder, journal, means, say)
         table = SweepTable.of(plan, journal)
@@ -121,12 +121,7 @@ def _guard_early(plan: Plan, journal: Journal, hours: float, say: Say) -> None:
     left = max(0.0, 1 - len(journal.rows) / plan.count)
     most, least = (left * (_beside(plan, plan.count) + count * solve) for count in (plan.count, plan.least_solves))
     say(f"all cases: at most about {duration(most)} of CPU time, were each solved on its own as the first")
-    if least > 3600 * hours:
-        raise InputError(
-            f"--hours: {plan.count:,} cases with at least {plan.least_solves:,} solves would take about "
-            f"{least / 3600:.3g} core hours, as the first case does, more than the limit of {hours:g}; raise it by "
-            f"--hours {math.ceil(1.5 * least / 3600)}, or ask for fewer cases, fewer points or a cheaper method"
-        )
+    _guard(f"{plan.count:,} cases with at least {plan.least_solves:,} solves", least, hours, ", as the first case does")
 
 
 def _check_targets(folder: Path, force: bool) -> None:
@@ -193,12 +188,13 @@ def _solve_seconds(plan: Plan, group: Group) -> float:
         return 0.0
 
 
-def _guard(work: Work, hours: float) -> None:
-    if work.seconds > 3600 * hours:
+def _guard(what: str, seconds: float, hours: float, likewise: str = "") -> None:
+    """Refuse to begin what takes more than so many core ``hours`` by its forecast."""
+    if seconds > 3600 * hours:
         raise InputError(
-            f"--hours: {work.cases:,} cases with {len(work.groups):,} solves would take about "
-            f"{work.seconds / 3600:.3g} core hours, more than the limit of {hours:g}; raise it by "
-            f"--hours {math.ceil(1.5 * work.seconds / 3600)}, or ask for fewer cases, fewer points or a cheaper method"
+            f"--hours: {what} would take about {seconds / 3600:.3g} core hours{likewise}, more than the limit of "
+            f"{hours:g}; raise it by --hours {math.ceil(1.5 * seconds / 3600)}, or ask for fewer cases, fewer points "
+            "or a cheaper method"
         )
 
 

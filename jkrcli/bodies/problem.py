@@ -21,6 +21,18 @@ NO_FINITE_RANGE = (
     "adhesion of finite range is not derived with surface tension: leave range, stress and capillary out, or "
     "specimen.surface_tension"
 )
+NOT_TOGETHER = {
+    ("relaxation", "elastic"): "specimen.relaxation: needs a rigid indenter: an elastic one does not relax with the "
+    "specimen; leave out indenter.E and nu, or the relaxation",
+    ("relaxation", "sticking"): "specimen.relaxation: is for frictionless contact: leave "
+    'surface = "sticking" out, or relaxation',
+    ("relaxation", "tension"): "specimen.relaxation: contact of a body that relaxes is not derived with surface "
+    "tension: leave specimen.surface_tension out, or the relaxation",
+    ("tension", "sticking"): "specimen.surface_tension: contact without slip is not derived with surface tension: "
+    'leave it out, or take specimen.surface = "sliding"',
+    ("tension", "elastic"): "specimen.surface_tension: contact of an elastic indenter is not derived with surface "
+    "tension: leave it out, or take a rigid indenter (no indenter.E and indenter.nu)",
+}
 MOST_PIECES = 1000  # of E over depth, in all layers; choice: minutes, each is solved by sublayers of its own
 
 
@@ -232,38 +244,12 @@ class Problem:
     sticks: bool = field(default=False, repr=False)
 
     def __post_init__(self) -> None:
-        if self.specimen.relaxation is not None:
-            self._refuse_relaxation()
-        if self.specimen.surface_tension:
-            self._refuse_tension()
-
-    def _refuse_relaxation(self) -> None:
-        if self.indenter.material is not None:
-            raise InputError(
-                "specimen.relaxation: needs a rigid indenter: an elastic one does not relax with the specimen; "
-                "leave out indenter.E and nu, or the relaxation"
-            )
-        if self.sticks:
-            raise InputError(
-                'specimen.relaxation: is for frictionless contact: leave surface = "sticking" out, or relaxation'
-            )
-        if self.specimen.surface_tension:
-            raise InputError(
-                "specimen.relaxation: contact of a body that relaxes is not derived with surface tension: leave "
-                "specimen.surface_tension out, or the relaxation"
-            )
-
-    def _refuse_tension(self) -> None:
-        if self.sticks:
-            raise InputError(
-                "specimen.surface_tension: contact without slip is not derived with surface tension: leave "
-                'it out, or take specimen.surface = "sliding"'
-            )
-        if self.indenter.material is not None:
-            raise InputError(
-                "specimen.surface_tension: contact of an elastic indenter is not derived with surface tension: leave "
-                "it out, or take a rigid indenter (no indenter.E and indenter.nu)"
-            )
+        specimen = self.specimen
+        held = {"elastic": self.indenter.material is not None, "sticking": self.sticks}
+        held |= {"relaxation": specimen.relaxation is not None, "tension": specimen.surface_tension > 0}
+        for pair, words in NOT_TOGETHER.items():
+            if all(held[name] for name in pair):
+                raise InputError(words)
 
     @property
     def E_star(self) -> float:

@@ -23,12 +23,13 @@ class Registry(dict[str, Callable[..., Any]]):
     """The classes or functions that build what a case file calls by a name, by that name.
 
     Their parameters are the keys of the table, read by their annotations (``base.units``: ``Length``, ``Ranged``...),
-    optional where they have a default. The parameter ``given`` is none of the keys: it comes from elsewhere.
+    optional where they have a default. The parameter ``given`` is none of the keys: it comes from elsewhere. ``word``:
+    the key that holds the name.
     """
 
-    def __init__(self, given: str) -> None:
+    def __init__(self, given: str, word: str = "law") -> None:
         super().__init__()
-        self.given = given
+        self.given, self.word = given, word
 
     def register(self, name: str) -> Callable[[Builder], Builder]:
         """Decorator that makes a class or function known by ``name``."""
@@ -49,10 +50,10 @@ class Registry(dict[str, Callable[..., Any]]):
             found[key] = item.replace(annotation=hints[item.name], default=default)
         return found
 
-    def keys_in_file(self, thing: object) -> tuple[str, dict[str, Any]]:
-        """The name of a thing whose class is registered, and the values of its keys."""
+    def keys_in_file(self, thing: object) -> dict[str, Any]:
+        """The table of a thing whose class is registered: its name and the values of its keys."""
         for name, builder in self.items():
             if builder is type(thing):
-                parameters = self.parameters(name).items()
-                return name, {key: getattr(thing, item.name) for key, item in parameters if key != self.given}
+                keys = {key: item.name for key, item in self.parameters(name).items() if key != self.given}
+                return {self.word: name} | {key: getattr(thing, field) for key, field in keys.items()}
         raise InputError(f"a case has no word for {type(thing).__name__}")

@@ -15,7 +15,7 @@ import numpy as np
 from ..base import Array, Registry
 from .materials import Elastic
 
-SHAPES = Registry(given="material")
+SHAPES = Registry(given="material", word="shape")
 shape = SHAPES.register  # decorator: the shape by which the table [indenter] of a case file calls it
 
 
@@ -75,8 +75,7 @@ class Indenter(ABC):
     @property
     def keys(self) -> dict[str, Any]:
         """Its keys in the table [indenter] of a case file."""
-        name, keys = SHAPES.keys_in_file(self)
-        return {"shape": name} | keys
+        return SHAPES.keys_in_file(self)
 
     @property
     @abstractmethod

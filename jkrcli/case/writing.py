@@ -10,7 +10,6 @@ from ..bodies import (
     Elastic,
     Graded,
     HalfSpace,
-    Law,
     Layer,
     Loading,
     Material,
@@ -39,14 +38,9 @@ def _material(material: Material | None) -> dict[str, Any]:
         case Elastic(E=E, nu=nu):
             return {"E": E, "nu": nu}
         case Graded(law=law, nu=nu):
-            return {"E": _law(law), "nu": nu}
+            return {"E": LAWS.keys_in_file(law), "nu": nu}
         case TransverselyIsotropic():
             return dict(vars(material))
-
-
-def _law(law: Law) -> dict[str, Any]:
-    name, keys = LAWS.keys_in_file(law)
-    return {"law": name} | keys
 
 
 def _specimen(specimen: Specimen) -> dict[str, Any]:
@@ -61,8 +55,7 @@ def _specimen(specimen: Specimen) -> dict[str, Any]:
     if specimen.surface_tension:
         tree["surface_tension"] = specimen.surface_tension
     if specimen.relaxation is not None:
-        name, keys = RELAXATIONS.keys_in_file(specimen.relaxation)
-        tree["relaxation"] = {"law": name} | keys
+        tree["relaxation"] = RELAXATIONS.keys_in_file(specimen.relaxation)
     return tree
 
 

@@ -26,9 +26,8 @@ NEGLECTED = (
 
 def law_summary(law: Relaxation) -> dict[str, Any]:
     """The law and its parameters, times in s."""
-    name, values = RELAXATIONS.keys_in_file(law)
-    units = {key: SI["time"] for key in values if key.startswith("time")}
-    return {"law": name} | {f"{key}_{units[key]}" if key in units else key: value for key, value in values.items()}
+    keys = RELAXATIONS.keys_in_file(law).items()
+    return {f"{key}_{SI['time']}" if key.startswith("time") else key: value for key, value in keys}
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

@@ -109,7 +109,8 @@ def _parameters(name: str, kind: type) -> dict[str, Ranged]:
 
 def parameters_of(law: RateLaw) -> tuple[str, dict[str, float]]:
     """The name of a law and the values of its parameters, SI."""
-    return RATE_LAWS.keys_in_file(law)
+    values = RATE_LAWS.keys_in_file(law)
+    return values.pop(RATE_LAWS.word), values
 
 
 def _read(key: str, ranged: Ranged, value: Any) -> float:

@@ -69,11 +69,8 @@ class IndenterTable(BuiltTable):
 def any_indenter(shapes: Iterable[str]) -> Any:
     """The type of the table of any of the registered ``shapes``, told apart by their names."""
     tables = [table_of(SHAPES, name, IndenterTable, shape=(Literal.__getitem__(name), ...)) for name in shapes]
-    return (
-        tables[0]
-        if len(tables) == 1
-        else Annotated[functools.reduce(operator.or_, tables), Field(discriminator="shape")]
-    )
+    union = functools.reduce(operator.or_, tables)
+    return Annotated[union, Field(discriminator="shape")] if len(tables) > 1 else union
 
 
 def read_columns(path: Path, wanted: list[str]) -> dict[str, tuple[float, ...]]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import contextlib
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from ...base import InputError
 from ...base.draws import KINDS, Distribution, draw
 from ...case import model_of
 from ...case.models import CaseModel
-from ...case.sweep import AxisTable, DistributionTable, SweepModel
+from ...case.sweep import AxisTable, DistributionTable, SamplesTable, SweepModel
 from .paths import LAYER_COUNT, Tables, parse, value_at, with_values
 
 W = "adhesion.w"
@@ -55,37 +55,32 @@ def resolve(model: SweepModel, tables: Tables, folder: Path, source: str) -> tup
     """All axes, samples and several works of adhesion included, and the first case; a line per mistake."""
     _each_once(model, source)
     trial = Trial(tables, _first(model), folder)
-    problems = _Problems(source)
-    first = problems.take("base", partial(trial.model, {}))
-    if first is None:
-        problems.raise_all()
-    axes = [problems.take(f"axes[{i}]", partial(_axis, axis, trial)) for i, axis in enumerate(model.axes)]
+    lines: list[str] = []
+    with _noted(lines, f"{source}: base"):
+        first = trial.model({})
+    if lines:
+        raise InputError(lines)
+    axes = []
+    for i, axis in enumerate(model.axes):
+        with _noted(lines, f"{source}: axes[{i}]"):
+            axes.append(_axis(axis, trial))
     if model.samples is not None:
-        axes.append(problems.take("samples.of", partial(_samples, model, trial)))
-    problems.raise_all()
-    found = [axis for axis in axes if axis is not None]
-    if not any(W in axis.keys for axis in found) and len(first.adhesion.w) > 1:
-        found.append(Axis((W,), tuple((w,) for w in first.adhesion.w)))
-    return tuple(found), first
+        with _noted(lines, f"{source}: samples.of"):
+            axes.append(_samples(model.samples, trial))
+    if lines:
+        raise InputError(list(dict.fromkeys(lines)))
+    if not any(W in axis.keys for axis in axes) and len(first.adhesion.w) > 1:
+        axes.append(Axis((W,), tuple((w,) for w in first.adhesion.w)))
+    return tuple(axes), first
 
 
-class _Problems:
-    """Collects mistakes under the names of the tables they are in."""
-
-    def __init__(self, source: str):
-        self.source = source
-        self.lines: list[str] = []
-
-    def take(self, where: str, make: Callable[[], Any]) -> Any:
-        try:
-            return make()
-        except InputError as error:
-            self.lines += [f"{self.source}: {where}: {line.removeprefix(': ')}" for line in error.lines]
-        return None
-
-    def raise_all(self) -> None:
-        if self.lines:
-            raise InputError(list(dict.fromkeys(self.lines)))
+@contextlib.contextmanager
+def _noted(lines: list[str], where: str) -> Iterator[None]:
+    """A block whose mistakes are added to ``lines``, led by the name of the table they are in."""
+    try:
+        yield
+    except InputError as error:
+        lines += [f"{where}: {line.removeprefix(': ')}" for line in error.lines]
 
 
 def _keys(axis: AxisTable) -> tuple[str, ...]:
@@ -149,11 +144,9 @@ def _number(trial: Trial, key: str, value: Any) -> Any:
     return number
 
 
-def _samples(model: SweepModel, trial: Trial) -> Axis:
-    assert model.samples is not None
-    distributions = [_distribution(key, table, trial) for key, table in model.samples.of.items()]
-    rows = draw(distributions, model.samples.count, model.samples.method, model.samples.seed)
-    return Axis(tuple(model.samples.of), tuple(rows))
+def _samples(samples: SamplesTable, trial: Trial) -> Axis:
+    distributions = [_distribution(key, table, trial) for key, table in samples.of.items()]
+    return Axis(tuple(samples.of), tuple(draw(distributions, samples.count, samples.method, samples.seed)))
 
 
 def _distribution(key: str, table: DistributionTable, trial: Trial) -> Distribution:

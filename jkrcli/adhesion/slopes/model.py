@@ -138,14 +138,6 @@ class LogSplineModel:
             coefficients[-1] = log_S0
         return coefficients
 
-    def exponents(self, coefficients: Array) -> tuple[float, float]:
-        """Exponents of g and s towards zero radius."""
-        first_v, first_u = self.known_rates[:, 0]
-        return (
-            float(first_v + self.first_slope @ coefficients[self.v]),
-            float(first_u + self.first_slope @ coefficients[self.u]),
-        )
-
     def interpolation(self, x: Array) -> Points:
         """Grid index and the cubic Hermite weights (for values, for x-derivatives) of the points ``x``."""
         i = np.clip(((x - self.x[0]) / self.step).astype(int), 0, self.x.size - 2)
@@ -170,7 +162,7 @@ class LogSplineModel:
         gy, sy = g * self.y, s * self.y
         inner_gy = np.exp(self.known_inner[0] + self.inner_basis @ c[self.v]) * self.inner_y
         inner_sy = np.exp(self.known_inner[1] + self.inner_basis @ c[self.u]) * self.inner_y
-        q, m = self.exponents(c)
+        q, m = (self.known_rates[i, 0] + self.first_slope @ c[part] for i, part in enumerate((self.v, self.u)))
         (q1, dq1), (m1, dm1), (qm2, dqm2) = (_kept_positive(power) for power in (q + 1, m + 1, q + m + 2))
         S_start = np.exp(self.log_S0 + c[-1]) if self.S0 is None else self.S0
         first_delta, first_S, first_P = self.starts * (gy[0] / q1, sy[0] / m1, gy[0] / qm2)

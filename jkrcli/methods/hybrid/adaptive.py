@@ -452,7 +452,7 @@ def _stiffening(region: Region) -> float:
     layers = region.thicknesses[:-1] if region.far is not None else region.thicknesses
     for h, material in zip(layers, region.materials, strict=False):
         surface, nu = material.surface, material.surface.nu
-        if region.supports.base_r:
+        if region.base[0]:
             oedometric = surface.E_star * (1 - nu) ** 2 / (1 - 2 * nu) if nu < 0.5 else math.inf
             compliance += h / (math.pi * oedometric) + 2 * h**3 / (3 * math.pi * surface.G)
         else:

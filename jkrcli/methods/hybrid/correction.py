@@ -145,15 +145,13 @@ class _Loads:
         """Part of D on the base: tractions and displacements of the half-space."""
         r, w = self.mesh.r.rule
         z = np.full_like(r, self.mesh.region.depth)
-        held = (self.mesh.region.supports.base_r, self.mesh.region.supports.base_z)
-        return self._on(r, z, w, held, ("s_rz", "s_zz"), self.mesh.r.basis[0], np.s_[:, -1, :])
+        return self._on(r, z, w, self.mesh.region.base, ("s_rz", "s_zz"), self.mesh.r.basis[0], np.s_[:, -1, :])
 
     def on_side(self) -> Array:
         """Part of D on the side."""
         z, w = self.mesh.z.rule
         r = np.full_like(z, self.mesh.region.width)
-        held = (self.mesh.region.supports.side_r, self.mesh.region.supports.side_z)
-        return self._on(r, z, w, held, ("s_rr", "s_rz"), self.mesh.z.basis[0], np.s_[:, :, -1])
+        return self._on(r, z, w, self.mesh.region.side, ("s_rr", "s_rz"), self.mesh.z.basis[0], np.s_[:, :, -1])
 
     def _on(
         self,

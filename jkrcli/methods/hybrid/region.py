@@ -34,29 +34,20 @@ TUNING = RegionTuning()
 
 
 @dataclass(frozen=True)
-class Supports:
-    """Supports: which components of the displacement are prescribed on the base and on the side; the others are free
-    there."""
-
-    base_r: bool
-    base_z: bool
-    side_r: bool
-    side_z: bool
-
-
-@dataclass(frozen=True)
 class Region:
     """Layers from the surface down, 0 <= r <= ``width``, 0 <= z <= sum of ``thicknesses``, in units of ``unit`` [m].
 
-    ``far``: the half-space that begins with the lowest layer, where there is one; base and side then move as under a
-    point force on it. ``length``: over which the field decays far away. ``reach``: the largest contact radius, about 1.
-    ``cut_again``: whether this is what the second cut of an unbounded body leaves.
+    ``base, side``: whether u_r and whether u_z are prescribed there; what is not is free. ``far``: the half-space that
+    begins with the lowest layer, where there is one; base and side then move as under a point force on it. ``length``:
+    over which the field decays far away. ``reach``: the largest contact radius, about 1. ``cut_again``: whether this is
+    what the second cut of an unbounded body leaves.
     """
 
     thicknesses: tuple[float, ...]
     materials: tuple[Material, ...]
     width: float
-    supports: Supports
+    base: tuple[bool, bool]
+    side: tuple[bool, bool]
     far: Elastic | None
     unit: float
     cut_beside: bool
@@ -74,14 +65,14 @@ class Region:
             assert isinstance(specimen.base.material, Elastic)
             far = specimen.base.material
             thick.append(size - sum(thick))
-            supports = Supports(True, True, True, True)
+            base = held = True, True
         else:
             bonded = specimen.base.bonded
             side = specimen.side if specimen.radius is not None else "clamped"
-            supports = Supports(bonded, True, side != "free", side == "clamped")
+            base, held = (bonded, True), (side != "free", side == "clamped")
         if specimen.radius is not None:
             size = specimen.radius / reach
-        return cls(tuple(thick), specimen.materials, size, supports, far, reach, specimen.radius is None, length)
+        return cls(tuple(thick), specimen.materials, size, base, held, far, reach, specimen.radius is None, length)
 
     @property
     def depth(self) -> float:
@@ -110,7 +101,7 @@ class Region:
     @property
     def algebraic(self) -> bool:
         """Whether what the cut costs falls with a power of its distance only."""
-        return self.cut_beside and not (self.far is None and self.supports.base_r)
+        return self.cut_beside and not (self.far is None and self.base[0])
 
     @property
     def next_order(self) -> float:
@@ -137,16 +128,14 @@ class Region:
     @property
     def corners(self) -> tuple[float, ...]:
         """Depths at which the side meets the surface or the base in a singular corner: one of them held, one free."""
-        held = self.supports
         if self.cut_beside:
             return ()
-        return (0.0,) * held.side_z + (self.depth,) * (held.base_r and not held.side_r)
+        return (0.0,) * self.side[1] + (self.depth,) * (self.base[0] and not self.side[0])
 
     @property
     def free_edges(self) -> tuple[float, ...]:
         """Depths at which an interface meets the side in a weaker singularity; none at a roller."""
-        held = self.supports
-        return () if self.cut_beside or held.side_r != held.side_z else self.tops[1:]
+        return () if self.cut_beside or self.side[0] != self.side[1] else self.tops[1:]
 
     def nearer(self) -> Region:
         """The same body after the second cut."""

@@ -67,12 +67,9 @@ class Mesh:
     def held(self) -> Array:
         """Mask (2, z, r) of the displacements that the supports or the axis prescribe."""
         mask = np.zeros((2, *self.shape), dtype=bool)
-        supports = self.region.supports
         mask[0, :, 0] = True
-        mask[0, -1, :] |= supports.base_r
-        mask[1, -1, :] |= supports.base_z
-        mask[0, :, -1] |= supports.side_r
-        mask[1, :, -1] |= supports.side_z
+        mask[:, -1, :] |= np.array(self.region.base)[:, None]
+        mask[:, :, -1] |= np.array(self.region.side)[:, None]
         return mask
 
     @cached_property

@@ -429,8 +429,14 @@ def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]])
         return []
     size, first = max(1, round(off.size * TUNING.block)), falls[0][1] + 1
     away = np.abs(_blocks(inside + tension, size)) > TUNING.doubtful * base.least
-    end = first + int(np.argmax(away)) * size
-    return [(end - 1, end + size - 1)] if away.any() else []
+    left = int(np.argmax(away)) * size
+    end = first + left
+    return [(end - 1, end + size - 1)] if away.any() and not _goes_on(inside[: left + count], base) else []
+
+
+def _goes_on(off: Array, base: BaseLine) -> bool:
+    """Whether one polynomial passes through all rows, as through the largest tension of a contact where none ends."""
+    return _left(np.arange(off.size), off, TUNING.smooth) < TUNING.straight * base.noise
 
 
 def _sudden(off: Array, base: BaseLine) -> tuple[Array, Array, int]:

@@ -214,6 +214,17 @@ def test_second_pull_offs_of_random_records() -> None:
     assert sum("several contacts" in examine(held_twice(seed)).flags for seed in range(28)) >= 26
 
 
+def test_the_largest_tension_of_a_contact_is_not_level() -> None:
+    """On a stiff device it comes before the pull-off, and noise hides that the load bends there."""
+    k, w = 0.16, 2.7e-4
+    force = 1.5 * np.pi * w * R
+    device = Instrument(k, 1500, far=2.8e-7, largest=3 * force, noise=0.03 * force)
+    for seed in range(10):
+        made = record(1.2e5, R, w / 10, w, device, seed)
+        found = examine(Curve("made", delta=made["z"] - made["P"] / k, P=made["P"], stiffness=k))
+        assert "several contacts" not in found.flags
+
+
 def test_contacts_of_right_records_are_not_level() -> None:
     kinds = ("white", "pink", "peak", "steps")
     made = [drawn(np.random.default_rng((5, i)), R, None, kind=kinds[i % 4]) for i in range(24)]

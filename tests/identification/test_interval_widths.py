@@ -151,6 +151,23 @@ def test_weighted_lines_through_noise_of_one_over_f() -> None:
     assert_neither_doubled_nor_halved(mean_squares(np.array(errors)[:, None], np.array(widths)[:, None]))
 
 
+def test_noise_slower_than_the_free_rows_are_long_shows_in_all_rows() -> None:
+    """A random walk as large as 0.2 of the white noise, of which two runs of a thousand free rows tell too little in
+    every third record: its colour is that of all rows. Waves in contact of half of the noise are none of it."""
+    rng, x = np.random.default_rng(7), np.linspace(-1, 1, 3000)
+    hump = np.maximum(1 - 9 * x**2, 0)
+    J = np.stack([x < 0, x * (x < 0), x >= 0, x * (x >= 0), hump * (x < 0), hump * x], axis=1).astype(float)
+    white = rng.standard_normal((40, 3000))
+    walks = np.cumsum(rng.standard_normal((40, 3000)), axis=1)
+    slow = {"walk": 0, "waves": 0}
+    for one, walk in zip(white, walks, strict=True):
+        for name, more in (("walk", 0.2 * walk / np.std(walk)), ("waves", 0.5 * np.sin(9 * np.pi * x) * (hump > 0))):
+            off = one + more - J @ np.linalg.lstsq(J, one + more, rcond=None)[0]
+            slow[name] += bool(spread(off, J, [off[:1000], off[2000:]], Spectrum(1.0)).noise.slow)
+    assert slow["walk"] >= 30  # 26 by the free rows alone
+    assert slow["waves"] <= 6  # 4 are taken for slow by chance
+
+
 def test_rows_that_are_missing_are_bridged() -> None:
     """A straight line goes on through a gap of 40 rows, whatever their order, where the noise is slow; where it is
     white, missing rows say nothing."""

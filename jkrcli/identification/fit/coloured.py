@@ -9,8 +9,11 @@ transform takes a series that ends elsewhere than it began for no jump.
 
 With rows weighted by W the covariance of the unknowns is (WJ)^+ W C W^T (WJ)^+T, C the noise (White, Econometrica 48,
 817, 1980); where W C W^T = 1, the generalised least squares, it is the least there is.
-Residuals in contact that are larger or slower are no noise: they are told as an excess. Where noise goes on rising
-below the frequencies of the free rows (1/f) nothing tells how far: standard errors are wider there, by the excess too.
+Noise slower than the free rows are long hides in them (a random walk of a fifth of the white noise, in every fifth
+record): where they tell none that is slow, its colour is that of all residuals, if they are as likely with it and it
+raises standard errors by no more than ``TUNING.hidden``. Other residuals in contact that are larger or slower are no
+noise: they are told as an excess. Where noise goes on rising below the frequencies of the free rows (1/f) nothing tells
+how far: standard errors are wider there, by the excess too.
 An octave stands at the frequency where 1/f has its mean over what the fit has left of it: at that of its middle, the
 lowest octave of a run, of which a straight line was taken, would tell two thirds of such noise.
 """
@@ -48,6 +51,8 @@ class ColouredTuning:
     unseen: float = 1.1
     least_unseen: float = 0.5  # choice: of the noise at the lowest frequency that they tell, such noise that counts
     exceeded: float = 2.0  # choice: the same, what the rows in contact say more of it at most
+    # choice: of standard errors, by which slow noise that free rows do not tell may raise them; more is misfit
+    hidden: float = 3.0
     untold: float = 1e-12  # choice: least singular value over the largest, below which rounding has the word
 
 
@@ -64,6 +69,10 @@ class Spectrum:
     def __call__(self, f: Array) -> Array:
         found: Array = self.A + sum((B * _slow(f, corner, power) for B, corner, power in self.slow), np.zeros_like(f))
         return found
+
+    def of_level(self, A: float) -> Spectrum:
+        """The same colour where the white part is ``A``."""
+        return Spectrum(A, tuple((A / self.A * B, corner, power) for B, corner, power in self.slow))
 
     def beyond(self, f: float) -> bool:
         """Whether most of it goes on rising at frequencies below ``f``, which no run of free rows tells."""
@@ -140,23 +149,44 @@ def spread(off: Array, J: Array, free: Sequence[Array], weight: Spectrum) -> Spr
     scale[scale == 0] = 1.0
     U, s, V = np.linalg.svd(rows[:, :-1] / scale, full_matrices=False)
     root = (V / np.maximum(s, TUNING.untold * s[0])[:, None] / scale).T
-    every = _spectrum(f, rows[:, -1] ** 2, np.sum(U**2, axis=1))(f) * own
+    all_rows = Octaves.of(f, rows[:, -1] ** 2, np.sum(U**2, axis=1)).spectrum()
+    every = all_rows(f) * own
     loose = sum(run.size for run in free)
-    told = loose >= TUNING.free
-    noise = _of_base_lines(free) if told else Spectrum(float(np.mean(every)))
-    mine = noise(f) if told else every
-    covariance, beside, plain = (root @ (U.T * (S / own)) @ U @ root.T for S in (mine, every, np.mean(mine)))
-    known = np.diag(plain) > 0
-    tau, excess = (float(np.median((np.diag(one) / np.diag(two))[known])) if known.any() else 1.0
-                   for one, two in ((covariance, plain), (beside, covariance)))  # fmt: skip
-    excess = math.sqrt(max(excess, 1.0))
-    if told and noise.beyond(1 / (2 * max(run.size for run in free))):
+    seen = _of_base_lines(free) if loose >= TUNING.free else None
+    noise = Spectrum(float(np.mean(every))) if seen is None else seen.spectrum()
+
+    def of(noise: Array | float) -> Array:
+        found: Array = root @ (U.T * (noise / own)) @ U @ root.T
+        return found
+
+    beside, covariance = of(every), of(every if seen is None else noise(f))
+    if seen is not None and _rise(beside, covariance) < TUNING.hidden**2:
+        noise = _hidden(seen, noise, weight if weight.slow else all_rows)
+        covariance = of(noise(f))
+    tau = _rise(covariance, of(float(np.mean(every if seen is None else noise(f)))))
+    excess = math.sqrt(max(_rise(beside, covariance), 1.0))
+    if seen is not None and noise.beyond(1 / (2 * max(run.size for run in free))):
         covariance = covariance * (TUNING.unseen * min(excess, TUNING.exceeded)) ** 2
-    return Spread(covariance, max(tau, 1.0), excess, loose if told else off.size, noise)
+    return Spread(covariance, max(tau, 1.0), excess, off.size if seen is None else loose, noise)
 
 
-def _of_base_lines(runs: Sequence[Array]) -> Spectrum:
-    """Spectrum of the residuals of runs of free rows, of each of which the fit has taken a straight line."""
+def _rise(one: Array, other: Array) -> float:
+    """The median factor between the variances of two covariances."""
+    known = np.diag(other) > 0
+    return float(np.median((np.diag(one) / np.diag(other))[known])) if known.any() else 1.0
+
+
+def _hidden(seen: Octaves, found: Spectrum, every: Spectrum) -> Spectrum:
+    """The noise of free rows that were ``seen``; where what was ``found`` in them is not slow, of the colour of
+    ``every`` row if it is as likely in them: noise slower than they are long shows in the others."""
+    if found.slow or not every.A:
+        return found
+    likely = every.of_level(found.A)
+    return likely if seen.unlikely(likely) <= seen.unlikely(found) else found
+
+
+def _of_base_lines(runs: Sequence[Array]) -> Octaves:
+    """The residuals of runs of free rows, of each of which the fit has taken a straight line."""
     parts = []
     for off in runs:
         line = np.linalg.qr(np.stack([np.ones(off.size), np.arange(off.size)], axis=1))[0]
@@ -164,34 +194,52 @@ def _of_base_lines(runs: Sequence[Array]) -> Spectrum:
         parts.append((frequencies(off.size), waves(left) ** 2, np.sum(waves(line) ** 2, axis=1)))
     f, power, taken = (np.concatenate(items) for items in zip(*parts, strict=True))
     order = np.argsort(f, kind="stable")
-    return _spectrum(f[order], power[order], taken[order])
+    return Octaves.of(f[order], power[order], taken[order])
 
 
-def _spectrum(f: Array, power: Array, taken: Array) -> Spectrum:
-    """The spectrum of a series by the squares of its ``waves`` at frequencies ``f``; ``taken``: how much of each of
-    them the fit has taken."""
-    left, lowest = 1 - np.minimum(taken, 1.0), float(f[f > 0][0])
-    edges = _octaves(left)
-    count = np.add.reduceat(left, edges)
-    mean = np.add.reduceat(power, edges) / count
-    centre = count / np.add.reduceat(left / np.maximum(f, lowest / 2), edges)  # where 1/f is its mean
-    white = float(np.average(mean, weights=count))
-    most = _unlikely(mean, np.stack([np.full(mean.size, white), _falling(mean, count)]), count)
-    if most[0] < most[1] + TUNING.least:
-        return Spectrum(white)  # no spectrum that falls gains as much
-    corners = np.geomspace(TUNING.seen * lowest, 0.2, TUNING.corners)
-    shapes = [(c, 2.0) for c in corners] + [(TUNING.lowest * lowest, b) for b in TUNING.powers]
-    slow = np.stack([_slow(centre, *shape) for shape in shapes])
-    slow /= slow[:, :1]
-    A, B = _parts(slow, mean, count)
-    found = _unlikely(mean, A[:, None] + B[:, None] * slow, count)
-    if found.min() > most[0] - TUNING.least:
-        return Spectrum(white)
-    share = np.exp((found.min() - found) / 2)
-    share = np.where(share > TUNING.likely, share, 0.0) / share[share > TUNING.likely].sum()
-    heights = share * B / np.array([_slow(centre[0], *shape) for shape in shapes])
-    parts = ((float(B), *shape) for B, shape in zip(heights, shapes, strict=True) if B)
-    return Spectrum(float(share @ A), tuple(parts))
+@dataclass(frozen=True, eq=False)
+class Octaves:
+    """The ``mean`` squares of the waves of a series in octaves about frequencies ``centre``, each told by the ``count``
+    of them that the fit has left; ``lowest``: the lowest frequency above 0."""
+
+    mean: Array
+    count: Array
+    centre: Array
+    lowest: float
+
+    @classmethod
+    def of(cls, f: Array, power: Array, taken: Array) -> Octaves:
+        """By the squares of the ``waves`` at frequencies ``f``; ``taken``: how much of each of them the fit has."""
+        left, lowest = 1 - np.minimum(taken, 1.0), float(f[f > 0][0])
+        edges = _octaves(left)
+        count = np.add.reduceat(left, edges)
+        centre = count / np.add.reduceat(left / np.maximum(f, lowest / 2), edges)  # where 1/f is its mean
+        return cls(np.add.reduceat(power, edges) / count, count, centre, lowest)
+
+    def unlikely(self, noise: Spectrum) -> float:
+        """Minus twice the logarithm of Whittle's likelihood of a spectrum."""
+        return float(_unlikely(self.mean, noise(self.centre)[None], self.count)[0])
+
+    def spectrum(self) -> Spectrum:
+        """The spectrum that is likeliest, with those that are nearly so; white where none that falls gains enough."""
+        mean, count, centre, lowest = self.mean, self.count, self.centre, self.lowest
+        white = float(np.average(mean, weights=count))
+        most = _unlikely(mean, np.stack([np.full(mean.size, white), _falling(mean, count)]), count)
+        if most[0] < most[1] + TUNING.least:
+            return Spectrum(white)  # no spectrum that falls gains as much
+        corners = np.geomspace(TUNING.seen * lowest, 0.2, TUNING.corners)
+        shapes = [(c, 2.0) for c in corners] + [(TUNING.lowest * lowest, b) for b in TUNING.powers]
+        slow = np.stack([_slow(centre, *shape) for shape in shapes])
+        slow /= slow[:, :1]
+        A, B = _parts(slow, mean, count)
+        found = _unlikely(mean, A[:, None] + B[:, None] * slow, count)
+        if found.min() > most[0] - TUNING.least:
+            return Spectrum(white)
+        share = np.exp((found.min() - found) / 2)
+        share = np.where(share > TUNING.likely, share, 0.0) / share[share > TUNING.likely].sum()
+        heights = share * B / np.array([_slow(centre[0], *shape) for shape in shapes])
+        parts = ((float(B), *shape) for B, shape in zip(heights, shapes, strict=True) if B)
+        return Spectrum(float(share @ A), tuple(parts))
 
 
 def _falling(mean: Array, count: Array) -> Array:

@@ -63,6 +63,9 @@ class ForceCurveTuning:
     converged: float = 1e-11  # choice: relative change of parameters
     fell: float = 1e-8  # choice: of the cost, below which the minimum is found: a hundredth of a standard error
     about: float = 1e-6  # choice: the same while the fold is blunter than it will be, or no more can be had
+    unsure: float = 0.1  # choice: of the way in contact, the most that the place of a fold is taken to be uncertain by
+    widths: int = 5  # choice: of that error, each told by the one before
+    narrower: float = 2.0  # choice: factor between two of them, below which they agree
     near: float = 0.1  # choice: of chi^2, the fall still to be had a third of a standard error from its minimum
     evaluations: int = 80  # choice: steps after which the search gives up
     remembered: int = 2  # choice: residuals of a model that are asked for again at the same unknowns
@@ -563,14 +566,49 @@ def _fitted(model: ForceCurveModel, found: Least, weight: Spectrum) -> ForceCurv
     problem = replace(before, model=partial(_state, model, weight, sharp), bounds=_bounds(model, x))
     off, rates = model.residuals(x, sharp)
     found = replace(found, problem=problem, x=x, state=_weighted(model, weight, off, rates))
-    J = model.residuals(x, 0.0)[1]  # where the fold lies between two rows, the data do not tell
     size = before.width * math.sqrt(_even(model).A)
     psi, slope = influence(off / size, before.loss)
     pull = psi * size / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
     dof = max(off.size - x.size, 1)
-    spread = covariance(model.ordered(pull, weight), model.ordered(J, weight), model.free(off), weight)
+    J, spread = _told_at_folds(model, x, off, pull, weight)
     ended = found.ended or _flat(model.whitened(pull, weight), model.whitened(J, weight), TUNING.near / dof)
     return ForceCurveFit(model, model.names, x, weight, spread, off, math.sqrt(float(pull @ pull) / dof), found, ended)
+
+
+def _told_at_folds(model: ForceCurveModel, x: Array, off: Array, pull: Array, weight: Spectrum) -> tuple[Array, Spread]:
+    """Derivatives of all rows, (rows, unknowns), and the covariance by them, residuals ``off`` and what rows ``pull``
+    with [N].
+
+    From a fold on loads rise with the root of the distance: their slope there holds no nearer to it than its place is
+    known to, nor than half of the way between two rows. White noise leaves it known to about that.
+    """
+    residuals, free = model.ordered(pull, weight), model.free(off)
+
+    def told(J: Array) -> Spread:
+        return covariance(residuals, model.ordered(J, weight), free, weight)
+
+    J = model.residuals(x, 0.0)[1]
+    spread, first = told(J), 0
+    for part in model.stretches if weight.slow and "z0" in model.names else ():
+        rows = slice(first, first := first + part.z.size)
+        lost, width = rows.start + int(np.argmax(part.touching)), TUNING.unsure * part.reach
+        if not part.jumped or _place_error(model, J[lost], spread) <= part.spacing:
+            continue
+        J = J.copy()
+        for _ in range(TUNING.widths):
+            J[rows] = model.evaluated(x, width / part.reach)[1][rows]
+            spread = told(J)
+            error = max(_place_error(model, J[lost], spread), part.spacing / 2)
+            if TUNING.narrower * error > width:
+                break
+            width = error
+    return J, spread
+
+
+def _place_error(model: ForceCurveModel, slopes: Array, spread: Spread) -> float:
+    """The standard error [m] of the place of a fold, where loads change by ``slopes`` with the unknowns."""
+    rise = abs(float(slopes[model.names.index("z0")]))
+    return math.sqrt(max(float(slopes @ spread.covariance @ slopes), 0.0)) / rise if rise else 0.0
 
 
 def _flat(off: Array, J: Array, share: float) -> bool:

@@ -53,6 +53,9 @@ class ColouredTuning:
     exceeded: float = 2.0  # choice: the same, what the rows in contact say more of it at most
     # choice: of standard errors, by which slow noise that free rows do not tell may raise them; more is misfit
     hidden: float = 3.0
+    white: float = 0.5  # choice: chance, before the data, that noise has no slow part
+    # choice: of the white part at the lowest frequency that free rows tell, the slow parts that may hide
+    heights: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
     untold: float = 1e-12  # choice: least singular value over the largest, below which rounding has the word
 
 
@@ -96,13 +99,15 @@ class Spectrum:
 class Spread:
     """``covariance`` of the unknowns; ``tau``: how many rows count as one, the factor by which the colour of the noise
     raises their variances; ``excess``: the factor by which the residuals of all rows would widen the standard errors
-    beyond it (both medians). ``dof``: rows that told the ``noise``."""
+    beyond it (both medians). ``dof``: rows that told the ``noise``; ``possible``: where it is white, what it may be as
+    well, each with its chance."""
 
     covariance: Array
     tau: float
     excess: float
     dof: int
     noise: Spectrum
+    possible: tuple[tuple[float, Spectrum], ...] = ()
 
 
 def _slow(f: Array, corner: Array | float, power: Array | float) -> Array:
@@ -167,7 +172,8 @@ def spread(off: Array, J: Array, free: Sequence[Array], weight: Spectrum) -> Spr
     excess = math.sqrt(max(_rise(beside, covariance), 1.0))
     if seen is not None and noise.beyond(1 / (2 * max(run.size for run in free))):
         covariance = covariance * (TUNING.unseen * min(excess, TUNING.exceeded)) ** 2
-    return Spread(covariance, max(tau, 1.0), excess, off.size if seen is None else loose, noise)
+    possible = () if seen is None or noise.slow else seen.possible()
+    return Spread(covariance, max(tau, 1.0), excess, off.size if seen is None else loose, noise, possible)
 
 
 def _rise(one: Array, other: Array) -> float:
@@ -227,8 +233,7 @@ class Octaves:
         most = _unlikely(mean, np.stack([np.full(mean.size, white), _falling(mean, count)]), count)
         if most[0] < most[1] + TUNING.least:
             return Spectrum(white)  # no spectrum that falls gains as much
-        corners = np.geomspace(TUNING.seen * lowest, 0.2, TUNING.corners)
-        shapes = [(c, 2.0) for c in corners] + [(TUNING.lowest * lowest, b) for b in TUNING.powers]
+        shapes = _shapes(lowest)
         slow = np.stack([_slow(centre, *shape) for shape in shapes])
         slow /= slow[:, :1]
         A, B = _parts(slow, mean, count)
@@ -240,6 +245,34 @@ class Octaves:
         heights = share * B / np.array([_slow(centre[0], *shape) for shape in shapes])
         parts = ((float(B), *shape) for B, shape in zip(heights, shapes, strict=True) if B)
         return Spectrum(float(share @ A), tuple(parts))
+
+    def possible(self) -> tuple[tuple[float, Spectrum], ...]:
+        """Spectra with their chances after the data: white or with one slow part, those of one correlation time and
+        those of 1/f being as likely before."""
+        shapes = _shapes(self.lowest)
+        slow = np.stack([_slow(self.centre, *shape) for shape in shapes])
+        heights = np.repeat(TUNING.heights, len(shapes))
+        ratio = np.vstack(
+            [
+                np.zeros(self.centre.size),
+                heights[:, None] * np.tile(slow / slow[:, :1], (heights.size // len(shapes), 1)),
+            ]
+        )
+        A = np.average(self.mean / (1 + ratio), weights=self.count, axis=1)
+        kinds = np.repeat([1 / TUNING.corners, 1 / len(TUNING.powers)], [TUNING.corners, len(TUNING.powers)]) / 2
+        before = np.append(TUNING.white, np.tile((1 - TUNING.white) / len(TUNING.heights) * kinds, len(TUNING.heights)))
+        unlikely = _unlikely(self.mean, A[:, None] * (1 + ratio), self.count)
+        share = before * np.exp((unlikely.min() - unlikely) / 2)
+        tops = np.tile(slow[:, 0], len(TUNING.heights))
+        parts = zip(A[1:], heights / tops, shapes * len(TUNING.heights), strict=True)
+        spectra = [Spectrum(float(A[0])), *(Spectrum(float(a), ((float(a * B), *shape),)) for a, B, shape in parts)]
+        return tuple(zip((share / share.sum()).tolist(), spectra, strict=True))
+
+
+def _shapes(lowest: float) -> list[tuple[float, float]]:
+    """Corners and powers of slow parts, of one correlation time and of 1/f, of runs of a ``lowest`` frequency."""
+    corners = np.geomspace(TUNING.seen * lowest, 0.2, TUNING.corners)
+    return [(float(c), 2.0) for c in corners] + [(TUNING.lowest * lowest, b) for b in TUNING.powers]
 
 
 def _falling(mean: Array, count: Array) -> Array:

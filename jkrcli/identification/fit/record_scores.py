@@ -18,7 +18,7 @@ from scipy.special import fdtrc
 
 from ...base import Array
 from .coloured import TUNING as COLOURED
-from .coloured import in_time
+from .coloured import frequencies, in_time, waves
 from .force_curve import ForceCurveFit
 from .record_change import TUNING as CHANGES
 from .record_rivals import Known, Rival, columns, known_amount
@@ -177,12 +177,13 @@ def rivals_of_record(at: Situation, known: Known) -> RecordRivals:
     left = beyond / np.maximum(sizes, np.finfo(float).tiny)
     moves = -np.linalg.lstsq(triangle, Q.T @ wide, rcond=None)[0] / scale[:, None]
     dof = max(int(np.count_nonzero(keep)) - J.shape[1], 1)
-    misfit, errors = float(r @ r), errors_of(found)
+    misfit, errors, along, told = float(r @ r), errors_of(found), r @ left, _told_at(found, left)
+    chances = _chances(at, left, keep, along**2, told)
     scores = [
-        _score(rival, float(size), float(along), whole, _rates(found, move), errors, (misfit, told, len(names)),
-               (known_amount(at, rival, known), known.wide))
-        for rival, size, along, whole, move, told in zip(
-            names, sizes, r @ left, np.linalg.norm(wide, axis=0), moves.T, _told_at(found, left), strict=True)
+        _score(rival, float(size), float(by), whole, _rates(found, move), errors,
+               (misfit, own_dof, float(chance), len(names)), (known_amount(at, rival, known), known.wide))
+        for rival, size, by, whole, move, own_dof, chance in zip(
+            names, sizes, along, np.linalg.norm(wide, axis=0), moves.T, told, chances, strict=True)
     ]  # fmt: skip
     return RecordRivals(tuple(scores), _named(scores, left), misfit, dof, loose)
 
@@ -194,8 +195,23 @@ def _told_at(found: ForceCurveFit, left: Array) -> list[float]:
         return [found.spread.dof] * left.shape[1]
     edges = np.append(0, 2 ** np.arange(math.ceil(math.log2(len(left)))))
     share = np.add.reduceat(left**2, edges, axis=0)
-    waves = np.maximum(np.diff(np.append(edges, len(left))) * found.spread.dof / len(left), 1)
-    return (1 / (share**2 / waves[:, None]).sum(axis=0)).tolist()
+    counts = np.maximum(np.diff(np.append(edges, len(left))) * found.spread.dof / len(left), 1)
+    return (1 / (share**2 / counts[:, None]).sum(axis=0)).tolist()
+
+
+def _chances(at: Situation, left: Array, keep: Array, taken: Array, told: Sequence[float]) -> Array:
+    """The chances that noise makes one number more, along each of the columns ``left``, take as much of chi^2: the mean
+    over the spectra that are possible, each of which raises it as much as the column is slow."""
+    possible, noise = at.found.spread.possible, at.found.spread.noise
+    if not possible:
+        return np.array(fdtrc(1, told, taken))
+    power = waves(in_time(left, at.model.rows[keep], noise)) ** 2
+    edges, f = np.append(0, 2 ** np.arange(math.ceil(math.log2(len(power))))), frequencies(len(power))[:, None]
+    energy = np.add.reduceat(power, edges, axis=0)
+    centre = np.add.reduceat(f * power, edges, axis=0) / np.maximum(energy, np.finfo(float).tiny)
+    raised = np.array([np.sum(S(centre) * energy, axis=0) for _, S in possible]) / noise.A
+    found: Array = np.array([share for share, _ in possible]) @ fdtrc(1, np.array(told), taken / raised)
+    return found
 
 
 def at_chance(found: ForceCurveFit, taken: float) -> float:
@@ -291,19 +307,18 @@ def least_of_named(most: float) -> float:
 
 def _score(
     rival: Rival, size: float, along: float, whole: float, rates: tuple[float, float], errors: tuple[float, float],
-    judged: tuple[float, float, int], known: tuple[float, float],
+    judged: tuple[float, float, float, int], known: tuple[float, float],
 ) -> Score:  # fmt: skip
     """The score of a rival whose weighted column is ``whole`` long, ``size`` of it beyond the model's own, with the
     product ``along`` of that direction and the residuals; ``errors`` of E* and w, relative; ``judged``: chi^2, the
-    degrees of freedom of the noise, and how many rivals there are; ``known``: what is likely of it, and how wide a
-    statement is."""
-    (misfit, dof, count), (most, wide) = judged, known
+    degrees of freedom of the noise, the chance of what it takes, and how many rivals there are; ``known``: what is
+    likely of it, and how wide a statement is."""
+    (misfit, dof, chance, count), (most, wide) = judged, known
     told = (rival.name, rival.family, rival.amount, rival.of_directions)
     likely = (0.0 if rival.positive else -most, most)
     if size <= TUNING.singular * whole:
         return Score(*told, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, *likely, UNTOLD, wide)
     amount, error, taken = -along / size, 1 / size, along**2
-    chance = float(fdtrc(1, dof, taken))
     room, reach = TUNING.normal * error, TUNING.over * rival.possible
     possible = (0.0 if rival.positive else -reach) - room <= amount <= reach + room
     asked = (

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import Series, Solution
 
-from .command import call, output_of, parser_of, pool_of
+from .command import Main, call, output_of, parser_of, pool_of
 from .range_judge import BESIDE, NODES, REFINED, SMALL, Judged, ranged, stationary, without_table, work_within
 
 METHODS = ("layered", "hybrid", "fem")
@@ -53,6 +53,9 @@ class Bound:
     clear: bool = True
 
 
+Judge: TypeAlias = Callable[[int], tuple[Bound, ...]]  # the quantities of a body by its number, none where refused
+
+
 def main(words: Sequence[str] | None = None) -> int:
     """Solve random bodies, moduli a million apart, -0.95 < nu <= 1/2, spheres to a/R = 1, cylinders to a/L = 0.97, from
     nm to m, each by one method, and compare every column, and the pull-off points, with the exact solution (of
@@ -66,17 +69,23 @@ def main(words: Sequence[str] | None = None) -> int:
     is 1 where more than 1 % lie beyond the stated error, any beyond three times it, or the median of stated over true
     errors is above ten for a quantity and method (true errors above 1e-8 and three times the reference's own).
     """
+    return study(words, main, judged, "bounds", 500)
+
+
+def study(words: Sequence[str] | None, main: Main, judge: Judge, name: str, bodies: int) -> int:
+    """Carry out the study of a ``main``, which says what it does: ``judge`` random ``bodies`` by their numbers, write
+    ``name``.csv and .json; 1 where the stated errors do not hold."""
     parser = parser_of(str(main.__doc__))
-    parser.add_argument("--bodies", type=int, default=500, help="how many [default: 500]")
+    parser.add_argument("--bodies", type=int, default=bodies, help=f"how many [default: {bodies}]")
     parser.add_argument("--seed", type=int, default=1, help="of the first body [default: 1]")
     given = parser.parse_args(words)
-    files = output_of(given).files(given.output / "bounds", (".csv", ".json"))
+    files = output_of(given).files(given.output / name, (".csv", ".json"))
     numbers = [given.seed * 1_000_000 + i for i in range(given.bodies)]
     with pool_of(given, given.bodies) as pool:
-        judgements = completed(pool, judged, numbers, "bounds", chunk=4)
+        judgements = completed(pool, judge, numbers, name.replace("-", " "), chunk=4)
         found = [bound for _, bounds in judgements if isinstance(bounds, tuple) for bound in bounds]
     found.sort(key=lambda item: (item.number, item.column))
-    told = summary(found, given.bodies, given.seed)
+    told = summary(found, given.bodies, given.seed) | {"format": f"jkr-{name}"}
     files.write({name: [vars(item)[name] for item in found] for name in Bound.__annotations__}, told)
     print(as_json(told), end="")
     return int(not told["held"])

@@ -15,8 +15,6 @@ from jkrcli.adhesion.device import CONTROLS
 from jkrcli.adhesion.nonadhesive import Nonadhesive
 from jkrcli.base.arrays import Array
 from jkrcli.base.errors import JkrError
-from jkrcli.base.executors import completed
-from jkrcli.base.table import as_json
 from jkrcli.base.unknown import Unknown
 from jkrcli.beside.analysis import nonadhesive
 from jkrcli.bodies.problem import Loading
@@ -24,8 +22,8 @@ from jkrcli.formulas.griffith import shift
 from jkrcli.methods import method_class
 from jkrcli.series import Series
 
-from .bounds import PATIENCE, Bound, body, exact_at, summary
-from .command import call, output_of, parser_of, pool_of
+from .bounds import PATIENCE, Bound, body, exact_at, study
+from .command import call
 from .range_judge import SMALL
 
 
@@ -59,20 +57,7 @@ def main(words: Sequence[str] | None = None) -> int:
     1 where more than 1 % lie beyond the stated error, any beyond three times it, or the median of stated over true
     errors is above ten for a quantity.
     """
-    parser = parser_of(str(main.__doc__))
-    parser.add_argument("--bodies", type=int, default=200, help="how many [default: 200]")
-    parser.add_argument("--seed", type=int, default=1, help="of the first body [default: 1]")
-    given = parser.parse_args(words)
-    files = output_of(given).files(given.output / "point-bounds", (".csv", ".json"))
-    numbers = [given.seed * 1_000_000 + i for i in range(given.bodies)]
-    with pool_of(given, given.bodies) as pool:
-        results = completed(pool, judged, numbers, "point bounds", chunk=4)
-        found = [bound for _, bounds in results if isinstance(bounds, tuple) for bound in bounds]
-    found.sort(key=lambda item: (item.number, item.column))
-    told = summary(found, given.bodies, given.seed) | {"format": "jkr-point-bounds"}
-    files.write({name: [vars(item)[name] for item in found] for name in Bound.__annotations__}, told)
-    print(as_json(told), end="")
-    return int(not told["held"])
+    return study(words, main, judged, "point-bounds", 200)
 
 
 def judged(number: int) -> tuple[Bound, ...]:

@@ -8,13 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from jkrcli.base.errors import JkrError
-from jkrcli.base.executors import completed
-from jkrcli.base.table import as_json
 from jkrcli.methods import method_class
 
-from .bounds import PATIENCE, Bound, summary
+from .bounds import PATIENCE, Bound, study
 from .bounds import body as random_body
-from .command import call, output_of, parser_of, pool_of
+from .command import call
 from .range_judge import ranged, without_table
 
 METHODS = ("layered", "hybrid")
@@ -29,20 +27,7 @@ def main(words: Sequence[str] | None = None) -> int:
     code is 1 where more than 1 % lie beyond the stated error, any beyond three times it, or the median of stated over
     true errors is above ten for a quantity and method (true errors above 1e-8 and three times the reference's own).
     """
-    parser = parser_of(str(main.__doc__))
-    parser.add_argument("--bodies", type=int, default=200, help="how many [default: 200]")
-    parser.add_argument("--seed", type=int, default=1, help="of the first body [default: 1]")
-    given = parser.parse_args(words)
-    files = output_of(given).files(given.output / "range-bounds", (".csv", ".json"))
-    numbers = [given.seed * 1_000_000 + i for i in range(given.bodies)]
-    with pool_of(given, given.bodies) as pool:
-        results = completed(pool, judged, numbers, "range bounds", chunk=4)
-        found = [bound for _, bounds in results if isinstance(bounds, tuple) for bound in bounds]
-    found.sort(key=lambda item: (item.number, item.column))
-    told = summary(found, given.bodies, given.seed) | {"format": "jkr-range-bounds"}
-    files.write({name: [vars(item)[name] for item in found] for name in Bound.__annotations__}, told)
-    print(as_json(told), end="")
-    return int(not told["held"])
+    return study(words, main, judged, "range-bounds", 200)
 
 
 def judged(number: int) -> tuple[Bound, ...]:

@@ -57,7 +57,7 @@ from .beside import analyse, nonadhesive, with_solved_points
 from .bodies import Problem
 from .case import Case, load_case, store
 from .case import parse_case as _parse_case
-from .case.solving import solve as _solve
+from .case import solve as _solve
 from .data import Curve, Reading, from_columns
 from .data.measured import read as read_curves
 from .methods import Limits, Method

@@ -21,7 +21,8 @@ ROOMS = (
 MOST_AT_TOP = 4
 # Rooms, and folders in them, that offer names of their modules.
 OFFERING = (
-    "adhesion", "base", "beside", "bodies", "data", "identification.fit", "methods", "methods.integral", "report",
+    "adhesion", "base", "beside", "bodies", "case", "data", "identification.fit", "methods", "methods.integral",
+    "report",
 )  # fmt: skip
 # Libraries and the one folder or module that may import each.
 DOORS = {

@@ -15,13 +15,14 @@ if TYPE_CHECKING:
     from .nonadhesive import Nonadhesive, Parts
     from .path import Jump, TimedState
     from .program import Program
-    from .rate.history import RateContact
+    from .rate.history import History, RateContact
     from .rate.laws import RATE_LAWS, LogRate, PowerRate, RateLaw, parameters_of, rate_law_of, rate_parameters
-    from .relaxation.history import RelaxingContact
+    from .relaxation.history import RelaxedHistory, RelaxingContact
     from .relaxation.limits import limits_of
     from .sharp import resolved, yielding
     from .slopes.result import TWO_SIDED_90, Slopes
-    from .stability import Behaviour, behaviour, behaviours, branch, stable_radius, turning_radius
+    from .stability import Behaviour, Cycle, behaviour, behaviours, branch, cycle, stable_radius, trace, turning_radius
+    from .stability_inverse import FoundWork, work_from_pull_off
     from .validity import LIMITS, REMEDY, Validity, end_of_body, judge, refuse_wetting, regime, sizes, unresolved
 
 __getattr__ = lazily(__name__, __file__)

@@ -60,8 +60,9 @@ if TYPE_CHECKING:
     from .quadrature import composite_gauss
     from .registry import Key, Registry
     from .table import as_json, lists, write_csv
-    from .threads import one_thread
+    from .threads import begin_with_one, one_thread
     from .units import (
+        LARGE_WORK,
         LARGEST_SI,
         SI,
         UNITS,

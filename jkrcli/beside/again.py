@@ -8,8 +8,7 @@ from typing import Any
 
 from ..base import Array, JkrError, Refusal, duration
 from ..bodies import Loading, Problem
-from ..case import Case
-from ..case.numerics import method_of
+from ..case import Case, method_of
 from ..methods import METHODS, Method, method_class
 from ..series import Solution
 

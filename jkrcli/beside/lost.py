@@ -6,9 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
-from ..adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, AskedRange, Behaviour, Errors
-from ..adhesion.sharp import resolved
-from ..adhesion.stability import behaviours
+from ..adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, AskedRange, Behaviour, Errors, behaviours, resolved
 from ..base import Unknown
 from ..series import Solution
 from .analysis import Analysis, analyse, error_of_point, with_solved_points

@@ -54,7 +54,7 @@ def _attracted(solution: Solution, a: float, law: Range) -> dict[str, Array]:
 def _stuck(solution: Solution, a: float, w: float) -> dict[str, Array]:
     """Pressure and shear at the nodes inside, displacement and gap at the vertices from the edge out to 3 a; outwards
     positive."""
-    from ..case.numerics import fem_of
+    from ..case import fem_of
     from ..methods.fem.state import contact_state
 
     curve = analyse(solution, [w])[0].curve

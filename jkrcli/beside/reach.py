@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..adhesion import LOAD_CONTROL, AdhesiveCurve
-from ..adhesion.stability_inverse import work_from_pull_off
+from ..adhesion import LOAD_CONTROL, AdhesiveCurve, work_from_pull_off
 from ..base import ROWS, Array, InputError, JkrError
 from ..bodies import Indenter, Loading, Problem
 from ..formulas.half_space import adhesive_half_space

@@ -11,8 +11,8 @@ from ..bodies import Problem
 from ..methods import Choice, Limits, Method, admit, long_look, method_class
 from ..methods.choose import choose
 from ..series import Record, Solution
-from . import Case
 from .numerics import method_of
+from .reading import Case
 from .store import record_of
 
 Announce = Callable[[str], None]

@@ -39,7 +39,7 @@ from ..series import (
     first_of_plateaus,
     is_series,
 )
-from . import MOST_BYTES, Case, parse_case
+from .reading import MOST_BYTES, Case, parse_case
 from .writing import case_of
 
 FORMAT, VERSION = "jkr-series", 2

@@ -10,9 +10,9 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from ..base import read_bytes
 from ..base.draws import KINDS
-from . import parse_toml, validated
 from .fields import Length, Table, as_tuple, one_or_more, quantity, wrong
 from .models import RootTable
+from .reading import parse_toml, validated
 
 MOST_CASES = 2_000_000  # of one sweep, about 2 kB of memory each in the process that collects their rows
 LIST, RANGE = {"key", "values"}, {"key", "from", "to", "count", "spacing"}

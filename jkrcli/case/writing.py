@@ -18,7 +18,7 @@ from ..bodies import (
     Specimen,
     TransverselyIsotropic,
 )
-from . import Case, model_of
+from .reading import Case, model_of
 
 
 def case_of(problem: Problem) -> Case:

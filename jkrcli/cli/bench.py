@@ -6,8 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..case import load_case
-from ..case.solving import solve
+from ..case import load_case, solve
 from ..many.bench import FEW, Bench
 from ..methods import METHODS, Limits
 from .options import limits_options

@@ -10,8 +10,7 @@ import click
 from ..base import InputError, atomic, together
 from ..beside import analyse
 from ..case import Case
-from ..report import PICTURES, Fields, Output
-from ..report.fields import COMPONENTS
+from ..report import COMPONENTS, PICTURES, Fields, Output
 from .mesh import MARKS
 from .options import state_options
 from .output import give, into_folder, output_options
@@ -45,7 +44,7 @@ def fields(
     output.folder(Path())
     file, solution, w = body_and_work("fields", file, work)
     targets = output.files(output.folder(file.parent) / f"{file.stem}-fields", (".vtu", ".csv", *PICTURES), [file])
-    from ..case.numerics import fem_of
+    from ..case import fem_of
 
     method = fem_of(cast(Case, solution.record.case).model)
     found = Fields.of(analyse(solution, [w])[0], method, a=radius, load=load, component=component)

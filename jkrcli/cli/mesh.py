@@ -8,8 +8,7 @@ import click
 
 from .. import __version__
 from ..base import atomic, together
-from ..case import load_case
-from ..case.numerics import fem_of
+from ..case import fem_of, load_case
 from ..methods import Limits
 from ..methods.fem.mesh import write_msh, write_vtu
 from ..report import Meshed, Output

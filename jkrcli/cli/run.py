@@ -9,8 +9,7 @@ from pathlib import Path
 import click
 
 from ..beside import effect_facts, sticking_effect
-from ..case import load_case, store
-from ..case.solving import solve
+from ..case import load_case, solve, store
 from ..methods import METHODS, Limits
 from ..report import Output, Solved
 from .options import limits_options

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from .. import __version__
 from ..base import InputError, check_series_target
-from ..case import Case, load_case, store
-from ..case.models import other_tables
+from ..case import Case, load_case, other_tables, store
 from ..methods import Forecast, Limits
 from ..series import Record, Solution
 from .options import begin
@@ -39,7 +38,7 @@ def series_file(path: Path) -> Path:
         if _adhesion(found.record) != _adhesion(store.record_of(case)):
             store.write(target, replace(found, record=store.record_of(case)), found.record.command_line)
         return target
-    from ..case.solving import solve
+    from ..case import solve
 
     choice, solution = solve(case, announce=note)
     store.write(target, solution, command_line())

@@ -8,8 +8,7 @@ from pathlib import Path
 import click
 
 from ..base import InputError, executor
-from ..case import load_case
-from ..case.numerics import method_of
+from ..case import load_case, method_of
 from ..many.study.converge import converge
 from ..methods import FEM
 from ..report import PICTURES, Output

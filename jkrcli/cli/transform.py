@@ -11,9 +11,8 @@ from ..adhesion import AskedRange
 from ..base import InputError
 from ..beside import analyse, effect_on, sticking_warnings
 from ..methods import Limits
-from ..report import PICTURES, Files, Output, Transformed, as_result
+from ..report import PICTURES, Files, Output, Transformed, as_result, figure_of
 from ..report.scaling import own_scales, scales_of
-from ..report.transform import figure_of
 from .options import ScaleType, WorkType, limits_options, modulus_factor_option, range_options, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
 from .series import begin_curves, read_files, works_of

@@ -9,8 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..adhesion import Nonadhesive, point_error
-from ..adhesion.stability_inverse import FoundWork, work_from_pull_off
+from ..adhesion import FoundWork, Nonadhesive, point_error, work_from_pull_off
 from ..base import Estimate, InputError, Unknown, parse
 from ..beside import Analysis, adhesive, nonadhesive, with_solved_points
 from ..beside.again import method_behind

@@ -12,8 +12,7 @@ from statistics import median
 from typing import Any
 
 from ..base import StageClock
-from ..case import Case, store
-from ..case.solving import solve
+from ..case import Case, solve, store
 from ..report import Result
 from .cost import process_cost
 

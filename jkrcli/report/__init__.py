@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from .compare import Compared, of_curves, of_solutions
     from .cycle import Cycled, CycledByProgram
     from .dem import Exported
-    from .fields import Fields
+    from .fields import COMPONENTS, Fields
     from .fit import Fits, Fitted, plan_table, rivals_table
     from .joint_fit import JointFitted
     from .look import Look
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from .rate_fit import LawFit
     from .relaxation import CycledInLimits, CycledRelaxing
     from .relaxation_fit import RelaxationFits, RelaxationFitted
-    from .result import Held, Result, Results, as_result
+    from .result import Figure, Held, Result, Results, as_result
     from .solved import Imported, Solved
     from .tension_fit import TensionFitted
-    from .transform import Transformed
+    from .transform import Transformed, figure_of
     from .work import Work
 
 __getattr__ = lazily(__name__, __file__)

@@ -7,16 +7,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from ..adhesion import CriticalPoint
-from ..adhesion.finite_range import unable
-from ..base import Estimate, Refusal, Unknown, show
-from ..base.units import reached
+from ..adhesion import CriticalPoint, unable
+from ..base import Estimate, Refusal, Unknown, reached, show
 from ..beside.expectation import Expectation, expect
 from ..beside.left_out import LeftOut, left_out
 from ..bodies import Problem
-from ..case import Case
-from ..case.models import CaseModel
-from ..case.numerics import method_of
+from ..case import Case, CaseModel, method_of
 from ..methods.choose import Choice, Option, choose, survey
 from . import tables
 from .left_out import table, worst

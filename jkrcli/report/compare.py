@@ -6,16 +6,13 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..base import InputError
 from ..series import Solution
 from ..series.differences import Difference, curve_differences, series_differences
-from .result import Result
+from .result import Figure, Result
 from .tables import read_curve
-
-if TYPE_CHECKING:
-    from .plots import Figure
 
 
 @dataclass(frozen=True, eq=False)

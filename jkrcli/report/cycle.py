@@ -6,19 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..adhesion import Jump, Program, control, path, turning_radius
-from ..adhesion.stability import Cycle, cycle, trace
+from ..adhesion import Cycle, Jump, Program, control, cycle, path, trace, turning_radius
 from ..base import ROWS, Array, InputError, Unknown, show
 from ..beside import Analysis
 from . import tables
-from .result import Result
-
-if TYPE_CHECKING:
-    from .plots import Figure
+from .result import Figure, Result
 
 
 @dataclass(frozen=True, eq=False)

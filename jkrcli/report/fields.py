@@ -12,13 +12,12 @@ import numpy as np
 from ..adhesion import stable_radius
 from ..base import Array, show
 from ..beside import Analysis
-from .result import Result
+from .result import Figure, Result
 
 if TYPE_CHECKING:
     from ..bodies import Problem
     from ..methods import FEM
     from ..methods.fem.state import ContactState
-    from .plots import Figure
 
 COMPONENTS = ("zz", "rr", "tt", "rz", "mises")
 COLUMNS = {"r": "r_m", "zz": "sigma_zz_Pa", "rz": "sigma_rz_Pa", "zz_error": "sigma_zz_err_Pa",

@@ -6,23 +6,19 @@ import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.special import ndtri
 
 from ..base import SI, scale, show
-from ..identification.fit import Failure, Fit, FittedValue
+from ..identification.fit import Failure, Fit, FittedValue, JKRBeside
 from ..identification.fit.record_rivals import OF_RIVALS
 from ..identification.fit.record_scores import Score, Tried
-from ..identification.fit.result import JKRBeside
 from ..identification.fit.rivals import RANGE
 from . import archive
 from .output import SHOWN
-from .result import Result
-
-if TYPE_CHECKING:
-    from .plots import Figure
+from .result import Figure, Result
 
 FORMAT, VERSION = archive.FITS, 1  # of the summary
 UNIT_NAMES = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,10 +11,7 @@ from ..base import show
 from ..identification.fit import JointFit
 from . import fit as each
 from .fit import DOUBTFUL, FITTED, brief, estimate_summary, estimate_words
-from .result import Result
-
-if TYPE_CHECKING:
-    from .plots import Figure
+from .result import Figure, Result
 
 
 @dataclass(frozen=True, eq=False)

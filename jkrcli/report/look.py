@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..base import InputError, Unknown, show
 from ..beside.rough import Rough, rough
@@ -13,10 +13,7 @@ from ..bodies import Indenter
 from ..data import BaseLine, Direction, ForceCurve, examine, measured
 from ..data.measured.curve import ARBITRARY
 from .output import SHOWN
-from .result import Result
-
-if TYPE_CHECKING:
-    from .plots import Figure
+from .result import Figure, Result
 
 NO_BASE_LINE = Unknown("there is no base line")
 NAMES = {"a": "contact radius", "delta": "displacement", "P": "load", "t": "time"}

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..base import show
 from ..methods.fem.grid import Grid
-from .result import Result
-
-if TYPE_CHECKING:
-    from .plots import Figure
+from .result import Figure, Result
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..base import as_json, check_series_target, check_target, make_folder, together, write_csv, write_text
-
-if TYPE_CHECKING:
-    from .plots import Figure
+from .result import Figure
 
 PICTURES = (".png", ".svg")
 SHOWN = 10  # curves that are told line by line, and drawn

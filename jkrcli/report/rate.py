@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..adhesion import (
     LOAD_CONTROL,
+    History,
     Program,
     RateContact,
     RateLaw,
@@ -17,16 +18,12 @@ from ..adhesion import (
     position,
     rate_parameters,
 )
-from ..adhesion.rate.history import History
 from ..adhesion.rate.validity import NEGLECTED, Zone, zone
 from ..base import ROWS, SI, UNSEEN, Array, InputError, SolveError, Unknown, known, show
 from ..beside import Analysis
 from ..identification.rate.through import LawThrough
-from .result import Result, as_result
+from .result import Figure, Result, as_result
 from .tables import stiffness, timed, timed_jump
-
-if TYPE_CHECKING:
-    from .plots import Figure
 
 ACCURATE = 1e-6  # choice: error of the integration beyond which a reader is warned
 VAGUE = 1.0  # choice: relative standard error beyond which a parameter is not told

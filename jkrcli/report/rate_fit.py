@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,11 +12,8 @@ from ..base import show
 from ..identification.rate.fitting import RateFit
 from .fit import brief, estimate_summary, estimate_words
 from .rate import law_words
-from .result import Result
+from .result import Figure, Result
 from .tables import stiffness
-
-if TYPE_CHECKING:
-    from .plots import Figure
 
 NAMES = ("curve", "t_s", "P_N", "P_fit_N", "a_fit_m", "speed_m_per_s")
 FORMAT, VERSION = "jkr-rate-fit", 1

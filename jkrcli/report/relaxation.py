@@ -6,17 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ..adhesion import Program, RelaxingContact, limits_of
-from ..adhesion.relaxation.history import RelaxedHistory
+from ..adhesion import Program, RelaxedHistory, RelaxingContact, limits_of
 from ..base import ROWS, SI, UNSEEN, Array, InputError, Unknown, show
 from ..bodies import RELAXATIONS, Relaxation
-from .result import Result, Several, as_result
+from .result import Figure, Result, Several, as_result
 from .tables import energies, stiffness, timed
-
-if TYPE_CHECKING:
-    from .plots import Figure
 
 NEGLECTED = (
     "one relaxation function for all layers, and for the half-space below them, at constant Poisson's ratios; no "

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..base import SI
 from ..identification.relaxation import RelaxationFit
 from .fit import brief, estimate_summary, estimate_words
 from .relaxation import NEGLECTED, law_summary
-from .result import Result, Several
+from .result import Figure, Result, Several
 from .tables import stiffness
-
-if TYPE_CHECKING:
-    from .plots import Figure
 
 FORMAT = "jkr-relaxation-fit"
 

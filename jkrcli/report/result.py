@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from ..base import InputError, installs
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from .plots import Figure
+    from . import plots
 
+Figure: TypeAlias = "plots.Figure"  # by its name: matplotlib is imported when something is drawn
 Held = TypeVar("Held", bound="Result")
 
 

@@ -11,11 +11,10 @@ from ..adhesion import CriticalPoint
 from ..base import Array, Estimate, Unknown, accuracy, show
 from ..beside import Analysis, StickingEffect, as_told, effect_on, is_solved
 from . import tables
-from .result import Result
+from .result import Figure, Result
 from .scaling import Scales
 
 if TYPE_CHECKING:
-    from .plots import Figure
     from .plots.curve import Units
 
 

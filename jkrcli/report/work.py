@@ -7,7 +7,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -20,10 +20,7 @@ from ..identification.work import ABOVE, BELOW, NONE, OK, WorkAlong, typical
 from ..series import Solution
 from .output import SHOWN
 from .rate import through_summary, through_words
-from .result import Result
-
-if TYPE_CHECKING:
-    from .plots import Figure
+from .result import Figure, Result
 
 FORMAT, VERSION = "jkr-work", 1
 QUARTILES = (0.25, 0.5, 0.75)

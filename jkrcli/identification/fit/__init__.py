@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from .joint import JointFit, joint_fit, shared_of, with_radii
     from .plan import further, planned
     from .points import third_differences
-    from .result import Fit, Further
+    from .result import Fit, Further, JKRBeside
     from .settings import USUALLY_FREE, Loss, Settings, settings_of, uncertain_of
-    from .statistics import covariance, t_quantile
+    from .statistics import covariance, rise, t_quantile
 
 __getattr__ = lazily(__name__, __file__)

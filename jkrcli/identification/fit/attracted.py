@@ -17,8 +17,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 from ...base import MOST_STEPS, REMEMBERED, SAME, Array, Refusal, SolveError, show
 from ...bodies import Problem
 from ...methods import AttractedBody
-from ...methods.integral import Attraction, Rims, refuse_narrow
-from ...methods.integral.attraction import Discs
+from ...methods.integral import Attraction, Discs, Rims, refuse_narrow
 from .family import Drift, Family
 
 

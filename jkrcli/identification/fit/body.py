@@ -19,8 +19,7 @@ from ...adhesion.slopes.choice import slopes
 from ...base import REMEMBERED, InputError, JkrError, Refusal, SolveError, show
 from ...beside import JKR, nonadhesive
 from ...bodies import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal
-from ...case import Case, load_case, store
-from ...case.solving import solve
+from ...case import Case, load_case, solve, store
 from ...methods import Layered, Limits, unbounded
 from ...series import Series, Solution
 from .attracted import COARSE, FINE, AttractedFamily, Resolution

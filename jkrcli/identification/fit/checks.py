@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...adhesion import REMEDY, judge
-from ...base import Unknown, show
-from ...base.units import LARGE_WORK
+from ...base import LARGE_WORK, Unknown, show
 from ...series import Record
 from ..answer import word
 from ..parameters import POSITIONS

@@ -12,7 +12,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,11 +19,9 @@ from ...adhesion import FiniteRangeBody, FiniteRangeCurve, Range, transform
 from ...base import MOST_STEPS, Array, JkrError, Ranged, SolveError
 from ...bodies import Loading, Paraboloid, Problem, Specimen
 from ...methods import AttractedBody, Layered
+from ...report import Figure
 from ...series import Series
 from .maps import BASE, POISSON, Axis, Columns, Map, Values, Work, layer, rows, within
-
-if TYPE_CHECKING:
-    from ...report.plots import Figure
 
 
 @dataclass(frozen=True)

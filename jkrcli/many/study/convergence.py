@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...base import Unknown, show
-from ...report import Result, tables
+from ...report import Figure, Result, tables
 from .meshes import QUANTITIES, Meshes
-
-if TYPE_CHECKING:
-    from ...report.plots import Figure
 
 DIMENSIONS = {"a": "length", "P": "load", "pull_off": "load"}
 WORDS = {"a": "contact radius", "P": "load", "pull_off": "pull-off force"}

@@ -7,19 +7,16 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from ...base import Array, InputError, Pool, Ranged, in_order, lists
 from ...bodies import Elastic, Layer, Loading, Paraboloid, Problem, Rigid, Specimen
 from ...methods import Method
-from ...report import Result
+from ...report import Figure, Result
 from ...series import Series
 from . import MAPS
-
-if TYPE_CHECKING:
-    from ...report.plots import Figure
 
 Values: TypeAlias = dict[str, Any]  # of all axes: a tuple of several, else one
 Columns: TypeAlias = dict[str, Array]

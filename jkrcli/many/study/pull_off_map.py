@@ -11,7 +11,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,11 +19,9 @@ from ...adhesion import LOAD_CONTROL, AdhesiveCurve, Nonadhesive
 from ...base import SolveError, Unknown
 from ...formulas.surface_tension import wetting_radius
 from ...methods import Layered
+from ...report import Figure
 from ...series import Series
 from .maps import BASE, POISSON, SHOWN_NU, SHOWN_Q, Axis, Columns, Map, Q, Values, Work, layer, rows, series_at, within
-
-if TYPE_CHECKING:
-    from ...report.plots import Figure
 
 
 @dataclass(frozen=True)

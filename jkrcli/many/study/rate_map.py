@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -19,10 +19,8 @@ from ...base import Ranged, SolveError, known
 from ...bodies import Elastic, HalfSpace, Layer, Rigid, Specimen
 from ...methods import Layered
 from ...methods.closed_form.method import ClosedForm
+from ...report import Figure
 from .maps import POISSON, Axis, Columns, Map, Values, Work, rows, series_at
-
-if TYPE_CHECKING:
-    from ...report.plots import Figure
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,11 +12,9 @@ from ... import __version__
 from ...base import Array
 from ...bodies import Elastic, Layer, Rigid, Specimen
 from ...methods import Layered
+from ...report import Figure
 from ...series import Series
 from .maps import POISSON, SHOWN_NU, Axis, Columns, Map, Values, Work, rows, series_at, within
-
-if TYPE_CHECKING:
-    from ...report.plots import Figure
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,10 +20,8 @@ from ...adhesion import LOAD_CONTROL, CriticalPoint, FiniteRangeBody, Range, tra
 from ...base import JkrError, SolveError, Unknown
 from ...bodies import Loading, Paraboloid, Problem
 from ...methods import AttractedBody, Layered
+from ...report import Figure
 from .maps import BASE, POISSON, SHOWN_NU, SHOWN_Q, Axis, Columns, Map, Q, Values, Work, layer, rows, within
-
-if TYPE_CHECKING:
-    from ...report.plots import Figure
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,7 @@ import numpy as np
 
 from ...base import InputError
 from ...base.draws import KINDS, Distribution, draw
-from ...case import model_of
-from ...case.models import CaseModel
+from ...case import CaseModel, model_of
 from ...case.sweep import AxisTable, DistributionTable, SamplesTable, SweepModel
 from .paths import LAYER_COUNT, Tables, parse, value_at, with_values
 

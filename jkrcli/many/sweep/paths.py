@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ...base import InputError
-from ...case import model_of
-from ...case.models import CaseModel
+from ...case import CaseModel, model_of
 
 KeyPath = tuple[str | int, ...]
 Tables = dict[str, Any]

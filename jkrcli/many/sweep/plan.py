@@ -16,8 +16,7 @@ from ... import __version__
 from ...adhesion.slopes import checked_rule
 from ...base import MOST_CELLS, InputError
 from ...bodies import Problem
-from ...case import Case, model_of
-from ...case.models import CaseModel
+from ...case import Case, CaseModel, model_of
 from ...case.sweep import MOST_CASES, SweepModel, load_sweep
 from ...data.text_table import MOST_COLUMNS
 from ..cache import at_unit_modulus

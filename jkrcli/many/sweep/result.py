@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...base import InputError, printable
-from ...report import Result
+from ...report import Figure, Result
 from .plan import Plan
 from .solving import FAILED, Row
 from .table import SweepTable
-
-if TYPE_CHECKING:
-    from ...report.plots import Figure
 
 
 @dataclass(frozen=True, eq=False)

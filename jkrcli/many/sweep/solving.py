@@ -13,8 +13,7 @@ from ...adhesion import Nonadhesive
 from ...base import JkrError, Unknown
 from ...beside import adhesive, nonadhesive
 from ...bodies import Problem
-from ...case.models import CaseModel
-from ...case.numerics import method_of
+from ...case import CaseModel, method_of
 from ...methods import Choice, least_first, survey
 from ...methods.choose import choose
 from ...series import Solution

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base import Array, Refusal
-from ...bodies import Elastic, HalfSpace, Material, Problem, Specimen, TransverselyIsotropic
-from ...bodies.problem import Side
+from ...bodies import Elastic, HalfSpace, Material, Problem, Side, Specimen, TransverselyIsotropic
 
 
 @dataclass(frozen=True)

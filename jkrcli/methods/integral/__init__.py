@@ -12,7 +12,7 @@ from ...base.lazy import lazily
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from .attraction import Attraction, Rims, panels_for, refuse_narrow
+    from .attraction import Attraction, Discs, Rims, panels_for, refuse_narrow
     from .disc import disc_warnings, refuse_shrinking
     from .equation import ContactResult, DiscreteEquation, EquationResult, solve
     from .kernel import CosineKernel, FredholmKernel

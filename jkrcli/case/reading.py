@@ -1,0 +1,248 @@
+"""Case files: TOML in, validated models out, and back again. Everything that is wrong is reported at once."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, TypeVar
+
+import tomli_w
+from pydantic import ValidationError
+
+from ..base import InputError, did_you_mean, nearest, ranges_of, read_bytes, units
+from ..bodies import SHAPES
+from ..methods import METHODS
+from .models import CaseModel, RootTable, case_model, other_tables
+from .quotes import UnquotedError, has_unquoted
+
+Root = TypeVar("Root", bound=RootTable)
+MOST_BYTES = 16 << 20  # read at about 1 MiB/s
+MOST_KEYS = 10_000  # choice: equals signs, read in about a second; a thousand layers have 4,000
+MOST_VALUES = 200_000  # choice: commas, read in a second; a profile's table has 10,000 at most
+MOST_PARTS = 50  # of a dotted key; reading takes the square of it
+MANY_PARTS = re.compile(rb"""^[ \t\[]*(?:[\w"'-]+[ \t]*\.[ \t]*){%d}""" % MOST_PARTS, re.MULTILINE)
+KINDS = {  # what the file must hold where pydantic says so
+    ("model_type", "dict_type", "model_attributes_type"): "a table",
+    ("list_type", "tuple_type"): "a list",
+    ("int_type", "int_from_float"): "a whole number",
+    ("bool_type",): "true or false",
+    ("string_type",): "a text",
+}
+KeysAt = Callable[[tuple[str, ...]], list[str]]
+
+
+class Case:
+    """A validated case: ``model`` holds the values in SI, ``source`` the file they came from, ``text`` what stands
+    there where that is a series file, ``remarks`` what may not have been meant as it stands."""
+
+    def __init__(self, model: CaseModel, source: str, text: str = "", remarks: tuple[str, ...] = ()):
+        self.model = model
+        self.source = source
+        self.text = text
+        self.remarks = remarks
+
+    def with_tolerance(self, tolerance: float, method: str) -> Case:
+        """The case in which ``method`` is asked for this relative error; "auto": every one that can be, as near to it
+        as it allows. InputError where no method has it."""
+        tree = self.model.model_dump(exclude_none=True)
+        ranges = {name: ranges_of(known.options).get("tolerance") for name, known in METHODS.items() if known.options}
+        known = {name: ranged for name, ranged in ranges.items() if ranged and method in ("auto", name)}
+        if not any(tolerance in ranged for ranged in known.values()):
+            allowed = ", ".join(f"{name} takes {ranged.rule}" for name, ranged in known.items())
+            allowed = allowed or f"method {method} has none, its formula errs as it does; leave the option out"
+            raise InputError(f"--tolerance: {allowed}, got {tolerance:g}")
+        for name, ranged in known.items():
+            place = METHODS[name].places["tolerance"]
+            asked = {place.table: tree.get(place.table, {}) | {place.key: ranged.nearest(tolerance)}}
+            try:
+                tree |= model_of(tree | asked, self.source).model_dump(exclude_none=True)
+            except InputError:  # a mesh of given sizes, say, of which no error can be asked
+                if method == name:
+                    raise
+        return Case(model_of(tree, self.source), self.source, remarks=self.remarks)
+
+    def to_toml(self, method: str | None = None) -> str:
+        """The resolved case, every default written out, SI numbers: reads back to the same numbers. With the options
+        of the ``method`` alone where one is named, so that what it made never needs another one."""
+        if self.text:
+            return self.text
+        tree = self.model.model_dump(exclude_none=True, exclude=set() if method is None else other_tables(method))
+        if method in METHODS and tree["method"] != "auto":
+            tree["method"] = method
+        return tomli_w.dumps(tree)
+
+
+def load_case(path: str | Path) -> Case:
+    """Read and validate a case file; InputError names file, key, value and what is allowed, a line per mistake."""
+    path = Path(path)
+    return parse_case(read_bytes(path, "case file"), str(path), path.parent)
+
+
+def parse_case(content: bytes, source: str, folder: Path | None = None) -> Case:
+    """Validate the bytes of a case file; ``folder`` is where relative names of profile tables are looked up."""
+    try:
+        tree = parse_toml(content, source)
+    except UnquotedError as error:
+        raise InputError([*error.lines, *_mistakes(error.quoted, source, folder)]) from None
+    if "base" in tree and "indenter" not in tree:
+        raise InputError(f"{source}: is a sweep file, not a case: jkr sweep runs it")
+    return Case(model_of(tree, source, folder), source, remarks=tuple(_remarks(tree, source)))
+
+
+def _remarks(tree: dict[str, Any], source: str) -> Iterator[str]:
+    """A bare number is read as SI: said where that makes a work of adhesion that surfaces hardly have."""
+    works = tree.get("adhesion", {}).get("w", [])
+    for work in works if isinstance(works, list) else [works]:
+        if not isinstance(work, str) and (doubt := units.doubtful_work(work)):
+            yield f"{source}: adhesion.w: {doubt}"
+
+
+def _mistakes(text: str, source: str, folder: Path | None) -> tuple[str, ...]:
+    """What else is wrong in the text of a case."""
+    try:
+        parse_case(text.encode(), source, folder)
+    except InputError as error:
+        return error.lines
+    return ()
+
+
+def parse_toml(content: bytes, source: str) -> dict[str, Any]:
+    """The tables in the bytes of a TOML file, not yet looked into."""
+    if len(content) > MOST_BYTES:
+        raise InputError(f"{source}: is larger than {MOST_BYTES >> 20} MiB; put a long profile into a table of its own")
+    for sign, things, most in ((b"=", "keys", MOST_KEYS), (b",", "values", MOST_VALUES)):
+        if (count := content.count(sign)) > most:
+            raise InputError(f"{source}: holds about {count:,} {things}, at most {most:,} are read")
+    if many := MANY_PARTS.search(content):
+        line = content.count(b"\n", 0, many.start()) + 1
+        raise InputError(f"{source}: line {line}: a key must not have more than {MOST_PARTS} parts")
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        series = "; of a series file the case is what jkr show --case prints" if source.endswith(".h5") else ""
+        raise InputError(f"{source}: is not a text file (byte {error.start} is not UTF-8){series}") from None
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise InputError(f"{source}: is not valid TOML: brackets are nested too deeply") from None
+    except tomllib.TOMLDecodeError as error:
+        if has_unquoted(text):
+            raise UnquotedError(source, text) from None
+        raise InputError(f"{source}: is not valid TOML: {str(error)[0].lower()}{str(error)[1:]}") from None
+    except ValueError:
+        raise InputError(f"{source}: is not valid TOML: a number has thousands of digits") from None
+
+
+def plain_toml(text: str) -> str:
+    """The tables in the TOML ``text`` with characters that steer a terminal written as escapes: it reads back to the
+    same values. What holds none of them is left as it is."""
+    if all(map(str.isprintable, text.split("\n"))):
+        return text
+    dumped = tomli_w.dumps(parse_toml(text.encode(), "case"))  # in strings alone, and of those basic ones
+    return "".join(c if c.isprintable() or c == "\n" else f"\\U{ord(c):08x}" for c in dumped)
+
+
+def model_of(tree: dict[str, Any], source: str, folder: Path | None = None) -> CaseModel:
+    """The case of the tables ``tree``; InputError with a line per mistake, each led by ``source``."""
+    return validated(case_model(tree), tree, source, folder)
+
+
+def validated(kind: type[Root], tree: dict[str, Any], source: str, folder: Path | None = None) -> Root:
+    """The tables of a whole file as a model of ``kind``; InputError with a line per mistake, each led by ``source``."""
+    try:
+        return kind.model_validate(tree, context={"folder": folder})
+    except ValidationError as error:
+        raise InputError([f"{source}: {line}" for line in _sentences(error, tree, kind.keys_at)]) from None
+
+
+def _sentences(error: ValidationError, tree: dict[str, Any], keys_at: KeysAt) -> list[str]:
+    """One sentence per mistake, sorted; a missing key that an unknown one is a misspelling of is not said twice."""
+    items = error.errors()
+    meant = {
+        (*item["loc"][:-1], close)
+        for item in items
+        if item["type"] == "extra_forbidden"
+        if (close := nearest(item["loc"][-1], _allowed(item["loc"], keys_at)))
+    }
+    kept = [item for item in items if not (item["type"] == "missing" and item["loc"] in meant)]
+    return sorted({_sentence(item, tree, keys_at) for item in kept})
+
+
+def _sentence(item: Any, tree: dict[str, Any], keys_at: KeysAt) -> str:
+    """One of pydantic's findings in our words: ``specimen.layers[1].E: must be > 0, got -3 Pa``."""
+    where, value, context = _path(item["loc"], tree), item["input"], item.get("ctx", {})
+    match item["type"]:
+        case "missing":
+            return f"{where}: is required"
+        case "extra_forbidden":
+            keys = _allowed(item["loc"], keys_at)
+            return f"{where}: unknown key{did_you_mean(item['loc'][-1], keys)} (allowed: {', '.join(keys)})"
+        case "literal_error":
+            allowed = [str(word).strip("'") for word in context["expected"].replace(" or ", ", ").split(", ")]
+            return f"{where}: must be one of {', '.join(allowed)}, got {shown(value)}{did_you_mean(value, allowed)}"
+        case "union_tag_not_found":
+            return f"{where}.{context['discriminator'].strip(chr(39))}: is required"
+        case "union_tag_invalid":
+            allowed = context["expected_tags"].replace("'", "").split(", ")
+            tag = context["tag"]
+            return f'{where}.shape: must be one of {", ".join(allowed)}, got "{tag}"{did_you_mean(tag, allowed)}'
+        case "jkr":
+            hint = _rigid(where) if value == "rigid" else ""
+            return f"{where}: {item['msg']}{hint}" if where else item["msg"]
+        case "greater_than_equal":
+            return f"{where}: must be >= {context['ge']}, got {shown(value)}"
+        case "less_than_equal":
+            return f"{where}: must be <= {context['le']}, got {shown(value)}"
+    wanted = next((f"must be {words}" for kinds, words in KINDS.items() if item["type"] in kinds), item["msg"])
+    return f"{where}: {wanted}, got {shown(value)}"
+
+
+def _rigid(where: str) -> str:
+    """How to say that a body is rigid."""
+    if where == "indenter.E":
+        return "; a rigid indenter is one without E and nu: leave both out"
+    if where.endswith(".E"):
+        return (
+            "; an elastic lens on a rigid plate is the contact of a rigid lens on a half-space of the lens's material: "
+            'give that E and nu here and none in [indenter]; below layers base = "bonded" is rigid'
+        )
+    return ""
+
+
+def _path(loc: tuple[Any, ...], tree: dict[str, Any]) -> str:
+    """``("specimen", "layers", 1, "E")`` -> ``specimen.layers[1].E``, as the keys stand in the file's ``tree``."""
+    path, here = "", tree
+    for part in loc:
+        if isinstance(part, int):
+            if not isinstance(here, list):
+                continue  # a single value that stands for a list of one
+            path += f"[{part}]"
+            here = here[part] if part < len(here) else None
+        elif part in SHAPES and isinstance(here, dict) and here.get("shape") == part:
+            continue  # the tag of the shape, not a key
+        elif part.startswith("<"):
+            continue  # the tag of a material or law
+        else:
+            path += f".{part}" if path else str(part)
+            here = here.get(part) if isinstance(here, dict) else None  # type: ignore[assignment]
+    return path
+
+
+def _allowed(loc: tuple[Any, ...], keys_at: KeysAt) -> list[str]:
+    """The keys that the table around an unknown key at ``loc`` may have."""
+    return keys_at(tuple(part for part in loc[:-1] if not isinstance(part, int)))
+
+
+def shown(value: Any) -> str:
+    """A value as the user would recognise it, on one line and not too long."""
+    if isinstance(value, str):
+        text = '"' + value.replace("\n", "\\n") + '"'
+    elif isinstance(value, bool):
+        text = str(value).lower()
+    elif isinstance(value, dict):
+        text = "a table"
+    else:
+        text = str(value)
+    return text if len(text) <= 60 else text[:57] + "..."

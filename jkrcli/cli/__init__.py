@@ -14,9 +14,9 @@ from collections.abc import Iterator, Sequence
 import click
 
 from .. import __version__
-from ..base import InputError, JkrError, did_you_mean, interrupts, printable
-from ..base.threads import begin_with_one
-from .voice import folded, give_up, level_options, tell, warn
+from ..base import InputError, JkrError, begin_with_one, did_you_mean, interrupts, printable
+from .verb import LateGroup
+from .voice import folded, give_up, tell, warn
 
 begin_with_one()  # the same numbers everywhere, and faster at these sizes
 os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # nothing foreign reads along, and no search for it
@@ -73,35 +73,19 @@ VOICED = frozenset({
 SILENT = frozenset({"completion", "study"})  # what one prints is a script, the other is a group
 
 
-class Verbs(click.Group):
-    """A group whose commands live in one module each and are imported on call only."""
+class Verbs(LateGroup):
+    """The verbs, each in a module of its own."""
 
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(VERBS)
+    titles, voiced, silent = GROUPS, VOICED, SILENT
 
-    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
-        if name not in VERBS:
-            return None
+    def made(self, name: str) -> click.Command:
         attribute = name.replace("-", "_") + "_" * keyword.iskeyword(name)
         command: click.Command = getattr(importlib.import_module(f"{__name__}.{attribute}"), attribute)
-        if name not in SILENT and not any("--verbose" in parameter.opts for parameter in command.params):
-            command.params += level_options(quiet=name in VOICED)
         interrupts.raise_from_here()
         return command
 
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        if args and args[0] not in VERBS and not args[0].startswith("-"):
-            hint = did_you_mean(args[0], VERBS)
-            raise click.UsageError(f'unknown command "{args[0]}"{hint} (commands: {", ".join(VERBS)})', ctx)
-        return super().resolve_command(ctx, args)
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        width = max(map(len, VERBS))
-        for title, verbs in GROUPS.items():
-            with formatter.section(title):
-                formatter.write_dl([(verb.ljust(width), text) for verb, text in verbs.items()])
+    def unknown(self, name: str) -> str:
+        return f'unknown command "{name}"{did_you_mean(name, VERBS)} (commands: {", ".join(VERBS)})'
 
 
 @click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})

@@ -14,6 +14,7 @@ import click
 from ..base import InputError, writable
 from ..methods import Limits
 from .verb import as_one
+from .verb import flag as option
 from .voice import warn
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ tip_options = as_one("flags", dict, *OPTIONS[:3])
 
 def flag(name: str) -> str:
     """What a flag is called on the command line."""
-    return "--E" if name == "modulus" else f"--{name.replace('_', '-')}"
+    return "--E" if name == "modulus" else option(name)
 
 
 def given_flags(body: Mapping[str, str | None]) -> str:

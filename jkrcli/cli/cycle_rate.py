@@ -12,7 +12,7 @@ import click
 from ..adhesion import LOAD_CONTROL, Course
 from ..base import InputError
 from .options import LengthType, LoadType, PairsType
-from .verb import as_one
+from .verb import as_one, flag
 
 if TYPE_CHECKING:
     from ..adhesion import Program, RateContact, RelaxingContact
@@ -85,11 +85,6 @@ class RateOptions:
     @property
     def _course(self) -> Course:
         return Course(**{name: getattr(self, name) for name in ("to_load", "to_depth", *ALONE)})
-
-
-def flag(name: str) -> str:
-    """The option of a field."""
-    return "--" + name.replace("_", "-")
 
 
 rate_options = as_one(

@@ -9,6 +9,7 @@ import click
 from click.core import ParameterSource
 
 from ..base import InputError
+from .verb import flag
 
 EACH, LAW, RELAXATION, SHARED, TENSION = "each", "--law", "--relaxation", "--shared", "surface_tension"
 EFFECT: Mapping[str, tuple[str, ...]] = {  # others have one on every kind
@@ -46,10 +47,6 @@ def refuse_idle(kind: str, options: Mapping[str, Any]) -> None:
     for name in idle:
         value = f" {options[name]}" if isinstance(options[name], str) else ""
         if name in GOES_WITH and (kind == EACH or kind in EFFECT[name]):
-            raise InputError(f"fit: {_flag(name)}: goes with {GOES_WITH[name]}: leave it out")
-        by = "" if kind == EACH else f"{kind} does not take {_flag(name)}{value}: leave it out"
+            raise InputError(f"fit: {flag(name)}: goes with {GOES_WITH[name]}: leave it out")
+        by = "" if kind == EACH else f"{kind} does not take {flag(name)}{value}: leave it out"
         raise InputError(f"fit: {by}")
-
-
-def _flag(name: str) -> str:
-    return f"--{name.replace('_', '-')}"

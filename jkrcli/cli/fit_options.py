@@ -11,20 +11,18 @@ from ..bodies import RELAXATIONS
 from ..report import SHOWN
 from .body import body_options
 from .measured import reading_options
-from .options import NamedType, ParamType, RangeType, ScaleType, limits_options, parallel_options, slopes_option
+from .options import NamedType, ParsedType, RangeType, ScaleType, limits_options, parallel_options, slopes_option
 from .output import into_folder, output_options
 from .verb import several
 
 
-class NamesType(ParamType):
+class NamesType(ParsedType):
     """One or several names, separated by commas."""
 
     name = "NAME,..."
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
-        return (
-            value if isinstance(value, tuple) else tuple(part.strip() for part in str(value).split(",") if part.strip())
-        )
+    def parsed(self, text: str) -> Any:
+        return tuple(part.strip() for part in text.split(",") if part.strip())
 
 
 # Of the body, of the fit, of the reading, of what is written.

@@ -12,8 +12,7 @@ from typing import Any
 import click
 
 from ..base import InputError, read_bytes
-from ..case import Case, load_case, parse_case, store
-from ..case.models import CaseModel, LoadingTable
+from ..case import Case, CaseModel, LoadingTable, load_case, parse_case, store
 from ..data import SEPARATORS
 from ..data.foreign import NAMES, SeriesReading, read_series
 from ..report import Imported, Output
@@ -32,10 +31,8 @@ SOME_LOADING = b"\n[loading]\ndepth = 1.0\n"  # stands in where a case has none:
 class ZeroType(ScaleType):
     """delta=LENGTH or P=LOAD; a length alone is that of the displacement."""
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
-        if isinstance(value, str) and "=" not in value:
-            return "delta", LengthType().convert(value, param, ctx)
-        return super().convert(value, param, ctx)
+    def parsed(self, text: str) -> Any:
+        return super().parsed(text) if "=" in text else ("delta", LengthType().parsed(text))
 
 
 @click.command("import", cls=Verb)

@@ -67,25 +67,36 @@ parallel_options = as_one(
 )
 
 
-class QuantityType(ParamType):
+class ParsedType(ParamType):
+    """What ``parsed`` makes of a text; the sentence of its ValueError is told of the option."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if not isinstance(value, str):  # it is one already
+            return value
+        try:
+            return self.parsed(value)
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+
+    def parsed(self, text: str) -> Any:
+        """The value of ``text``; ValueError with what it must be."""
+        raise NotImplementedError
+
+
+class QuantityType(ParsedType):
     """A finite number of a dimension, SI or with a unit."""
 
     dimension = "number"
     least = -math.inf
-    allowed = ""  # in words, where that is not all from the least on
+    allowed = ""  # in words, where it must be > 0
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        if isinstance(value, float):
-            return value
-        try:
-            number = units.parse(str(value), self.dimension)
-        except ValueError as error:
-            self.fail(str(error), param, ctx)
-        if not (math.isfinite(number) and number >= self.least):
-            self.fail(f"must be {self.allowed or f'finite and >= {self.least:g}'}, got {value}", param, ctx)
+    def parsed(self, text: str) -> Any:
+        number = units.parse(text, self.dimension)
+        if not (math.isfinite(number) and (number > 0 if self.allowed else number >= self.least)):
+            raise ValueError(f"must be {self.allowed or f'finite and >= {self.least:g}'}, got {text}")
         least, most = 1 / units.LARGEST_SI, units.LARGEST_SI
         if number != 0 and not least <= abs(number) <= most:
-            self.fail(f"must lie within {least:g} and {most:g} in SI units, got {value}", param, ctx)
+            raise ValueError(f"must lie within {least:g} and {most:g} in SI units, got {text}")
         return number
 
 
@@ -122,14 +133,7 @@ class LoadType(QuantityType):
 class PositiveType(QuantityType):
     """A number > 0."""
 
-    least = 0.0
     allowed = "> 0"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        found = super().convert(value, param, ctx)
-        if found == 0:
-            self.fail(f"must be {self.allowed}, got {value}", param, ctx)
-        return found
 
 
 class StressType(PositiveType):
@@ -152,8 +156,8 @@ class StiffnessType(PositiveType):
     name = "STIFFNESS"
     dimension = "stiffness"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        return math.inf if str(value).strip().lower() == "rigid" else super().convert(value, param, ctx)
+    def parsed(self, text: str) -> Any:
+        return math.inf if text.strip().lower() == "rigid" else super().parsed(text)
 
 
 class ControlType(StiffnessType):
@@ -161,8 +165,8 @@ class ControlType(StiffnessType):
 
     allowed = '> 0, or "load" for load control, or "rigid"'
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        return LOAD_CONTROL if str(value).strip().lower() == "load" else super().convert(value, param, ctx)
+    def parsed(self, text: str) -> Any:
+        return LOAD_CONTROL if text.strip().lower() == "load" else super().parsed(text)
 
 
 class SensitivityType(PositiveType):
@@ -190,35 +194,31 @@ modulus_factor_option = click.option(
 )  # fmt: skip
 
 
-class KeyValueType(ParamType):
+class KeyValueType(ParsedType):
     """KEY=TEXT with one of ``keys``; ``what`` names the text in help."""
 
     def __init__(self, what: str, keys: Sequence[str]):
         self.name = f"KEY={what}"
         self.keys = keys
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, Any]:
-        if isinstance(value, tuple):
-            return value
-        key, mark, text = str(value).partition("=")
-        if not mark or key not in self.keys or not text:
-            self.fail(f'must be KEY=VALUE with a key of {", ".join(self.keys)}, got "{value}"', param, ctx)
-        return key, text
+    def parsed(self, text: str) -> Any:
+        key, mark, value = text.partition("=")
+        if not mark or key not in self.keys or not value:
+            raise ValueError(f'must be KEY=VALUE with a key of {", ".join(self.keys)}, got "{text}"')
+        return key, value
 
 
-class NamedType(ParamType):
+class NamedType(ParsedType):
     """NAME=TEXT, told apart by the name alone: what the text may be depends on it."""
 
     name, example = "NAME=VALUE", 'NAME=VALUE, such as w="50 mJ/m^2"'
     parted = staticmethod(str.partition)
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, str]:
-        if isinstance(value, tuple):
-            return value
-        name, mark, text = (part.strip() for part in self.parted(str(value), "="))
-        if not (name and mark and text):
-            self.fail(f'must be {self.example}, got "{value}"', param, ctx)
-        return name, text
+    def parsed(self, text: str) -> Any:
+        name, mark, value = (part.strip() for part in self.parted(text, "="))
+        if not (name and mark and value):
+            raise ValueError(f'must be {self.example}, got "{text}"')
+        return name, value
 
 
 class ColumnUnitType(NamedType):
@@ -228,36 +228,32 @@ class ColumnUnitType(NamedType):
     parted = staticmethod(str.rpartition)
 
 
-class PairsType(ParamType):
+class PairsType(ParsedType):
     """KEY=VALUE,KEY=VALUE ..."""
 
     name = "KEY=VALUE,..."
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> dict[str, str]:
-        if isinstance(value, dict):
-            return value
+    def parsed(self, text: str) -> Any:
         found: dict[str, str] = {}
-        for pair in str(value).split(","):
-            key, mark, text = (part.strip() for part in pair.partition("="))
-            if not (key and mark and text):
-                self.fail(f'must be KEY=VALUE,..., such as v0="1 um/s",n=0.6, got "{value}"', param, ctx)
+        for pair in text.split(","):
+            key, mark, value = (part.strip() for part in pair.partition("="))
+            if not (key and mark and value):
+                raise ValueError(f'must be KEY=VALUE,..., such as v0="1 um/s",n=0.6, got "{text}"')
             if key in found:
-                self.fail(f"{key} is given twice", param, ctx)
-            found[key] = text
+                raise ValueError(f"{key} is given twice")
+            found[key] = value
         return found
 
 
-class RowsType(ParamType):
+class RowsType(ParsedType):
     """FIRST..LAST, whole numbers from 1 on."""
 
     name = "FIRST..LAST"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
-        if isinstance(value, tuple):
-            return value
-        first, mark, last = str(value).partition("..")
+    def parsed(self, text: str) -> Any:
+        first, mark, last = text.partition("..")
         if not (mark and first.isdecimal() and last.isdecimal() and 0 < int(first[:9]) < int(last[:9])):
-            self.fail(f'must be FIRST..LAST, two rows counted from 1, such as 100..900, got "{value}"', param, ctx)
+            raise ValueError(f'must be FIRST..LAST, two rows counted from 1, such as 100..900, got "{text}"')
         return int(first[:9]), int(last[:9])
 
 
@@ -267,10 +263,9 @@ class ScaleType(KeyValueType):
     def __init__(self, keys: Sequence[str] = ("a", "delta", "P")):
         super().__init__("VALUE", keys)
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
-        key, text = super().convert(value, param, ctx)
-        kind = LoadType() if key == "P" else LengthType()
-        return key, kind.convert(text, param, ctx)
+    def parsed(self, text: str) -> Any:
+        key, value = super().parsed(text)
+        return key, (LoadType() if key == "P" else LengthType()).parsed(value)
 
 
 class KeyNumberType(KeyValueType):
@@ -279,11 +274,11 @@ class KeyNumberType(KeyValueType):
     def __init__(self, keys: Sequence[str]):
         super().__init__("NUMBER", keys)
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
-        key, text = super().convert(value, param, ctx)
+    def parsed(self, text: str) -> Any:
+        key, value = super().parsed(text)
         number = 0.0
         with contextlib.suppress(ValueError):
-            number = float(text)
+            number = float(value)
         if not math.isfinite(number) or number == 0:
-            self.fail(f'must be KEY=NUMBER, finite and not 0, got "{value}"', param, ctx)
+            raise ValueError(f'must be KEY=NUMBER, finite and not 0, got "{text}"')
         return key, number

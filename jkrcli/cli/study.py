@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
@@ -11,8 +11,8 @@ from ..many.study import MAPS
 from ..report import PICTURES, Output
 from .options import PairsType, parallel_options
 from .output import give, into_folder, output_options
-from .verb import Verb, several
-from .voice import level_options, progress
+from .verb import LateGroup, Verb, several
+from .voice import progress
 
 if TYPE_CHECKING:
     from ..many.study.maps import Axis, Map
@@ -23,21 +23,13 @@ STUDIES = {f"{name}-map": words for name, words in MAPS.items()} | {
 MAKE = {name: name for name in ("chart", "failures", "figures")} | {"noise": "noise-study"}  # studies of the methods
 
 
-class Studies(click.Group):
-    """A group whose commands are made, or imported, on call only."""
+class Studies(LateGroup):
+    """The studies: of maps each is made of its row."""
 
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(STUDIES)
+    titles: ClassVar = {"Studies": STUDIES}
+    voiced = STUDIES
 
-    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
-        if name not in STUDIES:
-            return None
-        command = self._named(name)
-        if not any("--verbose" in parameter.opts for parameter in command.params):
-            command.params += level_options()
-        return command
-
-    def _named(self, name: str) -> click.Command:
+    def made(self, name: str) -> click.Command:
         if name == "converge":
             from .study_converge import study_converge
 
@@ -46,18 +38,10 @@ class Studies(click.Group):
 
         return _command(map_of(name.removesuffix("-map")))
 
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        if args and args[0] not in STUDIES and not args[0].startswith("-"):
-            if args[0] in MAKE:
-                raise click.UsageError(f'"{args[0]}" is now run as make {MAKE[args[0]]}', ctx)
-            raise click.UsageError(f'unknown study "{args[0]}" (studies: {", ".join(STUDIES)})', ctx)
-        return super().resolve_command(ctx, args)
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Studies"):
-            formatter.write_dl(list(STUDIES.items()))
+    def unknown(self, name: str) -> str:
+        if name in MAKE:
+            return f'"{name}" is now run as make {MAKE[name]}'
+        return f'unknown study "{name}" (studies: {", ".join(STUDIES)})'
 
 
 @click.group(cls=Studies)

@@ -5,12 +5,12 @@ describes them."""
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Container, Mapping
+from typing import Any, ClassVar
 
 import click
 
-from .voice import TUNING
+from .voice import TUNING, level_options
 
 ALL = "jkr.help_all"
 Command = Callable[..., Any]
@@ -64,6 +64,11 @@ def as_one(name: str, make: Callable[..., Any], *options: Options) -> Options:
     return decorate
 
 
+def flag(name: str) -> str:
+    """What the option of a parameter is called on the command line."""
+    return f"--{name.replace('_', '-')}"
+
+
 class Verb(click.Command):
     """A command whose help shows its options in groups."""
 
@@ -103,6 +108,47 @@ class Verb(click.Command):
         if option in FIRST.get(self.name or "", ()):
             return "Options"
         return next((title for title, names in GROUPS.items() if option in names), "Options")
+
+
+class LateGroup(click.Group):
+    """A group whose commands are imported, or made, when they are called; ``titles``: their names with a line each, by
+    the titles of the help's sections; ``voiced``: those that can be quiet, ``silent``: those that print no result."""
+
+    titles: ClassVar[Mapping[str, Mapping[str, str]]]
+    voiced: ClassVar[Container[str]]
+    silent: ClassVar[Container[str]] = ()
+
+    def made(self, name: str) -> click.Command:
+        """The command called ``name``."""
+        raise NotImplementedError
+
+    def unknown(self, name: str) -> str:
+        """What is said of a ``name`` that is none."""
+        raise NotImplementedError
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return [name for names in self.titles.values() for name in names]
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        if name not in self.list_commands(ctx):
+            return None
+        command = self.made(name)
+        if name not in self.silent and not any("--verbose" in parameter.opts for parameter in command.params):
+            command.params += level_options(quiet=name in self.voiced)
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in self.list_commands(ctx) and not args[0].startswith("-"):
+            raise click.UsageError(self.unknown(args[0]), ctx)
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        width = max(map(len, self.list_commands(ctx)))
+        for title, names in self.titles.items():
+            with formatter.section(title):
+                formatter.write_dl([(name.ljust(width), text) for name, text in names.items()])
 
 
 def _help_all(ctx: click.Context, param: click.Parameter, value: bool) -> None:

@@ -35,7 +35,7 @@ class VoiceTuning:
 TUNING = VoiceTuning()
 
 
-def level_options(quiet: bool = True) -> list[click.Option]:
+def level_options(quiet: bool) -> list[click.Option]:
     """``-v``, and ``-q`` of every verb whose result is a file."""
     levels = {"verbose": (VERBOSE, "Print all of the result, and stages and costs on stderr.")}
     if quiet:

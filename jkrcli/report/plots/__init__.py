@@ -6,7 +6,7 @@ import contextlib
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -55,6 +55,7 @@ BLUE, ORANGE, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
 PURPLE, SKY = "#CC79A7", "#56B4E9"
 LABELS = {"delta": r"displacement $\delta$", "P": "load $P$", "a": "contact radius $a$"}
 COLORS = (BLUE, ORANGE, GREEN, PURPLE, SKY, BLACK)
+Box: TypeAlias = tuple[float, float, float, float]  # left, bottom, width, height, of the axes
 
 
 def colors(count: int) -> Sequence[Any]:
@@ -108,12 +109,18 @@ def enlarged(axes: Axes, x: Array, y: Array, level: float) -> Axes:
     """An inset over the long free way of a record, with limits around the points ``x, y`` of its contact; under the way
     where that lies, at the ``level`` in shares of the axis, in the upper half."""
     bottom, top = (level + 0.1, 0.98) if level < 0.5 else (0.1, level - 0.06)
-    inset = axes.inset_axes((0.16, bottom, 0.5, top - bottom))
-    for values, limit in ((x, inset.set_xlim), (y, inset.set_ylim)):
-        limit(values.min() - 0.08 * np.ptp(values), values.max() + 0.08 * np.ptp(values))
-    inset.tick_params(labelsize=6, pad=1.5, length=2)
-    few_ticks(inset, 3)
-    return inset
+    return inset(axes, (0.16, bottom, 0.5, top - bottom), x, y, 0.08, 6)
+
+
+def inset(axes: Axes, place: Box, x: Array, y: Array, margin: float, letters: float) -> Axes:
+    """An inset at a ``place`` with limits around the points ``x, y``, ``margin`` of their extent away, and with small
+    ``letters`` at its ticks."""
+    found = axes.inset_axes(place)
+    for values, limit in ((x, found.set_xlim), (y, found.set_ylim)):
+        limit(values.min() - margin * np.ptp(values), values.max() + margin * np.ptp(values))
+    found.tick_params(labelsize=letters, pad=1.5, length=2)
+    few_ticks(found, 3)
+    return found
 
 
 def pretty(text: str) -> str:
@@ -121,10 +128,10 @@ def pretty(text: str) -> str:
     return text.replace("^2", "²").replace("um", "µm").replace("uN", "µN").replace("uJ", "µJ")
 
 
-def scaled(values: Array, dimension: str) -> tuple[Array, str]:
-    """``values`` [SI] in the unit that their largest asks for, and that unit as it is typeset."""
-    factor, unit = scale(float(np.max(np.abs(values))), dimension)
-    return values / factor, pretty(unit)
+def unit_of(dimension: str, *values: Array) -> tuple[float, str]:
+    """The unit that the largest of ``values`` [SI] asks for, in SI and as it is typeset."""
+    factor, unit = scale(max(float(np.max(np.abs(each))) for each in values), dimension)
+    return factor, pretty(unit)
 
 
 def legend_below(figure: Figure, axes: Iterable[Axes], ncols: int) -> None:
@@ -149,13 +156,14 @@ def log_ends(values: Array, least: float = 3.0, margin: float = 1.1) -> tuple[fl
     return low / margin, high * margin
 
 
-def log_ticks(axis: Axis) -> None:
+def log_ticks(*axes: Axis) -> None:
     """Plain numbers at 1, 2 and 5 of each decade where a logarithmic axis has few, powers of ten where it has many."""
-    low, high = axis.get_view_interval()
-    if high / low < 100:
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axis.set_minor_formatter(NullFormatter())
+    for axis in axes:
+        low, high = axis.get_view_interval()
+        if high / low < 100:
+            axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
 
 
 def _take_as_it_is(text: Text) -> None:

@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
 from ...base import Array, scale, show
-from . import BLACK, BLUE, ORANGE, WIDE, Axes, Figure, drawing, legend_below, pretty
+from . import BLACK, BLUE, ORANGE, WIDE, Axes, Figure, drawing, legend_below, pretty, unit_of
 
 if TYPE_CHECKING:
     from ...bodies import Indenter
@@ -223,7 +223,7 @@ def _pressure(axes: Axes, columns: Mapping[str, Array], a: float, length: float)
     """The pressure, its axis without what lies close to the edge: there it grows without bound under adhesion."""
     r = columns["r_m"] / length
     seen = r <= 0.98 * a
-    factor, unit = scale(float(np.max(np.abs(columns["pressure_Pa"][seen]))), "modulus")
+    factor, unit = unit_of("modulus", columns["pressure_Pa"][seen])
     p = columns["pressure_Pa"] / factor
     axes.axhline(0, color="0.7", lw=0.6)
     axes.plot(r[r < a], p[r < a], color=ORANGE)
@@ -233,20 +233,20 @@ def _pressure(axes: Axes, columns: Mapping[str, Array], a: float, length: float)
     _edge(axes, a)
     low, high = min(0.0, float(np.min(p[seen]))), max(0.0, float(np.max(p[seen])))
     axes.set_ylim(low - 0.1 * (high - low), high + 0.1 * (high - low))
-    axes.set_ylabel(f"contact pressure ({pretty(unit)})")
+    axes.set_ylabel(f"contact pressure ({unit})")
 
 
 def _surfaces(axes: Axes, columns: Mapping[str, Array], a: float, length: float) -> None:
     """Both surfaces, the axis of heights as high as the specimen asks for: the indenter leaves it."""
     r = columns["r_m"] / length
-    factor, unit = scale(float(np.max(np.abs(columns["displacement_m"]))), "length")
+    factor, unit = unit_of("length", columns["displacement_m"])
     height = -columns["displacement_m"] / factor
     axes.plot(r, height, color=BLUE, label="specimen")
     axes.plot(r, height + columns["gap_m"] / factor, "--", color=BLACK, label="indenter")
     _edge(axes, a)
     low, high = float(np.min(height)), float(np.max(height))
     axes.set_ylim(low - 0.1 * (high - low), high + 0.8 * (high - low))
-    axes.set_ylabel(f"height ({pretty(unit)})")
+    axes.set_ylabel(f"height ({unit})")
 
 
 def _edge(axes: Axes, a: float) -> None:

@@ -11,10 +11,10 @@ import numpy as np
 
 from ...adhesion import CriticalPoint, EquilibriumCurve, branch
 from ...adhesion.stability import GRIPPED, STABLE, UNSTABLE
-from ...base import Array, scale, show
+from ...base import Array, show
 from ...beside import Analysis
 from ..scaling import Scales
-from . import BLACK, BLUE, GREEN, LABELS, ORANGE, Axes, Figure, colors, few_ticks, legend_below, pair, pretty, scaled
+from . import BLACK, BLUE, GREEN, LABELS, ORANGE, Axes, Box, Figure, colors, inset, legend_below, pair, pretty, unit_of
 
 BRANCHES = {STABLE: ("o-", ""), GRIPPED: ("--", "stable under displacement control only"), UNSTABLE: (":", "unstable")}
 PHASES = {  # colour, width and words; the last drawn the thinnest
@@ -23,7 +23,6 @@ PHASES = {  # colour, width and words; the last drawn the thinnest
     "retraction": (ORANGE, 1.1, "retraction"),
 }
 SPACING = 0.06  # between markers, of the diagonal of the axes
-Box = tuple[float, float, float, float]  # left, bottom, width, height, of the axes
 PANELS: tuple[tuple[str, str, Box], ...] = (  # x, y, and where no curve passes: P(delta) is convex, a(P) concave
     ("delta", "P", (0.13, 0.53, 0.42, 0.45)),
     ("P", "a", (0.55, 0.13, 0.43, 0.45)),
@@ -46,12 +45,11 @@ class Units:
 
 def physical_units(curve: EquilibriumCurve) -> Units:
     """People's units, chosen by the magnitude of all that is drawn."""
-    drawn = {name: np.concatenate([getattr(curve.series, name), getattr(curve, name)]) for name in ("delta", "P", "a")}
-    delta, delta_unit = scale(float(np.max(np.abs(drawn["delta"]))), "length")
-    P, P_unit = scale(float(np.max(np.abs(drawn["P"]))), "load")
-    a, a_unit = scale(float(np.max(drawn["a"])), "length")
-    units = {"delta": delta_unit, "P": P_unit, "a": a_unit}
-    of_delta, of_P, of_a = (f"{LABELS[name]} ({pretty(unit)})" for name, unit in units.items())
+    dimensions = {"delta": "length", "P": "load", "a": "length"}
+    units = {name: unit_of(kind, *(getattr(one, name) for one in (curve.series, curve)))
+             for name, kind in dimensions.items()}  # fmt: skip
+    of_delta, of_P, of_a = (f"{LABELS[name]} ({unit})" for name, (_, unit) in units.items())
+    delta, P, a = (factor for factor, _ in units.values())
     return Units(delta, P, a, (of_delta, of_P, of_a))
 
 
@@ -89,8 +87,7 @@ def curves_figure(results: Sequence[Analysis], units: Units) -> Figure:
                 axes.plot(_of(result.curve, x, units), _of(result.curve, y, units), color=color, lw=1.2, label=label)
                 point = result.pull_off["load"]
                 if isinstance(point, CriticalPoint):
-                    axes.plot(getattr(point, x) / getattr(units, x), getattr(point, y) / getattr(units, y), "o",
-                              color=color, ms=4)  # fmt: skip
+                    axes.plot(_of(point, x, units), _of(point, y, units), "o", color=color, ms=4)
             axes.set_xlabel(units.label(x))
             axes.set_ylabel(units.label(y))
             if any(_dwarfed(result.curve) for result in results):
@@ -118,12 +115,12 @@ def _draw(axes: Axes, result: Analysis, units: Units, x: str, y: str) -> None:
     _by_stability(axes, result, units, x, y)
     point = result.pull_off["load"]
     if isinstance(point, CriticalPoint):
-        axes.plot(getattr(point, x) / getattr(units, x), getattr(point, y) / getattr(units, y), "o", color=BLACK, ms=4,
-                  zorder=3, label="pull-off (load control)")  # fmt: skip
+        axes.plot(_of(point, x, units), _of(point, y, units), "o", color=BLACK, ms=4, zorder=3,
+                  label="pull-off (load control)")  # fmt: skip
 
 
 def _of(held: Any, name: str, units: Units) -> Array:
-    """A column of a curve or a series, in the units of its axis."""
+    """A column of a curve or a series, or what a point has of it, in the units of its axis."""
     return getattr(held, name) / getattr(units, name)
 
 
@@ -162,14 +159,8 @@ def _enlarge(axes: Axes, result: Analysis, units: Units, x: str, y: str, place: 
     """An inset with the loads between the largest tension and as much compression."""
     curve = result.curve
     near = np.abs(curve.P) <= -np.min(curve.P)
-    inset = axes.inset_axes(place)
-    _draw(inset, result, units, x, y)
-    for name, limit in ((x, inset.set_xlim), (y, inset.set_ylim)):
-        values = _of(curve, name, units)[near]
-        low, high = float(np.min(values)), float(np.max(values))
-        limit(low - 0.1 * (high - low), high + 0.1 * (high - low))
-    inset.tick_params(labelsize=7, pad=1.5, length=2)
-    few_ticks(inset, 3)
+    across, up = (_of(curve, name, units)[near] for name in (x, y))
+    _draw(inset(axes, place, across, up, 0.1, 7), result, units, x, y)
 
 
 def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
@@ -181,12 +172,14 @@ def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
     soft = not np.array_equal(columns[over], columns["delta_m"])
     name = r"device position $\delta + P/k$" if soft else LABELS["delta"]
     with pair(title) as (figure, panels):
-        x, x_unit = scaled(columns[over], "length")
+        length, x_unit = unit_of("length", columns[over])
+        x = columns[over] / length
         for axes, column, dimension, label in (
             (panels[0], "P_N", "load", LABELS["P"]),
             (panels[1], "a_m", "length", LABELS["a"]),
         ):
-            y, y_unit = scaled(columns[column], dimension)
+            factor, y_unit = unit_of(dimension, columns[column])
+            y = columns[column] / factor
             _phases(axes, x, y, columns)
             axes.axhline(0, color="0.7", lw=0.6, zorder=0)
             axes.set_xlabel(f"{name} ({x_unit})")
@@ -205,14 +198,10 @@ def _enlarge_loop(axes: Axes, x: Array, y: Array, columns: Mapping[str, Array]) 
     width = float(np.min(places[places[:, 1] > bottom - 0.1, 0])) - 0.04 - left
     if width < 0.2:
         return
-    inset = axes.inset_axes((left, bottom, width, top - bottom))
     near = np.abs(y) <= -y.min()
-    _phases(inset, x, y, columns)
-    inset.axhline(0, color="0.7", lw=0.6, zorder=0)
-    for values, limit in ((x[near], inset.set_xlim), (y[near], inset.set_ylim)):
-        limit(values.min() - 0.08 * np.ptp(values), values.max() + 0.08 * np.ptp(values))
-    inset.tick_params(labelsize=7, pad=1.5, length=2)
-    few_ticks(inset, 3)
+    zoomed = inset(axes, (left, bottom, width, top - bottom), x[near], y[near], 0.08, 7)
+    _phases(zoomed, x, y, columns)
+    zoomed.axhline(0, color="0.7", lw=0.6, zorder=0)
 
 
 def _phases(axes: Axes, x: Array, y: Array, columns: Mapping[str, Array]) -> None:

@@ -6,8 +6,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from ...base import Array, scale
-from ...identification.fit import Fit
-from ...identification.fit.statistics import rise
+from ...identification.fit import Fit, rise
 from . import (
     BLACK,
     BLUE,
@@ -24,6 +23,7 @@ from . import (
     enlarged,
     legend_below,
     pretty,
+    unit_of,
 )
 
 DIMENSIONS = {"a": "length", "delta": "length", "P": "load"}
@@ -49,7 +49,7 @@ def fit_figure(found: Fit) -> Figure:
 
 def _curve(axes: Axes, found: Fit) -> None:
     x, y = AXES[",".join(found.data)]
-    units = {name: scale(float(np.max(np.abs(found.data[name]))), DIMENSIONS[name]) for name in (x, y)}
+    units = {name: unit_of(DIMENSIONS[name], found.data[name]) for name in (x, y)}
     measured = [found.data[name] / units[name][0] for name in (x, y)]
     near = near_rows(found)
     line = [_broken(found.line[name][near] / units[name][0], found.line["a"][near]) for name in (x, y)]
@@ -62,8 +62,8 @@ def _curve(axes: Axes, found: Fit) -> None:
     for place in places:
         place.plot(*measured, "o", color=SKY, ms=3, mfc="none", label="measured")
         place.plot(*line, "-", color=BLACK, lw=1.0, label="fitted")
-    axes.set_xlabel(f"{LABELS[x]} ({pretty(units[x][1])})")
-    axes.set_ylabel(f"{LABELS[y]} ({pretty(units[y][1])})")
+    axes.set_xlabel(f"{LABELS[x]} ({units[x][1]})")
+    axes.set_ylabel(f"{LABELS[y]} ({units[y][1]})")
 
 
 def near_rows(found: Fit) -> Array:
@@ -82,7 +82,7 @@ def _distance(found: Fit) -> str:
 
 
 def _residuals(axes: Axes, found: Fit) -> None:
-    factor, unit = scale(float(found.a.max()), "length")
+    factor, unit = unit_of("length", found.a)
     free, places = found.a == 0, found.a / factor
     places[free] = places.max() * BESIDE * (np.linspace(-1, 0, int(free.sum()) + 1)[:-1])
     names = [_distance(found)] if found.residuals.shape[0] == 1 else [LABELS[name] for name in found.data]
@@ -96,7 +96,7 @@ def _residuals(axes: Axes, found: Fit) -> None:
         middle = BESIDE / (1 + BESIDE) / 2
         axes.annotate("base line", (middle, 1.0), xycoords="axes fraction", ha="center", va="bottom",
                       size=7, color="0.4")  # fmt: skip
-    axes.set_xlabel(f"{LABELS['a']} ({pretty(unit)})")
+    axes.set_xlabel(f"{LABELS['a']} ({unit})")
     axes.set_ylabel("residual / standard deviation")
 
 

@@ -151,8 +151,7 @@ def _filled(axes: Axes, rows: Mapping[str, Array], levels: Array) -> ContourSet:
 def _log_axes(axes: Axes) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
-    log_ticks(axes.xaxis)
-    log_ticks(axes.yaxis)
+    log_ticks(axes.xaxis, axes.yaxis)
 
 
 def zones_figure(columns: Mapping[str, Array], names: Sequence[str]) -> Figure:

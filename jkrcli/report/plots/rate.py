@@ -25,6 +25,7 @@ from . import (
     legend_below,
     log_ticks,
     pretty,
+    unit_of,
 )
 
 PHASES = {
@@ -90,15 +91,15 @@ def _runs(columns: Mapping[str, Array]) -> Iterator[tuple[str, slice]]:
 def _axis(columns: Mapping[str, Array], name: str) -> tuple[float, str]:
     """The unit of a column, SI, and the label of its axis."""
     axis = AXES[name]
-    factor, unit = scale(float(np.max(np.abs(columns[name]))), axis.dimension)
-    return factor, f"{axis.words} ({pretty(unit)})"
+    factor, unit = unit_of(axis.dimension, columns[name])
+    return factor, f"{axis.words} ({unit})"
 
 
 def rate_fit_figure(fit: RateFit) -> Figure:
     """Loads over time since each record's begin, in units of its length, with the prediction; the law with its band."""
     with drawing(WIDE, 3.2) as figure:
         left, right = figure.subplots(1, 2)
-        factor, unit = scale(max(float(np.max(np.abs(record.P))) for record in fit.records), "load")
+        factor, unit = unit_of("load", *(record.P for record in fit.records))
         for i, (record, told) in enumerate(zip(fit.records, fit.predictions, strict=True)):
             part = (record.t - record.t[0]) / (record.t[-1] - record.t[0])
             colour = COLORS[i % len(COLORS)]
@@ -110,7 +111,7 @@ def rate_fit_figure(fit: RateFit) -> Figure:
                 label=pretty(f"device {show(record.speed, 'speed', 3)}"),
             )
         left.set_xlabel("time over the record's length")
-        left.set_ylabel(f"{LABELS['P']} ({pretty(unit)})")
+        left.set_ylabel(f"{LABELS['P']} ({unit})")
         low, high = (max(v, 1e-30) for v in fit.speeds)
         v = np.geomspace(low, high, 100)
         law_band(right, v, *fit.band(v), BLACK, f"{fit.settings.law} law, {fit.settings.level:.0%} band")
@@ -126,5 +127,4 @@ def law_band(axes: Axes, v: Array, w: Array, low: Array, high: Array, colour: st
     axes.loglog(v / speed, w / work, color=colour, label=label)
     axes.set_xlabel(f"speed of the contact's edge $|da/dt|$ ({pretty(v_unit)})")
     axes.set_ylabel(f"work of adhesion $w$ ({pretty(w_unit)})")
-    for axis in (axes.xaxis, axes.yaxis):
-        log_ticks(axis)
+    log_ticks(axes.xaxis, axes.yaxis)

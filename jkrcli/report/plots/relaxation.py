@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from ...base import scale
 from ...identification.relaxation import RelaxationFit
-from . import BLUE, LABELS, ORANGE, WIDE, Figure, drawing, legend_below, pretty, scaled
+from . import BLUE, LABELS, ORANGE, WIDE, Figure, drawing, legend_below, pretty, unit_of
 
 
 def relaxation_fit_figure(fits: Sequence[RelaxationFit]) -> Figure:
@@ -20,13 +17,12 @@ def relaxation_fit_figure(fits: Sequence[RelaxationFit]) -> Figure:
             record, kinds = fit.record, ("load", "length") if fit.record.loaded else ("length", "load")
             pairs = ((left, record.held, fit.held, kinds[0]), (right, record.made, fit.made, kinds[1]))
             for place, read, model, dimension in pairs:
-                t, t_unit = scaled(record.t, "time")
-                factor, unit = scale(float(np.max(np.abs(read))), dimension)
-                place.plot(t, read / factor, ".", ms=2, color=BLUE, label="readings")
-                place.plot(t, model / factor, color=ORANGE, label="model")
+                (time, t_unit), (factor, unit) = unit_of("time", record.t), unit_of(dimension, read)
+                place.plot(record.t / time, read / factor, ".", ms=2, color=BLUE, label="readings")
+                place.plot(record.t / time, model / factor, color=ORANGE, label="model")
                 name = LABELS[{"load": "P", "length": "delta"}[dimension]]
                 place.set_xlabel(f"time $t$ ({t_unit})")
-                place.set_ylabel(pretty(f"{name} ({unit})"))
+                place.set_ylabel(f"{name} ({unit})")
             left.set_title(pretty(str(fit.relaxation)), fontsize=8)
         legend_below(figure, axes.ravel(), 2)
         return figure

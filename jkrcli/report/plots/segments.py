@@ -8,9 +8,9 @@ from textwrap import fill
 
 import numpy as np
 
-from ...base import DRAWN, Array, Unknown, scale
+from ...base import DRAWN, Array, Unknown
 from ...data import Direction, ForceCurve
-from . import BLACK, BLUE, LARGER, ORANGE, PURPLE, WIDE, Axes, Figure, drawing, enlarged, legend_below, pretty
+from . import BLACK, BLUE, LARGER, ORANGE, PURPLE, WIDE, Axes, Figure, drawing, enlarged, legend_below, unit_of
 
 MOST_PANELS = 12  # choice: of a figure
 LETTERS = 84  # choice: of a line as wide as the figure
@@ -27,7 +27,7 @@ def record_figure(records: Sequence[ForceCurve]) -> Figure:
     columns = math.ceil(math.sqrt(len(shown)))
     rows = math.ceil(len(shown) / columns)
     (x, length), (y, load) = (
-        _unit([getattr(record.curve, name) for record in shown], dimension)
+        unit_of(dimension, *(getattr(record.curve, name) for record in shown))
         for name, dimension in (("device", "length"), ("P", "load"))
     )
     with drawing(WIDE, max(3.6, 2.2 * rows + 0.6)) as figure:
@@ -82,12 +82,6 @@ def _contact(record: ForceCurve, z: Array) -> Array | None:
     if not touches or z.max() - min(touches) >= LARGER * np.ptp(z):
         return None
     return z >= min(touches)
-
-
-def _unit(values: Sequence[Array], dimension: str) -> tuple[float, str]:
-    """The unit in which the range of all ``values`` reads well, in SI and as it is typeset."""
-    factor, unit = scale(max(float(np.max(np.abs(each))) for each in values), dimension)
-    return factor, pretty(unit)
 
 
 def _marks(axes: Axes, item: Direction, position: Array, x: float, y: float) -> None:

@@ -98,6 +98,5 @@ def _over_speed(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float,
     columns = list(groups.values())
     axes.set_xlim(*log_ends(np.concatenate([np.abs(held["speed"]) / speed for held in columns])))
     axes.set_ylim(*log_ends(np.concatenate([held["w"] / w for held in columns])))
-    for axis in (axes.xaxis, axes.yaxis):
-        log_ticks(axis)
+    log_ticks(axes.xaxis, axes.yaxis)
     axes.set_xlabel(f"speed of the contact's edge $|da/dt|$ ({pretty(unit)}/s)")

@@ -14,14 +14,10 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ..adhesion import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, refuse_wetting
-from ..adhesion.curve import transform
+from ..adhesion import LOAD_CONTROL, CriticalPoint, judge, refuse_wetting, sizes, transform
 from ..adhesion.slopes.choice import slopes
-from ..adhesion.slopes.exact import exact
-from ..adhesion.validity import judge, sizes
 from ..base import Estimate, JkrError, Unknown, show
-from ..bodies import Elastic, HalfSpace, Loading, Paraboloid, Problem, Rigid, Sphere
-from ..bodies.materials import INCOMPRESSIBLE
+from ..bodies import INCOMPRESSIBLE, Elastic, HalfSpace, Loading, Paraboloid, Problem, Rigid, Sphere
 from ..formulas.gravity import over_hertz, over_jkr
 from ..methods.layered.layered import Layered, unbounded
 from ..methods.radii import DENSE
@@ -30,7 +26,7 @@ from .again import again
 from .comparison import alone, half_space_pull_off
 from .expectation import Expectation
 from .range_effect import ranged
-from .sticking import sticking_effect
+from .sticking import pull_off_ratio, sticking_effect
 
 
 @dataclass(frozen=True)
@@ -150,13 +146,10 @@ def _at(series: Series, depth: float) -> tuple[float, float]:
 def _pull_off(plain: Series, other: Series, w: float) -> Estimate:
     """Change of the pull-off force under load control."""
     try:
-        points = [AdhesiveCurve(Nonadhesive(one, exact(one)), w).pull_off(LOAD_CONTROL) for one in (plain, other)]
+        ratio = pull_off_ratio(other, plain, w, Unknown("pull-off lies outside the radii of the case"))
     except JkrError as error:
         return Unknown(str(error))
-    first, second = points
-    if isinstance(first, CriticalPoint) and isinstance(second, CriticalPoint):
-        return second.P / first.P - 1
-    return Unknown("pull-off lies outside the radii of the case")
+    return ratio if isinstance(ratio, Unknown) else ratio - 1
 
 
 def _neighbours(comparison: Comparison, sides: bool) -> Iterator[LeftOut]:

@@ -37,6 +37,7 @@ class StickingEffectTuning:
 
 
 TUNING = StickingEffectTuning()
+OUTSIDE = Unknown("pull-off lies outside the series")
 NOT_KEPT = Unknown("series files do not keep it")
 
 
@@ -86,7 +87,7 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
     radii = radii[radii < body.indenter.r_max]
     try:
         sliding, sticking = (_series(contact, radii) for contact in pair)
-        pull_off = {w: _pull_off(sticking, w, sliding) for w in works if w > 0}
+        pull_off = {w: pull_off_ratio(sticking, sliding, w) for w in works if w > 0}
     except JkrError as error:
         return Unknown(f"effect of no slip unknown: {error}")
     last = min(TUNING.radii, radii.size) - 1
@@ -108,15 +109,14 @@ def _at(series: Series, column: Array, depth: float) -> float:
     return float(np.exp(np.interp(np.log(depth), np.log(series.delta), np.log(column))))
 
 
-def _pull_off(sticking: Series, w: float, sliding: Series) -> Estimate:
+def pull_off_ratio(one: Series, other: Series, w: float, outside: Unknown = OUTSIDE) -> Estimate:
+    """The pull-off force under load control of one series with exact slopes over that of the other."""
     from ..adhesion import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive
-    from ..adhesion.slopes.choice import slopes
 
-    bodies = [Nonadhesive(one, slopes(one, "exact")) for one in (sticking, sliding)]
-    first, second = (AdhesiveCurve(body, w).pull_off(LOAD_CONTROL) for body in bodies)
+    first, second = (AdhesiveCurve(Nonadhesive.of(each, "exact"), w).pull_off(LOAD_CONTROL) for each in (one, other))
     if isinstance(first, CriticalPoint) and isinstance(second, CriticalPoint):
         return first.P / second.P
-    return Unknown("pull-off lies outside the series")
+    return outside
 
 
 def sticking_warnings(problem: Problem, effect: StickingEffect | Unknown) -> Iterator[str]:

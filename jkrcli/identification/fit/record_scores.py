@@ -210,8 +210,9 @@ def _chances(at: Situation, left: Array, keep: Array, taken: Array, told: Sequen
     energy = np.add.reduceat(power, edges, axis=0)
     centre = np.add.reduceat(f * power, edges, axis=0) / np.maximum(energy, np.finfo(float).tiny)
     raised = np.array([np.sum(S(centre) * energy, axis=0) for _, S in possible]) / noise.A
-    found: Array = np.array([share for share, _ in possible]) @ fdtrc(1, np.array(told), taken / raised)
-    return found
+    chances = fdtrc(1, np.array(told), taken / np.maximum(raised, np.finfo(float).tiny))
+    mean: Array = np.array([share for share, _ in possible]) @ chances
+    return mean
 
 
 def at_chance(found: ForceCurveFit, taken: float) -> float:

@@ -276,11 +276,12 @@ def test_the_right_rival_in_full_gives_the_truth(kind: str, told: dict[str, floa
     assert summary([found], "body")["curves"][0]["verdict"]["model"] == found.verdict.tied[0].name
 
 
-@pytest.mark.parametrize("i", [5, 63])
-def test_a_range_with_two_valleys_is_found_in_full(i: int) -> None:
+@pytest.mark.parametrize(("i", "noise"), [(5, 1.0), (63, 0.85)])
+def test_a_range_with_two_valleys_is_found_in_full(i: int, noise: float) -> None:
     """Tabor's number 0.3: chi^2 has another valley at ranges five times shorter, where w is a sixth too high (5). One
-    step takes less than nine of chi^2, and a surface tension more (63)."""
-    drawn = Drawn.of(np.random.default_rng((97, i, 1)), 1.0)
+    step takes less than nine of chi^2, and a surface tension 14, whose chance is less than half of what asks for it on
+    every processor (63)."""
+    drawn = Drawn.of(np.random.default_rng((97, i, 1)), noise)
     found = fit(BODY, curve(wrong_records.maugis(drawn)), usual(model="auto"))
     assert found.verdict is not None
     assert "adhesion" in found.verdict.families

@@ -110,8 +110,7 @@ def _bounded(at: Situation, score: Score, known: Known) -> Score:
         return score
     own = Weighted.of(at, off_folds(at))
     if score.name == RANGE.name:
-        tried = {amount: _left_moves(own, _held(at, look, amount)) for amount in _ranges(at, score, known.range)}
-        return _of_amounts(at, own, score, look, tried)
+        return _of_amounts(at, own, score, look, _along(at, own, look, _ranges(at, score, known.range)))
     if score.name == TENSION.name:
         return _of_tension(at, own, score, look, known.tension)
     return _at_most(at, Weighted.of(at), look, score)
@@ -208,11 +207,26 @@ def _ranges(at: Situation, score: Score, longest: float) -> list[float]:
     return [*amounts, *[score.known] * (score.known < min(amounts, default=math.inf))]
 
 
+def _along(at: Situation, own: Weighted, change: Change, amounts: Iterable[float]) -> dict[float, Moves | None]:
+    """The same as ``_left_moves`` at several ``amounts`` of a change, each from where the next smaller one led to."""
+    moves: dict[float, Moves | None] = {}
+    begin = own.x
+    for amount in sorted(amounts):
+        end = _stepped(own, _held(at, change, amount), TUNING.certain, TUNING.about, begin)
+        moves[amount] = _left(own, end)
+        begin = own.x if end is None or moves[amount] is None else end[1]
+    return moves
+
+
 def _left_moves(own: Weighted, model: RivalModel) -> Moves | None:
     """By how much chi^2, and the logs of E* and w, rise with a change; None where the data exclude it for certain."""
-    found = _stepped(own, model, TUNING.certain, TUNING.about)
-    told = None if found is None else (found[0], *_moves(own, found[1]))
-    return told if told is not None and told[0] < TUNING.certain and np.isfinite(told).all() else None
+    return _left(own, _stepped(own, model, TUNING.certain, TUNING.about))
+
+
+def _left(own: Weighted, end: tuple[float, Array] | None) -> Moves | None:
+    """The same by the ``end`` of the steps of a model."""
+    moves = None if end is None else (end[0], *_moves(own, end[1]))
+    return moves if moves is not None and moves[0] < TUNING.certain and np.isfinite(moves).all() else None
 
 
 def _moves(own: Weighted, x: Array) -> tuple[float, float]:
@@ -236,12 +250,12 @@ def _held(at: Situation, change: Change, amount: float) -> RivalModel:
 
 
 def _stepped(
-    own: Weighted, model: RivalModel, least: float = math.inf, still: float = TUNING.still
+    own: Weighted, model: RivalModel, least: float = math.inf, still: float = TUNING.still, begin: Array | None = None
 ) -> tuple[float, Array] | None:
     """By how much chi^2 rises in a ``model`` whose change is known, and its unknowns, by steps with the derivatives of
-    the fit without, down to ``still`` standard errors; None where they do not settle, or come to a contact that is
-    nowhere stable, or chi^2 will not fall to about ``least``."""
-    x, size, excess = own.x, math.inf, math.inf
+    the fit without, down to ``still`` standard errors, from ``begin`` on, else from that fit; None where they do not
+    settle, or come to a contact that is nowhere stable, or chi^2 will not fall to about ``least``."""
+    x, size, excess = own.x if begin is None else begin, math.inf, math.inf
     with contextlib.suppress(SolveError, OverflowError):  # unknowns that no row tells may go anywhere
         for _ in range(TUNING.chords):
             step, left = own.step(model.off(x, 0.0))

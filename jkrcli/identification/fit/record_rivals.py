@@ -20,7 +20,7 @@ from scipy.special import ndtri
 
 from ...adhesion import LIMITS, Nonadhesive, Program, RelaxingContact
 from ...adhesion.validity import EXCESS, STRAINED
-from ...base import SAME, TINY, Array, InputError, JkrError
+from ...base import SAME, Array, InputError, JkrError
 from ...bodies import HalfSpace, Layer, Loading, PowerRelaxation, Relaxation, Rigid, Specimen, StandardSolid
 from ...data.measured.curve import APPROACH
 from ...methods.layered.layered import unbounded
@@ -46,10 +46,11 @@ class RecordRivalTuning:
     zone: float = 0.01  # choice: of the contact radius, width of the ring of attraction
     skin: float = 0.01  # choice: of the contact radius, length kappa of tension
     finest: float = 4.0  # theory: of kappa, below which the expansion for small kappa is not used
-    widest_rim: float = 0.3  # choice: of the contact radius, a ring with which the search for its width begins
-    steps: int = 12  # choice: of Newton's method for it; it needs four
+    narrow: float = 0.5  # choice: of the contact radius, a ring between narrow and wide
+    every: int = 7  # choice: of the nodes of a grid, at which rings are solved: splines between are good to 1e-5
+    steps: int = 12  # choice: of Newton's method for its width; it needs four
     widest_step: float = 2.0  # choice: of the log of that width
-    settled: float = 1e-7  # choice: such a step, after which the next is below rounding
+    settled: float = 1e-4  # choice: such a step, after which the next is below 1e-9
     pieces: int = 60  # choice: of the way of the tip in each direction, for the history of a body that relaxes
     deeper: float = 1.5  # choice: of the way in contact, to which that body is solved
     histories: int = 8  # choice: kept, more only saves time
@@ -421,14 +422,24 @@ def range_of(at: Situation, amount: float) -> float:
 
 def _ringed(family: Family, E: float, w: float, z0: float) -> Array:
     """Changes of the logs (4, n) of a body of E* ``E`` [Pa] whose adhesion ``w`` [J/m^2] has the range ``z0`` [m]."""
-    u, sigma = grid(family), w / z0
-    a, (D, _, _, _) = np.exp(u), on_grid(family)[0]
+    sigma, some = w / z0, slice(None, None, TUNING.every)
+    a, D = np.exp(grid(family)[some]), on_grid(family)[0][0, some]
     m = _rim(a, D, E, w, sigma)
     root, angle = np.sqrt(m**2 - 1), np.arccos(1 / m)
     shift = 2 * sigma * a * root / E / np.sqrt(2 * math.pi * a * w / E)  # over those of JKR
     pull = 2 * sigma * a**2 * (root + m**2 * angle) / np.sqrt(8 * math.pi * w * E * a**3)
     zero = np.zeros_like(a)
-    return np.stack([zero, np.log(shift), zero, np.log(pull)])
+    changes: Array = np.stack([zero, np.log(shift), zero, np.log(pull)]) @ _through(grid(family).size, TUNING.every)
+    return changes
+
+
+@lru_cache
+def _through(size: int, every: int) -> Array:
+    """What cubic splines through some of ``size`` even nodes make of the values there at all nodes, (some, size)."""
+    nodes = np.arange(size)
+    some = nodes[::every]
+    splines: Array = CubicSpline(some, np.eye(some.size))(nodes).T
+    return splines
 
 
 def narrow_range(at: Situation) -> float:
@@ -438,9 +449,11 @@ def narrow_range(at: Situation) -> float:
 
 def _rim(a: Array, D: Array, E: float, w: float, sigma: float) -> Array:
     """Ratio m of outer to inner radius where a constant tension ``sigma`` releases ``w``, by Newton's method for the
-    log of what it releases over that of m - 1, nearly straight."""
+    log of what it releases over that of m - 1, nearly straight; from its limits, of narrow rings and of wide ones."""
     own, pressed = 4 * sigma**2 / (math.pi * E * w) * a, sigma / (math.pi * w) * D
-    x = np.minimum(1 / np.maximum(own, TUNING.widest_rim**-2), np.cbrt(pressed + TINY) ** -2)
+    near = 1 / (own + (math.sqrt(128) / 3 * pressed) ** (2 / 3))
+    far = 2 / ((math.pi / 2 - 1) * own + np.sqrt(((math.pi / 2 - 1) * own) ** 2 + 2 * math.pi * pressed))
+    x = np.where(near < TUNING.narrow, near, np.maximum(far, TUNING.narrow))
     for _ in range(TUNING.steps):
         m = 1 + x
         root = np.sqrt(x * (2 + x))

@@ -186,16 +186,29 @@ def test_both_directions_share_modulus_and_zero_and_have_their_own_works() -> No
     assert np.abs(np.diff(drawn)).max() < 0.1 * np.ptp(drawn)  # in and out in one stroke: the line crosses no picture
 
 
-def test_a_retraction_that_ends_in_contact_is_told_to_determine_nothing() -> None:
-    """Alone, after a third of its way in contact: what rivals would do to it leads to contacts that no w holds."""
+def test_a_record_beside_whose_device_the_specimen_is_rigid_determines_no_modulus() -> None:
+    """A stiffness of the device that is half as large as it should be leaves no indentation: E* came out at 1e6 TPa,
+    doubtful."""
+    columns = record(3e5, R, 3e-4, 1e-3, Instrument(0.2, 400, far=2e-6, largest=1e-7, noise=3e-10), 3)
+    z, P = columns["z"], columns["P"]
+    with pytest.raises(InputError) as error:
+        fit(BODY, Curve("made", delta=z - P / 0.1, P=P, stiffness=0.1), usual())
+    assert str(error.value) == (
+        "made: E* is not determined, its standard error is more than 1000 times itself: beside a device of 100 mN/m "
+        "the specimen is rigid: check --stiffness and the units"
+    )
+
+
+def test_a_retraction_that_ends_in_contact_determines_no_modulus() -> None:
+    """Alone, after a third of its way in contact."""
     force = 1.5 * math.pi * 1e-4 * R
     device = Instrument(0.05, 800, 3e-6, 4 * force, 0.01 * force, force, 1e5 * force)
     columns = record(20e3, R, 3e-5, 1e-4, device, 3)
     end = 800 + int(0.3 * np.count_nonzero(columns["z"][800:] > 0))
     z, P, words = (columns[name][:end] for name in ("z", "P", "segment"))
-    found = fit(BODY, Curve("made", delta=z - P / 0.05, P=P, segment=words, stiffness=0.05), usual(segment="retract"))
-    assert found.directions == "retraction alone"
-    assert "E* not determined" in found.flags
+    curve = Curve("made", delta=z - P / 0.05, P=P, segment=words, stiffness=0.05)
+    with pytest.raises(InputError, match=r"E\* is not determined, its standard error is 7\.\d times itself: the rows"):
+        fit(BODY, curve, usual(segment="retract"))
 
 
 def drifting(share: float, seed: int = 5) -> tuple[Curve, float, float]:

@@ -57,6 +57,9 @@ class WholeRecordTuning:
     apart: float = 4.0  # choice: standard errors between the moduli of the two directions from which on they differ
     rough: float = 1.5  # choice: of the noise, residuals from which on the directions are fitted each alone as well
     sure: float = 3.0  # choice: standard errors of w below 0, or of a drift, that are no noise
+    untold: float = 1.0  # theory: of ln E*, a standard error with which 95 % span a factor of fifty
+    absurd: float = 1000.0  # choice: the same, from which on its size says no more
+    rigid: float = 0.99  # choice: of the way of a device in contact, that bends its spring, beside a rigid specimen
     excess: float = 4.0  # choice: of the standard errors, what misfit would add to them where its flag is raised
     differs: float = 0.01  # choice: of the modulus, below which they do not
 
@@ -177,12 +180,29 @@ def fit_record(
     whole, joint = of(*kinds)
     if not joint.ended:
         return told(whole, joint)
+    _refuse_undetermined(curve, joint)
     before.found = joint
     plain = judged(_of_directions(of, told, whole, joint), whole, joint)
     if settings.model != AUTO:
         return plain
     fresh = _model(whole, record, settings, waves, kinds)
     return by_rivals(plain, whole, joint, fresh, partial(told, whole))
+
+
+def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
+    """InputError where the rows determine no modulus."""
+    if "ln_s" not in joint.names or (error := joint.error("ln_s")) <= TUNING.untold:
+        return
+    times = f"{error:.2g}" if error < TUNING.absurd else f"more than {TUNING.absurd:g}"
+    reason = "the rows in contact do not tell it from w and the zero: fit both directions, or fix w (--fix w=...)"
+    model, part = joint.model, joint.model.stretches[-1]
+    values = model.values(joint.x)
+    reach = model.k * float(model.depth(part, values).max())
+    if math.isfinite(model.k) and float((part.P - base_line(part, values)[0]).max()) > TUNING.rigid * reach:
+        reason = (
+            f"beside a device of {show(model.k, 'stiffness')} the specimen is rigid: check --stiffness and the units"
+        )
+    raise InputError(f"{curve.where}: E* is not determined, its standard error is {times} times itself: {reason}")
 
 
 def _of_directions(

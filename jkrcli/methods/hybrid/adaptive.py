@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base import MOST_SOLVES, NO_CLAIM, Array, Refusal, SolveError, duration, show
+from ...base import MOST_SOLVES, NO_CLAIM, TINY, Array, Refusal, SolveError, duration, show
 from ...bodies import Graded, HalfSpace, Indenter, Specimen, contact_modulus
 from ..integral import (
     Attraction,
@@ -393,7 +393,7 @@ class AdaptiveKernel:
         fastest = min(fastest, TUNING.unproven) if after_lowest else fastest
         known = bool(np.isfinite(before).all())
         fast = known and levels.correction(degree).elements > TUNING.irregular
-        fall = float(np.clip(before.max() / last.max() - 1, TUNING.slowest, fastest)) if fast else TUNING.slowest
+        falls = _falls(before, last, fastest) if fast else np.full(radii.size, TUNING.slowest)
         # Two levels may agree by accident; one below the lowest tells of that only where they agree too well:
         by_accident = TUNING.safety / TUNING.slowest / plausible * known
         telling = known and (not after_lowest or bool(before.max() > plausible * last.max()))
@@ -401,14 +401,22 @@ class AdaptiveKernel:
         left = max(TUNING.unseen / (convergence(region) - 1), TUNING.least)
         cut = _left_by_cut(region, cuts[0]) if cuts else np.zeros_like(last)
         least = TUNING.no_claim * self.tolerance + (GRADED if levels.wide is not None else 0.0)
-        elements = np.hypot(TUNING.safety / fall * last, accident) + rounding + least
+        elements = np.hypot(TUNING.safety / falls * last, accident) + rounding + least
         steeper = np.minimum(TUNING.steeper * elements[:-1].max(axis=0), TUNING.allowed * self.attainable)
         elements[-1] = np.maximum(elements[-1], steeper)
         # The polynomial that is missing goes in waves: the last one shows one phase of them, the last but one another:
-        parts = (TUNING.safety / fall, by_accident, left, left / convergence(region), 1.0)
+        parts = (TUNING.safety / float(falls[-1]), by_accident, left, left / convergence(region), 1.0)
         weights = (*(part * ALL for part in parts), _of_cut(region))[: len(kernels)]
         companions = replace(companions, weights=weights, least=least + precise)
         return ErrorEstimates(radii, elements, left * waves, cut, companions)
+
+
+def _falls(before: Array, last: Array, fastest: float) -> Array:
+    """By what a step of the degree divides the error up to each of the radii, as the step ``before`` and the ``last``
+    one (4, radii) changed the columns: at smaller radii less than at the largest, where errors fall first."""
+    before, last = (np.maximum.accumulate(changes.max(axis=0)) for changes in (before, last))
+    falls: Array = np.clip(before / np.maximum(last, TINY) - 1, TUNING.slowest, fastest)
+    return np.minimum(falls, falls[-1])
 
 
 def _fastest(region: Region) -> tuple[float, float]:

@@ -276,6 +276,13 @@ def test_the_right_rival_in_full_gives_the_truth(kind: str, told: dict[str, floa
     assert summary([found], "body")["curves"][0]["verdict"]["model"] == found.verdict.tied[0].name
 
 
+def test_a_misfit_does_not_end_the_search_between_the_kinks_of_a_fold() -> None:
+    """A cone read as a sphere, its residuals weighted by slow noise: 80 steps to and fro, "not determined"."""
+    found = fit(BODY, curve(wrong_records.cone(Drawn.of(np.random.default_rng((151, 5, 5)), 5.0))), usual())
+    assert "not determined" not in found.flags
+    assert "model rejected" in found.flags
+
+
 @pytest.mark.parametrize(("i", "noise"), [(5, 1.0), (63, 0.85)])
 def test_a_range_with_two_valleys_is_found_in_full(i: int, noise: float) -> None:
     """Tabor's number 0.3: chi^2 has another valley at ranges five times shorter, where w is a sixth too high (5). One

@@ -557,7 +557,11 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     if loss != "linear" or not noise.slow:
         return best
     x = best.unknowns(model)  # an edge that rests by white noise need not by this one
-    return _fitted(model, _problem(model, noise, _bounds(model, x), sharp, TUNING.about).least(x), noise)
+    for blunt in (sharp, TUNING.blunt[1]):  # where misfit runs to and fro between the kinks of a sharp fold
+        found = _problem(model, noise, _bounds(model, x), blunt, TUNING.about).least(x)
+        if found.ended:
+            break
+    return _fitted(model, found, noise)
 
 
 def _fitted(model: ForceCurveModel, found: Least, weight: Spectrum) -> ForceCurveFit:

@@ -6,7 +6,7 @@ from ..base.lazy import lazily
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from .analysis import JKR, Analysis, adhesive, analyse, forecast, nonadhesive, with_solved_points
+    from .analysis import JKR, Analysis, adhesive, analyse, error_of_point, forecast, nonadhesive, with_solved_points
     from .lost import Lost, where_lost
     from .profile import profile_columns, radius_under
     from .solved import is_solved

@@ -33,7 +33,7 @@ function update() {
   window.explorer = { curve, pulls, chosen };
   if (window.Plotly) pictures(curve, pulls, chosen);
   numbers(pulls, chosen);
-  judge(curve, pulls[chosen]);
+  judge(curve, pulls[chosen], chosen);
   byId("commands").textContent = commands();
 }
 
@@ -128,7 +128,7 @@ function cells(point) {
 }
 
 /* Where JKR holds, and how well the numbers are known. */
-function judge(curve, point) {
+function judge(curve, point, chosen) {
   const lines = [], { tabor, R, error, tension } = content, angle = angleOf(curve);
   if (wets(curve)) {
     lines.push(`No such contact: ${WETS}; the tension is ${units.show(tension * curve.factor, "stiffness")}.`);
@@ -140,8 +140,17 @@ function judge(curve, point) {
     lines.push(`Tabor number ${plain(number, 3)}: ${tabor.limits.find(([limit]) => number > limit)[1]}.`);
   }
   if (R && !point.reason) lines.push(`a/R at pull-off: ${plain(point.a / R, 3)}.`);
-  lines.push(`Estimated relative error: ${typeof error === "number" ? error.toExponential(1) : error}.`);
+  lines.push(`Estimated relative error of the solution: ${typeof error === "number" ? error.toExponential(1) : error}.`);
+  const read = point.reason ? null : pointError(chosen, curve.w / curve.factor);
+  if (read !== null) lines.push(`Of the pull-off force, read between its rows: ${read.toExponential(1)}; jkr pull-off solves it.`);
   byId("judged").textContent = lines.join(" ");
+}
+
+/* The relative error of the pull-off force at a w over the modulus factor: the larger of those on either side. */
+function pointError(name, w) {
+  const { w: works, [name]: errors } = content.point_errors, i = works.findIndex((one) => one >= w);
+  const near = (i < 0 ? [works.length - 1] : [Math.max(i - 1, 0), i]).map((at) => errors[at]).filter((one) => one !== null);
+  return near.length ? Math.max(...near) : null;
 }
 
 /* ---------------------------------------------------------------- commands and files */

@@ -9,16 +9,18 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ... import __version__
-from ...adhesion import LIMITS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, regime
+from ...adhesion import CONTROLS, LIMITS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, regime
 from ...base import DRAWN, SI, UNITS, Array, Unknown, decades, scale
-from ...beside import Analysis
+from ...beside import Analysis, error_of_point, nonadhesive
 from ...data import Curve
+
+WORKS = 9  # works of adhesion at which the page knows the errors of its pull-off points
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,7 @@ def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "a
         "method": result.solution.method,
         "slopes": curve.slopes.method,
         "error": result.budget.total,
+        "point_errors": _point_errors(replace(curve, nonadhesive=nonadhesive(result.solution, slopes_option)), tension),
         "notes": [*result.solution.warnings, *curve.slopes.flags],
         "knots": _knots(curve.nonadhesive),
         "columns": _columns(curve.nonadhesive),
@@ -76,6 +79,23 @@ def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "a
         "measured": shown,
         "measured_points": total,
     }
+
+
+def _point_errors(curve: AdhesiveCurve, tension: float) -> dict[str, list[float | None]]:
+    """Relative errors of the pull-off force, which the page reads between rows, over works of adhesion at the case's
+    moduli, for each control; those of a machine at the stiffness that its slider begins with. None where contact is not
+    lost, or the error not known. ``curve``: of the rows of the series alone."""
+    span, stiff = _work_control(curve, tension), _stiffness(curve)
+    works = np.geomspace(span.low, span.high, WORKS)
+    controls = {**CONTROLS, "machine": stiff}
+    errors = {name: [_point_error(replace(curve, w=float(w)), k) for w in works] for name, k in controls.items()}
+    return {"w": works.tolist(), **errors}
+
+
+def _point_error(curve: AdhesiveCurve, stiffness: float) -> float | None:
+    point = curve.pull_off(stiffness)
+    errors = error_of_point(curve, point, stiffness) if isinstance(point, CriticalPoint) else Unknown("")
+    return None if isinstance(errors, Unknown) or not isinstance(point, CriticalPoint) else errors["P"] / abs(point.P)
 
 
 def start_work(body: Nonadhesive) -> float:
@@ -133,17 +153,25 @@ def _tabor(result: Analysis) -> dict[str, Any] | None:
 
 def _controls(curve: AdhesiveCurve, measured: Sequence[Curve], tension: float) -> dict[str, Control]:
     """The sliders; that of w ends where a surface ``tension`` [N/m] leaves no contact angle."""
-    point = curve.pull_off(LOAD_CONTROL)
-    a = point.a if isinstance(point, CriticalPoint) else float(np.median(curve.a))
-    stiffness = float(f"{np.interp(a, curve.a, curve.slopes.S):.0e}")
     spans = {name: _extent(name, measured) or float(np.ptp(getattr(curve, name))) for name in ("delta", "P")}
     return {
-        "w": Control.around(curve.w, 30, "work", 2 * tension or math.inf),
+        "w": _work_control(curve, tension),
         "factor": Control.around(1.0, 10, "number"),
-        "stiffness": Control.around(stiffness, 1000, "stiffness"),
+        "stiffness": Control.around(_stiffness(curve), 1000, "stiffness"),
         "delta0": Control.shift(spans["delta"] / 2, "length"),
         "P0": Control.shift(spans["P"] / 2, "load"),
     }
+
+
+def _work_control(curve: AdhesiveCurve, tension: float) -> Control:
+    return Control.around(curve.w, 30, "work", 2 * tension or math.inf)
+
+
+def _stiffness(curve: AdhesiveCurve) -> float:
+    """The contact's own stiffness [N/m] at pull-off under load, one digit."""
+    point = curve.pull_off(LOAD_CONTROL)
+    a = point.a if isinstance(point, CriticalPoint) else float(np.median(curve.a))
+    return float(f"{np.interp(a, curve.a, curve.slopes.S):.0e}")
 
 
 def _extent(name: str, measured: Sequence[Curve]) -> float:

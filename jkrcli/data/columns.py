@@ -74,15 +74,15 @@ class Vocabulary:
 
     def without_unit(self, table: TextTable, key: str) -> list[str]:
         """A sentence on each column that is named like ``key`` but for an ending that is no unit, as in "P_mn"."""
-        found, quantity = [], self.quantities[key]
+        sentences, quantity = [], self.quantities[key]
         for i, title in enumerate(table.names):
             match = re.match(r"(.+?)\s*[/_]\s*([^/_\s]+)\Z", title[:LONGEST])
             if match and self.key_of(title) is None and self.key_of(match[1]) == key:
-                found.append(
+                sentences.append(
                     f'column {i + 1} "{title}"{NO_UNIT}{quantity.dimension}; if it is the {quantity.meaning}: '
                     f"--column {key}={title} --unit {key}={EXAMPLES[quantity.dimension]}"
                 )
-        return found
+        return sentences
 
     def guess(self, table: TextTable, key: str) -> int:
         """The one column that is named like ``key``, or the one of several whose unit is one of its dimension."""
@@ -104,27 +104,27 @@ class Vocabulary:
         values, power = numbers(table, index), self._power(table, key, index, unit)
         beyond = np.abs(values) > LARGEST_SI
         if beyond.any():
-            line, found = table.lines[beyond][0], values[beyond][0]
+            line, value = table.lines[beyond][0], values[beyond][0]
             raise InputError(
-                f"{table.path}: line {line}: {self.meaning(key)} must be up to {LARGEST_SI:g}, got {found:g}"
+                f"{table.path}: line {line}: {self.meaning(key)} must be up to {LARGEST_SI:g}, got {value:g}"
             )
         return values * 10.0**power if power > 0 else values / 10.0**-power
 
     def _fits(self, key: str, unit: str) -> bool:
-        found = unit_power(unit)
-        return found is not None and found[0] == self.quantities[key].dimension
+        parsed = unit_power(unit)
+        return parsed is not None and parsed[0] == self.quantities[key].dimension
 
-    def _power(self, table: TextTable, key: str, index: int, told: str | None) -> int:
+    def _power(self, table: TextTable, key: str, index: int, unit: str | None) -> int:
         dimension = self.quantities[key].dimension
-        unit = told or split_name(table.names[index])[1]
+        unit = unit or split_name(table.names[index])[1]
         where = f'{table.path}: column {index + 1} "{table.names[index]}" ({self.meaning(key)})'
         example = EXAMPLES[dimension]
         if not unit:
             raise InputError(f"{where} names no unit: give --unit {key}={example}, or write it into the header")
-        found = unit_power(unit)
-        if found is None or found[0] != dimension:
+        parsed = unit_power(unit)
+        if parsed is None or parsed[0] != dimension:
             raise InputError(f'{where}: the unit must be one of {dimension}, such as {example}, got "{unit}"')
-        return found[1]
+        return parsed[1]
 
 
 def with_units(
@@ -132,17 +132,18 @@ def with_units(
 ) -> tuple[TextTable, dict[str, str], list[str]]:
     """The table with the ``units`` of columns, by name or number, in its header; the units of quantities, which are
     left; and a sentence on each unit of the header that another one takes the place of. ``keys``: of quantities."""
-    names, said = list(table.names), []
+    names, flags = list(table.names), []
     for name, unit in units.items():
         if name in keys:
             continue
-        index = asked(table, f"--unit {name}={unit}", name)
-        title, held = split_name(table.names[index])
+        index = column_called(table, f"--unit {name}={unit}", name)
+        title, header_unit = split_name(table.names[index])
         names[index] = f"{title} [{unit}]"
-        if held and held != unit:
-            said.append(f'column {index + 1} "{table.names[index]}" read in {unit} as told, its header says {held}')
-    kept = {name: unit for name, unit in units.items() if name in keys}
-    return replace(table, names=tuple(names)), kept, said
+        if header_unit and header_unit != unit:
+            title = table.names[index]
+            flags.append(f'column {index + 1} "{title}" read in {unit} as told, its header says {header_unit}')
+    quantity_units = {name: unit for name, unit in units.items() if name in keys}
+    return replace(table, names=tuple(names)), quantity_units, flags
 
 
 def remarks(table: TextTable) -> list[str]:
@@ -154,7 +155,7 @@ def remarks(table: TextTable) -> list[str]:
     return [f'{where} behind the last row and left out: "{table.remarks[lines[0]].strip()[:60]}"']
 
 
-def asked(table: TextTable, key: str, name: str) -> int:
+def column_called(table: TextTable, key: str, name: str) -> int:
     """The column that the user named or numbered (from 1)."""
     titles = [split_name(title)[0] for title in table.names]
     matches = [i for i, title in enumerate(table.names) if name in (title, titles[i])]
@@ -169,8 +170,8 @@ def asked(table: TextTable, key: str, name: str) -> int:
 def numbers(table: TextTable, index: int) -> Array:
     """The numbers of a column; InputError where it holds words."""
     if index in table.text:
-        told = zip(table.lines, table.text[index], strict=True)
-        line, word = next(((line, word) for line, word in told if word), (table.lines[0], ""))
+        rows = zip(table.lines, table.text[index], strict=True)
+        line, word = next(((line, word) for line, word in rows if word), (table.lines[0], ""))
         name = f'column {index + 1} "{table.names[index]}"'
         raise InputError(f'{table.path}: {name} holds words, no numbers: line {line} has "{word[:60]}"')
     values: Array = table.values[:, index]

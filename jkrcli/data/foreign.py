@@ -13,7 +13,7 @@ import numpy as np
 from ..base import LARGEST_SI, Array, InputError, Unknown
 from ..bodies import Indenter, Loading, Problem, Sphere
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus, is_series
-from .columns import CONTACT, Vocabulary, asked, check_chosen, remarks, with_units, words
+from .columns import CONTACT, Vocabulary, check_chosen, column_called, remarks, with_units, words
 from .noisy_rows import is_noise, near_first_touch
 from .text_table import TextTable, read_table, some
 
@@ -59,7 +59,7 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
 
     indenter = problem.indenter
     table = read_table(path, reading.separator, reading.decimal)
-    table, units, told = with_units(table, reading.units, NAMES.quantities)
+    table, units, unit_flags = with_units(table, reading.units, NAMES.quantities)
     reading = replace(reading, units=units)
     chosen = _columns(table, reading)
     values = {key: _values(table, key, index, reading) for key, index in chosen.items()}
@@ -96,7 +96,7 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
         budget=ErrorBudget(UNKNOWN, UNKNOWN, UNKNOWN),
         method="import",
         facts=_facts(table, chosen, reading, dropped) | {"order": "by the fit" if noisy else "of the rows"},
-        warnings=(*told, *remarks(table), *words, *departures(problem, raw)),
+        warnings=(*unit_flags, *remarks(table), *words, *departures(problem, raw)),
     )
 
 
@@ -144,12 +144,12 @@ def read_measured(path: Path, shift: float = 0.0) -> tuple[Array, Array]:
 
 # ---------------------------------------------------------------------- columns and units
 def _columns(table: TextTable, reading: SeriesReading) -> dict[str, int]:
-    """Index of the column for each key: as told, else by its name; the radius goes before the area."""
-    told = {key: asked(table, key, name) for key, name in reading.columns.items()}
-    by_area = "area" in told or bool(NAMES.named(table, "area") and not NAMES.named(table, "a"))
-    wanted = ("delta", "P", "area" if by_area and "a" not in told else "a")
-    chosen = {key: told[key] if key in told else NAMES.guess(table, key) for key in wanted}
-    check_chosen(table, told | chosen)
+    """Index of the column for each key: the one of ``reading``, else by its name; the radius goes before the area."""
+    named = {key: column_called(table, key, name) for key, name in reading.columns.items()}
+    by_area = "area" in named or bool(NAMES.named(table, "area") and not NAMES.named(table, "a"))
+    wanted = ("delta", "P", "area" if by_area and "a" not in named else "a")
+    chosen = {key: named[key] if key in named else NAMES.guess(table, key) for key in wanted}
+    check_chosen(table, named | chosen)
     return chosen
 
 

@@ -24,8 +24,16 @@ class NoisyRowsTuning:
     # tuned on imported tables, by `make constants`: of the rows, those near first touch that noise may hide, and those
     # of outliers
     hidden: float = 0.1
-    dense: float = 0.2  # choice: share of hidden rows near first touch; noise of the load alone leaves 0.3
-    window: int = 10  # choice: rows up to one of them, of which as many are hidden
+
+    @property
+    def window(self) -> int:
+        """Rows among which outliers alone hide one."""
+        return round(1 / self.hidden)
+
+    @property
+    def dense(self) -> float:
+        """Share of hidden rows near first touch, two of a window; noise of the load alone leaves 0.3."""
+        return 2 / self.window
 
 
 TUNING = NoisyRowsTuning()

@@ -24,38 +24,37 @@ PAUSE = "pause"
 class RecordTuning:
     """Where a departure counts; lengths are shares of the rows of a direction."""
 
-    spike: float = 6.0  # theory: 1e-9 of normal noise lies beyond, of what rows leave the line through two others by
     agree: float = 0.5  # choice: of a spike, how far at most the lines on its two sides are apart
-    few: float = 0.01  # choice: of the rows, above which spikes are no exceptions but the noise
+    slight: float = 0.01  # choice: of the rows, spikes; of the way of a direction, what a pause within it moves
     normal: float = 1.4826  # theory: standard deviation over median deviation of normal noise
     least_rows: int = 20  # choice: of a direction; a base line and a contact of a few rows each
     block: float = 1 / 200  # tuned on records, by `make constants`: rows averaged where slow deviations are looked for
     far: float = 0.1  # choice: the part of a direction that is free if anything is
     inside: float = 0.8  # tuned on records, by `make constants`: of the free part found first, what surely is free
-    sigmas: float = 6.0  # theory: 1e-9 of normal noise lies beyond
+    sigmas: float = 6.0  # theory: 1e-9 of normal noise lies beyond, of rows and of what they leave a line by
     least: float = 0.005  # choice: of the range of the load, below which no departure counts
     run: int = 3  # tuned on records, by `make constants`: blocks in succession that must agree
-    jump: float = 0.02  # choice: of the range of the load, least size of a jump
-    held: float = 0.05  # choice: of the rows, that a tether holds at least; a contact of its own way changes by then
+    # choice: of all rows, the range of the load, or the way next to the turning point: what is no direction, no jump,
+    # and no place of steps
+    small: float = 0.02
+    tether: float = 0.05  # choice: of the rows, least length of a tether; a contact of its own way changes by then
     straight: float = 1.3  # choice: of the noise, what the line through them leaves at most
     level: float = 0.05  # choice: relative change of the load over them, beyond its error; no contact's is below 0.1
     vague: float = 0.15  # choice: the largest such error
-    turning: float = 0.02  # choice: of the way, next to the turning point, where no step is looked for
-    doubtful: float = 0.5  # choice: of the least load that is told; tension between is neither a jump nor a step
+    doubtful: float = 0.5  # choice: of the least load over the noise; tension between is neither a jump nor a step
     around: int = 20  # choice: steps before a jump, and after it, whose median is the usual one
     back: float = 0.2  # choice: of the whole way, least of both ways that make two directions of one segment
     # tuned on records, by `make constants`: just below the half of a step in speed that smoothing leaves at its place
     still: float = 0.45
-    least_part: float = 0.02  # choice: of all rows, least length of a pause or a direction
-    stands: float = 0.01  # choice: of the way of a named direction, what a pause within it moves at most
+
     smooth: int = 4  # choice: degree of a polynomial that follows the end of a contact and no kink
     beyond: float = 1.5  # choice: rows over those of the base line, through which the polynomial must go on
     better: float = 0.5  # choice: of what the line leaves, what the polynomial may leave
-    wavy: float = 0.03  # choice: of the range of the load, waviness of a base line that is said
+    wavy: float = 0.03  # choice: of the range of the load, waviness of a base line that is flagged
     rising: float = 5.0  # choice: of the largest load or tension over it, what a base line may rise on all of its way
     steep: float = 0.2  # choice: of the largest load, what a tilt may make of it over the depth of contact
-    wandering: float = 2.0  # choice: way over distance of a direction, above which it is none
-    opposed: float = 0.5  # choice: of the way, how far a direction goes the other way than its name says
+    wandering: float = 2.0  # theory: way over distance of a device that reverses once
+    opposed: float = 0.5  # theory: of the way: more of it goes the other way than the name says than along it
 
 
 TUNING = RecordTuning()
@@ -99,7 +98,7 @@ class BaseLine:
 
     @property
     def least(self) -> float:
-        """The smallest load [N] that is told from the base line."""
+        """The smallest load [N] that stands out from the base line."""
         return TUNING.sigmas * math.hypot(self.noise, self.waviness)
 
 
@@ -114,7 +113,7 @@ class ForceJump:
 
 @dataclass(frozen=True)
 class Direction:
-    """One segment in which the device moves one way, with what is found in it.
+    """One segment in which the device moves one way, with its base line and its events.
 
     ``touch``: position of the device [m] where contact begins (approach) or has ended (retract), ``touch_err`` its
     half-width; ``largest``: largest load over the base line [N]; ``adhesion``: largest tension below it [N], at
@@ -174,7 +173,7 @@ class ForceCurve:
 
 
 def examine(curve: Curve) -> ForceCurve:
-    """Take a measured curve apart; InputError where it holds no displacement and load, or too few rows."""
+    """The parts of a measured curve; InputError where it holds no displacement and load, or too few rows."""
     if curve.delta is None or curve.P is None:
         left_out = [f"{curve.where}: {flag}" for flag in curve.flags if NO_UNIT in flag]
         raise InputError([
@@ -188,7 +187,7 @@ def examine(curve: Curve) -> ForceCurve:
         z, P = curve.device, P.copy()
         P[spikes] = (P[spikes - 1] + P[spikes + 1]) / 2
         curve = replace(curve, P=P, delta=z if curve.stiffness is None else z - P / curve.stiffness)
-    parts = _found(curve.device) if curve.segment is None else _told(curve)
+    parts = _segments_by_motion(curve.device) if curve.segment is None else _named_segments(curve)
     sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= TUNING.least_rows]
     directions = tuple(_direction(curve.device, P, part) for part in sides)
     return ForceCurve(whole, tuple(parts), directions, _flags(curve, parts, directions), spikes)
@@ -199,29 +198,29 @@ def _spikes(P: Array) -> Array:
     what the others do; none where they are many. At a jump one of the lines holds, or they are apart."""
     before, after = 2 * P[1:-3] - P[:-4], 2 * P[3:-1] - P[4:]
     off = np.minimum(np.abs(P[2:-2] - before), np.abs(P[2:-2] - after))
-    least = max(TUNING.spike * _robust(P[2:-2] - before), TUNING.least * float(np.ptp(P)))
+    least = max(TUNING.sigmas * _robust(P[2:-2] - before), TUNING.least * float(np.ptp(P)))
     between = (P[2:-2] - before) * (P[2:-2] - after) > 0
-    found = np.flatnonzero(between & (off > least) & (np.abs(before - after) < TUNING.agree * off)) + 2
-    return found if found.size <= TUNING.few * P.size else found[:0]
+    spikes = np.flatnonzero(between & (off > least) & (np.abs(before - after) < TUNING.agree * off)) + 2
+    return spikes if spikes.size <= TUNING.slight * P.size else spikes[:0]
 
 
-def _told(curve: Curve) -> list[Segment]:
+def _named_segments(curve: Curve) -> list[Segment]:
     """Stretches of rows with the same word. One that turns back in its middle holds both directions, whatever it is
     called; rows of one direction at a standstill by the turn are a pause."""
     words, delta = curve.segment, curve.device
     assert words is not None
     ends = np.flatnonzero(words[1:] != words[:-1])
-    told = [
+    stretches = [
         Segment(str(words[first]), int(first), int(last))
         for first, last in zip([0, *(ends + 1)], [*ends, words.size - 1], strict=True)
     ]
     parts: list[Segment] = []
-    for part in told:
-        inside = _found(delta[part.rows]) if len(part) >= TUNING.least_rows else []
+    for part in stretches:
+        inside = _segments_by_motion(delta[part.rows]) if len(part) >= TUNING.least_rows else []
         moved = [item for item in inside if item.kind != PAUSE]
         ways = {item.kind: float(np.ptp(delta[part.rows][item.rows])) for item in inside}
         both = len(moved) > 1 and min(ways[item.kind] for item in moved) > TUNING.back * float(np.ptp(delta))
-        stood = len(moved) == 1 and ways.get(PAUSE, math.inf) < TUNING.stands * ways[moved[0].kind]
+        stood = len(moved) == 1 and ways.get(PAUSE, math.inf) < TUNING.slight * ways[moved[0].kind]
         if both or (stood and moved[0].kind == part.kind):
             parts += [Segment(item.kind, part.first + item.first, part.first + item.last) for item in inside]
         else:
@@ -229,7 +228,7 @@ def _told(curve: Curve) -> list[Segment]:
     return parts
 
 
-def _found(delta: Array) -> list[Segment]:
+def _segments_by_motion(delta: Array) -> list[Segment]:
     """Approach, pause and retraction by the motion alone: up to the turning point, at rest there, and back."""
     n = delta.size
     window = max(1, round(n * TUNING.block))
@@ -240,12 +239,12 @@ def _found(delta: Array) -> list[Segment]:
     before, after = np.flatnonzero(moving[:turn]), np.flatnonzero(moving[turn:])
     first = int(before[-1]) if before.size else 0
     last = turn + int(after[0]) - 1 if after.size else n - 1
-    if last - first < TUNING.least_part * n:
+    if last - first < TUNING.small * n:
         first = last = turn
     if last == 0 and delta[0] == delta.max():  # retraction from the first row on
         first = last = -1
     parts = [Segment(APPROACH, 0, first), Segment(PAUSE, first + 1, last), Segment(RETRACT, last + 1, n - 1)]
-    return [part for part in parts if len(part) > TUNING.least_part * n]
+    return [part for part in parts if len(part) > TUNING.small * n]
 
 
 def _usual_speed(speed: Array) -> float:
@@ -274,11 +273,11 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
     rows = range(segment.first, segment.last + 1)[::order]
     falls, others = _jumps(off, base)
     falls += _end_of_tether(off, base, falls)
-    turn = x.max() - TUNING.turning * np.ptp(x)  # beyond, a change of drag is no event
+    turn = x.max() - TUNING.small * np.ptp(x)  # beyond, a change of drag is no event
     others = [(first, last) for first, last in others if x[last] < turn]
     jumps, steps = (
-        tuple(ForceJump(rows[(i + j) // 2], float(x[(i + j) // 2]), float(off[j] - off[i])) for i, j in found)
-        for found in (falls, others)
+        tuple(ForceJump(rows[(i + j) // 2], float(x[(i + j) // 2]), float(off[j] - off[i])) for i, j in pairs)
+        for pairs in (falls, others)
     )
     inner = falls[-1][1] if falls else row if isinstance(tension, Unknown) else max(lowest, row)
     border = min([row - 1, *(first for first, _ in falls)]), inner
@@ -323,8 +322,8 @@ def _end_of_free_part(x: Array, y: Array) -> int:
         scatter = max(float(np.sqrt(np.mean(inner**2))), _robust(np.diff(y, 2)) / math.sqrt(6 * size))
         least = TUNING.least * float(np.ptp(y[: 2 * end]))
         away = np.abs(_blocks(off, size)) > max(TUNING.sigmas * scatter, least)
-        held = np.concatenate([away, away[-1:].repeat(TUNING.run - 1)])  # the last block alone may be in contact
-        runs = np.convolve(held, np.ones(TUNING.run, dtype=int), "valid") == TUNING.run
+        padded = np.concatenate([away, away[-1:].repeat(TUNING.run - 1)])  # the last block alone may be in contact
+        runs = np.convolve(padded, np.ones(TUNING.run, dtype=int), "valid") == TUNING.run
         end = max(int(np.argmax(runs)) * size if runs.any() else n, 5)
     return end
 
@@ -412,12 +411,12 @@ def _jumps(off: Array, base: BaseLine) -> tuple[list[tuple[int, int]], list[tupl
 
 
 def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Rows before and after which the load leaves a level tension inside of the only one of the ``falls``: it is held
-    there by a tether or a second contact, however little happens where the first one ends; none where it is not."""
+    """Rows before and after which the load leaves a level tension inside of the only one of the ``falls``, which a
+    tether or a second contact holds there, however little happens where the first one ends; none without one."""
     if len(falls) != 1:
         return []
     inside = off[falls[0][1] + 1 :]
-    count = max(round(TUNING.held * off.size), TUNING.least_rows // 2)
+    count = max(round(TUNING.tether * off.size), TUNING.least_rows // 2)
     part, along = inside[:count], np.linspace(-0.5, 0.5, count)
     if part.size < count:
         return []
@@ -445,7 +444,7 @@ def _sudden(off: Array, base: BaseLine) -> tuple[Array, Array, int]:
     if off.size <= 4 * width:
         return np.zeros(0, bool), np.zeros(0, bool), off.size
     step = off[width:] - off[:-width]
-    least = max(TUNING.sigmas * math.sqrt(2) * base.noise, TUNING.jump * float(np.ptp(off)))
+    least = max(TUNING.sigmas * math.sqrt(2) * base.noise, TUNING.small * float(np.ptp(off)))
     fall, rise = np.zeros(step.size, bool), np.zeros(step.size, bool)
     smallest, largest = _ends_of_medians(step[::width])
     odd = np.flatnonzero((step < largest - least) | (step > smallest + least))
@@ -455,8 +454,8 @@ def _sudden(off: Array, base: BaseLine) -> tuple[Array, Array, int]:
 
 
 def _first_fall(off: Array, base: BaseLine) -> int:
-    """The row at which the load falls at once for the first time: what is beyond is held, by a tether or a second
-    contact, however straight it is; the number of rows where none does, or too near the far end."""
+    """The row at which the load falls at once for the first time: beyond it a tether or a second contact holds,
+    however straight the load is; the number of rows where none does, or too near the far end."""
     fall, _, width = _sudden(off, base)
     return min((first for first, _ in _runs(fall, width) if first >= TUNING.far * off.size), default=off.size)
 
@@ -475,9 +474,9 @@ def _usual(step: Array, width: int, chosen: Array) -> tuple[Array, Array]:
     return np.median(windows[few], axis=1)[own], np.median(windows[few + n + 3], axis=1)[own]
 
 
-def _runs(held: Array, width: int) -> list[tuple[int, int]]:
-    """First row and last, ``width`` further on, of each run of rows that are ``held``, with short gaps."""
-    rows = np.flatnonzero(held)
+def _runs(marked: Array, width: int) -> list[tuple[int, int]]:
+    """First row and last, ``width`` further on, of each run of ``marked`` rows, with short gaps."""
+    rows = np.flatnonzero(marked)
     groups = np.split(rows, np.flatnonzero(np.diff(rows) > 2 * width) + 1) if rows.size else []
     return [(int(group[0]), int(group[-1]) + width) for group in groups]
 
@@ -485,12 +484,12 @@ def _runs(held: Array, width: int) -> list[tuple[int, int]]:
 def _flags(curve: Curve, parts: Sequence[Segment], directions: Sequence[Direction]) -> dict[str, str]:
     """What a reader should know before trusting anything that is fitted to this curve; the last sentence of a name."""
     touched = [item for item in directions if not isinstance(item.touch, Unknown)]
-    found = [*_missing(parts, directions)]
+    flags = [*_missing(parts, directions)]
     if directions and not touched:
-        found.append(("no contact", "the load never leaves its base line"))
-    found += [*_on_base_lines(curve, touched), *_on_jumps(touched), *_on_signs(curve, directions)]
-    found += [("saturated", said) for said in saturation(curve)]
-    return dict(found)
+        flags.append(("no contact", "the load never leaves its base line"))
+    flags += [*_on_base_lines(curve, touched), *_on_jumps(touched), *_on_signs(curve, directions)]
+    flags += [("saturated", sentence) for sentence in saturation(curve)]
+    return dict(flags)
 
 
 def _missing(parts: Sequence[Segment], directions: Sequence[Direction]) -> Iterator[tuple[str, str]]:
@@ -515,11 +514,11 @@ def _on_base_lines(curve: Curve, touched: Sequence[Direction]) -> Iterator[tuple
             end = "begins" if name == APPROACH else "ends"
             yield "no base line", f"the {name} {end} in contact, or has no straight part"
         elif waviness > TUNING.wavy * span:
-            said = (
+            sentence = (
                 f"the {name}'s base line is wavy by {show(waviness, 'load')}, {waviness / span:.0%} of "
                 "the range of the load (optical interference: fit --base-line sine)"
             )
-            yield "wavy base line", said
+            yield "wavy base line", sentence
 
 
 def _on_jumps(touched: Sequence[Direction]) -> Iterator[tuple[str, str]]:
@@ -530,11 +529,11 @@ def _on_jumps(touched: Sequence[Direction]) -> Iterator[tuple[str, str]]:
             yield "several contacts", f"{len(item.jumps)} jumps under tension in the {name}"
         if item.steps:
             step = max(item.steps, key=lambda step: abs(step.step))
-            said = (
+            sentence = (
                 f"the load of the {name} steps by {show(step.step, 'load', 3)} at row {step.row + 1}: "
                 "base line, second contact, or slip"
             )
-            yield "step", said
+            yield "step", sentence
 
 
 def _on_signs(curve: Curve, directions: Sequence[Direction]) -> Iterator[tuple[str, str]]:
@@ -545,11 +544,11 @@ def _on_signs(curve: Curve, directions: Sequence[Direction]) -> Iterator[tuple[s
         name = item.segment.kind
         if _goes_back(curve, item):
             which = f" of the {name}" if len(directions) > 1 else ""  # of one that returns the last bits chose the name
-            said = f"the displacement{which} has the opposite sign: it is positive into the specimen (--flip delta)"
-            yield "wrong way", said
+            sentence = f"the displacement{which} has the opposite sign: it is positive into the specimen (--flip delta)"
+            yield "wrong way", sentence
         elif _pulls_deepest(curve, item):
-            said = f"the load of the {name} is least where the device presses deepest"
-            yield "wrong sign", f"{said}: is compression negative (--flip P)?"
+            sentence = f"the load of the {name} is least where the device presses deepest"
+            yield "wrong sign", f"{sentence}: is compression negative (--flip P)?"
 
 
 def _goes_back(curve: Curve, item: Direction) -> bool:
@@ -566,7 +565,7 @@ def _pulls_deepest(curve: Curve, item: Direction) -> bool:
     """Whether tension is largest where the device presses deepest, and compression is not, as where tension counts as
     positive; a gel that relaxes after the turn has both there."""
     z = curve.device[item.segment.rows]
-    deepest = item.adhesion_at > z.max() - TUNING.turning * float(np.ptp(z))
+    deepest = item.adhesion_at > z.max() - TUNING.small * float(np.ptp(z))
     pressed = z[np.argmax(curve.load[item.segment.rows])] > item.adhesion_at
     return deepest and not pressed and item.based and isinstance(item.touch, float) and isinstance(item.adhesion, float)
 

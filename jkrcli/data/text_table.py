@@ -1,4 +1,4 @@
-"""Tables of numbers in text, as other programs write them: separators, decimal marks, headers and units found out."""
+"""Tables of numbers in text, as other programs write them: separators, decimal marks, headers and units detected."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..base import UNITS, Array, InputError, allowance, read_bytes
+from ..base import AT_ONCE, UNITS, Array, InputError, allowance, read_bytes
 
 BLANK = "blank"
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", BLANK: None}
@@ -29,11 +29,11 @@ SPELLED = {  # units as instruments write them out, in the plural too
 COMMENTS = ("#", "%", "//", "**", "!")
 HEADINGS = ("columns:", "units:")  # before the names and units themselves, in comment heads
 OTHER_UNITS = ("", "-", "1", "V", "mV")
-SHEETS = (".xls", ".xlsx", ".ods")  # choice: endings of spreadsheets, which are no text
+SHEETS = (".xls", ".xlsx", ".ods")  # endings of spreadsheets, which are no text
 MEND = ": correct it, or put # before it"
 WRONG_LINES_SHOWN = 5
 MOST_COLUMNS = 10_000  # choice: a map of 64 x 64 curves beside each other and more
-LONGEST_HEAD = 100 * MOST_COLUMNS  # choice: characters of a line of words; longer ones name no columns
+
 _NUMBER = re.compile(r"[+-]?(\d+(?:[.]\d*)?|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)
 _THOUSANDS = {  # by the decimal mark: a number whose digits are grouped, always by the same mark
     ".": re.compile(r"[+-]?[1-9]\d{0,2}([,'’\u00a0\u202f])\d{3}(\1\d{3})*([.]\d*)?\Z"),
@@ -49,14 +49,12 @@ _ROW = re.compile(r"""\s*["']?[+-]?[.,]?\d""")  # a line that begins with a numb
 
 @dataclass(frozen=True)
 class TextTuning:
-    """How much of a file is looked at to find out how it is written, and how it rounds."""
+    """How much of a file is looked at to find out how it is written."""
 
     first: int = 2000  # choice: bytes, for the encoding
-    head: int = 400  # choice: lines at the begin, for the dialect
-    spread: int = 200  # choice: about as many of the rest
-    rounded: float = 1e-6  # choice: of the range of a column, by which copies of it differ
+    head: int = 400  # choice: lines at the begin, for the dialect, and half as many of the rest
     gaps: float = 0.1  # choice: of the rows, that may lack a number
-    comments: int = 10_000  # choice: at either end of those that a file begins with; between them nothing is named
+    comments: int = 10_000  # choice: lines at either end of a long head; between them nothing is named
 
 
 TUNING = TextTuning()
@@ -109,8 +107,8 @@ class Dialect:
         if gaps and (0 in self.text or _DIGIT.match(cells[0].lstrip("+-.,"))):
             cells = [cell if _DIGIT.search(cell) or _NUMBER.match(cell) else "nan" for cell in cells]
         if self.thousands:
-            found = [(cell, _THOUSANDS[self.decimal].match(cell)) for cell in cells]
-            cells = [cell.replace(match[1], "") if match else cell for cell, match in found]
+            matches = [(cell, _THOUSANDS[self.decimal].match(cell)) for cell in cells]
+            cells = [cell.replace(match[1], "") if match else cell for cell, match in matches]
         if self.decimal == ",":
             if any("." in cell for cell in cells):
                 return None
@@ -169,7 +167,7 @@ def read_table(
     content: bytes | None = None,
     is_note: Callable[[str], bool] = lambda line: False,
 ) -> TextTable:
-    """The table of at least ``least`` columns of numbers in a text file; what is None is found out.
+    """The table of at least ``least`` columns of numbers in a text file; what is None is detected.
 
     ``content``: the bytes of the file, where it lies in another one.
 
@@ -198,7 +196,7 @@ def _table(
     """The table in the text of a whole file."""
     lines_of_file = _without_long_head(_lines(path, whole))
     head, rest = lines_of_file[: TUNING.head], lines_of_file[TUNING.head :]
-    sample = head + rest[:: max(1, len(rest) // TUNING.spread)]
+    sample = head + rest[:: max(1, 2 * len(rest) // TUNING.head)]
     dialect = _dialect(sample, separator, decimal, least, is_text)
     if dialect is None and len(lines_of_file) > len(sample):
         dialect = _dialect(lines_of_file, separator, decimal, least, is_text)
@@ -228,7 +226,7 @@ def _notes(
     content: list[tuple[int, str]], header: list[str], rows: set[int], is_note: Callable[[str], bool]
 ) -> dict[int, str]:
     """Comments and notes behind the first of the ``rows``, and lines of the header that come again behind a note."""
-    found: dict[int, str] = {}
+    notes: dict[int, str] = {}
     again, known, first = False, set(header), min(rows)
     for n, line in content:
         if n in rows:
@@ -236,8 +234,8 @@ def _notes(
         elif n > first:
             again = is_note(line) or (again and line in known)
             if again or _is_comment(line):
-                found[n] = line
-    return found
+                notes[n] = line
+    return notes
 
 
 def _remarks(content: list[tuple[int, str]], header: list[str], last: int, dialect: Dialect) -> dict[int, str]:
@@ -253,16 +251,16 @@ def _lines(path: Path, text: str) -> list[tuple[int, str]]:
     lines = text.splitlines()
     if max(map(len, lines), default=0) <= MOST_COLUMNS:
         return [(n, line) for n, line in enumerate(lines, start=1) if line and not line.isspace()]
-    found = []
+    numbered = []
     for n, line in enumerate(lines, start=1):
         if len(line) > MOST_COLUMNS:  # few cells stand in shorter ones
             if not _ROW.match(line):
-                line = line if len(line) <= LONGEST_HEAD else ""
+                line = line if len(line) <= AT_ONCE else ""  # longer ones name no columns
             elif _is_wide(line):
                 raise InputError(f"{path}: line {n} holds more than {MOST_COLUMNS:,} cells, the most that are read")
         if line.strip():
-            found.append((n, line))
-    return found
+            numbered.append((n, line))
+    return numbered
 
 
 def _without_long_head(content: list[tuple[int, str]]) -> list[tuple[int, str]]:
@@ -325,15 +323,15 @@ def _regular(body: list[tuple[int, str]], dialect: Dialect, width: int) -> Array
     numbers = [i for i in range(width) if i not in dialect.text]
     values = np.zeros((len(body), width))
     try:
-        found = np.loadtxt(
+        parsed = np.loadtxt(
             whole.replace(dialect.decimal, ".").split("\n") if dialect.decimal != "." else lines,
             delimiter=mark, comments=None, usecols=numbers if dialect.text else None, ndmin=2,
         )  # fmt: skip
     except ValueError:
         return None
-    if found.shape[1] != len(numbers):
+    if parsed.shape[1] != len(numbers):
         return None
-    values[:, numbers] = found
+    values[:, numbers] = parsed
     return values
 
 
@@ -357,8 +355,8 @@ def _with_text(
             cells = cells[1:] if cells[0].lower() in HEADINGS else []
         if len(cells) < least:
             continue
-        if found := {i for i, cell in enumerate(cells) if is_text(i, cell)}:
-            return replace(dialect, text=frozenset(found))
+        if of_words := {i for i, cell in enumerate(cells) if is_text(i, cell)}:
+            return replace(dialect, text=frozenset(of_words))
         if all(_NUMBER.match(cell.replace(",", ".")) for cell in cells[:least]):
             break
     return dialect
@@ -372,8 +370,8 @@ def _dialect(
     is_text: Callable[[int, str], bool],
 ) -> Dialect | None:
     """The way to read the lines that gives most rows of numbers."""
-    found = [Dialect(s, d) for s in SEPARATORS for d in (".", ",") if (s, d) != ("comma", ",")]
-    allowed = [d for d in found if separator in (None, d.separator) and decimal in (None, d.decimal)]
+    dialects = [Dialect(s, d) for s in SEPARATORS for d in (".", ",") if (s, d) != ("comma", ",")]
+    allowed = [d for d in dialects if separator in (None, d.separator) and decimal in (None, d.decimal)]
     if not allowed:
         raise InputError('separator "comma" and decimal "," exclude each other: say which one the comma is')
     whole = "\n".join(line for _, line in content)
@@ -394,7 +392,7 @@ def _most_rows(content: list[tuple[int, str]], dialects: list[Dialect], least: i
     """The dialect that gives most rows of numbers, None where none gives any; whether it leaves lines behind its first
     row unread."""
     rows = [_row_lines(content, dialect, least) for dialect in dialects]
-    sizes = [len(found) for found in rows]
+    sizes = [len(lines) for lines in rows]
     most = sizes.index(max(sizes))
     if not sizes[most]:
         return None, True
@@ -429,10 +427,10 @@ def _with_words(content: list[tuple[int, str]], dialect: Dialect, least: int) ->
     width = max(widths, key=widths.count, default=0)
     whole = [cells for cells in rows if len(cells) == width]
     columns = [[cells[i] for cells in whole[len(whole) // 2 :]] for i in range(width)]
-    found = [i for i, column in enumerate(columns) if any(column)
+    of_words = [i for i, column in enumerate(columns) if any(column)
              and all(not cell or _WORD.match(cell) for cell in column)
              and not any(_NUMBER.match(cells[i].replace(",", ".")) for cells in whole)]  # fmt: skip
-    return replace(dialect, text=frozenset(found if width - len(found) >= least else ()))
+    return replace(dialect, text=frozenset(of_words if width - len(of_words) >= least else ()))
 
 
 def _data(

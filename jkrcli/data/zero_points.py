@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base import InputError, Unknown, show
+from ..base import SAME, InputError, Unknown, show
 from .measured.curve import APPROACH, Curve
 from .record import TUNING as RECORDS
 from .record import Direction, examine
@@ -19,8 +19,6 @@ class FirstTouchTuning:
     """What tells contact from the free part of an approach."""
 
     sigmas: float = 5.0  # theory: standard deviations of normal noise that no row of a million reaches
-    least_rise: float = 1e-6  # choice: of the range of the load, for records without noise
-    run: int = 3  # choice: rows in succession that must agree
 
 
 TUNING = FirstTouchTuning()
@@ -40,26 +38,26 @@ def with_zero_points(curve: Curve) -> Curve:
     z, P = curve.device[side.segment.rows], curve.load[side.segment.rows]
     off, free = np.abs(P - side.base(z)), side.base.rows
     scatter = RECORDS.normal * float(np.median(off[:free]))
-    away = off > max(TUNING.sigmas * scatter, TUNING.least_rise * float(np.ptp(P)))
-    runs = np.convolve(away, np.ones(TUNING.run, dtype=int), "valid") == TUNING.run
+    away = off > max(TUNING.sigmas * scatter, SAME * float(np.ptp(P)))  # the latter in records without noise
+    runs = np.convolve(away, np.ones(RECORDS.run, dtype=int), "valid") == RECORDS.run
     first = max(int(np.argmax(runs)), 1)
     touch, half = float(z[first - 1] + z[first]) / 2, abs(float(z[first] - z[first - 1])) / 2
-    said = (
+    flag = (
         f"zero points estimated from {free} free rows: first touch at {show(touch, 'length')} (within "
         f"{show(half, 'length')}), baseline {show(float(side.base(np.array(touch))), 'load')} with a tilt of "
         f"{side.base.tilt:.3g} N/m"
     )
     P = curve.load - side.base(curve.device)
     delta = curve.device - touch - (0.0 if curve.stiffness is None else P / curve.stiffness)
-    return replace(curve, delta=delta, P=P, flags=(*curve.flags, said))
+    return replace(curve, delta=delta, P=P, flags=(*curve.flags, flag))
 
 
 def _approach(curve: Curve) -> Direction:
     """The approach of a curve; InputError where it tells no zero points."""
     side = examine(curve).direction(APPROACH)
     if side is None:
-        found = f" (segments: {', '.join(curve.segments())})" if curve.segment is not None else ""
-        raise InputError(f"{curve.where}: has no approach{found}: zero points cannot be estimated")
+        segments = f" (segments: {', '.join(curve.segments())})" if curve.segment is not None else ""
+        raise InputError(f"{curve.where}: has no approach{segments}: zero points cannot be estimated")
     if isinstance(side.touch, Unknown):
         raise InputError(f"{curve.where}: the load of the approach never leaves its baseline: no contact was made")
     if not side.begins_free:

@@ -54,17 +54,17 @@ def from_columns(columns: Mapping[str, Any], reading: Reading | None = None, nam
     reading = replace(reading or Reading(), separator="comma", decimal=".")
     from . import text
 
-    (found, stiffness), *others = text.curves(Path(name), reading, "\n".join(lines).encode())
-    if others or isinstance(found, InputError):
-        raise found if isinstance(found, InputError) else InputError(f"{name}: holds several curves, one is wanted")
-    return _by_convention(found, reading, stiffness)
+    (curve, stiffness), *others = text.curves(Path(name), reading, "\n".join(lines).encode())
+    if others or isinstance(curve, InputError):
+        raise curve if isinstance(curve, InputError) else InputError(f"{name}: holds several curves, one is wanted")
+    return _by_convention(curve, reading, stiffness)
 
 
 def usable(paths: Iterable[Path], reading: Reading) -> tuple[list[Curve], list[str]]:
     """All curves in files, in their order, and a line on each that cannot be used."""
-    found = [item for path in paths for item in each(path, reading)]
-    lines = [line for item in found if isinstance(item, InputError) for line in item.lines]
-    return [item for item in found if isinstance(item, Curve)], lines
+    items = [item for path in paths for item in each(path, reading)]
+    lines = [line for item in items if isinstance(item, InputError) for line in item.lines]
+    return [item for item in items if isinstance(item, Curve)], lines
 
 
 def each(path: Path, reading: Reading | None = None) -> Iterator[Curve | InputError]:
@@ -74,15 +74,15 @@ def each(path: Path, reading: Reading | None = None) -> Iterator[Curve | InputEr
     """
     path, reading = Path(path), reading or Reading()
     wanted, names = reading.where.get("curve"), []
-    for found, stiffness in _as_read(path, reading):
-        if isinstance(found, InputError):
-            yield found
+    for curve, stiffness in _as_read(path, reading):
+        if isinstance(curve, InputError):
+            yield curve
             continue
-        names.append(found.name)
-        if wanted not in (None, found.name):
+        names.append(curve.name)
+        if wanted not in (None, curve.name):
             continue
         try:
-            yield _by_convention(_selected(found, reading), reading, stiffness)
+            yield _by_convention(_selected(curve, reading), reading, stiffness)
         except InputError as error:
             yield error
     if wanted is not None and wanted not in names:
@@ -98,8 +98,7 @@ def _refuse_ours(path: Path) -> None:
 
 
 def _as_read(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, float | None]]:
-    """The curves by the reader of the format; where that is to be found out, by the second one where the first does not
-    know the file."""
+    """The curves by the reader of the format; of an unknown format by the second reader where the first fails."""
     _refuse_ours(path)
     if reading.format != "text" and nanoscope.knows(path):
         yield from nanoscope.curves(path, reading)
@@ -118,15 +117,15 @@ def _as_read(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError,
             try:
                 if afm.takes_any_three_columns(path):
                     raise error
-                held = afm.load(path, reading)
+                loaded = afm.load(path, reading)
             except afm.UnreadableError:
                 raise error from None
-            yield from afm.curves(path, reading, held)
+            yield from afm.curves(path, reading, loaded)
             return
     from . import afm
 
     try:
-        held = afm.load(path, reading)
+        loaded = afm.load(path, reading)
     except afm.UnreadableError as error:
         if reading.format == "afm" or path.suffix != ".tab":
             raise
@@ -137,7 +136,7 @@ def _as_read(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError,
         except InputError:
             raise error from None
         return
-    yield from afm.curves(path, reading, held)
+    yield from afm.curves(path, reading, loaded)
 
 
 def _selected(curve: Curve, reading: Reading) -> Curve:
@@ -154,19 +153,20 @@ def _selected(curve: Curve, reading: Reading) -> Curve:
 
 
 def _by_convention(curve: Curve, reading: Reading, stiffness: float | None) -> Curve:
-    """The curve with signs, zero points and deflection (of a device of ``stiffness`` [N/m]) as ``reading`` tells."""
+    """The curve with the signs, zero points and deflection (of a device of ``stiffness`` [N/m]) of ``reading``."""
     columns: dict[str, Any] = {}
     for name in {*reading.flip, *reading.zero}:
         sign, read = -1.0 if name in reading.flip else 1.0, curve.column(name, " to flip or to set to zero")
         columns[name] = sign * read - reading.zero.get(name, 0.0)
-    found = replace(curve, **columns)
+    converted = replace(curve, **columns)
     if reading.contact == "estimate":
         from ..zero_points import with_zero_points
 
-        found = with_zero_points(found)
-    if stiffness in (None, math.inf) or found.delta is None:
-        return of_its_device(found)
-    if found.P is None:
+        converted = with_zero_points(converted)
+    if stiffness in (None, math.inf) or converted.delta is None:
+        return of_its_device(converted)
+    if converted.P is None:
         raise InputError(f"{curve.where}: holds no load: the device's deflection P/stiffness cannot be subtracted")
-    flags = (*found.flags, SUBTRACTED_TWICE) if stiffness_of_noise(found.delta, found.P) else found.flags
-    return replace(found, delta=found.delta - found.P / stiffness, stiffness=stiffness, flags=flags)
+    twice = stiffness_of_noise(converted.delta, converted.P) is not None
+    flags = (*converted.flags, SUBTRACTED_TWICE) if twice else converted.flags
+    return replace(converted, delta=converted.delta - converted.P / stiffness, stiffness=stiffness, flags=flags)

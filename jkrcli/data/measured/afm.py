@@ -34,25 +34,25 @@ def curves(
     path: Path, reading: Reading, loaded: tuple[list[Any], str] | None = None
 ) -> Iterator[tuple[Curve | InputError, float | None]]:
     """The curves of a file, over distance, of creep or of relaxation, with their spring constants [N/m]; each is loaded
-    when it is asked for.
+    when its turn comes.
 
     ``delta`` is minus the height, which grows away from the specimen, the deflection not yet subtracted; of files that
     hold the position of the tip itself it is minus that, and None stands for the spring constant.
     """
     reading.check_known_columns(path)
-    held, lacks = loaded or load(path, reading)
-    for data in held:
-        name = path.stem if len(held) == 1 else str(data.enum)
+    data_sets, lacks = loaded or load(path, reading)
+    for data in data_sets:
+        name = path.stem if len(data_sets) == 1 else str(data.enum)
         try:
-            with _told(place(path, name)):
-                found = _found(path, name, data, reading, lacks)
-            yield found
+            with _guarded(place(path, name)):
+                pair = _curve_and_stiffness(path, name, data, reading, lacks)
+            yield pair
         except InputError as error:
             yield error, None
 
 
-def _found(path: Path, name: str, data: Any, reading: Reading, lacks: str) -> tuple[Curve, float | None]:
-    """The curve of one data set and its spring constant, with what is to be said of what 1 stands in for."""
+def _curve_and_stiffness(path: Path, name: str, data: Any, reading: Reading, lacks: str) -> tuple[Curve, float | None]:
+    """The curve of one data set and its spring constant, with a flag on what 1 stands in for."""
     curve = _curve(path, name, data).multiplied(reading.factors)
     if _holds(data, "tip position"):
         return curve, None
@@ -74,7 +74,7 @@ def takes_any_three_columns(path: Path) -> bool:
 
 
 def load(path: Path, reading: Reading) -> tuple[list[Any], str]:
-    """The data sets of a file, whose columns are read when they are asked for; what 1 stands in for, if anything."""
+    """The data sets of a file, whose columns are read at their first use; what 1 stands in for, if anything."""
     try:
         import afmformats
         from afmformats import errors
@@ -86,30 +86,30 @@ def load(path: Path, reading: Reading) -> tuple[list[Any], str]:
         intact.check(path)
     for name in ("afmformats", "igor2"):
         if not (logger := logging.getLogger(name)).handlers:
-            logger.addHandler(logging.NullHandler())  # their tracebacks are told here in one line
+            logger.addHandler(logging.NullHandler())  # an error in one line takes the place of their tracebacks
     stiffness = None if reading.stiffness == math.inf else reading.stiffness
-    told = {"spring constant": stiffness, "sensitivity": reading.sensitivity}
-    override, lacks = {key: value for key, value in told.items() if value is not None}, ""
+    calibration = {"spring constant": stiffness, "sensitivity": reading.sensitivity}
+    override, lacks = {key: value for key, value in calibration.items() if value is not None}, ""
     try:
         try:
-            held = _loaded(path)
-            if held and reading.sensitivity is not None:
+            data_sets = _loaded(path)
+            if data_sets and reading.sensitivity is not None:
                 raise InputError(f"{path}: names its own sensitivity, or needs none: leave --sensitivity out")
         except errors.MissingMetaDataError:
             if reading.incomplete:
-                lacks = " and ".join(key for key in told if key not in override)
-                override = dict.fromkeys(told, 1.0) | override
+                lacks = " and ".join(key for key in calibration if key not in override)
+                override = dict.fromkeys(calibration, 1.0) | override
             if not override:
                 raise
-            held = _loaded(path, meta_override=override)
+            data_sets = _loaded(path, meta_override=override)
     except errors.MissingMetaDataError as error:
         missing = ", ".join(error.meta_keys)
         raise InputError(f"{path}: lacks {missing}: give --stiffness and, if asked for, --sensitivity") from None
-    if not held:
+    if not data_sets:
         raise InputError(f"{path}: holds no force curve")
     if reading.stiffness == math.inf:
         raise InputError(f"{path}: is of a force microscope, whose lever bends: give its stiffness, not rigid")
-    return held, lacks
+    return data_sets, lacks
 
 
 def _loaded(path: Path, **options: Any) -> list[Any]:
@@ -120,7 +120,7 @@ def _loaded(path: Path, **options: Any) -> list[Any]:
 
     if old := ArchiveCache.open_archives.pop(path, None):  # else it goes on to read what was there before
         old.close()
-    with _told(str(path)):
+    with _guarded(str(path)):
         try:
             return list(afmformats.load_data(path, **options))
         except errors.FileFormatNotSupportedError:
@@ -129,7 +129,7 @@ def _loaded(path: Path, **options: Any) -> list[Any]:
 
 
 @contextlib.contextmanager
-def _told(where: str) -> Iterator[None]:
+def _guarded(where: str) -> Iterator[None]:
     """A block of work by afmformats, whose readers of damaged files raise anything, much of which is no Exception."""
     from afmformats import errors, meta
 
@@ -178,8 +178,8 @@ def _check_points(where: str, data: Any) -> None:
     up so many times."""
     raw = data._raw_data
     if hasattr(raw, "loaders"):  # of a JPK file
-        get, told = raw.loaders["force"]
-        reader, index = get.__self__, told["index"]
+        get, arguments = raw.loaders["force"]
+        reader, index = get.__self__, arguments["index"]
         for segment in reader.get_index_segment_numbers(index):
             _check_scales(where, reader._get_index_segment_properties(index, segment))
             declared = reader.get_metadata(index, segment).get("point count")
@@ -193,13 +193,13 @@ def _check_count(where: str, declared: int | None, values: Array) -> None:
         raise InputError(f"{where}: is damaged or cut off: holds {len(values):,} points of {declared:,}")
 
 
-def _check_scales(where: str, told: Mapping[str, Any]) -> None:
+def _check_scales(where: str, properties: Mapping[str, Any]) -> None:
     """Refuse scales of a JPK file that are based on each other in a circle, in which afmformats would stay."""
-    for start in (key for key in told if key.endswith(BASE)):
+    for start in (key for key in properties if key.endswith(BASE)):
         key, known = start, set[str]()
-        while key in told and key not in known:
+        while key in properties and key not in known:
             known.add(key)
-            key = f"{key.removesuffix(BASE).rpartition('.')[0]}.{told[key]}{BASE}"
+            key = f"{key.removesuffix(BASE).rpartition('.')[0]}.{properties[key]}{BASE}"
         if key in known:
             raise InputError(f"{where}: is damaged: its scale {start.removesuffix(BASE)} is based on itself")
 
@@ -217,10 +217,10 @@ def _pixel(path: Path, data: Any) -> Pixel | None:
             return None
         column, row, x, y = (float(note[key]) for key in IN_NOTE)
         return Pixel(int(column), int(row), x, y)
-    told = [_metadata(data, key) for key in ("grid index x", "grid index y", "position x", "position y")]
-    if any(value is None or not math.isfinite(value) for value in told):
+    entries = [_metadata(data, key) for key in ("grid index x", "grid index y", "position x", "position y")]
+    if any(value is None or not math.isfinite(value) for value in entries):
         return None
-    return Pixel(int(told[0]), int(told[1]), float(told[2]), float(told[3]))
+    return Pixel(int(entries[0]), int(entries[1]), float(entries[2]), float(entries[3]))
 
 
 def _holds(data: Any, name: str) -> bool:
@@ -244,15 +244,15 @@ def _column(where: str, data: Any, name: str) -> Array:
 
 def _stiffness(curve: Curve, data: Any, reading: Reading) -> float | None:
     """The spring constant [N/m] of the file, or the user's where it has none: loads were computed with it."""
-    held = _metadata(data, "spring constant")
-    told = reading.stiffness
-    if reading.incomplete and told is None and held in (None, 1.0):
+    of_file = _metadata(data, "spring constant")
+    of_user = reading.stiffness
+    if reading.incomplete and of_user is None and of_file in (None, 1.0):
         return None
-    if held is None and told is None:
+    if of_file is None and of_user is None:
         raise InputError(f"{curve.where}: names no spring constant: give --stiffness")
-    if held is not None and told is not None and not math.isclose(held, told, rel_tol=1e-6):
-        raise InputError(f"{curve.where}: names a spring constant of {held:g} N/m, with which its loads were computed: "
-                         f"leave out --stiffness {told:g}")  # fmt: skip
-    found = told if held is None else held
-    assert found is not None
-    return float(found)
+    if of_file is not None and of_user is not None and not math.isclose(of_file, of_user, rel_tol=1e-6):
+        raise InputError(f"{curve.where}: names a spring constant of {of_file:g} N/m, with which its loads were "
+                         f"computed: leave out --stiffness {of_user:g}")  # fmt: skip
+    stiffness = of_user if of_file is None else of_file
+    assert stiffness is not None
+    return float(stiffness)

@@ -1,4 +1,4 @@
-"""How much measured files hold, told from their size and first lines before they are read."""
+"""How much measured files hold, estimated from their size and first lines before they are read."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from pathlib import Path
 from ...base import InputError
 from . import archive
 
-FIRST = 1 << 16  # choice: bytes from which the length of a row is told
 EACH = 400  # choice: rows that a table of an archive costs beside its own
 WIDE = 160.0  # bytes, from which on a row costs by its length; tuned on tables of 12 to 1000 columns, by `make guards`
-USUAL = 40.0  # choice: bytes of a row where its length is not told so: of files of microscopes
+USUAL = 40.0  # choice: bytes of a row where no lines tell its length: of files of microscopes
 
 
 def rows_expected(path: Path) -> float:
@@ -23,12 +22,12 @@ def rows_expected(path: Path) -> float:
             return 0.0
         if path.suffix.lower() == ".zip":
             inside = archive.tables(path)
-            heads = archive.contents(path, inside, FIRST)
+            heads = archive.contents(path, inside, archive.PIECE)
             return sum(_rows(item.file_size, head) + EACH for item, head in zip(inside, heads, strict=True))
         if path.suffix.lower().startswith(".jpk"):
             return sum(item.file_size for item in archive.members(path)) / USUAL
         with path.open("rb") as file:
-            return _rows(path.stat().st_size, file.read(FIRST))
+            return _rows(path.stat().st_size, file.read(archive.PIECE))
     except (InputError, OSError, ValueError):
         return 0.0
 

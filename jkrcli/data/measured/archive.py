@@ -14,7 +14,7 @@ from pathlib import Path, PurePosixPath
 from ...base import InputError, allowance, first_line, opened
 
 ENDINGS = (".txt", ".csv", ".tsv", ".dat", ".asc", ".tab")
-PIECE = 1 << 16  # choice: bytes read at a time
+PIECE = 1 << 16  # choice: bytes read at a time, and of a table to estimate the length of its rows
 LONGEST_END = (1 << 16) + 200  # bytes of the records at the end, with the comment that may follow
 ENTRY = b"PK\1\2"  # how a member begins in the list of members
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others unpack without a limit, bzip2 a million times as much
@@ -33,20 +33,20 @@ def members(path: Path, size: int | None = None, chosen: Callable[[str], bool] =
             allowed.take(parts=sum(piece.count(ENTRY) for piece in iter(lambda: whole.read(PIECE), b"")))
         with _opened(path) as file:
             listed = file.infolist()
-        found = [item for item in listed if chosen(item.filename)]
-        allowed.take(sum(item.file_size for item in found))
+        wanted = [item for item in listed if chosen(item.filename)]
+        allowed.take(sum(item.file_size for item in wanted))
     if len(listed) != (declared := _declared(path)):
         raise InputError(f"{path}: is damaged: its list holds {len(listed):,} members of {declared:,}")
-    name, times = next(iter(Counter(item.filename for item in found).most_common(1)), ("", 0))
+    name, times = next(iter(Counter(item.filename for item in wanted).most_common(1)), ("", 0))
     if times > 1:
         raise InputError(f"{path}: holds {name} {times} times")
-    return found
+    return wanted
 
 
 def tables(path: Path) -> list[zipfile.ZipInfo]:
     """The text tables of an archive; InputError where there are none, or as ``members`` does."""
-    if found := members(path, allowance.TUNING.text, _is_table):
-        return found
+    if inside := members(path, allowance.TUNING.text, _is_table):
+        return inside
     raise NoTablesError(f"{path}: holds no text table ({', '.join(ENDINGS)})")
 
 
@@ -89,8 +89,8 @@ def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
 
 
 def _unpacked(file: zipfile.ZipFile, item: zipfile.ZipInfo, most: int | None) -> bytes:
-    """The content of a member, no more than the size that it is said to have: read in pieces, else all that it unpacks
-    to would come before the cut."""
+    """The content of a member, no more than the size in its head: read in pieces, else all that it unpacks to would
+    come before the cut."""
     if item.compress_type not in PACKED:
         raise NotImplementedError("neither stored nor deflated: pack it anew")
     with file.open(item) as packed:

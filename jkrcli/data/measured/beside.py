@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base import Array, InputError
+from ...base import SAME, Array, InputError
 from ..columns import choice, split_name
-from ..text_table import TUNING, TextTable, unit_power
+from ..text_table import TextTable, unit_power
 from .curve import APPROACH, RETRACT
 from .instruments import DIRECTIONS, VOLTS
 
@@ -36,8 +36,8 @@ class Sets:
         """Whether the sets hold the same names, and these what makes a curve, of segments with the shared columns."""
         first, *others = (list(columns) for columns in self.columns.values())
         shared = [names[i] for i in self.shared] if self.key == "segment" else []
-        held = {quantity(_direction(title)[1]) for title in [*first, *shared]}
-        return bool(others) and all(set(other) == set(first) for other in others) and len(held & DEFINING) > 1
+        quantities = {quantity(_direction(title)[1]) for title in [*first, *shared]}
+        return bool(others) and all(set(other) == set(first) for other in others) and len(quantities & DEFINING) > 1
 
 
 def one_under_the_other(table: TextTable, quantity: QuantityOf) -> tuple[TextTable, list[str]]:
@@ -46,25 +46,25 @@ def one_under_the_other(table: TextTable, quantity: QuantityOf) -> tuple[TextTab
 
     InputError where the directions do not hold the same columns.
     """
-    table, said = _without_copies(table)
-    for found in (_repeated(table), _numbered(table, quantity)):
-        if found is not None and found.make_curves(table.names, quantity):
-            table, said = _stacked(table, found), [*said, _words(found)]
-            if found.key == "segment":
-                return _in_order_of_time(table, quantity, said)
+    table, flags = _without_copies(table)
+    for sets in (_repeated(table), _numbered(table, quantity)):
+        if sets is not None and sets.make_curves(table.names, quantity):
+            table, flags = _stacked(table, sets), [*flags, _words(sets)]
+            if sets.key == "segment":
+                return _in_order_of_time(table, quantity, flags)
             break
     directed = _directed(table)
     if directed is None:
-        return table, said
+        return table, flags
     if not directed.make_curves(table.names, quantity):
         _refuse_halves(table, directed, quantity)
-        return table, said
-    return _in_order_of_time(_stacked(table, directed), quantity, [*said, _words(directed)])
+        return table, flags
+    return _in_order_of_time(_stacked(table, directed), quantity, [*flags, _words(directed)])
 
 
-def _words(found: Sets) -> str:
-    words = ", ".join(found.columns) if len(found.columns) < 10 else f"{len(found.columns)} of them"
-    what = "segments of one record" if found.key == "segment" else "curves"
+def _words(sets: Sets) -> str:
+    words = ", ".join(sets.columns) if len(sets.columns) < 10 else f"{len(sets.columns)} of them"
+    what = "segments of one record" if sets.key == "segment" else "curves"
     return f"{what} beside each other, put one under the other: {words}"
 
 
@@ -158,47 +158,47 @@ def _direction(title: str) -> tuple[str | None, str]:
     """The direction that one of the words of a header cell names, and the cell without that word."""
     name, unit = split_name(title)
     words = re.split(r"[\s_]+", name)
-    found = next((word for word in words if word.lower() in DIRECTIONS), None)
-    if found is None or len(words) < 2:
+    named = next((word for word in words if word.lower() in DIRECTIONS), None)
+    if named is None or len(words) < 2:
         return None, title
-    words.remove(found)
+    words.remove(named)
     if not unit and len(words) > 1 and (words[-1] in VOLTS or unit_power(words[-1])):
         unit = words.pop()
-    return DIRECTIONS[found.lower()], " ".join(words) + (f" [{unit}]" if unit else "")
+    return DIRECTIONS[named.lower()], " ".join(words) + (f" [{unit}]" if unit else "")
 
 
-def _stacked(table: TextTable, found: Sets) -> TextTable:
+def _stacked(table: TextTable, sets: Sets) -> TextTable:
     """The table with the sets one under the other, behind the shared columns and before the column of their words."""
-    names = list(next(iter(found.columns.values())))
+    names = list(next(iter(sets.columns.values())))
     parts, lines, words = [], [], []
-    text: dict[int, list[str]] = {at: [] for at, i in enumerate(found.shared) if i in table.text}
-    for word, columns in found.columns.items():
+    text: dict[int, list[str]] = {at: [] for at, i in enumerate(sets.shared) if i in table.text}
+    for word, columns in sets.columns.items():
         rows = np.flatnonzero(np.isfinite(table.values[:, list(columns.values())]).any(axis=1))
-        parts.append(table.values[rows][:, [*found.shared, *(columns[name] for name in names)]])
+        parts.append(table.values[rows][:, [*sets.shared, *(columns[name] for name in names)]])
         lines.append(table.lines[rows])
         words += [word] * rows.size
-        for at, held in text.items():
-            cells = table.text[found.shared[at]]
-            held += [cells[row] for row in rows]
+        for at, column in text.items():
+            cells = table.text[sets.shared[at]]
+            column += [cells[row] for row in rows]
     values = np.vstack(parts)
-    titles = (*(table.names[i] for i in found.shared), *names, found.key)
-    told = {at: tuple(held) for at, held in text.items()} | {len(titles) - 1: tuple(words)}
+    titles = (*(table.names[i] for i in sets.shared), *names, sets.key)
+    stacked = {at: tuple(column) for at, column in text.items()} | {len(titles) - 1: tuple(words)}
     return replace(table, names=titles, values=np.column_stack([values, np.zeros(len(values))]),
-                   lines=np.concatenate(lines), text=told)  # fmt: skip
+                   lines=np.concatenate(lines), text=stacked)  # fmt: skip
 
 
-def _in_order_of_time(table: TextTable, quantity: QuantityOf, said: list[str]) -> tuple[TextTable, list[str]]:
+def _in_order_of_time(table: TextTable, quantity: QuantityOf, flags: list[str]) -> tuple[TextTable, list[str]]:
     """The rows of each direction turned that is not as it was recorded: where both move the same way they stand in the
     order of the position, and the approach is turned if its load falls, else the retraction. A column of time that
     never runs back says that they do not, and counts rows where it does so for both alike."""
     keys = [quantity(title) for title in table.names]
     times = [i for i, key in enumerate(keys) if key == "t"]
     if "delta" not in keys:
-        return table, said
+        return table, flags
     z, words = table.values[:, keys.index("delta")], np.array(table.text[len(keys) - 1])
     P = table.values[:, keys.index("P")] if "P" in keys else -z
     if times and (np.diff(table.values[:, times[0]]) >= 0).all():
-        return table, said
+        return table, flags
     curve = np.array(table.text[keys.index("curve")]) if "curve" in keys else np.full(z.size, "")
     order = np.arange(z.size)
     for name in np.unique(curve):
@@ -208,22 +208,22 @@ def _in_order_of_time(table: TextTable, quantity: QuantityOf, said: list[str]) -
             order[wrong] = wrong[::-1]
     moved = order != np.arange(z.size)
     if not moved.any():
-        return table, said
-    told = {i: tuple(np.array(cells)[order].tolist()) for i, cells in table.text.items()}
+        return table, flags
+    text = {i: tuple(np.array(cells)[order].tolist()) for i, cells in table.text.items()}
     values = table.values[order]
     values[:, times] = table.values[:, times]
     name = "approach" if words[moved][0] == APPROACH else "retraction"
-    turned = replace(table, values=values, lines=table.lines[order], text=told)
-    return turned, [*said, f"the rows of the {name} turned: they stand in the order of the position"]
+    turned = replace(table, values=values, lines=table.lines[order], text=text)
+    return turned, [*flags, f"the rows of the {name} turned: they stand in the order of the position"]
 
 
 def _without_copies(table: TextTable) -> tuple[TextTable, list[str]]:
     """The table without columns that repeat one before of the same name, number by number: programs write a channel
     once for each of its windows."""
-    kept: dict[str, int] = {}
+    firsts: dict[str, int] = {}
     copies = []
     for i, title in enumerate(table.names):
-        first = kept.setdefault(re.sub(r"\.\d+\Z", "", title), i)
+        first = firsts.setdefault(re.sub(r"\.\d+\Z", "", title), i)
         if first != i and title and i not in table.text and _agree(table.values[:, first], table.values[:, i]):
             copies.append(i)
     if not copies:
@@ -231,8 +231,8 @@ def _without_copies(table: TextTable) -> tuple[TextTable, list[str]]:
     left = [i for i in range(len(table.names)) if i not in copies]
     text = {left.index(i): cells for i, cells in table.text.items()}
     names = tuple(table.names[i] for i in left)
-    said = f"{len(copies)} columns repeat others of the same names and were left out"
-    return replace(table, names=names, values=table.values[:, left], text=text), [said]
+    flag = f"{len(copies)} columns repeat others of the same names and were left out"
+    return replace(table, names=names, values=table.values[:, left], text=text), [flag]
 
 
 def _agree(one: Array, other: Array) -> bool:
@@ -241,7 +241,7 @@ def _agree(one: Array, other: Array) -> bool:
     if not known.any() or (known != np.isfinite(other)).any():
         return False
     span = float(np.ptp(one[known]))
-    return 0 < span and bool((np.abs(one[known] - other[known]) <= TUNING.rounded * span).all())
+    return 0 < span and bool((np.abs(one[known] - other[known]) <= SAME * span).all())
 
 
 def _rise(P: Array) -> float:

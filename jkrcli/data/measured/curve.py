@@ -13,7 +13,7 @@ from ...base import Array, InputError
 
 QUANTITIES = ("a", "delta", "P", "t")
 APPROACH, RETRACT = "approach", "retract"
-LEAST_ROWS = 3  # choice: of a curve
+LEAST_ROWS = 3  # theory: E* and w take two rows, the third shows how well they fit
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Curve:
 
     None stands where one was not measured. One-dimensional read-only arrays of equal length; rows are neither ordered
     nor, in ``delta`` and ``P``, of known zero: signs are those of the project (indentation and compression positive).
-    ``segment``: a word per row ("approach", "retract" or another), None where not told. ``name``: unique in its file;
+    ``segment``: a word per row ("approach", "retract" or another), None where unknown. ``name``: unique in its file;
     ``origin``: that file; ``flags``: sentences on how the rows were read. ``stiffness`` [N/m]: of the device whose
     deflection was subtracted from ``delta``; None: ``delta`` is as it was recorded. ``pixel``: of a map, if it is one.
     """
@@ -95,9 +95,9 @@ class Curve:
 
     def column(self, name: str, purpose: str = "") -> Array:
         """A quantity that was measured; InputError, which may name the ``purpose``, where it was not."""
-        if (found := getattr(self, name)) is None:
+        if (values := getattr(self, name)) is None:
             raise InputError(f"{self.where}: holds no {name}{purpose} (it holds {', '.join(self.measured)})")
-        array: Array = found
+        array: Array = values
         return array
 
     @property
@@ -130,8 +130,8 @@ class Curve:
 
     def multiplied(self, factors: Mapping[str, float]) -> Curve:
         """The curve with its quantities multiplied; InputError names one that was not measured."""
-        found: dict[str, Any] = {key: self.column(key, " to multiply") * number for key, number in factors.items()}
-        return replace(self, **found)
+        columns: dict[str, Any] = {key: self.column(key, " to multiply") * number for key, number in factors.items()}
+        return replace(self, **columns)
 
     def only(self, segment: str) -> Curve:
         """The rows of one segment; InputError names the segments there are, where this is none of them."""
@@ -139,8 +139,8 @@ class Curve:
             raise InputError(f'{self.where}: names no segments, cannot take "{segment}" alone')
         chosen = self.segment == segment
         if not chosen.any():
-            found = ", ".join(dict.fromkeys(self.segment.tolist()))
-            raise InputError(f'{self.where}: has no rows of segment "{segment}" (segments: {found})')
+            names = ", ".join(dict.fromkeys(self.segment.tolist()))
+            raise InputError(f'{self.where}: has no rows of segment "{segment}" (segments: {names})')
         return self.rows(chosen)
 
     def segments(self) -> Iterator[str]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...base import Array
 from ..columns import LONGEST, split_name
-from ..text_table import TextTable, unit_power
+from ..text_table import TUNING, TextTable, unit_power
 from .curve import APPROACH, RETRACT
 
 VOLTS = {"V": 0, "mV": -3, "uV": -6}
@@ -43,7 +43,7 @@ BESIDE = {
     "daten",
     "richtung",
 }  # words beside a direction
-DEEPEST = 10_000  # choice: lines of a head that are looked through
+
 NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
 SPRING = ("k", "spring constant", "force constant", "cantilever stiffness", "springconstant", "federkonstante")
 SENSITIVITY = ("sensitivity", "deflection sensitivity", "invols", "defl sens")
@@ -113,11 +113,11 @@ def positions(table: TextTable) -> list[tuple[int, Position]]:
 def deflection(table: TextTable) -> int | None:
     """The column of the cantilever's deflection, as a force rather than in metres, and so rather than in volts; None
     where there is none."""
-    found = [i for i, title in enumerate(table.names) if plain(title) in DEFLECTIONS]
+    candidates = [i for i, title in enumerate(table.names) if plain(title) in DEFLECTIONS]
     order = {"load": 0, "length": 1}
-    known = [unit_power(split_name(table.names[i])[1]) for i in found]
+    known = [unit_power(split_name(table.names[i])[1]) for i in candidates]
     ranks = [2 if unit is None else order.get(unit[0], 2) for unit in known]
-    return found[ranks.index(min(ranks))] if found else None
+    return candidates[ranks.index(min(ranks))] if candidates else None
 
 
 def toward(z: Array, P: Array) -> bool:
@@ -133,15 +133,15 @@ def segment_of(line: str) -> str | None:
     if match := re.match(r"\W*(?:segment(?:[ _]?name)?|direction)\s*[:=]\s*\"?([^\W\d]\w*)", line, re.IGNORECASE):
         return match[1]
     words = re.findall(r"\w+", line.lower())
-    found = [word for word in words if word in DIRECTIONS or word in HOLDS]
-    others = [word for word in words if word not in found and word not in BESIDE and not word.isdigit()]
-    return found[0] if len(found) == 1 and not others and not re.match(r"\s*[-+.\d]", line) else None
+    named = [word for word in words if word in DIRECTIONS or word in HOLDS]
+    others = [word for word in words if word not in named and word not in BESIDE and not word.isdigit()]
+    return named[0] if len(named) == 1 and not others and not re.match(r"\s*[-+.\d]", line) else None
 
 
 def constants(head: tuple[str, ...]) -> Mapping[str, float]:
     """Spring constant "stiffness" [N/m] and "sensitivity" [m/V] that the head of a file names; 1 stands for unknown."""
-    found: dict[str, float] = {}
-    for whole in head[:DEEPEST]:
+    values: dict[str, float] = {}
+    for whole in head[: TUNING.comments]:
         line = re.sub(r"\s+", lambda blank: "\t" if "\t" in blank[0] else " ", whole)
         if len(line) > LONGEST:
             continue
@@ -162,8 +162,8 @@ def constants(head: tuple[str, ...]) -> Mapping[str, float]:
             continue
         for key, names in (("stiffness", SPRING), ("sensitivity", SENSITIVITY)):
             if plain(name) in names and _kind(unit) == key and value > 0 and float(number.replace(",", ".")) != 1:
-                found.setdefault(key, value)
-    return found
+                values.setdefault(key, value)
+    return values
 
 
 def _kind(unit: str) -> str:

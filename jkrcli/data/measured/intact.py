@@ -36,8 +36,8 @@ def check(path: Path) -> None:
 
 def _members(path: Path, size: int | None) -> None:
     """A zip archive: all of its members are unpacked once."""
-    found = archive.members(path, size)
-    for item, content in zip(found, archive.contents(path, found), strict=True):
+    members = archive.members(path, size)
+    for item, content in zip(members, archive.contents(path, members), strict=True):
         if item.filename.endswith(".properties"):
             with allowance.reading(path) as allowed:
                 for many, power in PIXELS.findall(content):
@@ -61,7 +61,7 @@ def _export(path: Path, content: bytes) -> None:
     lines = content.split(b"\n")
     cells = {n: line.count(b"\t") + 1 for n, line in enumerate(lines, start=1) if line.strip() and line[:1] != b"#"}
     wanted = next(iter(cells.values()), 1)
-    if short := [n for n, found in cells.items() if found != wanted]:
+    if short := [n for n, count in cells.items() if count != wanted]:
         raise InputError(f"{path}: line {short[0]} holds {cells[short[0]]} cells, not {wanted} as the first: {AGAIN}")
     if wanted > 1 and lines[-1]:
         raise InputError(f"{path}: is cut off, its last line does not end: {AGAIN}")

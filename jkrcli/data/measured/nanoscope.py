@@ -49,11 +49,11 @@ def curves(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, f
         allowed.take(len(content))
         file = File.parsed(path, content)
         allowed.take(parts=file.count)
-    stiffness, sensitivity, said = file.calibration(reading)
+    stiffness, sensitivity, flags = file.calibration(reading)
     for number in range(file.count):
         name = path.stem if file.count == 1 else str(number)
         try:
-            yield file.curve(name, number, stiffness * sensitivity, said).multiplied(reading.factors), stiffness
+            yield file.curve(name, number, stiffness * sensitivity, flags).multiplied(reading.factors), stiffness
         except InputError as error:
             yield error, None
 
@@ -75,12 +75,12 @@ class File:
             raise InputError(f"{path}: is damaged or cut off: its head does not end: {AGAIN}")
         sections = _sections(head.decode("cp1252", errors="replace"))
         file = cls(path, sections, {}, (0, 0))
-        told = [section for title, section in sections if title == CHANNEL]
-        if not told:
+        force_channels = [section for title, section in sections if title == CHANNEL]
+        if not force_channels:
             raise InputError(f"{path}: is a Nanoscope file without force curves (it holds images)")
-        stride, rows = file._samples(told[0])
+        stride, rows = file._samples(force_channels[0])
         channels: dict[str, tuple[Section, Array]] = {}
-        for section in told:
+        for section in force_channels:
             channels.setdefault(_name(section), (section, file._counts(content, section, stride)))
         if DEFLECTION not in channels:
             raise InputError(f"{path}: holds no deflection (channels: {', '.join(channels)})")
@@ -105,27 +105,27 @@ class File:
         return self._of("Ciao scan list").get("peakforce capture", "").lower() == "allow"
 
     def calibration(self, reading: Reading) -> tuple[float, float, tuple[str, ...]]:
-        """Spring constant [N/m], sensitivity [m/V], as told, else of the file, and what is to be said of them."""
+        """Spring constant [N/m] and sensitivity [m/V] of the user, else of the file, and flags on their origin."""
         section, _ = self.channels[DEFLECTION]
         spring = re.match(NUMBER, section.get("spring constant", ""))
-        held = {"stiffness": float(spring[0]) if spring else 0.0, "sensitivity": self._sensitivity(section)}
+        of_file = {"stiffness": float(spring[0]) if spring else 0.0, "sensitivity": self._sensitivity(section)}
         if reading.stiffness == math.inf:
             raise InputError(f"{self.path}: is of a force microscope, whose lever bends: give its stiffness, not rigid")
-        found, said = [], []
+        values, flags = [], []
         for key, size, unit in (("stiffness", 1.0, "N/m"), ("sensitivity", 1e-9, "nm/V")):
-            told = getattr(reading, key)
-            if told is None and not _is_size(held[key]):
+            of_user = getattr(reading, key)
+            if of_user is None and not _is_size(of_file[key]):
                 if not reading.incomplete:
                     raise InputError(f"{self.path}: names no {key}: give --{key}")
-                said.append(f"the file lacks its {key}: {ARBITRARY} --{key}")
-                found.append(1.0)
+                flags.append(f"the file lacks its {key}: {ARBITRARY} --{key}")
+                values.append(1.0)
                 continue
-            found.append(told or held[key])
-            source = "of the file" if told is None else f"as told, the file says {held[key] / size:g} {unit}"
-            said.append(f"{key} {found[-1] / size:g} {unit} {source}")
-        return found[0], found[1], tuple(said)
+            values.append(of_user or of_file[key])
+            source = "of the file" if of_user is None else f"as told, the file says {of_file[key] / size:g} {unit}"
+            flags.append(f"{key} {values[-1] / size:g} {unit} {source}")
+        return values[0], values[1], tuple(flags)
 
-    def curve(self, name: str, number: int, per_volt: float, said: tuple[str, ...]) -> Curve:
+    def curve(self, name: str, number: int, per_volt: float, calibration: tuple[str, ...]) -> Curve:
         """The curve of one ``number``; ``per_volt`` [N/V]."""
         where = place(self.path, name)
         section, counts = self.channels[DEFLECTION]
@@ -134,7 +134,7 @@ class File:
         if P.size < LEAST_ROWS:
             raise InputError(f"{where}: holds {P.size} rows, at least {LEAST_ROWS} are needed")
         z, t, turn, what = self._motion(number, P)
-        flags = (f"displacement from the {what}", *said, *finer)
+        flags = (f"displacement from the {what}", *calibration, *finer)
         segment = np.where(np.arange(P.size) < turn, APPROACH, RETRACT)
         return Curve(name, delta=z, P=P, t=t, segment=segment, origin=self.path, flags=flags, pixel=self._pixel(number))
 
@@ -162,8 +162,8 @@ class File:
         """Of a capture: the drive is a sine of the amplitude of PeakForce, deepest at the distance of synchronisation,
         which counts rows of the microscope's own curve."""
         scan = self._of("Ciao scan list")
-        told = ("peak force amplitude", "pft freq", "sample points", "sync distance qnm")
-        amplitude, frequency, own, at = (self._positive(scan, key) for key in told)
+        keys = ("peak force amplitude", "pft freq", "sample points", "sync distance qnm")
+        amplitude, frequency, own, at = (self._positive(scan, key) for key in keys)
         deepest = at * rows / own
         phase = np.arange(rows) - deepest
         z = 1e-9 * amplitude * np.cos(2 * np.pi * phase / rows)
@@ -171,11 +171,11 @@ class File:
         return z, t, round(deepest), f"sine of the drive, {amplitude:g} nm at {frequency:g} kHz"
 
     def _times(self) -> Array | None:
-        """Times [s] from the speed of the piezo, without pauses; None where that is not told."""
+        """Times [s] from the speed of the piezo, without pauses; None where the file names no speed."""
         force, (section, counts) = self._of("Ciao force list"), self.channels[DEFLECTION]
         ramp = _last(section.get("ramp size", ""))
         speeds = [_last(force.get(key, "")) for key in ("forward vel.", "reverse vel.")]
-        if not (ramp and all(found and _is_size(found[0]) for found in (ramp, *speeds))):
+        if not (ramp and all(entry and _is_size(entry[0]) for entry in (ramp, *speeds))):
             return None
         steps = np.repeat([ramp[0] / speed[0] / counts.shape[2] for speed in speeds if speed], self.rows)
         return np.cumsum(steps) - steps[0]
@@ -209,32 +209,32 @@ class File:
 
     def _per_count(self, section: Section) -> float:
         """Volts of a count."""
-        found = re.search(rf"\(({NUMBER}) V/LSB\)", section.get("z scale", ""))
-        if found is None or not _is_size(float(found[1])):
+        match = re.search(rf"\(({NUMBER}) V/LSB\)", section.get("z scale", ""))
+        if match is None or not _is_size(float(match[1])):
             raise InputError(f"{self.path}: is damaged: names no scale of its {_name(section)}: {AGAIN}")
-        return float(found[1])
+        return float(match[1])
 
     def _sensitivity(self, section: Section) -> float:
         """Metres of a volt of a channel, by the sensitivity that its scale names; 0 where the head lacks it."""
-        found = re.search(r"\[(Sens\. [^\]]+)\]", section.get("z scale", ""))
-        return self._per_volt(found[1]) if found else 0.0
+        match = re.search(r"\[(Sens\. [^\]]+)\]", section.get("z scale", ""))
+        return self._per_volt(match[1]) if match else 0.0
 
     def _per_volt(self, name: str) -> float:
         """A sensitivity [m/V]; some versions leave out its unit, nm/V; 0 where it is missing or one of other units."""
-        told = next((section[name.lower()] for _, section in self.sections if name.lower() in section), "")
-        found = re.match(rf"V\s+({NUMBER})\s*(\S*)", told)
-        unit = unit_power((found[2] or "nm/V").removesuffix("/V")) if found else None
-        fits = found and _is_size(float(found[1])) and unit and unit[0] == "length"
-        return float(found[1]) * 10.0 ** unit[1] if found and unit and fits else 0.0
+        entry = next((section[name.lower()] for _, section in self.sections if name.lower() in section), "")
+        match = re.match(rf"V\s+({NUMBER})\s*(\S*)", entry)
+        unit = unit_power((match[2] or "nm/V").removesuffix("/V")) if match else None
+        fits = match and _is_size(float(match[1])) and unit and unit[0] == "length"
+        return float(match[1]) * 10.0 ** unit[1] if match and unit and fits else 0.0
 
-    def _size(self, told: str, what: str) -> float:
+    def _size(self, entry: str, what: str) -> float:
         """A length [m]: volts with their sensitivity, "V [Sens. Zsens] (0.0067 V/LSB) 151.48 V", or nanometres."""
-        found, soft = _last(told), re.search(r"\[(Sens\. [^\]]+)\]", told)
-        if found and found[1] == "V" and soft:
-            size = found[0] * self._per_volt(soft[1])
+        last, soft = _last(entry), re.search(r"\[(Sens\. [^\]]+)\]", entry)
+        if last and last[1] == "V" and soft:
+            size = last[0] * self._per_volt(soft[1])
         else:
-            unit = unit_power(found[1]) if found else None
-            size = found[0] * 10.0 ** unit[1] if found and unit and unit[0] == "length" else 0.0
+            unit = unit_power(last[1]) if last else None
+            size = last[0] * 10.0 ** unit[1] if last and unit and unit[0] == "length" else 0.0
         if not _is_size(size):
             raise InputError(f"{self.path}: names no {what}, and no height sensor was recorded: export it as text")
         return size
@@ -242,11 +242,11 @@ class File:
     def _pixel(self, number: int) -> Pixel | None:
         """The place of a curve in a map, centred on the scan."""
         lines, columns = self.shape
-        found = _last(self._of("Ciao scan list").get("scan size", ""))
-        unit = unit_power(found[1].replace("~", "u")) if found else None
-        if lines * columns == 1 or found is None or unit is None:
+        size = _last(self._of("Ciao scan list").get("scan size", ""))
+        unit = unit_power(size[1].replace("~", "u")) if size else None
+        if lines * columns == 1 or size is None or unit is None:
             return None
-        step = found[0] * 10.0 ** unit[1] / columns
+        step = size[0] * 10.0 ** unit[1] / columns
         row, column = divmod(number, columns)
         return Pixel(column, row, step * (column + 0.5 - columns / 2), step * (row + 0.5 - lines / 2))
 
@@ -255,34 +255,34 @@ class File:
         return next((section for name, section in self.sections if name == title), {})
 
     def _number(self, section: Section, key: str) -> float:
-        found = re.match(NUMBER, section.get(key, ""))
-        if found is None or not 0 <= float(found[0]) < 1e15:
+        match = re.match(NUMBER, section.get(key, ""))
+        if match is None or not 0 <= float(match[0]) < 1e15:
             got = section.get(key, "")[:60]
             raise InputError(f'{self.path}: is damaged or not read: its "{key}" must be a number, got "{got}"')
-        return float(found[0])
+        return float(match[0])
 
     def _positive(self, section: Section, key: str) -> float:
         """A number by which others are divided."""
-        if not _is_size(found := self._number(section, key)):
-            raise InputError(f'{self.path}: is damaged or not read: its "{key}" must be positive, got {found:g}')
-        return found
+        if not _is_size(number := self._number(section, key)):
+            raise InputError(f'{self.path}: is damaged or not read: its "{key}" must be positive, got {number:g}')
+        return number
 
 
 def _sections(head: str) -> Sequence[tuple[str, Section]]:
     """Title and entries of each section; keys lower case, without the number of a group ("@4:Z scale")."""
-    found: list[tuple[str, dict[str, str]]] = []
+    sections: list[tuple[str, dict[str, str]]] = []
     for line in head.splitlines():
         if line.startswith("\\*"):
-            found.append((line[2:].strip(), {}))
+            sections.append((line[2:].strip(), {}))
         elif match := re.match(r"\\(?:@(?:\d+:)?)?([^:]+):\s*(.*)", line):
-            found[-1][1].setdefault(match[1].strip().lower(), match[2].strip())
-    return found
+            sections[-1][1].setdefault(match[1].strip().lower(), match[2].strip())
+    return sections
 
 
 def _name(section: Section) -> str:
     """What a channel holds: S [ZSensor] "Height Sensor"."""
-    found = re.search(r"\[(\w+)\]", section.get("image data", ""))
-    return found[1] if found else "unknown"
+    match = re.search(r"\[(\w+)\]", section.get("image data", ""))
+    return match[1] if match else "unknown"
 
 
 def _is_size(number: float) -> bool:
@@ -290,10 +290,10 @@ def _is_size(number: float) -> bool:
     return 1 / LARGEST_SI < number < LARGEST_SI
 
 
-def _last(told: str) -> tuple[float, str] | None:
+def _last(entry: str) -> tuple[float, str] | None:
     """The last number of an entry and its unit, "" where it has none."""
-    found = re.search(rf"({NUMBER})\s*([^\s\d]*)\s*\Z", told)
-    return (float(found[1]), found[2]) if found else None
+    match = re.search(rf"({NUMBER})\s*([^\s\d]*)\s*\Z", entry)
+    return (float(match[1]), match[2]) if match else None
 
 
 def _volts(counts: Array, per_count: float) -> tuple[Array, tuple[str, ...]]:

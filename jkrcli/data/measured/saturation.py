@@ -14,7 +14,7 @@ from .curve import Curve
 class SaturationTuning:
     """What no load of a contact does."""
 
-    saturated: int = 5  # choice: rows in succession at the very same largest load that are said
+    saturated: int = 5  # choice: rows in succession at the very same largest load that count
     moved: float = 2e-3  # choice: of the way, how far the device must move on meanwhile
     levels: float = 10.0  # choice: of a converter, by which the load must have come there within as many rows
 
@@ -38,8 +38,8 @@ def saturation(curve: Curve) -> tuple[str, ...]:
 
 def _standing_still(P: Array, z: Array, end: float) -> int:
     """Rows of the longest run at the load ``end``, where it came there by more than some steps of the converter."""
-    held = np.flatnonzero(np.diff(np.concatenate([[False], end == P, [False]]).astype(int)))
-    first, last = held[::2], held[1::2]
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], end == P, [False]]).astype(int)))
+    first, last = edges[::2], edges[1::2]
     i = int(np.argmax(last - first))
     count = int(last[i] - first[i])
     levels = np.diff(np.unique(P))

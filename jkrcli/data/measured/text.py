@@ -15,9 +15,9 @@ from ..columns import (
     CONTACT,
     Quantity,
     Vocabulary,
-    asked,
     check_chosen,
     choice,
+    column_called,
     numbers,
     remarks,
     split_name,
@@ -104,27 +104,27 @@ def _curves(
         path, reading.separator, reading.decimal, 2, _is_text(reading), finite=False, content=content,
         is_note=lambda line: segment_of(line) is not None,
     )  # fmt: skip
-    as_read, units, said = with_units(_where(table, reading.where), reading.units, NAMES.numbers)
+    as_read, units, unit_flags = with_units(_where(table, reading.where), reading.units, NAMES.numbers)
     reading = replace(reading, units=units)
-    table, how = _put_together(as_read, reading)
-    found = Columns.of(table, reading)
-    found = replace(found, flags=(*how, *found.flags, *said, *remarks(as_read)))
+    table, layout_flags = _put_together(as_read, reading)
+    columns = Columns.of(table, reading)
+    columns = replace(columns, flags=(*layout_flags, *columns.flags, *unit_flags, *remarks(as_read)))
     segments = None
-    if "segment" in found.chosen:
-        found = replace(found, flags=(*found.flags, *_on_segments(table, found.chosen["segment"])))
-    given = table.text[found.chosen["segment"]] if "segment" in found.chosen else _noted(table)
-    if given:
-        segments = np.array([SEGMENTS.get(word.lower(), word) for word in _continued(given)])
-    for name, recorded in _groups(table, found.chosen, stem):
-        whole, left_out = _without_gaps(table, recorded, found.values)
-        rows, turned = _in_time(whole, found.values.get("t"), segments)
-        part = {key: column[rows] for key, column in found.values.items()}
+    if "segment" in columns.chosen:
+        columns = replace(columns, flags=(*columns.flags, *_on_segments(table, columns.chosen["segment"])))
+    segment_words = table.text[columns.chosen["segment"]] if "segment" in columns.chosen else _noted(table)
+    if segment_words:
+        segments = np.array([SEGMENTS.get(word.lower(), word) for word in _continued(segment_words)])
+    for name, recorded in _groups(table, columns.chosen, stem):
+        whole, left_out = _without_gaps(table, recorded, columns.values)
+        rows, turned = _in_time(whole, columns.values.get("t"), segments)
+        part = {key: column[rows] for key, column in columns.values.items()}
         if segments is not None and _starts_anew(part.get("t"), segments[rows]):
             del part["t"]
         curve = _curve(table, origin, name, rows, part, None if segments is None else segments[rows])
         if isinstance(curve, Curve):
-            curve = replace(found, flags=(*found.flags, *left_out, *turned)).with_sign(curve, reading)
-        yield curve, found.stiffness
+            curve = replace(columns, flags=(*columns.flags, *left_out, *turned)).with_sign(curve, reading)
+        yield curve, columns.stiffness
 
 
 def _where(table: TextTable, wanted: Mapping[str, str]) -> TextTable:
@@ -133,11 +133,11 @@ def _where(table: TextTable, wanted: Mapping[str, str]) -> TextTable:
     for name, value in wanted.items():
         if name in ("segment", "curve"):
             continue
-        index = asked(table, f"--where {name}={value}", name)
-        held = table.text[index] if index in table.text else [f"{number:g}" for number in table.values[:, index]]
-        chosen = np.array([cell.lower() == value.lower() for cell in held])
+        index = column_called(table, f"--where {name}={value}", name)
+        cells = table.text[index] if index in table.text else [f"{number:g}" for number in table.values[:, index]]
+        chosen = np.array([cell.lower() == value.lower() for cell in cells])
         if not chosen.any():
-            there = ", ".join(list(dict.fromkeys(held))[:SHOWN])
+            there = ", ".join(list(dict.fromkeys(cells))[:SHOWN])
             raise InputError(f'{table.path}: no row holds "{value}" in {_column(table, index)} (it holds {there} ...)')
         table = table.rows(chosen)
     return table
@@ -154,21 +154,21 @@ def _on_segments(table: TextTable, index: int) -> list[str]:
 
 def _continued(words: Iterable[str]) -> list[str]:
     """The words, for an empty one that of the row above: sheets write some only where they change."""
-    found: list[str] = []
+    filled: list[str] = []
     for word in words:
-        found.append(word or (found[-1] if found else ""))
-    return found
+        filled.append(word or (filled[-1] if filled else ""))
+    return filled
 
 
 def _noted(table: TextTable) -> list[str]:
     """The word of every row by the lines before it, "# segment: extend" or "Retract" between the rows; none where they
     do not tell it of the first row."""
     notes = [(0, line) for line in table.head] + sorted(table.notes.items())
-    told = [(n, word) for n, line in notes if (word := segment_of(line))]
+    marks = [(n, word) for n, line in notes if (word := segment_of(line))]
     in_words = any(re.match(r"\W*(segment|direction)\W*", line, re.IGNORECASE) for line in table.head)
-    if not told or told[0][0] > 0 or not (in_words or told[-1][0] > 0):
+    if not marks or marks[0][0] > 0 or not (in_words or marks[-1][0] > 0):
         return []
-    lines, words = zip(*told, strict=True)
+    lines, words = zip(*marks, strict=True)
     return [words[i] for i in np.searchsorted(lines, table.lines) - 1]
 
 
@@ -184,8 +184,8 @@ def _without_gaps(table: TextTable, rows: Array, values: Mapping[str, Array]) ->
 
 
 def _in_time(rows: Array, t: Array | None, segments: Array | None) -> tuple[Array, tuple[str, ...]]:
-    """The ``rows`` of a curve, those of a segment turned where its time runs back from end to end, and what is to be
-    said of it: JPK writes retractions like that."""
+    """The ``rows`` of a curve, those of a segment turned where its time runs back from end to end, as JPK writes
+    retractions, and flags on it."""
     if t is None or segments is None:
         return rows, ()
     runs = np.split(rows, np.flatnonzero(segments[rows][1:] != segments[rows][:-1]) + 1)
@@ -206,11 +206,11 @@ def _starts_anew(t: Array | None, segment: Array) -> bool:
 
 
 def _put_together(table: TextTable, reading: Reading) -> tuple[TextTable, list[str]]:
-    """The table with segments and curves beside each other one under the other and what is said of it, unless the user
-    names or numbers a column."""
+    """The table with segments and curves beside each other one under the other and flags on it, unless the user names
+    or numbers a column."""
     titles = {*table.names, *(split_name(title)[0] for title in table.names)}
-    told = any(name.isdigit() or name in titles for name in reading.columns.values())
-    return (table, []) if told else one_under_the_other(table, _quantity_of)
+    named = any(name.isdigit() or name in titles for name in reading.columns.values())
+    return (table, []) if named else one_under_the_other(table, _quantity_of)
 
 
 def _quantity_of(title: str) -> str | None:
@@ -222,8 +222,8 @@ def _quantity_of(title: str) -> str | None:
 @dataclass(frozen=True)
 class Columns:
     """The quantities of a table: ``values`` in SI by their keys, the index of the ``chosen`` columns, the kind of
-    ``position`` that the displacement is (None: as prepared), the ``stiffness`` [N/m] of its device, and what is to be
-    said (``flags``)."""
+    ``position`` that the displacement is (None: as prepared), the ``stiffness`` [N/m] of its device, and ``flags``,
+    sentences on how it was read."""
 
     table: TextTable
     chosen: Mapping[str, int]
@@ -234,8 +234,8 @@ class Columns:
 
     @classmethod
     def of(cls, table: TextTable, reading: Reading) -> Columns:
-        held = constants(table.head)
-        stiffness = reading.stiffness or held.get("stiffness")
+        in_head = constants(table.head)
+        stiffness = reading.stiffness or in_head.get("stiffness")
         chosen, flags = _columns(table, reading, stiffness)
         position = position_of(table.names[chosen["delta"]]) if "delta" in chosen else None
         values: dict[str, Array] = {}
@@ -245,8 +245,8 @@ class Columns:
             if key == "P":
                 _refuse_unitless(table, index, reading)
             if key == "P" and (power := _deflection_power(table, index, reading)) is not None:
-                values[key], said = _load_of_deflection(table, index, power, reading, held)
-                flags.append(said)
+                values[key], flag = _load_of_deflection(table, index, power, reading, in_head)
+                flags.append(flag)
             else:
                 values[key] = NAMES.in_si(table, key, index, reading.units.get(key))
             if key != "delta":
@@ -254,31 +254,31 @@ class Columns:
         _refuse_without_volts(table, chosen, reading)
         flags += _overruled(table, chosen, reading)
         if position is not None and position.device:
-            flags += _on_stiffness(reading, held, "P" in chosen)
+            flags += _on_stiffness(reading, in_head, "P" in chosen)
         elif position is not None:
             stiffness = None
         else:
             stiffness = reading.stiffness
-            flags += [AS_DEPTH] if _may_be_the_device(table, chosen, reading, held) else []
+            flags += [AS_DEPTH] if _may_be_the_device(table, chosen, reading, in_head) else []
         return cls(table, chosen, values, position, stiffness, tuple(flags))
 
     def with_sign(self, curve: Curve, reading: Reading) -> Curve:
         """The curve with its displacement toward the specimen as the name of its column, else its load, tells; as in
-        the file where the user turns it; with what is to be said."""
+        the file where the user turns it; with a flag."""
         if curve.delta is None:
             return curve
         flags, sign = self.flags, 1
         if self.position is not None:
             index = self.chosen["delta"]
-            sign, said = self.position.sign, f"{self.position.noun}, which grows away from the specimen"
+            sign, reason = self.position.sign, f"{self.position.noun}, which grows away from the specimen"
             if sign == 0:
                 P = None if curve.P is None else curve.P * (-1.0 if "P" in reading.flip else 1.0)
                 sign = 1 if P is None or toward(curve.delta, P) else -1
-                said = f"{self.position.noun}, at whose lower end the load is largest"
+                reason = f"{self.position.noun}, at whose lower end the load is largest"
             if "delta" in reading.flip:
                 sign, turned = 1, ", its sign turned as told"
             else:
-                turned = f", its sign turned: {said}" if sign < 0 else ", its sign as it is"
+                turned = f", its sign turned: {reason}" if sign < 0 else ", its sign as it is"
             flags = (f"displacement from {_column(self.table, index)}{turned}", *flags)
         return replace(curve, delta=sign * curve.delta * reading.factors.get("delta", 1.0), flags=flags)
 
@@ -296,9 +296,9 @@ def _deflection_power(table: TextTable, index: int, reading: Reading) -> tuple[s
     unit = _unit_of(table, "P", index, reading)
     if unit in VOLTS:
         return "voltage", VOLTS[unit]
-    found = unit_power(unit)
+    parsed = unit_power(unit)
     named = NAMES.key_of(table.names[index]) == "P"  # a force in metres is a mistake
-    return found if found and found[0] == "length" and not named else None
+    return parsed if parsed and parsed[0] == "length" and not named else None
 
 
 def _refuse_unitless(table: TextTable, index: int, reading: Reading) -> None:
@@ -313,17 +313,17 @@ def _refuse_without_volts(table: TextTable, chosen: Mapping[str, int], reading: 
     """Refuse a sensitivity that nothing is multiplied by."""
     power = _deflection_power(table, chosen["P"], reading) if "P" in chosen else None
     if reading.sensitivity is not None and (power is None or power[0] != "voltage"):
-        held = f"its load is {_column(table, chosen['P'])}" if "P" in chosen else "it holds no load"
-        raise InputError(f"{table.path}: --sensitivity makes a deflection of volts, and this file holds none, {held}: "
+        load = f"its load is {_column(table, chosen['P'])}" if "P" in chosen else "it holds no load"
+        raise InputError(f"{table.path}: --sensitivity makes a deflection of volts, and this file holds none, {load}: "
                          "leave it out, or give the unit: --unit P=V")  # fmt: skip
 
 
 def _load_of_deflection(
-    table: TextTable, index: int, unit: tuple[str, int], reading: Reading, held: Mapping[str, float]
+    table: TextTable, index: int, unit: tuple[str, int], reading: Reading, in_head: Mapping[str, float]
 ) -> tuple[Array, str]:
     """The load [N] of a deflection in metres or volts, and the sentence that says so."""
     wanted = ("sensitivity", "stiffness") if unit[0] == "voltage" else ("stiffness",)
-    known = {name: getattr(reading, name) or held.get(name) for name in wanted}
+    known = {name: getattr(reading, name) or in_head.get(name) for name in wanted}
     missing = [name for name in wanted if known[name] is None]
     title, kind = _column(table, index), f"a deflection in {_unit_of(table, 'P', index, reading)}"
     options = " and ".join(f"--{name}" for name in missing)
@@ -341,27 +341,27 @@ def _load_of_deflection(
 
 def _overruled(table: TextTable, chosen: Mapping[str, int], reading: Reading) -> list[str]:
     """A sentence on each unit of the header that the user overrules."""
-    said = []
-    for key, told in reading.units.items():
-        held = split_name(table.names[chosen[key]])[1]
-        if held and held != told:
-            said.append(f"{_column(table, chosen[key])} read in {told} as told, its header says {held}")
-    return said
+    flags = []
+    for key, unit in reading.units.items():
+        header_unit = split_name(table.names[chosen[key]])[1]
+        if header_unit and header_unit != unit:
+            flags.append(f"{_column(table, chosen[key])} read in {unit} as told, its header says {header_unit}")
+    return flags
 
 
-def _on_stiffness(reading: Reading, held: Mapping[str, float], load: bool) -> list[str]:
+def _on_stiffness(reading: Reading, in_head: Mapping[str, float], load: bool) -> list[str]:
     """A sentence on the stiffness of a device: where it is from, or that it is missing."""
     if reading.stiffness is not None:
-        found = held.get("stiffness", reading.stiffness)
-        return [] if math.isclose(found, reading.stiffness, rel_tol=1e-6) else \
-            [f"stiffness {_words(reading.stiffness)}{OVERRULED}{found:g} N/m"]  # fmt: skip
-    if "stiffness" in held:
-        return [f"stiffness {held['stiffness']:g} N/m from the head of the file, its deflection is subtracted"]
+        of_head = in_head.get("stiffness", reading.stiffness)
+        return [] if math.isclose(of_head, reading.stiffness, rel_tol=1e-6) else \
+            [f"stiffness {_words(reading.stiffness)}{OVERRULED}{of_head:g} N/m"]  # fmt: skip
+    if "stiffness" in in_head:
+        return [f"stiffness {in_head['stiffness']:g} N/m from the head of the file, its deflection is subtracted"]
     return [NOT_SUBTRACTED] if load else []
 
 
 def _may_be_the_device(
-    table: TextTable, chosen: Mapping[str, int], reading: Reading, held: Mapping[str, float]
+    table: TextTable, chosen: Mapping[str, int], reading: Reading, in_head: Mapping[str, float]
 ) -> bool:
     """Whether a displacement of no telling name stands beside a deflection, or under a head that names a stiffness."""
     if reading.stiffness is not None or not {"delta", "P"} <= chosen.keys():
@@ -369,7 +369,7 @@ def _may_be_the_device(
     title = plain(table.names[chosen["delta"]])
     bends = _deflection_power(table, chosen["P"], reading) is not None
     known = chosen["delta"] in NAMES.named(table, "delta")
-    return (bends or ("stiffness" in held and not known)) and not any(word in title for word in DEPTHS)
+    return (bends or ("stiffness" in in_head and not known)) and not any(word in title for word in DEPTHS)
 
 
 def _words(stiffness: float) -> str:
@@ -390,23 +390,23 @@ def _curve(
 
 
 def _is_text(reading: Reading) -> Callable[[int, str], bool]:
-    """A function that tells whether a column holds words: by its name, or as told."""
+    """A function that tells whether a column holds words: by its name, or because the user names it so."""
     of_words = NAMES.quantities.keys() - set(NAMES.numbers)
-    told = {name for key, name in reading.columns.items() if key in of_words}
+    named = {name for key, name in reading.columns.items() if key in of_words}
 
     def is_text(index: int, title: str) -> bool:
-        return NAMES.key_of(title) in of_words or bool({title, split_name(title)[0], str(index + 1)} & told)
+        return NAMES.key_of(title) in of_words or bool({title, split_name(title)[0], str(index + 1)} & named)
 
     return is_text
 
 
 def _columns(table: TextTable, reading: Reading, stiffness: float | None) -> tuple[dict[str, int], list[str]]:
-    """Index of the column of every quantity that is there: as told, else by its name; what is to be said of it."""
-    chosen = {key: asked(table, key, name) for key, name in reading.columns.items()}
-    said: list[str] = []
-    if "delta" not in chosen and (found := _displacement(table, set(chosen.values()), stiffness)):
-        chosen["delta"], why = found
-        said += [why] if why else []
+    """Index of the column of every quantity that is there: the user's, else by its name; flags on the choice."""
+    chosen = {key: column_called(table, key, name) for key, name in reading.columns.items()}
+    flags: list[str] = []
+    if "delta" not in chosen and (position := _displacement(table, set(chosen.values()), stiffness)):
+        chosen["delta"], why = position
+        flags += [why] if why else []
     for key in NAMES.quantities:
         if key not in chosen and NAMES.named(table, key) and not (key == "area" and "a" in chosen):
             whole = [i for i in NAMES.named(table, key) if plain(table.names[i]) in WHOLE]
@@ -428,26 +428,26 @@ def _columns(table: TextTable, reading: Reading, stiffness: float | None) -> tup
         if any(table.names):
             raise UnknownColumnsError(question)
         raise InputError(question + (BARE if len(table.names) == 3 else ""))  # afmformats takes any three for its own
-    said += [line for key in CONTACT if key not in chosen for line in NAMES.without_unit(table, key)]
-    for option, told in (("unit", reading.units), ("factor", reading.factors)):
-        for key in told:
+    flags += [line for key in CONTACT if key not in chosen for line in NAMES.without_unit(table, key)]
+    for option, entries in (("unit", reading.units), ("factor", reading.factors)):
+        for key in entries:
             if key not in chosen:
-                value = told[key] if option == "unit" else f"{told[key]:g}"
+                value = entries[key] if option == "unit" else f"{entries[key]:g}"
                 raise InputError(f"{table.path}: --{option} {key}={value} has no column to belong to: give "
                                  f"--column {key}=NAME ({choice(table)})")  # fmt: skip
-    return chosen, said
+    return chosen, flags
 
 
 def _displacement(table: TextTable, taken: set[int], stiffness: float | None) -> tuple[int, str] | None:
     """The column of a position and, where there was a choice, why it was taken; None: the names of prepared tables."""
     prepared = NAMES.named(table, "delta")
-    found = [(i, kind) for i, kind in positions(table) if i not in taken and i not in prepared]
-    if not found or any(plain(table.names[i]) == "delta" for i in prepared):
+    candidates = [(i, kind) for i, kind in positions(table) if i not in taken and i not in prepared]
+    if not candidates or any(plain(table.names[i]) == "delta" for i in prepared):
         return None
-    device = next((i for i, kind in found if kind.device), None)
-    tip = prepared[0] if prepared else next((i for i, kind in found if not kind.device), None)
+    device = next((i for i, kind in candidates if kind.device), None)
+    tip = prepared[0] if prepared else next((i for i, kind in candidates if not kind.device), None)
     if device is None or tip is None:
-        return None if prepared else (found[0][0], "")
+        return None if prepared else (candidates[0][0], "")
     if stiffness == math.inf:
         return None if prepared else (tip, "")
     if stiffness is not None:

@@ -20,9 +20,7 @@ class TipPositionTuning:
     """When the noise of a displacement is that of the load."""
 
     fewest: int = 100  # choice: rows; of fewer, chance may correlate two columns
-    share: float = 0.5  # choice: of the noise of delta, what must follow that of P: what is left moves P less than it
-    # choice: correlation of neighbouring third differences: 1 of a smooth curve, -0.75 of white noise (theory)
-    smooth: float = 0.0
+    share: float = 0.5  # theory: of the variance of delta: more of it follows P than does not
     usual: float = 4.0  # choice: medians beyond which a third difference is that of a jump or of a turn
 
 
@@ -38,8 +36,8 @@ def of_its_device(curve: Curve) -> Curve:
     if k is None:
         return curve
     flags = tuple(flag for flag in curve.flags if flag not in (NOT_SUBTRACTED, AS_DEPTH))
-    said = f"the displacement is that of the tip, with the noise of the load: the device has {show(k, 'stiffness')}"
-    return replace(curve, stiffness=k, flags=(*flags, said))
+    flag = f"the displacement is that of the tip, with the noise of the load: the device has {show(k, 'stiffness')}"
+    return replace(curve, stiffness=k, flags=(*flags, flag))
 
 
 def stiffness_of_noise(delta: Array, P: Array) -> float | None:
@@ -51,6 +49,7 @@ def stiffness_of_noise(delta: Array, P: Array) -> float | None:
     usual = np.all([np.abs(column) <= TUNING.usual * np.median(np.abs(column)) for column in (x, y)], axis=0)
     x, y = x * usual, y * usual
     xx, yy, xy = float(x @ x), float(y @ y), float(x @ y)
-    if xy >= 0 or xy**2 <= TUNING.share * xx * yy or float(y[1:] @ y[:-1]) > TUNING.smooth * yy:
+    smooth = float(y[1:] @ y[:-1]) > 0  # neighbours correlate by 1 on a smooth curve, by -0.75 in white noise
+    if xy >= 0 or xy**2 <= TUNING.share * xx * yy or smooth:
         return None
     return -yy / xy if math.isfinite(yy / xy) else None

@@ -116,7 +116,7 @@ def _means(
     found, warnings = list[Result](), list[str]()
     for solution in held:
         means = [measured_work(solution, force, one, slopes, modulus_factor, uncertain) for one in controls]
-        effect = effect_on(solution, [means[0].found.w])
+        effect = effect_on(solution, [means[0].work.w])
         warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
         found += map(MeasuredPullOff, means)
     return Results(found, warnings)

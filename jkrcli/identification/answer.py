@@ -1,4 +1,4 @@
-"""What any fit says: values with their errors and intervals, how they hang together, and what is said of both."""
+"""The result of any fit: values with their errors and intervals, their correlations, and warnings on both."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..base import Array, InputError
 class AnswerTuning:
     """Limits beyond which a reader is warned; nothing else depends on them."""
 
-    apart: float = 0.99  # choice: correlation beyond which two parameters can hardly be told apart
+    apart: float = 0.99  # choice: correlation beyond which the data hardly separate two parameters
     vague: float = 0.3  # choice: relative standard error beyond which a value is little more than its order
 
 
@@ -25,8 +25,8 @@ TUNING = AnswerTuning()
 @dataclass(frozen=True)
 class FittedValue:
     """A parameter or what follows from it, SI. ``error``: standard error, ``low, high``: the confidence interval;
-    None where the data do not tell, or where it is fixed. ``systematic``: from uncertain inputs, by name,
-    held in the interval; ``model``: half-widths from models near this one that the data do not exclude, beside it."""
+    None where the data do not determine it, or where it is fixed. ``systematic``: from uncertain inputs, by name, part
+    of the interval; ``model``: half-widths from models near this one that the data do not exclude, beside it."""
 
     name: str
     value: float
@@ -42,7 +42,7 @@ class FittedValue:
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Answer:
     """``estimates``: the parameters, then what follows from them; ``free``: names of those that were fitted, with their
-    ``covariance`` (of SI values, or of logs), None where the data do not tell them apart; ``dof``: degrees of freedom;
+    ``covariance`` (of SI values, or of logs), None where the data do not separate them; ``dof``: degrees of freedom;
     ``warnings``: sentences."""
 
     estimates: tuple[FittedValue, ...]
@@ -79,11 +79,11 @@ class Answer:
 
     @property
     def hardly_apart(self) -> Iterator[tuple[str, str, str]]:
-        """Pairs of free parameters that can hardly be told apart, with a sentence on each."""
+        """Pairs of free parameters that the data hardly separate, with a sentence on each."""
         for one, two in itertools.combinations(self.free, 2):
-            found = self.correlated(one, two)
-            if found is not None and abs(found) > TUNING.apart:
-                yield one, two, f"{word(one)} and {word(two)} are strongly correlated ({found:.4f})"
+            coefficient = self.correlated(one, two)
+            if coefficient is not None and abs(coefficient) > TUNING.apart:
+                yield one, two, f"{word(one)} and {word(two)} are strongly correlated ({coefficient:.4f})"
 
     def vague(self, names: Sequence[str]) -> Iterator[str]:
         """A sentence on each of these that is little more than its order."""

@@ -15,7 +15,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from ..base import TOGETHER, Array, InputError, Pool, in_order
+from ..base import SAME, TINY, TOGETHER, Array, InputError, Pool, in_order
 from .answer import FittedValue
 from .least_squares import Least, State
 from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, Parameter, Unknowns
@@ -23,17 +23,15 @@ from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, Parameter, Unknowns
 
 @dataclass(frozen=True)
 class IntervalTuning:
-    """How intervals are found."""
+    """How intervals are computed."""
 
-    step: float = 1e-6  # choice: of unknowns, for central differences; meanings are smooth in them
-    guard: float = 1e-3  # choice: of a log, how near to where the search may not go it is held there
-    none: float = 1e-6  # choice: of a standard error, below which a value that cannot be less than 0 is 0
-    begin: float = 0.1  # choice: of a log, where a profile is begun while no error is known
-    shared: float = 1e-6  # choice: relative, up to which two quantities are functions of each other
+    step: float = 1e-6  # theory: of unknowns, for central differences: of smooth meanings round-off leaves 1e-10
+    guard: float = 1e-3  # choice: of a log, how near to a bound of the search it counts as ending there
+    begin: float = 0.1  # choice: of a log, where a profile begins while no error is known
 
 
 TUNING = IntervalTuning()
-Followed = Literal["covariance", "profile"]  # how intervals are found where records are not drawn again
+Followed = Literal["covariance", "profile"]  # how intervals are computed where records are not drawn again
 Meaning = Callable[[Array], Mapping[str, float]]  # of the unknowns: quantities by name, on their scales
 
 
@@ -64,8 +62,8 @@ class Intervals:
         follow = () if E_star is None else (Parameter(ALIAS, True, scale=LOG, quantity="modulus", follows=True),)
 
         def meaning(x: Array) -> dict[str, float]:
-            found = unknowns.meaning(x)
-            return found if E_star is None else found | {ALIAS: found["modulus"] + math.log(E_star)}
+            values = unknowns.meaning(x)
+            return values if E_star is None else values | {ALIAS: values["modulus"] + math.log(E_star)}
 
         return cls(least, (*unknowns.parameters, *follow), meaning, covariance, t, level, confidence == "profile")
 
@@ -93,8 +91,8 @@ class Intervals:
     def sampled(self, names: Sequence[str]) -> Array | None:
         """The samples of quantities (n, names), SI; None where there are none."""
         chosen = [item for name in names for item in self.quantities if item.name == name]
-        found = [[item.outer(values[item.name]) for item in chosen] for values in self.drawn]
-        return np.array(found) if found else None
+        rows = [[item.outer(values[item.name]) for item in chosen] for values in self.drawn]
+        return np.array(rows) if rows else None
 
     def covariance_of(self, names: Sequence[str]) -> Array | None:
         """The covariance of quantities, SI."""
@@ -102,63 +100,63 @@ class Intervals:
             return None
         slopes = {item.name: item.derivative(self.here[item.name]) for item in self.quantities}
         by = np.array([slopes[name] * self.rates[name] for name in names])
-        found: Array = by @ self.covariance @ by.T
-        return found
+        matrix: Array = by @ self.covariance @ by.T
+        return matrix
 
     def estimates(self) -> tuple[FittedValue, ...]:
         """All quantities with their intervals, those that follow from others with theirs."""
-        found: list[FittedValue] = []
+        estimates: list[FittedValue] = []
         for item in self.quantities:
-            found.append(self._estimate(item, found))
-        return tuple(found)
+            estimates.append(self._estimate(item, estimates))
+        return tuple(estimates)
 
     def _estimate(self, item: Parameter, before: Sequence[FittedValue]) -> FittedValue:
         y = self.here[item.name]
         if not self.rates[item.name].any():
             value = item.outer(y) if item.value is None else item.value
             return FittedValue(item.name, value, False, item.dimension)
-        found = item.estimate(y, self._sigma(item), self.t)
+        estimate = item.estimate(y, self._sigma(item), self.t)
         if self.drawn:
-            return self._of_samples(item, found)
+            return self._of_samples(item, estimate)
         if not self.profiled:
-            return self._with_limit(found, item) if item.kind == "root" and found.low == 0 else found
-        return self._shared(item, found, before) if item.follows else self._with_profile(item, found)
+            return self._with_limit(estimate, item) if item.kind == "root" and estimate.low == 0 else estimate
+        return self._shared(item, estimate, before) if item.follows else self._with_profile(item, estimate)
 
     def _sigma(self, item: Parameter) -> float | None:
         """The standard error on the scale."""
         rate = self.rates[item.name]
         return None if self.covariance is None else math.sqrt(max(float(rate @ self.covariance @ rate), 0.0))
 
-    def _of_samples(self, item: Parameter, found: FittedValue) -> FittedValue:
+    def _of_samples(self, item: Parameter, estimate: FittedValue) -> FittedValue:
         """The estimate with the scatter of the samples, and the interval of so many of them."""
-        values = np.array([item.outer(told[item.name]) for told in self.drawn])
+        values = np.array([item.outer(sample[item.name]) for sample in self.drawn])
         low, high = map(float, np.quantile(values, [(1 - self.level) / 2, (1 + self.level) / 2]))
         if item.kind in LIMITED and low <= 0:
             low, high = 0.0, float(np.quantile(values, self.level))
-        return replace(found, error=float(np.std(values, ddof=1)), low=low, high=high)
+        return replace(estimate, error=float(np.std(values, ddof=1)), low=low, high=high)
 
-    def _with_limit(self, found: FittedValue, item: Parameter) -> FittedValue:
+    def _with_limit(self, estimate: FittedValue, item: Parameter) -> FittedValue:
         """The estimate of a signed root that may be 0, as far as its profile goes: curves bend in it."""
-        high = max(self.end(item, ONE_SIDED * self.t) or 0.0, found.high or 0.0)
-        return replace(found, error=high / (2 * self.t), high=high)
+        high = max(self.end(item, ONE_SIDED * self.t) or 0.0, estimate.high or 0.0)
+        return replace(estimate, error=high / (2 * self.t), high=high)
 
-    def _with_profile(self, item: Parameter, found: FittedValue) -> FittedValue:
+    def _with_profile(self, item: Parameter, estimate: FittedValue) -> FittedValue:
         low, high = self.end(item, -self.t), self.end(item, self.t)
         if item.kind in LIMITED and (low is None or low <= 0):
             low, high = 0.0, self.end(item, ONE_SIDED * self.t)
-        return replace(found, low=low, high=high)
+        return replace(estimate, low=low, high=high)
 
-    def _shared(self, item: Parameter, found: FittedValue, before: Sequence[FittedValue]) -> FittedValue:
+    def _shared(self, item: Parameter, estimate: FittedValue, before: Sequence[FittedValue]) -> FittedValue:
         """The estimate of the log of a quantity with the profile of one that it follows from alone."""
         rate = self.rates[item.name]
         for one, other in zip(self.quantities, before, strict=False):
             by = self.rates[one.name]
-            power = float(rate @ by) / max(float(by @ by), TUNING.none**4)
-            if one.kind == "log" and np.linalg.norm(rate - power * by) <= TUNING.shared * np.linalg.norm(rate):
-                ends = [None if end is None else found.value * (end / other.value) ** power
+            power = float(rate @ by) / max(float(by @ by), TINY)
+            if one.kind == "log" and np.linalg.norm(rate - power * by) <= SAME * np.linalg.norm(rate):
+                ends = [None if end is None else estimate.value * (end / other.value) ** power
                         for end in (other.low, other.high)]  # fmt: skip
-                return replace(found, low=ends[0 if power > 0 else 1], high=ends[1 if power > 0 else 0])
-        return found
+                return replace(estimate, low=ends[0 if power > 0 else 1], high=ends[1 if power > 0 else 0])
+        return estimate
 
     def end(self, item: Parameter, width: float) -> float | None:
         """The value at which the least cost with the quantity held is as much higher as ``width`` standard errors make
@@ -176,11 +174,11 @@ class Intervals:
             return self.meaning(x)[item.name], self._rates(x)[item.name]
 
         y = self.least.profile(outcome, step, 0.5 * width**2 * variance)
-        if y is None or self._held(item, y, width > 0):
+        if y is None or self._ends_on_bound(item, y, width > 0):
             return None
-        return 0.0 if item.kind == "positive" and y < TUNING.none * (sigma or 0.0) else item.outer(y)
+        return 0.0 if item.kind == "positive" and y < SAME * (sigma or 0.0) else item.outer(y)
 
-    def _held(self, item: Parameter, y: float, above: bool) -> bool:
+    def _ends_on_bound(self, item: Parameter, y: float, above: bool) -> bool:
         """Whether a log ends where the search may not go, which is no end of what the data leave, but for that which
         the user gave."""
         i, rate = int(np.argmax(self.rates[item.name])), self.rates[item.name]
@@ -196,8 +194,8 @@ def bootstrap(
     pool: Pool | None,
 ) -> Array:  # fmt: skip
     """Unknowns of the least of ``count`` problems, each with its states changed at random (samples, unknowns)."""
-    found = in_order(pool, partial(_sample, least, change, cost, seed), range(count), "bootstrap", TOGETHER)
-    return np.array([x for x in found if x is not None])
+    samples = in_order(pool, partial(_sample, least, change, cost, seed), range(count), "bootstrap", TOGETHER)
+    return np.array([x for x in samples if x is not None])
 
 
 def _sample(

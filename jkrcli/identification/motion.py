@@ -13,7 +13,7 @@ from ..data import Curve
 
 @dataclass(frozen=True)
 class MotionTuning:
-    """How corners are looked for."""
+    """Limits of the search for corners."""
 
     most: int = 12  # choice: corners, more than any program of ramps and waits has
     worth: float = 30.0  # theory: of the sum of squares over the noise's; chance gives 20 in one of 1e3 records of 1e4

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from scipy.special import ndtri
 
-from ..base import Array, InputError, Ranged, did_you_mean
+from ..base import SAME, Array, InputError, Ranged, did_you_mean
 from .answer import FittedValue
 
 Kind = Literal["log", "positive", "linear", "limit", "root"]
@@ -25,10 +25,9 @@ LIMITED = (LIMIT, ROOT)  # that have an upper limit where 0 is not excluded
 
 @dataclass(frozen=True)
 class ParameterTuning:
-    """Where values are sought."""
+    """Limits of what is known of a value."""
 
-    edge: float = 1e-6  # choice: how near a share of a whole comes to none of it and to all
-    widest: float = 10.0  # choice: half-width of a log, from which on nothing is told of a value
+    widest: float = 10.0  # choice: half-width of a log, from which on a value is unknown
 
 
 TUNING = ParameterTuning()
@@ -58,8 +57,8 @@ def dimension_of(name: str) -> str:
 class Parameter:
     """One quantity of the model, SI: free between ``low`` and ``high``, or fixed at ``value``.
 
-    ``value = None``: free, and the start is found from the data. Names: those of ``DIMENSIONS``, "E:layer" and
-    "h:layer" for modulus and thickness of a named layer; others tell their ``scale`` and the ``quantity`` they are.
+    ``value = None``: free, and the start follows from the data. Names: those of ``DIMENSIONS``, "E:layer" and
+    "h:layer" for modulus and thickness of a named layer; others state their ``scale`` and the ``quantity`` they are.
     ``follows``: from other parameters, as E* does from the factor of the moduli.
     """
 
@@ -198,8 +197,8 @@ class Unknowns:
     def meaning(self, x: Array) -> dict[str, float]:
         """All parameters on their scales."""
         own = x[: len(self.free)] * self.scales
-        held = {p.name: p.inner(self.fixed[p.name]) for p in self.parameters if not p.free}
-        return held | dict(zip(self.names, own.tolist(), strict=True))
+        fixed = {p.name: p.inner(self.fixed[p.name]) for p in self.parameters if not p.free}
+        return fixed | dict(zip(self.names, own.tolist(), strict=True))
 
 
 def parameters_of(
@@ -208,18 +207,18 @@ def parameters_of(
 ) -> tuple[Parameter, ...]:  # fmt: skip
     """A parameter for each of the ``ranges`` of values by name, free or fixed at what is ``known``, SI: what is at most
     1 as it is, others > 0 by their logs; ``ends``: where some of them are sought."""
-    found = []
+    parameters = []
     for name, ranged in ranges.items():
         most = ranged.most if ranged.below is None else ranged.below
         low, high, scale = -math.inf, math.inf, LINEAR if ranged.above is None else LOG
         if most == 1:
-            low, high, scale = 0.0 if ranged.above is None else TUNING.edge, 1 - TUNING.edge, LINEAR
+            low, high, scale = 0.0 if ranged.above is None else SAME, 1 - SAME, LINEAR
         if name in free:
             low, high = (ends or {}).get(name, (low, high))
-            found.append(Parameter(name, True, None, low, high, scale, ranged.dimension))
+            parameters.append(Parameter(name, True, None, low, high, scale, ranged.dimension))
         else:
-            found.append(Parameter(name, False, known[name], scale=scale, quantity=ranged.dimension))
-    return tuple(found)
+            parameters.append(Parameter(name, False, known[name], scale=scale, quantity=ranged.dimension))
+    return tuple(parameters)
 
 
 def _end(parameter: Parameter, value: float) -> float:
@@ -253,12 +252,12 @@ class Nameable:
 
     def known(self, pairs: Iterable[tuple[str, str]]) -> dict[str, float]:
         """Values, SI, by the own names of the parameters, from names and texts."""
-        found = {}
+        values = {}
         for name, text in pairs:
             own = self.own(name)
             try:
                 value = self.allowed[name].read(text)
             except ValueError as error:
                 raise InputError(f"fit: {name}: {error}") from None
-            found[own] = value / self.E_star if name == ALIAS else value
-        return found
+            values[own] = value / self.E_star if name == ALIAS else value
+        return values

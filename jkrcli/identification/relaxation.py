@@ -48,8 +48,6 @@ class RelaxationFitTuning:
     converged: float = 1e-6  # theory: relative, of the sum of squares; a change of 1e-3 standard errors in 1e3 rows
     coarser: int = 3  # choice: steps joined in the histories of a spring or a load, 1e-4 of the loads
     grows: float = 0.02  # choice: of the depth, by which a contact may grow again: corners have the noise of readings
-    rounds: int = 2  # choice: fits, each with the noise by what the one before left
-    slow: float = 1.0  # choice: a first rise over the shortest time, beyond which the instant modulus is extrapolated
 
 
 TUNING = RelaxationFitTuning()
@@ -63,8 +61,8 @@ WEIGHT, TIME = Ranged("number", above=0, most=1), Ranged("time", above=0)
 
 @dataclass(frozen=True)
 class RelaxationSettings:
-    """What is asked: the ``law`` by name, of ``terms`` where it is "prony", the names of the ``zeros`` that are free,
-    what is ``fixed``, SI, the ``level`` of the intervals, and by what ``confidence`` they are found."""
+    """A request: the ``law`` by name, of ``terms`` where it is "prony", the names of the ``zeros`` that are free, the
+    ``fixed`` values, SI, the ``level`` of the intervals, and by what ``confidence`` they are computed."""
 
     law: str
     zeros: tuple[str, ...]
@@ -82,11 +80,11 @@ class RelaxationSettings:
 
     def relaxation(self, values: Mapping[str, float]) -> Relaxation:
         """The law with its parameters."""
-        found = {name: values[name] for name in _of_law(self.law, self.terms)}
+        parameters = {name: values[name] for name in _of_law(self.law, self.terms)}
         if self.law != "prony":
-            plain: Relaxation = RELAXATIONS[self.law](**found)
+            plain: Relaxation = RELAXATIONS[self.law](**parameters)
             return plain
-        pairs = [(found[f"weight{i}"], found[f"time{i}"]) for i in range(1, self.terms + 1)]
+        pairs = [(parameters[f"weight{i}"], parameters[f"time{i}"]) for i in range(1, self.terms + 1)]
         weights, times = zip(*pairs, strict=True)
         several: Relaxation = RELAXATIONS["prony"](weights=weights, times=times)
         return several
@@ -105,7 +103,7 @@ def relaxation_settings(
 ) -> RelaxationSettings:
     """Settings from what a user types: free are the modulus, the law's parameters and delta0, but for what ``fix``
     names, and what ``free`` adds (P0, and tilt of the base line [N/m]); of a power law, whose modulus is that at its
-    time, the time is fixed, 1 s unless told. ``E_star`` of the body [Pa]."""
+    time, the time is fixed, 1 s by default. ``E_star`` of the body [Pa]."""
     if law not in RELAXATIONS:
         raise InputError(f'fit: unknown law "{law}"{did_you_mean(law, RELAXATIONS)} (laws: {", ".join(RELAXATIONS)})')
     own = _of_law(law, options.get("terms", 2))
@@ -117,34 +115,34 @@ def relaxation_settings(
 
 @dataclass(frozen=True, eq=False)
 class TimedRecord:
-    """Readings over time: ``t`` [s], what the device held (``held``, its position [m], or the load [N] where
-    ``loaded``) and what that made (``made``: the load, or the displacement); standard deviations of both from row to
-    row, ``noise``, and those by which they are weighed, ``sigma``. ``read``: what was held moved in no straight pieces;
-    the displacement of the tip is held then, as it was read. ``said``: how rows were chosen."""
+    """Readings over time: ``t`` [s], what the device ``imposed`` (its position [m], or the load [N] where ``loaded``)
+    and the ``response`` (the load, or the displacement); standard deviations of both from row to row, ``noise``, and
+    those by which they are weighed, ``sigma``. ``read``: the device moved in no straight pieces; then the displacement
+    of the tip is imposed, as it was read. ``flags``: how rows were chosen."""
 
     curve: Curve
     t: Array
-    held: Array
-    made: Array
+    imposed: Array
+    response: Array
     loaded: bool
     stiffness: float
     knots: tuple[Array, Array]
     noise: tuple[float, float]
     sigma: tuple[float, float]
     read: bool = False
-    said: tuple[str, ...] = ()
+    flags: tuple[str, ...] = ()
 
     @cached_property
     def shows(self) -> int:
         """The first row whose load shows contact."""
-        load, noise = (self.held, self.noise[0]) if self.loaded else (self.made, self.noise[1])
+        load, noise = (self.imposed, self.noise[0]) if self.loaded else (self.response, self.noise[1])
         least = max(TUNING.contact * noise, TUNING.shown * float(np.ptp(load)))
         return int(np.argmax(load - np.median(load[:3]) > least))
 
     @property
     def depth(self) -> float:
         """How deep the tip goes from there on [m]."""
-        depth = self.made if self.loaded else self.held
+        depth = self.response if self.loaded else self.imposed
         return float(depth[self.shows :].max() - depth[self.shows])
 
     @property
@@ -153,24 +151,24 @@ class TimedRecord:
         if not 0 < self.stiffness < math.inf or self.curve.delta is None:
             return self
         knots = followed(self.t, self.curve.delta)
-        return replace(self, held=self.curve.delta, stiffness=math.inf, read=True, knots=knots)
+        return replace(self, imposed=self.curve.delta, stiffness=math.inf, read=True, knots=knots)
 
     def thinned(self) -> TimedRecord:
         """The record by a few of its rows."""
         some = np.unique(np.linspace(0, self.t.size - 1, min(self.t.size, TUNING.some)).astype(int))
-        return replace(self, t=self.t[some], held=self.held[some], made=self.made[some])
+        return replace(self, t=self.t[some], imposed=self.imposed[some], response=self.response[some])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RelaxationFit(Answer):
     """A fitted ``record``: the parameters and E* (instant, of a power law at its time; ``covariance``: of logs but for
-    zeros and shares), the model of what was ``held`` and ``made``, the ``scatter`` of the residuals over the noise from
-    row to row."""
+    zeros and shares), the model of what was ``imposed`` and of the ``response``, the ``scatter`` of the residuals over
+    the noise from row to row."""
 
     relaxation: Relaxation
     record: TimedRecord
-    held: Array
-    made: Array
+    imposed: Array
+    response: Array
     scatter: float
     settings: RelaxationSettings
 
@@ -182,20 +180,22 @@ def timed_record(curve: Curve) -> TimedRecord:
         raise InputError(f"{curve.where}: {len(curve)} rows, at least {RECORDS.least_rows} are needed")
     check_rising(curve.where, curve.time, np.arange(len(curve)))
     curve = averaged(curve)
-    curve, told = without_adhesion(curve, (_noise(curve.device), _noise(curve.load)))
-    said: tuple[str, ...] = () if told is None else (told,)
-    found = [_knots(curve.time, column) for column in (curve.device, curve.load)]
-    if min(pieces[0].size for pieces, _ in found) > TUNING.pieces:
-        noise = _noise(curve.depth), found[1][1]
-        said += (AS_READ,)
+    curve, flag = without_adhesion(curve, (_noise(curve.device), _noise(curve.load)))
+    flags: tuple[str, ...] = () if flag is None else (flag,)
+    motions = [_knots(curve.time, column) for column in (curve.device, curve.load)]
+    if min(pieces[0].size for pieces, _ in motions) > TUNING.pieces:
+        noise = _noise(curve.depth), motions[1][1]
+        flags += (AS_READ,)
         knots = followed(curve.time, curve.depth)
-        return TimedRecord(curve, curve.time, curve.depth, curve.load, False, math.inf, knots, noise, noise, True, said)
-    loaded = found[1][0][0].size < found[0][0][0].size
+        return TimedRecord(
+            curve, curve.time, curve.depth, curve.load, False, math.inf, knots, noise, noise, True, flags
+        )
+    loaded = motions[1][0][0].size < motions[0][0][0].size
     order = (1, 0) if loaded else (0, 1)
     columns = (curve.device, curve.load) if not loaded else (curve.load, curve.device)
-    noise = found[order[0]][1], found[order[1]][1]
+    noise = motions[order[0]][1], motions[order[1]][1]
     stiffness = 0.0 if loaded else math.inf if curve.stiffness is None else float(curve.stiffness)
-    return TimedRecord(curve, curve.time, *columns, loaded, stiffness, found[order[0]][0], noise, noise, said=said)
+    return TimedRecord(curve, curve.time, *columns, loaded, stiffness, motions[order[0]][0], noise, noise, flags=flags)
 
 
 def _noise(column: Array) -> float:
@@ -218,23 +218,21 @@ def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings)
     settings = _with_base_line(record, settings)
     body = body.to_depth(TUNING.deeper * record.depth)
     problem = _Problem(body.nonadhesive, record, settings)
-    found = problem.minimise(problem.start())
-    for _ in range(TUNING.rounds - 1):
-        problem = replace(problem, record=replace(problem.record, sigma=problem.scatters(found)))
-        found = problem.minimise(found.x)
-    fit = problem.result(found, body.problem.E_star)
-    told = _fewer(body, fit)
-    return fit if told is None else replace(fit, warnings=(*fit.warnings, told))
+    least = problem.minimise(problem.start())
+    problem = replace(problem, record=replace(problem.record, sigma=problem.scatters(least)))
+    fit = problem.result(problem.minimise(least.x), body.problem.E_star)
+    flag = _fewer(body, fit)
+    return fit if flag is None else replace(fit, warnings=(*fit.warnings, flag))
 
 
 def _fewer(body: FittedBody, fit: RelaxationFit) -> str | None:
-    """What is said where a term less of a Prony series does as well, by the information criterion of Bayes."""
+    """A warning where a term less of a Prony series does as well, by the information criterion of Bayes; else None."""
     terms = fit.settings.terms - 1
     if fit.settings.law != "prony" or terms == 0:
         return None
     fewer = relaxation_fit(body, fit.record.curve, replace(fit.settings, terms=terms))
     rows = fit.record.t.size
-    scores = [rows * math.log(np.sum((one.made - one.record.made) ** 2)) for one in (fit, fewer)]
+    scores = [rows * math.log(np.sum((one.response - one.record.response) ** 2)) for one in (fit, fewer)]
     rise = scores[0] - scores[1] + (len(fit.free) - len(fewer.free)) * math.log(rows)
     if rise < 0:
         return None
@@ -246,7 +244,7 @@ def _with_base_line(record: TimedRecord, settings: RelaxationSettings) -> Relaxa
     if record.loaded:
         return settings
     before = slice(0, record.shows // 2)  # contact begins before it shows
-    shown = base_line(record.made[before], record.held[before], record.noise[1])
+    shown = base_line(record.response[before], record.imposed[before], record.noise[1])
     return replace(settings, zeros=(*settings.zeros, *shown))
 
 
@@ -288,15 +286,16 @@ class _Problem:
 
     # ------------------------------------------------------------------ the model
     def model(self, theta: Array) -> tuple[Array, Array]:
-        """What is held and what it makes, at the rows, as readings."""
+        """What the device imposes and the response, at the rows, as readings."""
         values, record, program = self.unknowns.values(theta), self.record, self.program(theta)
         zero, other = ("P0", "delta0") if record.loaded else ("delta0", "P0")
-        held = np.interp(record.t, program.t, program.x)
+        imposed = np.interp(record.t, program.t, program.x)
         x, modulus = program.x - values[zero], values["modulus"]
         contact = self._contact(self.settings.relaxation(values), record.stiffness / modulus)  # loads over the modulus
         history = contact.history(Program(program.t, x / modulus if record.loaded else x))
         _, delta, P = history.states(record.t)
-        return held, (delta if record.loaded else modulus * P) + values[other] + values["tilt"] * (held - held[0])
+        response = delta if record.loaded else modulus * P
+        return imposed, response + values[other] + values["tilt"] * (imposed - imposed[0])
 
     def _contact(self, law: Relaxation, stiffness: float) -> RelaxingContact:
         coarser = 1 if math.isinf(stiffness) else TUNING.coarser
@@ -306,19 +305,19 @@ class _Problem:
         """In standard deviations; as large as the readings where there is no such history."""
         record = self.record
         try:
-            held, made = self.model(theta)
+            imposed, response = self.model(theta)
         except (JkrError, FloatingPointError, OverflowError, ValueError):
-            held, made = record.held + np.ptp(record.held), record.made + np.ptp(record.made)
-        rest = (made - record.made) / record.sigma[1]
-        return rest if record.read else np.concatenate([(held - record.held) / record.sigma[0], rest])
+            imposed, response = record.imposed + np.ptp(record.imposed), record.response + np.ptp(record.response)
+        rest = (response - record.response) / record.sigma[1]
+        return rest if record.read else np.concatenate([(imposed - record.imposed) / record.sigma[0], rest])
 
-    def scatters(self, found: Least) -> tuple[float, float]:
+    def scatters(self, least: Least) -> tuple[float, float]:
         """The standard deviations of the readings about the model."""
-        rows, off = self.record.t.size, found.state.residuals
-        share = 1 - found.x.size / off.size
-        held, made = (math.sqrt(float(np.mean(part**2)) / share) for part in (off[:rows], off[-rows:]))
-        low = [SAME * float(np.ptp(column)) for column in (self.record.held, self.record.made)]
-        return max(held * self.record.sigma[0], low[0]), max(made * self.record.sigma[1], low[1])
+        rows, off = self.record.t.size, least.state.residuals
+        share = 1 - least.x.size / off.size
+        imposed, response = (math.sqrt(float(np.mean(part**2)) / share) for part in (off[:rows], off[-rows:]))
+        low = [SAME * float(np.ptp(column)) for column in (self.record.imposed, self.record.response)]
+        return max(imposed * self.record.sigma[0], low[0]), max(response * self.record.sigma[1], low[1])
 
     def minimise(self, start: Array) -> Least:
         return LeastSquares(self.state, self._bounds(start), TUNING.converged).least(start)
@@ -342,7 +341,7 @@ class _Problem:
     # ------------------------------------------------------------------ where to begin
     def start(self) -> Array:
         """The best of some values, the modulus by the loads in proportion."""
-        tip, found, reason = replace(self, record=self.record.by_tip), [], ""
+        tip, candidates, reason = replace(self, record=self.record.by_tip), [], ""
         thin = replace(tip, record=tip.record.thinned())
         for values in tip._tried():  # of all rows: a quick press may lie between a few
             theta = thin._from(values)
@@ -351,13 +350,13 @@ class _Problem:
             except (JkrError, FloatingPointError, OverflowError, ValueError) as error:
                 reason = f" ({error})"
                 continue
-            found.append((float(np.sum(thin.residuals(theta) ** 2)), theta[: len(self.unknowns.free)], values))
-        if not found:
+            candidates.append((float(np.sum(thin.residuals(theta) ** 2)), theta[: len(self.unknowns.free)], values))
+        if not candidates:
             raise InputError(
                 f"{self.record.curve.where}: no history of this body resembles the record{reason}: it must press, "
                 "wait and retract once; check the units and the tip's radius, or fix delta0"
             )
-        _, own, values = min(found, key=lambda item: item[0])
+        _, own, values = min(candidates, key=lambda item: item[0])
         return np.append(own, self._from(values)[own.size :])
 
     def _tried(self) -> list[dict[str, float]]:
@@ -374,7 +373,7 @@ class _Problem:
         else:
             laws = [{"ratio": r, "time": time * duration} for r in TUNING.shares for time in TUNING.times]
         own = {parameter.name: 1.0 for parameter in self.settings.parameters if parameter.name not in ZEROS}
-        base = 0.0 if self.record.loaded else float(np.median(self.record.made[:3]))
+        base = 0.0 if self.record.loaded else float(np.median(self.record.response[:3]))
         zeros = [{"delta0": zero, "P0": base, "tilt": 0.0} for zero in self._zeros()]
         return [own | law | zero | fixed for law in laws for zero in zeros]
 
@@ -382,9 +381,9 @@ class _Problem:
         """Displacements at which contact may begin."""
         record = self.record
         if record.loaded:
-            return [float(record.made[max(record.shows - 1, 0)])]
-        at = float(record.held[record.shows])
-        return [at - share * (float(record.held.max()) - at) for share in TUNING.depths]
+            return [float(record.response[max(record.shows - 1, 0)])]
+        at = float(record.imposed[record.shows])
+        return [at - share * (float(record.imposed.max()) - at) for share in TUNING.depths]
 
     def _from(self, values: Mapping[str, float]) -> Array:
         x = self.record.knots[1] if not self.record.read else np.array([])
@@ -400,52 +399,52 @@ class _Problem:
         if record.loaded:
             theta[i] = math.log(self._creep_modulus(values))
             return theta
-        made, rest = self.model(theta)[1] - values["P0"], record.made - values["P0"]
-        theta[i] = math.log(max(float(np.sum(made * rest) / np.sum(made**2)), 1e-12))
+        response, rest = self.model(theta)[1] - values["P0"], record.response - values["P0"]
+        theta[i] = math.log(max(float(np.sum(response * rest) / np.sum(response**2)), 1e-12))
         return theta
 
     def _creep_modulus(self, values: Mapping[str, float]) -> float:
         """The modulus with which the largest load would make the depth that was read then."""
         record, law = self.record, self.settings.relaxation(values)
-        row, depths = int(np.argmax(record.held)), self._contact(law, math.inf).depths
-        depth = min(max(float(record.made[row]) - values["delta0"], depths.most * SAME), depths.most)
+        row, depths = int(np.argmax(record.imposed)), self._contact(law, math.inf).depths
+        depth = min(max(float(record.response[row]) - values["delta0"], depths.most * SAME), depths.most)
         lasting = float(np.ptp(record.t))
         left = float(law.modes(lasting)(max(record.t[row] - record.t[0], SAME * lasting)))
-        return float(record.held[row]) / (float(depths.loads(np.array([depth]))[0]) * left)
+        return float(record.imposed[row]) / (float(depths.loads(np.array([depth]))[0]) * left)
 
     # ------------------------------------------------------------------ the answer
-    def result(self, found: Least, E_star: float) -> RelaxationFit:
+    def result(self, least: Least, E_star: float) -> RelaxationFit:
         settings, record, unknowns = self.settings, self.record, self.unknowns
-        dof = max(found.state.residuals.size - found.x.size, 1)
-        whole, t = covariance(found.state.jacobian, 2 * found.cost / dof), t_quantile(settings.level, dof)
-        told = Intervals.of(unknowns, found, whole, t, settings.level, settings.confidence, E_star)
-        held, made = self.model(found.x)
-        squares = np.sum(((made - record.made) / record.noise[1]) ** 2)
+        dof = max(least.state.residuals.size - least.x.size, 1)
+        whole, t = covariance(least.state.jacobian, 2 * least.cost / dof), t_quantile(settings.level, dof)
+        intervals = Intervals.of(unknowns, least, whole, t, settings.level, settings.confidence, E_star)
+        imposed, response = self.model(least.x)
+        squares = np.sum(((response - record.response) / record.noise[1]) ** 2)
         fit = RelaxationFit(
-            estimates=told.estimates(), free=unknowns.names, covariance=unknowns.covariance(whole), dof=dof,
-            relaxation=settings.relaxation(unknowns.values(found.x)), record=record,
-            held=held, made=made, settings=settings,
+            estimates=intervals.estimates(), free=unknowns.names, covariance=unknowns.covariance(whole), dof=dof,
+            relaxation=settings.relaxation(unknowns.values(least.x)), record=record,
+            imposed=imposed, response=response, settings=settings,
             scatter=math.sqrt(float(squares) / max(record.t.size - len(unknowns.free), 1)),
         )  # fmt: skip
-        return replace(fit, warnings=tuple(_warnings(fit, self.program(found.x))))
+        return replace(fit, warnings=tuple(_warnings(fit, self.program(least.x))))
 
 
 def _warnings(fit: RelaxationFit, program: Program) -> list[str]:
-    """What a reader should know, each with its number."""
-    said = list(fit.record.said)
+    """Warnings, each with its number."""
+    lines = list(fit.record.flags)
     if fit.covariance is None:
-        said.append(f"the record does not determine {', '.join(fit.free)} together: fix one of them, such as delta0")
-    said += fit.vague([name for name in fit.free if name not in ZEROS])
+        lines.append(f"the record does not determine {', '.join(fit.free)} together: fix one of them, such as delta0")
+    lines += fit.vague([name for name in fit.free if name not in ZEROS])
     times = [item.value for item in fit.estimates if item.name.startswith("time")]
     rises = np.diff(program.t)[np.diff(program.x) > 0]
-    if fit.settings.law != "power" and rises.size and rises[0] > TUNING.slow * min(times):
-        said.append(
+    if fit.settings.law != "power" and rises.size and rises[0] > min(times):
+        lines.append(
             f"the first rise lasts {show(float(rises[0]), 'time')}, {float(rises[0]) / min(times):.2g} times the "
             "shortest relaxation time: the instant modulus is extrapolated; press faster"
         )
     if fit.scatter > FITS.misfit:
-        said.append(
+        lines.append(
             f"the readings scatter {fit.scatter:.2g} times as far about the model as from row to row: the law or the "
             "body is not what the record shows; intervals are too narrow"
         )
-    return said
+    return lines

@@ -14,12 +14,12 @@ from .motion import corners
 
 @dataclass(frozen=True)
 class RowsTuning:
-    """What is told from the rows."""
+    """Limits on rows."""
 
     most: int = 1_500  # choice: rows beyond which means of as few as possible are taken
     apart: float = 5.0  # theory: standard deviations by which a load stands out
     falls: float = 0.2  # choice: of the largest speed, at which a device goes back
-    before: int = 5  # choice: rows before contact that tell a base line
+    before: int = 5  # choice: rows before contact that make a base line
 
 
 TUNING = RowsTuning()
@@ -36,7 +36,7 @@ def averaged(curve: Curve) -> Curve:
 
 
 def without_adhesion(curve: Curve, noise: tuple[float, float]) -> tuple[Curve, str | None]:
-    """The rows up to a retraction that pulls, and what is said of it; ``noise`` of device and load."""
+    """The rows up to a retraction that pulls, and a flag on it; ``noise`` of device and load."""
     t, x = corners(curve.time, curve.device, noise[0])
     slopes = np.diff(x) / np.diff(t)
     back = np.logical_and.accumulate(slopes[::-1] < -TUNING.falls * np.abs(slopes).max())
@@ -45,10 +45,10 @@ def without_adhesion(curve: Curve, noise: tuple[float, float]) -> tuple[Curve, s
     pulls = float(np.min(curve.load[~later]) - np.min(curve.load[later], initial=math.inf))
     if pulls < TUNING.apart * noise[1] or later.all():
         return curve, None
-    told = (
+    flag = (
         f"the retraction adheres, it pulls with {show(pulls, 'load')}: fitted without it, up to {show(begin, 'time')}"
     )
-    return curve.rows(~later), told
+    return curve.rows(~later), flag
 
 
 def base_line(P: Array, x: Array, noise: float) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
 from ..adhesion import LIMITS
-from ..base import Array, InputError, Ranged, SolveError, show
+from ..base import SAME, Array, InputError, Ranged, SolveError, show
 from ..bodies import Loading, Problem
 from ..data import Curve
 from ..formulas.griffith import shift
@@ -26,6 +26,7 @@ from ..methods.layered.layered import Layered, largest_radius, unbounded
 from ..methods.radii import DENSE
 from .answer import Answer, FittedValue, word
 from .fit.body import for_each
+from .fit.points import TUNING as ROWS
 from .fit.statistics import covariance, t_quantile
 from .intervals import Intervals
 from .least_squares import Least, LeastSquares, State, by_differences
@@ -44,14 +45,12 @@ class TensionFitTuning:
     most: float = 1e2  # choice: beyond, tension alone carries
     smallest: float = 0.002  # of the largest, the least of them; choice: where a slight w lets the contact go
     beyond: float = 3.0  # times the range of the displacement, to which it reaches; choice: spare for w
-    accuracy: float = 1e-6  # choice: far below the noise of any record
     points: int = 800  # of a curve; choice: interpolated to 1e-5
-    step: float = 1e-4  # of unknowns, for derivatives; choice: the square root of the accuracy is coarser
+    step: float = 1e-4  # of unknowns, for derivatives; choice: the square root of the curves' accuracy is coarser
     work: float = 0.05  # of its unit, w to begin with; choice: the search goes far from it
     starts: int = 9  # of 2 Ups/E*, over the whole table; choice: two minima may lie a decade apart
-    kept: int = 2  # choice: of the starts, those from which 2 Ups/E* is searched
+    followed: int = 2  # choice: of the starts, those from which 2 Ups/E* is searched
     farthest: float = 80.0  # theory: of logs of SI values, far beyond matter and within arithmetic
-    fewest: int = 8  # rows of a record; choice: four parameters
 
 
 TUNING = TensionFitTuning()
@@ -70,8 +69,8 @@ class Record:
         """The readings of a ``curve``; InputError where it has too few."""
         if curve.delta is None or curve.P is None:
             raise InputError(f"{curve.where}: a fit of surface tension needs displacement and load (delta, P)")
-        if len(curve) < TUNING.fewest:
-            raise InputError(f"{curve.where}: {len(curve)} rows, a fit of surface tension needs {TUNING.fewest}")
+        if len(curve) < ROWS.least:
+            raise InputError(f"{curve.where}: {len(curve)} rows, a fit of surface tension needs {ROWS.least}")
         return cls(curve.name, curve.delta, curve.P)
 
     @property
@@ -118,14 +117,13 @@ class TenseFamily:
         u = np.linspace(low, high, TUNING.points)
         D, T, H, S = np.exp([spline(math.log(kappa), u)[0] for spline in self.splines])
 
-        def held(w: float) -> Array:
+        def interpolated(w: float) -> Array:
             back = math.sqrt(w / s) * T
             depth, load = D - back, s * (H - S * back)
             first = int(np.argmin(depth))
-            found: Array = np.interp(delta, depth[first:], load[first:])
-            return found
+            return np.asarray(np.interp(delta, depth[first:], load[first:]))
 
-        return held(w) if w >= 0 else 2 * held(0.0) - held(-w)
+        return interpolated(w) if w >= 0 else 2 * interpolated(0.0) - interpolated(-w)
 
 
 @lru_cache(maxsize=64)
@@ -134,11 +132,11 @@ def _tabulated(problem: Problem) -> TenseFamily:
     largest = min(largest_radius(plain), 0.95 * problem.indenter.r_max)
     radii = largest * np.geomspace(TUNING.smallest, 1.0, DENSE)
     lengths = largest * np.geomspace(TUNING.least, TUNING.most, TUNING.lengths)
-    given = replace(problem, loading=Loading.given("radius", tuple(radii)))
+    at_radii = replace(problem, loading=Loading.given("radius", tuple(radii)))
     columns = []
     for kappa in lengths:
         specimen = replace(problem.specimen, surface_tension=kappa * problem.E_star / 2)
-        series = Layered(TUNING.accuracy)(replace(given, specimen=specimen)).series
+        series = Layered(SAME)(replace(at_radii, specimen=specimen)).series  # far below the noise of any record
         assert series.S is not None and series.dS is not None  # noqa: PT018 - of the method layered
         columns.append(np.log([series.delta, shift(1.0, series.a, series.dS), series.P, series.S]))
     table = np.array(columns).transpose(1, 0, 2)
@@ -161,8 +159,8 @@ def known_values(problem: Problem, names: Iterable[str], fix: Iterable[tuple[str
     names, fix = list(names), list(fix)
     if other := [name for name in (*names, *dict(fix)) if name not in (*RANGES, ALIAS, "modulus", "delta0")]:
         raise InputError(f"fit: surface_tension: {other[0]} cannot be free or fixed beside it: leave it out")
-    found = Nameable(TENSION, RANGES, 1.0).known(fix)
-    return {TENSION: problem.specimen.surface_tension} | found if TENSION not in names else found
+    values = Nameable(TENSION, RANGES, 1.0).known(fix)
+    return {TENSION: problem.specimen.surface_tension} | values if TENSION not in names else values
 
 
 def tension_fit(
@@ -186,18 +184,18 @@ def _with_radius(problem: Problem, R: float) -> Problem:
 @dataclass(frozen=True, eq=False)
 class _Model:
     """The unknowns x: logs of E* and of the surface tension and w, as far as they are not ``fixed``, and the zero
-    points in units of each record's range. ``held``: 2 Ups/E* [m], where the tension follows from the modulus."""
+    points in units of each record's range. ``length``: 2 Ups/E* [m], where the tension follows from the modulus."""
 
     E_star: float
     records: tuple[Record, ...]
     families: list[TenseFamily]
     fixed: Mapping[str, float]
-    held: float | None = None
+    length: float | None = None
 
     @cached_property
     def unknowns(self) -> Unknowns:
         """Of all records together; w, which may be below 0, in load over radius of the first."""
-        names = [TENSION] if self.held is None else []
+        names = [TENSION] if self.length is None else []
         ranges = {"modulus": Ranged("modulus", above=0), **{name: RANGES[name] for name in names}, "w": Ranged("work")}
         radius = self.families[0].problem.indenter.tip_radius
         assert radius is not None
@@ -207,7 +205,7 @@ class _Model:
     def values(self, x: Array) -> dict[str, float]:
         """Modulus and tension and w, SI."""
         values = self.unknowns.values(x)
-        return values if self.held is None else values | {TENSION: self.held * values["modulus"] / 2}
+        return values if self.length is None else values | {TENSION: self.length * values["modulus"] / 2}
 
     def zeros(self, x: Array) -> Array:
         """Zero points [m] of the records."""
@@ -215,12 +213,12 @@ class _Model:
 
     def loads(self, x: Array) -> list[Array]:
         """Loads [N] of all records."""
-        values, found = self.values(x), []
+        values, loads = self.values(x), []
         for record, family, zero in zip(self.records, self.families, self.zeros(x), strict=True):
             kappa = float(np.clip(2 * values["surface_tension"] / values["modulus"], *family.lengths))
             s = values["modulus"] / self.E_star
-            found.append(family.loads(record.delta - zero, s, kappa, values["w"]))
-        return found
+            loads.append(family.loads(record.delta - zero, s, kappa, values["w"]))
+        return loads
 
     def residuals(self, x: Array) -> Array:
         """Loads less those read, in units of each record's largest."""
@@ -236,10 +234,10 @@ class _Model:
         low, high = self._lengths
         starts: Sequence[tuple[float, Array | None]] = [(x, None) for x in np.geomspace(low, high, TUNING.starts)]
         if {"modulus", TENSION} <= set(self.unknowns.names):
-            found = [(replace(self, held=start).search(start), start) for start, _ in starts]
-            found = sorted(found, key=lambda item: item[0].cost)[: TUNING.kept]
-            starts = [(start, np.insert(least.x, 1, least.x[0] + math.log(start / 2))) for least, start in found]
-        return min((self.search(*start) for start in starts), key=lambda found: found.cost)
+            searches = [(replace(self, length=start).search(start), start) for start, _ in starts]
+            best = sorted(searches, key=lambda item: item[0].cost)[: TUNING.followed]
+            starts = [(start, np.insert(least.x, 1, least.x[0] + math.log(start / 2))) for least, start in best]
+        return min((self.search(*start) for start in starts), key=lambda least: least.cost)
 
     @property
     def _lengths(self) -> tuple[float, float]:
@@ -275,8 +273,8 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
     if spread is None:
         raise SolveError("fit of surface tension: the records do not determine the unknowns: --fix one of them")
     several, unknowns, t = len(set(radii)) > 1, model.unknowns, t_quantile(level, dof)
-    told = Intervals.of(unknowns, best, spread, t, level)
-    estimates = [_work(told, item) if item.name == "w" and item.free else item for item in told.estimates()]
+    intervals = Intervals.of(unknowns, best, spread, t, level)
+    estimates = [_work(intervals, item) if item.name == "w" and item.free else item for item in intervals.estimates()]
     estimates[0] = replace(estimates[0], name=ALIAS)
     if TENSION in unknowns.names and not several:
         estimates[1] = replace(estimates[1], error=None, low=None, high=None)
@@ -285,46 +283,46 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
         Parameter(f"delta0:{record.name}", True, scale=LINEAR, quantity="length").estimate(x, error * record.depth, t)
         for record, x, error in zip(model.records, model.zeros(best.x).tolist(), errors[m:], strict=True)
     ]
-    found = TensionFit(
+    fit = TensionFit(
         estimates=(*estimates, *zeros), free=(*unknowns.names, *(item.name for item in zeros)),
         covariance=spread, dof=dof, records=model.records, loads=tuple(model.loads(best.x)),
         scatter=math.sqrt(variance) * float(np.mean([record.load for record in model.records])),
     )  # fmt: skip
-    found = replace(found, mixed={} if several else _mixed(found))
-    return replace(found, warnings=(*_untold(found, errors), *_steep(model.values(best.x))))
+    fit = replace(fit, mixed={} if several else _mixed(fit))
+    return replace(fit, warnings=(*_not_separated(fit, errors), *_steep(model.values(best.x))))
 
 
-def _work(told: Intervals, item: FittedValue) -> FittedValue:
+def _work(intervals: Intervals, item: FittedValue) -> FittedValue:
     """w by its profile: the load of a row next to the loss of contact changes like a root of w, whose slope would tell
     more than the row does."""
-    w = next(one for one in told.quantities if one.name == "w")
-    ends = told.end(w, -told.t), told.end(w, told.t)
+    w = next(one for one in intervals.quantities if one.name == "w")
+    ends = intervals.end(w, -intervals.t), intervals.end(w, intervals.t)
     low, high = (plain if end is None else end for plain, end in zip((item.low, item.high), ends, strict=True))
     assert low is not None
     assert high is not None
-    error = (high - low) / (2 * told.t)
+    error = (high - low) / (2 * intervals.t)
     if low <= 0:
-        low, high = 0.0, told.end(w, ONE_SIDED * told.t) or high
+        low, high = 0.0, intervals.end(w, ONE_SIDED * intervals.t) or high
     return replace(item, value=max(item.value, 0.0), error=error, low=low, high=high)
 
 
-def _mixed(found: TensionFit) -> dict[str, float]:
+def _mixed(fit: TensionFit) -> dict[str, float]:
     """The two unknowns that go most with the tension, and how: from these records of one radius do not tell it."""
-    if TENSION not in found.free or found.correlation is None:
+    if TENSION not in fit.free or fit.correlation is None:
         return {}
-    i = found.free.index(TENSION)
-    others = sorted((-abs(float(c)), name) for c, name in zip(found.correlation[i], found.free, strict=True))[1:3]
+    i = fit.free.index(TENSION)
+    others = sorted((-abs(float(c)), name) for c, name in zip(fit.correlation[i], fit.free, strict=True))[1:3]
     return {word(name): -c for c, name in others}
 
 
-def _untold(found: TensionFit, errors: Sequence[float]) -> list[str]:
+def _not_separated(fit: TensionFit, errors: Sequence[float]) -> list[str]:
     """What records of one radius do not tell, and from what."""
-    if not found.mixed:
+    if not fit.mixed:
         return []
-    worst = " and ".join(f"{name} ({c:.3f})" for name, c in found.mixed.items())
+    worst = " and ".join(f"{name} ({c:.3f})" for name, c in fit.mixed.items())
     return [
         f"records of one radius do not separate surface_tension from {worst} (correlation; "
-        f"standard error {errors[found.free.index(TENSION)]:.0%} if the model were exact): give records of another "
+        f"standard error {errors[fit.free.index(TENSION)]:.0%} if the model were exact): give records of another "
         "radius (--tip-radius), or --fix one of them"
     ]
 

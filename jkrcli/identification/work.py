@@ -33,7 +33,7 @@ class WorkTuning:
     converged: float = 1e-13  # theory: relative step, a thousand times round-off
     least_window: int = 5  # theory: rows, a parabola and two more for its error
     # tuned on fits, by `make constants`: chance with which a cubic is not taken where a parabola does
-    told: float = 0.995
+    sure: float = 0.995
 
 
 TUNING = WorkTuning()
@@ -93,16 +93,16 @@ def work_along(
     w[rows] = (lag / shift) ** 2
     a = np.where(rows, a, 0.0)
     sigma = {name: (noise or {}).get(name, 0.0) for name in used}
-    found = errors(body, used, a[rows], w[rows], lag, sigma)
-    spread = {name: _spread(rows, column) for name, column in found.items()}
+    half_widths = errors(body, used, a[rows], w[rows], lag, sigma)
+    spread = {name: _spread(rows, column) for name, column in half_widths.items()}
     return WorkAlong(
         curve, used, a, w, state, spread.pop("w", None), spread.pop("a", None), spread, *_speed(curve, a, rows, window)
     )
 
 
-def typical(found: Sequence[WorkAlong]) -> float:
+def typical(works: Sequence[WorkAlong]) -> float:
     """The median of w [J/m^2] over all rows of all curves."""
-    return float(np.median(np.concatenate([item.w[item.ok] for item in found])))
+    return float(np.median(np.concatenate([item.w[item.ok] for item in works])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,23 +161,23 @@ def _refuse_none(body: Nonadhesive, curve: Curve, state: Array) -> None:
         BELOW: f"at contact radii below {ends[0]}, where the series begins",
         ABOVE: f"at contact radii above {ends[1]}, where it ends",
     }
-    found = [f"{count} {why[word]}" for word in why if (count := int((state == word).sum()))]
+    counts = [f"{count} {why[word]}" for word in why if (count := int((state == word).sum()))]
     if not len(curve):
         raise InputError(
             f"{curve.where}: on the body of the series the contact's edge moves on none of its rows: does the modulus "
             "belong to the record? jkr fit finds E* (--modulus-factor)"
         )
     raise InputError(
-        f"{curve.where}: none of its {len(curve)} rows gives a work of adhesion: {', '.join(found)}; are the zero "
+        f"{curve.where}: none of its {len(curve)} rows gives a work of adhesion: {', '.join(counts)}; are the zero "
         "points (--zero), signs (--flip), units and the modulus right?"
     )
 
 
 def _spread(rows: Array, values: Array) -> Array:
     """``values`` of the chosen rows among all rows, 0 elsewhere."""
-    found = np.zeros(rows.size)
-    found[rows] = values
-    return found
+    column = np.zeros(rows.size)
+    column[rows] = values
+    return column
 
 
 def _speed(curve: Curve, a: Array, ok: Array, window: int) -> tuple[Array | None, Array | None, Array | None, int]:
@@ -266,19 +266,19 @@ def errors(
 ) -> dict[str, Array]:
     """90 % half-widths of "w" and "a", and of w by "noise" and by "slopes" alone, as far as they are known."""
     by_noise, by_slopes = _gradients(body, used, a, lag)
-    held = body.slopes.covariance
-    covariance = None if held is None else body.between(held, a)
-    found: dict[str, dict[str, Array]] = {"w": {}, "a": {}}
+    at_nodes = body.slopes.covariance
+    covariance = None if at_nodes is None else body.between(at_nodes, a)
+    parts: dict[str, dict[str, Array]] = {"w": {}, "a": {}}
     for target, unit in (("w", w), ("a", np.ones_like(a))):
         if any(sigma.values()) and by_noise[target]:
             squares = [(gradient * sigma[name]) ** 2 for name, gradient in by_noise[target].items()]
-            found[target]["noise"] = TWO_SIDED_90 * unit * np.sqrt(np.sum(squares, axis=0))
+            parts[target]["noise"] = TWO_SIDED_90 * unit * np.sqrt(np.sum(squares, axis=0))
         gradient = by_slopes[target]
         if covariance is not None and gradient is not None:
             variance = np.einsum("in,nij,jn->n", gradient, covariance, gradient)
-            found[target]["slopes"] = body.slopes.quantile * unit * np.sqrt(variance)
-    totals = {name: np.hypot.reduce(list(parts.values())) for name, parts in found.items() if parts}
-    return totals | found["w"]
+            parts[target]["slopes"] = body.slopes.quantile * unit * np.sqrt(variance)
+    totals = {name: np.hypot.reduce(list(part.values())) for name, part in parts.items() if part}
+    return totals | parts["w"]
 
 
 def _gradients(
@@ -327,10 +327,10 @@ def rate(t: Array, y: Array, window: int) -> tuple[Array, Array]:
     x, off = (times - t[:, None]) / half[:, None], values - values[:, window // 2, None]
     (slope, variance, by), (bent, least, by_bent) = (_slope(x, off, degree) for degree in (2, 3))
     added, change = np.maximum(by_bent - by, 0.0), np.abs(bent - slope)
-    told = change > stdtrit(window - 4, TUNING.told) * np.sqrt(least * added)
+    cubic = change > stdtrit(window - 4, TUNING.sure) * np.sqrt(least * added)
     spread = stdtrit(window - 3, 0.95) * np.sqrt(variance * by)
     left = np.hypot(stdtrit(window - 4, 0.95) * np.sqrt(least * by_bent), change)
-    return np.where(told, bent, slope) / half, np.where(told, left, spread) / half
+    return np.where(cubic, bent, slope) / half, np.where(cubic, left, spread) / half
 
 
 def _slope(x: Array, y: Array, degree: int) -> tuple[Array, Array, Array]:

@@ -23,13 +23,13 @@ DIMENSIONS = {FORCE: "load", RADIUS: "length", MODULI: "modulus", "h": "length",
 
 @dataclass(frozen=True, eq=False)
 class MeasuredWork:
-    """``found``: w and its pull-off; ``result``: the curve of that w, which says where the theory holds.
+    """``work``: w and its pull-off; ``result``: the curve of that w, which says where the theory holds.
 
     ``series``: error of w [J/m^2] from that of the series, a 90 % half-width; ``parts``: standard deviations of w from
     those of the inputs, by name.
     """
 
-    found: FoundWork
+    work: FoundWork
     result: Analysis
     series: Estimate
     parts: Mapping[str, float]
@@ -49,7 +49,7 @@ class _Inverse:
     load: float
     stiffness: float
 
-    def found(self) -> FoundWork:
+    def work(self) -> FoundWork:
         R = self.solution.problem.indenter.tip_radius
         return work_from_pull_off(self.body, self.load, self.stiffness, R)
 
@@ -78,16 +78,16 @@ def _measured_work(
 ) -> MeasuredWork:
     body = nonadhesive(solution, slopes)
     scaled, unit = solution.scaled(modulus_factor), body.scaled(modulus_factor)
-    first = _Inverse(scaled, unit, load, stiffness).found()
+    first = _Inverse(scaled, unit, load, stiffness).work()
     result = with_solved_points(adhesive(solution, body, first.w, modulus_factor), stiffness)
     inverse = _Inverse(scaled, result.jkr.nonadhesive, load, stiffness)
-    found = inverse.found()
-    result = replace(result, curve=found.curve)
-    at_point = point_error(found.curve, found.point, stiffness)
+    work = inverse.work()
+    result = replace(result, curve=work.curve)
+    at_point = point_error(work.curve, work.point, stiffness)
     by_load = _change(inverse, FORCE, 1e-3 * load) / (1e-3 * load)
     series = at_point if isinstance(at_point, Unknown) else at_point["P"] * abs(by_load)
     parts = {name: abs(_change(inverse, name, sigma)) for name, sigma in inputs.items()}
-    return MeasuredWork(found, result, series, parts)
+    return MeasuredWork(work, result, series, parts)
 
 
 def uncertain_inputs(solution: Solution, pairs: Iterable[tuple[str, str]]) -> dict[str, float]:
@@ -96,10 +96,10 @@ def uncertain_inputs(solution: Solution, pairs: Iterable[tuple[str, str]]) -> di
     "load": the measured force; "R": the tip radius; "E": all moduli in common; "h" and "nu": of the layer at the
     contact; "E:film", "h:film", "nu:film": of the layer of that name or number, "E:base": of the half-space.
     """
-    found = {}
+    sigmas = {}
     for name, text in pairs:
         whole = _whole(solution, name)
-        if whole in found:
+        if whole in sigmas:
             raise InputError(f"pull-off: the uncertainty of {name} is given twice")
         relative = text.endswith("%")
         try:
@@ -110,8 +110,8 @@ def uncertain_inputs(solution: Solution, pairs: Iterable[tuple[str, str]]) -> di
             raise InputError(f"pull-off: --uncertain {name}: {error}") from None
         if not (math.isfinite(value) and value > 0):
             raise InputError(f"pull-off: the uncertainty of {name} must be > 0, got {text}")
-        found[whole] = -value / 100 if relative else value  # relative ones wait for the value they belong to
-    return found
+        sigmas[whole] = -value / 100 if relative else value  # relative ones wait for the value they belong to
+    return sigmas
 
 
 def seconds_of_inputs(solution: Solution, names: Sequence[str]) -> float:
@@ -146,9 +146,9 @@ def _change(inverse: _Inverse, name: str, sigma: float) -> float:
     size = -sigma * abs(centre) if sigma < 0 else sigma
 
     def outcome(value: float) -> dict[str, float]:
-        return {"w": _moved(inverse, name, value).found().w}
+        return {"w": _moved(inverse, name, value).work().w}
 
-    return changes_by(name, centre, size, {"w": inverse.found().w}, outcome)["w"]
+    return changes_by(name, centre, size, {"w": inverse.work().w}, outcome)["w"]
 
 
 def _nominal(inverse: _Inverse, name: str) -> float:

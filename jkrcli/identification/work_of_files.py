@@ -40,7 +40,7 @@ def along_file(path: Path, reading: Reading, evaluation: Evaluation, pool: Pool)
         if isinstance(outcome, Exception) and not isinstance(outcome, InputError):
             raise outcome
     skipped = [line for outcome in outcomes if isinstance(outcome, InputError) for line in outcome.lines]
-    found = [outcome for outcome in outcomes if not isinstance(outcome, Exception)]
-    if not found:
+    works = [outcome for outcome in outcomes if not isinstance(outcome, Exception)]
+    if not works:
         raise InputError(some(skipped))
-    return found, skipped
+    return works, skipped

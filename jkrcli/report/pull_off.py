@@ -62,7 +62,7 @@ class MeasuredPullOff(Result):
 
     def summary(self) -> dict[str, Any]:
         told = self.told
-        found = told.found
+        found = told.work
         data = {
             "file": str(told.result.path),
             "load_N": found.load,
@@ -80,7 +80,7 @@ class MeasuredPullOff(Result):
 
     def words(self) -> list[str]:
         told = self.told
-        found = told.found
+        found = told.work
         error = "" if isinstance(told.error, Unknown) or not told.parts else f" ± {show(told.error, 'work', 3)}"
         lines = [
             f"w = {show(found.w, 'work')}{error}: the pull-off force {show(found.load, 'load')} of {told.result.path} "

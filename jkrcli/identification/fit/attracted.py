@@ -23,7 +23,7 @@ from .family import Drift, Family
 
 @dataclass(frozen=True)
 class AttractedFamilyTuning:
-    """Points of the curves, and how their derivatives by tension and range are found."""
+    """Points of the curves, and steps of their derivatives by tension and range."""
 
     beyond: float = 1.4  # choice: of the largest over the end of the series, on the way to a solution
     below_limit: float = 0.9  # choice: of the largest over the end of profile or cylinder
@@ -122,8 +122,8 @@ class AttractedFamily:
         attraction, discs = self._reaching(s, gap)
         rims = discs.equilibria(s, gap, attraction.reach)
         refuse_narrow(rims)
-        held = np.isclose(rims.gap, gap, rtol=1e-6, atol=0)  # of nanometres
-        count = int(np.argmin(held)) if not held.all() else held.size
+        reached = np.isclose(rims.gap, gap, rtol=SAME, atol=0)  # of nanometres
+        count = int(np.argmin(reached)) if not reached.all() else reached.size
         first = 1 + int(np.max(np.flatnonzero(np.diff(rims.c[:count]) <= 0), initial=-1))
         if count - first < TUNING.least:
             raise SolveError(
@@ -131,12 +131,12 @@ class AttractedFamily:
                 f"beyond {show(attraction.reach, 'length')}, where profile or side end, or jump together: bound the "
                 "range"
             )
-        kept, c0 = slice(first, count), float(rims.c[first])
-        v = np.arccosh(np.sqrt(rims.c[kept] / c0))
-        touching = make_interp_spline(v, np.stack([rims.a, rims.delta, rims.P], axis=1)[kept], TUNING.degree)
+        rows, c0 = slice(first, count), float(rims.c[first])
+        v = np.arccosh(np.sqrt(rims.c[rows] / c0))
+        touching = make_interp_spline(v, np.stack([rims.a, rims.delta, rims.P], axis=1)[rows], TUNING.degree)
         own = c0, float(v[-1]), touching, math.pi * self.problem.E_star * s / 2, gap
         apart = self._apart(attraction, rims, s, gap) if first == 0 else None
-        return States(*own, apart, partial(_rate_spline, discs, rims, s, v, kept))
+        return States(*own, apart, partial(_rate_spline, discs, rims, s, v, rows))
 
     def _apart(self, attraction: Attraction, rims: Rims, s: float, gap: float) -> BSpline:
         """delta without contact, and its part by the tension, over log c."""
@@ -146,8 +146,8 @@ class AttractedFamily:
         return make_interp_spline(np.log(c), np.stack([delta, pulled], axis=1), TUNING.degree)
 
 
-def _rate_spline(discs: Discs, rims: Rims, s: float, v: Array, kept: slice) -> BSpline:
-    return make_interp_spline(v, _rates(discs, rims, s)[kept], TUNING.degree)
+def _rate_spline(discs: Discs, rims: Rims, s: float, v: Array, rows: slice) -> BSpline:
+    return make_interp_spline(v, _rates(discs, rims, s)[rows], TUNING.degree)
 
 
 def _rates(discs: Discs, rims: Rims, s: float) -> Array:
@@ -190,29 +190,29 @@ class States:
         inside = np.minimum(u, start + 2 * math.log(math.cosh(self.end)))
         inside = inside if self.apart is not None else np.maximum(inside, start)
         v = np.minimum(np.arccosh(np.exp(np.maximum(inside - start, 0.0) / 2)), self.end)
-        held = (inside > start) | (self.apart is None)
-        return held, inside, np.clip(inside, start + math.log(TUNING.first), start), v
+        touching = (inside > start) | (self.apart is None)
+        return touching, inside, np.clip(inside, start + math.log(TUNING.first), start), v
 
     def rates(self, u: Array) -> tuple[Array, Array]:
         """Derivatives of (a, delta, P) at equal u by the logs of tension and range, (3, n) each."""
-        held, _, free, v = self._places(u)
+        touching, _, free, v = self._places(u)
         first = self.along(u)[1]
         columns = np.moveaxis(self._rates(v), -1, 0)
         pulled = np.zeros_like(u) if self.apart is None else self.apart(free)[..., 1]
         zero, P = np.zeros_like(u), -self.pull * np.exp(2 * free)
         outside = np.stack([zero, pulled, P]), np.stack([zero, np.full_like(u, -self.gap), zero])
         inside = ((np.stack([zero, delta, load]) - first * log_c) for log_c, delta, load in (columns[:3], columns[3:]))
-        by_tension, by_range = (np.where(held, a, b) for a, b in zip(inside, outside, strict=True))
+        by_tension, by_range = (np.where(touching, a, b) for a, b in zip(inside, outside, strict=True))
         return by_tension, by_range
 
     def along(self, u: Array) -> tuple[Array, Array, Array]:
         """(a, delta, P) and their first and second derivatives by u = log c, (3, n); straight lines beyond the end."""
         touching, inside, free, v = self._places(u)
-        parts = zip(self._free(free), self._held(np.maximum(v, TUNING.near_touch)), strict=True)
+        parts = zip(self._free(free), self._in_contact(np.maximum(v, TUNING.near_touch)), strict=True)
         value, first, second = (np.where(touching, b, a) for a, b in parts)
         return value + first * (u - inside), first, np.where(u == inside, second, 0.0)
 
-    def _held(self, v: Array) -> tuple[Array, Array, Array]:
+    def _in_contact(self, v: Array) -> tuple[Array, Array, Array]:
         value, first, second = (np.moveaxis(self.touching(v, order), -1, 0) for order in range(3))
         rate = 1 / (2 * np.tanh(v))
         return value, first * rate, second * rate**2 - first * rate / (2 * np.sinh(v) ** 2)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...adhesion import REMEDY, judge
-from ...base import LARGE_WORK, Unknown, show
+from ...base import LARGE_WORK, SAME, Unknown, show
 from ...series import Record
 from ..answer import word
 from ..parameters import POSITIONS
@@ -23,7 +23,6 @@ from .settings import RANGES
 class WarningThresholds:
     """Limits beyond which a reader is warned; nothing else depends on them."""
 
-    resolved: float = 1e-6  # choice: residuals below this part of the curve are those of the series' interpolation
     scatter: float = 2.0  # choice: factor from the user's noise to the residuals, either way
     reached: float = 1.1  # choice: in contact radius, how near to pull-off the data must come
     touching: float = 0.05  # choice: of the largest contact radius, below which pull-off without contact is near
@@ -35,157 +34,157 @@ PROFILE = "; --confidence profile follows how unevenly they trade, in ten times 
 
 
 def warnings_of(
-    found: Fit, body: FittedBody, family: Family, at_bound: Sequence[str] = (), rivals: Rivals | None = None,
+    fit: Fit, body: FittedBody, family: Family, at_bound: Sequence[str] = (), rivals: Rivals | None = None,
     ended: bool = True,
 ) -> list[str]:  # fmt: skip
-    """Sentences on all that stands against the fit or limits it; ``body`` and its ``family`` with the values found,
+    """Sentences on all that stands against the fit or limits it; ``body`` and its ``family`` with the fitted values,
     ``at_bound``: parameters that end on a bound; ``rivals``: the nearest other models; ``ended``: the search."""
     return [
-        *(() if ended else _given_up(found)),
-        *(_told_apart(found, at_bound) if ended else ()),
-        *_beside_jkr(found),
-        *_structured(found),
-        *(rivals.warnings() if rivals is not None and _relative_residual(found) > THRESHOLDS.resolved else ()),
-        *_scatter(found),
-        *_far_from_case(found, body),
-        *_doubtful_work(found),
-        *_bounds(found, at_bound),
-        *_pull_off(found),
-        *_elastic_indenter(found, body),
-        *_validity(found, body, family),
+        *(() if ended else _given_up(fit)),
+        *(_separation(fit, at_bound) if ended else ()),
+        *_beside_jkr(fit),
+        *_structured(fit),
+        *(rivals.warnings() if rivals is not None and _is_resolved(fit) else ()),
+        *_scatter(fit),
+        *_far_from_case(fit, body),
+        *_doubtful_work(fit),
+        *_bounds(fit, at_bound),
+        *_pull_off(fit),
+        *_elastic_indenter(fit, body),
+        *_validity(fit, body, family),
     ]
 
 
-def _given_up(found: Fit) -> Iterator[str]:
-    names = ", ".join(word(name) for name in found.free)
+def _given_up(fit: Fit) -> Iterator[str]:
+    names = ", ".join(word(name) for name in fit.free)
     yield (
-        f"the search stopped after {found.evaluations} steps, the data do not determine {names}: give starting "
+        f"the search stopped after {fit.evaluations} steps, the data do not determine {names}: give starting "
         "values (--start), or fix one of them (--fix)"
     )
 
 
-def _told_apart(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:
-    if found.covariance is None:
-        if len(found.free) > 1 and not at_bound:
-            yield f"the data do not determine {', '.join(found.free)} together: fix one of them (--fix)"
+def _separation(fit: Fit, at_bound: Sequence[str]) -> Iterator[str]:
+    if fit.covariance is None:
+        if len(fit.free) > 1 and not at_bound:
+            yield f"the data do not determine {', '.join(fit.free)} together: fix one of them (--fix)"
         return
-    for one, two, said in found.hardly_apart:
+    for one, two, sentence in fit.hardly_apart:
         pair = {one, two}
         if pair <= {"modulus", "w", *RANGES} or pair <= set(POSITIONS) or any(":" in name for name in pair):
             more = PROFILE if pair & set(RANGES) else ""
-            yield f"{said}: fix one, or measure up to pull-off and to larger loads{more}"
-    for name in found.free:
-        item = found.estimate(name)
+            yield f"{sentence}: fix one, or measure up to pull-off and to larger loads{more}"
+    for name in fit.free:
+        item = fit.estimate(name)
         positive = item.dimension in ("work", "modulus") or name in ("modulus", "range")
         if name in RANGES and item.error is None:
-            continue  # said beside JKR
+            continue  # ``_beside_jkr`` has it
         if item.low == 0 and item.high is not None:
             yield f"{word(name)} is not significantly above 0: it is at most {show(item.high, item.dimension)}"
         elif positive:
-            yield from found.vague([name])
+            yield from fit.vague([name])
 
 
-def _beside_jkr(found: Fit) -> Iterator[str]:
-    """Whether the rows tell a range, and how far JKR misses them."""
-    jkr, law = found.jkr, found.settings.range
+def _beside_jkr(fit: Fit) -> Iterator[str]:
+    """Whether a range is significant, and how far JKR misses the rows."""
+    jkr, law = fit.jkr, fit.settings.range
     if jkr is None or law is None:
         return
     if isinstance(jkr, Unknown):
         yield f"no JKR curve resembles the data: {jkr}"
         return
-    told = (
+    misfit = (
         f"the best JKR curve, E* = {show(jkr.E_star, 'modulus')} and w = {show(jkr.w, 'work')}, has "
         f"{jkr.rms / jkr.rms_of_range:.4g} times the misfit"
     )
-    if not law.free or found.estimate(law.name).error is not None:
-        yield told
+    if not law.free or fit.estimate(law.name).error is not None:
+        yield misfit
         return
-    item = found.estimate("range")
+    item = fit.estimate("range")
     most = "" if item.high is None else f" (it is at most {show(item.high, 'length')})"
-    yield f"a range is not significant{most}: {told}"
+    yield f"a range is not significant{most}: {misfit}"
 
 
-def _far_from_case(found: Fit, body: FittedBody) -> Iterator[str]:
-    factor = found.value("modulus")
-    if body.told and "modulus" in found.free and not 1 / THRESHOLDS.far_from_case <= factor <= THRESHOLDS.far_from_case:
+def _far_from_case(fit: Fit, body: FittedBody) -> Iterator[str]:
+    factor = fit.value("modulus")
+    if body.told and "modulus" in fit.free and not 1 / THRESHOLDS.far_from_case <= factor <= THRESHOLDS.far_from_case:
         yield f"the moduli are {factor:.3g} times those of the case: check the units of the data and of the case"
 
 
-def _doubtful_work(found: Fit) -> Iterator[str]:
-    if "w" in found.free and (w := found.value("w")) > LARGE_WORK:
+def _doubtful_work(fit: Fit) -> Iterator[str]:
+    if "w" in fit.free and (w := fit.value("w")) > LARGE_WORK:
         yield (
             f"w = {show(w, 'work')} is implausible, surfaces have a few mJ/m^2 to {show(LARGE_WORK, 'work')}: check "
             "units of the data and the radius of the indenter"
         )
 
 
-def _structured(found: Fit) -> Iterator[str]:
-    told = found.structure
-    if found.quality is None and told.suspicious and _relative_residual(found) > THRESHOLDS.resolved:
+def _structured(fit: Fit) -> Iterator[str]:
+    structure = fit.structure
+    if fit.quality is None and structure.suspicious and _is_resolved(fit):
         yield (
-            f"the residuals are structured (lag-1 autocorrelation {told.lag1:.2f}, {told.runs} runs where "
-            f"{told.expected:.0f} are expected): check body, indenter and rows; "
+            f"the residuals are structured (lag-1 autocorrelation {structure.lag1:.2f}, {structure.runs} runs where "
+            f"{structure.expected:.0f} are expected): check body, indenter and rows; "
             "intervals are too narrow"
         )
 
 
-def _relative_residual(found: Fit) -> float:
-    """Root mean square of the residuals in units of the curve's own size."""
-    size = min(np.ptp(found.line[name]) / scale for name, scale in found.scales.items())
-    return float(np.sqrt(np.mean(found.residuals**2)) / size)
+def _is_resolved(fit: Fit) -> bool:
+    """Whether the residuals are larger than errors of the series' interpolation, in units of the curve's own size."""
+    size = min(np.ptp(fit.line[name]) / scale for name, scale in fit.scales.items())
+    return float(np.sqrt(np.mean(fit.residuals**2)) / size) > SAME
 
 
-def _scatter(found: Fit) -> Iterator[str]:
+def _scatter(fit: Fit) -> Iterator[str]:
     low, high = 1 / THRESHOLDS.scatter, THRESHOLDS.scatter
-    if found.settings.noise and not low <= found.scatter <= high:
-        more = "more" if found.scatter > high else "less"
-        yield f"the data scatter {found.scatter:.2g} times as much as the given noise, {more} than it explains"
+    if fit.settings.noise and not low <= fit.scatter <= high:
+        more = "more" if fit.scatter > high else "less"
+        yield f"the data scatter {fit.scatter:.2g} times as much as the given noise, {more} than it explains"
 
 
-def _bounds(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:
+def _bounds(fit: Fit, at_bound: Sequence[str]) -> Iterator[str]:
     for name in at_bound:
-        item = found.estimate(name)
+        item = fit.estimate(name)
         if (item.low != 0 or item.value > 0) and not (name in RANGES and item.error is None):  # else said already
             yield f"{word(name)} ends on its bound {show(item.value, item.dimension)}"
 
 
-def _pull_off(found: Fit) -> Iterator[str]:
+def _pull_off(fit: Fit) -> Iterator[str]:
     """A sentence where the data do not reach the least load of their curve."""
-    if "P" not in found.scales or not _adhesion(found):
+    if "P" not in fit.scales or not _adhesion(fit):
         return
-    radius = float(found.line["a"][int(np.argmin(found.line["P"]))])
-    least = float(np.min(found.a))
-    if least > max(THRESHOLDS.reached * radius, THRESHOLDS.touching * float(np.max(found.a))):
+    radius = float(fit.line["a"][int(np.argmin(fit.line["P"]))])
+    least = float(np.min(fit.a))
+    if least > max(THRESHOLDS.reached * radius, THRESHOLDS.touching * float(np.max(fit.a))):
         yield (
             f"no pull-off in the data: they end at a = {show(least, 'length')}, contact is lost at "
             f"{show(radius, 'length')}; w comes from the shape of the curve alone"
         )
 
 
-def _elastic_indenter(found: Fit, body: FittedBody) -> Iterator[str]:
-    modulus = found.settings.parameter("modulus")
+def _elastic_indenter(fit: Fit, body: FittedBody) -> Iterator[str]:
+    modulus = fit.settings.parameter("modulus")
     problem = body.problem
     if modulus is not None and modulus.free and problem.indenter.material is not None and problem.specimen.layers:
         yield "the indenter is elastic: its modulus was scaled together with those of the layers"
 
 
-def _validity(found: Fit, body: FittedBody, family: Family) -> list[str]:
+def _validity(fit: Fit, body: FittedBody, family: Family) -> list[str]:
     """Sentences on a/R, delta/h and the Tabor number at the largest radius of the data."""
-    problem, a = body.problem, float(np.max(found.a))
+    problem, a = body.problem, float(np.max(fit.a))
     (D, _, _, _), _, _ = family.at(np.array([np.log(a)]))
-    free = (item.value for item in found.estimates if item.name.startswith("h:") and item.free)
+    free = (item.value for item in fit.estimates if item.name.startswith("h:") and item.free)
     top, depth = problem.specimen.top_thickness, problem.specimen.yielding_depth
     thickness = next(free, top)
     judged = judge(
-        a=a, delta=float(D[0]), E_star=found.value("E_star"), w=found.work.value if _adhesion(found) else 0.0,
+        a=a, delta=float(D[0]), E_star=fit.value("E_star"), w=fit.work.value if _adhesion(fit) else 0.0,
         R=problem.indenter.tip_radius, h=thickness, depth=thickness if depth == top else depth,
-        L=problem.specimen.radius, z0=Record.z0 if found.jkr is None else None, end_is_cut=False,
+        L=problem.specimen.radius, z0=Record.z0 if fit.jkr is None else None, end_is_cut=False,
         tension=problem.specimen.surface_tension, profile=problem.indenter.noun,
     )  # fmt: skip
     return [line.replace(REMEDY, "fit with --free range (or stress)") for line in judged.warnings]
 
 
-def _adhesion(found: Fit) -> bool:
-    """Whether w is told from 0."""
-    item = found.work
+def _adhesion(fit: Fit) -> bool:
+    """Whether w is significantly above 0."""
+    item = fit.work
     return item.value > 0 and item.low != 0

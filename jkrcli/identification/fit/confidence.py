@@ -1,4 +1,4 @@
-"""Confidence of what was fitted to prepared readings: intervals as they were asked for, and the systematic part."""
+"""Confidence of a fit to prepared readings: intervals as the settings want them, and the systematic part."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from ..least_squares import State
 from ..parameters import LOG, Parameter, dimension_of
 from .model import Objective
 from .result import JKRBeside
+from .search import TUNING as SEARCH
 from .search import Minimum, minimise
 from .settings import RANGES, Settings
 from .statistics import covariance, covariance_of_uneven, larger, t_quantile, variance_factor
@@ -24,10 +25,9 @@ from .statistics import covariance, covariance_of_uneven, larger, t_quantile, va
 
 @dataclass(frozen=True)
 class ConfidenceTuning:
-    """How intervals are found."""
+    """How intervals are computed."""
 
-    few: int = 10  # choice: degrees of freedom, below which residuals do not tell how the noise changes along the curve
-    enough: float = 1e-7  # choice: change of a sample's unknowns that is none: some ten thousandths of their scatter
+    few: int = 10  # choice: degrees of freedom, below which residuals do not show the noise's change along the curve
 
 
 TUNING = ConfidenceTuning()
@@ -48,7 +48,7 @@ class Confidence:
 def confidence_of(
     minimum: Minimum, settings: Settings, jkr: JKRBeside | Unknown | None = None, pool: Pool | None = None
 ) -> Confidence:
-    """All parameters and what follows from them, with intervals as ``settings`` ask for them; ``jkr``: beside a range;
+    """All parameters and what follows from them, with intervals as ``settings`` want them; ``jkr``: beside a range;
     ``pool``: for the samples of a bootstrap.
 
     A range that JKR does without is known on one side only, by its profile; nothing where the search was given up.
@@ -58,33 +58,33 @@ def confidence_of(
     objective, (inner, factor, dof) = minimum.objective, spread_of(minimum, settings)
     t, samples = t_quantile(settings.level, dof), None
     if settings.confidence == "bootstrap":
-        change = partial(_redrawn, minimum.found.residuals.shape)
-        samples = bootstrap(minimum.least, change, TUNING.enough, settings.samples, settings.seed, pool)
+        change = partial(_redrawn, minimum.distances.residuals.shape)
+        samples = bootstrap(minimum.least, change, SEARCH.converged_rough, settings.samples, settings.seed, pool)
     own = None if inner is None else inner / np.outer(minimum.units, minimum.units)
-    told = Intervals(
+    intervals = Intervals(
         minimum.least, _quantities(minimum), partial(_meaning, minimum), own, t, settings.level,
         settings.confidence == "profile", factor, samples,
     )  # fmt: skip
-    untold = isinstance(jkr, JKRBeside) and jkr.excess < 0.5 * t**2 * factor
-    estimates = told.estimates()
-    if untold and isinstance(jkr, JKRBeside):
+    insignificant = isinstance(jkr, JKRBeside) and jkr.excess < 0.5 * t**2 * factor
+    estimates = intervals.estimates()
+    if insignificant and isinstance(jkr, JKRBeside):
         here = objective.values(minimum.x)
-        estimates = tuple(_and_none(_one_sided(item, told), jkr.values, here) for item in estimates)
+        estimates = tuple(_and_none(_one_sided(item, intervals), jkr.values, here) for item in estimates)
     if settings.uncertain:
         changes = {name: _changes(minimum, settings, name, sigma) for name, sigma in settings.uncertain.items()}
         estimates = tuple(
             wider(item, {name: change[item.name] for name, change in changes.items()}, t) for item in estimates
         )
     free = [objective.parameters[i].name for i in objective.free]
-    return Confidence(estimates, told.covariance_of(free), told.sampled(free), math.sqrt(factor), dof)
+    return Confidence(estimates, intervals.covariance_of(free), intervals.sampled(free), math.sqrt(factor), dof)
 
 
 def _quantities(minimum: Minimum) -> list[Parameter]:
     """The parameters, and what follows from them."""
     follow = _follows(minimum.objective, minimum.x)
     dimensions = {name: dimension_of(name) if name in RANGES else "modulus" for name in follow}
-    found = (Parameter(name, True, scale=LOG, quantity=kind, follows=True) for name, kind in dimensions.items())
-    return [*minimum.objective.parameters, *found]
+    following = (Parameter(name, True, scale=LOG, quantity=kind, follows=True) for name, kind in dimensions.items())
+    return [*minimum.objective.parameters, *following]
 
 
 def _meaning(minimum: Minimum, y: Array) -> dict[str, float]:
@@ -95,20 +95,20 @@ def _meaning(minimum: Minimum, y: Array) -> dict[str, float]:
     return own | {name: math.log(value) for name, value in _follows(objective, x).items()}
 
 
-def _one_sided(item: FittedValue, told: Intervals) -> FittedValue:
-    """A range that is not told from 0, by the largest that it may have, or a tension by the least."""
+def _one_sided(item: FittedValue, intervals: Intervals) -> FittedValue:
+    """A range that is not significantly above 0, by the largest that it may have, or a tension by the least."""
     if item.name not in RANGES or not item.free:
         return item
-    quantity = next(one for one in told.quantities if one.name == item.name)
+    quantity = next(one for one in intervals.quantities if one.name == item.name)
     if quantity.follows:
         return replace(item, error=None, low=None, high=None)
-    end = told.end(quantity, told.t if item.name == "range" else -told.t)
+    end = intervals.end(quantity, intervals.t if item.name == "range" else -intervals.t)
     low, high = (0.0, end) if item.name == "range" else (end, None)
     return replace(item, error=None, low=low, high=high)
 
 
 def _and_none(item: FittedValue, jkr: Mapping[str, float], here: Mapping[str, float]) -> FittedValue:
-    """The estimate where the data do not tell a range from none: its interval holds that of JKR as well."""
+    """The estimate where a range is not significant: its interval holds that of JKR as well."""
     name = "modulus" if item.dimension == "modulus" and item.name not in jkr else item.name
     if item.name in RANGES or name not in jkr or item.error is None or item.low is None or item.high is None:
         return item
@@ -121,13 +121,13 @@ def _and_none(item: FittedValue, jkr: Mapping[str, float], here: Mapping[str, fl
 def spread_of(minimum: Minimum, settings: Settings) -> tuple[Array | None, float, int]:
     """The covariance of the free unknowns, the variance of the residuals, and their degrees of freedom."""
     objective, free = minimum.objective, minimum.objective.free
-    residuals = minimum.found.residuals
+    residuals = minimum.distances.residuals
     columns = len(objective.points.columns)
     dof = max(residuals.shape[1] * (columns - 1) - free.size, 1)  # a foot point takes one number from every point
     factor = variance_factor(residuals, dof, settings.loss, minimum.width)
-    jacobian = minimum.found.jacobian(free)
+    jacobian = minimum.distances.jacobian(free)
     inner = covariance(jacobian, factor) if minimum.least.ended else None
-    even = set(objective.points.columns) <= settings.noise.keys()  # else that is more than a record of a sensor tells
+    even = set(objective.points.columns) <= settings.noise.keys()  # else that is more than a record of a sensor shows
     if settings.loss == "linear" and dof >= TUNING.few and not even:
         inner = larger(inner, covariance_of_uneven(jacobian, residuals))
     return inner, factor, dof
@@ -138,14 +138,14 @@ def _follows(objective: Objective, x: Array) -> dict[str, float]:
     values, body = objective.values(x), objective.body
     problem = changed(body.problem, {name: value for name, value in values.items() if ":" in name})
     s = values.get("modulus", 1.0)
-    found = {"E_star": s * problem.E_star}
+    following = {"E_star": s * problem.E_star}
     if problem.indenter.material is None:  # else its own modulus is scaled too, and none of the layers' follows
         materials = problem.specimen.materials
-        found |= {f"E:{name}": s * m.surface.E for name, m in zip(body.layer_names, materials, strict=True)}
+        following |= {f"E:{name}": s * m.surface.E for name, m in zip(body.layer_names, materials, strict=True)}
     if objective.ranged:
-        found |= {"stress": values["w"] / values["range"]} if "range" in values else {}
-        found |= {"range": values["w"] / values["stress"]} if "stress" in values else {}
-    return {name: value for name, value in found.items() if name not in values}
+        following |= {"stress": values["w"] / values["range"]} if "range" in values else {}
+        following |= {"range": values["w"] / values["stress"]} if "stress" in values else {}
+    return {name: value for name, value in following.items() if name not in values}
 
 
 def _redrawn(shape: tuple[int, int], rng: np.random.Generator) -> Callable[[State], State]:
@@ -162,8 +162,8 @@ def _changes(minimum: Minimum, settings: Settings, name: str, sigma: float) -> d
 
     def outcome(value: float) -> dict[str, float]:
         moved = replace(objective, body=objective.body.with_values({name: value}))
-        found = minimise(moved, minimum.x, settings.loss, minimum.width)
-        return found.objective.values(found.x) | _follows(found.objective, found.x)
+        again = minimise(moved, minimum.x, settings.loss, minimum.width)
+        return again.objective.values(again.x) | _follows(again.objective, again.x)
 
     here = objective.values(minimum.x) | _follows(objective, minimum.x)
     return changes_by(name, objective.body.nominal(name), sigma, here, outcome)

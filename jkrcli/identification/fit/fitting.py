@@ -206,7 +206,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None, 
     free = tuple(parameter.name for parameter in minimum.objective.parameters if parameter.free)
     estimates = _resting(minimum, rivals.with_parts(confidence.estimates))
     untold = any(item.name in free and item.low is None and item.high is None for item in estimates)
-    distances = minimum.found
+    distances = minimum.distances
     readings, a = distances.readings, distances.a
     readings.member.refuse_beyond(float(a.max()))
     found = Fit(
@@ -252,7 +252,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None, 
 def _apart(minimum: Minimum, scatter: float) -> bool:
     """Whether the rows of a cycle ask for another modulus on the way back than on the way in: by one step of Gauss and
     Newton with a modulus for each; ``scatter`` of the residuals."""
-    objective, found = minimum.objective, minimum.found
+    objective, found = minimum.objective, minimum.distances
     names = [objective.parameters[i].name for i in objective.free]
     if "modulus" not in names:
         return False
@@ -276,8 +276,8 @@ def _resting(minimum: Minimum, estimates: tuple[FittedValue, ...]) -> tuple[Fitt
     edges = minimum.objective.points.edges
     if edges is None or RECEDING in edges:
         return estimates
-    assert isinstance(minimum.found, PathDistances)
-    modulus, part = minimum.objective.values(minimum.x)["modulus"], minimum.found.at(RESTING)
+    assert isinstance(minimum.distances, PathDistances)
+    modulus, part = minimum.objective.values(minimum.x)["modulus"], minimum.distances.at(RESTING)
     member = part.readings.member
     assert isinstance(member, RestingMember)
     least = modulus * (member.unit * float(part.u.max())) ** 2

@@ -21,11 +21,11 @@ def jkr_beside(minimum: Minimum, body: FittedBody, points: Points, settings: Set
     try:
         near = search(body, points, plain)
         objective = replace(near.objective, scales=minimum.objective.scales)
-        found = robust(minimise(objective, near.x), settings.loss)
-        found = minimise(objective, found.x, settings.loss, minimum.width).settled()  # the same turn of a robust loss
+        jkr = robust(minimise(objective, near.x), settings.loss)
+        jkr = minimise(objective, jkr.x, settings.loss, minimum.width).settled()  # the same turn of a robust loss
     except JkrError as error:
         return Unknown(str(error))
-    values = objective.values(found.x)
-    rms, with_range = (math.sqrt(float(np.mean(item.found.residuals**2))) for item in (found, minimum))
+    values = objective.values(jkr.x)
+    rms, with_range = (math.sqrt(float(np.mean(item.distances.residuals**2))) for item in (jkr, minimum))
     E_star = values["modulus"] * body.problem.E_star
-    return JKRBeside(E_star, values["w"], rms, with_range, found.cost - minimum.cost, values)
+    return JKRBeside(E_star, values["w"], rms, with_range, jkr.cost - minimum.cost, values)

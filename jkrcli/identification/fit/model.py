@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...base import TINY, Array
+from ...base import MOST_SOLVES, TINY, Array
 from ..parameters import Parameter
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING, RestingMember
@@ -34,7 +34,7 @@ class FootPointTuning:
     vertices: int = 400  # tuned on records by `make tuning`: of the polyline that starts the foot points
     beyond_last: float = 0.4  # tuned on records by `make tuning`: beyond the series, on the way to a solution
     below_fold: float = 0.5  # tuned on records by `make tuning`: below the radius of stationary displacement
-    steps: int = 8  # choice: guard; Newton's method needs two or three
+
     longest_step: float = 0.1  # choice: guard, some vertices
     least_bend: float = 0.2  # choice: guard, of the squared speed along the curve, where a point is far off it
     close: float = 1e-6  # theory: errors of the distance are its square
@@ -79,11 +79,11 @@ class Readings:
 
     def along(self, u: Array) -> tuple[Array, Array, Array]:
         """Scaled readings and their first and second derivatives by u, each of shape (columns, n)."""
-        values, found = self.values, []
+        values, rows = self.values, []
         for order, (a, delta, P) in enumerate(self.member.along(u)):
             delta0, P0 = (values["delta0"], values["P0"]) if order == 0 else (0.0, 0.0)
-            found.append(self._scaled(a, delta0 + delta + values["compliance"] * P, P0 + P))
-        return found[0], found[1], found[2]
+            rows.append(self._scaled(a, delta0 + delta + values["compliance"] * P, P0 + P))
+        return rows[0], rows[1], rows[2]
 
     def by_parameters(self, u: Array) -> Array:
         """Derivatives of the scaled readings by the optimiser's unknowns, shape (parameters, columns, n)."""
@@ -99,14 +99,14 @@ class Readings:
             "P0": np.stack([zero, zero, one]),
             "compliance": np.stack([zero, self.member.along(u)[0][2], zero]),
         }
-        found = []
+        derivatives = []
         for parameter in self.parameters:
             rows = rates.get(parameter.name, np.zeros((3, u.size)))
             if parameter.of_body and parameter.free:
                 a, delta, P = next(of_body)
                 rows = np.stack([a, delta + compliance * P, P])
-            found.append(self._scaled(*rows))
-        return np.stack(found)
+            derivatives.append(self._scaled(*rows))
+        return np.stack(derivatives)
 
     def _scaled(self, a: Array, delta: Array, P: Array) -> Array:
         rows = {"a": a, "delta": delta, "P": P}
@@ -220,7 +220,7 @@ def distances(readings: Readings, points: Array) -> Distances:
     radii = points[readings.columns.index("a")] * readings.scales[0] if "a" in readings.columns else None
     u = arc(readings, None if radii is None else float(radii.min()))
     u = u[cKDTree(readings.along(u)[0].T).query(points.T)[1]]  # of the nearest vertices
-    for _ in range(TUNING.steps):
+    for _ in range(MOST_SOLVES):  # Newton's method needs two or three
         X, first, second = readings.along(u)
         gap = points - X
         length2 = np.einsum("cn,cn->n", first, first)
@@ -244,7 +244,7 @@ def _normal(tangent: Array) -> Array:
 
 
 def arc(readings: Readings, least: float | None = None) -> Array:
-    """u of the vertices of the part of the curve on which points are looked for, down to the ``least`` radius that was
+    """u of the vertices of the part of the curve on which foot points are sought, down to the ``least`` radius that was
     measured [m], if any."""
     return np.linspace(*readings.member.ends(TUNING.below_fold, TUNING.beyond_last, least), TUNING.vertices)
 
@@ -270,8 +270,8 @@ class Objective:
         """Whether adhesion has a range."""
         return any(parameter.name in RANGES for parameter in self.parameters)
 
-    def held(self, *names: str) -> Objective:
-        """The same objective with these parameters held at whatever values the unknowns give them."""
+    def holding(self, *names: str) -> Objective:
+        """The same objective with these parameters fixed at their values in the unknowns."""
         parameters = (replace(p, free=False, value=p.value or 1.0) if p.name in names else p for p in self.parameters)
         return replace(self, parameters=tuple(parameters))
 

@@ -20,7 +20,7 @@ COLUMNS = ("a", "delta", "P")
 
 @dataclass(frozen=True)
 class RowsTuning:
-    """Limits that tell rows out of contact from rows of the curve, and noise from the curve."""
+    """Limits that separate rows out of contact from rows of the curve, and noise from the curve."""
 
     least: int = 8  # choice: points, and at least twice as many as free parameters
     lost: float = 0.3  # tuned on records by `make tuning`: of the pull-off force: near 0 after a jump
@@ -77,9 +77,9 @@ def points_of(
     ``segment = None``: the retraction where the curve names one, else all rows. ``zero``: load reading of no load [N],
     None: unknown. InputError in one line where too few rows are left for ``unknowns`` free parameters.
     """
-    found = _rows_of(curve, segment, branch, unknowns, zero)
-    _check_signs(curve, found.values)
-    return found
+    points = _rows_of(curve, segment, branch, unknowns, zero)
+    _check_signs(curve, points.values)
+    return points
 
 
 def _rows_of(
@@ -112,9 +112,9 @@ def _rows_of(
 def points_of_cycle(
     curve: Curve, segment: SegmentName | None, branch: BranchName, unknowns: int, zero: float | None
 ) -> Points:
-    """The rows of both directions of ``curve``, or of the one that is asked for, as ``points_of`` takes those of one;
-    of one alone where the other holds too few."""
-    found: dict[str, Points] = {}
+    """The rows of both directions of ``curve``, or of the wanted one, as ``points_of`` takes those of one; of one alone
+    where the other holds too few."""
+    parts: dict[str, Points] = {}
     reasons: list[str] = []
     kinds: dict[SegmentName, int] = {"approach": ADVANCING, "retract": RECEDING}
     for kind, edge in kinds.items():
@@ -122,21 +122,21 @@ def points_of_cycle(
             continue
         try:
             part = _rows_of(curve, kind, branch, unknowns, zero)
-            found[kind] = replace(part, edges=np.full(len(part), edge))
+            parts[kind] = replace(part, edges=np.full(len(part), edge))
         except InputError as error:
             reasons += error.lines
-    if not found:
+    if not parts:
         raise InputError(reasons[0])
-    if len(found) < 2:
-        (part,) = found.values()
+    if len(parts) < 2:
+        (part,) = parts.values()
         _check_signs(curve, part.values)
         return replace(part, left_out=(*part.left_out, *(line.removeprefix(f"{curve.where}: ") for line in reasons)))
-    into, back = found.values()
+    into, back = parts.values()
     assert into.edges is not None
     assert back.edges is not None
     values = {name: np.concatenate([into.values[name], back.values[name]]) for name in into.values}
     _check_signs(curve, values)
-    words = [f"{name}: {words}" for name, part in found.items() for words in part.left_out if "segments" not in words]
+    words = [f"{name}: {words}" for name, part in parts.items() for words in part.left_out if "segments" not in words]
     rows, edges = np.concatenate([into.rows, back.rows]), np.concatenate([into.edges, back.edges])
     return Points(values, rows, tuple(words), back.baseline if into.baseline is None else into.baseline, edges)
 
@@ -181,8 +181,8 @@ def _of_segment(curve: Curve, segment: SegmentName | None) -> Array:
     if segment is None and not chosen.any():
         return np.ones(len(curve), dtype=bool)
     if not chosen.any():
-        found = ", ".join(curve.segments())
-        raise InputError(f'{curve.where}: segment "{segment}" is empty (segments: {found})')
+        names = ", ".join(curve.segments())
+        raise InputError(f'{curve.where}: segment "{segment}" is empty (segments: {names})')
     return chosen
 
 

@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 from scipy.special import fdtrc
 
-from ...base import Array, JkrError, SolveError, show
+from ...base import NOTICEABLE, Array, JkrError, SolveError, show
 from ...methods.layered.spectrum import spectrum_seconds
 from ..parameters import Parameter
 from .model import Objective
@@ -28,13 +28,13 @@ from .statistics import influence
 
 @dataclass(frozen=True)
 class RangeRivalTuning:
-    """Which ranges are tried, and when they are told."""
+    """Which ranges are tried, and when one is significant."""
 
     # Over the displacement that adhesion adds at JKR's pull-off; Tabor numbers of a sphere 3 to 0.03:
     ranges: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0, 10.0)  # choice: what lies between is interpolated
     first: int = 2  # choice: of them; the next longer ones are tried while they are possible, else the next shorter
     steps: int = 3  # choice: guard, of Gauss and Newton with JKR's derivatives
-    halvings: int = 2  # choice: of the log between the longest possible range and the next
+
     short: float = 0.1  # choice: relative change of w by a step, after which the parts are good to a hundredth
     hopeless: float = 30.0  # choice: excess over what is possible, from which on there are no more steps
     rounded: float = 0.05  # choice: of logs of range and w with which curves are solved, so that fits share them
@@ -57,12 +57,12 @@ class RangeRival:
     chance: float
 
     @property
-    def told(self) -> bool:
+    def significant(self) -> bool:
         return self.best > 0 and self.chance < TUNING.chance
 
     def warnings(self) -> Iterator[str]:
-        """A sentence where the data tell a range from none."""
-        if self.told:
+        """A sentence where a range is significant."""
+        if self.significant:
             yield (
                 f"model rejected, p = {self.chance:.1g}, in favour of adhesion with a range of "
                 f"about {show(self.best, 'length', 2)}: fit with --free range"
@@ -90,7 +90,7 @@ def range_rival_of(minimum: Minimum, variance: float, limit: float, settings: Se
     own, values = any(p.of_body for p in minimum.objective.parameters), minimum.objective.values(minimum.x)
     if own or problem.specimen.radius is not None or spectrum_seconds(problem.specimen) > TUNING.slow:
         return None
-    if min(_works(values)) < SEARCH.least_work * values["modulus"] * body.family.natural_work:
+    if min(_works(values)) < NOTICEABLE * values["modulus"] * body.family.natural_work:
         return None
     try:
         body.coarse.attracted  # noqa: B018  a Refusal where there is none
@@ -109,10 +109,10 @@ def range_rival_of(minimum: Minimum, variance: float, limit: float, settings: Se
 def _climbed(
     lengths: Sequence[float], rung_of: Callable[[float], _Rung], values: Iterable[str], limit: float
 ) -> list[_Rung]:
-    """The rungs of JKR and of those ``lengths`` [m] that tell the longest possible range, by increasing length.
+    """The rungs of JKR and of those ``lengths`` [m] that bracket the longest possible range, by increasing length.
 
-    From the first one tried on they are climbed while they are possible, else descended until one is; what is left
-    open beyond the longest possible one is halved.
+    From the first one tried on they are climbed while they are possible, else descended until one is; the bracket
+    beyond the longest possible one is halved.
     """
     rungs, best = {-1: _Rung(0.0, 0.0, dict.fromkeys(values, 0.0))}, 0.0
     k, step = min(TUNING.first, len(lengths) - 1), 0
@@ -130,13 +130,13 @@ def _climbed(
                 break
             step = 1 if possible else -1
         k += step
-    found = [rungs[k] for k in sorted(rungs)]
+    climbed = [rungs[k] for k in sorted(rungs)]
     with contextlib.suppress(JkrError):
-        for _ in range(TUNING.halvings):
-            if (length := _between(found, limit)) is not None:
-                found.append(rung_of(length))
-                found.sort(key=lambda rung: rung.length)
-    return found
+        for _ in range(SEARCH.halvings):
+            if (length := _between(climbed, limit)) is not None:
+                climbed.append(rung_of(length))
+                climbed.sort(key=lambda rung: rung.length)
+    return climbed
 
 
 def _last_possible(rungs: Sequence[_Rung], limit: float) -> int:
@@ -159,8 +159,8 @@ def _rung(minimum: Minimum, length: float, variance: float, limit: float, loss: 
     plain = minimum.objective
     ranged = (*plain.parameters, Parameter("range", False, length))
     objective = replace(plain, body=plain.body.coarse, parameters=ranged)
-    free, before = plain.free, minimum.found.residuals.ravel()
-    jacobian, weights = minimum.found.jacobian(free), _weights(minimum, loss)
+    free, before = plain.free, minimum.distances.residuals.ravel()
+    jacobian, weights = minimum.distances.jacobian(free), _weights(minimum, loss)
     least, x = float(np.sum(weights * before**2)), minimum.x.copy()
     for _ in range(TUNING.steps):
         if min(works := _works(plain.values(x))) <= 0:
@@ -201,7 +201,7 @@ def _works(values: Mapping[str, float]) -> list[float]:
 
 def _weights(minimum: Minimum, loss: Loss) -> Array:
     """What each residual counts for in the loss, 1 in least squares."""
-    z = minimum.found.residuals.ravel() / minimum.width
+    z = minimum.distances.residuals.ravel() / minimum.width
     psi, _ = influence(z, loss)
     return np.divide(psi, z, out=np.ones_like(z), where=z != 0)
 
@@ -225,5 +225,5 @@ def _judged(rungs: Sequence[_Rung], minimum: Minimum, limit: float) -> RangeRiva
         most = math.sqrt(last.length**2 + part * (beyond.length**2 - last.length**2))
         ends = {key: abs(move + part * (beyond.moves[key] - move)) for key, move in last.moves.items()}
         moves = {key: max(move, ends[key]) for key, move in moves.items()}
-    n = minimum.found.residuals.size - minimum.objective.free.size
+    n = minimum.distances.residuals.size - minimum.objective.free.size
     return RangeRival(best.length, most, moves, float(fdtrc(1, max(n - 1, 1), max(-best.excess, 0.0))))

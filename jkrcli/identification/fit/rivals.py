@@ -1,10 +1,10 @@
-"""How far what was fitted rests on its model: the nearest other models, told apart by the data or not.
+"""How far a fit rests on its model: the nearest other models, which the data reject or not.
 
-Three rivals are looked at: a work of adhesion that changes along the record, moduli that do, as those of a layer or a
+There are three rivals: a work of adhesion that changes along the record, moduli that do, as those of a layer or a
 base seem to, and adhesion that has a range (``range_rival``). The first two add one direction each to the residuals,
-that of w or of the moduli times a straight line in the contact radius. Where the data tell a rival from the model to
-first order, this is a warning. What they leave of it is fitted again at both of its ends: it moves the parameters, a
-second part of their uncertainty beside the statistical one.
+that of w or of the moduli times a straight line in the contact radius. Where a rival is significant to first order,
+this is a warning. What the data leave of it is fitted again at both of its ends: it moves the parameters, a second part
+of their uncertainty beside the statistical one.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from .statistics import rise, t_quantile
 
 @dataclass(frozen=True)
 class RivalTuning:
-    """What is expected of rivals before the data, and when they are told."""
+    """What is expected of rivals before the data, and when they are significant."""
 
     likely: float = 0.5  # choice: standard deviation of the relative change along the record; w of polymers may double
     chance: float = 5e-3  # choice: at which data of the model itself show a rival
@@ -57,27 +57,27 @@ class Rival:
     @property
     def words(self) -> str:
         """The change with its size, which is of first order and no number where it is beyond ``TUNING``'s guards."""
-        held = float(np.clip(self.change, *TUNING.changes))
-        return f"{RIVALS[self.name][0]} by {'' if held == self.change else 'more than '}{held:+.0%}"
+        clipped = float(np.clip(self.change, *TUNING.changes))
+        return f"{RIVALS[self.name][0]} by {'' if clipped == self.change else 'more than '}{clipped:+.0%}"
 
 
 @dataclass(frozen=True, eq=False)
 class Rivals:
-    """The rivals of a fit; ``chance``: that data of the model itself speak as much for those ``found``; ``range``: of
+    """The rivals of a fit; ``chance``: that data of the model itself speak as much for its ``members``; ``range``: of
     adhesion, None where none was tried."""
 
-    found: tuple[Rival, ...]
+    members: tuple[Rival, ...]
     chance: float
     range: RangeRival | None = None
 
     @property
-    def told(self) -> bool:
+    def significant(self) -> bool:
         return self.chance < TUNING.chance
 
     def warnings(self) -> Iterator[str]:
-        """A sentence where the data tell a rival from the model."""
-        if self.told:
-            parts = " or ".join(rival.words for rival in self.found)
+        """A sentence where a rival is significant."""
+        if self.significant:
+            parts = " or ".join(rival.words for rival in self.members)
             yield (
                 f"model rejected, p = {self.chance:.1g}, in favour of {parts} with the contact "
                 "radius: other bodies (a layer, a base), or adhesion that depends on speed or has a range; the "
@@ -88,10 +88,10 @@ class Rivals:
 
     def with_parts(self, estimates: Sequence[FittedValue]) -> tuple[FittedValue, ...]:
         """The ``estimates`` with what the rivals may move each by; what follows from the moduli's factor with it."""
-        moves = {RIVALS[rival.name][0]: rival.moves for rival in self.found}
+        moves = {RIVALS[rival.name][0]: rival.moves for rival in self.members}
         moves |= {} if self.range is None else {RANGE: self.range.moves}
         modulus = next((item.value for item in estimates if item.name == "modulus"), 1.0)
-        found = []
+        extended = []
         for item in estimates:
             parts = {}
             for name, by in moves.items() if item.error is not None else ():
@@ -100,32 +100,32 @@ class Rivals:
                     move = item.value * by.get("modulus", 0.0) / modulus
                 if move:
                     parts[name] = move
-            found.append(replace(item, model=parts or None))
-        return tuple(found)
+            extended.append(replace(item, model=parts or None))
+        return tuple(extended)
 
 
 def rivals_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -> Rivals:
-    """The rivals of what was found; ``variance`` of the residuals and its degrees of freedom. None of few points, and
-    of parameters that are 0."""
-    objective, residuals = minimum.objective, minimum.found.residuals.ravel()
+    """The rivals of a ``minimum``; ``variance`` of the residuals and its degrees of freedom. None of few points, and of
+    parameters that are 0."""
+    objective, residuals = minimum.objective, minimum.distances.residuals.ravel()
     values = objective.values(minimum.x)
     wanted = [name for name in RIVALS if values.get(name, 0.0) > 0]
     if dof < TUNING.fewest or not wanted or not variance > 0:
         return Rivals((), 1.0)
     t, both = t_quantile(settings.level, dof), dof * rise(settings.level, dof, 2)  # w and the range together
     ranged = range_rival_of(minimum, variance, both, settings) if "w" in wanted else None
-    jacobian = minimum.found.jacobian(objective.free)
+    jacobian = minimum.distances.jacobian(objective.free)
     directions = np.stack([_direction(minimum, name) for name in wanted], axis=1)
     alone = directions - jacobian @ np.linalg.lstsq(jacobian, directions, rcond=None)[0]
-    found, close = [], TUNING.close * math.sqrt(variance)
+    rivals, close = [], TUNING.close * math.sqrt(variance)
     for name, direction in zip(wanted, alone.T, strict=True):
         precision = float(direction @ direction) / variance
         if precision > 0:
             change = -float(direction @ residuals) / variance / precision
             spread = t / math.sqrt(precision + 1 / TUNING.likely**2)
             centre = change * (spread / t) ** 2 * precision
-            found.append(Rival(name, change, _moves(minimum, name, (centre - spread, centre + spread), close)))
-    return Rivals(tuple(found), _chance(alone, residuals, variance, dof), ranged)
+            rivals.append(Rival(name, change, _moves(minimum, name, (centre - spread, centre + spread), close)))
+    return Rivals(tuple(rivals), _chance(alone, residuals, variance, dof), ranged)
 
 
 def _moves(minimum: Minimum, name: str, changes: tuple[float, ...], close: float) -> dict[str, float]:
@@ -134,7 +134,7 @@ def _moves(minimum: Minimum, name: str, changes: tuple[float, ...], close: float
     objective, before = minimum.objective, minimum.objective.values(minimum.x)
     free = [objective.parameters[i].name for i in objective.free]
     moves = dict.fromkeys(free, 0.0)
-    a = np.exp(minimum.found.u)
+    a = np.exp(minimum.distances.u)
     for change in changes:
         drift = Drift(name, float(np.clip(change, *TUNING.changes)), RIVALS[name][1], float(a.min()), float(a.max()))
         after = _followed(minimum, drift, close)
@@ -146,7 +146,7 @@ def _followed(minimum: Minimum, drift: Drift, close: float) -> dict[str, float]:
     """The values of the parameters with a ``drift`` that leave the residuals as they are, as nearly as possible: what
     noise and outliers there are stays. Gauss-Newton, until a step changes the residuals by less than ``close``."""
     objective, x = replace(minimum.objective, drift=drift), minimum.x.copy()
-    free, kept = objective.free, minimum.found.residuals.ravel()
+    free, target = objective.free, minimum.distances.residuals.ravel()
     logs = np.array([parameter.kind == "log" for parameter in objective.parameters])
     low, high = x - np.where(logs, SEARCH.reach, np.inf), x + np.where(logs, SEARCH.reach, np.inf)
     before = x
@@ -158,7 +158,7 @@ def _followed(minimum: Minimum, drift: Drift, close: float) -> dict[str, float]:
             x = (x + before) / 2
             continue
         before = x.copy()
-        step = np.linalg.lstsq(jacobian, there.residuals.ravel() - kept, rcond=None)[0]
+        step = np.linalg.lstsq(jacobian, there.residuals.ravel() - target, rcond=None)[0]
         x[free] -= step
         x = np.clip(x, low, high)
         if np.linalg.norm(jacobian @ step) < close:
@@ -173,8 +173,8 @@ def _direction(minimum: Minimum, name: str) -> Array:
     """Derivative of the residuals by the relative change of the parameter ``name`` along the record, (k n,)."""
     index = [parameter.name for parameter in minimum.objective.parameters].index(name)
     parameter, x = minimum.objective.parameters[index], float(minimum.x[index])
-    by_log = minimum.found.jacobian(np.array([index]))[:, 0] * parameter.outer(x) / parameter.derivative(x)
-    a = np.exp(minimum.found.u)
+    by_log = minimum.distances.jacobian(np.array([index]))[:, 0] * parameter.outer(x) / parameter.derivative(x)
+    a = np.exp(minimum.distances.u)
     place = (a - a.min()) / max(float(np.ptp(a)), TINY) - RIVALS[parameter.name][1]
     return by_log * np.tile(place, by_log.size // place.size)
 

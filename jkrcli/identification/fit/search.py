@@ -16,7 +16,7 @@ from functools import partial
 
 import numpy as np
 
-from ...base import MOST_SOLVES, SETTLED, Array, InputError, JkrError, SolveError, show
+from ...base import MOST_SOLVES, NOTICEABLE, ROUNDED, SETTLED, Array, InputError, JkrError, SolveError, show
 from ..least_squares import Least, LeastSquares, State
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING, RestingMember
@@ -30,11 +30,10 @@ from .statistics import TURNS, robust_scale
 
 @dataclass(frozen=True)
 class FitSearchTuning:
-    """Limits of the search: where starts are looked for, how they are followed, which minimum is the answer."""
+    """Limits of the search: where it starts, which starts it follows, which minimum is the answer."""
 
     # Least squares
-    converged_layers: float = 1e-9  # choice: the same for layers and ranges, by curves good to 1e-8 themselves
-    converged_robust: float = 1e-7  # choice: the same with a robust loss, whose turn is an estimate
+    converged_rough: float = 1e-7  # choice: relative, of a robust loss, whose turn is an estimate, and of samples
     evaluations: int = 200  # choice: guard
     reach: float = 7.0  # choice: guard, how far logs may move from their start
     body_reach: float = 9.0  # choice: guard, the same of layers from their nominal values
@@ -57,18 +56,18 @@ class FitSearchTuning:
     )
     looked_at: int = 8  # tuned on records by `make tuning`: starts whose cost is computed in full
     followed: int = 4  # tuned on records by `make tuning`: starts that are followed to their minimum
-    ranged: int = 1  # choice: starts of JKR from which ranges are tried
+
     # Ranges over the displacement that adhesion adds at JKR's pull-off; Tabor numbers 0.3, 1, 3, 10:
     ranges: tuple[float, ...] = (1.0, 0.3, 0.1, 0.03)  # choice: least squares bridges what lies between
     halvings: int = 2  # choice: of the steps next to the least, whose valley may be as narrow as one
     followed_ranges: int = 2  # choice: of them that are followed to their minimum
-    least_work: float = 1e-3  # choice: of the natural one, with which a range is tried
+
     span: float = 5.0  # choice: of the log of a range from its start: beyond, all is a rigid sphere or JKR
     # Cycles
     least_shift: float = 1e-2  # choice: root of the least difference of w in and out that is tried, over the natural w
     shares: tuple[float, ...] = (0.75, 0.5)  # choice: of a way back, what may recede if the rest is at rest
-    asked: float = 16.0  # theory: fall of chi^2 by a turn and a choice of rows that chance brings once in 2000
-    nearer: float = 16.0  # choice: square of a distance, in standard deviations, that no noise makes
+    worth: float = 16.0  # theory: fall of chi^2 by a turn and a choice of rows that chance brings once in 2000
+    nearer: float = 16.0  # theory: square of four standard deviations, beyond which 6e-5 of normal noise lies
     # Minima, in sizes of the curve
     least_size: float = 0.05  # choice: of the data's range, the least size of a curve
     near: float = 1e-3  # tuned on records by `make tuning`: residuals so small that no other start is tried
@@ -88,21 +87,21 @@ TUNING = FitSearchTuning()
 # ---------------------------------------------------------------------- least squares
 @dataclass(frozen=True, eq=False)
 class ScaledDistances(State):
-    """The distances ``found`` at some unknowns as the search takes them."""
+    """The ``distances`` at some unknowns as the search takes them."""
 
-    found: Distances | PathDistances
+    distances: Distances | PathDistances
 
 
 def _scaled(objective: Objective, begin: Array, units: Array, y: Array) -> ScaledDistances:
     """The distances at the free unknowns ``y`` in ``units``, the others as in ``begin``."""
     x = begin.copy()
     x[objective.free] = y * units
-    found = objective.distances(x)
-    return ScaledDistances(found.residuals.ravel(), partial(_rates, found, objective.free, units), found)
+    distances = objective.distances(x)
+    return ScaledDistances(distances.residuals.ravel(), partial(_rates, distances, objective.free, units), distances)
 
 
-def _rates(found: Distances | PathDistances, free: Array, units: Array) -> Array:
-    return found.jacobian(free) * units
+def _rates(distances: Distances | PathDistances, free: Array, units: Array) -> Array:
+    return distances.jacobian(free) * units
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,10 +115,10 @@ class Minimum:
     least: Least
 
     @property
-    def found(self) -> Distances | PathDistances:
+    def distances(self) -> Distances | PathDistances:
         """The distances there."""
         assert isinstance(self.least.state, ScaledDistances)
-        return self.least.state.found
+        return self.least.state.distances
 
     @property
     def cost(self) -> float:
@@ -135,7 +134,7 @@ class Minimum:
     def at_bound(self) -> tuple[str, ...]:
         """Names of parameters that end on a bound."""
         free = zip(self.objective.free, self.least.at_bound, strict=True)
-        return tuple(self.objective.parameters[i].name for i, held in free if held)
+        return tuple(self.objective.parameters[i].name for i, on_bound in free if on_bound)
 
     def settled(self) -> Minimum:
         """This minimum; SolveError where its search was given up."""
@@ -148,8 +147,8 @@ def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: f
     """The least sum of squares (or of a robust ``loss`` that turns at ``width``) from the unknowns ``start``.
 
     Where the data do not determine the unknowns the search may creep along a valley that has no lowest point, and
-    whether it stops there is a matter of round-off: it is given up after so many evaluations, and the point is told as
-    one that did not end.
+    whether it stops there is a matter of round-off: it is given up after so many evaluations, and the minimum is marked
+    as one whose search did not end.
     """
     free = objective.free
     begin = np.array(start, dtype=float)
@@ -159,21 +158,21 @@ def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: f
     units = np.array([1.0 if p.kind == "log" else natural[p.name] for p in objective.parameters])[free]
     bounds = low[free] / units, high[free] / units
     splines = objective.ranged or any(objective.parameters[i].of_body for i in free)
-    close = TUNING.converged_layers if splines else SETTLED
-    close = close if loss == "linear" else max(close, TUNING.converged_robust)
+    close = ROUNDED if splines else SETTLED  # curves of layers and ranges are good to 1e-8 themselves
+    close = close if loss == "linear" else max(close, TUNING.converged_rough)
     problem = LeastSquares(
         partial(_scaled, objective, begin, units), bounds, close, 0.0, TUNING.evaluations, loss, width
     )
-    found = problem.least(_inside(begin[free] / units, *bounds))
+    least = problem.least(_inside(begin[free] / units, *bounds))
     x = begin.copy()
-    x[free] = found.x * units
-    return Minimum(objective, x, units, found)
+    x[free] = least.x * units
+    return Minimum(objective, x, units, least)
 
 
 def robust(minimum: Minimum, loss: Loss) -> Minimum:
     """The minimum of a robust loss from that of least squares on; its turn is set twice by the residuals' scatter."""
     for _ in range(2 * (loss != "linear")):
-        width = TURNS[loss] * max(robust_scale(minimum.found.residuals), 1e-12)
+        width = TURNS[loss] * max(robust_scale(minimum.distances.residuals), 1e-12)
         minimum = minimise(minimum.objective, minimum.x, loss, width)
     return minimum
 
@@ -215,7 +214,7 @@ class Start:
 
 
 def starts(family: Family, points: Points, known: Mapping[str, float], beyond: bool) -> list[Start]:
-    """The best starting values found, best first; InputError where no curve of the series resembles the data.
+    """The best starting values, best first; InputError where no curve of the series resembles the data.
 
     ``known``: the values that are fixed, SI. ``beyond``: curves that go beyond the series count too.
     """
@@ -224,16 +223,16 @@ def starts(family: Family, points: Points, known: Mapping[str, float], beyond: b
     delta, P = _stable_rows(points.values["delta"], points.values["P"])
     u = np.linspace(family.low, family.high + (TUNING.beyond if beyond else TUNING.slightly), TUNING.nodes)
     (D, T, H, V), (dD, dT, dH, dV), _ = family.at(u)
-    found = []
+    candidates = []
     for P0, shape in itertools.product(_load_zeros(points, known), _shapes(dH / dV)):
         stable = slice(int(np.argmin(H - shape * V)), None)
         delta_P_and_rates = [(X - shape * Y)[stable] for X, Y in ((D, T), (H, V), (dD, dT), (dH, dV))]
         curve = StableBranch(shape, u[stable], *delta_P_and_rates)
-        found += curve.match(delta, P - P0, {**known, "P0": P0})
-    found.sort(key=lambda start: start.cost)
-    if not found:
+        candidates += curve.match(delta, P - P0, {**known, "P0": P0})
+    candidates.sort(key=lambda start: start.cost)
+    if not candidates:
         raise InputError("no curve of the series resembles the data: check signs, units and the indenter")
-    return found[: TUNING.alternatives]
+    return candidates[: TUNING.alternatives]
 
 
 def _stable_rows(delta: Array, P: Array) -> tuple[Array, Array]:
@@ -319,18 +318,18 @@ def _with_radii(family: Family, points: Points, known: Mapping[str, float]) -> S
         columns, wanted = [H, -V, np.ones_like(H)], load - P0
         if "P0" in known:
             columns.pop()
-        found = _linear_fit(columns, wanted)
-        P0 = P0 if "P0" in known else found[2]
-        s = max(found[0], 1e-3 * np.ptp(load) / np.ptp(H)) if s is None else s
-        w = max(found[1], 0.0) ** 2 / s if w is None else w
+        coefficients = _linear_fit(columns, wanted)
+        P0 = P0 if "P0" in known else coefficients[2]
+        s = max(coefficients[0], 1e-3 * np.ptp(load) / np.ptp(H)) if s is None else s
+        w = max(coefficients[1], 0.0) ** 2 / s if w is None else w
     s = 1.0 if s is None else s
     delta0 = known.get("delta0") or 0.0
     if "delta" in points.columns:
         delta = points.values["delta"] - D - (0.0 if load is None else compliance * (load - P0))
         if w is None:
             columns = [-T] if "delta0" in known else [-T, np.ones_like(T)]
-            found = _linear_fit(columns, delta - delta0)
-            w, delta0 = max(found[0], 0.0) ** 2 * s, (delta0 if "delta0" in known else found[1])
+            coefficients = _linear_fit(columns, delta - delta0)
+            w, delta0 = max(coefficients[0], 0.0) ** 2 * s, (delta0 if "delta0" in known else coefficients[1])
         elif "delta0" not in known:
             delta0 = float(np.mean(delta + np.sqrt(w / s) * T))
     assert w is not None
@@ -373,7 +372,7 @@ def _there_and_back(body: FittedBody, points: Points, settings: Settings) -> Min
     plain = settings.without_range
     into = _of_a_branch(body, forth, plain.of_the_approach)
     objective = replace(into.objective, parameters=plain.parameters, points=points)
-    values = into.objective.values(into.x) | {"a_turn": float(into.found.a.max())}
+    values = into.objective.values(into.x) | {"a_turn": float(into.distances.a.max())}
     values["w_approach"] = values["w"]
     shifts = np.append(0.0, np.geomspace(TUNING.least_shift, 1, TUNING.nodes // 8)) ** 2
     natural = objective.body.family.natural_work * values["modulus"]
@@ -385,24 +384,24 @@ def _there_and_back(body: FittedBody, points: Points, settings: Settings) -> Min
     values, objective = jkr.objective.values(jkr.x), replace(objective, parameters=settings.parameters)
     tried = list(_ranged(body, values, law.name)) if law.free else [{**values, law.name: float(law.value or 0.0)}]
     tried.sort(key=lambda values: _assigned(objective, values)[0])
-    found = [_settled(objective, values) for values in tried[: TUNING.followed_ranges]]
-    return min(found, key=lambda item: item.cost)
+    minima = [_settled(objective, values) for values in tried[: TUNING.followed_ranges]]
+    return min(minima, key=lambda item: item.cost)
 
 
 def _back(body: FittedBody, points: Points, settings: Settings) -> Minimum:
     """The best fit to a way back, whose edge may rest at first: with the turn only where the rows ask for one."""
-    found = _of_a_branch(body, replace(points, edges=None), settings.of_a_branch)
-    objective = replace(found.objective, parameters=settings.parameters, points=points)
-    variance = found.cost / max(len(points) - found.objective.free.size, 1)
+    minimum = _of_a_branch(body, replace(points, edges=None), settings.of_a_branch)
+    objective = replace(minimum.objective, parameters=settings.parameters, points=points)
+    variance = minimum.cost / max(len(points) - minimum.objective.free.size, 1)
     order = np.argsort(points.values["P" if "P" in points.columns else "delta"])
     for share in TUNING.shares:
         some = np.sort(order[: round(share * len(points))])
         with contextlib.suppress(JkrError):
-            lower = minimise(replace(found.objective, points=points.at(some)), found.x)
+            lower = minimise(replace(minimum.objective, points=points.at(some)), minimum.x)
             values = lower.objective.values(lower.x)
             rested = _settled(objective, values | {"a_turn": _turn(objective, values, int(order[-1]))})
-            found = rested if found.cost - rested.cost > TUNING.asked * variance else found
-    return found
+            minimum = rested if minimum.cost - rested.cost > TUNING.worth * variance else minimum
+    return minimum
 
 
 def _turn(objective: Objective, values: Mapping[str, float], top: int) -> float:
@@ -425,12 +424,12 @@ def _settled(objective: Objective, values: Mapping[str, float]) -> Minimum:
     _, points, x = _assigned(objective, values)
     for _ in range(MOST_SOLVES):
         objective = _without_idle(replace(objective, parameters=parameters, points=points))
-        found = minimise(objective, x)
+        minimum = minimise(objective, x)
         before = points
-        _, points, x = _assigned(objective, objective.values(found.x))
+        _, points, x = _assigned(objective, objective.values(minimum.x))
         if np.all(points.edges == before.edges):
             break
-    return found
+    return minimum
 
 
 def _assigned(objective: Objective, values: Mapping[str, float]) -> tuple[float, Points, Array]:
@@ -444,7 +443,7 @@ def _assigned(objective: Objective, values: Mapping[str, float]) -> tuple[float,
         edges = points.edges.copy()
         edges[back] = edge
         each.append(_along(objective, points, edges, x))
-    still, (off, moving) = each[0].at(RESTING), (np.sum(found.residuals**2, axis=0)[back] for found in each)
+    still, (off, moving) = each[0].at(RESTING), (np.sum(distances.residuals**2, axis=0)[back] for distances in each)
     assert isinstance(still.readings.member, RestingMember)
     end = math.sqrt(values["w"] / values["modulus"]) / still.readings.member.unit
     rests = (still.u <= end) & (off < moving + TUNING.nearer)
@@ -455,16 +454,16 @@ def _assigned(objective: Objective, values: Mapping[str, float]) -> tuple[float,
 
 def _along(objective: Objective, points: Points, edges: Array, x: Array) -> PathDistances:
     """The distances of the points of a cycle with these ``edges``."""
-    found = replace(objective, points=replace(points, edges=edges)).distances(x, rated=False)
-    assert isinstance(found, PathDistances)
-    return found
+    distances = replace(objective, points=replace(points, edges=edges)).distances(x, rated=False)
+    assert isinstance(distances, PathDistances)
+    return distances
 
 
 def _without_idle(objective: Objective) -> Objective:
-    """The objective with what no row of a cycle tells held: w where none recedes, the turn where none rests."""
+    """The objective with w fixed where no row of a cycle recedes, the turn where none rests."""
     edges = set(objective.points.edges if objective.points.edges is not None else ())
     idle = [name for edge, name in ((RECEDING, "w"), (RESTING, "a_turn")) if edge not in edges]
-    return objective.held(*idle)
+    return objective.holding(*idle)
 
 
 # ---------------------------------------------------------------------- bodies and radii
@@ -481,13 +480,13 @@ def _of_a_branch(body: FittedBody, points: Points, settings: Settings) -> Minimu
             body = body.to_radius(TUNING.room * tried[0].reach)
             continue
         minimum = _best(body, points, settings, tried)
-        reach = float(minimum.found.a.max())
+        reach = float(minimum.distances.a.max())
         if not body.extensible or TUNING.least_used * high <= reach <= high * TUNING.past_end:
             break
         body = body.to_radius(TUNING.room * reach)
     else:
         minimum = _best(body, points, settings, _all_starts(body, points, settings))
-    a = minimum.found.a
+    a = minimum.distances.a
     # A curve of finite range begins at first touch, whatever the series does.
     least = math.inf if minimum.objective.ranged else float(a.min())
     _check_reach(minimum.objective.body, least, float(a.max()))
@@ -531,8 +530,8 @@ def _all_starts(body: FittedBody, points: Points, settings: Settings) -> list[St
     reason: JkrError | None = None
     for own in _bodies(body, settings):
         try:
-            found = starts(body.with_values(own).family, points, known, body.extensible)
-            tried += [replace(start, values={**start.values, **own}) for start in found]
+            near = starts(body.with_values(own).family, points, known, body.extensible)
+            tried += [replace(start, values={**start.values, **own}) for start in near]
         except JkrError as error:
             reason = error
     if not tried:
@@ -540,20 +539,15 @@ def _all_starts(body: FittedBody, points: Points, settings: Settings) -> list[St
         raise reason
     tried.sort(key=lambda start: start.cost)
     law = settings.range
-    return tried if law is None or not law.free else list(_with_ranges(body, tried, law.name))
-
-
-def _with_ranges(body: FittedBody, tried: Sequence[Start], name: str) -> Iterator[Start]:
-    """The nearest starts with ranges (or tensions) from those of a rigid sphere to those of JKR."""
-    for start in tried[: TUNING.ranged]:
-        for values in _ranged(body, start.values, name):
-            yield replace(start, values=values)
+    if law is None or not law.free:
+        return tried
+    return [replace(tried[0], values=values) for values in _ranged(body, tried[0].values, law.name)]
 
 
 def _ranged(body: FittedBody, values: Mapping[str, float], name: str) -> Iterator[dict[str, float]]:
     """These values with ranges (or tensions, as ``name`` says) from those of a rigid sphere to those of JKR."""
     s = values["modulus"]
-    w = max(values["w"], TUNING.least_work * body.family.natural_work * s)
+    w = max(values["w"], NOTICEABLE * body.family.natural_work * s)
     for part in TUNING.ranges:
         length = part * body.family.neck(s, w)
         yield {**values, "w": w, name: length if name == "range" else w / length}
@@ -574,32 +568,32 @@ def _bodies(body: FittedBody, settings: Settings) -> Iterator[dict[str, float]]:
 def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Start]) -> Minimum:
     """The minimum from the nearest start; where it stays far from the data the lowest of those from all starts.
 
-    Starts are those found in the data and, where given, the user's. InputError where all stay far.
+    Starts are those from the data and, if any, the user's. InputError where all stay far.
     """
     unknowns = [_unknowns(settings, start) for start in tried[: TUNING.looked_at]]
     sizes = _sizes(body, points, settings, tried[0], unknowns[0])
     scales = scatter(points.values, sizes) | dict(settings.noise)
     objective = Objective(body, settings.parameters, points, np.array([scales[name] for name in points.columns]))
     if any(p.value is not None for p in settings.free):
-        given = ((p.value, x, p) for p, x in zip(settings.parameters, unknowns[0], strict=True))
-        unknowns.append(np.array([x if value is None else p.inner(value) for value, x, p in given]))
+        nearest = zip(settings.parameters, unknowns[0], strict=True)
+        unknowns.append(np.array([x if p.value is None else p.inner(p.value) for p, x in nearest]))
     far = max(scales[name] / sizes[name] for name in points.columns)
-    found: list[Minimum] = []
+    minima: list[Minimum] = []
     failed: JkrError | None = None
     for x in _by_cost(objective, unknowns)[: TUNING.followed_ranges if objective.ranged else TUNING.followed]:
         try:
-            found.append(minimise(objective, x))
+            minima.append(minimise(objective, x))
         except JkrError as error:
             if not objective.ranged:
                 raise
             failed = error
             continue
-        if not objective.ranged and _is_good(found[-1], far):  # good without its range is not yet the best with it
+        if not objective.ranged and _is_good(minima[-1], far):  # good without its range is not yet the best with it
             break
-    if failed is not None and not found:
+    if failed is not None and not minima:
         raise failed
-    minimum = min(found, key=lambda item: item.cost)
-    distance = far * robust_scale(minimum.found.residuals)
+    minimum = min(minima, key=lambda item: item.cost)
+    distance = far * robust_scale(minimum.distances.residuals)
     if distance > TUNING.alien:
         raise InputError(
             f"no curve of this body comes within {distance:.2g} of the data's size: "
@@ -613,33 +607,32 @@ def _is_good(minimum: Minimum, far: float) -> bool:
 
     ``far``: the scales in sizes of the curve, 1 where the record did not tell the noise.
     """
-    distance = robust_scale(minimum.found.residuals)
+    distance = robust_scale(minimum.distances.residuals)
     return distance * far < TUNING.near or (distance < TUNING.noise and far < TUNING.far)
 
 
 def _by_cost(objective: Objective, unknowns: list[Array]) -> list[Array]:
-    """Starts sorted by their cost; where layers or a range vary, after the other parameters were fitted with these
-    held."""
+    """Starts sorted by their cost; where layers or a range vary, after a fit of the other parameters alone."""
     own = [p.name for p in objective.parameters if (p.of_body or p.name in RANGES) and p.free]
-    held = objective.held(*own)
-    if not own or held.free.size == 0:
+    others = objective.holding(*own)
+    if not own or others.free.size == 0:
         return sorted(unknowns, key=lambda x: _cost(objective, x))
-    found = []
+    minima = []
     for x in unknowns:
         try:
-            found.append(minimise(held, x))
+            minima.append(minimise(others, x))
         except JkrError:
             if not objective.ranged:
                 raise
-    for _ in range(TUNING.halvings if objective.ranged and found else 0):
-        found += _between(held, found, next(i for i, p in enumerate(objective.parameters) if p.name in RANGES))
-    return [found[i].x for i in np.argsort([minimum.cost for minimum in found])] if found else unknowns
+    for _ in range(TUNING.halvings if objective.ranged and minima else 0):
+        minima += _between(others, minima, next(i for i, p in enumerate(objective.parameters) if p.name in RANGES))
+    return [minima[i].x for i in np.argsort([minimum.cost for minimum in minima])] if minima else unknowns
 
 
-def _between(held: Objective, found: Sequence[Minimum], place: int) -> list[Minimum]:
-    """The least costs half way from the lowest of those ``found`` to its neighbours on both sides, in the logarithm of
-    the range that is held, at the ``place`` of the unknowns."""
-    ordered = sorted(found, key=lambda minimum: float(minimum.x[place]))
+def _between(objective: Objective, minima: Sequence[Minimum], place: int) -> list[Minimum]:
+    """The least costs half way from the lowest of the ``minima`` to its neighbours on both sides, in the logarithm of
+    the range, which the ``objective`` holds, at the ``place`` of the unknowns."""
+    ordered = sorted(minima, key=lambda minimum: float(minimum.x[place]))
     best = min(range(len(ordered)), key=lambda i: ordered[i].cost)
     between = []
     for other in ordered[max(best - 1, 0) : best + 2]:
@@ -647,7 +640,7 @@ def _between(held: Objective, found: Sequence[Minimum], place: int) -> list[Mini
         x[place] = (x[place] + other.x[place]) / 2
         if other is not ordered[best]:
             with contextlib.suppress(JkrError):
-                between.append(minimise(held, x))
+                between.append(minimise(objective, x))
     return between
 
 
@@ -668,9 +661,9 @@ def _unknowns(settings: Settings, start: Start) -> Array:
 
 def _sizes(body: FittedBody, points: Points, settings: Settings, start: Start, x: Array) -> dict[str, float]:
     """The size of the start's curve on each axis: its pull-off, or a part of the data's range where that is larger."""
-    held = body.with_values({p.name: start.values[p.name] for p in settings.parameters if p.of_body})
+    solved = body.with_values({p.name: start.values[p.name] for p in settings.parameters if p.of_body})
     readings = Readings(
-        held.members(settings.range is not None), settings.parameters, x, points.columns, np.ones(len(points.columns))
+        solved.members(settings.range is not None), settings.parameters, x, points.columns, np.ones(len(points.columns))
     )
     offsets = {"delta": readings.values["delta0"], "P": readings.values["P0"]}
     curve = readings.along(arc(readings))[0]

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...adhesion import RATE_LAWS, Nonadhesive, RateLaw, rate_parameters
-from ...base import SAME, Array, InputError, JkrError, Ranged, SolveError, Unknown, did_you_mean, show
+from ...base import NOTICEABLE, SAME, Array, InputError, JkrError, Ranged, SolveError, Unknown, did_you_mean, show
 from ...data import Curve
 from ..answer import Answer
 from ..fit import FittedBody, Settings, covariance, fit, t_quantile
@@ -34,12 +34,10 @@ from .through import TUNING as POINTS
 class RateFitTuning:
     """How the least sum of squares is sought, and when it is doubted."""
 
-    converged: float = 1e-6  # choice: relative, far below any standard error
-    started: float = 1e-3  # choice: the same of a start, beyond which it takes the whole records
     good: float = 3.0  # theory: standard deviations of the scatter over 1 up to which no other start is tried
     softer: tuple[float, ...] = (1.0, 0.8, 0.64, 0.5, 0.4)  # choice: moduli over that of an even adhesion
     beyond: float = 0.2  # choice: of a record's length, how long after its last row contact may be predicted to be lost
-    looked_at: int = 1_000  # choice: times among which that is looked for
+    looked_at: int = 1_000  # choice: times at which the contact is examined for it
     rows: int = 120  # choice: of each record, by which starts are compared and followed
     exponents: tuple[float, ...] = (0.3, 0.6, 1.0)  # choice: starts of n, where the points' own does not lead to it
     first: int = 15  # choice: rows from which the radius at the begin is guessed
@@ -50,9 +48,9 @@ TUNING = RateFitTuning()
 
 @dataclass(frozen=True)
 class RateSettings:
-    """What is asked: the ``law`` by name, the common ``unknowns`` (modulus, w0, those of the law, delta0, P0), the
-    ``level`` of the intervals and by what ``confidence`` they are found, the ``segment`` of the rows; values to
-    ``start`` from: the search begins there alone where all of the free ones are given."""
+    """A request: the ``law`` by name, the common ``unknowns`` (modulus, w0, those of the law, delta0, P0), the
+    ``level`` of the intervals and by what ``confidence`` they are computed, the ``segment`` of the rows; values to
+    ``start`` from: the search begins there alone where they are those of all free ones."""
 
     law: str
     unknowns: Unknowns
@@ -122,19 +120,19 @@ def rate_fit(body: FittedBody, curves: Sequence[Curve], settings: RateSettings) 
     coarse = problem.thinned()
     best: Least | None = None
     for start in coarse.starts():
-        found = coarse.minimise(start, TUNING.started)
-        if found is not None and (best is None or found.cost < best.cost):
-            best = found
+        least = coarse.minimise(start, NOTICEABLE)  # what is below takes the whole records
+        if least is not None and (best is None or least.cost < best.cost):
+            best = least
         usual = 1 + TUNING.good / math.sqrt(2 * coarse.size)
         if best is not None and coarse.scatter(best) < usual and not best.at_bound.any():
             break
-    found = None if best is None else problem.minimise(best.x)
-    if found is not None:
-        problem = problem.settled(found)
-        found = problem.minimise(found.x)
-    if found is None:
+    least = None if best is None else problem.minimise(best.x)
+    if least is not None:
+        problem = problem.settled(least)
+        least = problem.minimise(least.x)
+    if least is None:
         raise SolveError("the fit over speed found no start from which it converges; fix n or v0, or check the units")
-    return problem.result(found)
+    return problem.result(least)
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,9 +175,9 @@ class _Problem:
         common = np.flatnonzero([parameter.free for parameter in self.unknowns.parameters])
         P0 = self.unknowns.values(theta)["P0"]
         for i, record in enumerate(self.records):
-            found = self.prediction(theta, i)
+            prediction = self.prediction(theta, i)
             first = common.size + 3 * i
-            for column, model, by in (("P", found.P + P0, found.dP), ("a", found.a, found.da)):
+            for column, model, by in (("P", prediction.P + P0, prediction.dP), ("a", prediction.a, prediction.da)):
                 read = getattr(record, column)
                 if read is None:
                     continue
@@ -200,44 +198,44 @@ class _Problem:
         """The least sum of squares from ``start`` on, to ``cost`` relatively; None where the way there fails."""
         try:
             bounds = self.unknowns.bounds(start, FITS.reach)
-            return LeastSquares(self.equations, bounds, TUNING.converged, cost).least(start)
+            return LeastSquares(self.equations, bounds, SAME, cost).least(start)
         except (JkrError, FloatingPointError, OverflowError, np.linalg.LinAlgError):
             return None
 
-    def scatter(self, found: Least) -> float:
+    def scatter(self, least: Least) -> float:
         """Standard deviation of the residuals over what they are weighed by."""
-        return math.sqrt(2 * found.cost / max(self.size - found.x.size + 2 * len(self.records), 1))
+        return math.sqrt(2 * least.cost / max(self.size - least.x.size + 2 * len(self.records), 1))
 
     @property
     def size(self) -> int:
         """Number of readings."""
         return sum(record.t.size * len(record.noise) for record in self.records)
 
-    def residuals(self, found: Least) -> list[dict[str, Array]]:
+    def residuals(self, least: Least) -> list[dict[str, Array]]:
         """What each record's columns differ from the prediction."""
         parts = []
         for i, record in enumerate(self.records):
-            told = self.prediction(found.x, i)
-            P = told.P + self.unknowns.values(found.x)["P0"] - record.P
-            parts.append({"P": P} | ({} if record.a is None else {"a": told.a - record.a}))
+            prediction = self.prediction(least.x, i)
+            P = prediction.P + self.unknowns.values(least.x)["P0"] - record.P
+            parts.append({"P": P} | ({} if record.a is None else {"a": prediction.a - record.a}))
         return parts
 
-    def misfit(self, found: Least) -> float:
+    def misfit(self, least: Least) -> float:
         """Standard deviation of the residuals over the noise from row to row."""
-        parts = zip(self.records, self.residuals(found), strict=True)
+        parts = zip(self.records, self.residuals(least), strict=True)
         squares = sum(float(np.sum((part[name] / record.noise[name]) ** 2)) for record, part in parts for name in part)
-        return math.sqrt(squares / max(self.size - found.x.size + 2 * len(self.records), 1))
+        return math.sqrt(squares / max(self.size - least.x.size + 2 * len(self.records), 1))
 
-    def settled(self, found: Least) -> _Problem:
+    def settled(self, least: Least) -> _Problem:
         """The problem with each record cut at its predicted loss of contact, as its last row is else chosen by its own
-        noise, and weighed by its residuals, which tell the noise better than the differences of neighbours."""
-        share = (found.x.size - 2 * len(self.records)) / self.size
+        noise, and weighed by its residuals, which show the noise better than the differences of neighbours."""
+        share = (least.x.size - 2 * len(self.records)) / self.size
         records = []
-        for i, (record, part) in enumerate(zip(self.records, self.residuals(found), strict=True)):
-            again = rate_record(record.curve, self.settings.segment, self._lost(found.x, i))
+        for i, (record, part) in enumerate(zip(self.records, self.residuals(least), strict=True)):
+            again = rate_record(record.curve, self.settings.segment, self._lost(least.x, i))
             sigma = {name: math.sqrt(float(np.mean(values**2)) / (1 - share)) for name, values in part.items()}
-            least = {name: SAME * float(np.ptp(getattr(record, name))) for name in part}
-            records.append(replace(again, sigma={name: max(sigma[name], least[name]) for name in part}))
+            smallest = {name: SAME * float(np.ptp(getattr(record, name))) for name in part}
+            records.append(replace(again, sigma={name: max(sigma[name], smallest[name]) for name in part}))
         return replace(self, records=tuple(records))
 
     def _lost(self, theta: Array, i: int) -> float | None:
@@ -252,19 +250,19 @@ class _Problem:
     def starts(self) -> list[Array]:
         """Unknowns to begin with, the nearest first: the elastic part of the slowest record as if its adhesion did not
         depend on speed, with its own modulus and smaller ones, and the law by w over speed on that body."""
-        found, reasons = [], []
+        candidates, reasons = [], []
         if set(self.unknowns.names) <= set(self.settings.start):
-            given = dict(self.settings.start) | self.unknowns.fixed
-            return [self._from(given, self._radii(given))]
+            values = dict(self.settings.start) | self.unknowns.fixed
+            return [self._from(values, self._radii(values))]
         for elastic in self._elastic():
             try:
                 tried = [(self._cost(theta), theta) for theta in self._with(elastic)]
-                found.append(min(tried, key=lambda item: item[0]))
+                candidates.append(min(tried, key=lambda item: item[0]))
             except InputError as error:
                 reasons.append(error)
-        if not found:
+        if not candidates:
             raise reasons[0]
-        return [theta for _, theta in sorted(found, key=lambda item: item[0])]
+        return [theta for _, theta in sorted(candidates, key=lambda item: item[0])]
 
     def _cost(self, theta: Array) -> float:
         try:
@@ -278,17 +276,17 @@ class _Problem:
         along = [_along(body, record, elastic["delta0"], elastic["P0"]) for record in self.records]
         if refused := [item for item in along if isinstance(item, InputError)]:
             raise refused[0]
-        found = [item for item in along if isinstance(item, WorkAlong)]
-        v, w, *_ = receding(found)
-        some = slice(None, None, 1 + v.size // (TUNING.rows * len(found)))
+        works = [item for item in along if isinstance(item, WorkAlong)]
+        v, w, *_ = receding(works)
+        some = slice(None, None, 1 + v.size // (TUNING.rows * len(works)))
         through = law_through(self.settings.law, v[some], w[some], 1)
         guesses = [] if isinstance(through, Unknown) or through.narrow else [through.values]
         speed = float(np.median(v)) if v.size else float(np.median([record.speed for record in self.records]))
-        middle = float(np.median(w)) if w.size else float(np.median(found[0].w[found[0].ok]))
+        middle = float(np.median(w)) if w.size else float(np.median(works[0].w[works[0].ok]))
         guesses += [{"w0": middle / 2, "v0": speed, "n": n, "b": middle / 2} for n in TUNING.exponents]
-        radii = [_radius(item, body) for item in found]
-        told = {**self.settings.start, **self.unknowns.fixed}
-        return [self._from({**elastic, **guess, **told}, radii) for guess in guesses]
+        radii = [_radius(item, body) for item in works]
+        known = {**self.settings.start, **self.unknowns.fixed}
+        return [self._from({**elastic, **guess, **known}, radii) for guess in guesses]
 
     def _from(self, values: Mapping[str, float], radii: Sequence[float]) -> Array:
         """The unknowns of common parameters ``values``, SI, and radii at the begins."""
@@ -312,9 +310,9 @@ class _Problem:
         elif free is not None:
             moduli = [free["modulus"] * factor for factor in TUNING.softer] + [1.0]
         for modulus in moduli:
-            found = self._quiet(modulus)
-            if found is not None:
-                yield found
+            elastic = self._quiet(modulus)
+            if elastic is not None:
+                yield elastic
         yield {"modulus": moduli[-1], "delta0": 0.0, "P0": 0.0} | self.unknowns.fixed
 
     def _quiet(self, modulus: float | None) -> dict[str, float] | None:
@@ -328,26 +326,26 @@ class _Problem:
         curve = replace(slowest.curve.rows(slowest.rows), segment=None)
         curve = curve.rows(np.linspace(0, len(curve) - 1, min(len(curve), TUNING.rows)).astype(int))
         try:
-            found = fit(self.body, curve, Settings(tuple(parameters), contact="as-is"))
+            fitted = fit(self.body, curve, Settings(tuple(parameters), contact="as-is"))
         except JkrError:
             return None
-        return {name: found.value(name) for name in ("modulus", "delta0", "P0")}
+        return {name: fitted.value(name) for name in ("modulus", "delta0", "P0")}
 
     # ------------------------------------------------------------------ the answer
-    def result(self, found: Least) -> RateFit:
-        values, settings, unknowns = self.unknowns.values(found.x), self.settings, self.unknowns
+    def result(self, least: Least) -> RateFit:
+        values, settings, unknowns = self.unknowns.values(least.x), self.settings, self.unknowns
         law, w0 = law_of(settings.law, values)
-        dof, scatter = max(found.state.residuals.size - found.x.size, 1), self.scatter(found)
-        whole, t = covariance(found.state.jacobian, max(scatter, 1e-12) ** 2), t_quantile(settings.level, dof)
+        dof, scatter = max(least.state.residuals.size - least.x.size, 1), self.scatter(least)
+        whole, t = covariance(least.state.jacobian, max(scatter, 1e-12) ** 2), t_quantile(settings.level, dof)
         E_star = self.body.problem.E_star
-        told = Intervals.of(unknowns, found, whole, t, settings.level, settings.confidence, E_star)
-        predictions = tuple(self.prediction(found.x, i) for i in range(len(self.records)))
+        intervals = Intervals.of(unknowns, least, whole, t, settings.level, settings.confidence, E_star)
+        predictions = tuple(self.prediction(least.x, i) for i in range(len(self.records)))
         moving = np.concatenate([item.speed[item.speed > 0] for item in predictions])
         low, high = map(float, np.quantile(moving, (0.05, 0.95))) if moving.size else (0.0, 0.0)
         fit = RateFit(
-            estimates=told.estimates(), free=unknowns.names, covariance=unknowns.covariance(whole), dof=dof, law=law,
-            w0=w0, records=self.records, predictions=predictions, zero=values["P0"], scatter=self.misfit(found),
-            speeds=(low, high), evaluations=found.steps, settings=settings,
+            estimates=intervals.estimates(), free=unknowns.names, covariance=unknowns.covariance(whole), dof=dof,
+            law=law, w0=w0, records=self.records, predictions=predictions, zero=values["P0"],
+            scatter=self.misfit(least), speeds=(low, high), evaluations=least.steps, settings=settings,
         )  # fmt: skip
         return replace(fit, warnings=tuple(_warnings(fit)))
 
@@ -365,27 +363,27 @@ def _along(body: Nonadhesive, record: RateRecord, delta0: float, P0: float) -> W
 
 def _radius(item: WorkAlong, body: Nonadhesive) -> float:
     """The radius [m] at the begin of a record: the middle of its first rows that have one."""
-    found = item.a[item.ok][: TUNING.first]
-    return float(np.clip(np.median(found), body.a[0] * 1.01, body.a[-1] * 0.999))
+    radii = item.a[item.ok][: TUNING.first]
+    return float(np.clip(np.median(radii), body.a[0] * 1.01, body.a[-1] * 0.999))
 
 
 def _warnings(fit: RateFit) -> list[str]:
-    """What a reader should know, each with its number."""
-    said = []
+    """Warnings, each with its number."""
+    lines = []
     low, high = fit.speeds
     of_law = [name for name in rate_parameters(fit.settings.law) if name in fit.free]
     if len(of_law) > 1 and high < POINTS.decade * low:
-        said.append(
+        lines.append(
             f"the edge's speeds span a factor of {high / low if low else 1:.2g} only ({show(low, 'speed')} to "
             f"{show(high, 'speed')}): less than a decade hardly determines {' and '.join(of_law)}; add other speeds"
         )
     if fit.covariance is None:
-        return [*said, f"the data do not determine {', '.join(fit.free)} together: fix one of them (--fix)"]
-    said += [line for _, _, line in fit.hardly_apart]
-    said += fit.vague([name for name in fit.free if name not in ("delta0", "P0")])
+        return [*lines, f"the data do not determine {', '.join(fit.free)} together: fix one of them (--fix)"]
+    lines += [line for _, _, line in fit.hardly_apart]
+    lines += fit.vague([name for name in fit.free if name not in ("delta0", "P0")])
     if fit.scatter > FITS.misfit:
-        said.append(
+        lines.append(
             f"the loads scatter {fit.scatter:.2g} times as far about the prediction as from row to row: the law, the "
             "body or the device's stiffness is not what the data show; intervals are too narrow"
         )
-    return said
+    return lines

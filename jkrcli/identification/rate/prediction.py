@@ -125,11 +125,11 @@ def _linear(s: Array, growth: Array, forcing: Array, y: Array) -> Array:
     A = np.clip(h * (growth[:-1] + growth[1:]) / 2, -700, 1)
     phi = np.where(np.abs(A) < 1e-8, 1.0, np.expm1(A) / np.where(A == 0, 1.0, A))
     gain, added = np.exp(A), (h * phi * (forcing[:, :-1] + forcing[:, 1:]) / 2).T
-    found = np.empty((s.size, y.size))
-    found[0] = y
+    solution = np.empty((s.size, y.size))
+    solution[0] = y
     for i, (factor, term) in enumerate(zip(gain.tolist(), added, strict=True)):
-        y = found[i + 1] = factor * y + term
-    return np.clip(np.nan_to_num(found.T), -LARGEST, LARGEST)
+        y = solution[i + 1] = factor * y + term
+    return np.clip(np.nan_to_num(solution.T), -LARGEST, LARGEST)
 
 
 def _located(s: Array, times: Array, per_s: Array, t: Array) -> Array:
@@ -152,8 +152,8 @@ def _hermite(x: Array, y: Array, dy: Array, at: Array) -> Array:
     z = (at - x[i]) / h
     rest = 1 - z
     value = y[i] * (1 + 2 * z) * rest**2 + y[i + 1] * z**2 * (3 - 2 * z)
-    result: Array = value + h * z * rest * (dy[i] * rest - dy[i + 1] * z)
-    return result
+    cubic: Array = value + h * z * rest * (dy[i] * rest - dy[i + 1] * z)
+    return cubic
 
 
 def _readings(edge: Edge, u: Array, rates: Array, x: Array, tilts: Array, speed: Array) -> Prediction:

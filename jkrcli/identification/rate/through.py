@@ -96,11 +96,11 @@ def log_rates(law: RateLaw, w0: float, v: Array) -> Array:
     """Derivatives of log w at the speeds ``v`` by the logs of (w0, parameters), shape (parameters, n)."""
     kind, step = type(law), 1e-6
     values = vars(law)
-    found = [np.log(law.work(w0 * (1 + step), v) / law.work(w0 * (1 - step), v))]
+    rates = [np.log(law.work(w0 * (1 + step), v) / law.work(w0 * (1 - step), v))]
     for name in values:
         high, low = (kind(**(values | {name: values[name] * (1 + sign * step)})) for sign in (1, -1))
-        found.append(np.log(high.work(w0, v) / low.work(w0, v)))
-    return np.stack(found) / (2 * step)
+        rates.append(np.log(high.work(w0, v) / low.work(w0, v)))
+    return np.stack(rates) / (2 * step)
 
 
 def law_through(name: str, v: Array, w: Array, together: int = 1, v_err: Array | None = None) -> LawThrough | Unknown:
@@ -119,7 +119,7 @@ def law_through(name: str, v: Array, w: Array, together: int = 1, v_err: Array |
     logs = Unknowns(parameters_of(ranges, ranges, {}, ENDS))
     starts, sigma = _starts(logs, v, w), np.ones(v.size)
     for _ in range(1 if v_err is None else TUNING.rounds):
-        best = min((_nearest(name, logs, v, w, sigma, start) for start in starts), key=lambda found: found.cost)
+        best = min((_nearest(name, logs, v, w, sigma, start) for start in starts), key=lambda least: least.cost)
         law, w0 = law_of(name, logs.values(best.x))
         residuals, starts = np.log(law.work(w0, v) / w), [best.x]
         if v_err is not None:
@@ -149,17 +149,17 @@ def _of_blocks(name: str, logs: Unknowns, v: Array, w: Array, sigma: Array, x: A
     has done to the speeds of neighbours is no noise that averages out (delete-block jackknife, Kuensch, Ann. Statist.
     17 (1989) 1217)."""
     blocks = np.array_split(np.arange(v.size), TUNING.blocks)
-    kept = [np.setdiff1d(np.arange(v.size), block) for block in blocks]
-    found = np.array([_nearest(name, logs, v[rows], w[rows], sigma[rows], x).x for rows in kept])
-    apart = found - found.mean(axis=0)
+    rest = [np.setdiff1d(np.arange(v.size), block) for block in blocks]
+    estimates = np.array([_nearest(name, logs, v[rows], w[rows], sigma[rows], x).x for rows in rest])
+    apart = estimates - estimates.mean(axis=0)
     return (TUNING.blocks - 1) / TUNING.blocks * apart.T @ apart
 
 
-def receding(found: Sequence[WorkAlong]) -> tuple[Array, Array, int, Array]:
+def receding(along: Sequence[WorkAlong]) -> tuple[Array, Array, int, Array]:
     """Speeds [m/s] > 0 of receding edges that stand out of their error and w [J/m^2] there, of all curves that were
     timed; rows of their window, and half-widths of the speeds."""
     speeds, works, errors, window = [np.empty(0)], [np.empty(0)], [np.empty(0)], 1
-    for item in found:
+    for item in along:
         if item.timed is None or item.speed is None or item.speed_err is None:
             continue
         rows = item.timed & (item.speed < -item.speed_err)
@@ -170,11 +170,11 @@ def receding(found: Sequence[WorkAlong]) -> tuple[Array, Array, int, Array]:
     return np.concatenate(speeds), np.concatenate(works), window, np.concatenate(errors)
 
 
-def law_along(found: Sequence[WorkAlong], name: str = "power") -> LawThrough | Unknown | None:
+def law_along(along: Sequence[WorkAlong], name: str = "power") -> LawThrough | Unknown | None:
     """The law called ``name`` through all receding edges of ``found``; None where no time was recorded."""
-    if all(item.timed is None for item in found):
+    if all(item.timed is None for item in along):
         return None
-    return law_through(name, *receding(found))
+    return law_through(name, *receding(along))
 
 
 def _starts(logs: Unknowns, v: Array, w: Array) -> list[Array]:

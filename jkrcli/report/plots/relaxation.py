@@ -15,7 +15,7 @@ def relaxation_fit_figure(fits: Sequence[RelaxationFit]) -> Figure:
         axes = figure.subplots(len(shown), 2, squeeze=False)
         for (left, right), fit in zip(axes, shown, strict=True):
             record, kinds = fit.record, ("load", "length") if fit.record.loaded else ("length", "load")
-            pairs = ((left, record.held, fit.held, kinds[0]), (right, record.made, fit.made, kinds[1]))
+            pairs = ((left, record.imposed, fit.imposed, kinds[0]), (right, record.response, fit.response, kinds[1]))
             for place, read, model, dimension in pairs:
                 (time, t_unit), (factor, unit) = unit_of("time", record.t), unit_of(dimension, read)
                 place.plot(record.t / time, read / factor, ".", ms=2, color=BLUE, label="readings")

@@ -18,7 +18,7 @@ from .noisy_rows import is_noise, near_first_touch
 from .text_table import TextTable, read_table, some
 
 LEAST_ROWS = 5  # choice: of a series
-MOST_ROWS = 100_000  # choice: as many points as a case may ask for
+MOST_ROWS = 100_000  # theory: as many points as a case may ask for
 UNKNOWN = Unknown("unknown: made by another program")
 NAMES = Vocabulary({  # those of Abaqus histories and CalculiX results among them
     "a": CONTACT["a"].also("a_h"),
@@ -32,7 +32,7 @@ NAMES = Vocabulary({  # those of Abaqus histories and CalculiX results among the
 class SeriesReading:
     """Conventions of a foreign table; keys of the mappings are "a", "area", "delta" and "P".
 
-    ``columns``: names or numbers (from 1), where the header does not tell; ``units``: in the header's place;
+    ``columns``: names or numbers (from 1), where the header names none; ``units``: in the header's place;
     ``factors``: on top of the units (P = 180 for CalculiX, which prints the force on its wedge of 2 degrees).
     ``zero``: displacement [m] and load [N] at first touch, after the sign, subtracted. ``sign``: "auto" turns a
     displacement or load that is negative throughout, "as-is" leaves them. ``sort``: order the rows by displacement.

@@ -1,7 +1,7 @@
-"""What a force curve is made of, found from its numbers alone: directions, base line, first touch, jumps, pull-off.
+"""The parts of a force curve by its numbers alone: directions, base line, first touch, jumps, pull-off.
 
-Nothing is known of the body here, and zero points are arbitrary. Each direction is looked at from its far end, where
-the indenter is free: there the load is a straight line, and what leaves that line is contact or adhesion.
+The body is unknown here, and zero points are arbitrary. Each direction is read from its far end, where the indenter is
+free: there the load is a straight line, and what leaves that line is contact or adhesion.
 """
 
 from __future__ import annotations
@@ -27,8 +27,10 @@ class RecordTuning:
     agree: float = 0.5  # choice: of a spike, how far at most the lines on its two sides are apart
     slight: float = 0.01  # choice: of the rows, spikes; of the way of a direction, what a pause within it moves
     normal: float = 1.4826  # theory: standard deviation over median deviation of normal noise
-    least_rows: int = 20  # choice: of a direction; a base line and a contact of a few rows each
-    block: float = 1 / 200  # tuned on records, by `make constants`: rows averaged where slow deviations are looked for
+    # choice: of a direction, for a base line and a contact of a few rows each; as many steps on either side of a jump
+    # have the usual size
+    least_rows: int = 20
+    block: float = 1 / 200  # tuned on records, by `make constants`: rows averaged in the search for slow deviations
     far: float = 0.1  # choice: the part of a direction that is free if anything is
     inside: float = 0.8  # tuned on records, by `make constants`: of the free part found first, what surely is free
     sigmas: float = 6.0  # theory: 1e-9 of normal noise lies beyond, of rows and of what they leave a line by
@@ -42,7 +44,7 @@ class RecordTuning:
     level: float = 0.05  # choice: relative change of the load over them, beyond its error; no contact's is below 0.1
     vague: float = 0.15  # choice: the largest such error
     doubtful: float = 0.5  # choice: of the least load over the noise; tension between is neither a jump nor a step
-    around: int = 20  # choice: steps before a jump, and after it, whose median is the usual one
+
     back: float = 0.2  # choice: of the whole way, least of both ways that make two directions of one segment
     # tuned on records, by `make constants`: just below the half of a step in speed that smoothing leaves at its place
     still: float = 0.45
@@ -461,15 +463,15 @@ def _first_fall(off: Array, base: BaseLine) -> int:
 
 
 def _ends_of_medians(few: Array) -> tuple[float, float]:
-    """Between which all medians of ``TUNING.around`` neighbours lie: half as many of all are beyond each end."""
-    k = min(TUNING.around // 2, few.size) - 1
+    """Between which all medians of ``TUNING.least_rows`` neighbours lie: half as many of all are beyond each end."""
+    k = min(TUNING.least_rows // 2, few.size) - 1
     ends = np.partition(few, [k, few.size - 1 - k])
     return float(min(ends[k], few[0], few[-1])), float(max(ends[few.size - 1 - k], few[0], few[-1]))
 
 
 def _usual(step: Array, width: int, chosen: Array) -> tuple[Array, Array]:
     """The median of the steps over ``width`` rows just before each of the ``chosen``, and just after."""
-    n, (few, own) = TUNING.around, np.unique(chosen // width, return_inverse=True)
+    n, (few, own) = TUNING.least_rows, np.unique(chosen // width, return_inverse=True)
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(step[::width], n + 1, mode="edge"), n)
     return np.median(windows[few], axis=1)[own], np.median(windows[few + n + 3], axis=1)[own]
 

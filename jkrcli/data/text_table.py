@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..base import AT_ONCE, UNITS, Array, InputError, allowance, read_bytes
+from ..base import AT_ONCE, LOOKED_AT, UNITS, Array, InputError, allowance, read_bytes
 
 BLANK = "blank"
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", BLANK: None}
@@ -49,10 +49,10 @@ _ROW = re.compile(r"""\s*["']?[+-]?[.,]?\d""")  # a line that begins with a numb
 
 @dataclass(frozen=True)
 class TextTuning:
-    """How much of a file is looked at to find out how it is written."""
+    """How much of a file shows how it is written."""
 
     first: int = 2000  # choice: bytes, for the encoding
-    head: int = 400  # choice: lines at the begin, for the dialect, and half as many of the rest
+
     gaps: float = 0.1  # choice: of the rows, that may lack a number
     comments: int = 10_000  # choice: lines at either end of a long head; between them nothing is named
 
@@ -195,8 +195,8 @@ def _table(
 ) -> TextTable:
     """The table in the text of a whole file."""
     lines_of_file = _without_long_head(_lines(path, whole))
-    head, rest = lines_of_file[: TUNING.head], lines_of_file[TUNING.head :]
-    sample = head + rest[:: max(1, 2 * len(rest) // TUNING.head)]
+    head, rest = lines_of_file[:LOOKED_AT], lines_of_file[LOOKED_AT:]
+    sample = head + rest[:: max(1, 2 * len(rest) // LOOKED_AT)]
     dialect = _dialect(sample, separator, decimal, least, is_text)
     if dialect is None and len(lines_of_file) > len(sample):
         dialect = _dialect(lines_of_file, separator, decimal, least, is_text)

@@ -16,7 +16,7 @@ GIVE = "give --zero P=... and --zero delta=..."
 
 @dataclass(frozen=True)
 class FirstTouchTuning:
-    """What tells contact from the free part of an approach."""
+    """What separates contact from the free part of an approach."""
 
     sigmas: float = 5.0  # theory: standard deviations of normal noise that no row of a million reaches
 
@@ -53,7 +53,7 @@ def with_zero_points(curve: Curve) -> Curve:
 
 
 def _approach(curve: Curve) -> Direction:
-    """The approach of a curve; InputError where it tells no zero points."""
+    """The approach of a curve; InputError where it shows no zero points."""
     side = examine(curve).direction(APPROACH)
     if side is None:
         segments = f" (segments: {', '.join(curve.segments())})" if curve.segment is not None else ""

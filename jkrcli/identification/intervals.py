@@ -15,7 +15,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from ..base import SAME, TINY, TOGETHER, Array, InputError, Pool, in_order
+from ..base import NOTICEABLE, SAME, TINY, TOGETHER, Array, InputError, Pool, in_order
 from .answer import FittedValue
 from .least_squares import Least, State
 from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, Parameter, Unknowns
@@ -26,7 +26,7 @@ class IntervalTuning:
     """How intervals are computed."""
 
     step: float = 1e-6  # theory: of unknowns, for central differences: of smooth meanings round-off leaves 1e-10
-    guard: float = 1e-3  # choice: of a log, how near to a bound of the search it counts as ending there
+
     begin: float = 0.1  # choice: of a log, where a profile begins while no error is known
 
 
@@ -182,10 +182,10 @@ class Intervals:
         """Whether a log ends where the search may not go, which is no end of what the data leave, but for that which
         the user gave."""
         i, rate = int(np.argmax(self.rates[item.name])), self.rates[item.name]
-        own = item.kind == "log" and abs(rate[i] - 1) < TUNING.guard and np.count_nonzero(rate) == 1
+        own = item.kind == "log" and abs(rate[i] - 1) < NOTICEABLE and np.count_nonzero(rate) == 1
         if not own or 0 < (item.high if above else item.low) < math.inf:
             return False
-        return abs(y - self.least.problem.bounds[1 if above else 0][i]) < TUNING.guard
+        return abs(y - self.least.problem.bounds[1 if above else 0][i]) < NOTICEABLE
 
 
 # ---------------------------------------------------------------------- samples

@@ -133,7 +133,7 @@ class Parameter:
             return FittedValue(self.name, self.outer(x), True, self.dimension, error)
         low, high = x - t * sigma, x + t * sigma
         if self.kind in LIMITED and low <= 0:
-            room, of_square = ONE_SIDED * t * sigma, -2 * x * (self.kind == "root")  # far below 0 rows tell that
+            room, of_square = ONE_SIDED * t * sigma, -2 * x * (self.kind == "root")  # far below 0 rows show that
             x = max(x, 0.0)
             low, high = 0.0, max(x + room, math.sqrt(max(of_square, 0.0) * room))
         low, high = self.outer(low), self.outer(high)

@@ -21,6 +21,7 @@ from ..data import Curve
 from ..data.record import TUNING as RECORDS
 from .answer import Answer
 from .fit import FittedBody, covariance, t_quantile, third_differences
+from .fit.points import evenly
 from .intervals import Followed, Intervals
 from .least_squares import TUNING as FITS
 from .least_squares import Least, LeastSquares, State, by_differences
@@ -33,8 +34,8 @@ from .relaxing_rows import averaged, base_line, followed, without_adhesion
 class RelaxationFitTuning:
     """How the least sum of squares is sought, and when it is doubted."""
 
-    pieces: int = 8  # choice: corners of device and load beyond which neither is said to move in straight pieces
-    rows: int = 1_000  # choice: by which corners are looked for
+    pieces: int = 8  # choice: corners of device and load beyond which neither moves in straight pieces
+    rows: int = 1_000  # choice: by which corners are sought
     some: int = 80  # choice: by which starts are compared
     times: tuple[float, ...] = (0.02, 0.06, 0.2, 0.6)  # choice: starts of a relaxation time, over the record's length
     shares: tuple[float, ...] = (0.2, 0.6)  # choice: starts of the ratio
@@ -43,7 +44,7 @@ class RelaxationFitTuning:
     deeper: float = 1.5  # times the depth that shows, to which a body is solved; choice: contact begins before it shows
     contact: float = 5.0  # theory: standard deviations of a load that shows contact
     shown: float = 0.01  # choice: of the range of the load, that does too; a tilted base line does not
-    apart: float = 2.5  # theory: rows between two corners, within which no row tells when a step was
+    apart: float = 2.5  # theory: rows between two corners, within which no row shows when a step was
     step: float = 1e-6  # theory: of the unknowns, for derivatives: the root of what the histories err by
     converged: float = 1e-6  # theory: relative, of the sum of squares; a change of 1e-3 standard errors in 1e3 rows
     coarser: int = 3  # choice: steps joined in the histories of a spring or a load, 1e-4 of the loads
@@ -155,7 +156,7 @@ class TimedRecord:
 
     def thinned(self) -> TimedRecord:
         """The record by a few of its rows."""
-        some = np.unique(np.linspace(0, self.t.size - 1, min(self.t.size, TUNING.some)).astype(int))
+        some = evenly(self.t.size, TUNING.some)
         return replace(self, t=self.t[some], imposed=self.imposed[some], response=self.response[some])
 
 
@@ -205,7 +206,7 @@ def _noise(column: Array) -> float:
 def _knots(t: Array, column: Array) -> tuple[tuple[Array, Array], float]:
     """Corners of a column over time, and its noise from row to row."""
     noise = _noise(column)
-    some = np.unique(np.linspace(0, t.size - 1, min(t.size, TUNING.rows)).astype(int))
+    some = evenly(t.size, TUNING.rows)
     return corners(t[some], column[some], noise), noise
 
 

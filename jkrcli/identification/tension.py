@@ -1,6 +1,6 @@
 """Surface tension, E*, w and zero points from records by indenters of one or more radii on the same body, together.
 
-One radius tells them apart poorly: what tension carries goes like a, what elasticity carries like a^2 and more, and E*
+One radius separates them poorly: what tension carries goes like a, what elasticity carries like a^2 and more, and E*
 and the zero point make up for most of it. Two radii do. The family of curves is tabulated over the length 2 Ups/E* and
 the contact radius; residuals are those of the load at the displacement that was read.
 """
@@ -293,8 +293,8 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
 
 
 def _work(intervals: Intervals, item: FittedValue) -> FittedValue:
-    """w by its profile: the load of a row next to the loss of contact changes like a root of w, whose slope would tell
-    more than the row does."""
+    """w by its profile: the load of a row next to the loss of contact changes like a root of w, whose slope would claim
+    more than the row shows."""
     w = next(one for one in intervals.quantities if one.name == "w")
     ends = intervals.end(w, -intervals.t), intervals.end(w, intervals.t)
     low, high = (plain if end is None else end for plain, end in zip((item.low, item.high), ends, strict=True))
@@ -307,7 +307,7 @@ def _work(intervals: Intervals, item: FittedValue) -> FittedValue:
 
 
 def _mixed(fit: TensionFit) -> dict[str, float]:
-    """The two unknowns that go most with the tension, and how: from these records of one radius do not tell it."""
+    """The two unknowns that correlate most with the tension, from which one radius does not separate it, and how much."""
     if TENSION not in fit.free or fit.correlation is None:
         return {}
     i = fit.free.index(TENSION)
@@ -316,7 +316,7 @@ def _mixed(fit: TensionFit) -> dict[str, float]:
 
 
 def _not_separated(fit: TensionFit, errors: Sequence[float]) -> list[str]:
-    """What records of one radius do not tell, and from what."""
+    """A warning that records of one radius do not separate the tension, and from what."""
     if not fit.mixed:
         return []
     worst = " and ".join(f"{name} ({c:.3f})" for name, c in fit.mixed.items())

@@ -7,14 +7,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
-import numpy as np
-
 from ..adhesion import FoundWork, Nonadhesive, point_error, work_from_pull_off
 from ..base import Estimate, InputError, Unknown, parse
 from ..beside import Analysis, adhesive, nonadhesive, with_solved_points
 from ..beside.again import method_behind
 from ..bodies import Loading, changed, checked_names, layer_names, nominal
 from ..series import Solution
+from .fit.points import evenly
 from .intervals import changes_by
 
 FORCE, RADIUS, MODULI = "load", "R", "E"  # uncertain inputs beside "h", "nu" and those of single layers
@@ -36,7 +35,7 @@ class MeasuredWork:
 
     @property
     def error(self) -> Estimate:
-        """Standard deviation of w from all uncertain inputs [J/m^2]; the series' error, where none is given."""
+        """Standard deviation of w from all uncertain inputs [J/m^2]; the series' error without any."""
         return math.hypot(*self.parts.values()) if self.parts else self.series
 
 
@@ -124,8 +123,7 @@ def seconds_of_inputs(solution: Solution, names: Sequence[str]) -> float:
 
 def _radii(solution: Solution) -> Loading:
     """A hundred of the radii of the series, at which moved bodies are solved."""
-    rows = np.unique(np.linspace(0, len(solution.series) - 1, 100).astype(int))
-    return Loading.given("radius", tuple(solution.series.a[rows].tolist()))
+    return Loading.given("radius", tuple(solution.series.a[evenly(len(solution.series), 100)].tolist()))
 
 
 def _whole(solution: Solution, name: str) -> str:

@@ -168,7 +168,7 @@ def _curve(path: Path, name: str, data: Any) -> Curve:
     if t is not None and (np.diff(t) < 0).any():
         t, flags = None, (*flags, "its time runs back and was left out")
     segment = None
-    if _holds(data, "segment") and data.modality == "force-distance":  # others wait between: the motion tells
+    if _holds(data, "segment") and data.modality == "force-distance":  # others wait between: the motion divides them
         segment = np.array([SEGMENTS.get(int(word), f"segment {word}") for word in data["segment"]])
     return Curve(name, delta=delta, P=P, t=t, segment=segment, origin=path, flags=flags, pixel=_pixel(path, data))
 
@@ -205,12 +205,12 @@ def _check_scales(where: str, properties: Mapping[str, Any]) -> None:
 
 
 def _metadata(data: Any, name: str) -> Any:
-    """What a file tells of a data set, None where it does not; the public copy of it would compute all that can be."""
+    """An entry of a file on a data set, None without one; the public copy of it would compute all that can be."""
     return data._metadata.get(name)
 
 
 def _pixel(path: Path, data: Any) -> Pixel | None:
-    """The place of a data set in a map, where its file tells it; Igor's in the note of the wave."""
+    """The place of a data set in a map, where its file holds it; Igor's in the note of the wave."""
     if path.suffix == ".ibw":
         note = dict(COUNTED.findall(read_bytes(path, intact.WHAT)))
         if len(note) < len(IN_NOTE):

@@ -9,7 +9,7 @@ from . import archive
 
 EACH = 400  # choice: rows that a table of an archive costs beside its own
 WIDE = 160.0  # bytes, from which on a row costs by its length; tuned on tables of 12 to 1000 columns, by `make guards`
-USUAL = 40.0  # choice: bytes of a row where no lines tell its length: of files of microscopes
+USUAL = 40.0  # choice: bytes of a row of files without lines, those of microscopes
 
 
 def rows_expected(path: Path) -> float:

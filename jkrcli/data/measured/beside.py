@@ -140,7 +140,7 @@ def _numbered(table: TextTable, quantity: QuantityOf) -> Sets | None:
 
 
 def _directed(table: TextTable) -> Sets | None:
-    """Sets of columns by the direction that one of the words of their names tells; None where one name comes twice."""
+    """Sets of columns by the direction among the words of their names; None where one name comes twice."""
     sets: dict[str, dict[str, int]] = {APPROACH: {}, RETRACT: {}}
     shared = []
     for i, title in enumerate(table.names):

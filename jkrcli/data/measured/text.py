@@ -162,7 +162,7 @@ def _continued(words: Iterable[str]) -> list[str]:
 
 def _noted(table: TextTable) -> list[str]:
     """The word of every row by the lines before it, "# segment: extend" or "Retract" between the rows; none where they
-    do not tell it of the first row."""
+    name none for the first row."""
     notes = [(0, line) for line in table.head] + sorted(table.notes.items())
     marks = [(n, word) for n, line in notes if (word := segment_of(line))]
     in_words = any(re.match(r"\W*(segment|direction)\W*", line, re.IGNORECASE) for line in table.head)
@@ -263,7 +263,7 @@ class Columns:
         return cls(table, chosen, values, position, stiffness, tuple(flags))
 
     def with_sign(self, curve: Curve, reading: Reading) -> Curve:
-        """The curve with its displacement toward the specimen as the name of its column, else its load, tells; as in
+        """The curve with its displacement toward the specimen by the name of its column, else by its load; as in
         the file where the user turns it; with a flag."""
         if curve.delta is None:
             return curve
@@ -390,7 +390,7 @@ def _curve(
 
 
 def _is_text(reading: Reading) -> Callable[[int, str], bool]:
-    """A function that tells whether a column holds words: by its name, or because the user names it so."""
+    """Whether a column holds words, as a function of its index and title: by its name, or the user's choice."""
     of_words = NAMES.quantities.keys() - set(NAMES.numbers)
     named = {name for key, name in reading.columns.items() if key in of_words}
 

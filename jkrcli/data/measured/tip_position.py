@@ -21,7 +21,7 @@ class TipPositionTuning:
 
     fewest: int = 100  # choice: rows; of fewer, chance may correlate two columns
     share: float = 0.5  # theory: of the variance of delta: more of it follows P than does not
-    usual: float = 4.0  # choice: medians beyond which a third difference is that of a jump or of a turn
+    usual: float = 4.0  # theory: medians, 2.7 standard deviations of normal noise: beyond is a jump or a turn
 
 
 TUNING = TipPositionTuning()
@@ -29,7 +29,7 @@ SUBTRACTED_TWICE = "the displacement has its deflection subtracted already: leav
 
 
 def of_its_device(curve: Curve) -> Curve:
-    """The curve with the stiffness of its device where the noise of its displacement tells one."""
+    """The curve with the stiffness of its device where the noise of its displacement shows one."""
     if curve.delta is None or curve.P is None or curve.a is not None:
         return curve
     k = stiffness_of_noise(curve.delta, curve.P)

@@ -31,11 +31,10 @@ class AttractedFamilyTuning:
     # contact; its growth
     reach: float = 1.5
     apart: int = 24  # choice: points without contact
-    first: float = 0.03  # choice: c of the first of them over c at first touch, where P is 1e-3 of that there
+    first: float = 0.03  # theory: c of the first of them over c at first touch: P goes like its square, 1e-3
     degree: int = 5  # theory: of the splines; errors fall with the power 6 of the spacing
     near_touch: float = 1e-4  # theory: of arcosh sqrt(c/c0): nearer the derivatives are those there, to its square
     step: float = 1e-5  # theory: of logs, for central differences: the cube root of round-off
-    least: int = 12  # choice: guard, radii in contact that a curve needs
 
 
 TUNING = AttractedFamilyTuning()
@@ -125,7 +124,7 @@ class AttractedFamily:
         reached = np.isclose(rims.gap, gap, rtol=SAME, atol=0)  # of nanometres
         count = int(np.argmin(reached)) if not reached.all() else reached.size
         first = 1 + int(np.max(np.flatnonzero(np.diff(rims.c[:count]) <= 0), initial=-1))
-        if count - first < TUNING.least:
+        if count - first < 2 * (TUNING.degree + 1):  # twice as many points as a spline needs
             raise SolveError(
                 f"adhesion of finite range: with a range of {show(gap, 'length')} the surfaces attract each other "
                 f"beyond {show(attraction.reach, 'length')}, where profile or side end, or jump together: bound the "

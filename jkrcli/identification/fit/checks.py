@@ -144,7 +144,8 @@ def _scatter(fit: Fit) -> Iterator[str]:
 def _bounds(fit: Fit, at_bound: Sequence[str]) -> Iterator[str]:
     for name in at_bound:
         item = fit.estimate(name)
-        if (item.low != 0 or item.value > 0) and not (name in RANGES and item.error is None):  # else said already
+        has_its_own = name in RANGES and item.error is None
+        if (item.low != 0 or item.value > 0) and not has_its_own:
             yield f"{word(name)} ends on its bound {show(item.value, item.dimension)}"
 
 

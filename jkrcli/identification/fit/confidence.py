@@ -51,7 +51,7 @@ def confidence_of(
     """All parameters and what follows from them, with intervals as ``settings`` want them; ``jkr``: beside a range;
     ``pool``: for the samples of a bootstrap.
 
-    A range that JKR does without is known on one side only, by its profile; nothing where the search was given up.
+    A range that JKR does without is known on one side only, by its profile; nothing where the search did not end.
     """
     if not minimum.least.ended:
         settings = replace(settings, confidence="covariance", uncertain={})

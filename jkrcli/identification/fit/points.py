@@ -11,6 +11,7 @@ import numpy as np
 
 from ...base import Array, InputError
 from ...data import APPROACH, RETRACT, Curve
+from ...data.record import TUNING as RECORDS
 from .edges import ADVANCING, RECEDING
 from .settings import BranchName, SegmentName
 from .statistics import NORMAL_MEDIAN
@@ -29,7 +30,7 @@ class RowsTuning:
     flat: float = 0.2  # tuned on records by `make tuning`: of the pull-off force: standing still
     adhesion: float = 6.0  # theory: standard deviations of normal noise that no reading of thousands reaches
     noise: float = 3.0  # theory: standard deviations that one reading in 370 exceeds
-    long: int = 10  # choice: rows of a base line
+
     largest_noise: float = 0.1  # tuned on records by `make tuning`: of the curve: rows in no order beyond it
     opposite: float = -0.3  # choice: correlation of columns of which one has the wrong sign
     ordered: float = 0.9  # choice: rank correlation of rows with their order, from which on they go one way
@@ -204,7 +205,8 @@ def in_contact(values: Mapping[str, Array], level: float) -> Array:
     if force > TUNING.adhesion * noise or noise > TUNING.largest_noise * np.ptp(P):
         return ~_lost(delta < delta[lowest], (P - level) / force, TUNING.noise * noise / force)
     quiet = np.abs(P - level) < TUNING.noise * noise
-    return touching & ((delta > delta[quiet].max()) if quiet.sum() > TUNING.long else True)
+    line = quiet.sum() > RECORDS.least_rows // 2  # a base line is half of a direction or more
+    return touching & ((delta > delta[quiet].max()) if line else True)
 
 
 def _lost(beyond: Array, P: Array, near: float) -> Array:
@@ -259,6 +261,11 @@ def scatter(values: Mapping[str, Array], units: Mapping[str, float]) -> dict[str
     if largest > TUNING.largest_noise or largest == 0:
         return {name: units[name] for name in values}
     return {name: max(part, TUNING.balance * largest) * units[name] for name, part in relative.items()}
+
+
+def evenly(rows: int, most: int) -> Array:
+    """The numbers of at most ``most`` of so many ``rows``, evenly spread, the first and the last among them."""
+    return np.unique(np.linspace(0, rows - 1, min(rows, most)).astype(int))
 
 
 def third_differences(column: Array) -> float:

@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 from scipy.special import fdtrc
 
-from ...base import NOTICEABLE, Array, JkrError, SolveError, show
+from ...base import MOST_SOLVES, NOTICEABLE, Array, JkrError, SolveError, show
 from ...methods.layered.spectrum import spectrum_seconds
 from ..parameters import Parameter
 from .model import Objective
@@ -32,10 +32,8 @@ class RangeRivalTuning:
 
     # Over the displacement that adhesion adds at JKR's pull-off; Tabor numbers of a sphere 3 to 0.03:
     ranges: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0, 10.0)  # choice: what lies between is interpolated
-    first: int = 2  # choice: of them; the next longer ones are tried while they are possible, else the next shorter
-    steps: int = 3  # choice: guard, of Gauss and Newton with JKR's derivatives
 
-    short: float = 0.1  # choice: relative change of w by a step, after which the parts are good to a hundredth
+    short: float = 0.1  # theory: relative change of w by the last step; what remains is its square, a hundredth
     hopeless: float = 30.0  # choice: excess over what is possible, from which on there are no more steps
     rounded: float = 0.05  # choice: of logs of range and w with which curves are solved, so that fits share them
     chance: float = 2e-3  # choice: at which data of JKR itself show a range
@@ -83,7 +81,7 @@ def range_rival_of(minimum: Minimum, variance: float, limit: float, settings: Se
     fitted, cylinders and gradients, whose kernels would take longer than the fit.
 
     ``variance`` of the residuals; ``limit``: rise of the sum of squares over it, up to which a range is possible. None
-    is tried that is longer than the ``settings`` tell.
+    is tried that is longer than the ``settings`` allow.
     """
     body = minimum.objective.body
     problem = body.problem
@@ -111,11 +109,11 @@ def _climbed(
 ) -> list[_Rung]:
     """The rungs of JKR and of those ``lengths`` [m] that bracket the longest possible range, by increasing length.
 
-    From the first one tried on they are climbed while they are possible, else descended until one is; the bracket
-    beyond the longest possible one is halved.
+    From the middle on they are climbed while they are possible, else descended until one is; the bracket beyond the
+    longest possible one is halved.
     """
     rungs, best = {-1: _Rung(0.0, 0.0, dict.fromkeys(values, 0.0))}, 0.0
-    k, step = min(TUNING.first, len(lengths) - 1), 0
+    k, step = min(len(TUNING.ranges) // 2, len(lengths) - 1), 0
     while 0 <= k < len(lengths):
         try:
             rungs[k] = rung_of(lengths[k])
@@ -162,7 +160,7 @@ def _rung(minimum: Minimum, length: float, variance: float, limit: float, loss: 
     free, before = plain.free, minimum.distances.residuals.ravel()
     jacobian, weights = minimum.distances.jacobian(free), _weights(minimum, loss)
     least, x = float(np.sum(weights * before**2)), minimum.x.copy()
-    for _ in range(TUNING.steps):
+    for _ in range(MOST_SOLVES):
         if min(works := _works(plain.values(x))) <= 0:
             raise SolveError(f"a range of {show(length, 'length')} leaves no work of adhesion")
         x = _rounded(plain, x)

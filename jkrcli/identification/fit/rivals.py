@@ -34,7 +34,7 @@ class RivalTuning:
     chance: float = 5e-3  # choice: at which data of the model itself show a rival
     changes: tuple[float, float] = (-0.7, 1.2)  # choice: guard, along the record; w and moduli stay above 0
     steps: int = 4  # choice: guard, of Gauss and Newton
-    close: float = 0.5  # choice: the last step, in standard errors; what remains is its square
+    close: float = 0.5  # theory: the last step, in standard errors; what remains is its square, a quarter
     fewest: int = 6  # choice: degrees of freedom; two of them go to the rivals
 
 

@@ -16,14 +16,14 @@ from functools import partial
 
 import numpy as np
 
-from ...base import MOST_SOLVES, NOTICEABLE, ROUNDED, SETTLED, Array, InputError, JkrError, SolveError, show
+from ...base import MOST_SOLVES, NOTICEABLE, ROUNDED, SETTLED, UNSEEN, Array, InputError, JkrError, SolveError, show
 from ..least_squares import Least, LeastSquares, State
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING, RestingMember
 from .family import Family
 from .model import Distances, Objective, PathDistances, Readings, arc
 from .points import TUNING as ROWS
-from .points import Points, scatter
+from .points import Points, evenly, scatter
 from .settings import RANGES, Loss, Settings
 from .statistics import TURNS, robust_scale
 
@@ -64,7 +64,6 @@ class FitSearchTuning:
 
     span: float = 5.0  # choice: of the log of a range from its start: beyond, all is a rigid sphere or JKR
     # Cycles
-    least_shift: float = 1e-2  # choice: root of the least difference of w in and out that is tried, over the natural w
     shares: tuple[float, ...] = (0.75, 0.5)  # choice: of a way back, what may recede if the rest is at rest
     worth: float = 16.0  # theory: fall of chi^2 by a turn and a choice of rows that chance brings once in 2000
     nearer: float = 16.0  # theory: square of four standard deviations, beyond which 6e-5 of normal noise lies
@@ -72,7 +71,7 @@ class FitSearchTuning:
     least_size: float = 0.05  # choice: of the data's range, the least size of a curve
     near: float = 1e-3  # tuned on records by `make tuning`: residuals so small that no other start is tried
     noise: float = 2.0  # theory: standard deviations of the readings that leave nothing to explain
-    far: float = 0.1  # tuned on records by `make tuning`: noise that tells no good fit from a bad one
+    far: float = 0.1  # tuned on records by `make tuning`: noise that hides whether a fit is good
     alien: float = 0.5  # choice: residuals that are no fit at all
     # Radii
     past_end: float = 1.02  # choice: how far the data may reach beyond a series, as noise does
@@ -137,7 +136,7 @@ class Minimum:
         return tuple(self.objective.parameters[i].name for i, on_bound in free if on_bound)
 
     def settled(self) -> Minimum:
-        """This minimum; SolveError where its search was given up."""
+        """This minimum; SolveError where its search did not end."""
         if not self.least.ended:
             raise SolveError(f"the fit did not converge in {TUNING.evaluations} steps")
         return self
@@ -239,7 +238,7 @@ def _stable_rows(delta: Array, P: Array) -> tuple[Array, Array]:
     """A few readings spread over those that are stable under load control: not beyond the least load, if enough."""
     rows = np.flatnonzero(delta >= delta[int(np.argmin(P))])
     rows = rows if rows.size >= ROWS.least else np.arange(P.size)
-    some = rows[np.unique(np.linspace(0, rows.size - 1, TUNING.readings).astype(int))]
+    some = rows[evenly(rows.size, TUNING.readings)]
     return delta[some], P[some]
 
 
@@ -374,7 +373,7 @@ def _there_and_back(body: FittedBody, points: Points, settings: Settings) -> Min
     objective = replace(into.objective, parameters=plain.parameters, points=points)
     values = into.objective.values(into.x) | {"a_turn": float(into.distances.a.max())}
     values["w_approach"] = values["w"]
-    shifts = np.append(0.0, np.geomspace(TUNING.least_shift, 1, TUNING.nodes // 8)) ** 2
+    shifts = np.append(0.0, np.geomspace(math.sqrt(UNSEEN), 1, TUNING.nodes // 8)) ** 2
     natural = objective.body.family.natural_work * values["modulus"]
     tried = [{**values, "w": values["w_approach"] + shift * natural} for shift in shifts]
     values = min(tried, key=lambda values: _assigned(objective, values)[0])
@@ -605,7 +604,7 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
 def _is_good(minimum: Minimum, far: float) -> bool:
     """Whether the residuals are those of the noise, where that is known, or next to nothing; else others are tried.
 
-    ``far``: the scales in sizes of the curve, 1 where the record did not tell the noise.
+    ``far``: the scales in sizes of the curve, 1 where the record did not show the noise.
     """
     distance = robust_scale(minimum.distances.residuals)
     return distance * far < TUNING.near or (distance < TUNING.noise and far < TUNING.far)

@@ -1,7 +1,7 @@
 """The common fit of records at one or several speeds: w0, the law's parameters, the modulus, zeros.
 
 Every record has three unknowns of its own, the radius at its begin and shift and tilt of the device's motion: these
-two carry what the displacements' noise leaves of that motion, and are held by it. All else is common.
+two carry what the displacements' noise leaves of that motion, which bounds them. All else is common.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from ...base import NOTICEABLE, SAME, Array, InputError, JkrError, Ranged, Solve
 from ...data import Curve
 from ..answer import Answer
 from ..fit import FittedBody, Settings, covariance, fit, t_quantile
+from ..fit.points import evenly
 from ..intervals import Followed, Intervals
 from ..least_squares import TUNING as FITS
 from ..least_squares import Least, LeastSquares, State
@@ -114,7 +115,7 @@ def rate_settings(
 def rate_fit(body: FittedBody, curves: Sequence[Curve], settings: RateSettings) -> RateFit:
     """The parameters that bring the predicted traces of ``body`` nearest to all ``curves`` together.
 
-    InputError where the records do not allow it, SolveError where no minimum is found.
+    InputError where the records do not allow it, SolveError where no search converges.
     """
     problem = _Problem(body, tuple(rate_record(curve, settings.segment) for curve in curves), settings)
     coarse = problem.thinned()
@@ -253,7 +254,7 @@ class _Problem:
         candidates, reasons = [], []
         if set(self.unknowns.names) <= set(self.settings.start):
             values = dict(self.settings.start) | self.unknowns.fixed
-            return [self._from(values, self._radii(values))]
+            return [self._from(values, self._along(values))]
         for elastic in self._elastic():
             try:
                 tried = [(self._cost(theta), theta) for theta in self._with(elastic)]
@@ -271,34 +272,27 @@ class _Problem:
             return math.inf
 
     def _with(self, elastic: Mapping[str, float]) -> list[Array]:
-        """Starts with the elastic part given: by the points of w over speed, and by exponents."""
-        body = self.body.nonadhesive.scaled(elastic["modulus"])
-        along = [_along(body, record, elastic["delta0"], elastic["P0"]) for record in self.records]
-        if refused := [item for item in along if isinstance(item, InputError)]:
-            raise refused[0]
-        works = [item for item in along if isinstance(item, WorkAlong)]
-        v, w, *_ = receding(works)
-        some = slice(None, None, 1 + v.size // (TUNING.rows * len(works)))
+        """Starts with this elastic part: by the points of w over speed, and by exponents."""
+        along = self._along(elastic)
+        v, w, *_ = receding(along)
+        some = slice(None, None, 1 + v.size // (TUNING.rows * len(along)))
         through = law_through(self.settings.law, v[some], w[some], 1)
         guesses = [] if isinstance(through, Unknown) or through.narrow else [through.values]
         speed = float(np.median(v)) if v.size else float(np.median([record.speed for record in self.records]))
-        middle = float(np.median(w)) if w.size else float(np.median(works[0].w[works[0].ok]))
+        middle = float(np.median(w)) if w.size else float(np.median(along[0].w[along[0].ok]))
         guesses += [{"w0": middle / 2, "v0": speed, "n": n, "b": middle / 2} for n in TUNING.exponents]
-        radii = [_radius(item, body) for item in works]
         known = {**self.settings.start, **self.unknowns.fixed}
-        return [self._from({**elastic, **guess, **known}, radii) for guess in guesses]
+        return [self._from({**elastic, **guess, **known}, along) for guess in guesses]
 
-    def _from(self, values: Mapping[str, float], radii: Sequence[float]) -> Array:
-        """The unknowns of common parameters ``values``, SI, and radii at the begins."""
+    def _from(self, values: Mapping[str, float], along: Sequence[WorkAlong]) -> Array:
+        """The unknowns of common ``values``, SI, and the radii at the begins of the records; w ``along`` each."""
+        radii = (_radius(item, self.body.nonadhesive) for item in along)
         return np.array([*self.unknowns.at(values), *(x for a in radii for x in (math.log(a), 0.0, 0.0))])
 
-    def _radii(self, values: Mapping[str, float]) -> list[float]:
-        """Radii at the begins of the records with the elastic part of ``values``."""
+    def _along(self, values: Mapping[str, float]) -> list[WorkAlong]:
+        """w along each record with the elastic part of ``values``; InputError where one has none."""
         body = self.body.nonadhesive.scaled(values["modulus"])
-        along = [_along(body, record, values["delta0"], values["P0"]) for record in self.records]
-        if refused := [item for item in along if isinstance(item, InputError)]:
-            raise refused[0]
-        return [_radius(item, body) for item in along if isinstance(item, WorkAlong)]
+        return [_along(body, record, values["delta0"], values["P0"]) for record in self.records]
 
     def _elastic(self) -> Iterator[dict[str, float]]:
         """Modulus factors with delta0 and P0 of the slowest record, fitted as if its adhesion did not depend on speed:
@@ -324,7 +318,7 @@ class _Problem:
         parameters = [Parameter(name, True) for name in (*names, "w")]
         parameters += [Parameter(name, False, value) for name, value in known.items()]
         curve = replace(slowest.curve.rows(slowest.rows), segment=None)
-        curve = curve.rows(np.linspace(0, len(curve) - 1, min(len(curve), TUNING.rows)).astype(int))
+        curve = curve.rows(evenly(len(curve), TUNING.rows))
         try:
             fitted = fit(self.body, curve, Settings(tuple(parameters), contact="as-is"))
         except JkrError:
@@ -350,15 +344,12 @@ class _Problem:
         return replace(fit, warnings=tuple(_warnings(fit)))
 
 
-def _along(body: Nonadhesive, record: RateRecord, delta0: float, P0: float) -> WorkAlong | InputError:
-    """w along the record with the zeros subtracted, or why there is none."""
+def _along(body: Nonadhesive, record: RateRecord, delta0: float, P0: float) -> WorkAlong:
+    """w along the record with the zeros subtracted; InputError where there is none."""
     part = record.curve.rows(record.rows)
     moved = replace(part, delta=part.depth - delta0, P=part.load - P0)
     window = max(11, record.t.size // 40) | 1
-    try:
-        return work_along(body, moved, window=min(window, record.t.size - 1 + record.t.size % 2))
-    except InputError as error:
-        return error
+    return work_along(body, moved, window=min(window, record.t.size - 1 + record.t.size % 2))
 
 
 def _radius(item: WorkAlong, body: Nonadhesive) -> float:

@@ -1,4 +1,4 @@
-"""What a record shows at every row for given parameters, and how that changes with each of them.
+"""Load and contact radius of a record at every row as functions of the parameters, with their derivatives.
 
 The path of the edge is that of ``adhesion.rate``; along it the change y_p of log a by a parameter p at fixed time obeys
 the linear equation dy/dt = F_u y + F_p of the motion du/dt = F(u, t, p). It is solved on the nodes of the path by
@@ -15,7 +15,7 @@ from ...adhesion import Nonadhesive, Program, RateContact, RateLaw
 from ...adhesion.edge import Edge
 from ...adhesion.path import REST
 from ...adhesion.rate.motion import Motion
-from ...base import TINY, Array
+from ...base import LARGEST_SI, MOST_STEPS, TINY, Array
 from .through import log_rates
 
 
@@ -28,11 +28,10 @@ class PredictionTuning:
     between: int = 4  # choice: nodes per step of the integrator; the steps of the derivatives err by 1e-4 with them
     rests: float = 1e-9  # theory: of w0, below which round-off hides how v follows from G
     step: float = 1e-4  # theory: of log v, for the law's slope: the square root of what round-off leaves of it
-    newton: int = 6  # choice: guard, three are needed
 
 
 TUNING = PredictionTuning()
-LARGEST = 1e12  # choice: guard, of a derivative of log a, where a path far from any record runs away
+
 BESIDE = 3  # columns beside the law's: common modulus, what the device holds, its speed; then the radius at the begin
 
 
@@ -129,13 +128,13 @@ def _linear(s: Array, growth: Array, forcing: Array, y: Array) -> Array:
     solution[0] = y
     for i, (factor, term) in enumerate(zip(gain.tolist(), added, strict=True)):
         y = solution[i + 1] = factor * y + term
-    return np.clip(np.nan_to_num(solution.T), -LARGEST, LARGEST)
+    return np.clip(np.nan_to_num(solution.T), -LARGEST_SI, LARGEST_SI)  # a path far from any record runs away
 
 
 def _located(s: Array, times: Array, per_s: Array, t: Array) -> Array:
     """The s of the times ``t`` by Newton's method on cubics between the nodes."""
     at = np.interp(t, times, s)
-    for _ in range(TUNING.newton):
+    for _ in range(MOST_STEPS):
         slope = np.interp(at, s, per_s)
         step = (t - _hermite(s, times, per_s, at)) / np.maximum(slope, TINY)
         width = np.maximum(s[-1] - s[0], TINY)

@@ -11,12 +11,13 @@ from ...base import SAME, Array, InputError
 from ...data import Curve
 from ...data.record import TUNING as RECORDS
 from ..fit import third_differences
+from ..fit.points import evenly
 from ..motion import check_over_time, check_rising
 
 
 @dataclass(frozen=True)
 class RateRecordTuning:
-    """How the rows of a retraction are told."""
+    """Limits of the rows of a retraction."""
 
     moving: float = 0.1  # choice: of the travel, beyond which the device surely moves back
     recovered: float = 0.2  # choice: of the pull-off force: rows of less tension behind it are taken as free
@@ -62,7 +63,7 @@ class RateRecord:
 
     def thinned(self, most: int) -> RateRecord:
         """The record by at most ``most`` of its rows, its ends among them."""
-        some = np.unique(np.linspace(0, self.t.size - 1, min(most, self.t.size)).astype(int))
+        some = evenly(self.t.size, most)
         a = None if self.a is None else self.a[some]
         return replace(self, t=self.t[some], P=self.P[some], a=a, rows=self.rows[some])
 

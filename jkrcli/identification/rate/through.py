@@ -21,12 +21,12 @@ class ThroughTuning:
     """When a law is put through points, and how."""
 
     least: int = 12  # choice: points
-    decade: float = 10.0  # choice: ratio of the speeds below which n and v0 are not told apart
+    decade: float = 10.0  # choice: ratio of the speeds below which the points do not separate n and v0
     exponents: tuple[float, ...] = (0.25, 0.5, 1.0)  # choice: starts of n
     laws: tuple[float, float] = (0.1, 3.0)  # choice: exponents that are sought; measured ones are 0.1 to 1
     reach: float = 40.0  # tuned on work along a record, by `make constants`: guard, how far logs move
-    # tuned on work along a record, by `make constants`: relative half-width of a speed, beyond which its point tells
-    # nothing of a law
+    # tuned on work along a record, by `make constants`: relative half-width of a speed, beyond which its point says
+    # nothing about a law
     sure: float = 0.3
     # tuned on work along a record, by `make constants`: of weights by the errors of the speeds, which ask for the law
     rounds: int = 3
@@ -44,7 +44,7 @@ ENDS = {"n": TUNING.laws}
 @dataclass(frozen=True, eq=False)
 class LawThrough:
     """A ``law`` with its ``w0`` [J/m^2] through points of w over speed; ``names`` and the covariance of their logs
-    (None where the points do not tell them apart); ``speeds``: the range [m/s]; ``dof``: degrees of freedom."""
+    (None where the points do not separate them); ``speeds``: the range [m/s]; ``dof``: degrees of freedom."""
 
     law: RateLaw
     w0: float
@@ -66,7 +66,7 @@ class LawThrough:
 
     @property
     def narrow(self) -> bool:
-        """Whether the speeds span less than the decade that tells n and v0 apart, or n ends where it was sought."""
+        """Whether the speeds span less than the decade that separates n and v0, or n ends on a bound."""
         ends = "n" in self.values and not TUNING.laws[0] * 1.01 < self.values["n"] < TUNING.laws[1] * 0.99
         return ends or self.speeds[1] < TUNING.decade * self.speeds[0]
 

@@ -117,7 +117,7 @@ class Vocabulary:
     def _power(self, table: TextTable, key: str, index: int, unit: str | None) -> int:
         dimension = self.quantities[key].dimension
         unit = unit or split_name(table.names[index])[1]
-        where = f'{table.path}: column {index + 1} "{table.names[index]}" ({self.meaning(key)})'
+        where = f"{table.path}: {numbered(table, index)} ({self.meaning(key)})"
         example = EXAMPLES[dimension]
         if not unit:
             raise InputError(f"{where} names no unit: give --unit {key}={example}, or write it into the header")
@@ -137,13 +137,18 @@ def with_units(
         if name in keys:
             continue
         index = column_called(table, f"--unit {name}={unit}", name)
-        title, header_unit = split_name(table.names[index])
-        names[index] = f"{title} [{unit}]"
-        if header_unit and header_unit != unit:
-            title = table.names[index]
-            flags.append(f'column {index + 1} "{title}" read in {unit} as told, its header says {header_unit}')
+        names[index] = f"{split_name(table.names[index])[0]} [{unit}]"
+        flags += overruled(table, index, unit)
     quantity_units = {name: unit for name, unit in units.items() if name in keys}
     return replace(table, names=tuple(names)), quantity_units, flags
+
+
+def overruled(table: TextTable, index: int, unit: str) -> list[str]:
+    """A flag on a ``unit`` in place of another one of the header; none where they are the same or that has none."""
+    header_unit = split_name(table.names[index])[1]
+    if header_unit in ("", unit):
+        return []
+    return [f"{numbered(table, index)} read in {unit} as told, its header says {header_unit}"]
 
 
 def remarks(table: TextTable) -> list[str]:
@@ -172,8 +177,8 @@ def numbers(table: TextTable, index: int) -> Array:
     if index in table.text:
         rows = zip(table.lines, table.text[index], strict=True)
         line, word = next(((line, word) for line, word in rows if word), (table.lines[0], ""))
-        name = f'column {index + 1} "{table.names[index]}"'
-        raise InputError(f'{table.path}: {name} holds words, no numbers: line {line} has "{word[:60]}"')
+        where = f"{table.path}: {numbered(table, index)}"
+        raise InputError(f'{where} holds words, no numbers: line {line} has "{word[:60]}"')
     values: Array = table.values[:, index]
     return values
 
@@ -184,6 +189,11 @@ def check_chosen(table: TextTable, chosen: Mapping[str, int]) -> None:
         raise InputError(f"{table.path}: give a column for the contact radius or for the contact area, not for both")
     if len(set(chosen.values())) < len(chosen):
         raise InputError(f"{table.path}: one column cannot be two quantities, got {words(table, chosen)}")
+
+
+def numbered(table: TextTable, index: int) -> str:
+    """A column by number and name, for messages."""
+    return f'column {index + 1} "{table.names[index]}"'
 
 
 def choice(table: TextTable) -> str:

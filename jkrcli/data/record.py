@@ -233,7 +233,7 @@ def _named_segments(curve: Curve) -> list[Segment]:
 def _segments_by_motion(delta: Array) -> list[Segment]:
     """Approach, pause and retraction by the motion alone: up to the turning point, at rest there, and back."""
     n = delta.size
-    window = max(1, round(n * TUNING.block))
+    window = _block(n)
     smooth = np.convolve(np.pad(delta, window, mode="edge"), np.ones(2 * window + 1) / (2 * window + 1), "valid")
     turn = int(np.argmax(smooth))
     speed = np.abs(np.gradient(smooth))
@@ -284,20 +284,19 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
     inner = falls[-1][1] if falls else row if isinstance(tension, Unknown) else max(lowest, row)
     border = min([row - 1, *(first for first, _ in falls)]), inner
     depth = float(x.max() - x[min(row, x.size - 1)])
-    return Direction(
-        segment,
-        base,
-        touch,
-        error,
-        float(off.max()),
-        tension,
-        float(x[lowest]),
-        jumps,
-        steps,
-        border,
-        float(np.ptp(x)),
-        depth,
-    )
+    loads = float(off.max()), tension, float(x[lowest])
+    return Direction(segment, base, touch, error, *loads, jumps, steps, border, float(np.ptp(x)), depth)
+
+
+def in_succession(marked: Array) -> Array:
+    """Whether each place begins a run of ``TUNING.run`` that are ``marked`` (a mask)."""
+    runs: Array = np.convolve(marked, np.ones(TUNING.run, dtype=int), "valid") == TUNING.run
+    return runs
+
+
+def _block(rows: int) -> int:
+    """The number of rows of a block."""
+    return max(1, round(rows * TUNING.block))
 
 
 def _blocks(values: Array, size: int) -> Array:
@@ -313,8 +312,7 @@ def _robust(values: Array) -> float:
 def _end_of_free_part(x: Array, y: Array) -> int:
     """How many rows from the far end on are free: first the best of all cuts into a line and a curve, then as far as
     the load stays on the line through what surely is free."""
-    n = x.size
-    size = max(1, round(n * TUNING.block))
+    n, size = x.size, _block(x.size)
     end = max(_best_cut(x, y), 5)
     for _ in range(2):
         sure = max(round(TUNING.inside * end), 5)
@@ -325,7 +323,7 @@ def _end_of_free_part(x: Array, y: Array) -> int:
         least = TUNING.least * float(np.ptp(y[: 2 * end]))
         away = np.abs(_blocks(off, size)) > max(TUNING.sigmas * scatter, least)
         padded = np.concatenate([away, away[-1:].repeat(TUNING.run - 1)])  # the last block alone may be in contact
-        runs = np.convolve(padded, np.ones(TUNING.run, dtype=int), "valid") == TUNING.run
+        runs = in_succession(padded)
         end = max(int(np.argmax(runs)) * size if runs.any() else n, 5)
     return end
 
@@ -361,7 +359,7 @@ def _base_line(x: Array, y: Array, end: int) -> BaseLine:
         tilt, offset = 0.0, y[:end].mean()
     off = y[:end] - offset - tilt * (x[:end] - at)
     noise = _robust(np.diff(off, 2)) / math.sqrt(6) if end > 3 else 0.0
-    size = max(1, min(end // 10, round(x.size * TUNING.block)))
+    size = max(1, min(end // 10, _block(x.size)))
     slow = float(np.mean(_blocks(off, size) ** 2)) - noise**2 / size
     waviness = math.sqrt(max(slow, 0.0))
     return BaseLine(float(offset), float(tilt), at, end, float(noise), waviness, _is_curved(x, y, end))
@@ -388,7 +386,7 @@ def _touch(x: Array, off: Array, base: BaseLine, end: int) -> tuple[int, float]:
     wrong: a block of rows; all rows where it never is."""
     if end >= x.size:
         return x.size, math.inf
-    size = max(1, round(x.size * TUNING.block))
+    size = _block(x.size)
     limit = 2 * math.hypot(base.noise / math.sqrt(size), base.waviness)
     i = end
     while i > size and abs(float(off[i - size : i].mean())) > limit:
@@ -428,7 +426,7 @@ def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]])
     level = abs(change) < TUNING.level * tension + 2 * error and scatter < TUNING.straight * base.noise
     if not level or error > TUNING.vague * tension:
         return []
-    size, first = max(1, round(off.size * TUNING.block)), falls[0][1] + 1
+    size, first = _block(off.size), falls[0][1] + 1
     away = np.abs(_blocks(inside + tension, size)) > TUNING.doubtful * base.least
     left = int(np.argmax(away)) * size
     end = first + left

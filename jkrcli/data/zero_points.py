@@ -9,7 +9,7 @@ import numpy as np
 from ..base import SAME, InputError, Unknown, show
 from .measured.curve import APPROACH, Curve
 from .record import TUNING as RECORDS
-from .record import Direction, examine
+from .record import Direction, examine, in_succession
 
 GIVE = "give --zero P=... and --zero delta=..."
 
@@ -39,8 +39,7 @@ def with_zero_points(curve: Curve) -> Curve:
     off, free = np.abs(P - side.base(z)), side.base.rows
     scatter = RECORDS.normal * float(np.median(off[:free]))
     away = off > max(TUNING.sigmas * scatter, SAME * float(np.ptp(P)))  # the latter in records without noise
-    runs = np.convolve(away, np.ones(RECORDS.run, dtype=int), "valid") == RECORDS.run
-    first = max(int(np.argmax(runs)), 1)
+    first = max(int(np.argmax(in_succession(away))), 1)
     touch, half = float(z[first - 1] + z[first]) / 2, abs(float(z[first] - z[first - 1])) / 2
     flag = (
         f"zero points estimated from {free} free rows: first touch at {show(touch, 'length')} (within "

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Array, InputError
+from ..base import SAME, Array, InputError
 from ..data import Curve
+from .fit.points import third_differences
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,11 @@ class MotionTuning:
 
 
 TUNING = MotionTuning()
+
+
+def noise_of(column: Array) -> float:
+    """Standard deviation of the readings of a column from row to row, not below what is the same."""
+    return max(third_differences(column), SAME * float(np.ptp(column)))
 
 
 def check_over_time(curve: Curve, what: str) -> None:

@@ -20,12 +20,12 @@ from ..bodies import RELAXATIONS, Relaxation
 from ..data import Curve
 from ..data.record import TUNING as RECORDS
 from .answer import Answer
-from .fit import FittedBody, covariance, t_quantile, third_differences
+from .fit import FittedBody, covariance, t_quantile
 from .fit.points import evenly
 from .intervals import Followed, Intervals
 from .least_squares import TUNING as FITS
 from .least_squares import Least, LeastSquares, State, by_differences
-from .motion import check_over_time, check_rising, corners
+from .motion import check_over_time, check_rising, corners, noise_of
 from .parameters import MODULUS, Nameable, Parameter, Unknowns, parameters_of
 from .relaxing_rows import averaged, base_line, followed, without_adhesion
 
@@ -181,11 +181,11 @@ def timed_record(curve: Curve) -> TimedRecord:
         raise InputError(f"{curve.where}: {len(curve)} rows, at least {RECORDS.least_rows} are needed")
     check_rising(curve.where, curve.time, np.arange(len(curve)))
     curve = averaged(curve)
-    curve, flag = without_adhesion(curve, (_noise(curve.device), _noise(curve.load)))
+    curve, flag = without_adhesion(curve, (noise_of(curve.device), noise_of(curve.load)))
     flags: tuple[str, ...] = () if flag is None else (flag,)
     motions = [_knots(curve.time, column) for column in (curve.device, curve.load)]
     if min(pieces[0].size for pieces, _ in motions) > TUNING.pieces:
-        noise = _noise(curve.depth), motions[1][1]
+        noise = noise_of(curve.depth), motions[1][1]
         flags += (AS_READ,)
         knots = followed(curve.time, curve.depth)
         return TimedRecord(
@@ -199,13 +199,9 @@ def timed_record(curve: Curve) -> TimedRecord:
     return TimedRecord(curve, curve.time, *columns, loaded, stiffness, motions[order[0]][0], noise, noise, flags=flags)
 
 
-def _noise(column: Array) -> float:
-    return max(third_differences(column), SAME * float(np.ptp(column)))
-
-
 def _knots(t: Array, column: Array) -> tuple[tuple[Array, Array], float]:
     """Corners of a column over time, and its noise from row to row."""
-    noise = _noise(column)
+    noise = noise_of(column)
     some = evenly(t.size, TUNING.rows)
     return corners(t[some], column[some], noise), noise
 

@@ -307,7 +307,7 @@ def _work(intervals: Intervals, item: FittedValue) -> FittedValue:
 
 
 def _mixed(fit: TensionFit) -> dict[str, float]:
-    """The two unknowns that correlate most with the tension, from which one radius does not separate it, and how much."""
+    """The two unknowns that correlate most with the tension, as one radius does not separate them, and how much."""
     if TENSION not in fit.free or fit.correlation is None:
         return {}
     i = fit.free.index(TENSION)

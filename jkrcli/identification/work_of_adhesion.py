@@ -102,9 +102,7 @@ def uncertain_inputs(solution: Solution, pairs: Iterable[tuple[str, str]]) -> di
             raise InputError(f"pull-off: the uncertainty of {name} is given twice")
         relative = text.endswith("%")
         try:
-            value = parse(
-                text[:-1] if relative else text, "number" if relative else DIMENSIONS[whole.partition(":")[0]]
-            )
+            value = parse(text.removesuffix("%"), "number" if relative else DIMENSIONS[whole.partition(":")[0]])
         except ValueError as error:
             raise InputError(f"pull-off: --uncertain {name}: {error}") from None
         if not (math.isfinite(value) and value > 0):
@@ -161,13 +159,11 @@ def _nominal(inverse: _Inverse, name: str) -> float:
 def _moved(inverse: _Inverse, name: str, value: float) -> _Inverse:
     """The same with another ``value`` of one input: solved anew where that is no change of units."""
     solution = inverse.solution
+    if name in (FORCE, MODULI) and value <= 0:
+        raise InputError(f"{name}: must be > 0")
     if name == FORCE:
-        if value <= 0:
-            raise InputError("load: must be > 0")
         return replace(inverse, load=value)
     if name == MODULI:
-        if value <= 0:
-            raise InputError("E: must be > 0")
         return replace(inverse, body=inverse.body.scaled(value / solution.problem.E_star))
     method = method_behind(solution)
     if method is None:

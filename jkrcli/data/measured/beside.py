@@ -244,18 +244,14 @@ def _agree(one: Array, other: Array) -> bool:
     return 0 < span and bool((np.abs(one[known] - other[known]) <= SAME * span).all())
 
 
-def _rise(P: Array) -> float:
-    """How much the load grows from the first tenth of the rows to the last."""
-    P = P[np.isfinite(P)]
-    few = max(P.size // 10, 1)
-    return float(np.median(P[-few:]) - np.median(P[:few])) if P.size else 0.0
+def _rise(column: Array) -> float:
+    """How much a column grows from the first tenth of the rows to the last."""
+    known = column[np.isfinite(column)]
+    few = max(known.size // 10, 1)
+    return float(np.median(known[-few:]) - np.median(known[:few])) if known.size else 0.0
 
 
 def _way(z: Array) -> float:
     """How far the position moves from the first tenth of the rows to the last; 0 where it turns back in between."""
-    z = z[np.isfinite(z)]
-    if not z.size:
-        return 0.0
-    few = max(z.size // 10, 1)
-    way = float(np.median(z[-few:]) - np.median(z[:few]))
-    return way if abs(way) > float(np.ptp(z)) / 2 else 0.0
+    way = _rise(z)
+    return way if way and abs(way) > float(np.ptp(z[np.isfinite(z)])) / 2 else 0.0

@@ -95,10 +95,10 @@ class Curve:
 
     def column(self, name: str, purpose: str = "") -> Array:
         """A quantity that was measured; InputError, which may name the ``purpose``, where it was not."""
-        if (values := getattr(self, name)) is None:
+        values: Array | None = getattr(self, name)
+        if values is None:
             raise InputError(f"{self.where}: holds no {name}{purpose} (it holds {', '.join(self.measured)})")
-        array: Array = values
-        return array
+        return values
 
     @property
     def depth(self) -> Array:

@@ -32,17 +32,8 @@ SEGMENTS = {  # of cells and notes: beside the directions what as a title is a l
         RETRACT),
 }  # fmt: skip
 HOLDS = {"hold", "holding", "pause", "dwell", "halten", "haltezeit", "maintien", "palier"}  # between the directions
-BESIDE = {
-    "segment",
-    "phase",
-    "curve",
-    "data",
-    "part",
-    "section",
-    "kurve",
-    "daten",
-    "richtung",
-}  # words beside a direction
+# Words beside a direction:
+BESIDE = {"segment", "phase", "curve", "data", "part", "section", "kurve", "daten", "richtung"}
 
 NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
 SPRING = ("k", "spring constant", "force constant", "cantilever stiffness", "springconstant", "federkonstante")

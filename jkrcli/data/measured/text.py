@@ -18,7 +18,9 @@ from ..columns import (
     check_chosen,
     choice,
     column_called,
+    numbered,
     numbers,
+    overruled,
     remarks,
     split_name,
     with_units,
@@ -138,7 +140,7 @@ def _where(table: TextTable, wanted: Mapping[str, str]) -> TextTable:
         chosen = np.array([cell.lower() == value.lower() for cell in cells])
         if not chosen.any():
             there = ", ".join(list(dict.fromkeys(cells))[:SHOWN])
-            raise InputError(f'{table.path}: no row holds "{value}" in {_column(table, index)} (it holds {there} ...)')
+            raise InputError(f'{table.path}: no row holds "{value}" in {numbered(table, index)} (it holds {there} ...)')
         table = table.rows(chosen)
     return table
 
@@ -149,7 +151,7 @@ def _on_segments(table: TextTable, index: int) -> list[str]:
     if set(words) <= {APPROACH, RETRACT}:
         return []
     meant = [f'"{word}" is {SEGMENTS.get(word.lower(), "neither approach nor retract")}' for word in words]
-    return [f"segments from {_column(table, index)}: {', '.join(meant[:SHOWN])}" + ", ..." * (len(meant) > SHOWN)]
+    return [f"segments from {numbered(table, index)}: {', '.join(meant[:SHOWN])}" + ", ..." * (len(meant) > SHOWN)]
 
 
 def _continued(words: Iterable[str]) -> list[str]:
@@ -252,7 +254,7 @@ class Columns:
             if key != "delta":
                 values[key] = values[key] * reading.factors.get(key, 1.0)
         _refuse_without_volts(table, chosen, reading)
-        flags += _overruled(table, chosen, reading)
+        flags += [flag for key, unit in reading.units.items() for flag in overruled(table, chosen[key], unit)]
         if position is not None and position.device:
             flags += _on_stiffness(reading, in_head, "P" in chosen)
         elif position is not None:
@@ -279,12 +281,8 @@ class Columns:
                 sign, turned = 1, ", its sign turned as told"
             else:
                 turned = f", its sign turned: {reason}" if sign < 0 else ", its sign as it is"
-            flags = (f"displacement from {_column(self.table, index)}{turned}", *flags)
+            flags = (f"displacement from {numbered(self.table, index)}{turned}", *flags)
         return replace(curve, delta=sign * curve.delta * reading.factors.get("delta", 1.0), flags=flags)
-
-
-def _column(table: TextTable, index: int) -> str:
-    return f'column {index + 1} "{table.names[index]}"'
 
 
 def _unit_of(table: TextTable, key: str, index: int, reading: Reading) -> str:
@@ -305,7 +303,7 @@ def _refuse_unitless(table: TextTable, index: int, reading: Reading) -> None:
     """Refuse a deflection without a unit: it may be one of volts, metres or newtons."""
     if plain(table.names[index]) in DEFLECTIONS and not _unit_of(table, "P", index, reading):
         name = split_name(table.names[index])[0]
-        raise InputError(f"{table.path}: {_column(table, index)} is a deflection and names no unit: give "
+        raise InputError(f"{table.path}: {numbered(table, index)} is a deflection and names no unit: give "
                          f'--unit "{name}=nm", or V, or nN, or write it into the header')  # fmt: skip
 
 
@@ -313,7 +311,7 @@ def _refuse_without_volts(table: TextTable, chosen: Mapping[str, int], reading: 
     """Refuse a sensitivity that nothing is multiplied by."""
     power = _deflection_power(table, chosen["P"], reading) if "P" in chosen else None
     if reading.sensitivity is not None and (power is None or power[0] != "voltage"):
-        load = f"its load is {_column(table, chosen['P'])}" if "P" in chosen else "it holds no load"
+        load = f"its load is {numbered(table, chosen['P'])}" if "P" in chosen else "it holds no load"
         raise InputError(f"{table.path}: --sensitivity makes a deflection of volts, and this file holds none, {load}: "
                          "leave it out, or give the unit: --unit P=V")  # fmt: skip
 
@@ -325,7 +323,7 @@ def _load_of_deflection(
     wanted = ("sensitivity", "stiffness") if unit[0] == "voltage" else ("stiffness",)
     known = {name: getattr(reading, name) or in_head.get(name) for name in wanted}
     missing = [name for name in wanted if known[name] is None]
-    title, kind = _column(table, index), f"a deflection in {_unit_of(table, 'P', index, reading)}"
+    title, kind = numbered(table, index), f"a deflection in {_unit_of(table, 'P', index, reading)}"
     options = " and ".join(f"--{name}" for name in missing)
     if missing and not reading.incomplete:
         raise InputError(f"{table.path}: {title} is {kind}, no force: give {options}")
@@ -337,16 +335,6 @@ def _load_of_deflection(
         return load, f"{title} is {kind}: loads in {ARBITRARY} {options}"
     with_ = ", ".join(f"{key} {value:g} {UNITS_OF[key]}" for key, value in known.items())
     return load, f"load from {title}, {kind}, with {with_}"
-
-
-def _overruled(table: TextTable, chosen: Mapping[str, int], reading: Reading) -> list[str]:
-    """A sentence on each unit of the header that the user overrules."""
-    flags = []
-    for key, unit in reading.units.items():
-        header_unit = split_name(table.names[chosen[key]])[1]
-        if header_unit and header_unit != unit:
-            flags.append(f"{_column(table, chosen[key])} read in {unit} as told, its header says {header_unit}")
-    return flags
 
 
 def _on_stiffness(reading: Reading, in_head: Mapping[str, float], load: bool) -> list[str]:
@@ -417,7 +405,7 @@ def _columns(table: TextTable, reading: Reading, stiffness: float | None) -> tup
     check_chosen(table, chosen)
     for key in chosen.keys() - set(NAMES.numbers):
         if chosen[key] not in table.text:
-            raise InputError(f"{table.path}: {_column(table, chosen[key])} would hold words, but numbers stand above "
+            raise InputError(f"{table.path}: {numbered(table, chosen[key])} would hold words, but numbers stand above "
                              "its title: remove what comes before")  # fmt: skip
     if len(chosen.keys() & {"a", "area", "delta", "P"}) < 2:
         recognised = words(table, chosen) or "none"
@@ -451,8 +439,8 @@ def _displacement(table: TextTable, taken: set[int], stiffness: float | None) ->
     if stiffness == math.inf:
         return None if prepared else (tip, "")
     if stiffness is not None:
-        return device, f"the piezo position z was taken, not {_column(table, tip)}: its stiffness is known"
-    why = f"the position of the tip was taken, not {_column(table, device)}: the stiffness of the device is not known"
+        return device, f"the piezo position z was taken, not {numbered(table, tip)}: its stiffness is known"
+    why = f"the position of the tip was taken, not {numbered(table, device)}: the stiffness of the device is not known"
     return (NAMES.guess(table, "delta") if prepared else tip), why
 
 

@@ -65,9 +65,8 @@ def confidence_of(
         minimum.least, _quantities(minimum), partial(_meaning, minimum), own, t, settings.level,
         settings.confidence == "profile", factor, samples,
     )  # fmt: skip
-    insignificant = isinstance(jkr, JKRBeside) and jkr.excess < 0.5 * t**2 * factor
     estimates = intervals.estimates()
-    if insignificant and isinstance(jkr, JKRBeside):
+    if isinstance(jkr, JKRBeside) and jkr.excess < 0.5 * t**2 * factor:
         here = objective.values(minimum.x)
         estimates = tuple(_and_none(_one_sided(item, intervals), jkr.values, here) for item in estimates)
     if settings.uncertain:

@@ -101,7 +101,7 @@ def _linearised(
     state = edge.state(a, x)
     v = -piece.speeds(a, state.G)
     here, rate = edge.body.with_rates(a)
-    give = 0.0 if np.isinf(edge.stiffness) else 1 / edge.stiffness
+    give = 1 / edge.stiffness  # of a rigid device 0
     c = 1 + here.S * give
     lag_u = a * (rate.delta_H - state.lag * here.dS * give / c)
     lag_s = (here.P_H - state.lag * here.S) * give / c
@@ -161,7 +161,7 @@ def _readings(edge: Edge, u: Array, rates: Array, x: Array, tilts: Array, speed:
     ends = edge.body.a[[0, -1]]
     a = np.clip(np.exp(np.where(touching, u, np.log(ends[0]))), *ends)
     state, here = edge.state(a, x), edge.body.parts(a)
-    give = 0.0 if np.isinf(edge.stiffness) else 1 / edge.stiffness
+    give = 1 / edge.stiffness
     c = 1 + here.S * give
     direct = np.zeros_like(rates)
     direct[0] = state.P - here.S * (here.P_H - state.lag * here.S) * give / c

@@ -12,7 +12,7 @@ from ...data import Curve
 from ...data.record import TUNING as RECORDS
 from ..fit import third_differences
 from ..fit.points import evenly
-from ..motion import check_over_time, check_rising
+from ..motion import check_over_time, check_rising, noise_of
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def rate_record(curve: Curve, segment: str | None, lost: float | None = None) ->
         raise InputError(f"{curve.where}: {chosen.size} rows of a retraction, at least {RECORDS.least_rows} are needed")
     a = None if part.a is None else part.a[chosen]
     read = {"P": P[chosen]} | ({} if a is None else {"a": a})
-    noise = {name: max(third_differences(column), SAME * float(np.ptp(column))) for name, column in read.items()}
+    noise = {name: noise_of(column) for name, column in read.items()}
     base, loose = _motion(t[chosen], device[chosen])
     stiffness = np.inf if curve.stiffness is None else curve.stiffness
     return RateRecord(curve, t[chosen], P[chosen], a, noise, noise, base, loose, float(stiffness), numbers[chosen])

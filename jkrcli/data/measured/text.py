@@ -285,13 +285,13 @@ class Columns:
         return replace(curve, delta=sign * curve.delta * reading.factors.get("delta", 1.0), flags=flags)
 
 
-def _unit_of(table: TextTable, key: str, index: int, reading: Reading) -> str:
-    return reading.units.get(key) or split_name(table.names[index])[1]
+def _unit_of_load(table: TextTable, index: int, reading: Reading) -> str:
+    return reading.units.get("P") or split_name(table.names[index])[1]
 
 
 def _deflection_power(table: TextTable, index: int, reading: Reading) -> tuple[str, int] | None:
     """Whether the load's column is a deflection: "length" or "voltage" and its unit's power of ten, by the unit."""
-    unit = _unit_of(table, "P", index, reading)
+    unit = _unit_of_load(table, index, reading)
     if unit in VOLTS:
         return "voltage", VOLTS[unit]
     parsed = unit_power(unit)
@@ -301,7 +301,7 @@ def _deflection_power(table: TextTable, index: int, reading: Reading) -> tuple[s
 
 def _refuse_unitless(table: TextTable, index: int, reading: Reading) -> None:
     """Refuse a deflection without a unit: it may be one of volts, metres or newtons."""
-    if plain(table.names[index]) in DEFLECTIONS and not _unit_of(table, "P", index, reading):
+    if plain(table.names[index]) in DEFLECTIONS and not _unit_of_load(table, index, reading):
         name = split_name(table.names[index])[0]
         raise InputError(f"{table.path}: {numbered(table, index)} is a deflection and names no unit: give "
                          f'--unit "{name}=nm", or V, or nN, or write it into the header')  # fmt: skip
@@ -323,7 +323,7 @@ def _load_of_deflection(
     wanted = ("sensitivity", "stiffness") if unit[0] == "voltage" else ("stiffness",)
     known = {name: getattr(reading, name) or in_head.get(name) for name in wanted}
     missing = [name for name in wanted if known[name] is None]
-    title, kind = numbered(table, index), f"a deflection in {_unit_of(table, 'P', index, reading)}"
+    title, kind = numbered(table, index), f"a deflection in {_unit_of_load(table, index, reading)}"
     options = " and ".join(f"--{name}" for name in missing)
     if missing and not reading.incomplete:
         raise InputError(f"{table.path}: {title} is {kind}, no force: give {options}")

@@ -170,11 +170,11 @@ def receding(along: Sequence[WorkAlong]) -> tuple[Array, Array, int, Array]:
     return np.concatenate(speeds), np.concatenate(works), window, np.concatenate(errors)
 
 
-def law_along(along: Sequence[WorkAlong], name: str = "power") -> LawThrough | Unknown | None:
-    """The law called ``name`` through all receding edges of ``found``; None where no time was recorded."""
+def law_along(along: Sequence[WorkAlong]) -> LawThrough | Unknown | None:
+    """The power law through all receding edges ``along`` records; None where no time was recorded."""
     if all(item.timed is None for item in along):
         return None
-    return law_through(name, *receding(along))
+    return law_through("power", *receding(along))
 
 
 def _starts(logs: Unknowns, v: Array, w: Array) -> list[Array]:

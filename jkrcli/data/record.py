@@ -39,10 +39,11 @@ class RecordTuning:
     # choice: of all rows, the range of the load, or the way next to the turning point: what is no direction, no jump,
     # and no place of steps
     small: float = 0.02
-    tether: float = 0.05  # choice: of the rows, least length of a tether; a contact of its own way changes by then
+    # choice: of the rows, least length of a tether; relative change of its load, beyond the error; no contact's is
+    # below 0.1 by then
+    tether: float = 0.05
     straight: float = 1.3  # choice: of the noise, what the line through them leaves at most
-    level: float = 0.05  # choice: relative change of the load over them, beyond its error; no contact's is below 0.1
-    vague: float = 0.15  # choice: the largest such error
+    vague: float = 0.15  # choice: the largest error of that change
     doubtful: float = 0.5  # choice: of the least load over the noise; tension between is neither a jump nor a step
 
     back: float = 0.2  # choice: of the whole way, least of both ways that make two directions of one segment
@@ -423,7 +424,7 @@ def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]])
     tension, change = -float(part.mean()), 12 * float(np.mean(along * (part - part.mean())))
     error = base.noise * math.sqrt(12 / count)
     scatter = float(np.std(part - part.mean() - change * along))
-    level = abs(change) < TUNING.level * tension + 2 * error and scatter < TUNING.straight * base.noise
+    level = abs(change) < TUNING.tether * tension + 2 * error and scatter < TUNING.straight * base.noise
     if not level or error > TUNING.vague * tension:
         return []
     size, first = _block(off.size), falls[0][1] + 1

@@ -75,8 +75,9 @@ class FitSearchTuning:
     alien: float = 0.5  # choice: residuals that are no fit at all
     # Radii
     past_end: float = 1.02  # choice: how far the data may reach beyond a series, as noise does
-    far_past_end: float = 1.3  # choice: the same of starts, before the body is solved anew
-    room: float = 1.25  # choice: of the radii that the data reach, where a body is solved anew
+    # choice: of the radii that the data reach, where a body is solved anew, and how far starts may reach beyond a
+    # series before it is
+    room: float = 1.25
     least_used: float = 0.5  # choice: part of the series below which it is solved anew to smaller radii
 
 
@@ -475,7 +476,7 @@ def _of_a_branch(body: FittedBody, points: Points, settings: Settings) -> Minimu
     for _ in range(MOST_SOLVES):
         tried = _all_starts(body, points, settings)
         high = float(body.series.a[-1])
-        if body.extensible and tried[0].reach > high * TUNING.far_past_end:
+        if body.extensible and tried[0].reach > high * TUNING.room:
             body = body.to_radius(TUNING.room * tried[0].reach)
             continue
         minimum = _best(body, points, settings, tried)
@@ -501,7 +502,7 @@ def _among_radii(body: FittedBody, points: Points) -> FittedBody:
         return body
     least, middle, most = (float(a) for a in np.quantile(points.values["a"], (0.0, 0.5, 1.0)))
     low, high = (float(a) for a in body.series.a[[0, -1]])
-    if low / TUNING.far_past_end <= middle <= high * TUNING.far_past_end:
+    if low / TUNING.room <= middle <= high * TUNING.room:
         return body
     if body.extensible:
         return body.to_radius(TUNING.room * most)

@@ -125,15 +125,15 @@ def _off(curve: AdhesiveCurve, other: Nonadhesive, a: Array) -> Array:
 def _fitted_alike(body: Nonadhesive) -> tuple[Nonadhesive, ...]:
     """The functions by larger and larger elements, with slopes by the same rule: their columns err by as much more as
     second order says; as far as the rule finds them."""
-    found, more, coarser = [], 1.0, body.series.coarser
+    fits, more, coarser = [], 1.0, body.series.coarser
     while coarser is not None:
         more *= coarser.ratio**2
         try:
-            found.append(_fitted(coarser.series, body, more))
+            fits.append(_fitted(coarser.series, body, more))
         except InputError:
             break
         coarser = coarser.series.coarser
-    return tuple(found)
+    return tuple(fits)
 
 
 def _fitted(coarse: Series, body: Nonadhesive, more: float) -> Nonadhesive:

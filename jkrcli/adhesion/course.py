@@ -24,14 +24,14 @@ class Turning(Protocol):
 
 
 class Moves(NamedTuple):
-    """Speeds ``there`` and ``back``, the time of a ``hold``, where it is then ``held``, None: nowhere, and how long
-    that ``lasts``; SI."""
+    """Speeds ``there`` and ``back``, the time of a ``hold``, the position of a ``dwell`` on the way back (None: there
+    is none) and its ``dwell_time``; SI."""
 
     there: float
     back: float
     hold: float
-    held: float | None = None
-    lasts: float = 0.0
+    dwell: float | None = None
+    dwell_time: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -69,22 +69,21 @@ class Course:
         x = contact.turning(self.to_load, self.to_depth, moves.there)
 
         def turned(x: float) -> Program:
-            there, back, hold, held, lasts = moves
-            if held is None:
-                return there_and_back(x, there, back, hold, contact.least)
-            return dwell(x, there, back, held, lasts, hold, contact.least)
+            if moves.dwell is None:
+                return there_and_back(x, moves.there, moves.back, moves.hold, contact.least)
+            return dwell(x, moves.there, moves.back, moves.dwell, moves.dwell_time, moves.hold, contact.least)
 
-        told = self.to_load is not None or self.to_depth is not None
-        return turned(x if told else contact.within(turned, x))
+        has_turn = self.to_load is not None or self.to_depth is not None
+        return turned(x if has_turn else contact.within(turned, x))
 
 
-def _quantity(name: str, told: float | str, dimension: str, least: float | None) -> float:
+def _quantity(name: str, entry: float | str, dimension: str, least: float | None) -> float:
     """A number in SI, or text with its unit; > 0 where no ``least`` is given."""
     try:
-        value = parse(told, dimension) if isinstance(told, str) else float(told)
+        value = parse(entry, dimension) if isinstance(entry, str) else float(entry)
     except ValueError as error:
         raise InputError(f"{name}: {error}") from None
     wrong = value <= 0 if least is None else value < least
     if wrong or not math.isfinite(value):
-        raise InputError(f"{name}: must be {'> 0' if least is None else f'>= {least:g}'}, got {told}")
+        raise InputError(f"{name}: must be {'> 0' if least is None else f'>= {least:g}'}, got {entry}")
     return value

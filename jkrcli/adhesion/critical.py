@@ -108,7 +108,7 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
     share: their point is also compared with that of the slopes "integral"."""
     slopes = curve.slopes
     smooth = not isinstance(slopes.error, Unknown) and slopes.error <= UNSEEN
-    found = [
+    others = [
         (other, 2**TUNING.order if smooth else 1)
         for other in (_pull_off(half, curve, stiffness) for half in _apart(curve).halves)
         if not isinstance(other, Unknown)
@@ -120,12 +120,12 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
         other = _pull_off(by_integral, curve, stiffness)
         if isinstance(other, Unknown):
             return Unknown("unknown: by the slopes 'integral' the point lies outside the series")
-        found.append((other, 1))
-    if not found:
+        others.append((other, 1))
+    if not others:
         return Unknown("unknown: with every second row left out the point lies outside the series")
     scatter = _scatter(curve, point, stiffness) if slopes.method == "exact" and not smooth else {"delta": 0.0, "P": 0.0}
     return {
-        name: max(abs(getattr(other, name) - getattr(point, name)) / factor for other, factor in found) + scatter[name]
+        name: max(abs(getattr(other, name) - getattr(point, name)) / factor for other, factor in others) + scatter[name]
         for name in ("delta", "P")
     }
 
@@ -140,19 +140,19 @@ def _as_low(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Arr
     """Radii [m] of the neighbouring rows at which the scatter of the rows does not tell whether a device stands lower
     than at the ``point``, and that of the point."""
 
-    def held(other: AdhesiveCurve, a: Array) -> Array:
+    def x(other: AdhesiveCurve, a: Array) -> Array:
         return np.asarray(position(*other.at(a), stiffness))
 
     rows = curve.a[(curve.a > point.a / TUNING.widest) & (curve.a < point.a * TUNING.widest)]
-    away, here = np.abs(rows - point.a), float(held(curve, np.array(point.a)))
-    scatter = max(np.max(np.abs(held(half, rows) - held(curve, rows))[away <= np.sort(away)[min(4, rows.size - 1)]])
+    away, here = np.abs(rows - point.a), float(x(curve, np.array(point.a)))
+    scatter = max(np.max(np.abs(x(half, rows) - x(curve, rows))[away <= np.sort(away)[min(4, rows.size - 1)]])
                   for half in _apart(curve).halves)  # fmt: skip
-    return np.append(rows[held(curve, rows) < here + 2 * scatter], point.a)
+    return np.append(rows[x(curve, rows) < here + 2 * scatter], point.a)
 
 
 def _pull_off(other: AdhesiveCurve, curve: AdhesiveCurve, stiffness: float) -> CriticalPoint | Unknown:
-    """The pull-off of the ``other`` curve; those under all devices that ``curve`` was asked for are found with it."""
-    other.look_for_critical(curve.devices)
+    """The pull-off of the ``other`` curve; those under all ``devices`` of ``curve`` are computed with it."""
+    other.find_critical(curve.devices)
     return other.pull_off(stiffness)
 
 

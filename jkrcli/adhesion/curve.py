@@ -26,9 +26,9 @@ NO_ADHESION = Unknown("there is no adhesion at w = 0")
 
 @dataclass(frozen=True)
 class CurveTuning:
-    """How a curve is searched, and when the error of its interpolation can be told."""
+    """How a curve is searched, and when the error of its interpolation is known."""
 
-    samples: int = 8  # choice: per interval, where zeros are looked for; two of them between two samples are missed
+    samples: int = 8  # choice: per interval, between which zeros are sought; two of them between two samples are missed
     fewest: int = 5  # theory: every second of fewer points leaves no cubic
     few: int = 10  # points from which the error falls with the spacing; tuned on noisy series, by `make tuning`
     widest: float = 2.7  # ratio of neighbouring a - a0 up to which it does; tuned on the same, by `make tuning`
@@ -162,7 +162,7 @@ class EquilibriumCurve(ABC):
     @property
     @abstractmethod
     def _samples(self) -> Array:
-        """Numbers, increasing, whose ``_place`` lie close enough that two zeros are told apart."""
+        """Numbers, increasing, whose ``_place`` lie close enough to separate two zeros."""
 
     @abstractmethod
     def _place(self, x: Array) -> Array:
@@ -190,10 +190,10 @@ class EquilibriumCurve(ABC):
 
         ``stiffness`` [N/m] of the device: 0 is load control, infinity displacement control.
         """
-        self.look_for_critical([stiffness])
+        self.find_critical([stiffness])
         return self._critical[stiffness]
 
-    def look_for_critical(self, devices: Iterable[float]) -> None:
+    def find_critical(self, devices: Iterable[float]) -> None:
         """Find the critical points under ``devices`` of several stiffnesses [N/m] together: one by one takes longer."""
         new = [stiffness for stiffness in dict.fromkeys(devices) if stiffness not in self._critical]
         for stiffness, zeros in zip(new, self._zeros(self._rates, new, [0.0] * len(new)), strict=True):
@@ -204,12 +204,12 @@ class EquilibriumCurve(ABC):
 
     @property
     def devices(self) -> tuple[float, ...]:
-        """The stiffnesses [N/m] under which critical points were asked for."""
+        """The stiffnesses [N/m] whose critical points are known by now."""
         return tuple(self._critical)
 
     @cached_property
     def _critical(self) -> dict[float, tuple[CriticalPoint, ...]]:
-        """The critical points by the stiffnesses that were asked for."""
+        """The critical points known by now, by stiffness."""
         return {}
 
     def radii(self, *, P: float | None = None, delta: float | None = None) -> tuple[float, ...]:
@@ -220,28 +220,28 @@ class EquilibriumCurve(ABC):
             return self.radii_at(delta, DISPLACEMENT_CONTROL)
         raise InputError("adhesive curve: give either P or delta to look for")
 
-    def radii_at(self, held: float, stiffness: float) -> tuple[float, ...]:
-        """All places [m] on the curve, increasing, at which a device of ``stiffness`` [N/m] stands at ``held``
-        (its ``position``)."""
-        self.look_for_held([(held, stiffness)])
-        return self._held[held, stiffness]
+    def radii_at(self, x: float, stiffness: float) -> tuple[float, ...]:
+        """All places [m] on the curve, increasing, at which the ``position`` of a device of ``stiffness`` [N/m] is
+        ``x``."""
+        self.find_radii_at([(x, stiffness)])
+        return self._radii_at[x, stiffness]
 
-    def look_for_held(self, pairs: Iterable[tuple[float, float]]) -> None:
-        """Find the ``radii_at`` of several pairs of what is held and a stiffness together."""
-        new = [pair for pair in dict.fromkeys(pairs) if pair not in self._held]
-        found = self._zeros(self._at, [stiffness for _, stiffness in new], [held for held, _ in new])
-        self._held.update(zip(new, (tuple(place for place, _ in zeros) for zeros in found), strict=True))
+    def find_radii_at(self, pairs: Iterable[tuple[float, float]]) -> None:
+        """Find the ``radii_at`` of several pairs of position and stiffness together."""
+        new = [pair for pair in dict.fromkeys(pairs) if pair not in self._radii_at]
+        zeros_of_pairs = self._zeros(self._at, [stiffness for _, stiffness in new], [x for x, _ in new])
+        self._radii_at.update(zip(new, (tuple(place for place, _ in zeros) for zeros in zeros_of_pairs), strict=True))
 
     @cached_property
-    def _held(self) -> dict[tuple[float, float], tuple[float, ...]]:
-        """The places by what was asked to be held."""
+    def _radii_at(self) -> dict[tuple[float, float], tuple[float, ...]]:
+        """The places found by now, by position and stiffness."""
         return {}
 
     def _zeros(
-        self, values: Callable[[Array], tuple[Array, Array]], devices: Sequence[float], held: Sequence[float]
+        self, values: Callable[[Array], tuple[Array, Array]], devices: Sequence[float], levels: Sequence[float]
     ) -> list[list[tuple[float, bool]]]:
         """For each of the ``devices`` of a stiffness [N/m] the places on the curve, increasing, where its position,
-        from ``values`` (delta and P, or their rates) at them, is what is ``held``, and whether it rises there."""
+        from ``values`` (delta and P, or their rates) at them, is that of the ``levels``, and whether it rises there."""
         if not devices:
             return []
         first, last, x = self.places[0], self.places[-1], self._samples
@@ -250,16 +250,16 @@ class EquilibriumCurve(ABC):
             return values(np.clip(self._place(x), first, last))
 
         samples, lefts, rises = along(x), [], []
-        for stiffness, value in zip(devices, held, strict=True):
+        for stiffness, value in zip(devices, levels, strict=True):
             signs = np.sign(position(*samples, stiffness) - value)
             changes = np.flatnonzero(signs[:-1] * signs[1:] <= 0)
             left = changes[(signs[changes + 1] != 0) | (changes + 2 == signs.size)]  # a zero there is the next pair's
             lefts.append(left)
             rises.append((signs[left + 1] > signs[left]).tolist())
         sizes = [left.size for left in lefts]
-        left, stiff, level = np.concatenate(lefts), np.repeat(devices, sizes), np.repeat(held, sizes)
-        found = zeros_between(lambda x: positions(*along(x), stiff) - level, x[left], x[left + 1], TUNING.zero)
-        places = np.split(np.clip(self._place(found), first, last), np.cumsum(sizes)[:-1])
+        left, stiff, level = np.concatenate(lefts), np.repeat(devices, sizes), np.repeat(levels, sizes)
+        zeros = zeros_between(lambda x: positions(*along(x), stiff) - level, x[left], x[left + 1], TUNING.zero)
+        places = np.split(np.clip(self._place(zeros), first, last), np.cumsum(sizes)[:-1])
         return [list(zip(some.tolist(), rising, strict=True)) for some, rising in zip(places, rises, strict=True)]
 
     def pull_off(self, stiffness: float) -> CriticalPoint | Unknown:
@@ -272,16 +272,16 @@ class EquilibriumCurve(ABC):
         if self.w == 0:
             return NO_ADHESION
 
-        def held(point: Equilibrium) -> float:
+        def position_of(point: Equilibrium) -> float:
             return float(position(point.delta, point.P, stiffness))
 
         minima = [point for point in self.critical(stiffness) if point.kind == "minimum"]
         ends = self._ends
-        lowest = min(ends, key=lambda end: held(ends[end]))
-        best = min(minima, key=held, default=None)
-        if best is None or held(best) > held(ends[lowest]):
+        lowest = min(ends, key=lambda end: position_of(ends[end]))
+        best = min(minima, key=position_of, default=None)
+        if best is None or position_of(best) > position_of(ends[lowest]):
             return Unknown(self._outside(stiffness, lowest, ends[lowest]))
-        if held(best) > 0:
+        if position_of(best) > 0:
             return Unknown(
                 f"contact shrinks at P = {best.P:.4g} N, delta = {best.delta:.4g} m below the smallest radius of the "
                 f"series, a = {self.places[0]:.4g} m, where some must remain: the series would have to begin at a "
@@ -320,7 +320,7 @@ class EquilibriumCurve(ABC):
         return (places < low * (1 - ROUNDED)) | (places > high * (1 + ROUNDED)) | ~np.isfinite(places)
 
     def beyond_words(self, place: float) -> str:
-        """What is said of a place outside the curve."""
+        """The message about a place outside the curve."""
         low, high = self.places[[0, -1]]
         return f"adhesive curve: contact radius {place:g} m lies outside the series, {low:g} to {high:g} m"
 
@@ -464,14 +464,14 @@ class AdhesiveCurve(EquilibriumCurve):
         y, gaps = np.sqrt(knots[1:] * knots[:-1]), np.diff(np.log(knots))
         a = self.series.a0 + y
         here, rounding = np.stack(self._at(a)), TUNING.zero * np.stack(self.nonadhesive.parts(a)[:2])
-        found = np.zeros_like(here)
+        largest = np.zeros_like(here)
         for coarser in self.halves:
             fewer = coarser.a - self.series.a0
             place, wider = _place_between(fewer, y), np.diff(np.log(fewer))[_before(fewer, y)] / gaps
             depth = 16 * (place * (1 - place)) ** 2
             change = np.maximum(np.abs(coarser._at(a) - here) - rounding, 0.0) / wider**self._order / depth
-            found = np.where((wider > 1) & (depth >= TUNING.middle), np.maximum(found, change), found)
-        return {"delta": found[0], "P": found[1]}
+            largest = np.where((wider > 1) & (depth >= TUNING.middle), np.maximum(largest, change), largest)
+        return {"delta": largest[0], "P": largest[1]}
 
     @cached_property
     def halves(self) -> tuple[AdhesiveCurve, AdhesiveCurve]:

@@ -65,8 +65,8 @@ class DemLaw:
             delta, P, a = _branch(curve, stiff.pull_off, np.linspace(0, 1, rows))
             between = (np.arange(rows - 1) + 0.5) / (rows - 1)
             exact = _branch(curve, stiff.pull_off, between)
-            error = max(float(np.abs(interpolated(column, between) - found).max() / np.abs(found).max())
-                        for column, found in zip((P, a), exact[1:], strict=True))  # fmt: skip
+            error = max(float(np.abs(interpolated(column, between) - values).max() / np.abs(values).max())
+                        for column, values in zip((P, a), exact[1:], strict=True))  # fmt: skip
             rows = 2 * rows - 1
         if error > TUNING.error:
             raise InputError(f"{TUNING.most} rows meet the law within {error:.1g} only: give a series of more radii")

@@ -2,7 +2,7 @@
 
 A device of stiffness k holds x = delta + P/k (load control: x = P). With the lag L = delta_H - delta of the
 displacement behind the nonadhesive one, P = P_H - S L (Eq. 13), so that x = x_H - c L with c = 1 + S/k (load control:
-c = S) and G = S' L^2/(4 pi a), at once for every radius: no equilibrium is asked for.
+c = S) and G = S' L^2/(4 pi a), at once for every radius, in equilibrium or not.
 """
 
 from __future__ import annotations
@@ -44,14 +44,10 @@ class Edge:
         P = here.P_H - here.S * lag if self.stiffness != LOAD_CONTROL else np.broadcast_to(x, lag.shape)
         return EdgeState(here.delta_H - lag, P, here.dS * lag**2 / (4 * math.pi * a), lag)
 
-    def held_at(self, a: Array, G: float) -> Array:
-        """What the device holds where the edge at radius ``a`` [m] has the energy release rate ``G``."""
+    def position_at(self, a: Array, G: float) -> Array:
+        """The device's position where the edge at radius ``a`` [m] has the energy release rate ``G``."""
         here = self.body.parts(a)
         return position(here.delta_H, here.P_H, self.stiffness) - self._give(here.S) * math.sqrt(G) * here.t
-
-    def held(self, delta: Array, P: Array) -> Array:
-        """What the device holds at displacements [m] and loads [N]."""
-        return position(delta, P, self.stiffness)
 
     def _give(self, S: Array) -> Array:
         """c = -dx/dL at constant radius: 1 + S/k, under load control S [N/m]."""
@@ -104,7 +100,7 @@ class Pointwise:
     starts: list[float]
     cubics: Array
     a0: float
-    known: dict[int, list[list[float]]] = field(default_factory=dict)  # those asked for, as lists
+    known: dict[int, list[list[float]]] = field(default_factory=dict)  # those used by now, as lists
 
     @classmethod
     def of(cls, body: Nonadhesive) -> Pointwise:

@@ -132,9 +132,9 @@ class FiniteRangeCurve(EquilibriumCurve):
             here[name] = here[name] - np.interp(point.place, self.places, self.of_profile[name])
         halves = [[other for other in curve.critical(stiffness) if other.kind == "minimum"]
                   for curve in (self.thinned(0), self.thinned(1))]  # fmt: skip
-        found = [min(half, key=lambda other: abs(other.place - point.place)) for half in halves if half]
+        nearest = [min(half, key=lambda other: abs(other.place - point.place)) for half in halves if half]
         unseen = 0.0 if stiffness in self.moved else float(here["P"]) / max(abs(point.P), TINY)
-        if len(found) < len(halves):
+        if len(nearest) < len(halves):
             assert isinstance(self.interpolation_error, float)
             unseen += TUNING.halved * self.interpolation_error
         fraction = unseen + self.moved.get(stiffness, 0.0)
@@ -142,7 +142,7 @@ class FiniteRangeCurve(EquilibriumCurve):
         return {
             name: float(here[name]) + by_points.get(name, 0.0)
             + unseen * abs(getattr(point, name)) + fraction * point.place * abs(float(rate))
-            + max((abs(getattr(other, name) - getattr(point, name)) for other in found), default=0.0) / TUNING.halved
+            + max((abs(getattr(other, name) - getattr(point, name)) for other in nearest), default=0.0) / TUNING.halved
             for name, rate in rates.items()
         }  # fmt: skip
 
@@ -188,8 +188,8 @@ class FiniteRangeCurve(EquilibriumCurve):
     def contact_radii(self, places: Array) -> Array:
         places = np.asarray(places, dtype=float)
         v = self._stretched(np.maximum(places, self._c0))
-        found = np.maximum(self._spline(v)[..., 0], 0.0)
-        return found if not self.complete else np.where(places > self._c0, found, 0.0)
+        radii = np.maximum(self._spline(v)[..., 0], 0.0)
+        return radii if not self.complete else np.where(places > self._c0, radii, 0.0)
 
     def places_of(self, a: Array) -> Array:
         """The places of the contact radii ``a`` [m], about."""
@@ -233,8 +233,8 @@ class FiniteRangeCurve(EquilibriumCurve):
         c = np.minimum(places, self._c0)
         pulled: Array = self._pulled(c) if self.complete else np.zeros_like(c)
         free = self.problem.indenter.f(c) - pulled, -math.pi * self.law.stress * c**2
-        held = np.moveaxis(self._spline(self._stretched(places)), -1, 0)[1:]
-        delta, P = (np.where(places > self._c0, b, a) for a, b in zip(free, held, strict=True))
+        touching = np.moveaxis(self._spline(self._stretched(places)), -1, 0)[1:]
+        delta, P = (np.where(places > self._c0, b, a) for a, b in zip(free, touching, strict=True))
         return delta, P
 
     def _rates(self, places: Array) -> tuple[Array, Array]:
@@ -244,18 +244,18 @@ class FiniteRangeCurve(EquilibriumCurve):
         free = self.problem.indenter.slope(safe) - pulled, -2 * math.pi * self.law.stress * c
         beyond = np.maximum(places / self._c0 - 1, ROUNDED)
         by_c = 1 / (2 * self._c0 * np.sqrt((1 + beyond) * beyond))
-        held = np.moveaxis(self._slope(self._stretched(places)), -1, 0)[1:] * by_c
+        touching = np.moveaxis(self._slope(self._stretched(places)), -1, 0)[1:] * by_c
         inside = places > self._c0 * (1 + ROUNDED)
-        delta, P = (np.where(inside, b, a) for a, b in zip(free, held, strict=True))
+        delta, P = (np.where(inside, b, a) for a, b in zip(free, touching, strict=True))
         return delta, P
 
     @cached_property
     def _samples(self) -> Array:
         v = self._stretched(self.touching.c)
         inner = v[:-1, None] + np.diff(v)[:, None] * np.arange(CURVE.samples) / CURVE.samples
-        held = np.clip(self._c0 * np.cosh(inner.ravel()) ** 2, self._c0, self.places[-1])
+        touching = np.clip(self._c0 * np.cosh(inner.ravel()) ** 2, self._c0, self.places[-1])
         free = np.linspace(0, self._c0, CURVE.samples * self.apart.c.size, endpoint=False)
-        return np.unique(np.concatenate([free, held, self.places[-1:]])) / self.places[-1]
+        return np.unique(np.concatenate([free, touching, self.places[-1:]])) / self.places[-1]
 
     def _place(self, x: Array) -> Array:
         return x * self.places[-1]
@@ -266,9 +266,9 @@ class FiniteRangeCurve(EquilibriumCurve):
         free, free_weights = composite_gauss(first)
         inner = self.touching.c[(self.touching.c > max(low, self._c0)) & (self.touching.c < high)]
         v = self._stretched(np.concatenate([[max(low, self._c0)], inner, [max(high, self._c0)]]))
-        held, weights = composite_gauss(v)
-        c = np.clip(self._c0 * np.cosh(held) ** 2, self._c0, max(high, self._c0))
-        weights = weights * self._c0 * np.sinh(2 * held)
+        v, weights = composite_gauss(v)
+        c = np.clip(self._c0 * np.cosh(v) ** 2, self._c0, max(high, self._c0))
+        weights = weights * self._c0 * np.sinh(2 * v)
         return np.concatenate([free, c]), np.concatenate([free_weights, weights])
 
     def thinned(self, first: int) -> FiniteRangeCurve:
@@ -276,9 +276,9 @@ class FiniteRangeCurve(EquilibriumCurve):
 
     def _at_rows(self, rows: Array) -> FiniteRangeCurve:
         """The curve through some of its points in contact, and both ends."""
-        kept = np.unique(np.concatenate([[0], rows, self._bends, [self.touching.c.size - 1]]))
-        touching = Rims(*(getattr(self.touching, name)[kept] for name in STATES))
-        parts = Parts(*(column[kept] for column in self.parts))
+        rows = np.unique(np.concatenate([[0], rows, self._bends, [self.touching.c.size - 1]]))
+        touching = Rims(*(getattr(self.touching, name)[rows] for name in STATES))
+        parts = Parts(*(column[rows] for column in self.parts))
         return FiniteRangeCurve(self.law, self.problem, self.series, self.apart, touching, parts)
 
     @cached_property
@@ -396,27 +396,27 @@ class FiniteRangeBody:
             apart = _with_begin(attraction.apart(np.linspace(0, rims.c[0], TUNING.apart + 1)[1:-1], s, gap), gap)
         else:
             apart = Rims(*(np.empty(0) for _ in STATES))
-        found = FiniteRangeCurve(law, self.problem, self.series, apart, rims, _no_parts(rims), body=self)
+        curve = FiniteRangeCurve(law, self.problem, self.series, apart, rims, _no_parts(rims), body=self)
         for _ in range(TUNING.rounds):
-            near = _around_pull_off(found, controls)
+            near = _around_pull_off(curve, controls)
             if not near.size:
                 break
-            states = attraction.discs(near).equilibria(s, gap, attraction.reach, found.places_of(near))
+            states = attraction.discs(near).equilibria(s, gap, attraction.reach, curve.places_of(near))
             merged = _merged(rims, states)
             if np.min(np.diff(merged.c)) <= 0:
                 break
             rims = merged
-            found = replace(found, touching=rims, parts=_no_parts(rims))
+            curve = replace(curve, touching=rims, parts=_no_parts(rims))
         parts = Parts(*attraction.discs(rims.a).nonadhesive, np.zeros(rims.a.size))
-        found = replace(found, parts=parts)
+        curve = replace(curve, parts=parts)
         doubts = _doubts(attraction, rims, s, gap) if complete else (*_begins(rims), *_doubts(attraction, rims, s, gap))
-        errors, of_profile = self._errors(found, reach, s), self._of_profile(found, reach, s)
+        errors, of_profile = self._errors(curve, reach, s), self._of_profile(curve, reach, s)
         errors = {name: error + of_profile.get(name, 0.0) for name, error in errors.items()}
-        points = list(_judged_points(found, controls))
-        moved = self._moved(found, attraction, reach, s, points)
-        by_points = self._by_points(found, attraction, s, points) if of_profile else {}
+        points = list(_judged_points(curve, controls))
+        moved = self._moved(curve, attraction, reach, s, points)
+        by_points = self._by_points(curve, attraction, s, points) if of_profile else {}
         return replace(
-            found, half_widths=errors, of_profile=of_profile, moved=moved, by_points=by_points, doubts=doubts
+            curve, half_widths=errors, of_profile=of_profile, moved=moved, by_points=by_points, doubts=doubts
         )
 
     def _touching(self, attraction: Attraction, s: float, gap: float) -> Rims:
@@ -467,8 +467,8 @@ class FiniteRangeBody:
         and where the surfaces attract up to ``c`` [m]: those of F, more of what is softer than the surface."""
         softer = np.divide(2 * self.problem.E_star * a, S, out=np.ones_like(a), where=S > 0)
         resolution = self.problem.indenter.resolution
-        found: Array = np.maximum(softer, 1.0) * np.maximum(resolution(a), resolution(c))
-        return found
+        errors: Array = np.maximum(softer, 1.0) * np.maximum(resolution(a), resolution(c))
+        return errors
 
     def _errors(self, curve: FiniteRangeCurve, reach: float, s: float) -> dict[str, Array]:
         """Half-widths of delta and P: the change on other panels at some of the points, and what the kernel leaves."""
@@ -477,10 +477,10 @@ class FiniteRangeBody:
         other = self.body.check(reach).discs(rims.a[some]).equilibria(s, curve.law.length, reach, rims.c[some])
         kernel = self.body.kernel_error(reach, curve.places)
         f = self.problem.indenter.f(curve.apart.c)
-        held = {"delta": (parts.delta_H, rims.delta), "P": (parts.P_H, rims.P)}
+        touching = {"delta": (parts.delta_H, rims.delta), "P": (parts.P_H, rims.P)}
         free = {"delta": f + np.abs(f - curve.apart.delta), "P": np.abs(curve.apart.P)}
         errors = {}
-        for name, (plain, here) in held.items():
+        for name, (plain, here) in touching.items():
             unit = plain + np.abs(plain - here)
             seen = float(np.max(np.abs(getattr(other, name) - here[some]) / unit[some]))
             relative = TUNING.safety * seen + TUNING.no_claim + kernel
@@ -514,20 +514,20 @@ class FiniteRangeBody:
     ) -> dict[float, float]:  # fmt: skip
         """Relative errors of the places at which contact is lost: other panels add a slope to what is stationary there,
         as states on both sides of each show, and so does what the kernel leaves."""
-        found = {}
+        moved = {}
         for stiffness, point in points:
             a = point.a * (1 + TUNING.slope * np.array([-1.0, 0.0, 1.0]))
             ours, others = (
                 panels.discs(a).equilibria(s, curve.law.length, reach, curve.places_of(a))
                 for panels in (attraction, self.body.check(reach))
             )
-            held, other = (np.asarray(position(states.delta, states.P, stiffness)) for states in (ours, others))
-            bend, added = held[0] - 2 * held[1] + held[2], np.max(np.abs(np.diff(other - held)))
+            x, other = (np.asarray(position(states.delta, states.P, stiffness)) for states in (ours, others))
+            bend, added = x[0] - 2 * x[1] + x[2], np.max(np.abs(np.diff(other - x)))
             if bend > 0:
                 kernel = float(self.body.kernel_error(reach, np.array([point.place]))[0])
-                found[stiffness] = TUNING.slope * TUNING.safety * float(added) / float(bend)
-                found[stiffness] += kernel + TUNING.no_claim
-        return found
+                moved[stiffness] = TUNING.slope * TUNING.safety * float(added) / float(bend)
+                moved[stiffness] += kernel + TUNING.no_claim
+        return moved
 
     def _by_points(
         self, curve: FiniteRangeCurve, attraction: Attraction, s: float, points: Sequence[tuple[float, CriticalPoint]]
@@ -562,7 +562,7 @@ def _around_pull_off(curve: FiniteRangeCurve, controls: tuple[float, ...]) -> Ar
     """Contact radii [m] at the points where contact is lost under ``controls`` and close around them, but for those
     that were solved before, next to a kink or a state, or beyond the curve."""
     rows, kinks = curve.touching.a, np.array(curve.problem.indenter.kinks)
-    found = np.empty(0)
+    radii = np.empty(0)
     for point in map(curve.pull_off, controls):
         if isinstance(point, CriticalPoint) and point.a > 0 and np.min(np.abs(rows / point.a - 1)) > TUNING.solved:
             room = min((abs(kink / r - 1) / 2 for kink in kinks for r in (point.a, point.place)), default=math.inf)
@@ -570,10 +570,10 @@ def _around_pull_off(curve: FiniteRangeCurve, controls: tuple[float, ...]) -> Ar
             if steps[0] < TUNING.solved:
                 continue
             around = point.a * (1 + np.append(-steps, steps))
-            known = np.concatenate([rows, found])
+            known = np.concatenate([rows, radii])
             apart = np.min(np.abs(around[:, None] - known), axis=1) > steps[0] / 2 * point.a
-            found = np.concatenate([found, [point.a], around[apart & (around < rows[-1])]])
-    return np.unique(found)
+            radii = np.concatenate([radii, [point.a], around[apart & (around < rows[-1])]])
+    return np.unique(radii)
 
 
 def _doubts(attraction: Attraction, rims: Rims, s: float, gap: float) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""The law of attraction of finite range, and how it is asked for."""
+"""The law of attraction of finite range, and the request for one."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Range:
 
 @dataclass(frozen=True)
 class AskedRange:
-    """Tension ``stress`` [Pa] or range ``length`` [m] as they are asked for, for any work of adhesion; neither: JKR."""
+    """The requested tension ``stress`` [Pa] or range ``length`` [m], for any work of adhesion; neither: JKR."""
 
     stress: float | None = None
     length: float | None = None
@@ -66,7 +66,7 @@ class AskedRange:
 
     @property
     def suffix(self) -> str:
-        """What files are told apart by: ``-stress1e+08``, ``-range3e-10``."""
+        """What distinguishes names of files: ``-stress1e+08``, ``-range3e-10``."""
         if self.stress is not None:
             return f"-stress{self.stress:g}"
         return "" if self.length is None else f"-range{self.length:g}"

@@ -68,7 +68,7 @@ class Piece(ABC):
 
     @property
     def parting(self) -> tuple[float, float]:
-        """The last state that is told."""
+        """The last state that is reported."""
         return self.last
 
     @abstractmethod
@@ -88,13 +88,13 @@ class Piece(ABC):
         """da/dt [m/s] at places ``a`` [m] and energy release rates ``G`` [J/m^2] of the piece."""
 
     def unloaded(self) -> Piece | None:
-        """The piece from its last state without load on; None where it has none, or is not asked for it."""
+        """The piece from its last state without load on; None where it has none."""
         return None
 
 
 class Now(NamedTuple):
-    """Time [s], place [m] (0: no contact) and what is held, between two pieces; ``rests``: G has just come to w;
-    ``stands``: the edge is in equilibrium, and moves with the device."""
+    """Time [s], place [m] (0: no contact) and the device's position ``x`` between two pieces; ``rests``: G has just
+    come to w; ``stands``: the edge is in equilibrium, and moves with the device."""
 
     t: float
     place: float
@@ -198,14 +198,14 @@ class Follow(Piece):
         if self.ramp.is_step or self.place == self.end:
             return np.array([self.first[0]]), np.array([self.place])
         places = np.linspace(self.place, self.end, points)
-        return self.ramp.t + (self._held(places) - self.ramp.x) / self.ramp.rate, places
+        return self.ramp.t + (self._position(places) - self.ramp.x) / self.ramp.rate, places
 
     def at(self, t: Array) -> Array:
         if self.ramp.is_step:
             return np.full(t.shape, self.place)
         low, high = (np.full(t.shape, place) for place in sorted((self.place, self.end)))
-        x = np.clip(self.ramp.at(t), self._held(low), self._held(high))
-        return zeros_between(lambda places: self._held(places) - x, low, high, 0.0)
+        x = np.clip(self.ramp.at(t), self._position(low), self._position(high))
+        return zeros_between(lambda places: self._position(places) - x, low, high, 0.0)
 
     def lowest(self) -> tuple[float, float]:
         inner = [point.place for point in self.curve.critical(LOAD_CONTROL) if self.holds(point.place)]
@@ -226,11 +226,11 @@ class Follow(Piece):
         """Whether the ``place`` [m] is passed through."""
         return min(self.place, self.end) <= place <= max(self.place, self.end)
 
-    def _held(self, places: Array) -> Array:
+    def _position(self, places: Array) -> Array:
         return position(*self.curve.at(places), self.stiffness)
 
     def _time(self, place: float) -> float:
-        return self.ramp.when(float(self._held(np.array(place))))
+        return self.ramp.when(float(self._position(np.array(place))))
 
 
 # ---------------------------------------------------------------------- how an edge moves
@@ -267,8 +267,13 @@ class AtOnce:
         """Without adhesion contact begins at a point and the path at the first radius of the series."""
         return float(self.curve.places[0]) if self.curve.w == 0 else 0.0
 
-    def held(self, place: float) -> float:
-        """What the device holds in equilibrium at a ``place`` [m]."""
+    @property
+    def free(self) -> float:
+        """The device's position where the free bodies begin to attract each other."""
+        return float(position(self.curve.onset, 0.0, self.stiffness))
+
+    def position(self, place: float) -> float:
+        """The device's position in equilibrium at a ``place`` [m]."""
         return float(position(*self.curve.at(np.array(place)), self.stiffness))
 
     def rises(self, place: float) -> float:
@@ -276,8 +281,8 @@ class AtOnce:
         return float(position(*self.curve.rates(np.array(place)), self.stiffness))
 
     def slack(self, place: float) -> float:
-        """Round-off of what is held there."""
-        return TUNING.rests * (abs(self.held(place)) + place * abs(self.rises(place)))
+        """Round-off of the position there."""
+        return TUNING.rests * (abs(self.position(place)) + place * abs(self.rises(place)))
 
     def move(self, ramp: Ramp, now: Now) -> Follow | None:
         place = now.place if self.stands(now) else self.settled(now.place, now.x)
@@ -289,7 +294,7 @@ class AtOnce:
 
     def stands(self, now: Now) -> bool:
         """Whether the edge is in equilibrium ``now``."""
-        return now.stands or bool(now.place and abs(self.held(now.place) - now.x) <= self.slack(now.place))
+        return now.stands or bool(now.place and abs(self.position(now.place) - now.x) <= self.slack(now.place))
 
     def along(self, ramp: Ramp, place: float) -> Follow:
         """From an equilibrium at a ``place`` [m] on as far as the ``ramp``, or the stable branch, goes."""
@@ -299,24 +304,24 @@ class AtOnce:
         stops = [r for r in self.curve.radii_at(ramp.x_end, self.stiffness) if whole.holds(r)]
         if stops:
             return self._piece(ramp, place, self._next(stops))
-        there = abs(self.held(whole.end) - ramp.x_end) <= self.slack(whole.end)
+        there = abs(self.position(whole.end) - ramp.x_end) <= self.slack(whole.end)
         return self._piece(ramp, place, whole.end) if there else whole
 
     def settled(self, place: float, x: float) -> float | None:
-        """The next stable place [m] beyond ``place`` at which the device holds ``x``; None: there is none."""
-        found = [r for r in self.curve.radii_at(x, self.stiffness) if self._beyond(place, r) and self.rises(r) > 0]
-        return self._next(found) if found else None
+        """The next stable place [m] beyond ``place`` at the device's position ``x``; None: there is none."""
+        stable = [r for r in self.curve.radii_at(x, self.stiffness) if self._beyond(place, r) and self.rises(r) > 0]
+        return self._next(stable) if stable else None
 
     def first(self) -> float | Unknown:
         """The place [m] of first contact, where the free bodies begin to attract each other.
 
         JKR forces have no range: nothing happens before the undeformed gap closes (D = delta = 0), and there the
         contact spreads to the first stable radius."""
-        curve, held = self.curve, float(position(self.curve.onset, 0.0, self.stiffness))
         if self.begins:
             return self.begins
+        curve = self.curve
         smallest, largest = curve.contact_radii(curve.places[[0, -1]]).tolist()
-        if not curve.complete and self.held(float(curve.places[0])) > held:
+        if not curve.complete and self.position(float(curve.places[0])) > self.free:
             if curve.ranged:
                 return Unknown(f"the surfaces jump to contact radii below {show(smallest, 'length')}, where "
                                "the curve begins")  # fmt: skip
@@ -325,7 +330,7 @@ class AtOnce:
                 f"{show(smallest, 'length')}: begin at smaller radii"
             )
         where = f"delta = {curve.onset:.4g}{' m' if curve.onset else ''}"
-        return self.settled(0.0, held) or Unknown(
+        return self.settled(0.0, self.free) or Unknown(
             f"contact at {where} spreads beyond the largest radius of the series, a = "
             f"{show(largest, 'length')}: increase [loading] radius"
         )
@@ -338,11 +343,11 @@ class AtOnce:
             begin, end = self.curve.places[[0, -1]].tolist()
             gone = self.curve.complete and not self.grows
             return self._piece(ramp, place, end if self.grows else begin, "lost" if gone else "series")
-        x, others = self.held(fold), self.curve.critical(self.stiffness)
+        x, others = self.position(fold), self.curve.critical(self.stiffness)
         lands = self.settled(fold, x) if any(self._beyond(fold, point.place) for point in others) else None
         if lands is not None:
             return self._piece(ramp, place, fold, "fold", lands)
-        lost = not self.grows and x <= float(position(self.curve.onset, 0.0, self.stiffness))
+        lost = not self.grows and x <= self.free
         return self._piece(ramp, place, fold, "lost" if lost else "jump")
 
     def _fold(self, place: float) -> float | None:
@@ -392,19 +397,15 @@ class Contact:
         curve = self.recede.equilibrium.curve
         return Edge(curve.nonadhesive, self.stiffness) if isinstance(curve, AdhesiveCurve) else None
 
-    @property
-    def free(self) -> float:
-        """What the device holds where the free bodies begin to attract each other."""
-        return float(position(self.advance.equilibrium.curve.onset, 0.0, self.stiffness))
-
     @cached_property
     def least(self) -> float:
-        """What the device holds when contact begins: that, without adhesion what it holds at the first radius."""
+        """The device's position when contact begins: where the free bodies begin to attract each other, without
+        adhesion that at the first radius."""
         advance = self.advance.equilibrium
-        return advance.held(advance.begins) if advance.begins else self.free
+        return advance.position(advance.begins) if advance.begins else advance.free
 
     def states(self, places: Array, x: Array) -> States:
-        """The states at ``places`` [m], 0 out of contact, while the device holds ``x``."""
+        """The states at ``places`` [m], 0 out of contact, and positions ``x`` of the device."""
         curve, touching = self.recede.equilibrium.curve, places > 0
         inside = np.where(touching, places, curve.places[0])
         if self.edge is None:
@@ -416,10 +417,10 @@ class Contact:
         return States(a, np.where(touching, delta, free), P, G)
 
     def limits(self, place: float) -> tuple[float, float, float]:
-        """What the device holds where the edge at ``place`` [m] begins to recede, and to advance, and their
+        """The device's positions where the edge at ``place`` [m] begins to recede, and to advance, and their
         round-off."""
         recede, advance = self.recede.equilibrium, self.advance.equilibrium
-        return recede.held(place), advance.held(place), max(recede.slack(place), advance.slack(place))
+        return recede.position(place), advance.position(place), max(recede.slack(place), advance.slack(place))
 
 
 @dataclass(frozen=True, eq=False)
@@ -554,7 +555,7 @@ class Path:
     def states(self, piece: Piece, t: Array, places: Array) -> States:
         """The states of a ``piece`` at times [s] and ``places`` [m] of it."""
         if not isinstance(piece, Follow):
-            return self.contact.states(places, held(piece, t))
+            return self.contact.states(places, piece.ramp.positions(t))
         curve = piece.curve
         return States(curve.contact_radii(places), *curve.at(places), np.full_like(places, curve.w))
 
@@ -569,19 +570,11 @@ class Path:
         t = np.maximum.accumulate(np.maximum(t, self.pieces[0].ramp.t))  # pieces meet but for round-off
         columns = {"t_s": t, "a_m": a, "delta_m": delta, "P_N": P}
         if self.contact.stiffness != LOAD_CONTROL:
-            columns["device_m"] = np.concatenate([held(piece, part[0]) for piece, part in both])
+            columns["device_m"] = np.concatenate([piece.ramp.positions(part[0]) for piece, part in both])
         sizes = [part[0].size for part in parts]
         phases = np.repeat([piece.phase for piece in self.pieces], sizes)
         columns |= {"G_J_per_m2": G, "phase": phases, "part": np.repeat(np.arange(len(parts)) + 1, sizes)}
         return columns | ({"c_m": places} if self.contact.recede.equilibrium.curve.ranged else {})
-
-
-def held(piece: Piece, t: Array) -> Array:
-    """What the device holds at the times ``t`` of a piece."""
-    ramp = piece.ramp
-    if ramp.is_step:
-        return np.linspace(ramp.x, ramp.x_end, t.size) if t.size > 1 else np.array([ramp.x_end])
-    return np.asarray(ramp.at(t))
 
 
 def path(contact: Contact, program: Program, start: float = 0.0, stands: bool = False) -> Path:
@@ -590,8 +583,8 @@ def path(contact: Contact, program: Program, start: float = 0.0, stands: bool = 
     pieces: list[Piece] = []
     ends, now = "program", Now(0.0, start, 0.0, stands=stands)
     for ramp in program.ramps():
-        found, ends = _on_ramp(contact, ramp, now, program)
-        pieces += found
+        on_ramp, ends = _on_ramp(contact, ramp, now, program)
+        pieces += on_ramp
         if ends != "program":
             break
         now = Now(0.0, _after(ramp, pieces[-1]).place, 0.0)
@@ -671,7 +664,7 @@ def shrink(contact: QuasiStatic, begin: float) -> Path:
     """The states passed on retraction from an equilibrium of the advancing edge at the place ``begin`` [m] on, stable
     there or not."""
     no_rest = contact.advancing.w == contact.receding.w
-    return path(contact, Program.on(contact.advance.held(begin), -1.0), begin, no_rest)
+    return path(contact, Program.on(contact.advance.position(begin), -1.0), begin, no_rest)
 
 
 def largest_stable(curve: EquilibriumCurve, stiffness: float) -> float | None:

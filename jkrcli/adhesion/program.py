@@ -15,8 +15,8 @@ from ..base import Array, InputError
 
 @dataclass(frozen=True)
 class Ramp:
-    """What the device holds, even from ``x`` at the time ``t`` [s] to ``x_end`` at ``t_end``: its position [m], under
-    load control the load [N]. ``rate``: dx/dt [m/s or N/s]; equal times are a step."""
+    """The device's position [m], under load control the load [N], linear from ``x`` at the time ``t`` [s] to ``x_end``
+    at ``t_end``. ``rate``: dx/dt [m/s or N/s]; equal times are a step."""
 
     t: float
     x: float
@@ -35,11 +35,17 @@ class Ramp:
         return self.t_end == self.t
 
     def at(self, t: Any) -> Any:
-        """What is held at the times ``t`` [s] of a ramp that is no step."""
+        """The positions at the times ``t`` [s] of a ramp that is no step."""
         return self.x + self.rate * (t - self.t)
 
+    def positions(self, t: Array) -> Array:
+        """The positions at the times ``t`` [s]; a step goes evenly from row to row."""
+        if self.is_step:
+            return np.linspace(self.x, self.x_end, t.size) if t.size > 1 else np.array([self.x_end])
+        return np.asarray(self.at(t))
+
     def when(self, x: float) -> float:
-        """The time [s] at which ``x`` is held; where it stands, the end."""
+        """The time [s] of the position ``x``; where it stands, the end."""
         return self.t_end if self.rate == 0 else self.t + (x - self.x) / self.rate
 
 
@@ -74,7 +80,7 @@ class Program:
         return cls(np.zeros(1), np.array([x]), rate)
 
     def highest(self, t: float) -> float:
-        """The largest that is held after the time ``t`` [s]."""
+        """The largest position after the time ``t`` [s]."""
         return math.inf if (self.rate or 0) > 0 else float(np.max(self.x[self.t > t], initial=-math.inf))
 
     def ramps(self) -> Iterator[Ramp]:
@@ -98,13 +104,13 @@ def there_and_back(turn: float, inwards: float, outwards: float, hold: float = 0
 
 
 def dwell(
-    turn: float, inwards: float, outwards: float, held: float, lasts: float, hold: float = 0.0, start: float = 0.0
+    turn: float, inwards: float, outwards: float, x: float, lasts: float, hold: float = 0.0, start: float = 0.0
 ) -> Program:
-    """There and back as far as ``held``, where the device stays for the time ``lasts`` [s]."""
+    """There and back as far as ``x``, where the device stays for the time ``lasts`` [s]."""
     whole = there_and_back(turn, inwards, outwards, hold, start)
-    if not held < turn:
-        raise InputError(f"program: the dwell must lie before the turn at {turn:g}, got {held:g}")
+    if not x < turn:
+        raise InputError(f"program: the dwell must lie before the turn at {turn:g}, got {x:g}")
     if not lasts > 0:
         raise InputError(f"program: the dwell must last > 0 s, got {lasts:g}")
-    reached = float(whole.t[-1]) + (turn - held) / outwards
-    return Program(np.append(whole.t, [reached, reached + lasts]), np.append(whole.x, [held, held]))
+    reached = float(whole.t[-1]) + (turn - x) / outwards
+    return Program(np.append(whole.t, [reached, reached + lasts]), np.append(whole.x, [x, x]))

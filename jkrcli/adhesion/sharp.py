@@ -29,14 +29,14 @@ TUNING = SharpTuning()
 
 
 def resolved(
-    found: CriticalPoint | Unknown, curve: EquilibriumCurve, stiffness: float, z0: float
+    point: CriticalPoint | Unknown, curve: EquilibriumCurve, stiffness: float, z0: float
 ) -> CriticalPoint | Unknown:
     """A pull-off point under a device of ``stiffness`` [N/m], or Unknown where it lies at a radius below ``z0`` [m]."""
     if curve.ranged:  # its surfaces may attract each other without contact
-        return found
-    a = found.a if isinstance(found, CriticalPoint) else _smallest(curve, stiffness, z0)
+        return point
+    a = point.a if isinstance(point, CriticalPoint) else _smallest(curve, stiffness, z0)
     if a is None or a >= z0:
-        return found
+        return point
     return Unknown(
         f"contact would shrink below the interatomic spacing, z0 = {show(z0, 'length')}, before it is lost, where "
         'nothing is a continuum: give the radius that every real tip has (shape = "sphere", or a profile as "table"); '

@@ -125,8 +125,8 @@ class Behaviour:
 def behaviours(curve: EquilibriumCurve, devices: Sequence[float]) -> list[Behaviour]:
     """What ``curve`` says about each of the ``devices`` of a stiffness [N/m]."""
     if curve.w > 0:
-        curve.look_for_critical(devices)
-        curve.look_for_held([(float(position(curve.onset, 0.0, stiffness)), stiffness) for stiffness in devices])
+        curve.find_critical(devices)
+        curve.find_radii_at([(float(position(curve.onset, 0.0, stiffness)), stiffness) for stiffness in devices])
     return [behaviour(curve, stiffness) for stiffness in devices]
 
 
@@ -174,10 +174,10 @@ def turning_radius(
     inwards = grow(QuasiStatic(curve, curve, stiffness))
     if isinstance(inwards, Unknown):
         raise InputError(f"cycle: {inwards.reason}")
-    held, value = (LOAD_CONTROL, load) if depth is None else (DISPLACEMENT_CONTROL, depth)
+    controlled, value = (LOAD_CONTROL, load) if depth is None else (DISPLACEMENT_CONTROL, depth)
     if value is None:
         return inwards.last
-    met = [a for a in curve.radii_at(value, held) if inwards.holds(a)]
+    met = [a for a in curve.radii_at(value, controlled) if inwards.holds(a)]
     if not met:
         first, last = first_contact(inwards), curve.point(inwards.last)
         name, unit = ("P", "load") if depth is None else ("delta", "length")
@@ -199,15 +199,15 @@ def first_contact(approach: Path) -> Equilibrium:
     return replace(first, delta=curve.onset) if k == DISPLACEMENT_CONTROL else first
 
 
-def trace(found: Cycle, points: int) -> dict[str, Array]:
+def trace(cycle: Cycle, points: int) -> dict[str, Array]:
     """What the device records over the cycle, row by row, ``points`` (>= 2) to each stretch, even in radius.
 
     Columns: "a_m" (0 out of contact), "delta_m" (minus the gap out of contact), "P_N", "device_m" (delta + P/stiffness;
     left out under load control, where there is no such length), "phase" in words and "part", a number: jumps lie
     between two parts; "c_m" where adhesion has a range.
     """
-    before, after = _out_of_contact(found, points)
-    along = {name: column for name, column in found.path.rows(points).items() if name not in ("t_s", "G_J_per_m2")}
+    before, after = _out_of_contact(cycle, points)
+    along = {name: column for name, column in cycle.path.rows(points).items() if name not in ("t_s", "G_J_per_m2")}
     words = np.array([PHASES[phase] for phase in along["phase"]])
     around = {"phase": ("free approach", "free retraction"), "part": (0, along["part"][-1] + 1),
               "delta_m": (before, after), "device_m": (before, after)}  # fmt: skip
@@ -218,14 +218,14 @@ def trace(found: Cycle, points: int) -> dict[str, Array]:
     return columns | {"part": columns["part"] + 1}
 
 
-def _out_of_contact(found: Cycle, points: int) -> tuple[Array, Array]:
+def _out_of_contact(cycle: Cycle, points: int) -> tuple[Array, Array]:
     """Positions [m] before contact and after it is lost; they reach a quarter beyond where it is lost."""
-    curve = found.contact.receding
-    last = curve.point(found.retraction.last)
-    D = last.delta if found.stiffness == LOAD_CONTROL else position(last.delta, last.P, found.stiffness)
+    curve = cycle.contact.receding
+    last = curve.point(cycle.retraction.last)
+    D = last.delta if cycle.stiffness == LOAD_CONTROL else position(last.delta, last.P, cycle.stiffness)
     furthest = -1.25 * max(abs(D), -curve.onset)
     before = np.linspace(furthest, curve.onset, points)
-    if found.retraction.ends != "lost" or found.stiffness == LOAD_CONTROL:
+    if cycle.retraction.ends != "lost" or cycle.stiffness == LOAD_CONTROL:
         return before, np.array([])
     return before, np.linspace(D, furthest, points)
 

@@ -15,7 +15,7 @@ from .nonadhesive import Nonadhesive
 
 @dataclass(frozen=True)
 class InverseTuning:
-    """Where the work of adhesion is looked for, and when it is found."""
+    """The search for the work of adhesion."""
 
     step: float = math.log(4.0)  # of log w, beyond what the radii of the series give; choice: time alone depends on it
 
@@ -54,10 +54,10 @@ def work_from_pull_off(
         return AdhesiveCurve(body, w).pull_off(stiffness)
 
     def force(log_w: float) -> float:
-        found = point(math.exp(log_w))
-        if isinstance(found, Unknown):
-            raise SolveError(f"load: the search for w left the series: {found.reason}")
-        return -found.P
+        tear_off = point(math.exp(log_w))
+        if isinstance(tear_off, Unknown):
+            raise SolveError(f"load: the search for w left the series: {tear_off.reason}")
+        return -tear_off.P
 
     def excess(log_w: float) -> float:
         return force(log_w) / load - 1
@@ -82,14 +82,14 @@ def work_from_pull_off(
     if low < high:
         low = float(zeros_between(np.vectorize(excess), np.array([low]), np.array([high]), 1e-14)[0])
     w = math.exp(low)
-    found = point(w)
-    if isinstance(found, Unknown) or abs(-found.P / load - 1) > ROUNDED:
+    tear_off = point(w)
+    if isinstance(tear_off, Unknown) or abs(-tear_off.P / load - 1) > ROUNDED:
         raise InputError(
             f"load: no work of adhesion gives a pull-off force of {show(load, 'load')}: where the last stable branch "
             f"changes, at w = {show(w, 'work')}, the force jumps past it"
         )
     half_space = None if R is None else load / (1.5 * math.pi * R)
-    return FoundWork(load, stiffness, float(w), AdhesiveCurve(body, w), found, half_space)
+    return FoundWork(load, stiffness, float(w), AdhesiveCurve(body, w), tear_off, half_space)
 
 
 def _stationary(body: Nonadhesive, stiffness: float) -> Array:

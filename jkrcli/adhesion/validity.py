@@ -91,8 +91,8 @@ class Validity:
 def sizes(problem: Problem) -> dict[str, Any]:
     """What ``judge`` asks of the bodies themselves."""
     specimen, indenter = problem.specimen, problem.indenter
-    found = {"E_star": problem.E_star, "R": indenter.tip_radius, "h": specimen.top_thickness}
-    return found | {"depth": specimen.yielding_depth, "tension": specimen.surface_tension, "profile": indenter.noun}
+    lengths = {"E_star": problem.E_star, "R": indenter.tip_radius, "h": specimen.top_thickness}
+    return lengths | {"depth": specimen.yielding_depth, "tension": specimen.surface_tension, "profile": indenter.noun}
 
 
 def refuse_wetting(w: float, tension: float) -> None:
@@ -224,9 +224,9 @@ def _cut_warning(judged: Validity) -> list[str]:
 def _range_warning(judged: Validity) -> list[str]:
     """What is lost without a range, solved for; by the Tabor number where that is not known."""
     number, effect = judged.tabor, judged.effect_of_range
-    told = "" if isinstance(number, Unknown) else f" (Tabor number {number:.3g})"
+    by_tabor = "" if isinstance(number, Unknown) else f" (Tabor number {number:.3g})"
     if not isinstance(effect, Unknown):
-        differs = f"at the range z0 the pull-off force would differ by {effect:+.2%}{told}: {REMEDY}"
+        differs = f"at the range z0 the pull-off force would differ by {effect:+.2%}{by_tabor}: {REMEDY}"
         return [differs] if abs(effect) >= LIMITS.effect else []
     if isinstance(number, Unknown) or number >= LIMITS.tabor_jkr:
         return []

@@ -225,7 +225,7 @@ def _apart(before: Array, radii: Array, a0: float) -> Array:
 
 def _wanted(curve: AdhesiveCurve, devices: set[float]) -> Array:
     """Radii of the pull-off points; none where they are all solved."""
-    curve.look_for_critical(devices)
+    curve.find_critical(devices)
     found = (curve.pull_off(stiffness) for stiffness in devices)
     points = [point for point in found if isinstance(point, CriticalPoint)]
     return np.unique([] if all(is_solved(curve, point) for point in points) else [point.a for point in points])

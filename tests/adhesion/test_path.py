@@ -83,7 +83,8 @@ def test_the_least_load_of_a_slow_edge_goes_with_its_speed() -> None:
 def test_up_and_down_and_up_again(stiffness: float) -> None:
     """Rests at each turn, at one radius and slope S, until G is the other w; then as if it had not turned."""
     here = contact(0.5, 1.0, stiffness)
-    x = [here.least, *(here.advance.held(a) for a in (3.0, 2.5)), here.recede.held(2.0), here.advance.held(4.0), -20.0]
+    advance, recede = here.advance.position, here.recede.position
+    x = [here.least, advance(3.0), advance(2.5), recede(2.0), advance(4.0), -20.0]
     found = path(here, Program(np.arange(6.0), np.array(x)))
     phases = [piece.phase for piece in found.pieces]
     ends = [piece.last[1] for piece in found.pieces]
@@ -102,7 +103,7 @@ def test_up_and_down_and_up_again(stiffness: float) -> None:
 def test_the_work_of_a_path_is_what_its_edge_and_its_jumps_lose() -> None:
     """Closed inner loops of the edge cost (w_r - w_a) times the area that was passed back and forth."""
     here = contact(0.5, 1.0, RIGID)
-    turns = [here.advance.held(3.0), here.recede.held(2.0), here.advance.held(3.0)]
+    turns = [here.advance.position(3.0), here.recede.position(2.0), here.advance.position(3.0)]
     once = path(here, Program(np.arange(3.0), np.array([here.least, turns[0], -20.0])))
     twice = path(here, Program(np.arange(5.0), np.array([here.least, *turns, -20.0])))
     assert twice.work - once.work == pytest.approx(0.5 * math.pi * (3.0**2 - 2.0**2), rel=1e-10)

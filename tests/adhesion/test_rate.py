@@ -61,7 +61,7 @@ def gel() -> Nonadhesive:
 def pulled(V: float, n: float, stiffness: float = RIGID, tolerance: float = TUNING.tolerance) -> History:
     """Back at the speed ``V`` from equilibrium at no load."""
     contact = RateContact(half_space(), PowerRate(1.0, n), 1.0, 1.0, stiffness, tolerance=tolerance)
-    x = float(contact.edge.held_at(np.array(UNLOADED), 1.0))
+    x = float(contact.edge.position_at(np.array(UNLOADED), 1.0))
     return contact.history(Program(np.array([0.0]), np.array([x]), -V), UNLOADED)
 
 
@@ -106,7 +106,7 @@ def test_a_very_slow_edge_is_followed(n: float, V: float, stiffness: float) -> N
 def held(n: float, lasts: float) -> tuple[RateContact, History]:
     """A rigid device that stands where G began at 2 w0."""
     contact = RateContact(half_space(), PowerRate(1.0, n), 1.0, 1.0)
-    x = float(contact.edge.held_at(np.array(2.0), 2.0))
+    x = float(contact.edge.position_at(np.array(2.0), 2.0))
     return contact, contact.history(Program(np.array([0.0, lasts]), np.array([x, x])), 2.0)
 
 
@@ -159,7 +159,7 @@ def test_it_agrees_with_another_integrator_on_a_layer() -> None:
     body, law, w0 = gel(), PowerRate(2e-6, 0.4), 0.04
     contact = RateContact(body, law, w0, w0, 500.0)
     a0, V = 5e-4, 3e-6
-    x0 = float(contact.edge.held_at(np.array(a0), w0))
+    x0 = float(contact.edge.position_at(np.array(a0), w0))
 
     def rate(t: float, a: np.ndarray) -> np.ndarray:
         here = body.parts(np.clip(a, *body.a[[0, -1]]))

@@ -15,7 +15,7 @@ from jkrcli.adhesion.relaxation.depths import Depths
 from jkrcli.adhesion.relaxation.driven import Drive
 from jkrcli.adhesion.relaxation.history import RelaxingContact
 from jkrcli.adhesion.relaxation.memory import moments
-from jkrcli.adhesion.relaxation.path import RelaxedPath, given_depth
+from jkrcli.adhesion.relaxation.path import RelaxedPath, depth_controlled
 from jkrcli.base.arrays import Array
 from jkrcli.base.errors import InputError
 from jkrcli.beside.analysis import nonadhesive
@@ -41,7 +41,7 @@ def path(
     law: Relaxation, t: Array, x: Array, body: Depths | None = None, stiffness: float = math.inf
 ) -> RelaxedPath:  # fmt: skip
     body, modes = body or depths(), law.modes(float(t[-1]))
-    return given_depth(body, modes, t, x) if math.isinf(stiffness) else Drive(body, modes, stiffness, t, x).path()
+    return depth_controlled(body, modes, t, x) if math.isinf(stiffness) else Drive(body, modes, stiffness, t, x).path()
 
 
 def test_values_of_a_half_space() -> None:
@@ -182,7 +182,7 @@ def test_the_energy_lost_is_unknown_while_there_is_contact() -> None:
 def test_units_scale() -> None:
     body, modes = depths().body, StandardSolid(0.25, 1e-3).modes(1.0)
     t, x, rows = 1e-3 * TRIANGLE[0], TRIANGLE[1], np.array([0.5, 1.25])
-    P = given_depth(Depths(body.scaled(1e6)), modes, t, x).states(1e-3 * rows)[2]
+    P = depth_controlled(Depths(body.scaled(1e6)), modes, t, x).states(1e-3 * rows)[2]
     np.testing.assert_allclose(P, 1e6 * path(SOLID, *TRIANGLE).states(rows)[2], rtol=1e-10)
 
 

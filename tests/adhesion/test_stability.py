@@ -136,7 +136,7 @@ def test_what_many_devices_do_is_found_together(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(AdhesiveCurve, "_rates", lambda self, a: calls.append(a.size) or rates(self, a))
     for some in (devices[:1], devices):
         calls.append(0)
-        curve(half_space()).look_for_critical(some)
+        curve(half_space()).find_critical(some)
     assert len(calls) - calls.index(0, 1) < 3 * calls.index(0, 1)
 
 

@@ -24,7 +24,7 @@ from .motion import ByLaw, Driven, Motion
 
 @dataclass(frozen=True)
 class HistoryTuning:
-    """Accuracy of the motions, and how it is told."""
+    """Accuracy of the motions, and how their error is estimated."""
 
     tolerance: float = 3e-11  # choice: relative, of a step of the integrator; leaves 3e-9 of the energies
     evaluations: int = 100_000  # choice: guard, six times what the slowest pull in tests takes
@@ -107,25 +107,25 @@ class RateContact(Contact):
         return replace(self, tolerance=self.tolerance * TUNING.coarser)
 
     def turning(self, load: float | None, depth: float | None, speed: float) -> float:
-        """What the device holds where the approach comes to ``load`` [N] or ``depth`` [m]; both None: to the end of the
+        """The device's position where the approach comes to ``load`` [N] or ``depth`` [m]; both None: to the end of the
         series. ``speed`` of the approach [m/s, under load control N/s], on which it depends where the edge advances by
         a law. InputError where it does not come there."""
         if load is not None and depth is not None:
             raise InputError("cycle: give the turn as a load or as a depth, not both")
         if self.law_advance is None:
             place = turning_radius(self.advancing, self.stiffness, load=load, depth=depth)
-            return self.advance.equilibrium.held(place)
+            return self.advance.equilibrium.position(place)
         quantity, value = ("P", load) if depth is None else ("delta", depth)
         if value is None:
             raise InputError("cycle: an edge that advances by a law needs a turn: --to-load or --to-depth")
         try:
-            found = self.once(Program.on(self.least, speed)).first_held(quantity, value)
+            x = self.once(Program.on(self.least, speed)).position_where(quantity, value)
         except SolveError as error:
             raise InputError(f"cycle: {error}") from None
-        if found is None:
-            told = show(value, "load" if quantity == "P" else "length")
-            raise InputError(f"cycle: the turn at {quantity} = {told} is not passed on approach within the series")
-        return found
+        if x is None:
+            turn = f"{quantity} = {show(value, 'load' if quantity == 'P' else 'length')}"
+            raise InputError(f"cycle: the turn at {turn} is not passed on approach within the series")
+        return x
 
     def within(self, _: Callable[[float], Program], x: float) -> float:
         """The turn ``x``: the body does not creep."""
@@ -149,8 +149,8 @@ class History(Path):
     def pull_off(self) -> TimedState:
         """The state of least load since the contact last grew."""
         after = [piece for piece in self.pieces if piece.phase in (REST, RECEDE) and piece.last[0] >= self.turn]
-        found = [self.state(piece, *piece.lowest()) for piece in after or self.pieces]
-        return min(found, key=lambda state: state.P)
+        lows = [self.state(piece, *piece.lowest()) for piece in after or self.pieces]
+        return min(lows, key=lambda state: state.P)
 
     @property
     def lost(self) -> Jump | None:
@@ -187,17 +187,17 @@ class History(Path):
     @cached_property
     def fastest(self) -> float:
         """The largest speed [m/s] of the receding edge up to pull-off."""
-        end, found = self.pull_off, [0.0]
+        end, speeds = self.pull_off, [0.0]
         for piece in self.pieces:
             if piece.phase == RECEDE and piece.first[0] <= end.t:
                 t, a = piece.rows(LOOKED_AT)
                 t, a = np.append(t[t <= end.t], end.t), np.append(a[t <= end.t], end.a)
                 t, a = t[t <= piece.last[0]], a[t <= piece.last[0]]
-                found += (-piece.speeds(a, self.states(piece, t, a).G)).tolist()
-        return max(speed for speed in found if math.isfinite(speed))  # where it jumps it has none
+                speeds += (-piece.speeds(a, self.states(piece, t, a).G)).tolist()
+        return max(speed for speed in speeds if math.isfinite(speed))  # where it jumps it has none
 
-    def first_held(self, quantity: str, value: float) -> float | None:
-        """What the device holds where "P" [N] or "delta" [m] first rises to ``value``; None: it never does."""
+    def position_where(self, quantity: str, value: float) -> float | None:
+        """The device's position where "P" [N] or "delta" [m] first rises to ``value``; None: it never does."""
 
         def excess(piece: Piece, t: Array) -> Array:
             _, delta, P, _ = self.states(piece, t, piece.at(t))

@@ -79,18 +79,18 @@ def rate_law_of(values: Mapping[str, Any], where: str = "rate") -> RateLaw:
     if name not in RATE_LAWS:
         known = ", ".join(RATE_LAWS)
         raise InputError(f'{where}: unknown law "{name}"{did_you_mean(name, RATE_LAWS)} (laws: {known})')
-    allowed, given = rate_parameters(name), {key: value for key, value in values.items() if key != "law"}
-    for key in given:
+    allowed, entries = rate_parameters(name), {key: value for key, value in values.items() if key != "law"}
+    for key in entries:
         if key not in allowed:
             hint = did_you_mean(key, allowed, 0.4)
             raise InputError(f'{where}: the law "{name}" has no parameter "{key}"{hint} (it has: {", ".join(allowed)})')
-    if missing := [key for key in allowed if key not in given]:
+    if missing := [key for key in allowed if key not in entries]:
         raise InputError(f'{where}: the law "{name}" needs {", ".join(missing)} too, such as v0="1 um/s"')
     try:
-        found = {key: _read(key, allowed[key], value) for key, value in given.items()}
+        parameters = {key: _read(key, allowed[key], value) for key, value in entries.items()}
     except ValueError as error:
         raise InputError(f"{where}: {error}") from None
-    law: RateLaw = RATE_LAWS[name](**found)
+    law: RateLaw = RATE_LAWS[name](**parameters)
     return law
 
 
@@ -104,7 +104,9 @@ def _parameters(name: str, kind: type) -> dict[str, Ranged]:
     """Dimension and range of each parameter of the law called ``name``; kept for each class, as reading annotations
     takes longer than a prediction."""
     notes = {key: getattr(item.annotation, "__metadata__", ()) for key, item in RATE_LAWS.parameters(name).items()}
-    return {key: next(note for note in reversed(held) if isinstance(note, Ranged)) for key, held in notes.items()}
+    return {
+        key: next(note for note in reversed(metadata) if isinstance(note, Ranged)) for key, metadata in notes.items()
+    }
 
 
 def parameters_of(law: RateLaw) -> tuple[str, dict[str, float]]:

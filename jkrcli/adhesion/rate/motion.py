@@ -116,17 +116,17 @@ class Motion(Piece):
 
     def rows(self, points: int) -> tuple[Array, Array]:
         """Times [s] and radii [m] of ``points`` states, even in s, to the last state."""
-        return self._states(np.linspace(self.nodes[0], self._told, points))
+        return self._states(np.linspace(self.nodes[0], self._last_reported, points))
 
     @property
     def parting(self) -> tuple[float, float]:
-        """Time [s] and radius [m] of the last state that is told: the end, or an instant before contact is lost."""
-        t, a = self._states(np.array([self._told]))
+        """Time [s] and radius [m] of the last state that is reported: the end, or an instant before contact is lost."""
+        t, a = self._states(np.array([self._last_reported]))
         return float(t[0]), float(a[0])
 
     @cached_property
-    def _told(self) -> float:
-        """The s up to which states are told."""
+    def _last_reported(self) -> float:
+        """The s up to which states are reported."""
         tau, end = self.steps[0], float(self.nodes[-1])
         if self.ends != "lost":
             return end
@@ -191,7 +191,7 @@ class Motion(Piece):
 @dataclass(frozen=True, eq=False)
 class ByLaw:
     """An edge that moves by a law of its speed as ``driven``, in a device of ``stiffness`` of the ``edge``: infinitely
-    slowly in ``equilibrium``, from which it is told apart where the law's excess of w is more than ``slow``."""
+    slowly in ``equilibrium``, from which it differs where the law's excess of w is more than ``slow``."""
 
     edge: Edge
     driven: Driven
@@ -238,20 +238,20 @@ def move(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float, tolerance: 
     excess = float(edge.state(np.array(a), np.array(ramp.x + ramp.rate * (t - ramp.t))).G) / driven.w - 1
     start = [(t - ramp.t) / unit, math.log(a), 0.0, 0.0, excess]
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "lsoda", UserWarning)  # it gives up, which is told below
+        warnings.filterwarnings("ignore", "lsoda", UserWarning)  # it gives up, reported below
         try:
-            found = solve_ivp(
+            solution = solve_ivp(
                 rates, (0.0, TUNING.longest), start, method="LSODA", rtol=tolerance, atol=tolerance * TUNING.absolute,
                 dense_output=True, events=_events(edge, ramp, driven, unit),
             )  # fmt: skip
         except OverflowError:  # a step that was tried left all numbers
             raise _unfollowed(a) from None
-    if found.status != 1:
-        raise _unfollowed(math.exp(found.y[1, -1]))
-    pressed = ramp.at(ramp.t + unit * found.y[0, -1]) > 0  # a smaller contact outside the data remains
+    if solution.status != 1:
+        raise _unfollowed(math.exp(solution.y[1, -1]))
+    pressed = ramp.at(ramp.t + unit * solution.y[0, -1]) > 0  # a smaller contact outside the data remains
     names = ("ramp", "lost" if driven.receding and not pressed else "series", "rest")
-    ends = next(name for name, times in zip(names, found.t_events, strict=False) if len(times))
-    return Motion(edge, ramp, driven, unit, energy, found.sol, found.t, ends)
+    ends = next(name for name, times in zip(names, solution.t_events, strict=False) if len(times))
+    return Motion(edge, ramp, driven, unit, energy, solution.sol, solution.t, ends)
 
 
 def _unfollowed(a: float) -> SolveError:
@@ -264,7 +264,7 @@ def _unfollowed(a: float) -> SolveError:
 def _unit_of_time(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float) -> float:
     """T [s]: in which the device moves by the lag at G = w, or where it stands the edge by its radius."""
     if ramp.rate != 0:
-        adhesive = edge.held_at(np.array(a), driven.w) - edge.held_at(np.array(a), 0.0)
+        adhesive = edge.position_at(np.array(a), driven.w) - edge.position_at(np.array(a), 0.0)
         return float(abs(adhesive / ramp.rate))
     G = float(edge.state(np.array(a), np.array(ramp.x)).G)
     return a / max(abs(_bounded(driven, G / driven.w - 1, TUNING.fastest)), a / TUNING.longest)
@@ -324,9 +324,9 @@ def _events(edge: Edge, ramp: Ramp, driven: Driven, unit: float) -> list[Callabl
         return edge.at(float(y[1]), ramp.x + ramp.rate * unit * float(y[0]))[-1] - driven.w
 
     towards = ramp.rate > 0 if driven.receding else ramp.rate < 0
-    found: list[Callable[..., float]] = [over, out, *([rests] if towards else [])]
-    for event in found:
+    events: list[Callable[..., float]] = [over, out, *([rests] if towards else [])]
+    for event in events:
         event.terminal = True  # type: ignore[attr-defined]
     over.direction = 1  # type: ignore[attr-defined]
     out.direction = rests.direction = -1 if driven.receding else 1  # type: ignore[attr-defined]
-    return found
+    return events

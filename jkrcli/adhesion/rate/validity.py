@@ -38,8 +38,8 @@ class Zone:
         if isinstance(self.width, Unknown):
             return f"unknown: {self.width}"
         shares = ((self.over_a, "the contact radius"), (self.over_h, "the layer's thickness"))
-        told = " and ".join(f"{share:.2g} of {name}" for share, name in shares if isinstance(share, float))
-        return f"{show(self.width, 'length', 2)}, {told}"
+        over_sizes = " and ".join(f"{share:.2g} of {name}" for share, name in shares if isinstance(share, float))
+        return f"{show(self.width, 'length', 2)}, {over_sizes}"
 
     @property
     def warnings(self) -> list[str]:

@@ -74,15 +74,16 @@ class Now(NamedTuple):
 Taken: TypeAlias = "list[tuple[Now, Run]]"  # steps that were taken, each one a run, with the state before it
 
 
-class Held(NamedTuple):
-    """Steps in a piece of a program: lengths ``h`` (n,) [s], and what the device holds at their inner places (6 n,)."""
+class DeviceSteps(NamedTuple):
+    """Steps in a piece of a program: lengths ``h`` (n,) [s], and the device's positions ``x`` at their inner places
+    (6 n,)."""
 
     h: Array
     x: Array
 
 
 # Steps, and polynomials (n, 7) of their fractions that are positive up to the end of what happens; None: not found
-Solver: TypeAlias = Callable[[Now, Held], "tuple[Run, Array] | None"]
+Solver: TypeAlias = Callable[[Now, DeviceSteps], "tuple[Run, Array] | None"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,8 +102,8 @@ class Kernel:
     @cached_property
     def gains(self) -> Array:
         """What is remembered at the end of each step of the values at its places, (n, m, 7)."""
-        found = moments(np.multiply.outer(self.h, self.modes.rates), DEGREE)
-        return np.asarray(np.stack([0 * found[0], *((j + 1) * x for j, x in enumerate(found))], -1) @ POWERS.T)
+        by_power = moments(np.multiply.outer(self.h, self.modes.rates), DEGREE)
+        return np.asarray(np.stack([0 * by_power[0], *((j + 1) * x for j, x in enumerate(by_power))], -1) @ POWERS.T)
 
     def seen(self, memory: Array) -> Array:
         return np.exp(-np.multiply.outer(self.since, self.modes.rates)) @ (self.modes.weights * memory)
@@ -110,8 +111,10 @@ class Kernel:
     @cached_property
     def matrix(self) -> Array:
         modes, n = self.modes, self.h.size
-        found = moments(np.multiply.outer(np.multiply.outer(self.h, INNER), modes.rates), DEGREE)
-        own = np.stack([0 * self.since.reshape(n, -1), *((j + 1) * x @ modes.weights for j, x in enumerate(found))], -1)
+        by_power = moments(np.multiply.outer(np.multiply.outer(self.h, INNER), modes.rates), DEGREE)
+        own = np.stack(
+            [0 * self.since.reshape(n, -1), *((j + 1) * x @ modes.weights for j, x in enumerate(by_power))], -1
+        )
         own = (own * INNER[:, None] ** np.arange(DEGREE + 1)) @ POWERS.T
         whole = np.eye(n * DEGREE, n * DEGREE + 1, 1) * modes.relaxed
         for k, end in enumerate(np.cumsum(self.h)):
@@ -167,8 +170,8 @@ class Drive:
         none = np.zeros(self.modes.rates.size)
         taken, now = list[tuple[Now, Run]](), Now(float(self.t[0]), 0.0, 0.0, 0.0, none, none)
 
-        def solver(now: Now, held: Held) -> tuple[Run, Array] | None:
-            run = self._grown(now, held)
+        def solver(now: Now, device: DeviceSteps) -> tuple[Run, Array] | None:
+            run = self._grown(now, device)
             if run is None:
                 return None
             left = self._rising(run.depth)
@@ -192,7 +195,7 @@ class Drive:
         count, since, begin = TUNING.together, now.t, self._part(i, now.t)
         ends = self._ends(begin, i)
         while ends.size:
-            solved = solver(now, self._held(i, begin, ends[:count]))
+            solved = solver(now, self._device_steps(i, begin, ends[:count]))
             if solved is None:
                 if count == 1:
                     raise SolveError(f"relaxation: the contact at t = {now.t:g} s is not found")
@@ -228,8 +231,8 @@ class Drive:
         ``i``."""
         run, low, high, before = None, 0.0, math.inf, math.inf
         for _ in range(MOST_STEPS if part > 0 else 0):
-            held = self._held(i, begin, begin + part * last)
-            if (solved := solver(now, held)) is None:
+            device = self._device_steps(i, begin, begin + part * last)
+            if (solved := solver(now, device)) is None:
                 raise SolveError(f"relaxation: the contact at t = {now.t:g} s is not found")
             run, left = solved
             low, high = (part, high) if left[-1].sum() > 0 else (low, part)
@@ -269,15 +272,15 @@ class Drive:
             parts = np.concatenate([parts / 2, (1 + self._to_end(TUNING.first)) / 2])
         return np.asarray(begin + (1 - begin) * parts if begin < 1 else parts[:0])
 
-    def _held(self, i: int, begin: float, ends: Array) -> Held:
+    def _device_steps(self, i: int, begin: float, ends: Array) -> DeviceSteps:
         """Steps from the part ``begin`` of piece ``i`` to ``ends``."""
         h = np.diff(ends, prepend=begin)
         inner = (ends[:, None] - np.multiply.outer(h, 1 - INNER)).ravel()
-        return Held(h * (self.t[i + 1] - self.t[i]), self.x[i] + (self.x[i + 1] - self.x[i]) * inner)
+        return DeviceSteps(h * (self.t[i + 1] - self.t[i]), self.x[i] + (self.x[i + 1] - self.x[i]) * inner)
 
-    def _grown(self, now: Now, held: Held) -> Run | None:
+    def _grown(self, now: Now, device: DeviceSteps) -> Run | None:
         """Steps in which the contact grows; None where Newton's iteration does not find them."""
-        kernel, x = Kernel(self.modes, held.h), held.x
+        kernel, x = Kernel(self.modes, device.h), device.x
         seen, by = kernel.seen(now.of_load) + kernel.matrix[:, 0] * now.load, kernel.matrix[:, 1:]
         log, loaded = self._guess(seen, by.sum(axis=1), x), self.stiffness == LOAD_CONTROL
         for _ in range(MOST_STEPS):
@@ -293,7 +296,7 @@ class Drive:
             return None
         depth = np.exp(log)
         whole = _places(now.depth, depth)
-        return Run(now.t + np.cumsum(held.h), whole, whole, _places(now.load, self.depths.loads(depth)))
+        return Run(now.t + np.cumsum(device.h), whole, whole, _places(now.load, self.depths.loads(depth)))
 
     def _guess(self, seen: Array, stiff: Array, x: Array) -> Array:
         """log depths to begin with: of an elastic contact ``stiff`` times as stiff, loaded in one step."""
@@ -323,11 +326,11 @@ def _first_fall(left: Array) -> tuple[int, float]:
     """The number of whole steps before what is ``left`` (n, 7) falls below 0, and where in the next it does: 0 at its
     begin."""
     y = np.linspace(0, 1, 16 * DEGREE)
-    found = left @ np.vander(y, left.shape[1], increasing=True).T < 0
-    if not found.any():
+    negative = left @ np.vander(y, left.shape[1], increasing=True).T < 0
+    if not negative.any():
         return len(left), 1.0
-    step = int(np.argmax(found.any(axis=1)))
-    at = int(np.argmax(found[step]))
+    step = int(np.argmax(negative.any(axis=1)))
+    at = int(np.argmax(negative[step]))
     if at == 0:
         return step, 0.0
     return step, float(zeros_between(np.polynomial.Polynomial(left[step]), y[at - 1 : at], y[at : at + 1], 0.0)[0])
@@ -346,14 +349,14 @@ class Falling:
     drive: Drive
     grown: RelaxedPath
 
-    def steps(self, now: Now, held: Held) -> tuple[Run, Array] | None:
+    def steps(self, now: Now, device: DeviceSteps) -> tuple[Run, Array] | None:
         """Steps, and what is positive in them up to the loss of contact; None where they are not found."""
-        kernel, x = Kernel(self.drive.modes, held.h), held.x
+        kernel, x = Kernel(self.drive.modes, device.h), device.x
         k, inverse = self.drive.stiffness, np.linalg.inv(kernel.matrix[:, 1:])
         seen = kernel.seen(now.of_depth) + kernel.matrix[:, 0] * now.depth
         contact, least = np.full(x.size, now.contact), self.drive.depths.least if k == LOAD_CONTROL else -math.inf
         for _ in range(MOST_STEPS):
-            (depth, by_depth), (P, by_P) = self._held(contact, now.t + kernel.since)
+            (depth, by_depth), (P, by_P) = self._integrals(contact, now.t + kernel.since)
             delta = inverse @ (depth - seen)
             rates = np.diag(by_P) if k == LOAD_CONTROL else inverse * by_depth + np.diag(by_P) / k
             missing = position(delta, P, k) - x
@@ -364,7 +367,7 @@ class Falling:
                 break
         else:
             return None
-        ends, whole = now.t + np.cumsum(held.h), _places(now.contact, contact)
+        ends, whole = now.t + np.cumsum(device.h), _places(now.contact, contact)
         self._check(ends, whole)
         left = np.ones_like(whole) if k == LOAD_CONTROL else whole @ POWERS  # a load is lost where it ends
         return Run(ends, _places(now.depth, delta), whole, np.zeros_like(whole)), left
@@ -381,13 +384,13 @@ class Falling:
         """The depth [m] at which the contact stopped to grow."""
         return float(self.grown.depth.values(np.array([self.grown.last]))[0])
 
-    def _held(self, contact: Array, now: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    def _integrals(self, contact: Array, now: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
         """int r d(delta) [m] and int r dP_H [N] up to where the contact grew through depths ``contact``, seen from the
         times ``now``, and their slopes; below 0, where there is no contact, straight on."""
         path, inside = self.grown, np.maximum(contact, 0.0)
         places = path.place_at(inside)
         left = path.depth.modes(now - path.depth.times(places))
         view = path.depth.view(places, now)
-        depth, P = view.held(path.depth), view.held(path.load)
+        depth, P = view.integral(path.depth), view.integral(path.load)
         S = self.drive.depths.with_slopes(np.maximum(contact, self.drive.depths.least))[1]
         return (depth + left * (contact - inside), left), (P, np.where(contact > 0, left * S, 0.0))

@@ -30,12 +30,12 @@ from ..program import Program
 from .depths import Depths
 from .driven import TUNING as DRIVEN
 from .driven import Drive
-from .path import TUNING, RelaxedPath, given_depth
+from .path import TUNING, RelaxedPath, depth_controlled
 
 
 @dataclass(frozen=True)
 class HistoryTuning:
-    """How turns and largest loads are looked for."""
+    """How turns and largest loads are computed."""
 
     intervals: int = 100  # choice: of the way back at least, over which its work is integrated; leaves 1e-8
     within: float = 1e-3  # choice: of the depth of the series, what a turn leaves of it that is looked for
@@ -55,7 +55,7 @@ class RelaxingContact:
     coarser: int = 1
     grows: float = SAME
 
-    least = 0.0  # what the device holds at first contact
+    least = 0.0  # the device's position at first contact
 
     @cached_property
     def depths(self) -> Depths:
@@ -84,7 +84,7 @@ class RelaxingContact:
         t, x = _in_contact(*_ended(program), self.stiffness == LOAD_CONTROL)
         modes = self._modes(t)
         if math.isinf(self.stiffness):
-            return given_depth(self.depths, modes, t, x, TUNING.ratio**self.coarser, self.grows)
+            return depth_controlled(self.depths, modes, t, x, TUNING.ratio**self.coarser, self.grows)
         return Drive(self.depths, modes, self.stiffness, t, x, DRIVEN.ratio**self.coarser, self.grows).path()
 
     def _modes(self, t: Array) -> Modes:
@@ -103,7 +103,7 @@ class RelaxingContact:
         name, wanted, unit = ("P", load, "load") if load is not None else ("delta", depth or 0.0, "length")
 
         def reached(places: Array) -> Array:
-            loads = path.load.held(places, path.load.times(places))
+            loads = path.load.integral(places, path.load.times(places))
             return np.asarray((loads if load is not None else path.depth.values(places)) - wanted)
 
         places = np.linspace(0, path.last, LOOKED_AT)
@@ -123,10 +123,10 @@ class RelaxingContact:
         for _ in range(MOST_STEPS):
             t, x = np.array([0.0, lasting]), np.array([0.0, speed * lasting])
             if math.isinf(self.stiffness):
-                return given_depth(self.depths, self._modes(t), t, x)
-            found = Drive(self.depths, self._modes(t), self.stiffness, t, x).grown(most)
-            if found is not None:
-                return found
+                return depth_controlled(self.depths, self._modes(t), t, x)
+            grown = Drive(self.depths, self._modes(t), self.stiffness, t, x).grown(most)
+            if grown is not None:
+                return grown
             lasting *= 2
         raise InputError("cycle: the approach does not come to the end of the series")
 
@@ -226,7 +226,7 @@ class RelaxedHistory:
         if steps[turn:].any():
             return Unknown("the device steps back")
         y, weights = composite_gauss(places)
-        P = path.load.held(y.ravel(), path.load.times(y.ravel()))
+        P = path.load.integral(y.ravel(), path.load.times(y.ravel()))
         t = path.depth.t[turn:]
         parts = 1 - np.geomspace(1.0, 1e-4, math.ceil(HISTORY.intervals / t.size))
         t = np.minimum(np.append(t[:-1, None] + np.diff(t)[:, None] * parts, t[-1]), path.lost)
@@ -250,7 +250,7 @@ class RelaxedHistory:
     def table(self, points: int) -> dict[str, Array]:
         """Rows of the whole program, ``points`` to a piece: "t_s", "a_m" (0 out of contact), "delta_m", "P_N",
         "device_m" (not under load control), "phase", "part"; at a step the state behind it."""
-        ends, held = _ended(self.program)
+        ends, x = _ended(self.program)
         parts = [np.linspace(a, b, points) for a, b in itertools.pairwise(ends) if b > a]
         t, number = np.concatenate(parts), np.repeat(np.arange(1, len(parts) + 1), points)
         once = np.append(True, np.diff(t) > 0)  # where pieces meet
@@ -258,7 +258,7 @@ class RelaxedHistory:
         a, delta, P = self.states(t)
         columns = {"t_s": t, "a_m": a, "delta_m": delta, "P_N": P}
         if self.contact.stiffness != LOAD_CONTROL:
-            columns["device_m"] = np.interp(t, ends, held)
+            columns["device_m"] = np.interp(t, ends, x)
         phases = np.where(a == 0, "free", np.where(t <= self.turn, "advance", "recede"))
         return columns | {"phase": phases, "part": number}
 

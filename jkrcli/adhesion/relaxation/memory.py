@@ -28,33 +28,33 @@ def moments(x: Array, count: int) -> Array:
     """int_0^1 exp(-x (1 - y)) y^j dy at ``x`` >= 0 of any shape, for j < ``count``, (count, ...)."""
     if count == 1:
         return np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0)[None]
-    found, least = np.empty((count, *x.shape)), -1.0
+    values, least = np.empty((count, *x.shape)), -1.0
     for most, terms in TUNING.terms:
         band = (x > least) & (x <= most)
-        found[:, band], least = _downwards(x[band], count, terms), most
+        values[:, band], least = _downwards(x[band], count, terms), most
     large = x > least
     beyond = x[large]
     above = -np.expm1(-beyond) / beyond
     for j in range(count):
-        found[j, large] = above
+        values[j, large] = above
         above = (1 - (j + 1) * above) / beyond
-    return found
+    return values
 
 
 def _downwards(x: Array, count: int, terms: int) -> Array:
     """The moments by the recursion from so many ``terms`` beyond them."""
-    found, below = np.empty((count, x.size)), np.full_like(x, 1.0 / (count + terms + 1))
+    values, below = np.empty((count, x.size)), np.full_like(x, 1.0 / (count + terms + 1))
     for j in range(count + terms, 0, -1):
         below = (1 - x * below) / j
         if j <= count:
-            found[j - 1] = below
-    return found
+            values[j - 1] = below
+    return values
 
 
 def remembered(p: Array, x: Array) -> Array:
     """int_0^1 exp(-x (1 - y)) dp(y) of polynomials, ``p`` (..., n) of rising powers of y, at ``x`` (..., m)."""
-    found = moments(x, p.shape[-1] - 1)
-    return np.asarray(sum((j + 1) * p[..., j + 1, None] * moment for j, moment in enumerate(found)))
+    by_power = moments(x, p.shape[-1] - 1)
+    return np.asarray(sum((j + 1) * p[..., j + 1, None] * moment for j, moment in enumerate(by_power)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,10 +70,10 @@ class Steps:
     def states(self) -> Array:
         """int exp(-rate (t - s)) dq(s) at all times ``t``, (times, m)."""
         x = np.diff(self.t)[:, None] * self.modes.rates
-        found = [np.zeros(x.shape[1])]
+        states = [np.zeros(x.shape[1])]
         for factor, gain in zip(np.exp(-x), remembered(self.p, x), strict=True):
-            found.append(factor * found[-1] + gain)
-        return np.array(found)
+            states.append(factor * states[-1] + gain)
+        return np.array(states)
 
     def places(self, t: Array) -> Array:
         """The places of times ``t``, behind a jump."""
@@ -102,21 +102,22 @@ class Steps:
         k, powers = np.clip(places.astype(int), 0, self.t.size - 2), np.arange(1, self.p.shape[1])
         return np.asarray(((places - k)[:, None] ** (powers - 1) * (powers * self.p[k, 1:])).sum(axis=1))
 
-    def seen_ends(self, now: Array) -> Array:
-        """``held`` up to all times ``t`` seen from the times ``now`` [s] behind them, (now, times)."""
+    def integrals_to_ends(self, now: Array) -> Array:
+        """The ``integral`` up to all times ``t`` seen from the times ``now`` [s] behind them, (now, times)."""
         since = np.maximum(now[:, None] - self.t, 0.0)
         values = np.append(self.p[:, 0], self.p[-1].sum())
-        found = self.modes.relaxed * values + np.zeros_like(since)
+        integrals = self.modes.relaxed * values + np.zeros_like(since)
         for weight, rate, state in zip(self.modes.weights, self.modes.rates, self.states.T, strict=True):
-            found += weight * state * np.exp(-rate * since)
-        return found
+            integrals += weight * state * np.exp(-rate * since)
+        return integrals
 
-    def held(self, places: Array, now: Array) -> Array:
-        """int r(now - s) dq(s) up to ``places`` (n,), seen from the times ``now`` [s] there or later."""
-        return self.view(places, now).held(self)
+    def integral(self, places: Array, now: Array) -> Array:
+        """The hereditary integral int r(now - s) dq(s) up to ``places`` (n,), seen from the times ``now`` [s] there or
+        later."""
+        return self.view(places, now).integral(self)
 
     def view(self, places: Array, now: Array) -> View:
-        """What ``held`` needs of ``places`` and times alone."""
+        """What the ``integral`` needs of ``places`` and times alone."""
         k, since, _ = self.parts(places)
         x, modes = since[:, None] * self.modes.rates, self.modes
         weights = modes.weights * np.exp(-np.maximum(now - self.t[k] - since, 0.0)[:, None] * modes.rates)
@@ -133,7 +134,7 @@ class View(NamedTuple):
     of_states: Array
     moments: Array
 
-    def held(self, of: Steps) -> Array:
+    def integral(self, of: Steps) -> Array:
         """int r dq of a quantity in the same steps, of the same degree or less."""
         p = of.p[self.k] * self.y[:, None] ** np.arange(of.p.shape[1])
         grown = np.zeros_like(self.weights)

@@ -68,14 +68,16 @@ class RelaxedPath:
     def marks(self, t: Array) -> Array:
         """The place, of the time t1, at which the contact grew through the radius that it has at the rising times ``t``
         in contact: int r(t - s) d(delta)(s) from t1 to t is 0."""
-        found, later = self.depth.places(t), t > self.turn
+        marks, later = self.depth.places(t), t > self.turn
         if later.any():
-            now, places = t[later], found[later]
-            held, steps = self.depth.held(places, now), self.depth.seen_ends(now)
-            low = np.clip(np.sum(steps[:, : int(self.last) + 1] < held[:, None], axis=1) - 1.0, 0.0, self.last - 1)
-            found[later] = zeros_between(lambda place: held - self.depth.held(place, now), low, low + 1, TUNING.places)
-            self._check(now, found[later])
-        return found
+            now, places = t[later], marks[later]
+            integral, steps = self.depth.integral(places, now), self.depth.integrals_to_ends(now)
+            low = np.clip(np.sum(steps[:, : int(self.last) + 1] < integral[:, None], axis=1) - 1.0, 0.0, self.last - 1)
+            marks[later] = zeros_between(
+                lambda place: integral - self.depth.integral(place, now), low, low + 1, TUNING.places
+            )
+            self._check(now, marks[later])
+        return marks
 
     def _check(self, t: Array, places: Array) -> None:
         rises = np.flatnonzero(np.diff(self.depth.values(places)) > self.grows * self.depths.most)
@@ -99,15 +101,15 @@ class RelaxedPath:
         lost."""
         a, P, contact = np.zeros_like(t), np.zeros_like(t), t < self.lost
         places = self.marks(t[contact])
-        a[contact], P[contact] = self.depths.radii(self.depth.values(places)), self.load.held(places, t[contact])
+        a[contact], P[contact] = self.depths.radii(self.depth.values(places)), self.load.integral(places, t[contact])
         return a, self.depth.values(self.depth.places(t)), P
 
 
-def given_depth(
+def depth_controlled(
     depths: Depths, modes: Modes, t: Array, x: Array, ratio: float = TUNING.ratio, grows: float = SAME
 ) -> RelaxedPath:  # fmt: skip
-    """What happens where the device holds the depths ``x`` [m] at the times ``t`` [s], even between, from 0 on;
-    ``ratio`` of depths from step to step; ``grows``: see ``RelaxedPath``."""
+    """The path under depths ``x`` [m] at the times ``t`` [s], linear between, from 0 on; ``ratio`` of depths from step
+    to step; ``grows``: see ``RelaxedPath``."""
     falls = np.flatnonzero(np.diff(x) < 0)
     top = int(falls[0]) if falls.size else t.size - 1
     grown, deep = finer(t[: top + 1], x[: top + 1], ratio)
@@ -131,7 +133,7 @@ def finer(t: Array, x: Array, ratio: float) -> tuple[Array, Array]:
 def _lost(depth: Steps, turn: int) -> float:
     """When contact is lost [s], in the steps behind the place ``turn``: where the surface alone would be there."""
     places = np.arange(turn, depth.t.size)
-    left = depth.held(places, depth.t[places])
+    left = depth.integral(places, depth.t[places])
     gone = np.flatnonzero(left <= 0)
     if not gone.size:
         return math.inf
@@ -140,5 +142,5 @@ def _lost(depth: Steps, turn: int) -> float:
             f"program: at t = {show(float(depth.t[places[gone[0] + back[0]]]), 'time')} the contact {AGAIN}"
         )
     end = places[gone[:1]].astype(float)
-    place = zeros_between(lambda place: depth.held(place, depth.times(place)), end - 1, end, 0.0)
+    place = zeros_between(lambda place: depth.integral(place, depth.times(place)), end - 1, end, 0.0)
     return float(depth.times(place)[0])

@@ -36,8 +36,8 @@ class Rule:
         if not isinstance(self.function, str):
             return self.function(series)
         module, attribute = self.function.split(":")
-        found: Slopes = getattr(importlib.import_module(module), attribute)(series)
-        return found
+        slopes: Slopes = getattr(importlib.import_module(module), attribute)(series)
+        return slopes
 
 
 RULES: dict[str, Rule] = {}  # by name, in the order in which messages name them

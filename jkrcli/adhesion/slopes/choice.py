@@ -1,4 +1,4 @@
-"""Slopes of a series by the rule asked for, or by the surest: what "auto" takes, and why."""
+"""Slopes of a series by the requested rule, or by the surest: what "auto" takes, and why."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ def slopes(series: Series, name: str = "auto") -> Slopes:
     that agrees with them; else the surer estimate."""
     if name != "auto":
         rule = slopes_function(name)
-        found = rule(series)
+        by_rule = rule(series)
         if rule.optimistic:
-            found = _measured_against(found, _integral_or_none(series))
-        return replace(found, reason="asked for")
+            by_rule = _measured_against(by_rule, _integral_or_none(series))
+        return replace(by_rule, reason="asked for")
     if series.S is not None and series.dS is not None:
         return _carried(series)
     return _surer(series)
@@ -66,8 +66,8 @@ def smoothed(
     """Series and slopes straight from increments, noisy or with repeated radii, by the method "integral"."""
     from .integral import smoothed as fitted
 
-    series, found = fitted(raw, a0, S0, own)
-    return series, replace(found, reason=f"the increments themselves were fitted{_towards(own)}{_unseen(found)}")
+    series, fit = fitted(raw, a0, S0, own)
+    return series, replace(fit, reason=f"the increments themselves were fitted{_towards(own)}{_unseen(fit)}")
 
 
 def _towards(own: Series | None) -> str:
@@ -75,9 +75,9 @@ def _towards(own: Series | None) -> str:
     return "" if own is None else ", smoothed towards the shape of these bodies' own solution"
 
 
-def _unseen(found: Slopes) -> str:
+def _unseen(fitted: Slopes) -> str:
     """What the noise of few points does not tell."""
-    return f"; {found.correlation}" if isinstance(found.correlation, Unknown) else ""
+    return f"; {fitted.correlation}" if isinstance(fitted.correlation, Unknown) else ""
 
 
 def _integral_or_none(series: Series) -> Slopes | None:
@@ -120,9 +120,9 @@ def _surer(series: Series) -> Slopes:
     return replace(fitted, reason=f"the series carries no exact slopes; estimated error {_words(fitted)}, {others}")
 
 
-def _number(found: Slopes) -> float:
-    return math.inf if isinstance(found.error, Unknown) else found.error
+def _number(fitted: Slopes) -> float:
+    return math.inf if isinstance(fitted.error, Unknown) else fitted.error
 
 
-def _words(found: Slopes) -> str:
-    return str(found.error) if isinstance(found.error, Unknown) else f"{found.error:.1g}"
+def _words(fitted: Slopes) -> str:
+    return str(fitted.error) if isinstance(fitted.error, Unknown) else f"{fitted.error:.1g}"

@@ -29,13 +29,13 @@ def touch_events(raw: RawSeries) -> tuple[RawSeries, dict[str, Array]]:
     in log P over log delta (they lie on P(delta), whatever the radius). The half-width is that of the depth, read as
     one of the radius by the local slope of log a over log delta.
     """
-    kept, _ = filter_plateaus(raw)
+    risen, _ = filter_plateaus(raw)
     log_delta, log_P = np.log(raw.touching.delta), np.log(raw.touching.P)
-    after = kept.delta
+    after = risen.delta
     before = np.array([np.max(raw.delta[raw.delta < depth], initial=0.0) for depth in after])
     middle = (before + after) / 2
-    slope = np.gradient(np.log(kept.a), np.log(middle)) if kept.a.size > 1 else np.ones(1)
-    half_width = 0.9 / 2 * (after - before) / middle * np.abs(slope) * kept.a
+    slope = np.gradient(np.log(risen.a), np.log(middle)) if risen.a.size > 1 else np.ones(1)
+    half_width = 0.9 / 2 * (after - before) / middle * np.abs(slope) * risen.a
     first = (log_P[1] - log_P[0]) / (log_delta[1] - log_delta[0])
     load = np.interp(np.log(middle), log_delta, log_P) + first * np.minimum(np.log(middle) - log_delta[0], 0)
-    return RawSeries(kept.a, middle, np.exp(load)), {"a": half_width}
+    return RawSeries(risen.a, middle, np.exp(load)), {"a": half_width}

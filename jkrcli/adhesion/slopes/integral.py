@@ -42,7 +42,7 @@ class IntegralTuning:
     stiff: float = 1e-2  # penalty of the first fit over what the data weigh; tuned on the same, by `make tuning`
     noise: float = 3e-4  # relative scatter above which it is noise; choice: below, splines do not bend
     tell_correlation: int = 20  # points that tell correlations; tuned on the same, by `make noise-study`
-    evidence: float = 3.5  # log of a likelihood ratio from which it is said; theory: by chance once in 250
+    evidence: float = 3.5  # log of a likelihood ratio from which correlation is reported; theory: by chance once in 250
     recorded: float = 0.9  # rank correlation with x of rows in the order of recording; choice: noise leaves more
     share: float = 1e-2  # least of the variances of a, delta, P in later rounds; tuned on the same, by `make tuning`
     beside: int = 4  # choice: rows on either side that tell a radius far off; three outliers among them do no harm
@@ -62,19 +62,19 @@ class _Data:
 
     ``order``: that of recording where x follows it, as neighbours in it share their errors, else that of x; of all
     else, ``lever``: dx/dlog(a) = a/(a - a0), (n,), which grows without bound at the edge of a flat end; ``measured``
-    (2, n): logs of delta and P; ``given``: relative variances of (a, delta, P), (3, n), or None.
+    (2, n): logs of delta and P; ``stated``: relative variances of (a, delta, P), (3, n), or None.
     """
 
     order: Array
     x: Array
     lever: Array
     measured: Array
-    given: Array | None
+    stated: Array | None
 
     @cached_property
     def _starts(self) -> Array:
         # bins of one size: where some hold one point and some two, the noise left in them differs as it does not along
-        # the record, and correlation is told too small
+        # the record, and correlation is estimated too small
         return np.arange(0, self.x.size, -(-self.x.size // TUNING.most_bins))
 
     @cached_property
@@ -109,12 +109,12 @@ def smoothed(
     """
     raw, errors = touch_events(raw) if has_plateaus(raw) else (raw.touching, {})
     settled = _settle(raw, errors, a0, S0, own)
-    kept = np.delete(raw.a, settled.outliers)
-    a = np.unique(raw.a[(raw.a >= kept.min()) & (raw.a <= kept.max())])
-    found = _slopes(settled, raw, errors, a0, S0, a)
-    assert found.delta is not None
-    assert found.P is not None
-    return Series(a, found.delta, found.P, a0=a0, S0=S0, own=own), found
+    inliers = np.delete(raw.a, settled.outliers)
+    a = np.unique(raw.a[(raw.a >= inliers.min()) & (raw.a <= inliers.max())])
+    fitted = _slopes(settled, raw, errors, a0, S0, a)
+    assert fitted.delta is not None
+    assert fitted.P is not None
+    return Series(a, fitted.delta, fitted.P, a0=a0, S0=S0, own=own), fitted
 
 
 def _settle(raw: RawSeries, errors: Mapping[str, Array], a0: float, S0: float | None, own: Series | None) -> _Settled:
@@ -143,11 +143,11 @@ def _slopes(
             there |= {name: np.minimum(error, there.get(name, error)) for name, error in of_P.items()}
         if "a" in there:
             there["a"] = TUNING.radii * there["a"]
-        given = covariance_from_errors(
+        stated = covariance_from_errors(
             Series(wanted, delta_H, P_H, errors=there, a0=a0, S0=S0), S, dS, ERRORS.at_displacement
         )
-        assert given is not None
-        shared = max(0.0, 1 - fit.phi) * given  # what the scatter does not show is shared by all points
+        assert stated is not None
+        shared = max(0.0, 1 - fit.phi) * stated  # what the scatter does not show is shared by all points
         joint[:, :4, :4] += shared
         # rates in their logs err as columns do that err smoothly: d(delta_H)/da as the radius, S'' as S'
         if wanted.size > 1 and "a" in there:
@@ -238,15 +238,15 @@ def _prepare(a: Array, delta: Array, P: Array, errors: Mapping[str, Array], a0: 
             f"slopes 'integral': point {i + 1} has a = {a[i]:g} m, delta = {delta[i]:g} m, P = {P[i]:g} N; all must be "
             "positive: drop it"
         )
-    given = None
+    stated = None
     if any(np.any(np.asarray(errors[name]) > 0) for name in errors if name in ("a", "delta", "P")):
         columns = (("a", a), ("delta", delta), ("P", P))
-        given = np.stack([(np.asarray(errors.get(name, 0 * v)) / v / TWO_SIDED_90) ** 2 for name, v in columns])
+        stated = np.stack([(np.asarray(errors.get(name, 0 * v)) / v / TWO_SIDED_90) ** 2 for name, v in columns])
     y = a - a0
     _refuse_span(a, y)
     x, logs = np.log(y / np.max(y)), np.log([delta / np.max(delta), P / np.max(P)])
     order = _order(x)
-    return _Data(order, x[order], (a / y)[order], logs[:, order], None if given is None else given[:, order])
+    return _Data(order, x[order], (a / y)[order], logs[:, order], None if stated is None else stated[:, order])
 
 
 def _order(x: Array) -> Array:
@@ -336,24 +336,24 @@ class _Settled:
 def _fine_enough(data: _Data, S0: float | None, shape: Shape | None) -> _Settled:
     """The fit with the knots that the data need; residuals still correlated count as that many fewer data."""
     for intervals in (TUNING.intervals, 2 * TUNING.intervals):
-        found = _fit(_Task(LogSplineModel(data.x, intervals, S0, shape), data))
-        length = 1.0 if _explained(found.fit, data) else correlation_length(found.fit.independent)
-        if length == 1 and found.known.rho < max(PENALTIES.correlations):
+        settled = _fit(_Task(LogSplineModel(data.x, intervals, S0, shape), data))
+        length = 1.0 if _explained(settled.fit, data) else correlation_length(settled.fit.independent)
+        if length == 1 and settled.known.rho < max(PENALTIES.correlations):
             break
-    known = replace(found.known, V=length * found.known.V, inner=length * found.known.inner)
-    return replace(found, known=known)
+    known = replace(settled.known, V=length * settled.known.V, inner=length * settled.known.inner)
+    return replace(settled, known=known)
 
 
 def _explained(fit: PenalisedFit, data: _Data) -> bool:
     """Whether round-off, or the stated errors, explain the residuals."""
-    return fit.floored or (data.given is not None and fit.phi <= 1)
+    return fit.floored or (data.stated is not None and fit.phi <= 1)
 
 
 def _fit(task: _Task) -> _Settled:
     """The fit with penalties found from the data, in rounds, each with the scatter that the one before has shown."""
     stiff = np.full(len(task.blocks), TUNING.stiff)
-    data, given = task.data, task.data.given
-    variances = _far_off(data) * np.ones((3, 1)) if given is None else given
+    data, stated = task.data, task.data.stated
+    variances = _far_off(data) * np.ones((3, 1)) if stated is None else stated
     best: PenalisedFit | None = None
     outliers = np.zeros(data.x.size, dtype=bool)
     rho, noisy, many = 0.0, False, data.x.size >= TUNING.tell_correlation
@@ -362,20 +362,20 @@ def _fit(task: _Task) -> _Settled:
         floor = TUNING.floor**2 / float(np.mean(variances))
         # a stiff fit first: far from the solution a linearised one takes all for signal
         start = best or task.minimise(_start(task), variances, stiff, floor, 0)
-        found = task.minimise(start.c, variances, start.lambdas, floor, PENALTIES.freeze, rho)
-        if best is not None and not found.settled:
+        fit = task.minimise(start.c, variances, start.lambdas, floor, PENALTIES.freeze, rho)
+        if best is not None and not fit.settled:
             break  # weights too uneven to go on: the last fit stands
-        if found.settled:
-            best, noisy = found, _noisy(found, data, variances)
-        if given is None and found.phi <= floor:
+        if fit.settled:
+            best, noisy = fit, _noisy(fit, data, variances)
+        if stated is None and fit.phi <= floor:
             break
-        if given is None:
+        if stated is None:
             scatter = task.scatter(best or start)
             variances, outliers = scatter.variances, scatter.outliers
         else:
-            variances = given
+            variances = stated
         rho = likeliest_correlation(best, task.blocks) if best is not None and noisy and many else 0.0
-    fit = best or found
+    fit = best or fit
     known = posterior(fit, task.blocks, noisy, noisy and many)
     return _Settled(task.model, fit, known, data.order[outliers], noisy, not many)
 
@@ -402,7 +402,7 @@ def _far_off(data: _Data) -> Array:
 def _noisy(fit: PenalisedFit, data: _Data, variances: Array) -> bool:
     """Whether the residuals are noise rather than what the splines cannot bend to."""
     size = math.sqrt(fit.phi * float(np.mean(np.median(variances, axis=1))))
-    return data.given is None and not _explained(fit, data) and size > TUNING.noise
+    return data.stated is None and not _explained(fit, data) and size > TUNING.noise
 
 
 def _start(task: _Task) -> Array:

@@ -163,7 +163,7 @@ class LogSplineModel:
         inner_gy = np.exp(self.known_inner[0] + self.inner_basis @ c[self.v]) * self.inner_y
         inner_sy = np.exp(self.known_inner[1] + self.inner_basis @ c[self.u]) * self.inner_y
         q, m = (self.known_rates[i, 0] + self.first_slope @ c[part] for i, part in enumerate((self.v, self.u)))
-        (q1, dq1), (m1, dm1), (qm2, dqm2) = (_kept_positive(power) for power in (q + 1, m + 1, q + m + 2))
+        (q1, dq1), (m1, dm1), (qm2, dqm2) = (_floored_exponent(power) for power in (q + 1, m + 1, q + m + 2))
         S_start = np.exp(self.log_S0 + c[-1]) if self.S0 is None else self.S0
         first_delta, first_S, first_P = self.starts * (gy[0] / q1, sy[0] / m1, gy[0] / qm2)
         first_P *= first_S
@@ -236,7 +236,7 @@ class LogSplineModel:
         return second.T @ (second * (h * weights / 2).ravel()[:, None])
 
 
-def _kept_positive(power: float) -> tuple[float, float]:
+def _floored_exponent(power: float) -> tuple[float, float]:
     """``power`` and 1 (its derivative), continued smoothly to positive values below TUNING.small_exponent."""
     if power >= TUNING.small_exponent:
         return power, 1.0

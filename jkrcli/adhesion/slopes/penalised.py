@@ -200,9 +200,9 @@ def posterior(fit: PenalisedFit, blocks: Sequence[slice], noise: bool, correlate
     for i, rho in enumerate(rhos):
         if heights[i] > heights.max() + math.log(TUNING.negligible):
             weight = _log_det(fit, rho) + math.log(priors[i])
-            found = list(_guesses(fit, _flat(seen, rho), blocks, best[i][1], weight, spread))
-            masses[i] = np.logaddexp.reduce([guess.height for guess in found])
-            guesses += found
+            of_rho = list(_guesses(fit, _flat(seen, rho), blocks, best[i][1], weight, spread))
+            masses[i] = np.logaddexp.reduce([guess.height for guess in of_rho])
+            guesses += of_rho
     full = _mean_covariance(guesses, fit.phi, 1.0, 1.0)
     inner = _mean_covariance(guesses, fit.phi, 0.0, TUNING.bias) if noise else full
     return Posterior(full, inner, float(rhos[np.argmax(masses)]), float(heights.max() - heights[0]))
@@ -363,8 +363,8 @@ def _line_search(
     taken = min(1.0, TUNING.longest_step / max(float(np.max(np.abs(linear.step))), TINY))
     for _ in range(TUNING.halvings):
         trial = c + taken * linear.step
-        found = residuals(trial)
-        if objective(found[0], trial) <= before:
-            return trial, found, taken
+        there = residuals(trial)
+        if objective(there[0], trial) <= before:
+            return trial, there, taken
         taken /= 2
     return c, now, 0.0

@@ -66,25 +66,25 @@ def estimate(x: Array, residuals: Array, k: Array, m: Array, spent: float, floor
     """
     nothing = Scatter(np.ones((3, x.size)), np.zeros(x.size, dtype=bool))
     shares, size = np.ones((3, 1)), np.ones(x.size)
-    kept = np.ones(x.size, dtype=bool)
+    inliers = np.ones(x.size, dtype=bool)
     for round_ in range(MOST_SOLVES):
         if x.size >= TUNING.free:
-            shares = _shares(residuals[:, kept], k[kept], m[kept], spent, floor)
+            shares = _shares(residuals[:, inliers], k[inliers], m[inliers], spent, floor)
         white = np.einsum("ijn,jn->in", whitener(shares, k, m), residuals)
         squares = np.mean(white**2, axis=0)
-        if not np.mean(squares[kept]) > floor:
+        if not np.mean(squares[inliers]) > floor:
             return nothing
         if x.size >= TUNING.free:
-            size = np.exp(_trend(x[kept], squares[kept]) * x)
+            size = np.exp(_trend(x[inliers], squares[inliers]) * x)
         relative = squares / size
         # theory: the sum of two squares is exponential, of median log 2; outliers hide in a mean that holds them
-        unit = np.median(relative) / math.log(2) if round_ == 0 else np.mean(relative[kept])
-        before, kept = kept, relative <= unit * _rare(kept.sum() - spent / 2, x.size)
-        if round_ > 0 and (before == kept).all():
+        unit = np.median(relative) / math.log(2) if round_ == 0 else np.mean(relative[inliers])
+        before, inliers = inliers, relative <= unit * _rare(inliers.sum() - spent / 2, x.size)
+        if round_ > 0 and (before == inliers).all():
             break
-    distance = np.sqrt(relative / np.mean(relative[kept]))
-    far = np.where(kept, np.maximum(1.0, distance / TUNING.outlier), distance)
-    return Scatter(shares * size * far**2, ~kept)
+    distance = np.sqrt(relative / np.mean(relative[inliers]))
+    far = np.where(inliers, np.maximum(1.0, distance / TUNING.outlier), distance)
+    return Scatter(shares * size * far**2, ~inliers)
 
 
 def _rare(free: float, n: int) -> float:
@@ -111,12 +111,12 @@ def _shares(residuals: Array, k: Array, m: Array, spent: float, floor: float) ->
 def _trend(x: Array, squares: Array) -> float:
     """Exponent b of variance ~ a^b: the maximum of the Gaussian likelihood, one size parameter profiled out."""
     centred = x - x.mean()
-    found = minimize_scalar(
+    minimum = minimize_scalar(
         lambda b: float(np.log(np.mean(squares * np.exp(-b * centred)))),
         bounds=(-TUNING.most_trend, TUNING.most_trend),
         method="bounded",
     )
-    return float(found.x)
+    return float(minimum.x)
 
 
 def correlation_length(residuals: Array) -> float:

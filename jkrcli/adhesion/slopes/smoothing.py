@@ -29,7 +29,7 @@ Criterion = Literal["loocv", "gcv"]
 
 @dataclass(frozen=True)
 class SmoothingTuning:
-    """Where the smoothing is looked for, in units of the mean spacing."""
+    """Bounds of the smoothing parameter, in units of the mean spacing."""
 
     least: float = 1e-8  # theory: below, the penalty drowns in round-off
     most: float = 1e13  # theory: above, the Gram matrix does
@@ -240,5 +240,5 @@ def _minimise(score: Callable[[float], float]) -> float:
     values = [score(value) for value in grid]
     best = int(np.argmin(values))
     low, high = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
-    found = minimize_scalar(score, bounds=(low, high), method="bounded", options={"xatol": 1e-4, "maxiter": 40})
-    return math.exp(found.x if found.fun <= values[best] else grid[best])
+    minimum = minimize_scalar(score, bounds=(low, high), method="bounded", options={"xatol": 1e-4, "maxiter": 40})
+    return math.exp(minimum.x if minimum.fun <= values[best] else grid[best])

@@ -58,7 +58,7 @@ def _points(values: Values, thickness: float) -> Columns:
 
 def _point(body: Nonadhesive, a: float, law: Any, stiffness: float, speed: float) -> tuple[float, float, float]:
     contact = RateContact(body, law, 1.0, 1.0, stiffness)
-    x = float(contact.edge.held_at(np.array(a), 1.0))
+    x = float(contact.edge.position_at(np.array(a), 1.0))
     found = contact.history(Program.on(x, -speed), a)
     return -found.pull_off.P / math.pi, found.dissipated / (math.pi * a**2), known(found.error["P"]) or 0.0
 

@@ -92,7 +92,7 @@ def _model(
 
 def _registered(registry: Any, name: str) -> str:
     found = registry.parameters(name).items()
-    return _fields((key, item.annotation, item.default) for key, item in found if key != registry.given)
+    return _fields((key, item.annotation, item.default) for key, item in found if key != registry.inherited)
 
 
 def _fields(fields: Iterable[tuple[str, Any, Any]]) -> str:

@@ -31,10 +31,10 @@ class PiecewisePolynomial:
         x = np.asarray(x, dtype=float)
         at = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, self.x.size - 2)
         s = (x - self.x[at]).reshape(*x.shape, *[1] * (self.c.ndim - 2))
-        degree, found = self.c.shape[0] - 1, np.zeros(())
+        degree, value = self.c.shape[0] - 1, np.zeros(())
         for i, c in enumerate(self.c[: degree + 1 - order]):
-            found = found * s + math.perm(degree - i, order) * c[at]
-        return found
+            value = value * s + math.perm(degree - i, order) * c[at]
+        return value
 
 
 class PiecewiseCubic(PiecewisePolynomial):
@@ -61,11 +61,11 @@ class EvenCubic:
         s = (x - self.first) / self.step
         at = np.minimum(s.astype(np.intp), self.c.shape[-1] - 1)
         s = (s - at) * self.step
-        found = self.c[0].take(at, axis=-1)
+        values = self.c[0].take(at, axis=-1)
         for c in self.c[1:]:
-            found *= s
-            found += c.take(at, axis=-1)
-        return found
+            values *= s
+            values += c.take(at, axis=-1)
+        return values
 
 
 class PiecewiseQuintic(PiecewisePolynomial):
@@ -142,12 +142,12 @@ def zeros_between(function: Callable[[Array], Array], low: Array, high: Array, t
     for _ in range(HALVINGS):
         best = np.where(np.abs(f1) < np.abs(f2), x1, x2)
         least = (tolerance + 2 * ROUNDING * np.abs(best)) / np.maximum(np.abs(x2 - x1), np.finfo(float).tiny)
-        found = (least > 0.5) | (f1 == 0) | (f2 == 0)
-        if found.all():
+        settled = (least > 0.5) | (f1 == 0) | (f2 == 0)
+        if settled.all():
             break
-        x = np.where(found, x1, x1 + np.clip(part, np.minimum(least, 0.5), np.maximum(1 - least, 0.5)) * (x2 - x1))
+        x = np.where(settled, x1, x1 + np.clip(part, np.minimum(least, 0.5), np.maximum(1 - least, 0.5)) * (x2 - x1))
         f = function(x)
-        same = found | (np.sign(f) == np.sign(f1))
+        same = settled | (np.sign(f) == np.sign(f1))
         x3, f3 = np.where(same, x1, x2), np.where(same, f1, f2)
         x2, f2 = np.where(same, x2, x1), np.where(same, f2, f1)
         x1, f1 = x, f

@@ -49,27 +49,27 @@ KINDS = {
 
 @dataclass(frozen=True)
 class Distribution:
-    """A ``kind`` with the parameters that are ``given``, in SI; InputError where they describe none."""
+    """A ``kind`` with the parameters in SI; InputError where they describe none."""
 
     kind: str
-    given: Mapping[str, Any]
+    parameters: Mapping[str, Any]
 
     def __post_init__(self) -> None:
         name = KINDS[self.kind].positive
         self._check_rise("from", "to")
-        if name and self.given[name] <= 0:
-            raise InputError(f"{self.kind}: {name} must be > 0, got {self.given[name]:g}")
+        if name and self.parameters[name] <= 0:
+            raise InputError(f"{self.kind}: {name} must be > 0, got {self.parameters[name]:g}")
         self._check_rise("least", "most")
 
     def _check_rise(self, low: str, high: str) -> None:
-        start, end = self.given.get(low, -math.inf), self.given.get(high, math.inf)
+        start, end = self.parameters.get(low, -math.inf), self.parameters.get(high, math.inf)
         if not start < end:
             raise InputError(f"{self.kind}: {low} must be below {high}, got {start:g} and {end:g}")
 
     def at(self, u: Array) -> tuple[Any, ...]:
         """The values below which the fractions ``u`` of all draws lie."""
         needed, at, _, limits = KINDS[self.kind]
-        values = {**limits, **self.given}
+        values = {**limits, **self.parameters}
         return tuple(at(u, *(values[name] for name in (*needed, *limits))).tolist())
 
 

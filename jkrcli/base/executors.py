@@ -166,12 +166,12 @@ def in_order(
     """``function`` of all items (None: in this process, one after the other); the first exception to come is raised."""
     if pool is None:
         return [function(item) for item in items]
-    found: dict[int, Result] = {}
+    results: dict[int, Result] = {}
     for index, result in completed(pool, function, items, label, chunk):
         if isinstance(result, Exception):
             raise result
-        found[index] = result
-    return [found[index] for index in range(len(items))]
+        results[index] = result
+    return [results[index] for index in range(len(items))]
 
 
 def run_chunk(version: str, function: Callable[[Item], Result], items: list[Item]) -> Outcomes[Result]:
@@ -216,8 +216,8 @@ class _Processes(Pool):
     def _start(self) -> None:
         """The workers hold the reading end of a pipe on which nothing is written: closed here, they end at once."""
         context = multiprocessing.get_context("spawn")  # forked libraries of numbers and meshes misbehave
-        held, self._lifeline = context.Pipe(duplex=False)
-        self._pool = ProcessPoolExecutor(self.workers, context, _begin, (held,))
+        reading_end, self._lifeline = context.Pipe(duplex=False)
+        self._pool = ProcessPoolExecutor(self.workers, context, _begin, (reading_end,))
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Ctrl-C waits while processes may be started: half-started ones end in tracebacks."""

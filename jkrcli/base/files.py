@@ -146,12 +146,12 @@ def beside(stem: Path, names: Sequence[str]) -> list[Path]:
     name may have with its ending, all different."""
     most = max(TUNING.shortest, min(TUNING.longest, 250 - len(os.fsencode(stem.name))))
     plain = [re.sub(r"[^-_.a-zA-Z0-9]+", "-", name) for name in names]
-    alike, found = Counter(map(str.lower, plain)), []
+    alike, paths = Counter(map(str.lower, plain)), []
     for i, name in enumerate(plain):
         mark = hashlib.sha256(writable(f"{i} {names[i]}").encode()).hexdigest()[:8]
         is_fit = len(name) <= most and alike[name.lower()] == 1
-        found.append(stem.with_name(f"{stem.name}-{name if is_fit else f'{name[: most - 9]}-{mark}'}"))
-    return found
+        paths.append(stem.with_name(f"{stem.name}-{name if is_fit else f'{name[: most - 9]}-{mark}'}"))
+    return paths
 
 
 def check_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:

@@ -67,21 +67,21 @@ def is_sound(group: Group) -> bool:
 
 def digest(group: Group) -> str:
     """SHA-256 over names, attributes, shapes and values, sorted by name; without members that have their own seal."""
-    found = hashlib.sha256()
+    sha = hashlib.sha256()
     for key, value in sorted(group.attributes.items()):
         if key != SEAL:
-            _update(found, key, value)
+            _update(sha, key, value)
     for name, member in sorted(group.members.items()):
         if isinstance(member, Dataset):
-            _update(found, name, member.values)
+            _update(sha, name, member.values)
             member = Group(member.attributes)
         if SEAL not in member.attributes:
-            _update(found, name, digest(member))
-    return found.hexdigest()
+            _update(sha, name, digest(member))
+    return sha.hexdigest()
 
 
-def _update(found: Any, name: str, value: Any) -> None:
-    """Take a name with its value into the digest ``found``, as bytes that differ wherever one of them does."""
+def _update(sha: Any, name: str, value: Any) -> None:
+    """Take a name with its value into the digest ``sha``, as bytes that differ wherever one of them does."""
     value, numbers = _plain(value), memoryview(b"")
     if isinstance(value, np.ndarray) and value.dtype.kind != "O":
         content = repr((value.dtype.str, value.shape)).encode()
@@ -89,8 +89,8 @@ def _update(found: Any, name: str, value: Any) -> None:
     else:
         value = [_plain(item) for item in value] if isinstance(value, list | tuple) else value
         content = repr(list(value) if isinstance(value, np.ndarray | Sequence) else value).encode()
-    found.update(b"%d %s %d " % (len(name.encode()), name.encode(), len(content) + len(numbers)) + content)
-    found.update(numbers)
+    sha.update(b"%d %s %d " % (len(name.encode()), name.encode(), len(content) + len(numbers)) + content)
+    sha.update(numbers)
 
 
 def _plain(value: Any) -> Any:
@@ -266,23 +266,23 @@ class _Reader:
         be all that the file holds."""
         if data.ndim != 1:
             raise TypeError("a table of texts")
-        held: list[Any] = []
+        texts: list[Any] = []
         step = max(1, allowance.TUNING.size // self.whole)
         for first in range(0, data.size, step):
             piece = [_plain(text) for text in data[first : first + step]]
             self.allowed.take(size := sum(map(len, piece)), memory=allowance.TUNING.copies * size)
-            held += piece
-        return held
+            texts += piece
+        return texts
 
     def attributes(self, item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
         return {str(name): self.attribute(item, name) for name in item.attrs}
 
     def attribute(self, item: h5py.Group | h5py.Dataset, name: str) -> Any:
-        held = item.attrs.get_id(name)
-        count = held.get_space().get_simple_extent_npoints()
+        stored = item.attrs.get_id(name)
+        count = stored.get_space().get_simple_extent_npoints()
         self.allowed.take(parts=1)
-        self.count(name, count, held.get_type())
-        if count > 1 and held.dtype.hasobject:
+        self.count(name, count, stored.get_type())
+        if count > 1 and stored.dtype.hasobject:
             self.allowed.take(count * self.whole)
         value = _plain(item.attrs[name])
         self.allowed.take(len(value) if isinstance(value, str) else 0)

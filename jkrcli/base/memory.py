@@ -25,13 +25,13 @@ def fence(most: int) -> Iterator[None]:
     try:
         import resource
 
-        held = _held()
+        used = _address_space()
     except (ImportError, OSError):
         yield
         return
     with _ALONE:
         soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-        limit = held + most if soft == resource.RLIM_INFINITY else min(soft, held + most)
+        limit = used + most if soft == resource.RLIM_INFINITY else min(soft, used + most)
         resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
         try:
             yield
@@ -39,7 +39,7 @@ def fence(most: int) -> Iterator[None]:
             resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
-def _held() -> int:
+def _address_space() -> int:
     """Bytes of address space of this process."""
     import resource
 
@@ -66,5 +66,5 @@ def _of_shell() -> float:
         import resource
 
         most, _ = resource.getrlimit(resource.RLIMIT_AS)
-        return math.inf if most == resource.RLIM_INFINITY else (most - _held()) / 2**20
+        return math.inf if most == resource.RLIM_INFINITY else (most - _address_space()) / 2**20
     return math.inf

@@ -113,15 +113,15 @@ class Ranged:
     def read(self, value: Any) -> float:
         """The SI value of a number [SI] or text with a unit; ValueError with a full sentence where it is wrong."""
         number = _number(value, self.dimension)
-        given = value if isinstance(value, str) else f"{value} {SI[self.dimension]}".strip()
+        entry = value if isinstance(value, str) else f"{value} {SI[self.dimension]}".strip()
         if not math.isfinite(number):
-            raise ValueError(f"must be a finite number, got {given}")
+            raise ValueError(f"must be a finite number, got {entry}")
         if self.dimension != "number" and number != 0 and not 1 / LARGEST_SI <= abs(number) <= LARGEST_SI:
-            raise ValueError(f"must lie within {1 / LARGEST_SI:g} and {LARGEST_SI:g} in SI units, got {given}")
+            raise ValueError(f"must lie within {1 / LARGEST_SI:g} and {LARGEST_SI:g} in SI units, got {entry}")
         if number not in self:
             bare = self.dimension == "angle" and not isinstance(value, str)
             hint = '; a bare number is in rad, write "70 deg"' if bare else ""
-            raise ValueError(f"must be {self.rule}, got {given}{hint}")
+            raise ValueError(f"must be {self.rule}, got {entry}{hint}")
         return number
 
 
@@ -146,8 +146,8 @@ def doubtful_work(w: float) -> str:
 
 def _number(value: Any, dimension: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        found = str(value).lower() if isinstance(value, bool) else value
-        raise ValueError(f"must be {DIMENSIONS[dimension].words}, got {found}")  # noqa: TRY004 (a sentence for the user)
+        entry = str(value).lower() if isinstance(value, bool) else value
+        raise ValueError(f"must be {DIMENSIONS[dimension].words}, got {entry}")  # noqa: TRY004 (a sentence for the user)
     if isinstance(value, str):
         return parse(value, dimension)
     try:
@@ -168,12 +168,12 @@ def check_ranges(options: Any, where: str) -> None:
 @cache
 def ranges_of(kind: Any) -> dict[str, Ranged]:
     """The ranges of the fields of ``kind`` that are one number, or one or None."""
-    found: dict[str, Ranged] = {}
+    ranges: dict[str, Ranged] = {}
     for name, annotation in get_type_hints(kind, include_extras=True).items():
         for part in get_args(annotation) if get_origin(annotation) is Union else (annotation,):
             for note in getattr(part, "__metadata__", ()):
-                found |= {name: note} if isinstance(note, Ranged) else {}
-    return found
+                ranges |= {name: note} if isinstance(note, Ranged) else {}
+    return ranges
 
 
 def show(value: float, dimension: str, digits: int = 4) -> str:

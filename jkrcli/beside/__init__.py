@@ -10,6 +10,6 @@ if TYPE_CHECKING:
     from .lost import Lost, where_lost
     from .profile import profile_columns, radius_under
     from .solved import is_solved
-    from .sticking import StickingEffect, as_told, effect_facts, effect_on, sticking_effect, sticking_warnings
+    from .sticking import StickingEffect, effect_as_json, effect_facts, effect_on, sticking_effect, sticking_warnings
 
 __getattr__ = lazily(__name__, __file__)

@@ -93,9 +93,9 @@ class Analysis:
     def pull_off_errors(self) -> dict[str, Errors | Unknown]:
         """90 % half-widths of delta [m] and P [N] of each pull-off point that there is, or why they are unknown."""
         return {
-            name: error_of_point(self.curve, found, CONTROLS[name])
-            for name, found in self.pull_off.items()
-            if isinstance(found, CriticalPoint)
+            name: error_of_point(self.curve, point, CONTROLS[name])
+            for name, point in self.pull_off.items()
+            if isinstance(point, CriticalPoint)
         }
 
     @cached_property
@@ -144,8 +144,8 @@ class Analysis:
         doubts = getattr(self.curve, "doubts", ())
         law = self.problem.specimen.relaxation
         relaxes = [] if law is None else [f"the specimen relaxes: {relaxing_words(law)}"]
-        found = [*relaxes, *self.solution.warnings, *flags, *self.validity.warnings, *doubts]
-        found += [*yielding(self.problem, self.curve), *outside]
+        sentences = [*relaxes, *self.solution.warnings, *flags, *self.validity.warnings, *doubts]
+        sentences += [*yielding(self.problem, self.curve), *outside]
         difference = None if self.comparison is None else known(self.comparison.pull_off)
         budget = self.budget
         parts = (budget.discretisation, budget.truncation, budget.radius, budget.smoothing)
@@ -154,11 +154,11 @@ class Analysis:
         if isinstance(point, CriticalPoint) and half_widths is not None and not isinstance(half_widths, Unknown):
             stated = max(stated, SURE * half_widths["P"] / abs(point.P))
         if difference is not None and abs(difference) > stated:
-            found.append(
+            sentences.append(
                 f"the pull-off force differs from the closed form by {abs(difference):.2g}, "
                 f"more than the {stated:.2g} that was estimated"
             )
-        return list(dict.fromkeys(found))
+        return list(dict.fromkeys(sentences))
 
 
 def analyse(

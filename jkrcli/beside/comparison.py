@@ -175,11 +175,11 @@ def _least(distances: Callable[[Array], Array], size: int) -> Array:
     """The least of each of ``size`` distances over v in [0, 1], ``distances``: (m, size) -> (m, size)."""
     columns = np.arange(size)
     v = np.broadcast_to(np.linspace(0, 1, TUNING.coarse)[:, None], (TUNING.coarse, size))
-    step, found = 1 / (TUNING.coarse - 1), np.full(size, np.inf)
+    step, least = 1 / (TUNING.coarse - 1), np.full(size, np.inf)
     for _ in range(TUNING.refinements):
         values = distances(v)
         nearest = np.argmin(values, axis=0)
-        found = np.minimum(found, values[nearest, columns])
+        least = np.minimum(least, values[nearest, columns])
         v = np.clip(v[nearest, columns] + step * np.linspace(-1, 1, TUNING.fine)[:, None], 0, 1)
         step *= 2 / (TUNING.fine - 1)
-    return found
+    return least

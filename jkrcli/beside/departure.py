@@ -109,8 +109,8 @@ def _smooth(gap: Array, rates: Array, x: Array) -> tuple[Array, Array] | None:
 
 def _least(design: Array, target: Array) -> float:
     """Least sum of squares of ``target`` (m,) by the rows of ``design``."""
-    found = np.linalg.lstsq(design.T, target, rcond=None)[0]
-    return float(np.sum((target - found @ design) ** 2))
+    coefficients = np.linalg.lstsq(design.T, target, rcond=None)[0]
+    return float(np.sum((target - coefficients @ design) ** 2))
 
 
 def _correlation(white: Array) -> float:

@@ -45,12 +45,12 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
         loading = Loading(loading.to, loading.maximum)
     unbounded = replace(problem, specimen=specimen, loading=replace(loading, points=max(loading.points, 100)))
     series = again(unbounded, method=COARSE, longest=PATIENCE).series
-    found = slopes(series, "exact")
+    exact_slopes = slopes(series, "exact")
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
     adhesion = []
     for w in works:
         refuse_wetting(w, specimen.surface_tension)
-        curve = transform(series, found, w)
+        curve = transform(series, exact_slopes, w)
         point = resolved(curve.pull_off(LOAD_CONTROL), curve, LOAD_CONTROL, z0)
         judged = judge(
             a=a,

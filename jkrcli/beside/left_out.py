@@ -98,10 +98,10 @@ def left_out(problem: Problem, expected: Expectation, works: Sequence[float], z0
     the ``works`` of adhesion [J/m^2]; ``z0``: range of its forces [m], None where the case includes one."""
     body = unbounded(replace(problem, specimen=replace(problem.specimen, relaxation=None)))
     works = [w for w in works if w > 0]
-    found = [*_neighbours(Comparison(body, expected, works), problem.specimen.radius is not None)]
-    found += [_slip(body, expected, works), *_range(body, expected, z0), *_strains(body, expected)]
-    found += _weight(body, expected)
-    return sorted(found, key=lambda one: -abs(one.largest[1]) if one.largest else 1.0)
+    omissions = [*_neighbours(Comparison(body, expected, works), problem.specimen.radius is not None)]
+    omissions += [_slip(body, expected, works), *_range(body, expected, z0), *_strains(body, expected)]
+    omissions += _weight(body, expected)
+    return sorted(omissions, key=lambda one: -abs(one.largest[1]) if one.largest else 1.0)
 
 
 @dataclass(frozen=True)
@@ -174,14 +174,14 @@ def _neighbours(comparison: Comparison, sides: bool) -> Iterator[LeftOut]:
 def _half_space(comparison: Comparison) -> LeftOut:
     """The top material alone in place of the layers: what a half-space formula says."""
     other = alone(comparison.body)
-    found = comparison.with_("half-space formula, no layers", "", True, specimen=other.specimen, sticks=False)
+    formula = comparison.with_("half-space formula, no layers", "", True, specimen=other.specimen, sticks=False)
     pulls: dict[float, Estimate] = {}
     for w, point, _ in comparison.expected.adhesion:
         if w > 0:
             there = half_space_pull_off(other, w, LOAD_CONTROL)
             known = isinstance(there, CriticalPoint) and isinstance(point, CriticalPoint)
             pulls[w] = there.P / point.P - 1 if known else Unknown("no pull-off by formula")  # type: ignore[union-attr]
-    return replace(found, pull_off=pulls)
+    return replace(formula, pull_off=pulls)
 
 
 def _tension(comparison: Comparison) -> LeftOut:
@@ -198,10 +198,10 @@ def _tension(comparison: Comparison) -> LeftOut:
         except JkrError as error:
             failed = Unknown(str(error))
             continue
-        found, share = comparison.over(name, key, plain, tense), Ups / trial
-        pulls = {w: _if_no_wetting(w, change) for w, change in found.pull_off.items()}
+        omission, share = comparison.over(name, key, plain, tense), Ups / trial
+        pulls = {w: _if_no_wetting(w, change) for w, change in omission.pull_off.items()}
         shares = {w: _part(share, change) for w, change in pulls.items()}
-        return replace(found, load=_part(share, found.load), S=_part(share, found.S), pull_off=shares)
+        return replace(omission, load=_part(share, omission.load), S=_part(share, omission.S), pull_off=shares)
     return LeftOut(name, key, failed, failed)
 
 
@@ -247,9 +247,9 @@ def _range(body: Problem, expected: Expectation, z0: float | None) -> Iterator[L
     pulls = {w: judged.effect_of_range for w, _, judged in expected.adhesion if w > 0}
     if z0 is None or not pulls:
         return
-    told = show(z0, "length")
+    length = show(z0, "length")
     load = _load_at_range(body, expected, z0, pulls)
-    yield LeftOut(f"range of adhesion {told}", f'adhesion.range = "{told}"', load, NOT_COMPARED, pulls)
+    yield LeftOut(f"range of adhesion {length}", f'adhesion.range = "{length}"', load, NOT_COMPARED, pulls)
 
 
 def _load_at_range(body: Problem, expected: Expectation, z0: float, pulls: Mapping[float, Estimate]) -> Estimate:

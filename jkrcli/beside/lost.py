@@ -22,22 +22,23 @@ def where_lost(
     """For each of the ``works`` [J/m^2] the curve, and what is read off under each control: by a device of one of the
     ``stiffnesses`` [N/m], else of load and displacement."""
     controls = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)
-    found = analyse(solution, works, slopes, modulus_factor, asked)
-    curves = [with_solved_points(curve, *stiffnesses) for curve in found]
-    return [(curve, [_lost(curve, found) for found in behaviours(curve.curve, controls)]) for curve in curves]
+    results = [
+        with_solved_points(result, *stiffnesses) for result in analyse(solution, works, slopes, modulus_factor, asked)
+    ]
+    return [(result, [_lost(result, each) for each in behaviours(result.curve, controls)]) for result in results]
 
 
 def _lost(result: Analysis, behaviour: Behaviour) -> Lost:
     """What is read off a curve under one control; half-widths of its pull-off point, None where there is none."""
-    found = _above_atoms(behaviour, result)
-    if isinstance(found.pull_off, Unknown):
-        return found, None
-    return found, error_of_point(result.curve, found.pull_off, found.stiffness)
+    above_atoms = _above_atoms(behaviour, result)
+    if isinstance(above_atoms.pull_off, Unknown):
+        return above_atoms, None
+    return above_atoms, error_of_point(result.curve, above_atoms.pull_off, above_atoms.stiffness)
 
 
-def _above_atoms(found: Behaviour, result: Analysis) -> Behaviour:
-    """What was read off without what would happen at radii below atoms."""
-    point = resolved(found.pull_off, result.curve, found.stiffness, result.solution.record.z0)
-    if point is found.pull_off or not isinstance(point, Unknown):
-        return found
-    return replace(found, critical=(), pull_off=point, jump_in=TINY, energy_lost=TINY, separation=TINY)
+def _above_atoms(behaviour: Behaviour, result: Analysis) -> Behaviour:
+    """The behaviour without what would happen at radii below atoms."""
+    point = resolved(behaviour.pull_off, result.curve, behaviour.stiffness, result.solution.record.z0)
+    if point is behaviour.pull_off or not isinstance(point, Unknown):
+        return behaviour
+    return replace(behaviour, critical=(), pull_off=point, jump_in=TINY, energy_lost=TINY, separation=TINY)

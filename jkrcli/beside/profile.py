@@ -35,20 +35,20 @@ def _attracted(solution: Solution, a: float, law: Range) -> dict[str, Array]:
     from ..adhesion import FiniteRangeBody
     from ..methods.integral.annulus import attracted_surface
 
-    held = FiniteRangeBody.of(solution).body
-    problem, s = held.problem, 2 * law.stress / held.problem.E_star
+    body = FiniteRangeBody.of(solution).body
+    problem, s = body.problem, 2 * law.stress / body.problem.E_star
     if not 0 < a <= solution.series.a[-1] * (1 + 1e-9):
         end = show(float(solution.series.a[-1]), "length")
         raise InputError(f"profile: the contact radius must lie between 0 and {end}, got {show(a, 'length')}")
-    attraction = held.attraction(min(3 * held.reach(a, s, law.length), held.limit))
+    attraction = body.attraction(min(3 * body.reach(a, s, law.length), body.limit))
     inside = a * np.sin(np.linspace(0, np.pi / 2, 202)[1:-1])
     outside = a + (attraction.reach - a) * np.linspace(0, 1, 202)[1:-1] ** 2
     r = np.concatenate([inside, outside])
-    found = attracted_surface(attraction, a, law.stress, law.length, r, held.scale)
-    displacement = found.rims.delta[0] - problem.indenter.f(r) + found.gap
+    surface = attracted_surface(attraction, a, law.stress, law.length, r, body.scale)
+    displacement = surface.rims.delta[0] - problem.indenter.f(r) + surface.gap
     if problem.indenter.material is not None:
-        displacement -= problem.E_star / problem.indenter.material.E_star * found.own
-    return {"r_m": r, "pressure_Pa": found.pressure, "displacement_m": displacement, "gap_m": found.gap}
+        displacement -= problem.E_star / problem.indenter.material.E_star * surface.own
+    return {"r_m": r, "pressure_Pa": surface.pressure, "displacement_m": displacement, "gap_m": surface.gap}
 
 
 def _stuck(solution: Solution, a: float, w: float) -> dict[str, Array]:
@@ -82,10 +82,10 @@ def _columns(problem: Problem, a: float, w: float, points: int = 200) -> dict[st
     outside = a * (1 + 2 * np.linspace(0, 1, points + 1)[1:] ** 2)
     outside = outside[outside <= problem.indenter.r_max]
     r = np.concatenate([inside, outside])
-    found = solve_profile(problem, a, w, inside, r)
+    surface = solve_profile(problem, a, w, inside, r)
     return {
         "r_m": r,
-        "pressure_Pa": np.concatenate([found.pressure, 0 * outside]),
-        "displacement_m": found.displacement,
-        "gap_m": found.gap,
+        "pressure_Pa": np.concatenate([surface.pressure, 0 * outside]),
+        "displacement_m": surface.displacement,
+        "gap_m": surface.gap,
     }

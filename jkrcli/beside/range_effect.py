@@ -43,10 +43,10 @@ def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point
     if math.pi * z0**2 * problem.E_star / (4 * w) < TUNING.narrow * h:
         return 0.0
     try:
-        found = ranged(problem, series, w, z0).pull_off(LOAD_CONTROL)
+        pull_off = ranged(problem, series, w, z0).pull_off(LOAD_CONTROL)
     except JkrError as error:
         return Unknown(str(error))
-    return found.P / point.P - 1 if isinstance(found, CriticalPoint) else Unknown(found.reason)
+    return pull_off.P / point.P - 1 if isinstance(pull_off, CriticalPoint) else Unknown(pull_off.reason)
 
 
 def ranged(problem: Problem, series: Series, w: float, z0: float) -> EquilibriumCurve:

@@ -37,17 +37,17 @@ TUNING = ReachTuning()
 def solved_for(problem: Problem, works: Sequence[float], slopes: str = "auto", modulus_factor: float = 1.0) -> Solution:
     """The ``problem``, whatever its loading, solved as far as its pull-off asks with any of the ``works`` [J/m^2]
     > 0: to little more than the largest contact radius without load; coarsely where thin layers leave no more."""
-    w, held = max(works), 0.0
+    w, largest = max(works), 0.0
     for wider in _wider(problem, w, modulus_factor):
         body = nonadhesive(wider, slopes).scaled(modulus_factor)
         P = AdhesiveCurve(body, w).P
-        held = float(body.a[P <= 0].max(initial=body.a[0]))
+        largest = float(body.a[P <= 0].max(initial=body.a[0]))
         if P[-1] > 0:
             break
     try:
-        return again(_to(problem, held))
+        return again(_to(problem, largest))
     except JkrError:
-        return again(_to(problem, held), method=COARSE)
+        return again(_to(problem, largest), method=COARSE)
 
 
 def solved_for_force(
@@ -59,11 +59,11 @@ def solved_for_force(
     for wider in _wider(problem, w * TUNING.of_devices if stiffnesses else w, modulus_factor):
         body = nonadhesive(wider, slopes).scaled(modulus_factor)
         try:
-            found = [work_from_pull_off(body, load, stiffness).w for stiffness in stiffnesses or (LOAD_CONTROL,)]
+            works = [work_from_pull_off(body, load, stiffness).w for stiffness in stiffnesses or (LOAD_CONTROL,)]
         except InputError as error:  # the force may lie beyond this series
             failed = error
         else:
-            return solved_for(problem, found, slopes, modulus_factor)
+            return solved_for(problem, works, slopes, modulus_factor)
     raise failed
 
 
@@ -102,7 +102,7 @@ def half_space_radii(indenter: Indenter, E_star: float) -> tuple[Array, Array, A
     least, most = TUNING.radii
     end = min(most, TUNING.inside * indenter.r_max)
     a = indenter.a0 + np.geomspace(least, end - indenter.a0, TUNING.looked_at)
-    found = indenter.half_space(a, E_star)
-    if found is None:
+    columns = indenter.half_space(a, E_star)
+    if columns is None:
         raise InputError(f"{indenter.words} has no closed form on a half-space: describe the bodies in a case file")
-    return a, *found
+    return a, *columns

@@ -206,13 +206,13 @@ def solved(curve: AdhesiveCurve, further: Further, *devices: float) -> AdhesiveC
         radii = _wanted(curve, {*CONTROLS.values(), *devices})
         if not radii.size:
             break
-        kept = _apart(before, radii, curve.series.a0) if step > 1 else before[:0]
+        apart = _apart(before, radii, curve.series.a0) if step > 1 else before[:0]
         try:
-            found = _through(curve, further(np.union1d(kept, radii)))
-            found.nonadhesive.logs  # noqa: B018 - refuses points that do not fit in between the rows
+            trial = _through(curve, further(np.union1d(apart, radii)))
+            trial.nonadhesive.logs  # noqa: B018 - refuses points that do not fit in between the rows
         except JkrError:  # nor may body or profile allow it: what is interpolated stands, with its error
             break
-        curve, before = found, radii
+        curve, before = trial, radii
     return curve
 
 
@@ -226,8 +226,8 @@ def _apart(before: Array, radii: Array, a0: float) -> Array:
 def _wanted(curve: AdhesiveCurve, devices: set[float]) -> Array:
     """Radii of the pull-off points; none where they are all solved."""
     curve.find_critical(devices)
-    found = (curve.pull_off(stiffness) for stiffness in devices)
-    points = [point for point in found if isinstance(point, CriticalPoint)]
+    pull_offs = (curve.pull_off(stiffness) for stiffness in devices)
+    points = [point for point in pull_offs if isinstance(point, CriticalPoint)]
     return np.unique([] if all(is_solved(curve, point) for point in points) else [point.a for point in points])
 
 
@@ -240,6 +240,6 @@ def is_solved(curve: EquilibriumCurve, point: Equilibrium) -> bool:
     return nearest <= SAME * (point.a - curve.series.a0)
 
 
-def _through(curve: AdhesiveCurve, found: Nonadhesive) -> AdhesiveCurve:
-    """The ``curve`` through the functions ``found`` at further radii in place of those before."""
-    return AdhesiveCurve(replace(curve.nonadhesive, further=found), curve.w)
+def _through(curve: AdhesiveCurve, further: Nonadhesive) -> AdhesiveCurve:
+    """The ``curve`` through the functions ``further`` at further radii in place of those before."""
+    return AdhesiveCurve(replace(curve.nonadhesive, further=further), curve.w)

@@ -33,7 +33,7 @@ class StickingEffectTuning:
     smallest: float = 0.02
     # of it, one more; tuned on bodies, by `make constants`: a stuck contact is wider at equal depth by less
     beyond: float = 1.1
-    told: float = 0.05  # relative change from which a reader is warned; choice: as for Tabor numbers
+    noticeable: float = 0.05  # relative change from which a reader is warned; choice: as for Tabor numbers
 
 
 TUNING = StickingEffectTuning()
@@ -63,8 +63,8 @@ class StickingEffect:
     def words(self) -> str:
         """``1.63 times the load at equal depth, 1.7 times S, 0.956 times the pull-off force``."""
         pulls = [f"{value:.3g}" for value in self.pull_off.values() if not isinstance(value, Unknown)]
-        told = [f"{self.load:.3g} times the load at equal depth", f"{self.stiffness:.3g} times S"]
-        return ", ".join(told + ([f"{' and '.join(dict.fromkeys(pulls))} times the pull-off force"] if pulls else []))
+        parts = [f"{self.load:.3g} times the load at equal depth", f"{self.stiffness:.3g} times S"]
+        return ", ".join(parts + ([f"{' and '.join(dict.fromkeys(pulls))} times the pull-off force"] if pulls else []))
 
     def as_dict(self) -> dict[str, Any]:
         """The radius [m] and the ratios [-] as they stand in JSON."""
@@ -120,8 +120,8 @@ def pull_off_ratio(one: Series, other: Series, w: float, outside: Unknown = OUTS
 
 
 def sticking_warnings(problem: Problem, effect: StickingEffect | Unknown) -> Iterator[str]:
-    """Sentences on an assumption that matters by more than ``TUNING.told``."""
-    if isinstance(effect, Unknown) or effect.largest <= TUNING.told:
+    """Sentences on an assumption that matters by more than ``TUNING.noticeable``."""
+    if isinstance(effect, Unknown) or effect.largest <= TUNING.noticeable:
         return
     other = "sliding" if problem.sticks else "sticking"
     assumed = "no slip" if problem.sticks else "no friction"
@@ -139,17 +139,17 @@ def effect_facts(effect: StickingEffect | Unknown) -> dict[str, float | str]:
 
 
 def effect_on(solution: Solution, works: Sequence[float]) -> StickingEffect | Unknown:
-    """Effect on a solved body with its pull-off forces; not looked for again where its file says that it is small."""
+    """Effect on a solved body with its pull-off forces; not computed again where its file says that it is small."""
     load, stiffness = (solution.facts.get(f"sticking_over_sliding_{name}") for name in ("load", "S"))
     a = float(solution.series.a[-1])
     if isinstance(load, float) and isinstance(stiffness, float):
         small = Unknown("not computed: load and S hardly differ")
-        found = StickingEffect(a, load, stiffness, dict.fromkeys(works, small))
-        if found.largest <= TUNING.told:
-            return found
+        effect = StickingEffect(a, load, stiffness, dict.fromkeys(works, small))
+        if effect.largest <= TUNING.noticeable:
+            return effect
     return sticking_effect(solution.problem, a, works)
 
 
-def as_told(effect: StickingEffect | Unknown) -> Any:
+def effect_as_json(effect: StickingEffect | Unknown) -> Any:
     """The effect as it stands in JSON, or why it is not known."""
     return str(effect) if isinstance(effect, Unknown) else effect.as_dict()

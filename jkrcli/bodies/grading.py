@@ -12,7 +12,7 @@ import numpy as np
 
 from ..base import AnyLength, Array, InputError, Key, Length, Modulus, Ranged, Registry, positive
 
-LAWS = Registry(given="thickness")
+LAWS = Registry(inherited="thickness")
 law = LAWS.register  # decorator: the name by which ``E = { law = ... }`` of a case file calls it
 
 

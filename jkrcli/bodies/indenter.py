@@ -15,7 +15,7 @@ import numpy as np
 from ..base import Array, Registry
 from .materials import Elastic
 
-SHAPES = Registry(given="material", word="shape")
+SHAPES = Registry(inherited="material", word="shape")
 shape = SHAPES.register  # decorator: the shape by which the table [indenter] of a case file calls it
 
 

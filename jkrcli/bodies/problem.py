@@ -245,10 +245,10 @@ class Problem:
 
     def __post_init__(self) -> None:
         specimen = self.specimen
-        held = {"elastic": self.indenter.material is not None, "sticking": self.sticks}
-        held |= {"relaxation": specimen.relaxation is not None, "tension": specimen.surface_tension > 0}
+        features = {"elastic": self.indenter.material is not None, "sticking": self.sticks}
+        features |= {"relaxation": specimen.relaxation is not None, "tension": specimen.surface_tension > 0}
         for pair, words in NOT_TOGETHER.items():
-            if all(held[name] for name in pair):
+            if all(features[name] for name in pair):
                 raise InputError(words)
 
     @property

@@ -17,7 +17,7 @@ from ..base import Array, InputError, Ranged, Registry, check_ranges, show
 Time: TypeAlias = Annotated[float, Ranged("time", above=0)]
 Share: TypeAlias = Annotated[float, Ranged("number", above=0, most=1)]
 
-RELAXATIONS = Registry(given="")
+RELAXATIONS = Registry()
 relaxation_law = RELAXATIONS.register  # decorator: the name by which ``relaxation = { law = ... }`` calls it
 
 

@@ -145,20 +145,21 @@ class BuiltTable(Table):
 
     builder: ClassVar[Callable[..., Any]]
     parameters: ClassVar[dict[str, str]] = {}  # of the builder, by key
-    given: ClassVar[str | None] = None  # its parameter that the file does not give
+    inherited: ClassVar[str | None] = None  # its parameter that the table around passes on
 
-    def built(self, given: Any) -> Any:
+    def built(self, inherited: Any = None) -> Any:
         """What the table describes; InputError where its keys do not go together."""
         values = {parameter: getattr(self, key) for key, parameter in self.parameters.items()}
-        return type(self).builder(**values | ({self.given: given} if self.given else {}))
+        return type(self).builder(**values | ({self.inherited: inherited} if self.inherited else {}))
 
 
 def table_of(registry: Registry, name: str, base: type[BuiltTable], **keys: Any) -> Any:
     """The model of the table of what ``registry`` calls ``name``, with more ``keys`` (type, default) than its own."""
-    found = registry.parameters(name)
-    given = found.pop(registry.given, None)
-    keys |= {key: (readable(item.annotation), item.default) for key, item in found.items()}
+    parameters = registry.parameters(name)
+    inherited = parameters.pop(registry.inherited, None)
+    keys |= {key: (readable(item.annotation), item.default) for key, item in parameters.items()}
     table = create_model(name, __base__=base, **keys)
-    table.tag, table.builder, table.given = name, staticmethod(registry[name]), given.name if given else None
-    table.parameters = {key: item.name for key, item in found.items()}
+    table.tag, table.builder = name, staticmethod(registry[name])
+    table.inherited = inherited.name if inherited else None
+    table.parameters = {key: item.name for key, item in parameters.items()}
     return table

@@ -67,15 +67,15 @@ class SpecimenTable(Table):
         return cast(Self, with_others(cls._finding(data) if isinstance(data, dict) else None, data, handler))
 
     @staticmethod
-    def _finding(given: Mapping[str, Any]) -> str | None:
+    def _finding(keys: Mapping[str, Any]) -> str | None:
         """What is wrong with the choice of keys."""
-        if "half_space" in given and "base" in given:
+        if "half_space" in keys and "base" in keys:
             return "give either base (rigid) or half_space (elastic) below the layers, got both"
-        if not given.get("layers") and "half_space" not in given:
+        if not keys.get("layers") and "half_space" not in keys:
             return "is empty: give [specimen.half_space] with E and nu, or [[specimen.layers]]"
-        if "half_space" in given and ("radius" in given or "side" in given):
+        if "half_space" in keys and ("radius" in keys or "side" in keys):
             return "a cylinder (radius and side) stands on a rigid base: leave out half_space"
-        if ("radius" in given) != ("side" in given):
+        if ("radius" in keys) != ("side" in keys):
             return "a cylinder needs both radius and side (free, roller or clamped), leave both out for a wide body"
         return None
 
@@ -88,7 +88,7 @@ class SpecimenTable(Table):
     def build(self) -> Specimen:
         base = Rigid(self.base != "frictionless") if self.half_space is None else self.half_space.build()
         layers = tuple(table.build() for table in cast(Any, self.layers))
-        relaxation = None if self.relaxation is None else self.relaxation.built(None)
+        relaxation = None if self.relaxation is None else self.relaxation.built()
         return Specimen(layers, base, self.radius, self.side, self.surface_tension, relaxation)
 
 
@@ -108,25 +108,25 @@ class LoadingTable(Table):
     @model_validator(mode="wrap")
     @classmethod
     def _one(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        given = [name for name in GOALS if name in data] if isinstance(data, dict) else list(GOALS[:1])
-        finding = f"needs exactly one of depth, load, radius, got {' and '.join(given) or 'none'}"
-        alone = isinstance(data, dict) and all(isinstance(data[name], list) and len(data[name]) == 1 for name in given)
+        goals = [name for name in GOALS if name in data] if isinstance(data, dict) else list(GOALS[:1])
+        finding = f"needs exactly one of depth, load, radius, got {' and '.join(goals) or 'none'}"
+        alone = isinstance(data, dict) and all(isinstance(data[name], list) and len(data[name]) == 1 for name in goals)
         if alone and not {"points", "spacing"} & data.keys():
             data = data | {"points": 1}
-        return cast(Self, with_others(None if len(given) == 1 else finding, data, handler))
+        return cast(Self, with_others(None if len(goals) == 1 else finding, data, handler))
 
     @model_validator(mode="after")
     def _usable(self) -> Self:
-        given = [name for name in GOALS if getattr(self, name) is not None]
-        if len(given) != 1:
+        goals = [name for name in GOALS if getattr(self, name) is not None]
+        if len(goals) != 1:
             return self  # told by the rule above
-        values = getattr(self, given[0])
+        values = getattr(self, goals[0])
         if not values:
-            raise wrong(f"{given[0]} is an empty list")
+            raise wrong(f"{goals[0]} is an empty list")
         if any(b <= a for a, b in itertools.pairwise(values)):
-            raise wrong(f"the values of {given[0]} must increase, got {list(values)}")
+            raise wrong(f"the values of {goals[0]} must increase, got {list(values)}")
         if len(values) > 1 and (self.points, self.spacing) != (100, "radius"):
-            raise wrong(f"a list of {given[0]} values goes without points and spacing")
+            raise wrong(f"a list of {goals[0]} values goes without points and spacing")
         return self
 
     def build(self) -> Loading:
@@ -183,11 +183,11 @@ class AdhesionTable(Table):
     def _each_once(self) -> Self:
         if len(set(self.w)) < len(self.w):
             raise wrong(f"w: holds a value twice, got {list(self.w)}")
-        given = [name for name in ("range", "stress", "capillary") if getattr(self, name) is not None]
-        if len(given) > 1:
-            raise wrong(f"give at most one of range, stress and capillary, got {' and '.join(given)}")
-        if given and given != ["capillary"] and not all(self.w):
-            raise wrong(f"{given[0]}: goes with works of adhesion > 0, got w = 0")
+        laws = [name for name in ("range", "stress", "capillary") if getattr(self, name) is not None]
+        if len(laws) > 1:
+            raise wrong(f"give at most one of range, stress and capillary, got {' and '.join(laws)}")
+        if laws and laws != ["capillary"] and not all(self.w):
+            raise wrong(f"{laws[0]}: goes with works of adhesion > 0, got w = 0")
         if self.capillary is not None and self.w:
             raise wrong("capillary: gives the work of adhesion itself: leave out w")
         return self
@@ -301,9 +301,9 @@ def _option_table(table: str, keys: dict[str, Any], method: Descriptor) -> type[
     """The table named ``table``; its keys together are what the method's options accept."""
 
     def accepted(self: Table) -> Table:
-        given = {name: getattr(self, place.key) for name, place in method.places.items() if place.table == table}
+        options = {name: getattr(self, place.key) for name, place in method.places.items() if place.table == table}
         with findings(table):
-            cast(Any, method.options)(**given)
+            cast(Any, method.options)(**options)
         return self
 
     check: Any = model_validator(mode="after")(accepted)

@@ -21,17 +21,17 @@ class UnquotedError(InputError):
     def __init__(self, source: str, text: str):
         self.quoted = UNQUOTED.sub(_quoted, text)
         super().__init__([
-            f"{source}: line {text.count(chr(10), 0, found.start('value')) + 1}: text with a unit must stand in "
-            f"quotes: {_quoted(found).strip('{, ')}"
-            for found in UNQUOTED.finditer(text)
-            if not NUMERAL.fullmatch(found["value"])
+            f"{source}: line {text.count(chr(10), 0, match.start('value')) + 1}: text with a unit must stand in "
+            f"quotes: {_quoted(match).strip('{, ')}"
+            for match in UNQUOTED.finditer(text)
+            if not NUMERAL.fullmatch(match["value"])
         ])  # fmt: skip
 
 
-def _quoted(found: re.Match[str]) -> str:
-    return found[0] if NUMERAL.fullmatch(found["value"]) else f'{found["key"]} = "{found["value"]}"'
+def _quoted(match: re.Match[str]) -> str:
+    return match[0] if NUMERAL.fullmatch(match["value"]) else f'{match["key"]} = "{match["value"]}"'
 
 
 def has_unquoted(text: str) -> bool:
     """Whether a value with a unit lacks its quotes."""
-    return any(not NUMERAL.fullmatch(found["value"]) for found in UNQUOTED.finditer(text))
+    return any(not NUMERAL.fullmatch(match["value"]) for match in UNQUOTED.finditer(text))

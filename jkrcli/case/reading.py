@@ -55,9 +55,9 @@ class Case:
             raise InputError(f"--tolerance: {allowed}, got {tolerance:g}")
         for name, ranged in known.items():
             place = METHODS[name].places["tolerance"]
-            asked = {place.table: tree.get(place.table, {}) | {place.key: ranged.nearest(tolerance)}}
+            table = {place.table: tree.get(place.table, {}) | {place.key: ranged.nearest(tolerance)}}
             try:
-                tree |= model_of(tree | asked, self.source).model_dump(exclude_none=True)
+                tree |= model_of(tree | table, self.source).model_dump(exclude_none=True)
             except InputError:  # a mesh of given sizes, say, of which no error can be asked
                 if method == name:
                     raise
@@ -166,8 +166,8 @@ def _sentences(error: ValidationError, tree: dict[str, Any], keys_at: KeysAt) ->
         if item["type"] == "extra_forbidden"
         if (close := nearest(item["loc"][-1], _allowed(item["loc"], keys_at)))
     }
-    kept = [item for item in items if not (item["type"] == "missing" and item["loc"] in meant)]
-    return sorted({_sentence(item, tree, keys_at) for item in kept})
+    mistakes = [item for item in items if not (item["type"] == "missing" and item["loc"] in meant)]
+    return sorted({_sentence(item, tree, keys_at) for item in mistakes})
 
 
 def _sentence(item: Any, tree: dict[str, Any], keys_at: KeysAt) -> str:

@@ -119,8 +119,8 @@ def _larger_elements(series: Series) -> Iterator[tuple[str, Group]]:
 def _errors(series: Series) -> dict[str, Group | Dataset]:
     """The errors of the columns, each with what is held when it is compared with the truth."""
     at_radius = series.errors_at_radius
-    held = {name: "radius" if name in ("S", "dS") or not at_radius else "displacement" for name in COLUMNS}
-    words = {name: f"estimated absolute error of {NAMES[name]} at equal {held[name]}" for name in COLUMNS}
+    equal = {name: "radius" if name in ("S", "dS") or not at_radius else "displacement" for name in COLUMNS}
+    words = {name: f"estimated absolute error of {NAMES[name]} at equal {equal[name]}" for name in COLUMNS}
     others = {
         f"{NAMES[name]}_at_equal_a": hdf5.column(
             values, UNITS[name], f"estimated absolute error of {NAMES[name]} at equal radius"
@@ -180,8 +180,8 @@ class _Reader:
         self.sealed = root.attributes["version"] != UNPROTECTED
 
     def solution(self, problem: Problem | None) -> Solution:
-        told, record = self.root.attributes, Record(path=self.path)
-        if problem is not None and told.get("problem_key") != problem.key:
+        attributes, record = self.root.attributes, Record(path=self.path)
+        if problem is not None and attributes.get("problem_key") != problem.key:
             raise InputError(f"{self.path}: is a series of another problem")
         if problem is None:
             text, source = self.case(), f"{self.path}: case"
@@ -193,13 +193,13 @@ class _Reader:
             problem,
             series,
             self.budget(),
-            str(told.get("method", "unknown")),
+            str(attributes.get("method", "unknown")),
             raw,
             self.pressure(),
             self.words("facts"),
             self.words("timings_s"),
             warnings if self.sealed else (*warnings, DOUBT),
-            replace(record, command_line=str(told.get("command_line", "")), versions=self.words("versions")),
+            replace(record, command_line=str(attributes.get("command_line", "")), versions=self.words("versions")),
         )
 
     def case(self) -> str:
@@ -239,8 +239,8 @@ class _Reader:
         return Coarser(Series(**columns, a0=a0, coarser=self.coarser(a0, larger)), ratio)
 
     def budget(self) -> ErrorBudget:
-        told = self.group("errors").attributes
-        return ErrorBudget(*(_estimate(told.get(item.name)) for item in fields(ErrorBudget)))
+        attributes = self.group("errors").attributes
+        return ErrorBudget(*(_estimate(attributes.get(item.name)) for item in fields(ErrorBudget)))
 
     def pressure(self) -> PressureTable | None:
         if "contact" not in self.root.members:
@@ -255,30 +255,30 @@ class _Reader:
         return {key: _plain(self.path, f"{name}.{key}", value) for key, value in self.group(name).attributes.items()}
 
     def group(self, name: str) -> Group:
-        found = self.root.members.get(name)
-        if not isinstance(found, Group):
+        group = self.root.members.get(name)
+        if not isinstance(group, Group):
             raise InputError(f'{self.path}: group "{name}" is missing')
-        return found
+        return group
 
     def dataset(self, group: str, name: str) -> Dataset:
-        found = (self.group(group) if group else self.root).members.get(name)
-        if not isinstance(found, Dataset):
+        dataset = (self.group(group) if group else self.root).members.get(name)
+        if not isinstance(dataset, Dataset):
             raise InputError(f'{self.path}: dataset "{group}/{name}" is missing'.replace('"/', '"'))
-        return found
+        return dataset
 
     def columns(self, group: str, required: Sequence[str] = ("a", "delta", "P")) -> dict[str, Array]:
         """The columns of the series in a ``group``, all of one length."""
         there = self.group(group).members
-        found = {name: self.column(group, name) for name in COLUMNS if name in required or NAMES[name] in there}
-        sizes = {name: values.size for name, values in found.items()}
+        columns = {name: self.column(group, name) for name in COLUMNS if name in required or NAMES[name] in there}
+        sizes = {name: values.size for name, values in columns.items()}
         if len(set(sizes.values())) > 1:
             raise InputError(f"{self.path}: {group}: all columns must have the same length, got {sizes}")
-        return found
+        return columns
 
     def column(self, group: str, name: str) -> Array:
         values = self.numbers(group, NAMES[name], 1)
-        if (found := str(self.dataset(group, NAMES[name]).attributes.get("unit", ""))) != UNITS[name]:
-            raise InputError(f'{self.path}: {group}/{NAMES[name]}: unit must be "{UNITS[name]}", got "{found}"')
+        if (unit := str(self.dataset(group, NAMES[name]).attributes.get("unit", ""))) != UNITS[name]:
+            raise InputError(f'{self.path}: {group}/{NAMES[name]}: unit must be "{UNITS[name]}", got "{unit}"')
         return values
 
     def numbers(self, group: str, name: str, ndim: int, width: int = 1) -> Array:
@@ -293,17 +293,17 @@ class _Reader:
         values = np.asarray(data.values, dtype=float)
         wrong = ~(np.abs(values) <= LARGEST_SI**2)
         if wrong.any():
-            row, found = np.argwhere(wrong)[0][0], values[wrong][0]
-            rule = f"number up to {LARGEST_SI**2:g}" if np.isfinite(found) else "finite number"
-            raise InputError(f"{where}: row {row + 1} must be a {rule}, got {found}")
+            row, value = np.argwhere(wrong)[0][0], values[wrong][0]
+            rule = f"number up to {LARGEST_SI**2:g}" if np.isfinite(value) else "finite number"
+            raise InputError(f"{where}: row {row + 1} must be a {rule}, got {value}")
         return values
 
     def at_first_touch(self, name: str) -> float | None:
         """An attribute of the series: a finite number >= 0."""
-        found = self.group("series").attributes.get(name)
-        if found is None:
+        attribute = self.group("series").attributes.get(name)
+        if attribute is None:
             return None
-        value = _real(found)
+        value = _real(attribute)
         if not (np.isfinite(value) and value >= 0):
             raise InputError(f"{self.path}: series: attribute {name} must be finite and >= 0, got {value}")
         return value

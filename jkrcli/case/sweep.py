@@ -33,11 +33,11 @@ class AxisTable(Table):
 
     @model_validator(mode="after")
     def _one_form(self) -> Self:
-        given = set(self.model_dump(by_alias=True, exclude_unset=True))
-        if not (given in (LIST, {"zip"}) or given in (RANGE, RANGE - {"spacing"})):
+        keys = set(self.model_dump(by_alias=True, exclude_unset=True))
+        if not (keys in (LIST, {"zip"}) or keys in (RANGE, RANGE - {"spacing"})):
             raise wrong(
                 "must hold key and values, or key, from, to, count (and spacing), or zip alone, got "
-                f"{', '.join(sorted(given)) or 'nothing'}"
+                f"{', '.join(sorted(keys)) or 'nothing'}"
             )
         if self.values == () or self.zip == {}:
             raise wrong("is empty")
@@ -71,20 +71,20 @@ class DistributionTable(Table):
 
     @model_validator(mode="after")
     def _its_own_keys(self) -> Self:
-        kind, given = KINDS[self.distribution], set(self.given)
+        kind, parameters = KINDS[self.distribution], set(self.parameters)
         needed, allowed = set(kind.needed), set(kind.limits)
-        if not needed <= given <= needed | allowed:
+        if not needed <= parameters <= needed | allowed:
             optional = f" (and {', '.join(sorted(allowed))})" if allowed else ""
             raise wrong(
                 f"{self.distribution} takes {', '.join(sorted(needed))}{optional}, got "
-                f"{', '.join(sorted(given)) or 'nothing'}"
+                f"{', '.join(sorted(parameters)) or 'nothing'}"
             )
         if self.values == ():
             raise wrong("values is empty")
         return self
 
     @property
-    def given(self) -> dict[str, Any]:
+    def parameters(self) -> dict[str, Any]:
         """Its parameters as they stand in the file."""
         return self.model_dump(by_alias=True, exclude_unset=True, exclude={"distribution"})
 

@@ -147,8 +147,8 @@ class AttractedBody:
         reach = min(TUNING.room * expected, self.limit)
         if self._cylinder is None:
             return reach
-        found = self._edge(lambda reach, _: self.attraction(reach), reach, a, s, gap)
-        return max(reach, min(TUNING.room * found, self.limit)) if found > reach else reach
+        edge = self._edge(lambda reach, _: self.attraction(reach), reach, a, s, gap)
+        return max(reach, min(TUNING.room * edge, self.limit)) if edge > reach else reach
 
     def _edge(self, ready: Callable[[float, float], Attraction], start: float, a: float, s: float, gap: float) -> float:
         """The radius c [m] for the contact radius ``a``, by the body that ``ready`` gives for a reach and a tolerance,

@@ -93,9 +93,9 @@ METHODS: dict[str, Descriptor] = {}  # by name, least effort first
 
 def register(descriptor: Descriptor) -> None:
     """Make a method known by its name, among those that need less and more effort."""
-    found = sorted([*METHODS.values(), descriptor], key=lambda method: method.effort)
+    by_effort = sorted([*METHODS.values(), descriptor], key=lambda method: method.effort)
     METHODS.clear()
-    METHODS.update({method.name: method for method in found})
+    METHODS.update({method.name: method for method in by_effort})
 
 
 def method_class(name: str) -> Any:

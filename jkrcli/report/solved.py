@@ -9,7 +9,7 @@ from typing import Any
 
 from ..adhesion import end_of_body, judge, sizes
 from ..base import Array, Estimate, Unknown, accuracy, reached
-from ..beside import StickingEffect, as_told, sticking_warnings
+from ..beside import StickingEffect, effect_as_json, sticking_warnings
 from ..bodies import Problem
 from ..methods import Choice
 from ..series import COLUMNS, Series, Solution
@@ -70,7 +70,7 @@ class Solved(Held):
             "errors": self.solution.budget.as_dict(),
             "warnings": self.warnings,
             "cpu_s": self.seconds,
-            "sticking": as_told(self.sticking),
+            "sticking": effect_as_json(self.sticking),
         }
 
     def words(self) -> list[str]:

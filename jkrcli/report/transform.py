@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..adhesion import CriticalPoint
 from ..base import Array, Estimate, Unknown, accuracy, show
-from ..beside import Analysis, StickingEffect, as_told, effect_on, is_solved
+from ..beside import Analysis, StickingEffect, effect_as_json, effect_on, is_solved
 from . import tables
 from .result import Figure, Result
 from .scaling import Scales
@@ -36,7 +36,7 @@ class Transformed(Analysis, Result):
         return effect_on(self.solution, [self.w]) if self.effect is None else self.effect
 
     def summary(self) -> dict[str, Any]:
-        told, own = tables.summary(self) | {"sticking": as_told(self.sticking)}, self.scales
+        told, own = tables.summary(self) | {"sticking": effect_as_json(self.sticking)}, self.scales
         if own is not None:
             told["scales"] = {"name": own.name, "P_N": own.P, "delta_m": own.delta, "a_m": own.a}
         return told

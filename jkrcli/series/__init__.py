@@ -28,11 +28,11 @@ def _frozen(name: str, values: Array, size: int) -> Array:
     return array
 
 
-def _freeze(held: RawSeries | Series, names: Sequence[str]) -> None:
+def _freeze(series: RawSeries | Series, names: Sequence[str]) -> None:
     """Put such copies in place of the columns that are there, as long as ``a``."""
     for name in names:
-        if (values := getattr(held, name)) is not None:
-            object.__setattr__(held, name, _frozen(name, values, np.size(held.a)))
+        if (values := getattr(series, name)) is not None:
+            object.__setattr__(series, name, _frozen(name, values, np.size(series.a)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -323,5 +323,5 @@ def filter_plateaus(raw: RawSeries) -> tuple[RawSeries, int]:
     """
     fresh = first_of_plateaus(raw.a)
     assert raw.rows is not None
-    kept = RawSeries(raw.a[fresh], raw.delta[fresh], raw.P[fresh], raw.rows[fresh])
-    return kept, int(raw.a.size - kept.a.size)
+    first_rows = RawSeries(raw.a[fresh], raw.delta[fresh], raw.P[fresh], raw.rows[fresh])
+    return first_rows, int(raw.a.size - first_rows.a.size)

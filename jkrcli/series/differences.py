@@ -37,29 +37,29 @@ class Difference:
 
 def series_differences(first: Series, second: Series) -> list[Difference]:
     """P and a at equal displacement, S and dS at equal radius where both carry them; over the common range."""
-    found = [
+    differences = [
         _in_logs("P", "delta_m", first.delta, first.P, second.delta, second.P),
         _in_logs("a", "delta_m", first.delta, first.a, second.delta, second.a),
     ]
     for name in ("S", "dS"):
         y1, y2 = getattr(first, name), getattr(second, name)
         if y1 is not None and y2 is not None:
-            found.append(_in_logs(name, "a_m", first.a, y1, second.a, y2))
-    return found
+            differences.append(_in_logs(name, "a_m", first.a, y1, second.a, y2))
+    return differences
 
 
 def curve_differences(first: Mapping[str, Array], second: Mapping[str, Array]) -> list[Difference]:
     """The columns that two adhesive curves share, at equal contact radius, over the common range."""
     x, inside = _common(first["a_m"], second["a_m"])
-    found = []
+    differences = []
     for name in first:
         if name == "a_m" or name not in second or name.endswith(("_err_N", "_err_m")) or first[name].dtype.kind != "f":
             continue
         scale = float(np.max(np.abs(first[name])))
         other = PchipInterpolator(second["a_m"], second[name])(np.clip(x, second["a_m"][0], second["a_m"][-1]))
         relative = (other - first[name][inside]) / scale
-        found.append(Difference(name, "a_m", x, relative, _coverage(first["a_m"], second["a_m"])))
-    return found
+        differences.append(Difference(name, "a_m", x, relative, _coverage(first["a_m"], second["a_m"])))
+    return differences
 
 
 def _in_logs(column: str, over: str, x1: Array, y1: Array, x2: Array, y2: Array) -> Difference:

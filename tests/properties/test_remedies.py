@@ -249,9 +249,9 @@ def test_a_chart_that_finds_no_reference_names_what_it_can_follow() -> None:
 
 # ---------------------------------------------------------------------- nothing left out
 REFUSALS = {"Refusal", "InaccurateError"}
-REASONS = {"refusal", "_unable", "_too_much", "_not_found", "unsmooth", "_formula", "_half_space", "_thin_layer"}
+REASONS = {"refusal", "_unable", "_too_much", "_no_radius", "unsmooth", "_formula", "_half_space", "_thin_layer"}
 PASSED_ON = {  # what such functions return, and refusals that another one holds
-    "reason", "found", "error.fixed", "_not_found(problem, reach)", "_too_much(problem)",
+    "reason", "found", "error.fixed", "_no_radius(problem, reach)", "_too_much(problem)",
     "[*unreached.lines, *refusal.lines]", "self._too_far(a)", "self.no_range",
 }  # fmt: skip
 BEHIND = (  # never seen, as something else is told before, or seen as no refusal

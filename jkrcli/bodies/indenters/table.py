@@ -142,16 +142,16 @@ class TableProfile(Indenter):
         x = np.linspace(0, self.r_max, LOOKED_AT + 1)[1:]
         halves = self.thinned
         seen, before = _changes(self, halves, x), _changes(halves[0], halves[0].thinned[:1], x)
-        points, found, shares = np.searchsorted(self.r, x).tolist(), np.empty((3, x.size)), np.empty((3, x.size))
+        points, largest, shares = np.searchsorted(self.r, x).tolist(), np.empty((3, x.size)), np.empty((3, x.size))
         for i, k in enumerate(points):
             if len(self.r) < TUNING.few:
-                found[:, i], shares[:, i] = _most(seen, i // 2, i), 1 / np.array(TUNING.few_factors)
+                largest[:, i], shares[:, i] = _most(seen, i // 2, i), 1 / np.array(TUNING.few_factors)
                 continue
             near, wider = (_most(part, *self._beside(x, k, steps)) for part, steps in ((seen, 1), (before, 2)))
             near[2], wider[2] = seen[2, i], before[2, i]
             orders = np.divide(wider, near, out=np.full(3, np.inf), where=near > 0) - 1
-            found[:, i], shares[:, i] = near, TUNING.safety / np.clip(orders, TUNING.flattest, TUNING.steepest)
-        return x, found, shares
+            largest[:, i], shares[:, i] = near, TUNING.safety / np.clip(orders, TUNING.flattest, TUNING.steepest)
+        return x, largest, shares
 
     @cached_property
     def _tip_error(self) -> float:
@@ -179,8 +179,8 @@ class TableProfile(Indenter):
     def thinned(self) -> tuple[TableProfile, ...]:
         """The profiles through every second point, ends and bends kept."""
         r, f = np.array(self.r), np.array(self.heights)
-        kept = [0, r.size - 1, *np.searchsorted(r, self.bends)]
-        rows = [np.unique([*kept, *range(first, r.size, 2)]) for first in (0, 1)]
+        fixed = [0, r.size - 1, *np.searchsorted(r, self.bends)]
+        rows = [np.unique([*fixed, *range(first, r.size, 2)]) for first in (0, 1)]
         return tuple(_of_points(r[row], f[row], self.bends) for row in rows if row.size < r.size)
 
     def _sums(self, x: Array) -> tuple[Array, Array, Array, Array]:
@@ -192,7 +192,7 @@ class TableProfile(Indenter):
         alpha, beta = slope - k * (curvature - k * gamma), curvature - 2 * k * gamma
         jump = slope - np.append(slope[0], _ends(self.knots, self.pieces)[1, :-1])
         jump[jump < TUNING.straight * slope[-1]] = 0.0
-        found = np.empty((4, x.size))
+        columns = np.empty((4, x.size))
         step = max(AT_ONCE // self.knots.size, 1)
         for start in range(0, x.size, step):
             some = x.ravel()[start : start + step, None]
@@ -203,19 +203,19 @@ class TableProfile(Indenter):
             turns, bent = np.diff(angle), np.diff(some**2 * angle - r * root) / 2
             steps = np.divide(r, root, out=np.zeros_like(r), where=root > 0)[:, :last] @ jump[:last]
             sums = turns @ alpha[:last], np.diff(root) @ beta[:last], bent @ gamma[:last], steps
-            found[:, start : start + step] = sums
-        return tuple(found.reshape(4, *x.shape))
+            columns[:, start : start + step] = sums
+        return tuple(columns.reshape(4, *x.shape))
 
 
 def _changes(of: TableProfile, others: Sequence[TableProfile], x: Array) -> Array:
     """How much the ``others`` differ at most in F [m], its slope [-] and the mean of F [m] up to each of the even radii
     ``x`` [m], (3, n)."""
-    found = np.zeros((3, x.size))
+    largest = np.zeros((3, x.size))
     for other in others:
         F = other.abel(x) - of.abel(x)
         mean = np.cumsum(F) / np.arange(1.0, x.size + 1)
-        found = np.maximum(found, np.abs([F, other.abel_slope(x) - of.abel_slope(x), mean]))
-    return found
+        largest = np.maximum(largest, np.abs([F, other.abel_slope(x) - of.abel_slope(x), mean]))
+    return largest
 
 
 def _most(changes: Array, first: int, last: int) -> Array:
@@ -227,8 +227,8 @@ def _of_points(r: Array, f: Array, bends: tuple[float, ...]) -> TableProfile:
     """A profile through two points or more."""
     table = TableProfile.__new__(TableProfile)
     knots, pieces = _profile(r, f, np.searchsorted(r, bends))
-    given = {"r": tuple(r), "heights": tuple(f), "bends": bends, "material": None, "knots": knots, "pieces": pieces}
-    for name, value in given.items():
+    fields = {"r": tuple(r), "heights": tuple(f), "bends": bends, "material": None, "knots": knots, "pieces": pieces}
+    for name, value in fields.items():
         object.__setattr__(table, name, value)
     return table
 

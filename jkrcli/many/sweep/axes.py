@@ -109,7 +109,7 @@ def _first(model: SweepModel) -> dict[str, Any]:
         else:
             first[str(axis.key)] = axis.start if axis.values is None else axis.values[0]
     for key, item in (model.samples.of if model.samples else {}).items():
-        value = item.given[KINDS[item.distribution].needed[0]]
+        value = item.parameters[KINDS[item.distribution].needed[0]]
         first[key] = value[0] if item.distribution == "choice" else value
     return first
 
@@ -151,7 +151,9 @@ def _samples(samples: SamplesTable, trial: Trial) -> Axis:
 def _distribution(key: str, table: DistributionTable, trial: Trial) -> Distribution:
     if table.values is not None:
         return Distribution("choice", {"values": tuple(trial.si({key: value})[0] for value in table.values)})
-    given = {name: value if name == "factor" else _number(trial, key, value) for name, value in table.given.items()}
+    given = {
+        name: value if name == "factor" else _number(trial, key, value) for name, value in table.parameters.items()
+    }
     try:
         return Distribution(table.distribution, given)
     except InputError as error:

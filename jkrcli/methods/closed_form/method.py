@@ -57,15 +57,15 @@ class ClosedForm:
         return None
 
     def forecast(self, problem: Problem) -> Forecast:
-        found = _formula(problem)
-        return Forecast(1e-3, 1.0, found.error, found.name)
+        formula = _formula(problem)
+        return Forecast(1e-3, 1.0, formula.error, formula.name)
 
     def __call__(self, problem: Problem) -> Solution:
-        found, clock = _formula(problem), StageClock()
+        formula, clock = _formula(problem), StageClock()
         with clock("solve"):
-            series = _series(problem, found)
-        budget = ErrorBudget(discretisation=found.error, truncation=0.0, radius=0.0)
-        return Solution(problem, series, budget, self.name, facts={"solution": found.name}, timings=clock.seconds)
+            series = _series(problem, formula)
+        budget = ErrorBudget(discretisation=formula.error, truncation=0.0, radius=0.0)
+        return Solution(problem, series, budget, self.name, facts={"solution": formula.name}, timings=clock.seconds)
 
 
 def _series(problem: Problem, formula: Formula) -> Series:

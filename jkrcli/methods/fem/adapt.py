@@ -49,22 +49,22 @@ def adapted(options: FEMOptions, problem: Problem, clock: StageClock) -> Solutio
     assert tolerance is not None
     options = first(options, problem)
     spacing, ratio = options.spacing, TUNING.companion
-    found = run(options, problem, clock)
+    solved = run(options, problem, clock)
     with clock("error estimate"):
-        coarse = found.companion(ratio)
-        truncation = truncation_of(found, coarse)
+        coarse = solved.companion(ratio)
+        truncation = truncation_of(solved, coarse)
     for _ in range(MOST_SOLVES):
         with clock("error estimate"):
-            judged = assessed(found, coarse, ratio, truncation)
+            judged = assessed(solved, coarse, ratio, truncation)
         reached = judged.budget.series
         if isinstance(reached, float) and reached <= tolerance:
-            return finished(sized(options, spacing), found, judged, clock)
+            return finished(sized(options, spacing), solved, judged, clock)
         finer = spacing * _shrinkage(tolerance, reached, truncation)
         if finer < _finest(problem) or (isinstance(truncation, float) and truncation >= tolerance):
             break
-        coarse, ratio, spacing = found.level, spacing / finer, finer
-        found = _finer(sized(options, spacing), problem, clock, found, _unreached(tolerance, reached, found))
-    raise _unreached(tolerance, reached, found)
+        coarse, ratio, spacing = solved.level, spacing / finer, finer
+        solved = _finer(sized(options, spacing), problem, clock, solved, _unreached(tolerance, reached, solved))
+    raise _unreached(tolerance, reached, solved)
 
 
 def first(options: FEMOptions, problem: Problem) -> FEMOptions:
@@ -113,9 +113,9 @@ def _finer(options: FEMOptions, problem: Problem, clock: StageClock, before: Run
         raise Refusal([*unreached.lines, *refusal.lines]) from None
 
 
-def _unreached(tolerance: float, reached: Estimate, found: Run) -> Refusal:
+def _unreached(tolerance: float, reached: Estimate, solved: Run) -> Refusal:
     error = reached if isinstance(reached, Unknown) else f"the estimated error is {reached:.1e}"
-    unknowns = found.level.model.system.free.size
+    unknowns = solved.level.model.system.free.size
     return Refusal(
         f"mesh.tolerance: {tolerance:g} is not reached: with {unknowns} unknowns {error}; ask for a larger one, leave "
         "out mesh.depth and mesh.width, or use the method layered where it represents the body"

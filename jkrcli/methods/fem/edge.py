@@ -57,9 +57,9 @@ def _under_tension(model: Model, profile: Indenter, radii: Array) -> Callable[[A
 
 
 def _homogeneous(model: Model) -> Elastic | TransverselyIsotropic:
-    found = at_surface(model.body.materials[0])
-    assert not isinstance(found, Graded)
-    return found
+    material = at_surface(model.body.materials[0])
+    assert not isinstance(material, Graded)
+    return material
 
 
 def _edges(exact: Callable[[Array], Array], a0: float, delta: Array, guess: Array) -> Array:

@@ -269,7 +269,7 @@ def assemble(
         basis=basis,
         K=K,
         node_of=np.concatenate([np.arange(basis.N), np.arange(basis.N), pressure_nodes]),
-        free=np.setdiff1d(np.arange(K.shape[0]), _held(basis, bonded, side)),
+        free=np.setdiff1d(np.arange(K.shape[0]), _constrained(basis, bonded, side)),
         surface=surface,
         areas=measure.assemble(top)[surface],
     )
@@ -354,15 +354,15 @@ def stiffness_constants(material: Material, mixed: bool, depth: Array) -> Array:
     return np.multiply.outer([lame + 2 * G, lame, lame, lame + 2 * G, G], material.at(depth))
 
 
-def _held(basis: skfem.Basis, bonded: bool, side: Side) -> Array:
-    """Unknowns that the supports hold at zero."""
+def _constrained(basis: skfem.Basis, bonded: bool, side: Side) -> Array:
+    """Unknowns that the supports constrain to zero."""
     N = basis.N
     axis, base, rim = (basis.get_dofs(name).all() for name in ("axis", "base", "side"))
-    held = [axis, N + base]
+    constrained = [axis, N + base]
     if bonded:
-        held.append(base)
+        constrained.append(base)
     if side != "free":
-        held.append(rim)
+        constrained.append(rim)
     if side == "clamped":
-        held.append(N + rim)
-    return np.unique(np.concatenate(held))
+        constrained.append(N + rim)
+    return np.unique(np.concatenate(constrained))

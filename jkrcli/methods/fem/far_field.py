@@ -31,9 +31,9 @@ def missing_displacement(system: ElasticSystem, material: Elastic | Transversely
     force = point_force(material)
     reactions_r, reactions_z = system.components(system.reactions(solution))
     r, z = system.nodes.T
-    held = np.flatnonzero((r > 0) & (np.hypot(r, z) > 0.5 * min(r.max(), -z.min())))
-    u_r, u_z = force.displacement(r[held], z[held])
-    at_base = reactions_r[held] @ u_r + reactions_z[held] @ u_z
+    supported = np.flatnonzero((r > 0) & (np.hypot(r, z) > 0.5 * min(r.max(), -z.min())))
+    u_r, u_z = force.displacement(r[supported], z[supported])
+    at_base = reactions_r[supported] @ u_r + reactions_z[supported] @ u_z
     axis = np.flatnonzero((r == 0) & (z < 0))
     at_base += reactions_z[axis] @ force.displacement(r[axis], z[axis])[1]
     u_r, u_z = system.components(solution)

@@ -125,16 +125,16 @@ class FEM(FEMOptions):
         self._refuse(problem)
         clock = StageClock()
         with one_thread():
-            found = run(self, problem, clock)
-            return found, finished(self, found, self._assessed(found, clock), clock)
+            solved = run(self, problem, clock)
+            return solved, finished(self, solved, self._assessed(solved, clock), clock)
 
-    def _assessed(self, found: Run, clock: StageClock) -> Assessment:
+    def _assessed(self, solved: Run, clock: StageClock) -> Assessment:
         if not self.estimate_error:
             reason = Unknown("not estimated: estimate_error is off")
             return Assessment(ErrorBudget(reason, reason, reason))
         with clock("error estimate"):
-            coarse, coarsest = (found.companion(ratio) for ratio in (DOUBLED, DOUBLED**2))
-            return assessed(found, coarse, DOUBLED, truncation_of(found, coarse), coarsest)
+            coarse, coarsest = (solved.companion(ratio) for ratio in (DOUBLED, DOUBLED**2))
+            return assessed(solved, coarse, DOUBLED, truncation_of(solved, coarse), coarsest)
 
 
 # ---------------------------------------------------------------------- what a solve costs

@@ -173,8 +173,8 @@ class Events:
         """Events at a larger depth and load than all before: all, where the contact is a disc that only grows."""
         first = np.zeros(1)
         rises = [x > np.maximum.accumulate(np.append(first, x[:-1])) for x in (self.delta, self.P)]
-        kept = np.logical_and(*rises)
-        return replace(self, **{name: getattr(self, name)[kept] for name in ("a", "delta", "P", "S", "p")})
+        both = np.logical_and(*rises)
+        return replace(self, **{name: getattr(self, name)[both] for name in ("a", "delta", "P", "S", "p")})
 
 
 def nested_events(contact: SurfaceContact, a0: float, to: str, maximum: float, spare: int = 0) -> Events:

@@ -91,8 +91,8 @@ class Run:
     def of_increments(cls, problem: Problem, level: MeshLevel, increments: list[Increment]) -> Run:
         """The increments with those dropped whose radius is not their own (the paper's filter)."""
         raw = raw_series(level.model.surface, increments)
-        kept, dropped = filter_plateaus(raw)
-        return cls(problem, level, (kept.a, kept.delta, kept.P), tuple(increments), raw, dropped)
+        series, dropped = filter_plateaus(raw)
+        return cls(problem, level, (series.a, series.delta, series.P), tuple(increments), raw, dropped)
 
     @property
     def deepest(self) -> float:

@@ -126,11 +126,11 @@ def _state(model: Model, a: float, delta: float, p: Array, share: float) -> Cont
     lines = {"surface": stress.surface(a)} | {f"interface {i + 1}": stress.interface(i) for i in layers[:-1]}
     if not body.cut_below:
         lines["base"] = stress.base()
-    grid, found = _split(system.grid, used), np.concatenate(values, axis=1)
+    grid, stresses = _split(system.grid, used), np.concatenate(values, axis=1)
     for line in lines.values():  # tractions are the same on both sides
         on = np.isclose(grid.points[:, 1], -line.depth, rtol=1e-9, atol=0) & (grid.points[:, 0] <= line.r[-1])
-        found[2:, on] = [np.interp(grid.points[on, 0], line.r, traction) for traction in (line.zz, line.rz)]
-    return ContactState(a, delta, P, grid, share * u[np.concatenate(used)], found, lines)
+        stresses[2:, on] = [np.interp(grid.points[on, 0], line.r, traction) for traction in (line.zz, line.rz)]
+    return ContactState(a, delta, P, grid, share * u[np.concatenate(used)], stresses, lines)
 
 
 def _cut(model: Model) -> float:

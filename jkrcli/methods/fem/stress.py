@@ -133,18 +133,18 @@ class Stress:
 def _traction(products: csc_matrix, force: Array, first: int, order: int) -> tuple[Array, Array]:
     """Tractions at the nodes of a line that balance ``force``, 0 at the nodes before ``first``, and their errors, from
     what polynomials of one order less than ``order`` change."""
-    found = []
+    tractions = []
     for space in (identity(force.size, format="csc"), _one_order_less(force.size, order)):
         T = space[:, first:].tocsc()
-        found.append(T @ spsolve((T.T @ products @ T).tocsc(), T.T @ force))
-    return found[0], TUNING.caution * np.abs(found[0] - found[1])
+        tractions.append(T @ spsolve((T.T @ products @ T).tocsc(), T.T @ force))
+    return tractions[0], TUNING.caution * np.abs(tractions[0] - tractions[1])
 
 
 def _one_order_less(nodes: int, order: int) -> csc_matrix:
     """Values at the ``nodes`` of a line of sides of ``order`` from those at the nodes of ``order`` - 1."""
     x, y = np.linspace(-1, 1, order + 1), np.linspace(-1, 1, order)
     side = np.vander(x, order) @ np.linalg.inv(np.vander(y, order))
-    found = np.zeros((nodes, (nodes - 1) // order * (order - 1) + 1))
+    matrix = np.zeros((nodes, (nodes - 1) // order * (order - 1) + 1))
     for k in range((nodes - 1) // order):
-        found[k * order : (k + 1) * order + 1, k * (order - 1) : (k + 1) * (order - 1) + 1] = side
-    return csc_matrix(found)
+        matrix[k * order : (k + 1) * order + 1, k * (order - 1) : (k + 1) * (order - 1) + 1] = side
+    return csc_matrix(matrix)

@@ -125,14 +125,14 @@ class KernelContact:
         """Contact at ``radii`` [m] by quadratures ever finer until they agree to the ``tolerance``, and the last change
         of the columns (4, radii), relative: a profile that ends close by is no polynomial."""
         plan = self.plan(radii, tolerance)
-        found, change = self.solved(radii, plan), np.inf * np.ones((4, radii.size))
+        result, change = self.solved(radii, plan), np.inf * np.ones((4, radii.size))
         for step in range(1, MOST_SOLVES + 1):
             if change.max() <= tolerance:
                 break
             plan = plan.finer()
-            before, found = found, self.solved(radii, plan, 20 + 8 * step)
-            change = np.abs(before.columns / found.columns - 1)
-        return found, change
+            before, result = result, self.solved(radii, plan, 20 + 8 * step)
+            change = np.abs(before.columns / result.columns - 1)
+        return result, change
 
     def columns(self, radii: Array, tolerance: float) -> Array:
         """Rows delta, P, S, S' at ``radii`` [m]."""

@@ -116,15 +116,15 @@ class _Loads:
         """Displacements w_t (n, t) of all unknowns, used where held, and the far field (n,) of the whole body there."""
         mesh = self.mesh
         r, z = np.meshgrid(mesh.r.nodes, mesh.z.nodes)
-        held = mesh.held
-        outer = held.any(axis=0) & (r > 0) | ((r == 0) & (z == z.max()))
+        constrained = mesh.constrained
+        outer = constrained.any(axis=0) & (r > 0) | ((r == 0) & (z == z.max()))
         field = self._field(r[outer], z[outer])
         far = np.zeros((2, *mesh.shape))
         far[:, outer] = self._far(r[outer], z[outer])
         w = np.zeros((2, self.t.size, *mesh.shape))
         w[:, :, outer] = far[:, None, outer] - np.stack([field.u_r, field.u_z])
-        w *= held[:, None]
-        far *= held
+        w *= constrained[:, None]
+        far *= constrained
         values = np.zeros((mesh.stiffness.shape[0], self.t.size))
         values[: 2 * mesh.nodes] = np.moveaxis(w, 1, -1).reshape(2 * mesh.nodes, -1)
         values[: mesh.nodes].reshape(*mesh.shape, -1)[:, 0] = 0.0
@@ -158,7 +158,7 @@ class _Loads:
         r: Array,
         z: Array,
         w: Array,
-        held: tuple[bool, bool],
+        constrained: tuple[bool, bool],
         tractions: tuple[str, str],
         basis: Array,
         nodes: tuple[slice | int, ...],
@@ -169,7 +169,7 @@ class _Loads:
         total = np.zeros((self.t.size, self.t.size))
         for i, u in enumerate((field.u_r, field.u_z)):
             traction = 2 * np.pi * w * r * getattr(field, tractions[i])
-            if held[i]:
+            if constrained[i]:
                 total += (u - far[i]) @ traction.T
                 continue
             loads = np.zeros((self.t.size, *self.mesh.shape))

@@ -153,20 +153,20 @@ class KernelLevels:
     wide: Region | None = None
 
     @cached_property
-    def _found(self) -> dict[tuple[int, bool], Correction]:
+    def _corrections(self) -> dict[tuple[int, bool], Correction]:
         return {}
 
     def correction(self, degree: int, nearer: bool = False) -> Correction:
         """The correction with elements of ``degree``; ``nearer``: after the second cut of an unbounded body."""
         key = (degree, nearer)
-        if key not in self._found:
+        if key not in self._corrections:
             t = rule(2 * self.count)[0][self.count :]
             region = self.region.nearer() if nearer else self.region
             if self.wide is None:
-                self._found[key] = correction(region, t, degree)
+                self._corrections[key] = correction(region, t, degree)
             else:
-                self._found[key] = side_correction(region, self.wide, t, degree)
-        return self._found[key]
+                self._corrections[key] = side_correction(region, self.wide, t, degree)
+        return self._corrections[key]
 
     def cost(self, degree: int) -> CorrectionCost:
         """Cost of a level with its estimates of the error, the coarser levels left out."""

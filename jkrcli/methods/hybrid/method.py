@@ -107,7 +107,7 @@ class Hybrid(HybridOptions):
                 break
             reach = self._further(problem, body, reach, float(radii[-1]))  # the first kernels had been too rough
         else:
-            raise Refusal(_not_found(problem, reach))
+            raise Refusal(_no_radius(problem, reach))
         with clock("solve"):
             result, unsettled = contact.settled(radii, NO_CLAIM * self.tolerance)
             S0 = first_stiffness(contact, NO_CLAIM * self.tolerance)
@@ -140,7 +140,7 @@ class Hybrid(HybridOptions):
             if largest <= reach and (TUNING.spare * largest <= reach or reach == _end(problem, body)):
                 return min(TUNING.spare * largest, _end(problem, body))
             reach = self._further(problem, body, reach, largest)
-        raise Refusal(_not_found(problem, reach))
+        raise Refusal(_no_radius(problem, reach))
 
     def _further(self, problem: Problem, body: AdaptiveKernel, reach: float, largest: float) -> float:
         """The next reach [m] after one that proved too short for the radius ``largest`` [m]."""
@@ -162,7 +162,7 @@ def _expected_radius(problem: Problem, body: AdaptiveKernel) -> float:
     return min(expected_radius(body.wide, problem.loading, REFINING.rough), _end(problem, body))
 
 
-def _not_found(problem: Problem, reach: float) -> str:
+def _no_radius(problem: Problem, reach: float) -> str:
     return (
         f"hybrid: no largest contact radius was found within {MOST_SOLVES} kernels, the last up to "
         f"{show(reach, 'length')}: prescribe loading.radius, or use method {fem_for(problem.indenter)}"
@@ -206,15 +206,15 @@ def _too_much(problem: Problem) -> str:
 
 
 def _facts(levels: KernelLevels, degree: int, result: EquationResult) -> dict[str, Any]:
-    found = levels.correction(degree)
+    correction = levels.correction(degree)
     region = levels.region
     facts: dict[str, Any] = {
         "exact_part": "half-space" if levels.wide is None else "laterally unbounded layers",
         "degree": degree,
-        "elements": found.elements,
-        "unknowns": found.unknowns,
+        "elements": correction.elements,
+        "unknowns": correction.unknowns,
         "parameters": levels.count,
-        "asymmetry": found.asymmetry,
+        "asymmetry": correction.asymmetry,
         "formulation": "displacement and pressure" if any(region.mixed) else "displacement",
         "nodes": result.panels.x.size,
         "a_over_h": float(result.panels.radii[-1]) / (region.unit * region.thicknesses[0]),

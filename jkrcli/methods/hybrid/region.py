@@ -65,14 +65,14 @@ class Region:
             assert isinstance(specimen.base.material, Elastic)
             far = specimen.base.material
             thick.append(size - sum(thick))
-            base = held = True, True
+            base = side = True, True
         else:
             bonded = specimen.base.bonded
-            side = specimen.side if specimen.radius is not None else "clamped"
-            base, held = (bonded, True), (side != "free", side == "clamped")
+            support = specimen.side if specimen.radius is not None else "clamped"
+            base, side = (bonded, True), (support != "free", support == "clamped")
         if specimen.radius is not None:
             size = specimen.radius / reach
-        return cls(tuple(thick), specimen.materials, size, base, held, far, reach, specimen.radius is None, length)
+        return cls(tuple(thick), specimen.materials, size, base, side, far, reach, specimen.radius is None, length)
 
     @property
     def depth(self) -> float:
@@ -122,8 +122,8 @@ class Region:
         """
         if not self.cut_beside or self.cut_again:
             return ()
-        held = 0.0 if self.algebraic else self.reach
-        return (held + (self.width - held) / TUNING.shrink,)
+        inner = 0.0 if self.algebraic else self.reach
+        return (inner + (self.width - inner) / TUNING.shrink,)
 
     @property
     def corners(self) -> tuple[float, ...]:
@@ -146,11 +146,11 @@ class Region:
     @property
     def kinks(self) -> list[float]:
         """Depths inside the layers at which the modulus has a kink."""
-        found = []
+        kinks = []
         for top, thickness, material in zip(self.tops, self.thicknesses, self.materials, strict=True):
             if isinstance(material, Graded):
-                found += [top + z / self.unit for z in material.law.kinks if z / self.unit < thickness * (1 - 1e-9)]
-        return found
+                kinks += [top + z / self.unit for z in material.law.kinks if z / self.unit < thickness * (1 - 1e-9)]
+        return kinks
 
     def layer_at(self, z: Array) -> Array:
         """The layer of every depth ``z``."""

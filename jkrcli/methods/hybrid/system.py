@@ -64,7 +64,7 @@ class Mesh:
         return self.r.pressure(self.joined[0]), self.z.pressure(self.joined[1])[:, self.used]
 
     @cached_property
-    def held(self) -> Array:
+    def constrained(self) -> Array:
         """Mask (2, z, r) of the displacements that the supports or the axis prescribe."""
         mask = np.zeros((2, *self.shape), dtype=bool)
         mask[0, :, 0] = True
@@ -106,8 +106,8 @@ class Mesh:
     @cached_property
     def free(self) -> Array:
         """Numbers of the unknowns that nothing prescribes."""
-        held = np.flatnonzero(self.held.ravel())
-        return np.setdiff1d(np.arange(self.stiffness.shape[0]), held)
+        constrained = np.flatnonzero(self.constrained.ravel())
+        return np.setdiff1d(np.arange(self.stiffness.shape[0]), constrained)
 
     def solve(self, loads: Array, prescribed: Array) -> Array:
         """Unknowns (n, m) in balance with ``loads`` (n, m) where free, equal to ``prescribed`` (n, m) where held."""

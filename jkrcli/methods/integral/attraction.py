@@ -156,13 +156,13 @@ class Discs:
 
     def separations(self, rims: Rims, s: float, r: Array) -> Array:
         """Separations [m] at the radii ``r`` [m] of each state in ``rims``, (discs, radii), between a and ``reach``."""
-        smooth, found = self.smooth(rims, s), np.empty_like(r)
+        smooth, separations = self.smooth(rims, s), np.empty_like(r)
         for i, x in enumerate(r.T):
             _, kappa = tension_moments(self.basis, self.a, x - self.a)
             pulled = tension_arc(self.a, rims.c, x)
             beyond = self.abel.arcs(self.a, x - self.a) - rims.delta * angle(x - self.a, x)
-            found[:, i] = beyond - s * pulled + np.sum(kappa * smooth, axis=1)
-        return 2 / math.pi * found
+            separations[:, i] = beyond - s * pulled + np.sum(kappa * smooth, axis=1)
+        return 2 / math.pi * separations
 
     def doubt(self, rims: Rims, s: float, gap: float, reach: float) -> str | None:
         """What speaks against the states ``rims``: the separation must rise to ``gap`` [m] at c and stay above it up to
@@ -269,16 +269,16 @@ class Attraction:
     @cached_property
     def _schur(self) -> list[Array]:
         """M of discs of the 0, 1, 2, ... lowest panels."""
-        found, order = [self.kernel], self.basis.order
+        complements, order = [self.kernel], self.basis.order
         for p in range(self.basis.count - 1):
-            M, block = found[-1], slice(p * order, (p + 1) * order)
+            M, block = complements[-1], slice(p * order, (p + 1) * order)
             try:
                 root = np.linalg.cholesky(np.eye(order) + M[block, block])
             except np.linalg.LinAlgError:
                 raise SolveError("contact equation: the nodes do not resolve the kernel") from None
             half = np.linalg.solve(root, M[block])
-            found.append(M - half.T @ half)
-        return found
+            complements.append(M - half.T @ half)
+        return complements
 
     def discs(self, a: Array) -> Discs:
         """Contact discs of the radii ``a`` >= 0 [m] below ``reach``."""

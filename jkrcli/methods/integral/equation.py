@@ -51,8 +51,8 @@ class DiscreteEquation:
         """Halves L^-1 sqrt(w) U (m, nodes) and the ends (pi/2) phi(a) (m, radii) of the solutions for the m right-hand
         sides (2/pi) U, given at the ``nodes`` (m, nodes) and at the radii, ``edges`` (m, radii)."""
         right = np.column_stack([*(np.sqrt(self.panels.w) * nodes), self.columns])
-        found = forward_substitution(self.factor, right)
-        halves, columns = found[:, : len(nodes)].T, found[:, len(nodes) :]
+        forward = forward_substitution(self.factor, right)
+        halves, columns = forward[:, : len(nodes)].T, forward[:, len(nodes) :]
         last, each = self.panels.stops - 1, np.arange(self.panels.radii.size)
         sums = [np.cumsum(half[:, None] * columns, axis=0)[last, each] for half in halves]
         return halves, edges - np.array(sums)

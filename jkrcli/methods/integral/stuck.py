@@ -112,9 +112,9 @@ class StuckDisc:
         unit = np.zeros(n)
         unit[::2] = kernel.Lambda
         right = np.column_stack([root * unit, root[:, None] * K[:n, n:]])
-        found = forward_substitution(factor, right)
-        y, last = found[:, 0], 2 * panels.stops - 1
-        sums = np.cumsum(y[:, None] * found[:, 1:], axis=0)[last].reshape(last.size, last.size, 2)
+        forward = forward_substitution(factor, right)
+        y, last = forward[:, 0], 2 * panels.stops - 1
+        sums = np.cumsum(y[:, None] * forward[:, 1:], axis=0)[last].reshape(last.size, last.size, 2)
         residual = np.array([kernel.Lambda, 0.0]) - sums
         largest = float(np.max(np.abs(np.diag(K)), initial=0.0))
         return cls(panels, kernel.Lambda, kernel.eta, np.cumsum(y**2)[last], residual, largest)

@@ -142,8 +142,8 @@ def unbounded(problem: Problem) -> Problem:
 def _contact(problem: Problem) -> SolvedContact:
     kind: Any = StuckLayeredContact if problem.sticks else LayeredContact
     kind = TenseContact if problem.specimen.surface_tension else kind
-    found: SolvedContact = kind(problem.indenter, problem.specimen)
-    return found
+    contact: SolvedContact = kind(problem.indenter, problem.specimen)
+    return contact
 
 
 def _disc_warnings(contact: SolvedContact, specimen: Specimen, largest: float) -> tuple[str, ...]:

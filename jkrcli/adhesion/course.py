@@ -65,6 +65,8 @@ class Course:
 
     def program(self, contact: Turning, called: Callable[[str], str] = str) -> Program:
         """What the device does to ``contact``; InputError that names the field as it is ``called``."""
+        if self.to_load is not None and self.to_depth is not None:
+            raise InputError("cycle: give the turn as a load or as a depth, not both")
         moves = self.moves(contact.stiffness == LOAD_CONTROL, called)
         x = contact.turning(self.to_load, self.to_depth, moves.there)
 

@@ -17,7 +17,7 @@ import numpy as np
 from ..base import ROUNDED, Array, Estimate, InputError, Unknown, composite_gauss, show, zeros_between
 from ..formulas.griffith import shift
 from ..series import Series
-from .device import CONTROLS, DISPLACEMENT_CONTROL, LOAD_CONTROL, position, positions
+from .device import DISPLACEMENT_CONTROL, LOAD_CONTROL, controlled, position, positions
 from .nonadhesive import Nonadhesive
 from .slopes.result import Slopes
 
@@ -28,7 +28,9 @@ NO_ADHESION = Unknown("there is no adhesion at w = 0")
 class CurveTuning:
     """How a curve is searched, and when the error of its interpolation is known."""
 
-    samples: int = 8  # choice: per interval, between which zeros are sought; two of them between two samples are missed
+    # per interval, between which zeros are sought, two between two samples are missed; tuned on cycles at speed, by
+    # `make constants`: half as many miss folds
+    samples: int = 8
     fewest: int = 5  # theory: every second of fewer points leaves no cubic
     few: int = 10  # points from which the error falls with the spacing; tuned on noisy series, by `make tuning`
     widest: float = 2.7  # ratio of neighbouring a - a0 up to which it does; tuned on the same, by `make tuning`
@@ -505,7 +507,6 @@ class AdhesiveCurve(EquilibriumCurve):
 
     def _outside(self, stiffness: float, end: str, lowest: Equilibrium) -> str:
         """Why pull-off lies outside the series."""
-        quantity = next((name for name, value in CONTROLS.items() if value == stiffness), "device position")
         remedy = (
             'ask for smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest '
             "(or contact shrinks to a point before it is lost)"
@@ -513,7 +514,7 @@ class AdhesiveCurve(EquilibriumCurve):
             else "increase [loading] radius"
         )
         return (
-            f"the {quantity} is lowest at the {end} radius of the series, a = {show(lowest.a, 'length')} "
+            f"the {controlled(stiffness)} is lowest at the {end} radius of the series, a = {show(lowest.a, 'length')} "
             f"(P = {show(lowest.P, 'load')}, delta = {show(lowest.delta, 'length')}): pull-off lies outside it; "
             f"{remedy}"
         )

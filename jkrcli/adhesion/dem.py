@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Array, InputError, Unknown
+from ..base import MOST_SOLVES, Array, InputError, Unknown
 from .curve import CriticalPoint, Equilibrium, EquilibriumCurve
 from .device import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from .stability import behaviour
@@ -19,11 +19,9 @@ class DemTuning:
     """How finely the law is tabulated."""
 
     fewest: int = 65  # tuned on contact laws, by `make constants`: rows to begin with, doubled until the law is met
-    most: int = 4097  # choice: rows at which it is given up
     # tuned on contact laws, by `make constants`: of the interpolation, relative to the largest load or radius
     error: float = 1e-6
     halvings: int = 60  # theory: of the interval of radii, to the last place of a number
-    vectors: int = 12  # choice: states with which an implementation is checked, between the rows
 
 
 TUNING = DemTuning()
@@ -37,7 +35,7 @@ class DemLaw:
     ``delta, P, a`` [m, N, m]: rows at equal steps of x, from the tear-off on. ``tear_off``: where contact is lost under
     displacement control; ``load``: under load control, None where the table ends before; ``jump_in``: the state after
     first touch at delta = 0. ``error``: the largest of the cubic interpolation, relative to the largest |P| and a.
-    ``vectors`` (n, 3): delta, P, a of the curve itself between the rows.
+    ``vectors`` (12, 3): delta, P, a of the curve itself between the rows, with which an implementation is checked.
     """
 
     delta: Array
@@ -60,17 +58,17 @@ class DemLaw:
         if isinstance(stiff.jump_in, Unknown):
             raise InputError(f"the state after first touch is needed: {stiff.jump_in}")
         load = None if isinstance(soft.pull_off, Unknown) else soft.pull_off
-        rows, error = TUNING.fewest, np.inf
-        while error > TUNING.error and rows <= TUNING.most:
+        for rows in ((TUNING.fewest - 1) * 2**step + 1 for step in range(MOST_SOLVES)):
             delta, P, a = _branch(curve, stiff.pull_off, np.linspace(0, 1, rows))
             between = (np.arange(rows - 1) + 0.5) / (rows - 1)
             exact = _branch(curve, stiff.pull_off, between)
             error = max(float(np.abs(interpolated(column, between) - values).max() / np.abs(values).max())
                         for column, values in zip((P, a), exact[1:], strict=True))  # fmt: skip
-            rows = 2 * rows - 1
-        if error > TUNING.error:
-            raise InputError(f"{TUNING.most} rows meet the law within {error:.1g} only: give a series of more radii")
-        chosen = np.linspace(0, between.size - 1, TUNING.vectors).round().astype(int)
+            if error <= TUNING.error:
+                break
+        else:
+            raise InputError(f"{rows} rows meet the law within {error:.1g} only: give a series of more radii")
+        chosen = np.linspace(0, between.size - 1, 12).round().astype(int)
         return cls(delta, P, a, stiff.pull_off, load, stiff.jump_in, error, np.column_stack(exact)[chosen])
 
 

@@ -26,7 +26,12 @@ def positions(delta: Array, P: Array, stiffness: Array) -> Array:
     return np.where(loaded, 0.0, delta) + P / np.where(loaded, 1.0, stiffness)
 
 
+def controlled(stiffness: float) -> str:
+    """The quantity that a device prescribes: ``load``, ``displacement`` or ``device position``."""
+    return {value: name for name, value in CONTROLS.items()}.get(stiffness, "device position")
+
+
 def control(stiffness: float) -> str:
     """The control in words: ``load control``, ``displacement control`` or ``device of 0.2 N/m``."""
-    words = {value: f"{name} control" for name, value in CONTROLS.items()}
-    return words.get(stiffness) or f"device of {show(stiffness, 'stiffness')}"
+    name = controlled(stiffness)
+    return f"{name} control" if name in CONTROLS else f"device of {show(stiffness, 'stiffness')}"

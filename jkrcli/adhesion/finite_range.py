@@ -24,7 +24,7 @@ from ..series import Series, Solution
 from .critical import Errors
 from .curve import TUNING as CURVE
 from .curve import CriticalPoint, Equilibrium, EquilibriumCurve
-from .device import CONTROLS, position
+from .device import CONTROLS, controlled, position
 from .fewer_points import error_by_points
 from .law import Range
 from .nonadhesive import Parts
@@ -48,7 +48,7 @@ class FiniteRangeTuning:
     halved: float = 16.0  # theory: halving the spacing divides the error by 64, by a fourth of it where it is uneven
     rounds: int = 3  # tuned on curves, by `make constants`: of inserting points where they are too far apart
     # Radii on either side of a kink, up to a part of its own, the first of that; theory: F bends with the power 3/2
-    beside: int = 24  # choice: 1.8 from one to the next
+    beside: int = 24  # theory: 1.8 from one to the next, where splines follow that power to 2e-4 of itself
     around: float = 0.2  # choice: where the rows of the series are as dense
     room: float = 1.2  # choice: of that, within which the series' own rows are left out
     first: float = 1e-6  # theory: its power 3/2 is rounding
@@ -56,7 +56,8 @@ class FiniteRangeTuning:
     fewest: int = 12  # choice: points of a curve, where some of its beginning are left out
     # Steps to both sides of pull-off, fractions of its radius, at which it is solved:
     close: tuple[float, ...] = (0.01, 0.02, 0.03, 0.045, 0.065, 0.1)  # choice: to where rows of a series lie
-    solved: float = 1e-4  # choice: of its radius, from where the error of the splines is rounding
+    # theory: of its radius; so near to a state the splines err by 1e-3 of what they do between states, 4e-10: rounding
+    solved: float = 1e-4
     slope: float = 0.02  # choice: of a pull-off's radius, over which other panels tell how far it moves
     # on the change of the second panels; tuned on curves, by `make constants`: as for series of `layered`
     safety: float = 4.0
@@ -294,7 +295,7 @@ class FiniteRangeCurve(EquilibriumCurve):
         return max(changes) / TUNING.halved + TUNING.no_claim
 
     def _outside(self, stiffness: float, end: str, lowest: Equilibrium) -> str:
-        quantity = next((name for name, value in CONTROLS.items() if value == stiffness), "device position")
+        quantity = controlled(stiffness)
         if end == "smallest" and not self.complete:
             return (
                 f"the {quantity} is lowest at the smallest radius of the curve, a = {show(lowest.a, 'length')}: below, "

@@ -48,6 +48,7 @@ EXCESS = {
 }
 NO_EXCESS = Unknown("large strains are known of spheres on half-spaces and layers as thick, up to a/R = 0.8")
 NOT_SOLVED = Unknown("adhesion of the range z0 was not solved for")
+NO_LAYER = Unknown("no layer: the specimen is a half-space")
 NO_RANGE, NO_ADHESION = Unknown("no equilibrium distance z0 given"), Unknown("no adhesion (w = 0)")
 
 
@@ -140,7 +141,6 @@ def judge(
     ``tension``: of the surface [N/m]; ``profile``: noun of the indenter. ``z0``: equilibrium distance of the adhesive
     forces [m]; ``w`` in J/m^2, ``E_star`` in Pa.
     """
-    no_layer = Unknown("no layer: the specimen is a half-space")
     thickness = None if h is None or math.isinf(h) else h
     depth = thickness if depth is None else None if math.isinf(depth) else depth
     number = _tabor(R, w, E_star, z0)
@@ -149,8 +149,8 @@ def judge(
         _words(number, effect_of_range),
         _ratio(a, R, NO_TIP_RADIUS),
         Unknown("no pull-off radius given") if a_pull_off is None else _ratio(a_pull_off, R, NO_TIP_RADIUS),
-        _ratio(delta, depth, no_layer if thickness is None else Unknown("no layer lies on anything stiffer")),
-        _ratio(a, thickness, no_layer),
+        _ratio(delta, depth, NO_LAYER if thickness is None else Unknown("no layer lies on anything stiffer")),
+        _ratio(a, thickness, NO_LAYER),
         _ratio(a, L, Unknown("the body is unbounded in this method")),
         end_is_cut,
         effect_of_range,

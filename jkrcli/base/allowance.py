@@ -20,12 +20,12 @@ class AllowanceTuning:
     text: int = 1 << 28  # choice: bytes of tables in text, which take some ten times as much in memory
     parts: int = 500_000  # choice: members, groups, data sets with their chunks and attributes, which take 50 us each
     rows: int = 10_000_000  # choice: lines of text, words in columns
-    row: int = 400  # choice: bytes of memory of a row of text, measured 250 to 530 on tables of 2 to 400 columns,
-    byte: int = 8  # choice: and of each of its bytes, measured 8 to 18
+    # choice: bytes of memory of a row of text and of each of its bytes, measured 250 to 530 and 8 to 18 on tables of 2
+    # to 400 columns
+    parsed: tuple[int, int] = (400, 8)
     copies: int = 4  # choice: of a text in a binary file while it is read
     chunk: int = 4000  # choice: bytes of memory that a library takes for each chunk of a data set, measured
-    little: int = 1 << 28  # choice: bytes of memory that are not asked for
-    fence: int = 2 << 30  # choice: bytes that a library may take for a binary file, whatever that declares
+    little: int = 1 << 28  # choice: bytes of memory for which that of the machine is not looked up
 
 
 TUNING = AllowanceTuning()
@@ -58,15 +58,17 @@ class Allowance:
     def take_text(self, text: str) -> None:
         """Count a text that is about to be taken apart into rows."""
         rows = sum(map(text.count, LINE_ENDS)) - text.count("\r\n")
-        self.take(len(text), rows=rows, memory=TUNING.row * rows + TUNING.byte * len(text))
+        per_row, per_byte = TUNING.parsed
+        self.take(len(text), rows=rows, memory=per_row * rows + per_byte * len(text))
 
 
 @contextlib.contextmanager
 def reading(path: Path | str, size: int | None = None, fenced: bool = True) -> Iterator[Allowance]:
-    """The allowance of a block that reads the file at ``path``. Where memory runs out there that is said, whoever says
-    it how; ``fenced``: it does before a library takes what a small file declares."""
+    """The allowance of a block that reads the file at ``path``. One InputError where memory runs out, whatever the
+    library raises; ``fenced``: before a library takes more than the largest file and all that it unpacks to, whatever
+    a small file declares."""
     try:
-        with fence(TUNING.fence) if fenced else contextlib.nullcontext():
+        with fence(2 * TUNING.size) if fenced else contextlib.nullcontext():
             yield Allowance(path, TUNING.size if size is None else size)
     except Exception as error:
         if isinstance(error, InputError) or not (isinstance(error, MemoryError) or NO_ROOM.search(str(error))):

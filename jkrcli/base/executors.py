@@ -49,7 +49,7 @@ Progress: TypeAlias = Callable[[str, int, float], AbstractContextManager[Step]] 
 class PoolTuning:
     """Limits of handing out work; no result depends on them."""
 
-    ahead: int = 2  # choice: tasks per worker that are handed out before they can be worked on: none ever waits
+    ahead: int = 2  # theory: tasks per worker that are handed out, one in work and the next, so that none ever waits
     worth: float = 4.0  # choice: CPU seconds of work for each process, which takes half a second to start
     connect: float = 15.0  # choice: seconds to reach a scheduler, as long as a user will wait for a wrong address
 

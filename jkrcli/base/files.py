@@ -22,6 +22,7 @@ from typing import BinaryIO, TypeAlias
 from . import allowance
 from .errors import InputError, JkrError, nearest, writable
 from .interrupts import Waiting
+from .iteration import MOST_STEPS
 from .locks import taken
 
 
@@ -29,9 +30,7 @@ from .locks import taken
 class FilesTuning:
     """Names that others gave, and how long others are waited for."""
 
-    shortest: int = 20  # choice: letters that a name keeps of what a file is called after
-    longest: int = 80  # choice: the same, at most
-    tries: int = 1000  # choice: to come first with a result among those of other processes
+    letters: tuple[int, int] = (20, 80)  # choice: least and most that a name keeps of what a file is called after
     left: float = 86_400.0  # choice: seconds after which, where there are no locks, nobody is taken to be writing
 
 
@@ -144,7 +143,8 @@ def _parquet_mark(file: BinaryIO) -> bool:
 def beside(stem: Path, names: Sequence[str]) -> list[Path]:
     """What files are called after ``stem`` and each of the ``names``, which others gave: plain letters, no more than a
     name may have with its ending, all different."""
-    most = max(TUNING.shortest, min(TUNING.longest, 250 - len(os.fsencode(stem.name))))
+    shortest, longest = TUNING.letters
+    most = max(shortest, min(longest, 250 - len(os.fsencode(stem.name))))
     plain = [re.sub(r"[^-_.a-zA-Z0-9]+", "-", name) for name in names]
     alike, paths = Counter(map(str.lower, plain)), []
     for i, name in enumerate(plain):
@@ -300,7 +300,7 @@ def _commit(folder: Path, whole: Path) -> None:
             known = whole / str((folder / new.name).stat().st_ino)
             known.mkdir(exist_ok=True)
             new.rename(known / new.name)
-    for _ in range(TUNING.tries):
+    for _ in range(MOST_STEPS):
         _finish(folder)
         with contextlib.suppress(OSError):  # another process may come first
             whole.rename(folder / PENDING)

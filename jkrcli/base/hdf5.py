@@ -22,7 +22,7 @@ from .locks import taken
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 SEAL = "sha256"  # attribute of a group: the digest of everything else in it
 FILE_FORMAT = ("v110", "v110")  # its metadata carry checksums: damage is found, not followed
-DEEPEST = 4  # choice: groups within groups, so that a group that holds itself ends
+
 KINDS = (h5py.h5t.INTEGER, h5py.h5t.FLOAT, h5py.h5t.STRING, h5py.h5t.ENUM)  # the last: truth values
 HEAP = re.compile(b"GCOL\1\0\0\0(.{8})", re.DOTALL)  # how a heap of texts begins, and its size
 RUN_AGAIN = "run the case again"
@@ -220,9 +220,7 @@ class _Reader:
     allowed: Allowance
     seen: set[int] = field(default_factory=set)
 
-    def group(self, group: h5py.Group, without: Container[str] = (), depth: int = 0) -> Group:
-        if depth > DEEPEST:
-            raise ValueError("groups within groups")
+    def group(self, group: h5py.Group, without: Container[str] = ()) -> Group:
         members: dict[str, Group | Dataset] = {}
         for name in group:
             if name in without:
@@ -231,7 +229,7 @@ class _Reader:
             self.enter(where, group.id.links.get_info(name.encode("utf-8", "surrogateescape")))
             item = group[name]
             is_data = isinstance(item, h5py.Dataset)
-            members[name] = self.dataset(where, item) if is_data else self.group(item, depth=depth + 1)
+            members[name] = self.dataset(where, item) if is_data else self.group(item)
         return Group(self.attributes(group), members)
 
     def enter(self, where: str, link: h5py.h5l.LinkInfo) -> None:

@@ -18,9 +18,9 @@ TOGETHER = 20  # choice: items that make one task of another process
 REMEMBERED = 256  # choice: results of one kind that are kept; more only saves time
 SHOWN = 20  # choice: names or rows in a message
 SAME = 1e-6  # choice: relative difference of two values that are one: above round-off, below what anyone measures
-ROUNDED = 1e-9  # choice: relative, what units, sums and inputs lose to round-off
+ROUNDED = 1e-9  # theory: relative, above what a sum of a million numbers loses to round-off, 1e6 epsilon = 2e-10
 UNSEEN = 1e-4  # choice: relative error that no measurement sees
 NOTICEABLE = 1e-3  # choice: relative change from which on a reader is told of it
 NO_CLAIM = 1e-3  # of a tolerance, no error below it is said; tuned on work along a record, by `make constants`
-SETTLED = 1e-13  # choice: a step of logs or of unknowns near 1 that is none: 450 machine epsilons, above round-off
+SETTLED = 1e-13  # theory: a step of logs or of unknowns near 1 that is none: 450 machine epsilons, above round-off
 TINY = sys.float_info.min  # theory: the least normal number, below every size that something is divided by

@@ -227,7 +227,9 @@ def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: fl
         raise InputError(f"w: must lie within 0 and {LARGEST_SI:g} J/m^2, got {w:g}")
     refuse_wetting(w, modulus_factor * solution.problem.specimen.surface_tension)
     curve = AdhesiveCurve(body.scaled(modulus_factor), w)
-    return Analysis(solution.scaled(modulus_factor), curve, _budget(solution.budget, curve), modulus_factor)
+    # the budget is that of the series with the slopes'; what interpolation adds between the rows is no part of it
+    budget = replace(solution.budget, smoothing=curve.slopes.error)
+    return Analysis(solution.scaled(modulus_factor), curve, budget, modulus_factor)
 
 
 def with_solved_points(result: Analysis, *devices: float) -> Analysis:
@@ -298,8 +300,3 @@ def _series_and_slopes(solution: Solution, name: str) -> tuple[Series, Slopes]:
     if name not in ("auto", "exact"):
         series = replace(series, S=None, dS=None)
     return series, slopes(series, name)
-
-
-def _budget(budget: ErrorBudget, curve: AdhesiveCurve) -> ErrorBudget:
-    """The series' budget with that of the slopes; what interpolation adds between the rows is no part of it."""
-    return replace(budget, smoothing=curve.slopes.error)

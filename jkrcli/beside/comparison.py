@@ -13,8 +13,8 @@ from ..bodies import HalfSpace, Indenter, Problem, Specimen, Sphere
 from ..formulas.griffith import shift
 from ..formulas.half_space import adhesive_half_space
 from ..series import Series
+from .sticking import OUTSIDE
 
-OUTSIDE = Unknown("pull-off lies outside the series")
 NO_FORMULA = Unknown("no formula for a half-space under this tip")
 
 

@@ -24,7 +24,7 @@ class ReachTuning:
     """Radii at which a half-space is looked at, and those of a body whose w is known."""
 
     radii: tuple[float, float] = (1e-13, 1e3)  # choice: [m], from below atoms to beyond every body
-    looked_at: int = 3200  # choice: of these radii, 200 per decade
+
     inside: float = 0.99  # choice: of the radius at which the indenter ends
     first: float = 5.0  # choice: times the thickness of a layer, where a first contact ends
     further: float = 3.0  # choice: times the radius of the contact before, that of the next
@@ -98,10 +98,11 @@ def _to(problem: Problem, a: float) -> Problem:
 
 
 def half_space_radii(indenter: Indenter, E_star: float) -> tuple[Array, Array, Array]:
-    """Contact radii from atoms to the end of the indenter [m], with delta_H [m] and P_H [N] on a half-space."""
+    """Contact radii from atoms to the end of the indenter [m], ``ROWS`` per decade, with delta_H [m] and P_H [N] on a
+    half-space."""
     least, most = TUNING.radii
     end = min(most, TUNING.inside * indenter.r_max)
-    a = indenter.a0 + np.geomspace(least, end - indenter.a0, TUNING.looked_at)
+    a = indenter.a0 + np.geomspace(least, end - indenter.a0, round(ROWS * math.log10(most / least)))
     columns = indenter.half_space(a, E_star)
     if columns is None:
         raise InputError(f"{indenter.words} has no closed form on a half-space: describe the bodies in a case file")

@@ -224,6 +224,11 @@ class Loading:
             if not self.values or min(steps) <= 0:
                 raise InputError(f"loading.values: must be positive and increase, got {list(self.values)}")
 
+    @property
+    def goal(self) -> str:
+        """The largest value with its unit: ``3 um``."""
+        return show(self.maximum, "load" if self.to == "load" else "length")
+
     @classmethod
     def given(cls, to: Quantity, values: tuple[float, ...]) -> Loading:
         """Loading to the given, increasing values of ``to``."""
@@ -265,10 +270,9 @@ class Problem:
     def words(self) -> str:
         """``sphere R = 100 um on a half-space (E = 5 GPa, nu = 0.4) to a depth of 3 um``."""
         loading, elastic = self.loading, "" if self.indenter.material is None else "elastic "
-        goal = "contact radius" if loading.to == "radius" else loading.to
-        end = show(loading.maximum, "load" if loading.to == "load" else "length")
+        quantity = "contact radius" if loading.to == "radius" else loading.to
         stuck = ", no slip," if self.sticks else ""
-        return f"{elastic}{self.indenter.words} on {self.specimen.words}{stuck} to a {goal} of {end}"
+        return f"{elastic}{self.indenter.words} on {self.specimen.words}{stuck} to a {quantity} of {loading.goal}"
 
     def scaled(self, factor: float) -> Problem:
         """The same problem with every modulus, tension and prescribed load multiplied by ``factor``."""

@@ -19,8 +19,9 @@ from .quotes import UnquotedError, has_unquoted
 
 Root = TypeVar("Root", bound=RootTable)
 MOST_BYTES = 16 << 20  # read at about 1 MiB/s
-MOST_KEYS = 10_000  # choice: equals signs, read in about a second; a thousand layers have 4,000
-MOST_VALUES = 200_000  # choice: commas, read in a second; a profile's table has 10,000 at most
+# choice: equals signs and commas, read in about a second; a thousand layers have 4,000 keys, and a profile's table has
+# 10,000 values at most
+MOST = ((b"=", "keys", 10_000), (b",", "values", 200_000))
 MOST_PARTS = 50  # of a dotted key; reading takes the square of it
 MANY_PARTS = re.compile(rb"""^[ \t\[]*(?:[\w"'-]+[ \t]*\.[ \t]*){%d}""" % MOST_PARTS, re.MULTILINE)
 KINDS = {  # what the file must hold where pydantic says so
@@ -112,7 +113,7 @@ def parse_toml(content: bytes, source: str) -> dict[str, Any]:
     """The tables in the bytes of a TOML file, not yet looked into."""
     if len(content) > MOST_BYTES:
         raise InputError(f"{source}: is larger than {MOST_BYTES >> 20} MiB; put a long profile into a table of its own")
-    for sign, things, most in ((b"=", "keys", MOST_KEYS), (b",", "values", MOST_VALUES)):
+    for sign, things, most in MOST:
         if (count := content.count(sign)) > most:
             raise InputError(f"{source}: holds about {count:,} {things}, at most {most:,} are read")
     if many := MANY_PARTS.search(content):

@@ -11,7 +11,7 @@ import math
 
 GAS_CONSTANT = 8.31446261815324  # theory: J/(mol K), exact in the SI
 WATER = 18.05e-6  # theory: m^3/mol, the molar volume of water at 20 degrees Celsius
-ROOM = 293.15  # choice: K, 20 degrees Celsius
+ROOM = 293.15  # theory: K, the 20 degrees Celsius of ``WATER``
 
 
 def kelvin_radius(surface_tension: float, humidity: float) -> float:

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import MOST_STEPS, ROUNDED, Array, Refusal, show
+from ..base import MOST_STEPS, NOTICEABLE, ROUNDED, UNSEEN, Array, Refusal, show
 from ..bodies import HalfSpace, Problem, Specimen
+from .hybrid.options import HybridOptions
 from .integral import Attraction
 from .layered.layered import GRADED, unbounded
 from .layered.spectrum import spectrum_seconds
@@ -34,8 +35,7 @@ class AttractedTuning:
     tolerance: float = 1e-10
     checked: float = 0.01  # of that, of the second panels with which results are compared; choice: two digits more
     other_order: int = 20  # Gauss nodes in k on the second panels; choice: shares nothing with the first's 24
-    # Tolerances of finite elements, the first that is met; what they leave is stated:
-    cylinder: tuple[float, ...] = (1e-5, 1e-4, 1e-3)  # choice: from the default of hybrid on
+
     # of a reach over the one expected; tuned on ranges, by `make constants`: what is looked at beyond c
     room: float = 1.15
     # of the next reach over one that was too short; tuned on ranges, by `make constants`: each is a small solve
@@ -47,6 +47,7 @@ class AttractedTuning:
 
 
 TUNING = AttractedTuning()
+TOLERANCES = (HybridOptions.tolerance, UNSEEN, NOTICEABLE)  # of cylinders, the first that is met; its error is stated
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +73,7 @@ class AttractedBody:
             return None
         from .hybrid.adaptive import AdaptiveKernel
 
-        return AdaptiveKernel(self.problem.indenter, self.problem.specimen, TUNING.cylinder[0])
+        return AdaptiveKernel(self.problem.indenter, self.problem.specimen, TOLERANCES[0])
 
     @property
     def limit(self) -> float:
@@ -177,11 +178,11 @@ class AttractedBody:
 
 def _met(cylinder: AdaptiveKernel, reach: float) -> tuple[KernelContact, ErrorEstimates]:
     """The contact up to ``reach`` [m] at the first tolerance that is met, and its errors."""
-    for tolerance in TUNING.cylinder:
+    for tolerance in TOLERANCES:
         with contextlib.suppress(Refusal):
             return replace(cylinder, tolerance=tolerance).accurate(reach)[:2]
     raise Refusal(
-        f"adhesion of finite range: the kernel of the cylinder is not known to {TUNING.cylinder[-1]:g} up to "
+        f"adhesion of finite range: the kernel of the cylinder is not known to {TOLERANCES[-1]:g} up to "
         f"{show(reach, 'length')}, about as far as the surfaces attract each other: load less, or give a larger stress "
         "(a shorter range)"
     )

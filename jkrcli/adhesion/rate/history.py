@@ -34,9 +34,6 @@ class HistoryTuning:
     # tuned on curves, by `make constants`: of the tolerance, no smaller error is stated; true ones are 0.01 to 1.7 of
     # it
     floor: float = 0.5
-    slow: float = (
-        3e-11  # theory: excess of w at the edge, below which equilibrium errs as a step of the integrator does
-    )
 
 
 TUNING = HistoryTuning()
@@ -59,7 +56,7 @@ class RateContact(Contact):
     law_advance: RateLaw | None = None
     tolerance: float = TUNING.tolerance
     evaluations: int = TUNING.evaluations
-    slow: float = TUNING.slow
+    slow: float = TUNING.tolerance  # theory: equilibrium then errs as a step of the integrator does
 
     def __post_init__(self) -> None:
         positive("J/m^2", w0=self.w0)
@@ -110,8 +107,7 @@ class RateContact(Contact):
         """The device's position where the approach comes to ``load`` [N] or ``depth`` [m]; both None: to the end of the
         series. ``speed`` of the approach [m/s, under load control N/s], on which it depends where the edge advances by
         a law. InputError where it does not come there."""
-        if load is not None and depth is not None:
-            raise InputError("cycle: give the turn as a load or as a depth, not both")
+
         if self.law_advance is None:
             place = turning_radius(self.advancing, self.stiffness, load=load, depth=depth)
             return self.advance.equilibrium.position(place)

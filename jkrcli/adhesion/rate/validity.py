@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from ...base import Estimate, Unknown, show
-from ..validity import SMALL
+from ..validity import NO_LAYER, SMALL
 
 NEGLECTED = (
     "the bulk is taken as elastic: all that is lost is lost at the edge; a bulk that relaxes as slowly as the contact "
@@ -71,5 +71,4 @@ def zone(G: float, w0: float, E_star: float, a: float, h: float, stress: float |
             "dissipation on so soft a body reaches further: give its own stress, --stress"
         )
         return Zone(small, small, small)
-    no_layer = Unknown("no layer: the specimen is a half-space")
-    return Zone(width, width / a, no_layer if math.isinf(h) else width / h)
+    return Zone(width, width / a, NO_LAYER if math.isinf(h) else width / h)

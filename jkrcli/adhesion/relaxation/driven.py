@@ -147,10 +147,8 @@ class Drive:
     def path(self) -> RelaxedPath:
         """What happens."""
         taken, now, i, turned = self._growth(math.inf)
-        grown, lost = (
-            RelaxedPath(self.depths, self._steps(taken, "depth"), self._steps(taken, "load"), grows=self.grows),
-            False,
-        )
+        depth, load, lost = self._steps(taken, "depth"), self._steps(taken, "load"), False
+        grown = RelaxedPath(self.depths, depth, load, grows=self.grows)
         while turned and not lost and i < self.t.size - 1:
             lost, now = self._piece(taken, now, i, Falling(self, grown).steps, self._to_end(TUNING.last))
             i += 1
@@ -198,7 +196,7 @@ class Drive:
             solved = solver(now, self._device_steps(i, begin, ends[:count]))
             if solved is None:
                 if count == 1:
-                    raise SolveError(f"relaxation: the contact at t = {now.t:g} s is not found")
+                    raise _not_solved(now)
                 count = max(min(count, ends.size) // 2, 1)
                 continue
             whole, part = _first_fall(solved[1])
@@ -233,7 +231,7 @@ class Drive:
         for _ in range(MOST_STEPS if part > 0 else 0):
             device = self._device_steps(i, begin, begin + part * last)
             if (solved := solver(now, device)) is None:
-                raise SolveError(f"relaxation: the contact at t = {now.t:g} s is not found")
+                raise _not_solved(now)
             run, left = solved
             low, high = (part, high) if left[-1].sum() > 0 else (low, part)
             beyond = _beyond(left[-1]) * np.diff(last, prepend=0.0)[-1]  # in parts of all steps
@@ -314,6 +312,10 @@ class Drive:
         rises = (np.diff(depth) > -TUNING.falls * depth.max(axis=1, keepdims=True)).all(axis=1)
         slopes = depth @ POWERS * np.arange(DEGREE + 1)
         return np.where(rises[:, None], np.eye(1, DEGREE + 1), np.roll(slopes, -1, axis=1))
+
+
+def _not_solved(now: Now) -> SolveError:
+    return SolveError(f"relaxation: the contact at t = {now.t:g} s is not found")
 
 
 def _places(first: float, values: Array) -> Array:

@@ -13,6 +13,7 @@ import numpy as np
 from ...base import (
     LOOKED_AT,
     MOST_STEPS,
+    NOTICEABLE,
     SAME,
     Array,
     Estimate,
@@ -38,7 +39,6 @@ class HistoryTuning:
     """How turns and largest loads are computed."""
 
     intervals: int = 100  # choice: of the way back at least, over which its work is integrated; leaves 1e-8
-    within: float = 1e-3  # choice: of the depth of the series, what a turn leaves of it that is looked for
 
 
 HISTORY = HistoryTuning()
@@ -77,7 +77,7 @@ class RelaxingContact:
             beyond = self._path(program(x)).deepest / self.depths.most
             if beyond <= 1 + SAME:
                 return x
-            x *= (1 - HISTORY.within) / beyond  # theory: the depth grows no faster than what the device holds
+            x *= (1 - NOTICEABLE) / beyond  # theory: the depth grows no faster than what the device holds
         raise InputError("cycle: no turn keeps the contact within the series: say where it turns, --to-depth")
 
     def _path(self, program: Program) -> RelaxedPath:
@@ -93,8 +93,7 @@ class RelaxingContact:
     def turning(self, load: float | None, depth: float | None, speed: float) -> float:
         """What the device holds where an approach at ``speed`` [m/s, under load control N/s] comes to ``load`` [N] or
         ``depth`` [m]; both None: to the end of the series."""
-        if load is not None and depth is not None:
-            raise InputError("cycle: give the turn as a load or as a depth, not both")
+
         if self.stiffness == (DISPLACEMENT_CONTROL if load is None else LOAD_CONTROL):
             return (depth or self.depths.most) if load is None else load
         path = self._approach(speed)
@@ -183,7 +182,7 @@ class RelaxedHistory:
     @property
     def whole(self) -> bool:
         """Whether it grew up to the end of the series."""
-        return self.path.deepest >= (1 - HISTORY.within) * self.path.depths.most
+        return self.path.deepest >= (1 - NOTICEABLE) * self.path.depths.most
 
     @property
     def control(self) -> str:

@@ -8,11 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...base import PATIENCE, Array, InputError, Refusal, SolveError, StageClock, show
+from ...base import PATIENCE, SAME, Array, InputError, Refusal, SolveError, StageClock, show
 from ...bodies import Elastic, Layer, Loading, Paraboloid, Problem, Rigid, Sphere
 from ...formulas import thin_layer
 from ...series import COLUMNS, ErrorBudget, Series, Solution
-from ..integral.pair import CHECKED
 from ..layered.layered import Layered, unbounded
 from ..protocol import Forecast, without_tension
 from ..radii import ROUGH, half_space_guess, radii_of_loading
@@ -182,7 +181,7 @@ def _long(layered: Layered, problem: Problem) -> str | None:
 def _leading_order_error(problem: Problem, formula: Formula, radii: Array) -> float:
     """Largest relative difference of delta, P, S and S' to the exact layer solution at the increasing ``radii``, where
     that is no quick matter at the largest one below; SolveError where there is none."""
-    layered, worst = Layered(CHECKED), 0.0
+    layered, worst = Layered(SAME), 0.0
     for wanted in radii:
         a = float(wanted)
         while (reason := _long(layered, exactly := _at(problem, a))) is not None:

@@ -42,9 +42,9 @@ class EdgeTuning:
     # theory: a tenth of a spacing is then half the error of the half-space's own mesh, 1e-4 of the radius
     resolved: float = 5e-4
     # Next to the edge the field of a compressible body oscillates with eta times the logarithm of the distance. Where
-    # that is turned too far nodes fall out of step:
-    turn: float = 1.7  # choice: on bonded layers of nu = -0.5, -0.8, -0.95 they do below spacings of 0.045, 0.1, 0.16
-    start: float = 3.8  # choice: logarithm of where the turn begins; the same bodies
+    # that is turned too far nodes fall out of step. choice: logarithm of where the turn begins, and the turn; on bonded
+    # layers of nu = -0.5, -0.8, -0.95 nodes do below spacings of 0.045, 0.1, 0.16
+    phase: tuple[float, float] = (3.8, 1.7)
 
 
 TUNING = EdgeTuning()
@@ -53,7 +53,8 @@ TUNING = EdgeTuning()
 def finest_spacing(material: Material) -> float:
     """Least spacing of surface vertices over the radius that follows a contact that sticks to the ``material``."""
     eta = abs(_oscillation(material)[1])
-    return math.exp(TUNING.start - TUNING.turn / eta) if eta else 0.0
+    start, turn = TUNING.phase
+    return math.exp(start - turn / eta) if eta else 0.0
 
 
 def _oscillation(material: Material) -> tuple[float, float]:

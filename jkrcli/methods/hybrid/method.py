@@ -193,7 +193,7 @@ def _unable(problem: Problem) -> str | None:
 def _too_much(problem: Problem) -> str:
     """Reason: the contact would come too near to the side, or to the end of the profile."""
     loading, radius = problem.loading, problem.specimen.radius
-    goal = show(loading.maximum, "load" if loading.to == "load" else "length")
+    goal = loading.goal
     if radius is None:
         return (
             f"loading: a {loading.to} of {goal} needs a contact beyond the profile: load less, or give a larger profile"

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base import Array, JkrError, Refusal, show
+from ...base import SAME, Array, JkrError, Refusal, show
 from ...bodies import Specimen
 from .density import Density, unsmooth
 from .kernel import FredholmKernel
-from .pair import CHECKED, Contact
+from .pair import Contact
 from .quadrature import EXACT
 
 
@@ -60,7 +60,7 @@ def disc_warnings(
     try:
         if reason := unsmooth(specimen):
             raise Refusal(reason)
-        result = contact.solved(radii, contact.plan(radii, CHECKED))
+        result = contact.solved(radii, contact.plan(radii, SAME))
     except JkrError as error:
         return (f"it was not checked whether the contact is a full disc ({error})",)
     end = min(TUNING.places[-1] * largest, contact.indenter.r_max, contact.limit)

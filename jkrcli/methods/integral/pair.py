@@ -16,7 +16,7 @@ from .equation import ContactResult
 
 COLUMNS = ("delta", "P", "S", "dS")
 LOOSEST = 1e-2  # tolerance of a method; choice: no worse result is worth a method without a mesh
-CHECKED = 1e-6  # choice: accuracy of solutions with which others are checked
+
 FLOPS_PER_SECOND = 1e10  # of the dense algebra; tuned on series of 100 to 2000 points, by `make bench`
 
 

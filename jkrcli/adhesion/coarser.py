@@ -1,8 +1,8 @@
 """The error of a critical point of finite elements: what larger ones change of the curve around it.
 
 Curves are fitted alike and compared at equal nonadhesive displacement: radii of meshes err by more than their loads,
-and a wrong radius that nothing is read at does no harm. d(x), x = log(a - a0), is how far what the device holds lies
-off: it moves the value by d and the place by -d'/x'', x'' being the bend of what is held, and along with the place what
+and a wrong radius that nothing is read at does no harm. d(x), x = log(a - a0), is how far the device's position lies
+off: it moves the value by d and the place by -d'/x'', x'' being the bend of the position, and along with the place what
 varies there. At one place d passes through zero by accident, and so it does all over where two meshes err alike: it is
 averaged, squared, around the place, and with what the doubling before it changed, which second order makes the square
 of the ratio as large. Elements err in proportion to what they compute, and a load grows severalfold within the radii of

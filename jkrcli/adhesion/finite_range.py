@@ -34,7 +34,7 @@ from .slopes.result import Slopes
 
 @dataclass(frozen=True)
 class FiniteRangeTuning:
-    """Points of the curve, and what is said of its interpolation."""
+    """Points of the curve, and the error of its interpolation."""
 
     # points without contact, even in c; tuned on curves, by `make constants`: delta is smooth there, its spline good to
     # 1e-9

@@ -48,8 +48,8 @@ class AskedRange:
 
     @classmethod
     def of(cls, record: Record, stress: float | None = None, length: float | None = None) -> AskedRange:
-        """The ``stress`` [Pa] or the ``length`` [m] that is given, else what the case of ``record`` says; InputError
-        where both are given."""
+        """The ``stress`` [Pa] or the ``length`` [m] if there is one, else those of the case in ``record``; InputError
+        where there are both."""
         if stress is not None and length is not None:
             raise InputError("give either --stress or --range, got both")
         if stress is None and length is None:

@@ -123,7 +123,7 @@ class Behaviour:
 
 
 def behaviours(curve: EquilibriumCurve, devices: Sequence[float]) -> list[Behaviour]:
-    """What ``curve`` says about each of the ``devices`` of a stiffness [N/m]."""
+    """The behaviour of ``curve`` under each of the ``devices`` of a stiffness [N/m]."""
     if curve.w > 0:
         curve.find_critical(devices)
         curve.find_radii_at([(float(position(curve.onset, 0.0, stiffness)), stiffness) for stiffness in devices])
@@ -131,7 +131,7 @@ def behaviours(curve: EquilibriumCurve, devices: Sequence[float]) -> list[Behavi
 
 
 def behaviour(curve: EquilibriumCurve, stiffness: float) -> Behaviour:
-    """What ``curve`` says about a device of ``stiffness`` [N/m] (0: load control, infinite: displacement)."""
+    """The behaviour of ``curve`` under a device of ``stiffness`` [N/m] (0: load control, infinite: displacement)."""
     if curve.w == 0:
         return Behaviour(stiffness, (), NO_ADHESION, NO_ADHESION, (), NO_ADHESION, NO_ADHESION)
     critical, pull_off = curve.critical(stiffness), curve.pull_off(stiffness)

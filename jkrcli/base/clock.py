@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 SILENCE = 2.0  # choice: CPU seconds without a word
-PATIENCE = 3.0  # choice: CPU seconds by its forecast, of a solution beside the one that is asked for
+PATIENCE = 3.0  # choice: CPU seconds by its forecast, of a solution beside the requested one
 
 
 def duration(seconds: float) -> str:

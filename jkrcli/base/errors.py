@@ -32,7 +32,7 @@ def writable(text: str) -> str:
 
 
 def first_line(error: BaseException) -> str:
-    """What a foreign exception says, in one line; its type where it says nothing."""
+    """The message of a foreign exception in one line; its type where it has none."""
     return str(error).split("\n", 1)[0] or type(error).__name__
 
 

@@ -85,7 +85,7 @@ def executor(
 ) -> Iterator[Pool]:
     """A pool for ``completed``: ``workers`` local processes (1: this very process; default: one per core, as far as
     they pay for work of about so many CPU ``seconds``), or the workers of a running Dask ``scheduler``
-    ("tcp://host:8786"). ``progress`` is told of each list of items, and of the ``seconds``.
+    ("tcp://host:8786"). ``progress`` gets each list of items, and the ``seconds``.
 
     Left by an exception (Ctrl-C is one), work in hand is given up at once and no process stays behind.
     """

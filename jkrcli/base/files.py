@@ -199,7 +199,7 @@ def check_series_target(path: Path, force: bool = False, inputs: Iterable[Path] 
 
 
 def real(path: Path) -> Path:
-    """The absolute path without links; where they go round in a circle as far as it can be told."""
+    """The absolute path without links; where they go round in a circle as far as it is known."""
     return Path(os.path.realpath(path))
 
 
@@ -263,7 +263,7 @@ _stages: ContextVar[Stages | None] = ContextVar("_stages", default=None)
 
 
 def _stage(folder: Path, stages: Stages) -> Path:
-    """The hidden folder for files of ``folder``; a lock on the file beside it says that its process lives."""
+    """The hidden folder for files of ``folder``; a lock on the file beside it shows that its process lives."""
     while folder not in stages:
         stage = folder / f"{MARK}{secrets.token_hex(8)}"
         with Waiting():

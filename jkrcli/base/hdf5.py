@@ -194,7 +194,7 @@ def _check_heaps(content: bytes, allowed: Allowance) -> None:
 
 
 def unreadable(path: Path, content: bytes, why: str = "", remedy: str = RUN_AGAIN) -> InputError:
-    """What is said of a file that cannot be read; ``why``: more on its damage."""
+    """The error of a file that cannot be read; ``why``: more on its damage."""
     if _is_being_written(path):
         return InputError(f"{path}: the HDF5 file is open in another program, which is writing it; try again later")
     whole = int.from_bytes(content[28:36], "little")  # as the superblock says (HDF5 file format, II.A, version 3)

@@ -1,4 +1,4 @@
-"""Names of a package that are imported when they are first asked for: a package that costs nothing to import."""
+"""Names of a package that are imported when they are first used: a package that costs nothing to import."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 def lazily(package: str, file: str) -> Callable[[str], Any]:
     """The ``__getattr__`` of the ``package`` of a ``file`` that imports its names for the types: each is imported when
-    it is first asked for; AttributeError for every other name."""
+    it is first used; AttributeError for every other name."""
     places: dict[str, str] = {}
 
     def load(name: str) -> Any:

@@ -1,4 +1,4 @@
-"""One BLAS thread: the same numbers on every machine, faster at these sizes, and no core is asked for twice."""
+"""One BLAS thread: the same numbers on every machine, faster at these sizes, and no core works for two."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def one_thread() -> Iterator[None]:
 
 @functools.cache
 def _libraries(*loaded: bool) -> Any:
-    """All BLAS libraries, looked for once for what is ``loaded`` (it takes milliseconds)."""
+    """All BLAS libraries, searched once for what is ``loaded`` (it takes milliseconds)."""
     from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController()

@@ -135,7 +135,7 @@ Poisson: TypeAlias = Annotated[float, Ranged("number", above=-1, most=0.5)]
 
 
 def doubtful_work(w: float) -> str:
-    """What to say of a bare number [J/m^2] that is far more than surfaces have; empty where nothing is to be said."""
+    """A remark on a bare number [J/m^2] that is far more than surfaces have; empty where it is not."""
     if w <= LARGE_WORK:
         return ""
     return (

@@ -1,4 +1,4 @@
-"""A solution and a work of adhesion to everything that is said about the adhesive curve."""
+"""A solution and a work of adhesion to the adhesive curve with its pull-off points, errors, validity and warnings."""
 
 from __future__ import annotations
 

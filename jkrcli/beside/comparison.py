@@ -160,7 +160,7 @@ def curve_distance(
     a: Array, delta: Array, P: Array, exact: Callable[[Array], tuple[Array, Array]], unit: CriticalPoint,
     ends: tuple[float, float],
 ) -> float:  # fmt: skip
-    """Greatest distance of the points (``delta``, ``P``) from the curve ``exact`` of the radius, which is looked for
+    """Greatest distance of the points (``delta``, ``P``) from the curve ``exact`` of the radius, which is sought
     near their radii ``a`` [m] between the ``ends`` [m]; the axes in units of the displacement and load of ``unit``."""
     low, high = np.maximum(a / TUNING.window, ends[0]), np.minimum(a * TUNING.window, ends[1])
 

@@ -1,4 +1,4 @@
-"""How a measured or computed series departs from the solution of the bodies that it is said to be of.
+"""How a measured or computed series departs from the solution of the bodies that it is claimed to be of.
 
 Whatever is smooth passes for a body: a drift of the load by a few per cent changes S and S' smoothly. Only the bodies
 themselves tell. The logs of delta and P over those of their own solution at the same radii, the modulus left free, are
@@ -23,13 +23,13 @@ from .own_body import own_solution
 
 @dataclass(frozen=True)
 class DepartureTuning:
-    """When a departure is said."""
+    """When a departure is reported."""
 
     fewest: int = 8  # choice: points; the parabolas take six numbers
     chance: float = 2e-3  # probability that independent noise shows as much; choice: rare
     of_line: float = 2e-2  # that it shows as straight a line in the load; tuned on drifts, by `make noise-study`
     least: float = 5e-3  # choice: of delta or P; meshes of finite elements leave as much
-    floor: float = 1e-14  # theory: variance below which nothing can be told of the scatter
+    floor: float = 1e-14  # theory: variance below which nothing is known of the scatter
     longest: float = 0.99  # choice: correlation of neighbours; more is drift itself
 
 

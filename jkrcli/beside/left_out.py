@@ -172,7 +172,7 @@ def _neighbours(comparison: Comparison, sides: bool) -> Iterator[LeftOut]:
 
 
 def _half_space(comparison: Comparison) -> LeftOut:
-    """The top material alone in place of the layers: what a half-space formula says."""
+    """The top material alone in place of the layers, as a half-space formula has it."""
     other = alone(comparison.body)
     formula = comparison.with_("half-space formula, no layers", "", True, specimen=other.specimen, sticks=False)
     pulls: dict[float, Estimate] = {}

@@ -1,4 +1,4 @@
-"""The exact solution of the bodies that a measured or computed series is said to be of."""
+"""The exact solution of the bodies that a measured or computed series is claimed to be of."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """How far JKR holds: by what fraction the pull-off force would differ if adhesion had the range z0.
 
-The Tabor number says it for a half-space alone. Here the same body is solved with a constant tension up to z0, unless
-the annulus in which it would act, pi z0^2 E*/(4 w) wide, is so narrow that nothing can differ.
+The Tabor number answers it for a half-space alone. Here the same body is solved with a constant tension up to z0,
+unless the annulus in which it would act, pi z0^2 E*/(4 w) wide, is so narrow that nothing can differ.
 """
 
 from __future__ import annotations
@@ -19,9 +19,10 @@ from ..series import Series
 
 @dataclass(frozen=True)
 class RangeEffectTuning:
-    """When the effect of a range is looked for, and when it is told."""
+    """When the effect of a range is computed, and when it is reported."""
 
-    # Width of the annulus over the contact radius and the top layer, below which the force differs by less than told:
+    # Width of the annulus over the contact radius and the top layer, below which the force differs by less than is
+    # reported:
     narrow: float = 0.03  # choice: there a half-space differs by 0.5 %, layers by less
     points: int = 40  # contact radii of the solution; choice: a tenth of a second
 

@@ -54,7 +54,7 @@ def solved_for_force(
     problem: Problem, load: float, stiffnesses: Sequence[float], slopes: str = "auto", modulus_factor: float = 1.0
 ) -> Solution:
     """The same for the pull-off force ``load`` [N, > 0] measured by devices of the ``stiffnesses`` [N/m] (default: load
-    control), whose w is looked for on series that reach farther and farther."""
+    control), whose w is sought on series that reach farther and farther."""
     w = work_on_half_space(problem.indenter, modulus_factor * problem.E_star, load)
     for wider in _wider(problem, w * TUNING.of_devices if stiffnesses else w, modulus_factor):
         body = nonadhesive(wider, slopes).scaled(modulus_factor)

@@ -55,8 +55,8 @@ TUNING = SolvedTuning()
 
 
 def solver_of(solution: Solution) -> Further | None:
-    """How further radii of ``solution`` are solved; None where its radii are not exact. ``seconds_of_points`` says what
-    that costs."""
+    """How further radii of ``solution`` are solved; None where its radii are not exact. ``seconds_of_points`` forecasts
+    what that costs."""
     method, series = method_behind(solution), solution.series
     stated = {"delta", "dS"} <= series.errors.keys() and series.dS is not None
     if method is None or not stated or np.any(series.errors.get("a", 0.0)):

@@ -25,9 +25,9 @@ from ..series import Series, Solution
 class StickingEffectTuning:
     """The rough solutions, and when their difference is worth a word."""
 
-    # tuned on bodies, by `make constants`: of ratios that are told to three digits; most are a hundred times as good
+    # tuned on bodies, by `make constants`: of ratios that are shown to three digits; most are a hundred times as good
     accuracy: float = 1e-2
-    radii: int = 25  # tuned on bodies, by `make constants`: where pull-off is looked for
+    radii: int = 25  # tuned on bodies, by `make constants`: where pull-off is sought
     # of the largest radius, the least of them; tuned on bodies, by `make constants`: below, the contact is a
     # half-space's
     smallest: float = 0.02
@@ -139,7 +139,7 @@ def effect_facts(effect: StickingEffect | Unknown) -> dict[str, float | str]:
 
 
 def effect_on(solution: Solution, works: Sequence[float]) -> StickingEffect | Unknown:
-    """Effect on a solved body with its pull-off forces; not computed again where its file says that it is small."""
+    """Effect on a solved body with its pull-off forces; not computed again where its file has it as small."""
     load, stiffness = (solution.facts.get(f"sticking_over_sliding_{name}") for name in ("load", "S"))
     a = float(solution.series.a[-1])
     if isinstance(load, float) and isinstance(stiffness, float):

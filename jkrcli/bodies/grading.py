@@ -22,7 +22,7 @@ class Law(ABC):
     @property
     @abstractmethod
     def reach(self) -> float:
-        """The depth [m] down to which the law says something."""
+        """The depth [m] down to which the law is defined."""
 
     @property
     def kinks(self) -> tuple[float, ...]:

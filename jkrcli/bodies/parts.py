@@ -15,7 +15,7 @@ RADIUS = "radius"  # of the indenter, among the names of inputs
 
 
 def layer_names(specimen: Specimen) -> tuple[str, ...]:
-    """Names of the layers as told in the case, else their numbers from 1 at the contact; "base": the half-space."""
+    """Names of the layers in the case, else their numbers from 1 at the contact; "base": the half-space."""
     names = [layer.name or str(i) for i, layer in enumerate(specimen.layers, start=1)]
     return (*names, *([BASE] if isinstance(specimen.base, HalfSpace) else []))
 

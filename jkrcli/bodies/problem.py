@@ -84,7 +84,7 @@ class Specimen:
     """Layers from the contact surface down, and a base; ``radius`` [m] and ``side`` for a really finite body only.
 
     ``surface_tension`` [N/m]: of the solid, a constant stress of its whole surface. ``relaxation``: of all moduli
-    together, which are those at t = 0 (or where the law says); no part of what is solved.
+    together, which are those at t = 0 (or at the law's own reference time); no part of what is solved.
     """
 
     layers: tuple[Layer, ...]

@@ -1,6 +1,6 @@
 """Laws by which the moduli of a specimen relax: one function r(t) for all its layers, at constant Poisson's ratios.
 
-Each law is a class that registers itself. r is told as a sum of exponentials, which every step in time carries on
+Each law is a class that registers itself. r is given as a sum of exponentials, which every step in time carries on
 exactly.
 """
 
@@ -144,7 +144,7 @@ class Prony:
 
 
 def relaxing_words(law: Relaxation) -> str:
-    """What a result of moduli that do not change says about a body that relaxes by ``law``."""
+    """The meaning of a result of constant moduli for a body that relaxes by ``law``."""
     if law.relaxed is None:
         return "the moduli here are those at the law's time; jkr cycle --speed follows them over time"
     slow = f", that of very slow cycles has {law.relaxed:.3g} of them" if law.relaxed > 0 else ""

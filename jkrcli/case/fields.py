@@ -35,7 +35,7 @@ def wrong(message: str) -> PydanticCustomError:
 
 @contextlib.contextmanager
 def findings(table: str = "") -> Iterator[None]:
-    """What an InputError says within, by the name of the ``table`` or not, becomes a finding on it."""
+    """The lines of an InputError within, led by the name of the ``table`` or not, become findings on it."""
     try:
         yield
     except InputError as error:
@@ -43,8 +43,8 @@ def findings(table: str = "") -> Iterator[None]:
 
 
 def with_others(finding: str | None, data: Any, handler: Callable[[Any], Any]) -> Any:
-    """The table that ``handler`` makes of ``data``; a ``finding`` on its choice of keys is told together with what else
-    is wrong, unless an unknown key may be the reason."""
+    """The table that ``handler`` makes of ``data``; a ``finding`` on its choice of keys is reported together with what
+    else is wrong, unless an unknown key may be the reason."""
     if finding is None:
         return handler(data)
     details = [InitErrorDetails(type=wrong(finding), input=data)]
@@ -64,7 +64,7 @@ def _again(item: Any) -> InitErrorDetails:
 
 
 def readable(annotation: Any) -> Any:
-    """The type that reads ``annotation`` from a file: numbers as their ``Ranged`` says, tuples from lists."""
+    """The type that reads ``annotation`` from a file: numbers by their ``Ranged``, tuples from lists."""
     origin, parts = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
         notes = [Read(note) for note in annotation.__metadata__ if isinstance(note, Ranged)]
@@ -78,7 +78,7 @@ def readable(annotation: Any) -> Any:
 
 @dataclass(frozen=True)
 class Read:
-    """Reads a number of a case file as its ``ranged`` says; stands in ``Annotated``."""
+    """Reads a number of a case file by its ``ranged``; stands in ``Annotated``."""
 
     ranged: Ranged
 

@@ -67,7 +67,7 @@ class IndenterTable(BuiltTable):
 
 
 def any_indenter(shapes: Iterable[str]) -> Any:
-    """The type of the table of any of the registered ``shapes``, told apart by their names."""
+    """The type of the table of any of the registered ``shapes``, distinguished by their names."""
     tables = [table_of(SHAPES, name, IndenterTable, shape=(Literal.__getitem__(name), ...)) for name in shapes]
     union = functools.reduce(operator.or_, tables)
     return Annotated[union, Field(discriminator="shape")] if len(tables) > 1 else union

@@ -119,7 +119,7 @@ class LoadingTable(Table):
     def _usable(self) -> Self:
         goals = [name for name in GOALS if getattr(self, name) is not None]
         if len(goals) != 1:
-            return self  # told by the rule above
+            return self  # reported by the rule above
         values = getattr(self, goals[0])
         if not values:
             raise wrong(f"{goals[0]} is an empty list")
@@ -272,7 +272,7 @@ def _completed(shapes: tuple[tuple[str, Any], ...], methods: tuple[Descriptor, .
 
 
 def _default(kind: type[Table]) -> Table:
-    """The table where nothing is given. A default that its own method refuses is that method's mistake, which says so
+    """The table without any keys. A default that its own method refuses is that method's mistake, which reports it
     when it is used."""
     try:
         return kind()

@@ -24,7 +24,7 @@ MOST_BYTES = 16 << 20  # read at about 1 MiB/s
 MOST = ((b"=", "keys", 10_000), (b",", "values", 200_000))
 MOST_PARTS = 50  # of a dotted key; reading takes the square of it
 MANY_PARTS = re.compile(rb"""^[ \t\[]*(?:[\w"'-]+[ \t]*\.[ \t]*){%d}""" % MOST_PARTS, re.MULTILINE)
-KINDS = {  # what the file must hold where pydantic says so
+KINDS = {  # what the file must hold, by pydantic's types of findings
     ("model_type", "dict_type", "model_attributes_type"): "a table",
     ("list_type", "tuple_type"): "a list",
     ("int_type", "int_from_float"): "a whole number",
@@ -45,8 +45,8 @@ class Case:
         self.remarks = remarks
 
     def with_tolerance(self, tolerance: float, method: str) -> Case:
-        """The case in which ``method`` is asked for this relative error; "auto": every one that can be, as near to it
-        as it allows. InputError where no method has it."""
+        """The case in which ``method`` has this relative error as its tolerance; "auto": every one that can be, as near
+        to it as it allows. InputError where no method has it."""
         tree = self.model.model_dump(exclude_none=True)
         ranges = {name: ranges_of(known.options).get("tolerance") for name, known in METHODS.items() if known.options}
         known = {name: ranged for name, ranged in ranges.items() if ranged and method in ("auto", name)}
@@ -59,7 +59,7 @@ class Case:
             table = {place.table: tree.get(place.table, {}) | {place.key: ranged.nearest(tolerance)}}
             try:
                 tree |= model_of(tree | table, self.source).model_dump(exclude_none=True)
-            except InputError:  # a mesh of given sizes, say, of which no error can be asked
+            except InputError:  # a mesh of given sizes, say, that has no tolerance
                 if method == name:
                     raise
         return Case(model_of(tree, self.source), self.source, remarks=self.remarks)
@@ -93,7 +93,7 @@ def parse_case(content: bytes, source: str, folder: Path | None = None) -> Case:
 
 
 def _remarks(tree: dict[str, Any], source: str) -> Iterator[str]:
-    """A bare number is read as SI: said where that makes a work of adhesion that surfaces hardly have."""
+    """A bare number is read as SI: a remark where that makes a work of adhesion that surfaces hardly have."""
     works = tree.get("adhesion", {}).get("w", [])
     for work in works if isinstance(works, list) else [works]:
         if not isinstance(work, str) and (doubt := units.doubtful_work(work)):
@@ -159,7 +159,7 @@ def validated(kind: type[Root], tree: dict[str, Any], source: str, folder: Path 
 
 
 def _sentences(error: ValidationError, tree: dict[str, Any], keys_at: KeysAt) -> list[str]:
-    """One sentence per mistake, sorted; a missing key that an unknown one is a misspelling of is not said twice."""
+    """One sentence per mistake, sorted; a missing key that an unknown one is a misspelling of is not reported twice."""
     items = error.errors()
     meant = {
         (*item["loc"][:-1], close)

@@ -27,7 +27,7 @@ def solve(
 ) -> tuple[Choice, Solution]:
     """Solve by ``method`` (None: the case's own, "auto" for a problem); under "auto" the next one where one fails.
 
-    Refusal where it would cost more than ``limits``; ``announce`` is told what it will cost where that is much.
+    Refusal where it would cost more than ``limits``; ``announce`` gets the forecast of its cost where that is much.
     """
     problem, record, named, build = _parts(source)
     if announce and (words := long_look(problem)):

@@ -76,7 +76,8 @@ def versions() -> dict[str, str]:
 
 # ---------------------------------------------------------------------- writing
 def write(path: Path, solution: Solution, command_line: str = "") -> None:
-    """Write ``solution`` to ``path``, whole or not at all; ``command_line``: what made it, unless it says so itself."""
+    """Write ``solution`` to ``path``, whole or not at all; ``command_line``: what made it, unless its record has
+    that."""
     write_bytes(path, hdf5.image(_tree(solution, command_line)))
 
 
@@ -117,7 +118,7 @@ def _larger_elements(series: Series) -> Iterator[tuple[str, Group]]:
 
 
 def _errors(series: Series) -> dict[str, Group | Dataset]:
-    """The errors of the columns, each with what is held when it is compared with the truth."""
+    """The errors of the columns, each with the quantity that is equal in the comparison with the truth."""
     at_radius = series.errors_at_radius
     equal = {name: "radius" if name in ("S", "dS") or not at_radius else "displacement" for name in COLUMNS}
     words = {name: f"estimated absolute error of {NAMES[name]} at equal {equal[name]}" for name in COLUMNS}
@@ -145,7 +146,7 @@ def _cell(value: Any) -> float | str:
 def read(path: str | Path, problem: Problem | None = None, with_pressure: bool = False) -> Solution:
     """Read and check a series file; InputError in one line where it is missing, foreign, truncated or damaged.
 
-    ``problem``: what the file is known to be of, else its case says so; ``with_pressure``: the contact pressures too.
+    ``problem``: what the file is known to be of, else that of its case; ``with_pressure``: the contact pressures too.
     """
     path = Path(path)
     content = read_bytes(path, "series file")

@@ -117,7 +117,7 @@ def _targets(body_file: Path, timed: bool, inputs: tuple[Path, ...], output: Out
     """What is written, but for pictures of curves, whose names are known when they are read."""
     endings = (".csv", ".json", *PICTURES) if timed else (".csv", ".json", ".h5")
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", endings, inputs)
-    for longest in [] if timed else beside(targets.stem, ["x" * FILES.shortest]):
+    for longest in [] if timed else beside(targets.stem, ["x" * FILES.letters[0]]):
         output.files(longest, PICTURES, inputs)
     return targets
 

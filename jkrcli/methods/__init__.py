@@ -1,7 +1,7 @@
 """Methods behind one interface: each is a frozen dataclass that is called with a problem and returns a solution.
 
 A method makes itself known by a ``Descriptor``, from which the names, the order of "auto" and the tables of a case file
-follow; its solver is imported when it is asked for. Every folder here with a file ``options.py`` holds a method, and
+follow; its solver is imported when it is used. Every folder here with a file ``options.py`` holds a method, and
 that file registers it and must be light; a method of one's own may do so in any module that has been imported.
 """
 

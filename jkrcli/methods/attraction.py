@@ -153,7 +153,7 @@ class AttractedBody:
 
     def _edge(self, ready: Callable[[float, float], Attraction], start: float, a: float, s: float, gap: float) -> float:
         """The radius c [m] for the contact radius ``a``, by the body that ``ready`` gives for a reach and a tolerance,
-        looked for beyond ``start`` [m] where need be."""
+        sought beyond ``start`` [m] where need be."""
         reach, radii = start, np.array([a])
         for _ in range(MOST_STEPS):
             reach = min(max(reach, a * (1 + 1e-6)), self.limit)

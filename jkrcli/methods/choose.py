@@ -23,7 +23,7 @@ class AutoTuning:
     """When a simpler model gives way to a more general one."""
 
     patience: float = 10.0  # tuned on the cases, by `make chart`: CPU seconds that a simpler model may take
-    looks: int = 3  # at a spectrum, where the largest radius has to be found; choice: for what is told
+    looks: int = 3  # at a spectrum, where the largest radius has to be found; choice: for messages
 
 
 TUNING = AutoTuning()
@@ -63,7 +63,7 @@ class Option:
 
 @dataclass(frozen=True)
 class Choice:
-    """The chosen method and the sentence that says why; ``others`` in order of effort."""
+    """The chosen method and the reason in a sentence; ``others`` in order of effort."""
 
     name: str
     method: Method
@@ -72,7 +72,7 @@ class Choice:
 
     @property
     def brief(self) -> str:
-        """The reason without what it says of other methods."""
+        """The reason without its remarks on other methods."""
         return self.reason.partition("; ")[0]
 
     def forecast(self, problem: Problem) -> Forecast:

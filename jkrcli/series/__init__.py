@@ -70,8 +70,8 @@ class Series:
     ``a0, S0``: contact radius and slope at first touch (both 0 for round indenters; ``S0 = None``: unknown).
     ``kinks``: radii [m] at which the indenter's slope bends, and delta and P with it; ``bends``: those that are meant,
     and not what is left between the points of a table.
-    ``own``: of columns that were read, the exact solution of the bodies they are said to be of, where there is one: a
-    smooth fit departs from its shape no more than the columns ask for.
+    ``own``: of columns that were read, the exact solution of the bodies they are claimed to be of, where there is one:
+    a smooth fit departs from its shape no more than the columns ask for.
     ``coarser``: the same by larger elements, where there are such.
     ``unresolved``: errors (2, n) of delta [m] and of its slope by a profile that is known at points only, part of the
     ``errors``: the same at all rows nearby, and in the ``coarser`` series.

@@ -1,4 +1,4 @@
-"""Within what limits a contact with rate-dependent adhesion is what the equation says."""
+"""The limits within which a contact with rate-dependent adhesion follows its equation."""
 
 from __future__ import annotations
 

@@ -77,7 +77,7 @@ class RelaxingContact:
             beyond = self._path(program(x)).deepest / self.depths.most
             if beyond <= 1 + SAME:
                 return x
-            x *= (1 - NOTICEABLE) / beyond  # theory: the depth grows no faster than what the device holds
+            x *= (1 - NOTICEABLE) / beyond  # theory: the depth grows no faster than the position
         raise InputError("cycle: no turn keeps the contact within the series: say where it turns, --to-depth")
 
     def _path(self, program: Program) -> RelaxedPath:
@@ -91,7 +91,7 @@ class RelaxingContact:
         return self.law.modes(float(t[-1] - t[0]))
 
     def turning(self, load: float | None, depth: float | None, speed: float) -> float:
-        """What the device holds where an approach at ``speed`` [m/s, under load control N/s] comes to ``load`` [N] or
+        """The device's position where an approach at ``speed`` [m/s, under load control N/s] comes to ``load`` [N] or
         ``depth`` [m]; both None: to the end of the series."""
 
         if self.stiffness == (DISPLACEMENT_CONTROL if load is None else LOAD_CONTROL):
@@ -131,7 +131,7 @@ class RelaxingContact:
 
 
 def _ended(program: Program) -> tuple[Array, Array]:
-    """Times and positions of a program; one that goes on backwards ends where it held nothing."""
+    """Times and positions of a program; one that goes on backwards ends at the position 0."""
     if program.rate is None:
         return program.t, program.x
     if program.rate > 0 or program.x[-1] <= 0:

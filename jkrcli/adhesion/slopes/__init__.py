@@ -24,7 +24,7 @@ class Rule:
     """A way to find slopes, known before anything heavy is imported.
 
     ``sentence``: what it does. ``function``: of a series, or "module:function", imported when called. ``optimistic``:
-    whether its own error estimate misses what "integral" shows, and is held against that.
+    whether its own error estimate misses what "integral" shows, and is raised to that.
     """
 
     name: str

@@ -60,7 +60,7 @@ class PenaltyTuning:
     correlations: tuple[float, ...] = (0.15, 0.3, 0.45, 0.6, 0.7, 0.78, 0.85, 0.9, 0.94, 0.97, 0.985)
     uncorrelated: float = 0.5  # probability of no correlation before data are seen; theory: as likely as any
     worth: float = 2.0  # log of a likelihood ratio that makes a correlation believed; choice: none is simpler
-    beyond: float = 4.0  # standard errors of the residuals' own correlation; choice: above, none is looked for
+    beyond: float = 4.0  # standard errors of the residuals' own correlation; choice: above, none is tried
     # tuned on imported tables, by `make constants`: residuals over those of the fit, beyond which a correlation's are
     # not believed
     linear: float = 2.0

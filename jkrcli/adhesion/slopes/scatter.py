@@ -25,7 +25,7 @@ class ScatterTuning:
     most_trend: float = 4.0  # exponent of the variance over the radius; tuned on the same, by `make tuning`
     outlier: float = 3.0  # standard deviations where points begin to count less; tuned on the same, by `make tuning`
     free: int = 20  # points that tell the errors of a, delta, P apart; tuned on the same, by `make tuning`
-    false: float = 5e-3  # probability that a series without outliers is said to have one; choice: rare
+    false: float = 5e-3  # probability of an outlier reported in a series without any; choice: rare
     chance: float = 2.5  # theory: standard deviations of the correlation of neighbours that chance brings once in 160
 
 
@@ -62,7 +62,7 @@ def estimate(x: Array, residuals: Array, k: Array, m: Array, spent: float, floor
 
     Three shares by moments, a power law of the radius by maximum likelihood, and less weight for points far out: those
     that chance does not bring count as one standard deviation off. Few points tell neither shares nor power.
-    ``spent``: effective number of parameters of the fit; ``floor``: variance below which nothing can be told.
+    ``spent``: effective number of parameters of the fit; ``floor``: variance below which nothing is known.
     """
     nothing = Scatter(np.ones((3, x.size)), np.zeros(x.size, dtype=bool))
     shares, size = np.ones((3, 1)), np.ones(x.size)

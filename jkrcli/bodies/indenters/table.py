@@ -18,12 +18,12 @@ from ..materials import Elastic
 
 @dataclass(frozen=True)
 class TableTuning:
-    """How points become a profile, and what is said of the error of that."""
+    """How points become a profile, and the error of that."""
 
     points: int = 5000  # most of a table; choice: the cost grows with their square, so many take ten seconds
     straight: float = 1e-9  # of the largest chord: the rise between two of a straight profile; theory: rounding
     pointed: float = 0.25  # slope at the axis over the first chord above which a tip has a point; choice: a cone has 1
-    # Times the error that every second point changes: what every fourth changes more says the order; of F, its slope,
+    # Times the error that every second point changes: what every fourth changes more shows the order; of F, its slope,
     # and the mean of F over the contact at least
     flattest: tuple[float, float, float] = (2.0, 1.0, 1.0)  # choice: near first order, of points that scatter
     steepest: tuple[float, float, float] = (14.0, 7.0, 14.0)  # theory: 2^4 and 2^3 less 1, of smooth splines

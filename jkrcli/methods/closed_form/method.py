@@ -43,7 +43,7 @@ class ClosedForm:
 
     Half-space under any indenter that has a closed form (sphere, paraboloid, power law, rounded flat): exact to
     round-off. One thin layer under a sphere or paraboloid, leading order for a/h -> infinity: where it errs by less
-    than 5 % at all radii asked for, checked against the exact layer solution, never assumed.
+    than 5 % at all requested radii, checked against the exact layer solution, never assumed.
     """
 
     name: ClassVar[str] = "closed-form"
@@ -123,7 +123,7 @@ def _half_space(problem: Problem) -> Formula:
 
 
 def _thin_layer(problem: Problem, layer: Layer, base: Rigid) -> Formula:
-    """The leading order for a/h -> infinity, where the exact layer solution confirms it at the radii asked for."""
+    """The leading order for a/h -> infinity, where the exact layer solution confirms it at the requested radii."""
     indenter = problem.indenter
     if not isinstance(indenter, Paraboloid | Sphere) or indenter.material is not None:
         raise Refusal("the thin-layer formulae are for a rigid sphere or paraboloid: use method layered")

@@ -129,9 +129,9 @@ class ElasticSystem:
     """Stiffness ``K`` (all unknowns: u_r of N nodes, u_z of N nodes, pressures) and what the contact needs of it.
 
     ``grid`` and the ``materials`` of its layers; ``mixed``: layers with a pressure unknown; ``basis``: the scalar basis
-    of both components; ``node_of``: the node each unknown sits on; ``free``: unknowns not held by the supports;
-    ``surface``: nodes of the contact surface by increasing radius, ``areas``: integral of each of their shape functions
-    over the surface [m^2].
+    of both components; ``node_of``: the node each unknown sits on; ``free``: unknowns that the supports do not
+    constrain; ``surface``: nodes of the contact surface by increasing radius, ``areas``: integral of each of their
+    shape functions over the surface [m^2].
     """
 
     grid: Grid
@@ -249,7 +249,7 @@ def assemble(
 ) -> ElasticSystem:
     """The elastic system of ``grid``; ``materials[i]`` belongs to layer i; ``mixed``: layers with a pressure unknown.
 
-    The base is held (``bonded``) or slides (normal displacement held); the axis holds u_r. ``tension`` [N/m] of the
+    The base is fixed (``bonded``) or slides (normal displacement fixed); u_r is 0 on the axis. ``tension`` [N/m] of the
     whole surface.
     """
     basis = _basis(grid, order, 2 * order + (GRADED_DEGREE if any(isinstance(m, Graded) for m in materials) else 0))

@@ -185,7 +185,7 @@ def _limited(surface: Array, lines: Array) -> Array:
 
 # ---------------------------------------------------------------------- the two layouts
 def layout_for(options: FEMOptions, problem: Problem, reach: float) -> Layout:
-    """The layout that is asked for, fine out to the radius ``reach`` [m]. Refusal: too many elements, or a truncation
+    """The layout of the options, fine out to the radius ``reach`` [m]. Refusal: too many elements, or a truncation
     that does not fit the body."""
     body = cut_out(problem, reach, options.depth, options.width)
     a0, growth = problem.indenter.a0, options.growth_of_sizes

@@ -145,7 +145,7 @@ class ForecastTuning:
     start: float = 0.03  # CPU seconds of any model; tuned on the cases of `make bench`, by `make bench`
     per_unknown: float = 2.5e-5  # and per unknown of a small one; tuned on the same, by `make bench`
     large: float = 1e5  # unknowns, from which they grow like the power 3/2; tuned on the same, by `make bench`
-    per_row: float = 1.5e-4  # and per depth, load or radius that is asked for; tuned on lists of 1e5, by `make guards`
+    per_row: float = 1.5e-4  # and per depth, load or radius of a list; tuned on lists of 1e5, by `make guards`
     mib_per_row: float = 8e-3  # memory of one; tuned on the same, by `make guards`
     mib: float = 100.0  # memory of any model; tuned on the same, by `make bench`
     mib_per_unknown: float = 5e-3  # tuned on the same, by `make bench`

@@ -124,7 +124,7 @@ class Model:
         return StuckContact(self.surface, heights, rows, indenter.a0)
 
     def with_roller(self) -> Model:
-        """The same body with its side held in radial direction; the mesh and the stiffness stay."""
+        """The same body with its side fixed in radial direction; the mesh and the stiffness stay."""
         rim = self.system.basis.get_dofs("side").all()
         system = replace(self.system, free=np.setdiff1d(self.system.free, rim))
         return self.discretisation.condensed(system, StageClock())

@@ -25,7 +25,7 @@ class MeshLevel:
     """One mesh of a sequence, with the contact problem solved on it; every part is computed once, when first needed.
 
     ``model`` under ``indenter``: the ``contact`` problem and its ``touches`` (events with the radii of vertices);
-    ``correct``: whether the edge of the contact is looked for between the vertices.
+    ``correct``: whether the edge of the contact is sought between the vertices.
     """
 
     model: Model

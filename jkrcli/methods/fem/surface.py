@@ -40,7 +40,7 @@ class StiffnessFactor:
         return loads
 
     def solve(self, loads: Array) -> Array:
-        """Displacements (and pressures) of all unknowns for nodal ``loads`` (n,); zero where held."""
+        """Displacements (and pressures) of all unknowns for nodal ``loads`` (n,); zero where constrained."""
         solution = np.zeros_like(loads)
         with one_thread():
             solution[self.order] = self.factor.solve(loads[self.order])
@@ -55,7 +55,7 @@ class StiffnessFactor:
         """Largest relative imbalance of the free unknowns: of the forces against the ``loads``, of the volumes that
         belong to pressures against what the largest of all displacements could make (they do not share a unit).
 
-        Their own terms are no measure: where a layer is held on all sides they are nothing but round-off.
+        Their own terms are no measure: where a layer is fixed on all sides they are nothing but round-off.
         """
         left = np.abs(self.stiffness @ solution - loads)
         is_force = self.order < self.displacements

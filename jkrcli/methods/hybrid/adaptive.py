@@ -31,12 +31,12 @@ class HybridTuning:
     """How the tolerance is shared out, how errors are judged from what they change, and when refinement ends."""
 
     edge: float = 0.98  # largest contact radius over the radius of the body; choice: a side so near needs other means
-    rough: float = 1e-3  # accuracy of the kernel with which radii are looked for; choice: what costs least
+    rough: float = 1e-3  # accuracy of the kernel with which radii are searched; choice: what costs least
     # Shares of the tolerance:
     # Planned for the number of t; conditioning takes the rest:
     parameters: float = 1e-2  # tuned on reference bodies, by `make tuning`
     cut: float = 0.1  # of an unbounded body; choice: a tenth
-    no_claim: float = 0.005  # smaller errors are not told apart; tuned on random bodies, by `make bounds`
+    no_claim: float = 0.005  # smaller errors are not distinguished; tuned on random bodies, by `make bounds`
     finest: float = 1e-7  # accuracy of K where the modulus changes from the contact on; choice: below ``GRADED``
     # Errors from what a step changes, at some radii:
     samples: int = 10  # radii; tuned on random bodies, by `make bounds`

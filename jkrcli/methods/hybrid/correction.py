@@ -2,8 +2,8 @@
 
 The field on the body is u_t + w_t: the half-space's and a correction, smooth where the body ends or changes away from
 the contact. Both obey the same weak form with the loads F_t(v): the half-space's traction on free sides and the stress
-(C - C_contact) eps(u_t) where the moduli differ; w_t = -u_t where the body is held. Betti's theorem turns the work
-of the pressure of x in w_t into
+(C - C_contact) eps(u_t) where the moduli differ; w_t = -u_t where the body is constrained. Betti's theorem turns the
+work of the pressure of x in w_t into
 
     pi E* K(x, t) = D(x, t) - F_t(w_x) - F_x(w_t) - A(w_t, w_x)
     D(x, t) = int_held T_x . u_t - int_free T_t . u_x - int (C - C_contact) eps(u_t) : eps(u_x),       T: tractions
@@ -30,7 +30,7 @@ from .system import Mesh
 
 @dataclass(frozen=True)
 class CorrectionTuning:
-    """Quadrature towards a ring where the modulus changes from the contact on, and what is held at a time."""
+    """Quadrature towards a ring where the modulus changes from the contact on, and how much is in memory at a time."""
 
     towards: float = 0.15  # ratio of successive panels; tuned on graded cylinders, by `make tuning`
     panels: int = 7  # tuned on graded cylinders, by `make tuning`
@@ -113,7 +113,8 @@ class _Loads:
         self.vector[component * n : (component + 1) * n] += values.reshape(self.t.size, n).T
 
     def prescribed(self) -> tuple[Array, Array]:
-        """Displacements w_t (n, t) of all unknowns, used where held, and the far field (n,) of the whole body there."""
+        """Displacements w_t (n, t) of all unknowns, used where constrained, and the far field (n,) of the whole body
+        there."""
         mesh = self.mesh
         r, z = np.meshgrid(mesh.r.nodes, mesh.z.nodes)
         constrained = mesh.constrained
@@ -133,7 +134,7 @@ class _Loads:
         return values, flat
 
     def _far(self, r: Array, z: Array) -> Array:
-        """Displacement (2, points) of the outer boundary under the total force pi E* of any pressure; 0 if held."""
+        """Displacement (2, points) of the outer boundary under the total force pi E* of any pressure; 0 if fixed."""
         region = self.mesh.region
         if region.far is None:
             return np.zeros((2, r.size))
@@ -163,7 +164,7 @@ class _Loads:
         basis: Array,
         nodes: tuple[slice | int, ...],
     ) -> Array:
-        """Part of D on a boundary at the points (r, z) with weights w: where a component is held, its displacement in
+        """Part of D on a boundary at the points (r, z) with weights w: where a component is fixed, its displacement in
         the tractions; where it is free, loads on the ``nodes`` and the tractions in the displacement."""
         field, far = self._field(r, z), self._far(r, z)
         total = np.zeros((self.t.size, self.t.size))

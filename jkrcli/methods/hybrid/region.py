@@ -127,7 +127,7 @@ class Region:
 
     @property
     def corners(self) -> tuple[float, ...]:
-        """Depths at which the side meets the surface or the base in a singular corner: one of them held, one free."""
+        """Depths at which the side meets the surface or the base in a singular corner: one of them fixed, one free."""
         if self.cut_beside:
             return ()
         return (0.0,) * self.side[1] + (self.depth,) * (self.base[0] and not self.side[0])

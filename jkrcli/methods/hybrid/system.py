@@ -110,7 +110,7 @@ class Mesh:
         return np.setdiff1d(np.arange(self.stiffness.shape[0]), constrained)
 
     def solve(self, loads: Array, prescribed: Array) -> Array:
-        """Unknowns (n, m) in balance with ``loads`` (n, m) where free, equal to ``prescribed`` (n, m) where held."""
+        """Unknowns (n, m) in balance with ``loads`` (n, m) where free, equal to ``prescribed`` (n, m) elsewhere."""
         free, K = self.free, self.stiffness
         known = prescribed.copy()
         known[free] = 0.0

@@ -21,7 +21,7 @@ from .quadrature import to_legendre
 
 @dataclass(frozen=True, eq=False)
 class AttractedSurface:
-    """Pressure [Pa], compression positive, and gap [m] at the radii asked for; ``own``: displacement of a half-space of
+    """Pressure [Pa], compression positive, and gap [m] at the requested radii; ``own``: displacement of a half-space of
     the modulus E* under that pressure [m]."""
 
     rims: Rims

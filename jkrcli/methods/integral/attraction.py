@@ -52,7 +52,7 @@ class AttractionTuning:
     power: float = 1.3  # theory: of the width, with which the separation grows: 1 to 2; of the first step
     powers: tuple[float, float] = (0.3, 30.0)  # choice: those that are believed
     far: float = 1.5  # tuned on ranges, by `make constants`: longest step
-    least: float = 1e-3  # choice: smallest separation over the one looked for that is told apart
+    least: float = 1e-3  # choice: smallest separation over the wanted one that is distinguished
 
 
 TUNING = AttractionTuning()
@@ -139,7 +139,7 @@ class Discs:
 
     def equilibria(self, s: float, gap: float, reach: float, near: Array | None = None) -> Rims:
         """Maugis closure: the states in which the separation at c is ``gap`` [m]; beyond it at ``reach`` [m] (see
-        ``rims``), so that there is one. ``near``: radii c [m] from which they are looked for."""
+        ``rims``), so that there is one. ``near``: radii c [m] from which the search begins."""
 
         def excess(b: Array) -> Array:
             return np.log(np.maximum(self.rims(b, s).gap / gap, TUNING.least))

@@ -69,7 +69,7 @@ class DiscreteEquation:
 def nested_factor(K: Array, root: Array, panels: Panels, kernel: str) -> Array:
     """Lower Cholesky factor of I + sqrt(w) K sqrt(w), ``root`` the sqrt(w).
 
-    SolveError, which calls K as ``kernel`` says, where that is not positive definite.
+    SolveError, which calls K by ``kernel``, where that is not positive definite.
     """
     A = K * root
     A *= root[:, None]

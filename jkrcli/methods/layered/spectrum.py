@@ -157,7 +157,7 @@ class LayeredSpectrum:
         """The length over which the kernel varies [m]: h for one layer, whose |g - 1| is 1e-6 at k h of 8 to 9."""
         if self.bandwidth(self.floor) == 0:
             return np.inf
-        if self.tail is not None:  # less accuracy is asked for
+        if self.tail is not None:  # less accuracy is needed
             return 5 / self.bandwidth(min(1e-3, 0.01 * float(np.max(np.abs(self.scan[1])))))
         return 9 / self.bandwidth(min(1e-6, 0.01 * float(np.max(np.abs(self.scan[1])))))
 

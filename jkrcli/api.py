@@ -51,7 +51,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, AskedRange
+from .adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, RangeRequest
 from .base import InputError, check_series_target, one_thread, parse
 from .beside import analyse, nonadhesive, with_solved_points
 from .bodies import Problem
@@ -308,9 +308,9 @@ def _driven(
     return Course(speed, speed_approach, *turn, hold).program(contact)
 
 
-def _range(solution: Solution, stress: float | str | None, length: float | str | None) -> AskedRange:
+def _range(solution: Solution, stress: float | str | None, length: float | str | None) -> RangeRequest:
     """Adhesion of finite range as it is asked for, in numbers or text."""
-    return AskedRange.of(solution.record, _maybe("stress", stress, "modulus"), _maybe("length", length, "length"))
+    return RangeRequest.of(solution.record, _maybe("stress", stress, "modulus"), _maybe("length", length, "length"))
 
 
 def _law(law: RateLaw | Mapping[str, Any]) -> RateLaw:

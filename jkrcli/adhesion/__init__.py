@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from .curve import AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, transform
     from .device import CONTROLS, DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
     from .finite_range import FiniteRangeBody, FiniteRangeCurve, unable
-    from .law import AskedRange, Range
+    from .law import Range, RangeRequest
     from .nonadhesive import Nonadhesive, Parts
     from .path import Jump, TimedState
     from .program import Program

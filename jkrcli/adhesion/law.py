@@ -40,14 +40,14 @@ class Range:
 
 
 @dataclass(frozen=True)
-class AskedRange:
+class RangeRequest:
     """The requested tension ``stress`` [Pa] or range ``length`` [m], for any work of adhesion; neither: JKR."""
 
     stress: float | None = None
     length: float | None = None
 
     @classmethod
-    def of(cls, record: Record, stress: float | None = None, length: float | None = None) -> AskedRange:
+    def of(cls, record: Record, stress: float | None = None, length: float | None = None) -> RangeRequest:
         """The ``stress`` [Pa] or the ``length`` [m] if there is one, else those of the case in ``record``; InputError
         where there are both."""
         if stress is not None and length is not None:

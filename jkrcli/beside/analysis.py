@@ -10,12 +10,12 @@ from pathlib import Path
 from ..adhesion import (
     CONTROLS,
     AdhesiveCurve,
-    AskedRange,
     CriticalPoint,
     EquilibriumCurve,
     Errors,
     Nonadhesive,
     Range,
+    RangeRequest,
     Slopes,
     Validity,
     end_of_body,
@@ -38,7 +38,7 @@ from .range_effect import effect_of_range
 from .solved import seconds_of_points, solved, solver_of
 
 SURE = 2.0  # theory: 90 % half-widths of a normal error that one in a thousand exceeds
-JKR: AskedRange = AskedRange()
+JKR: RangeRequest = RangeRequest()
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,16 +166,16 @@ def analyse(
     works: Sequence[float],
     slopes_name: str = "auto",
     modulus_factor: float = 1.0,
-    asked: AskedRange = JKR,
+    request: RangeRequest = JKR,
 ) -> list[Analysis]:
     """The adhesive curves of a solution for each work of adhesion [J/m^2], with solved pull-off points where the method
     is exact; the slopes are found once.
 
     ``modulus_factor``: of bodies whose moduli are all that many times those of the solution; nothing is solved anew.
-    ``asked``: adhesion of finite range, where it has a stress or a length.
+    ``request``: adhesion of finite range, where it has a stress or a length.
     """
-    if asked:
-        return _of_finite_range(solution.scaled(modulus_factor), works, slopes_name, modulus_factor, asked)
+    if request:
+        return _of_finite_range(solution.scaled(modulus_factor), works, slopes_name, modulus_factor, request)
     body = nonadhesive(solution, slopes_name)
     return [with_solved_points(adhesive(solution, body, w, modulus_factor)) for w in works]
 
@@ -200,25 +200,25 @@ COST = CostTuning()
 
 
 def forecast(
-    solution: Solution, works: Sequence[float], asked: AskedRange = JKR, tables: bool = True, figures: bool = False,
+    solution: Solution, works: Sequence[float], request: RangeRequest = JKR, tables: bool = True, figures: bool = False,
     devices: int = 0,
 ) -> Forecast:  # fmt: skip
     """What the curves of a solution for ``works`` of adhesion [J/m^2] cost, with their tables and pictures or without,
-    and what is read off for so many ``devices``; ``asked``: of finite range."""
+    and what is read off for so many ``devices``; ``request``: of finite range."""
     rows = solution.increments.a.size
     fitted = COST.fit + COST.fit_per_row * rows if solution.series.S is None else 0.0
     per_row, mib = COST.per_row + tables * COST.table_per_row, COST.mib_per_row + tables * COST.table_mib_per_row
     each = COST.curve + per_row * rows + figures * COST.figure + devices * COST.device
-    each += _ranged(solution, works, asked) if asked else seconds_of_points(solution, devices)
+    each += _ranged(solution, works, request) if request else seconds_of_points(solution, devices)
     return Forecast(fitted + len(works) * each, COST.mib + mib * rows, 0.0)
 
 
-def _ranged(solution: Solution, works: Sequence[float], asked: AskedRange) -> float:
+def _ranged(solution: Solution, works: Sequence[float], request: RangeRequest) -> float:
     """CPU seconds of the dearest of the curves of finite range: the least or the largest w reaches farthest."""
     from ..adhesion import FiniteRangeBody
 
     body = FiniteRangeBody.of(solution)
-    return max(body.seconds(asked.law(w)) for w in {min(works), max(works)})
+    return max(body.seconds(request.law(w)) for w in {min(works), max(works)})
 
 
 def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: float = 1.0) -> Analysis:
@@ -247,7 +247,7 @@ def with_solved_points(result: Analysis, *devices: float) -> Analysis:
 
 
 def _of_finite_range(
-    solution: Solution, works: Sequence[float], slopes_name: str, modulus_factor: float, asked: AskedRange
+    solution: Solution, works: Sequence[float], slopes_name: str, modulus_factor: float, request: RangeRequest
 ) -> list[Analysis]:
     """The curves of finite range of a solution."""
     if slopes_name not in ("auto", "exact"):
@@ -256,7 +256,7 @@ def _of_finite_range(
         )
     from ..adhesion import FiniteRangeBody
 
-    laws = [asked.law(w) for w in works]
+    laws = [request.law(w) for w in works]
     body = FiniteRangeBody.of(solution)
     curves = [body.curve(law) for law in laws]
     return [

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
-from ..adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, AskedRange, Behaviour, Errors, behaviours, resolved
+from ..adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, Behaviour, Errors, RangeRequest, behaviours, resolved
 from ..base import Unknown
 from ..series import Solution
 from .analysis import Analysis, analyse, error_of_point, with_solved_points
@@ -17,13 +17,13 @@ Lost: TypeAlias = tuple[Behaviour, Errors | Unknown | None]  # read off under on
 
 def where_lost(
     solution: Solution, works: Sequence[float], stiffnesses: Sequence[float], slopes: str, modulus_factor: float,
-    asked: AskedRange,
+    request: RangeRequest,
 ) -> list[tuple[Analysis, list[Lost]]]:  # fmt: skip
     """For each of the ``works`` [J/m^2] the curve, and what is read off under each control: by a device of one of the
     ``stiffnesses`` [N/m], else of load and displacement."""
     controls = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)
     results = [
-        with_solved_points(result, *stiffnesses) for result in analyse(solution, works, slopes, modulus_factor, asked)
+        with_solved_points(result, *stiffnesses) for result in analyse(solution, works, slopes, modulus_factor, request)
     ]
     return [(result, [_lost(result, each) for each in behaviours(result.curve, controls)]) for result in results]
 

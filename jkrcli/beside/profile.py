@@ -6,7 +6,7 @@ from typing import cast
 
 import numpy as np
 
-from ..adhesion import AskedRange, Range, stable_radius
+from ..adhesion import Range, RangeRequest, stable_radius
 from ..base import Array, InputError, show
 from ..bodies import Problem
 from ..case import Case
@@ -16,17 +16,17 @@ from ..series import Solution
 from .analysis import analyse
 
 
-def radius_under(solution: Solution, load: float, w: float, asked: AskedRange) -> float:
+def radius_under(solution: Solution, load: float, w: float, request: RangeRequest) -> float:
     """The contact radius [m] under a ``load`` [N] on the stable branch of the curve for ``w`` [J/m^2]."""
-    curve = analyse(solution, [w], asked=asked)[0].curve
+    curve = analyse(solution, [w], request=request)[0].curve
     return curve.point(stable_radius(curve, load)).a
 
 
-def profile_columns(solution: Solution, a: float, w: float, asked: AskedRange) -> dict[str, Array]:
+def profile_columns(solution: Solution, a: float, w: float, request: RangeRequest) -> dict[str, Array]:
     """Pressure inside, displacement and gap around a contact of radius ``a`` [m]: exact on the laterally unbounded
     body, by finite elements where the surfaces stick, on the body itself with adhesion of finite range."""
-    if asked:
-        return _attracted(solution, a, asked.law(w))
+    if request:
+        return _attracted(solution, a, request.law(w))
     return _stuck(solution, a, w) if solution.problem.sticks else _columns(unbounded(solution.problem), a, w)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from ..adhesion import AskedRange, limits_of
+from ..adhesion import RangeRequest, limits_of
 from ..base import InputError, show
 from ..beside import Analysis, analyse, with_solved_points
 from ..methods import Limits
@@ -77,7 +77,7 @@ def cycle(
         rates.refuse_in_limits()
     if rates.rate is not None:  # there the stress is that of the zone in which energy is lost
         rates, attraction = replace(rates, stress=attraction[0]), (None, attraction[1])
-    asked = AskedRange.of(solution.record, *attraction)
+    asked = RangeRequest.of(solution.record, *attraction)
     if asked:
         _refuse_range(rates, works)
     _begin_program(rates.program, points, limits)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..adhesion import AskedRange
+from ..adhesion import RangeRequest
 from ..base import InputError
 from ..beside import profile_columns, radius_under
 from ..methods import Limits
@@ -49,7 +49,7 @@ def profile(
         raise InputError("profile: give exactly one of --a and --load")
     output.folder(Path())
     file, solution, w = body_and_work("profile", file, work, ranged=True)
-    asked = AskedRange.of(solution.record, *attraction)
+    asked = RangeRequest.of(solution.record, *attraction)
     stem = output.folder(file.parent) / f"{file.stem}-profile{asked.suffix}"
     targets = output.files(stem, (".csv", *PICTURES), [file])
     if radius is None:

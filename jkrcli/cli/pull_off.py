@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from ..adhesion import LOAD_CONTROL, AskedRange
+from ..adhesion import LOAD_CONTROL, RangeRequest
 from ..base import InputError
 from ..beside import effect_on, sticking_warnings, where_lost
 from ..methods.guards import Limits
@@ -92,7 +92,7 @@ def pull_off(
     if force is not None:
         give(_means(held, abs(force), stiffnesses, uncertain, slopes, modulus_factor, limits), as_json)
         return
-    asked = [AskedRange.of(solution.record, *attraction) for solution in held]
+    asked = [RangeRequest.of(solution.record, *attraction) for solution in held]
     wanted = [works or works_of(solution) for solution in held]
     begin_curves("pull-off", held, wanted, asked, limits, devices=len(stiffnesses))
     found = [one for solution, some, ranged in zip(held, wanted, asked, strict=True)
@@ -112,7 +112,7 @@ def _means(
         without_range(solution.record, "pull-off: --load")
     seconds = len(controls) * sum(seconds_of_inputs(solution, names) for solution in held)
     tried = [SEARCHED * len(controls) * (1 + 2 * len(names))] * len(held)
-    begin_curves("pull-off --load", held, tried, [AskedRange()] * len(held), limits, beside=seconds)
+    begin_curves("pull-off --load", held, tried, [RangeRequest()] * len(held), limits, beside=seconds)
     found, warnings = list[Result](), list[str]()
     for solution in held:
         means = [measured_work(solution, force, one, slopes, modulus_factor, uncertain) for one in controls]

@@ -16,7 +16,7 @@ from .options import begin
 from .voice import announce, command_line, note, warn
 
 if TYPE_CHECKING:
-    from ..adhesion import AskedRange
+    from ..adhesion import RangeRequest
 
 PER_FILE = 0.012  # CPU seconds to read a series; tuned on 300 files, by `make guards`
 IMPORTED = "jkr import"  # how the command line of a series begins that no case gives again
@@ -126,7 +126,7 @@ def begin_curves(
     verb: str,
     held: Sequence[Solution],
     works: Sequence[Sequence[float]],
-    asked: Sequence[AskedRange],
+    asked: Sequence[RangeRequest],
     limits: Limits,
     tables: bool = False,
     figures: bool = False,

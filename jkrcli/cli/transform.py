@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from ..adhesion import AskedRange
+from ..adhesion import RangeRequest
 from ..base import InputError
 from ..beside import analyse, effect_on, sticking_warnings
 from ..methods import Limits
@@ -62,7 +62,7 @@ def transform(
     users = own_scales(dict(own)) if own else None
     files, held = read_files("transform", files)
     wanted = [works or works_of(solution) for solution in held]
-    asked = [AskedRange.of(solution.record, *attraction) for solution in held]
+    asked = [RangeRequest.of(solution.record, *attraction) for solution in held]
     figures = output.plots and not together
     begin_curves("transform", held, wanted, asked, limits, tables=True, figures=figures)
     plans = _plans(files, wanted, asked, modulus_factor, together, output)
@@ -98,13 +98,13 @@ class _Plan:
     works, and the ``picture`` of all of them together, if there is to be one."""
 
     works: tuple[float, ...]
-    asked: AskedRange
+    asked: RangeRequest
     targets: list[Files]
     picture: Files | None
 
 
 def _plans(
-    files: tuple[Path, ...], wanted: list[tuple[float, ...]], asked: list[AskedRange], modulus_factor: float,
+    files: tuple[Path, ...], wanted: list[tuple[float, ...]], asked: list[RangeRequest], modulus_factor: float,
     together: bool, output: Output,
 ) -> list[_Plan]:  # fmt: skip
     """What is written for each file; InputError before anything is solved, where it cannot be."""

@@ -17,7 +17,7 @@ import sweep_files
 from series_files import edit
 from stopwatch import seconds_of, takes_less_than
 
-from jkrcli.adhesion.law import AskedRange
+from jkrcli.adhesion.law import RangeRequest
 from jkrcli.base.errors import InputError
 from jkrcli.base.table import as_json, write_csv
 from jkrcli.beside.analysis import JKR, analyse, forecast
@@ -301,17 +301,17 @@ def test_the_forecast_of_curves_counts_solved_points_and_the_range() -> None:
         stack = "".join(LAYER.format("0.1 um" if i else "100 um", i % 5 + 1) for i in range(layers))
         case = parse_case(LAYERS.format(stack).encode(), "x")
         solution = replace(Layered()(case.model.problem()), record=store.record_of(case))
-        plain, ranged = (forecast(solution, (0.05,), asked, tables=False).seconds for asked in (JKR, AskedRange(1e5)))
+        plain, ranged = (forecast(solution, (0.05,), asked, tables=False).seconds for asked in (JKR, RangeRequest(1e5)))
         assert plain == pytest.approx(seconds, abs=0.04)
         assert ranged > plain * 1.1
         assert forecast(solution, (0.05, 0.04), JKR, tables=False).seconds == pytest.approx(2 * plain)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("asked", [JKR, AskedRange(1e5)], ids=["JKR", "range"])
+@pytest.mark.parametrize("asked", [JKR, RangeRequest(1e5)], ids=["JKR", "range"])
 @pytest.mark.parametrize(("layers", "rows", "works"), [(0, 100, 30), (1, 100, 30), (0, 10_000, 5), (1000, 100, 5)])
 def test_the_forecast_of_curves_is_right_within_a_factor_of_three(
-    tmp_path: Path, layers: int, rows: int, works: int, asked: AskedRange
+    tmp_path: Path, layers: int, rows: int, works: int, asked: RangeRequest
 ) -> None:
     """Over rows, works of adhesion and layers, on a machine like the one that it was tuned on: 0.7 to 2.6 measured."""
     stack = "".join(LAYER.format("0.1 um" if i else "100 um", i % 5 + 1) for i in range(layers))
@@ -321,7 +321,7 @@ def test_the_forecast_of_curves_is_right_within_a_factor_of_three(
     some = [0.05 * 0.97**i for i in range(works)]
 
     def curves() -> None:
-        for i, result in enumerate(analyse(solution, some, asked=asked)):
+        for i, result in enumerate(analyse(solution, some, request=asked)):
             as_json(summary(result))
             write_csv(tmp_path / f"{i}.csv", curve_columns(result.curve))
 

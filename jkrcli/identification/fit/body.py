@@ -14,7 +14,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from ...adhesion import AskedRange, FiniteRangeBody, Nonadhesive, Slopes
+from ...adhesion import FiniteRangeBody, Nonadhesive, RangeRequest, Slopes
 from ...adhesion.slopes.choice import slopes
 from ...base import REMEMBERED, InputError, JkrError, Refusal, SolveError, show
 from ...beside import JKR, nonadhesive
@@ -63,7 +63,7 @@ class FittedBody:
     extensible: bool = False
     told: bool = True
     tolerance: float = TUNING.tolerance
-    asked: AskedRange = JKR
+    asked: RangeRequest = JKR
     no_range: str = ""
     resolution: Resolution = FINE
 
@@ -246,4 +246,4 @@ def _asked(body: FittedBody, solution: Solution) -> FittedBody:
         FiniteRangeBody.of(solution)
     except Refusal as error:
         refused = str(error)
-    return replace(body, asked=AskedRange.of(solution.record), no_range=refused)
+    return replace(body, asked=RangeRequest.of(solution.record), no_range=refused)

@@ -53,7 +53,7 @@ class FiniteRangeTuning:
     room: float = 1.2  # choice: of that, within which the series' own rows are left out
     first: float = 1e-6  # theory: its power 3/2 is rounding
     leap: float = 0.4  # choice: of the same, from point to point: a curve that leaps; five times the spacing
-    fewest: int = 12  # choice: points of a curve, where some of its beginning are left out
+    fewest: int = 12  # theory: points of a curve, every second of which has the 6 of a spline of degree 5
     # Steps to both sides of pull-off, fractions of its radius, at which it is solved:
     close: tuple[float, ...] = (0.01, 0.02, 0.03, 0.045, 0.065, 0.1)  # choice: to where rows of a series lie
     # theory: of its radius; so near to a state the splines err by 1e-3 of what they do between states, 4e-10: rounding

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..adhesion import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Slopes, transform
-from ..base import Array, Estimate, Unknown
+from ..base import ROUNDED, Array, Estimate, Unknown
 from ..bodies import HalfSpace, Indenter, Problem, Specimen, Sphere
 from ..formulas.griffith import shift
 from ..formulas.half_space import adhesive_half_space
@@ -71,7 +71,7 @@ def compare_half_space(computed: AdhesiveCurve, problem: Problem) -> Comparison 
 def exact_curve(problem: Problem, w: float, a_max: float, points: int = 400) -> AdhesiveCurve | None:
     """The closed-form adhesive curve of the indenter on a half-space up to ``a_max`` [m]."""
     indenter, E_star = problem.indenter, problem.E_star
-    top = min(a_max, indenter.r_max * (1 - 1e-9))
+    top = min(a_max, indenter.r_max * (1 - ROUNDED))
     a = indenter.a0 + (top - indenter.a0) * np.linspace(0, 1, points + 1)[1:] ** 2
     pair = indenter.half_space(a, E_star)
     if pair is None:

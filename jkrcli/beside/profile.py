@@ -7,7 +7,7 @@ from typing import cast
 import numpy as np
 
 from ..adhesion import Range, RangeRequest, stable_radius
-from ..base import Array, InputError, show
+from ..base import ROUNDED, ROWS, Array, InputError, show
 from ..bodies import Problem
 from ..case import Case
 from ..methods.layered.fields import profile as solve_profile
@@ -37,18 +37,23 @@ def _attracted(solution: Solution, a: float, law: Range) -> dict[str, Array]:
 
     body = FiniteRangeBody.of(solution).body
     problem, s = body.problem, 2 * law.stress / body.problem.E_star
-    if not 0 < a <= solution.series.a[-1] * (1 + 1e-9):
+    if not 0 < a <= solution.series.a[-1] * (1 + ROUNDED):
         end = show(float(solution.series.a[-1]), "length")
         raise InputError(f"profile: the contact radius must lie between 0 and {end}, got {show(a, 'length')}")
     attraction = body.attraction(min(3 * body.reach(a, s, law.length), body.limit))
-    inside = a * np.sin(np.linspace(0, np.pi / 2, 202)[1:-1])
-    outside = a + (attraction.reach - a) * np.linspace(0, 1, 202)[1:-1] ** 2
+    inside = _inside(a)
+    outside = a + (attraction.reach - a) * np.linspace(0, 1, ROWS + 2)[1:-1] ** 2
     r = np.concatenate([inside, outside])
     surface = attracted_surface(attraction, a, law.stress, law.length, r, body.scale)
     displacement = surface.rims.delta[0] - problem.indenter.f(r) + surface.gap
     if problem.indenter.material is not None:
         displacement -= problem.E_star / problem.indenter.material.E_star * surface.own
     return {"r_m": r, "pressure_Pa": surface.pressure, "displacement_m": displacement, "gap_m": surface.gap}
+
+
+def _inside(a: float) -> Array:
+    """Radii [m] inside the contact that crowd towards its edge."""
+    return a * np.sin(np.linspace(0, np.pi / 2, ROWS + 2)[1:-1])
 
 
 def _stuck(solution: Solution, a: float, w: float) -> dict[str, Array]:
@@ -63,7 +68,7 @@ def _stuck(solution: Solution, a: float, w: float) -> dict[str, Array]:
     points, line = state.grid.points, state.lines["surface"]
     beyond = np.flatnonzero((np.abs(points[:, 1]) <= 1e-12 * a) & (a <= points[:, 0]) & (points[:, 0] <= 3 * a))
     beyond = beyond[np.argsort(points[beyond, 0], kind="stable")]
-    inside = line.r < a * (1 - 1e-9)
+    inside = line.r < a * (1 - ROUNDED)
     r, none = np.concatenate([line.r[inside], points[beyond, 0]]), np.zeros(beyond.size)
     f, lower = solution.problem.indenter.f(r), -state.displacement[beyond, 1]
     displacement = np.concatenate([(delta - f)[: -none.size], lower])
@@ -76,10 +81,10 @@ def _stuck(solution: Solution, a: float, w: float) -> dict[str, Array]:
     }
 
 
-def _columns(problem: Problem, a: float, w: float, points: int = 200) -> dict[str, Array]:
+def _columns(problem: Problem, a: float, w: float) -> dict[str, Array]:
     """Pressure, displacement and gap at radii that crowd on both sides of the edge, out to 3 a; none at the edge."""
-    inside = a * np.sin(np.linspace(0, np.pi / 2, points + 2)[1:-1])
-    outside = a * (1 + 2 * np.linspace(0, 1, points + 1)[1:] ** 2)
+    inside = _inside(a)
+    outside = a * (1 + 2 * np.linspace(0, 1, ROWS + 1)[1:] ** 2)
     outside = outside[outside <= problem.indenter.r_max]
     r = np.concatenate([inside, outside])
     surface = solve_profile(problem, a, w, inside, r)

@@ -39,8 +39,8 @@ class SearchTuning:
     above_kink: int = 14  # theory: 1.95 from one to the next, where cubics follow a root to 1e-4
     nearest: float = 1e-4  # of the distance to the next row, the first of them; theory: its root is 1e-2
     farthest: float = 0.6  # the last; choice: half way
-    # Part of a miss left after a step along a tangent, above which none is taken:
-    doubtful: float = 0.5  # choice: what costs least
+    # Part of a miss left after a step along a tangent, above which none is taken; theory: halving leaves as much
+    doubtful: float = 0.5
 
 
 TUNING = SearchTuning()

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from ..base import Array, InputError
+from ..base import ROUNDED, Array, InputError
 from . import Series
 
 
@@ -78,9 +78,9 @@ def _coverage(x1: Array, x2: Array) -> float:
     return float(max(shared, 0.0) / longest) if longest > 0 else 1.0
 
 
-def _common(x1: Array, x2: Array, slack: float = 1e-9) -> tuple[Array, Array]:
+def _common(x1: Array, x2: Array) -> tuple[Array, Array]:
     """The values of ``x1`` within the range of ``x2`` (up to round-off), and where they stand."""
-    inside = (x1 >= x2[0] * (1 - slack)) & (x1 <= x2[-1] * (1 + slack))
+    inside = (x1 >= x2[0] * (1 - ROUNDED)) & (x1 <= x2[-1] * (1 + ROUNDED))
     if not inside.any():
         raise InputError(
             f"nothing to compare: the ranges {x1[0]:.4g} to {x1[-1]:.4g} and {x2[0]:.4g} to {x2[-1]:.4g} do not overlap"

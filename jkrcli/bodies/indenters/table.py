@@ -11,7 +11,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from ...base import AT_ONCE, LOOKED_AT, TINY, AnyLength, Array, InputError, Key, spline_slopes
+from ...base import AT_ONCE, LOOKED_AT, ROUNDED, TINY, AnyLength, Array, InputError, Key, spline_slopes
 from ..indenter import Indenter, shape
 from ..materials import Elastic
 
@@ -249,7 +249,7 @@ def _check_table(r: Array, f: Array) -> None:
         i = int(np.argmax(np.diff(r) <= 0)) + 1
         raise InputError(f"profile table: radii must increase, point {i + 1} has r = {r[i]:g} after {r[i - 1]:g}")
     chord = np.diff(f) / np.diff(r)
-    dips = np.diff(chord) < -1e-9 * max(float(np.max(np.abs(chord))), TINY)
+    dips = np.diff(chord) < -ROUNDED * max(float(np.max(np.abs(chord))), TINY)
     if chord[0] < 0 or dips.any():
         i = int(np.argmax(dips)) + 1 if chord[0] >= 0 else 0
         raise InputError(

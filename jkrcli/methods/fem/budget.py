@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...base import Array, Estimate, InputError, Unknown
+from ...base import ROUNDED, Array, Estimate, InputError, Unknown
 from ...series import Coarser, ErrorBudget, Series
 from .loading import power_interpolated, raw_series
 from .nested import Events, SurfaceContact, solve_depths
@@ -175,7 +175,7 @@ def _without_disc(coarse: MeshLevel, fine: MeshLevel, a: Array, delta: Array, ca
     there = raw_series(coarse.model.surface, solve_depths(coarse.contact, delta))
     surface = fine.contact.surface
     vertices = surface.radii[surface.is_vertex]
-    k = np.clip(np.searchsorted(vertices, a * (1 - 1e-9)), 0, vertices.size - 2)
+    k = np.clip(np.searchsorted(vertices, a * (1 - ROUNDED)), 0, vertices.size - 2)
     change = np.maximum(caution * np.abs(there.a / a - 1), (vertices[k + 1] - vertices[k]) / a)
     return there.P, _envelope(change, delta)
 
@@ -228,7 +228,7 @@ def truncation_of(run: Run, coarse: MeshLevel) -> Estimate:
     on the mesh of ``coarse``."""
     model, events, body = run.level.model, run.level.touches, run.level.model.body
     if body.cut_below:
-        reached = events.delta >= run.deepest * (1 - 1e-9)
+        reached = events.delta >= run.deepest * (1 - ROUNDED)
         last = int(np.argmax(reached)) if events.valid and reached.any() else events.S.size - 1
         lacking = abs(model.missing) * float(events.S[last])
         return lacking**2 if body.completed else lacking

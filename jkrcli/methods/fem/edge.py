@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base import Array
+from ...base import MOST_STEPS, SAME, SETTLED, Array
 from ...bodies import Elastic, Graded, HalfSpace, Indenter, Paraboloid, Specimen, TransverselyIsotropic
 from ..layered.tense import TenseContact
 from ..radii import DENSE
@@ -64,11 +64,11 @@ def _homogeneous(model: Model) -> Elastic | TransverselyIsotropic:
 
 def _edges(exact: Callable[[Array], Array], a0: float, delta: Array, guess: Array) -> Array:
     """Radii where the ``exact`` displacement is delta: Newton's method in logarithms from the vertex radii."""
-    u, step = np.log(guess - a0), 1e-6
-    for _ in range(50):
+    u, step = np.log(guess - a0), SAME
+    for _ in range(MOST_STEPS):
         value, ahead = (np.log(exact(a0 + np.exp(at))) for at in (u, u + step))
         change = (value - np.log(delta)) * step / (ahead - value)
         u = u - change
-        if np.abs(change).max() < 1e-13:
+        if np.abs(change).max() < SETTLED:
             break
     return a0 + np.exp(u)

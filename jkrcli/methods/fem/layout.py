@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base import Array, Refusal
+from ...base import ROUNDED, Array, Refusal
 from ...bodies import Problem
 from .body import MeshedBody, cut_out
 from .grid import Grid, Strip, make_grid, ringed_quads, tensor_quads
@@ -111,7 +111,7 @@ class Layout:
         the zones are among them, so that the vertices within the reach do not depend on the width."""
         knots = [self.law.a0, self.law.reach, self._strip_end, *(extent for extent, _ in self.sides)]
         start = self.fixed[-1] if self.fixed else 0.0
-        stops = np.unique([start, *(x for x in knots if start < x < width * (1 - 1e-9)), width])
+        stops = np.unique([start, *(x for x in knots if start < x < width * (1 - ROUNDED)), width])
         parts = [graded_points(p, q, self._along_surface) for p, q in itertools.pairwise(stops)]
         return np.unique(np.concatenate([self.fixed, *parts]))
 
@@ -124,7 +124,7 @@ class Layout:
         """Number of surface vertices of the strip; all where it would nearly reach the end of the body."""
         if self.fixed:
             return len(self.fixed)
-        n = int(np.searchsorted(surface, self._strip_end * (1 + 1e-9)))
+        n = int(np.searchsorted(surface, self._strip_end * (1 + ROUNDED)))
         return n if n + 1 < surface.size else surface.size
 
     @property
@@ -146,8 +146,8 @@ class Layout:
             stops = [0.0, *interfaces, depth]
             lines = [graded_points(p, q, self._down) for p, q in itertools.pairwise(stops)]
             return tensor_quads(surface, _limited(surface, np.unique(np.concatenate(lines))))
-        inner = surface[surface <= corner * (1 + 1e-9)]
-        rings = surface[surface > corner * (1 + 1e-9)]
+        inner = surface[surface <= corner * (1 + ROUNDED)]
+        rings = surface[surface > corner * (1 + ROUNDED)]
         across = np.log(rings / corner) / np.log(rings[-1] / corner)
         heights = corner * (depth / corner) ** across
         heights[-1] = depth

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base import Array, Refusal
+from ...base import ROUNDED, Array, Refusal
 from ...bodies import Loading, Problem
 from ...series import PressureTable, RawSeries
 from ..radii import graded_radii
@@ -51,7 +51,7 @@ def _at(table: dict[str, Array], x: Array, values: Array) -> list[Array]:
 
 def _refuse_unresolved(loading: Loading, first: float) -> None:
     unit = {"depth": "m", "load": "N", "radius": "m"}[loading.to]
-    if loading.values[0] < first * (1 - 1e-9):
+    if loading.values[0] < first * (1 - ROUNDED):
         raise Refusal(
             f"loading: {loading.to} {loading.values[0]:g} {unit} lies below the first that the mesh resolves, "
             f"{first:.3g} {unit}: take a smaller mesh.smallest (layout zones: mesh.element_size), or larger values"
@@ -76,7 +76,7 @@ def needed_radius(problem: Problem, events: Events, reach: float) -> float | Non
     if not events.a.size:
         return 2 * reach
     last = events.quantity(loading.to)[-1]
-    if last >= loading.maximum * (1 - 1e-9):
+    if last >= loading.maximum * (1 - ROUNDED):
         return None
     power = {"depth": 1 / 2, "load": 1 / 3, "radius": 1.0}[loading.to]
     return float(a0 + (events.a[-1] - a0) * 1.05 * (loading.maximum / last) ** power)

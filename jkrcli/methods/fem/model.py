@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base import Array, StageClock
+from ...base import ROUNDED, Array, StageClock
 from ...bodies import Graded, Indenter, Material
 from .body import MeshedBody, at_surface, half_space_like
 from .elasticity import ElasticSystem, assemble
@@ -79,7 +79,7 @@ class Discretisation:
 
     def condensed(self, system: ElasticSystem, clock: StageClock) -> Model:
         """Factorise and condense the assembled ``system``."""
-        candidates = int(np.searchsorted(system.radii, self.reach * (1 + 1e-9)))
+        candidates = int(np.searchsorted(system.radii, self.reach * (1 + ROUNDED)))
         with clock("factorisation"):
             last = system.both(candidates) if self.sticks else system.normal[:candidates]
             factor = factorise(system, last, self.solver)

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
-from ...base import MOST_STEPS, Array, SolveError
+from ...base import MOST_STEPS, ROUNDED, Array, SolveError
 from .stuck_edge import EdgeRows
 from .surface import Surface
 
@@ -185,9 +185,9 @@ def nested_events(contact: SurfaceContact, a0: float, to: str, maximum: float, s
     candidate where none does.
     """
     surface = contact.surface
-    k = np.flatnonzero(surface.is_vertex & (surface.radii > a0 * (1 + 1e-9)) & (contact.delta > 0))
+    k = np.flatnonzero(surface.is_vertex & (surface.radii > a0 * (1 + ROUNDED)) & (contact.delta > 0))
     quantity = {"depth": contact.delta, "load": contact.P, "radius": surface.radii}[to][k]
-    beyond = np.flatnonzero(quantity >= maximum * (1 - 1e-9))
+    beyond = np.flatnonzero(quantity >= maximum * (1 - ROUNDED))
     needed = int(beyond[0]) + 1 if beyond.size else k.size
     k = k[: needed + spare]
     depth = contact.delta[k]

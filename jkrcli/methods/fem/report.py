@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base import StageClock
+from ...base import ROUNDED, StageClock
 from ...bodies.materials import INCOMPRESSIBLE
 from ...series import Series, Solution
 from .budget import Assessment
@@ -43,7 +43,7 @@ def _series(run: Run, judged: Assessment) -> Series:
     """The nonadhesive series with the errors that are known; S and dS/da only where theirs are."""
     a, delta, P = run.columns
     a0, contact = run.problem.indenter.a0, run.level.contact
-    flat = int(np.count_nonzero(contact.surface.radii <= a0 * (1 + 1e-9)))
+    flat = int(np.count_nonzero(contact.surface.radii <= a0 * (1 + ROUNDED)))
     S0 = float(contact.S[flat - 1]) if a0 > 0 else 0.0
     slopes = run.level.slopes(a) if "dS" in judged.errors else None
     S, dS = (None, None) if slopes is None else slopes

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from ...base import AT_ONCE, Array, Refusal, SolveError
+from ...base import AT_ONCE, ROUNDED, Array, Refusal, SolveError
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ def graded_points(start: float, stop: float, size: Callable[[Array], Array]) -> 
     if not (h > 0).all():
         raise SolveError(f"mesh: element size {h.min():g} m between {start:g} and {stop:g} m")
     step, rate = np.diff(x), np.diff(h) / np.diff(x)
-    flat = np.abs(np.diff(h)) < 1e-9 * h[:-1]
+    flat = np.abs(np.diff(h)) < ROUNDED * h[:-1]
     safe = np.where(flat, 1.0, rate)
     counts = np.where(flat, step / h[:-1], np.log(h[1:] / h[:-1]) / safe)
     total = np.concatenate([[0.0], np.cumsum(counts)])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ...base import MOST_SOLVES, JkrError, Refusal, StageClock
+from ...base import MOST_SOLVES, ROUNDED, JkrError, Refusal, StageClock
 from ...bodies import Problem
 from ..layered.layered import largest_radius
 from .layout import layout_for
@@ -24,7 +24,7 @@ def expected_reach(options: FEMOptions, problem: Problem) -> float:
 def _within(problem: Problem, reach: float) -> float:
     """The reach, or where the body or the indenter's profile ends before [m]."""
     edge = problem.specimen.radius if problem.specimen.radius is not None else math.inf
-    return min(reach, edge, problem.indenter.r_max * (1 - 1e-9))
+    return min(reach, edge, problem.indenter.r_max * (1 - ROUNDED))
 
 
 def mixed_layers(options: FEMOptions, problem: Problem) -> tuple[int, ...]:

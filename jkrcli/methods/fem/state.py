@@ -16,7 +16,7 @@ from typing import Any, cast
 import numpy as np
 from scipy.linalg import cho_solve
 
-from ...base import Array, InputError, Refusal, StageClock
+from ...base import ROUNDED, Array, InputError, Refusal, StageClock
 from ...bodies import Problem
 from .body import at_surface, cut_out
 from .grid import Grid
@@ -128,7 +128,7 @@ def _state(model: Model, a: float, delta: float, p: Array, share: float) -> Cont
         lines["base"] = stress.base()
     grid, stresses = _split(system.grid, used), np.concatenate(values, axis=1)
     for line in lines.values():  # tractions are the same on both sides
-        on = np.isclose(grid.points[:, 1], -line.depth, rtol=1e-9, atol=0) & (grid.points[:, 0] <= line.r[-1])
+        on = np.isclose(grid.points[:, 1], -line.depth, rtol=ROUNDED, atol=0) & (grid.points[:, 0] <= line.r[-1])
         stresses[2:, on] = [np.interp(grid.points[on, 0], line.r, traction) for traction in (line.zz, line.rz)]
     return ContactState(a, delta, P, grid, share * u[np.concatenate(used)], stresses, lines)
 

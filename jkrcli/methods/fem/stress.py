@@ -15,7 +15,7 @@ import numpy as np
 from scipy.sparse import csc_matrix, identity
 from scipy.sparse.linalg import spsolve
 
-from ...base import Array
+from ...base import ROUNDED, Array
 from .elasticity import ElasticSystem, force_r, force_z, mass, measure, stiffness_constants
 
 
@@ -90,7 +90,7 @@ class Stress:
         """Tractions on the contact surface out to the radius ``reach`` [m], a vertex."""
         mesh = self.system.basis.mesh
         facets = mesh.boundaries["surface"]
-        return self._balanced(facets[mesh.p[0, mesh.facets[:, facets]].max(axis=0) <= reach * (1 + 1e-9)], 0, 1)
+        return self._balanced(facets[mesh.p[0, mesh.facets[:, facets]].max(axis=0) <= reach * (1 + ROUNDED)], 0, 1)
 
     def base(self) -> TractionLine:
         """Tractions on the base of the body."""

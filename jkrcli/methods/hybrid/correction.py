@@ -225,8 +225,8 @@ class Patch:
     def around(cls, mesh: Mesh, inner: float, t: float) -> Patch:
         """Patch in the top layer inside ``inner``, of points that crowd towards the ring r = t, z = 0, where stresses
         are singular."""
-        r, w_r = _crowded(mesh.r, 0.0, inner, t)
-        z, w_z = _crowded(mesh.z, 0.0, mesh.region.first, 0.0)
+        r, w_r = _crowded(mesh.r, inner, t)
+        z, w_z = _crowded(mesh.z, mesh.region.first, 0.0)
         weights = 2 * np.pi * w_z[:, None] * (w_r * r)
         (V, D, Q), (V_z, D_z, Q_z) = mesh.r.at(r, mesh.joined[0]), mesh.z.at(z, mesh.joined[1])
         return cls(r, z, weights, (V, D, Q), (V_z, D_z, Q_z[:, mesh.used]), mesh.region.moduli(z))
@@ -270,12 +270,11 @@ def _work(stress: Array, strain: Array) -> Array:
     return stress.reshape(len(stress), -1) @ strain.reshape(len(strain), -1).T
 
 
-def _crowded(line: LineElements, start: float, stop: float, centre: float) -> tuple[Array, Array]:
-    """Gauss points and weights between ``start`` and ``stop``, panels ending at the line's edges and crowding at
-    ``centre``."""
-    away = (stop - start) * TUNING.towards ** np.arange(TUNING.panels)
-    edges = np.concatenate([line.edges, centre - away, centre + away, [centre, start, stop]])
-    edges = np.unique(edges[(edges >= start) & (edges <= stop)])
+def _crowded(line: LineElements, stop: float, centre: float) -> tuple[Array, Array]:
+    """Gauss points and weights between 0 and ``stop``, panels ending at the line's edges and crowding at ``centre``."""
+    away = stop * TUNING.towards ** np.arange(TUNING.panels)
+    edges = np.concatenate([line.edges, centre - away, centre + away, [centre, 0.0, stop]])
+    edges = np.unique(edges[(edges >= 0) & (edges <= stop)])
     nodes, weights = rule(TUNING.points)
     half = np.diff(edges)[:, None] / 2
     return np.ravel(edges[:-1, None] + half * (1 + nodes)), np.ravel(half * weights)

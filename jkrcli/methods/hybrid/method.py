@@ -7,7 +7,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from ...base import MOST_SOLVES, NO_CLAIM, JkrError, Refusal, StageClock, show
+from ...base import MOST_SOLVES, NO_CLAIM, ROUNDED, JkrError, Refusal, StageClock, show
 from ...bodies import Graded, HalfSpace, Problem, TransverselyIsotropic
 from ...series import ErrorBudget, Solution
 from ..integral import (
@@ -103,7 +103,7 @@ class Hybrid(HybridOptions):
                 contact, errors, levels, degree = body.accurate(reach)
             with clock("radii"):
                 radii = radii_for_contact(contact, problem.loading, max(NO_CLAIM * self.tolerance, 1e-12))
-            if radii[-1] <= contact.limit * (1 + 1e-9):
+            if radii[-1] <= contact.limit * (1 + ROUNDED):
                 break
             reach = self._further(problem, body, reach, float(radii[-1]))  # the first kernels had been too rough
         else:
@@ -152,7 +152,7 @@ class Hybrid(HybridOptions):
 
 def _end(problem: Problem, body: AdaptiveKernel) -> float:
     """The largest contact radius [m] that body and profile allow."""
-    return min(body.limit, problem.indenter.r_max * (1 - 1e-9))
+    return min(body.limit, problem.indenter.r_max * (1 - ROUNDED))
 
 
 def _expected_radius(problem: Problem, body: AdaptiveKernel) -> float:

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base import Array
+from ...base import ROUNDED, Array
 from ...bodies import Elastic, Graded, HalfSpace, Material, Rigid, Specimen, TransverselyIsotropic
 
 
@@ -149,7 +149,7 @@ class Region:
         kinks = []
         for top, thickness, material in zip(self.tops, self.thicknesses, self.materials, strict=True):
             if isinstance(material, Graded):
-                kinks += [top + z / self.unit for z in material.law.kinks if z / self.unit < thickness * (1 - 1e-9)]
+                kinks += [top + z / self.unit for z in material.law.kinks if z / self.unit < thickness * (1 - ROUNDED)]
         return kinks
 
     def layer_at(self, z: Array) -> Array:

@@ -24,7 +24,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base import MOST_STEPS, SAME, Array, Refusal, SolveError, show
+from ...base import MOST_STEPS, ROUNDED, SAME, Array, Refusal, SolveError, show
 from ...bodies import Indenter
 from .legendre import AbelMoments, LegendrePanels, angle, tension_moments
 from .quadrature import Panels, Quadrature, gauss, rule
@@ -167,7 +167,7 @@ class Discs:
     def doubt(self, rims: Rims, s: float, gap: float, reach: float) -> str | None:
         """What speaks against the states ``rims``: the separation must rise to ``gap`` [m] at c and stay above it up to
         ``reach`` [m], and c be the only such radius; None where nothing does."""
-        inside = self.a[:, None] + (rims.c - self.a)[:, None] * np.array([*TUNING.fractions, 1 - 1e-9])
+        inside = self.a[:, None] + (rims.c - self.a)[:, None] * np.array([*TUNING.fractions, 1 - ROUNDED])
         outside = rims.c[:, None] + (reach - rims.c)[:, None] * np.array([*TUNING.fractions, 1.0])
         within = self.separations(rims, s, inside)
         overlap, slack = within[:, 0] < -SAME * gap, SAME * gap

@@ -25,7 +25,7 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...base import Array
+from ...base import ROUNDED, Array
 from ...bodies import Indenter
 from .density import TUNING as DENSITY
 from .quadrature import EXACT, crowded_rule, gauss, rule, split
@@ -70,7 +70,7 @@ class Pieces:
         kinks = [indenter.a0, *(b for b in indenter.joints if indenter.a0 < b < largest)]
         edges: list[float] = []
         for lo, hi in itertools.pairwise([*kinks, largest]):
-            plain = np.linspace(lo, hi, max(math.ceil((hi - lo) / widest - 1e-9), 1) + 1)
+            plain = np.linspace(lo, hi, max(math.ceil((hi - lo) / widest - ROUNDED), 1) + 1)
             edges += list(plain[:-1]) if lo > 0 else [0.0, *plain[1] * np.array(TUNING.first), *plain[1:-1]]
         crowd = np.isin(edges, [b for b in kinks if b > 0])
         return cls(np.append(edges, largest), crowd, count)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from ..base import Array, InputError
+from ..base import ROUNDED, Array, InputError
 from ..formulas.griffith import shift
 from ..series import Series
 from .between import Logs, Rows, between
@@ -23,10 +23,9 @@ Columns = TypeVar("Columns", Series, Slopes)
 
 @dataclass(frozen=True)
 class NonadhesiveTuning:
-    """Where rows lie at kinks, and which are neighbours."""
+    """Which rows are neighbours."""
 
     apart: float = 0.5  # choice: of a - a0, from which no error of theirs makes two radii one
-    kink: float = 1e-9  # relative distance; theory: rounding of radii and units
 
 
 TUNING = NonadhesiveTuning()
@@ -171,7 +170,7 @@ class Nonadhesive:
     def bends(self) -> Array:
         """Numbers of the rows at kinks of the profile."""
         kinks = np.array(self.series.kinks)
-        at = np.any(np.abs(self.a[1:-1, None] / kinks - 1) < TUNING.kink, axis=1)
+        at = np.any(np.abs(self.a[1:-1, None] / kinks - 1) < ROUNDED, axis=1)
         return np.flatnonzero(at) + 1
 
     @property

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
-from ..base import Array, InputError, Unknown, show, zeros_between
+from ..base import ROUNDED, Array, InputError, Unknown, show, zeros_between
 from .curve import AdhesiveCurve, Equilibrium, EquilibriumCurve
 from .device import LOAD_CONTROL, control, position
 from .edge import Edge
@@ -30,7 +30,6 @@ class PathTuning:
     """Round-off, and how long a path may become."""
 
     rests: float = 1e-11  # theory: of positions, what round-off of times and radii leaves
-    jumped: float = 1e-9  # theory: of a radius, the same; what is more between two pieces is a jump
     restarts: int = 1_000  # choice: guard, pieces of one ramp
 
 
@@ -537,7 +536,7 @@ class Path:
     def _jumps(self) -> Iterator[Jump]:
         for one, two in zip(self.pieces[:-1], self.pieces[1:], strict=True):
             gone = one.phase != FREE and two.phase == FREE
-            if gone or (abs(two.first[1] - one.last[1]) > TUNING.jumped * one.last[1]):
+            if gone or (abs(two.first[1] - one.last[1]) > ROUNDED * one.last[1]):
                 yield self._jump(one, None if gone else self.state(two, *two.first))
         if self.ends == "lost":
             yield self._jump(self.pieces[-1], None)

@@ -14,7 +14,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from ...base import MOST_STEPS, ROUNDED, SAME, Array, InputError, SolveError, show, zeros_between
+from ...base import MOST_STEPS, ROUNDED, SAME, SETTLED, Array, InputError, SolveError, show, zeros_between
 from ...bodies import Modes
 from ..device import LOAD_CONTROL, position
 from .depths import Depths
@@ -36,7 +36,6 @@ class DrivenTuning:
     last: float = 1e-5  # choice: the same of the step in which contact is lost, of which it may be a power 2/3
     together: int = 24  # choice: steps solved at once; no result depends on it
     converged: float = 1e-7  # theory: relative, of what Newton's last step is the square root
-    rounding: float = 1e-13  # theory: of what the device holds, about the round-off of what follows from it
     falls: float = 1e-10  # theory: of the depth, what is no round-off
     near: float = 2.0  # choice: of a step, how far at least it is to end before contact is lost; leaves 1e-7
     far: float = 2.0  # tuned on relaxing bodies, by `make constants`: guard, of the log depth in an iteration
@@ -365,7 +364,7 @@ class Falling:
             change = np.linalg.solve(rates, missing)
             contact = np.clip(contact - change, least, self.top)
             still = np.abs(change) > TUNING.converged * self.top
-            if not (still & (np.abs(missing) > TUNING.rounding * self.drive.x.max())).any():
+            if not (still & (np.abs(missing) > SETTLED * self.drive.x.max())).any():
                 break
         else:
             return None

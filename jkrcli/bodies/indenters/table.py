@@ -21,7 +21,6 @@ class TableTuning:
     """How points become a profile, and the error of that."""
 
     points: int = 5000  # most of a table; choice: the cost grows with their square, so many take ten seconds
-    straight: float = 1e-9  # of the largest chord: the rise between two of a straight profile; theory: rounding
     pointed: float = 0.25  # slope at the axis over the first chord above which a tip has a point; choice: a cone has 1
     # Times the error that every second point changes: what every fourth changes more shows the order; of F, its slope,
     # and the mean of F over the contact at least
@@ -74,7 +73,7 @@ class TableProfile(Indenter):
     @property
     def tip_radius(self) -> float | None:
         _, slope, curvature, _ = self.pieces[:, 0]
-        round_ = slope == 0 and curvature > TUNING.straight * np.max(self.pieces[2])
+        round_ = slope == 0 and curvature > ROUNDED * np.max(self.pieces[2])
         return float(1 / curvature) if round_ and self.a0 == 0 else None
 
     @property
@@ -85,7 +84,7 @@ class TableProfile(Indenter):
     def kinks(self) -> tuple[float, ...]:
         before = _ends(self.knots, self.pieces)[:, :-1]
         jumps = np.abs(self.pieces[1:3, 1:] - before[1:3])
-        bends = (jumps > TUNING.straight * np.max(self.pieces[1:3], axis=1, keepdims=True)).any(axis=0)
+        bends = (jumps > ROUNDED * np.max(self.pieces[1:3], axis=1, keepdims=True)).any(axis=0)
         return tuple(self.knots[1:-1][bends].tolist())
 
     @property
@@ -162,7 +161,7 @@ class TableProfile(Indenter):
         while len(tables) < 3 and len(tables[-1].r) >= 5:
             tables.append(tables[-1].thinned[0])
         error, *others = (float(table.pieces[1, 0]) for table in tables)
-        if self.pieces[1, 1] - error <= TUNING.straight * error:
+        if self.pieces[1, 1] - error <= ROUNDED * error:
             return 0.0
         if len(others) == 2:
             near, wider = abs(others[0] - error), abs(others[1] - others[0])
@@ -191,7 +190,7 @@ class TableProfile(Indenter):
         k = self.knots[:-1]
         alpha, beta = slope - k * (curvature - k * gamma), curvature - 2 * k * gamma
         jump = slope - np.append(slope[0], _ends(self.knots, self.pieces)[1, :-1])
-        jump[jump < TUNING.straight * slope[-1]] = 0.0
+        jump[jump < ROUNDED * slope[-1]] = 0.0
         columns = np.empty((4, x.size))
         step = max(AT_ONCE // self.knots.size, 1)
         for start in range(0, x.size, step):
@@ -276,7 +275,7 @@ def _profile(r: Array, f: Array, bends: Array) -> tuple[Array, Array]:
     h, second = np.diff(r), 2 * (right - left)
     # curvatures (times h) at both ends of the cubic with these slopes
     first, last = 6 * chord - 4 * left - 2 * right, 2 * left + 4 * right - 6 * chord
-    cubic = (np.minimum(first, last) >= -TUNING.straight * second) | (second <= TUNING.straight * chord)
+    cubic = (np.minimum(first, last) >= -ROUNDED * second) | (second <= ROUNDED * chord)
     broken = np.flatnonzero(~cubic)  # into parabolas that meet where the slope is the chord's
     knots = np.insert(r, broken + 1, (r[:-1] + h * (right - chord) / np.where(cubic, 1.0, right - left))[broken])
     slopes = np.insert(left, broken + 1, chord[broken])
@@ -300,7 +299,7 @@ def _ends(knots: Array, pieces: Array) -> Array:
 def _end_slopes(r: Array, f: Array, chord: Array, bends: Array) -> tuple[Array, Array]:
     """Slopes at the left and the right end of every interval, chord between them; one value on both sides but at
     bends."""
-    tiny = TUNING.straight * float(np.max(chord))
+    tiny = ROUNDED * float(np.max(chord))
     gentle = _gentle(r, chord)
     start = 2 * chord[0] - gentle[1]
     start = start if start > TUNING.pointed * chord[0] else 0.0
@@ -342,6 +341,6 @@ def _slopes(r: Array, f: Array, chord: Array, before: float | None, after: float
         slopes[-1] = max(2 * chord[-1] - slopes[-2], chord[-1]) if slopes is gentle else slopes[-1]
         slopes[-1] = slopes[-1] if after is None else after
     bends = np.minimum(3 * chord - 2 * spline[:-1] - spline[1:], spline[:-1] + 2 * spline[1:] - 3 * chord)
-    rough = bends < -TUNING.straight * chord[-1]
+    rough = bends < -ROUNDED * chord[-1]
     beside = np.append(rough, False) | np.append(False, rough)
     return np.where(beside, gentle, spline)

@@ -2,7 +2,7 @@
 increments (sliding).
 
 Nodal forces p >= 0, gaps f - delta + C p >= 0, and one of the two zero at every node, with f the indenter's
-profile at the nodes and C the surface compliance.
+profile at the nodes and C the surface compliance; but for round-off, of the largest force and of the depth.
 """
 
 from __future__ import annotations
@@ -18,16 +18,6 @@ from scipy.linalg import cholesky, solve_triangular
 from ...base import MOST_STEPS, ROUNDED, Array, SolveError
 from .stuck_edge import EdgeRows
 from .surface import Surface
-
-
-@dataclass(frozen=True)
-class ContactTuning:
-    """When the conditions of contact hold, and when the search for the nodes in contact is given up."""
-
-    round_off: float = 1e-9  # of the largest force or of the depth; theory: 1e7 eps, what C's condition leaves
-
-
-TUNING = ContactTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +152,7 @@ class Events:
     @property
     def valid(self) -> bool:
         """Whether the contact is a disc that only grows, so that these are solutions of the contact problem."""
-        return self.violation <= TUNING.round_off and bool((np.diff(self.delta) > 0).all())
+        return self.violation <= ROUNDED and bool((np.diff(self.delta) > 0).all())
 
     def quantity(self, name: str) -> Array:
         """The column of a loading's quantity: "depth", "load" or "radius"."""
@@ -192,7 +182,7 @@ def nested_events(contact: SurfaceContact, a0: float, to: str, maximum: float, s
     k = k[: needed + spare]
     depth = contact.delta[k]
     p, negative = _conditions(contact, k)
-    sound = (negative[needed:] <= TUNING.round_off) & (np.diff(depth)[max(needed - 1, 0) :] > 0)
+    sound = (negative[needed:] <= ROUNDED) & (np.diff(depth)[max(needed - 1, 0) :] > 0)
     n = needed + int(np.cumprod(sound).sum())
     violation = float(np.max(negative[:n], initial=0.0))
     return Events(surface.radii[k[:n]], depth[:n], contact.P[k[:n]], contact.S[k[:n]], p[:n], violation)
@@ -250,7 +240,7 @@ def solve_loads(contact: SurfaceContact, loads: Sequence[float] | Array) -> list
             z = _on(contact, active, contact.f[active])
             delta = (load + float(z.sum())) / float(y.sum())
             step = _increment(contact, delta, active)
-            if abs(step.P - load) <= TUNING.round_off * load:
+            if abs(step.P - load) <= ROUNDED * load:
                 break
             active = step.active
         else:
@@ -274,8 +264,8 @@ def _increment(contact: SurfaceContact, delta: float, active: Array) -> Incremen
     active = active.copy()
     for _ in range(MOST_STEPS):
         p, gap = _state(contact, delta, active)
-        force_limit = TUNING.round_off * np.abs(p).max()
-        wanted = np.where(active, p >= -force_limit, gap < -TUNING.round_off * delta)
+        force_limit = ROUNDED * np.abs(p).max()
+        wanted = np.where(active, p >= -force_limit, gap < -ROUNDED * delta)
         wanted[:exempt] |= wanted.any()
         if np.array_equal(wanted, active):
             return _checked(contact, delta, p, gap, active)
@@ -300,7 +290,7 @@ def _checked(contact: SurfaceContact, delta: float, p: Array, gap: Array, active
     residual = contact.f - delta + contact.surface.C @ p
     closed = float(np.abs(residual[active]).max(initial=0.0)) / delta
     violation = max(negative_force, float(np.max(-gap, initial=0.0)) / delta, closed)
-    if violation > 10 * TUNING.round_off:
+    if violation > 10 * ROUNDED:
         raise SolveError(f"contact: conditions violated by {violation:.1e} (relative) at depth {delta:g} m")
     return Increment(delta, float(p.sum()), p, active, violation)
 
@@ -314,7 +304,7 @@ def _pivoting(contact: SurfaceContact, delta: float) -> Array:
         p, gap = _state(contact, delta, active)
         fault = np.where(active, -p / np.abs(p).max(), -gap / delta)
         fault[:exempt] = 0.0
-        bad = np.flatnonzero(fault > TUNING.round_off)
+        bad = np.flatnonzero(fault > ROUNDED)
         if not bad.size:
             return active
         stuck = step > active.size and bad.size >= previous

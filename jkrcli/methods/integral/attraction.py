@@ -24,7 +24,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base import MOST_STEPS, ROUNDED, SAME, Array, Refusal, SolveError, show
+from ...base import MOST_STEPS, ROUNDED, SAME, SETTLED, Array, Refusal, SolveError, show
 from ...bodies import Indenter
 from .legendre import AbelMoments, LegendrePanels, angle, tension_moments
 from .quadrature import Panels, Quadrature, gauss, rule
@@ -48,7 +48,6 @@ class AttractionTuning:
     fractions: tuple[float, ...] = (0.1, 0.25, 0.5, 0.75)
     narrowest: float = 1e-13  # theory: of c, the width of an annulus of which c - a still knows two digits
     # Search for the width of the annulus, in logarithms:
-    close: float = 1e-13  # theory: relative, of the width; rounding of the separation
     power: float = 1.3  # theory: of the width, with which the separation grows: 1 to 2; of the first step
     powers: tuple[float, float] = (0.3, 30.0)  # choice: those that are believed
     far: float = 1.5  # tuned on ranges, by `make constants`: longest step
@@ -212,7 +211,7 @@ def _rising_root(excess: Callable[[Array], Array], first: Array, widest: Array) 
         between = np.where(low > 0, np.sqrt(low) * np.sqrt(high), high * math.exp(-TUNING.far))
         aimed = np.where((aimed > low) & (aimed < high), aimed, between)
         aimed = np.where(high == low, b, aimed)
-        if np.max(np.abs(aimed / b - 1)) < TUNING.close:
+        if np.max(np.abs(aimed / b - 1)) < SETTLED:
             break
         there = excess(aimed)
         with np.errstate(invalid="ignore", divide="ignore"):

@@ -39,7 +39,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ...base import Array, SolveError
+from ...base import REMEMBERED, Array, SolveError
 from ...bodies import Elastic, Graded, HalfSpace, Law, Layer, Rigid, Specimen, TransverselyIsotropic
 
 
@@ -225,7 +225,7 @@ def _gentle_parts(law: Law, top: float, bottom: float) -> list[tuple[float, floa
     return _gentle_parts(law, top, middle) + _gentle_parts(law, middle, bottom)
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=REMEMBERED)
 def _sublayers(material: Graded, top: float, bottom: float, tuning: MinorsTuning) -> int:
     """The number of sublayers in the first step that makes g accurate enough, starting from a rigid base."""
     k = np.geomspace(1e-2, 1e3, 12) / (bottom - top)

@@ -1,8 +1,8 @@
-"""The edge of a contact in a device: its energy release rate at every radius, whatever the device holds.
+"""The edge of a contact in a device: its energy release rate at every radius and position of the device.
 
-A device of stiffness k holds x = delta + P/k (load control: x = P). With the lag L = delta_H - delta of the
-displacement behind the nonadhesive one, P = P_H - S L (Eq. 13), so that x = x_H - c L with c = 1 + S/k (load control:
-c = S) and G = S' L^2/(4 pi a), at once for every radius, in equilibrium or not.
+A device of stiffness k prescribes its position x = delta + P/k (load control: x = P). With the lag L = delta_H - delta
+of the displacement behind the nonadhesive one, P = P_H - S L (Eq. 13), so that x = x_H - c L with c = 1 + S/k (load
+control: c = S) and G = S' L^2/(4 pi a), at once for every radius, in equilibrium or not.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Edge:
     stiffness: float
 
     def state(self, a: Array, x: Array) -> EdgeState:
-        """The state at the radii ``a`` [m] while the device holds ``x``."""
+        """The state at the radii ``a`` [m] and the device's positions ``x``."""
         here = self.body.parts(a)
         lag = (position(here.delta_H, here.P_H, self.stiffness) - x) / self._give(here.S)
         P = here.P_H - here.S * lag if self.stiffness != LOAD_CONTROL else np.broadcast_to(x, lag.shape)
@@ -72,7 +72,7 @@ class Edge:
 
     def at(self, u: float, x: float) -> tuple[tuple[float, ...], float, float, float]:
         """The ``pointwise`` functions at one radius, log a = ``u``, the lag [m] (none below 0), c and G [J/m^2] there
-        while the device holds ``x``: ``state`` in plain floats."""
+        at the device's position ``x``: ``state`` in plain floats."""
         here = self.pointwise(u)
         delta_H, P_H, S, dS, *_ = here
         loaded = self.stiffness == LOAD_CONTROL

@@ -1,7 +1,7 @@
 """What the points of a tabulated profile leave open where contact is lost: how far fewer points move that state.
 
 At given contact radius fewer points change delta and P by d(a): the value changes by d, and the place by the slope of
-what the device holds of d over the bend of the curve, and along with it what varies there. Errors of F that cancel in
+the position made of d over the bend of the curve, and along with it what varies there. Errors of F that cancel in
 the loads (a rigid shift of the profile leaves P as it is) cancel here too. Between points d passes through zero,
 elsewhere than the table's own error does: its mean square within an interval of the table on either side counts, of two
 profiles the larger. The order of the table's own error says what is left.

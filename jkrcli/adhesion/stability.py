@@ -189,7 +189,7 @@ def turning_radius(
 
 
 def first_contact(approach: Path) -> Equilibrium:
-    """The first state of an approach; what the device holds there is exactly that of the free bodies."""
+    """The first state of an approach; the device's position there is exactly that of the free bodies."""
     curve, k = approach.stretches[0].curve, approach.contact.stiffness
     first = curve.point(approach.stretches[0].place)
     if curve.w == 0:

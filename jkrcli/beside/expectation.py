@@ -8,7 +8,7 @@ from ..adhesion import LOAD_CONTROL, CriticalPoint, Validity, judge, refuse_wett
 from ..adhesion.slopes.choice import slopes
 from ..base import PATIENCE, Refusal, Unknown
 from ..bodies import Loading, Problem
-from ..methods.layered.layered import Layered
+from ..methods.layered.layered import Layered, unbounded
 from ..series import Series
 from .again import again
 from .comparison import alone
@@ -39,17 +39,16 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
 
     Refusal where that is no matter of a moment.
     """
-    specimen = replace(problem.specimen, radius=None, side=None)
     loading = problem.loading
     if loading.spacing != "radius":
         loading = Loading(loading.to, loading.maximum)
-    unbounded = replace(problem, specimen=specimen, loading=replace(loading, points=max(loading.points, 100)))
-    series = again(unbounded, method=COARSE, longest=PATIENCE).series
+    body = replace(unbounded(problem), loading=replace(loading, points=max(loading.points, 100)))
+    series = again(body, method=COARSE, longest=PATIENCE).series
     exact_slopes = slopes(series, "exact")
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
     adhesion = []
     for w in works:
-        refuse_wetting(w, specimen.surface_tension)
+        refuse_wetting(w, body.specimen.surface_tension)
         curve = transform(series, exact_slopes, w)
         point = resolved(curve.pull_off(LOAD_CONTROL), curve, LOAD_CONTROL, z0)
         judged = judge(
@@ -62,7 +61,7 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
             z0=z0,
             a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
             effect_of_range=(
-                effect_of_range(unbounded, series, w, z0, point) if isinstance(point, CriticalPoint) else point
+                effect_of_range(body, series, w, z0, point) if isinstance(point, CriticalPoint) else point
             ),
         )
         adhesion.append((w, point, judged))

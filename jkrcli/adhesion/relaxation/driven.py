@@ -1,4 +1,4 @@
-"""A contact that relaxes in a device that does not hold its depth: a spring, or a load.
+"""A contact that relaxes in a device that does not prescribe its depth: a spring, or a load.
 
 position(delta, P) = x(t), with P and delta bound by the same sums as at a given depth, is an integral equation for
 delta(t); it is solved by collocation, in many steps at once, which grow after each corner of the program.
@@ -132,7 +132,7 @@ class Kernel:
 
 @dataclass(frozen=True, eq=False)
 class Drive:
-    """The device of ``stiffness`` [N/m] that holds ``x`` at the times ``t`` [s], 0 at first, and what it presses;
+    """The device of ``stiffness`` [N/m] at the positions ``x`` at the times ``t`` [s], 0 at first, and what it presses;
     ``ratio`` of times after a corner from step to step; ``grows``: see ``RelaxedPath``."""
 
     depths: Depths

@@ -301,12 +301,9 @@ class AdaptiveKernel:
                 f"{cost.unknowns} unknowns for {levels.count} right-hand sides, {duration(cost.seconds)} and "
                 f"{cost.memory_mib:.0f} MiB (limits {TUNING.most_seconds:g} s, {TUNING.most_mib:g} MiB): the contact "
                 f"is large against the nearest interface or side ({away} away); "
-                f"ask for a smaller contact or a larger hybrid.tolerance, or use method {self._instead}"
+                "ask for a smaller contact or a larger hybrid.tolerance, or use method "
+                f"{instead(self.indenter, self.specimen)}"
             )
-
-    @property
-    def _instead(self) -> str:
-        return "layered" if self.specimen.radius is None else fem_for(self.indenter)
 
     def expected_steps(self, levels: KernelLevels) -> float:
         """How many steps of the degree from the lowest on the tolerance will need."""
@@ -368,7 +365,7 @@ class AdaptiveKernel:
         raise Refusal(
             f"hybrid: the estimated relative error is {errors.total.max():.1e} with elements of degree {tried.degree}, "
             f"above the tolerance {self.tolerance:.1e}; {remedy}ask for a smaller contact radius or use method "
-            f"{self._instead}"
+            f"{instead(self.indenter, self.specimen)}"
         )
 
     def _first(self, levels: KernelLevels) -> int:
@@ -442,6 +439,11 @@ def _of_cut(region: Region) -> Array:
     if region.higher_order:
         return np.full(4, TUNING.cancelled)
     return np.where([False, True, False, False], 1.0, region.next_order)
+
+
+def instead(indenter: Indenter, specimen: Specimen) -> str:
+    """Another method as a remedy: ``layered`` without sides, else ``fem``."""
+    return "layered" if specimen.radius is None else fem_for(indenter)
 
 
 def fem_for(indenter: Indenter) -> str:

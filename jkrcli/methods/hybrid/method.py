@@ -24,7 +24,7 @@ from ..layered.layered import expected_radius
 from ..protocol import Forecast, without_tension
 from ..radii import check_radius
 from .adaptive import TUNING as REFINING
-from .adaptive import AdaptiveKernel, fem_for
+from .adaptive import AdaptiveKernel, fem_for, instead
 from .kernel import STEP, KernelLevels
 from .options import HybridOptions
 
@@ -174,8 +174,7 @@ def _unable(problem: Problem) -> str | None:
     if reason := without_tension(problem):
         return reason
     if problem.sticks:
-        other = "layered" if specimen.radius is None else fem_for(problem.indenter)
-        return f"the correction is for frictionless contact: use method {other}"
+        return f"the correction is for frictionless contact: use method {instead(problem.indenter, specimen)}"
     if specimen.is_half_space:
         return "a homogeneous half-space needs no correction: use method closed-form or layered"
     if specimen.radius is not None and isinstance(specimen.base, HalfSpace):
@@ -185,7 +184,7 @@ def _unable(problem: Problem) -> str | None:
     if isinstance(specimen.materials[0], Graded) and specimen.radius is None:
         return "the correction is not smooth where the modulus changes from the contact on: use method layered"
     if isinstance(specimen.materials[0], TransverselyIsotropic):
-        other = "layered" if specimen.radius is None else fem_for(problem.indenter)
+        other = instead(problem.indenter, specimen)
         return f"the exact part needs an isotropic material at the contact: use method {other}"
     return None
 

@@ -18,21 +18,8 @@ from jkrcli.base.unknown import known
 from jkrcli.case import Case, load_case
 from jkrcli.methods import METHODS
 from jkrcli.report.output import PICTURES
-from jkrcli.report.plots import (
-    BLACK,
-    BLUE,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    WIDE,
-    Axes,
-    Figure,
-    drawing,
-    legend_below,
-    log_ends,
-    log_ticks,
-    pretty,
-)
+from jkrcli.report.plots import Axes, Figure, drawing, legend_below, log_ends, log_ticks
+from jkrcli.report.plots.looks import BLACK, BLUE, GREEN, ORANGE, PURPLE, WIDE, pretty
 
 from .chart_measure import machine, yardstick
 from .chart_points import (

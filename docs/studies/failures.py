@@ -15,7 +15,8 @@ import numpy as np
 from jkrcli.base.table import as_json
 from jkrcli.methods import METHODS
 from jkrcli.report.output import PICTURES
-from jkrcli.report.plots import BLACK, BLUE, GREEN, ORANGE, PURPLE, Axes, Figure, drawing
+from jkrcli.report.plots import Axes, Figure, drawing
+from jkrcli.report.plots.looks import BLACK, BLUE, GREEN, ORANGE, PURPLE
 
 from .command import call, output_of, parser_of, pool_of
 from .failures_cells import AXES, BODIES, SHAPES, Cell

@@ -10,7 +10,8 @@ from dataclasses import fields
 import numpy as np
 
 from jkrcli.report.output import PICTURES
-from jkrcli.report.plots import BLUE, NARROW, ORANGE, WIDE, Figure, drawing, legend_below
+from jkrcli.report.plots import Figure, drawing, legend_below
+from jkrcli.report.plots.looks import BLUE, NARROW, ORANGE, WIDE
 
 from .command import call, output_of, parser_of, pool_of
 from .noise_cells import BODIES, METHODS, NOISE, POINTS, NoiseCell, noise_study

@@ -19,7 +19,8 @@ from jkrcli.data.measured.curve import APPROACH
 from jkrcli.identification.fit import Fit
 from jkrcli.identification.fit.force_curve import ForceCurveFit
 from jkrcli.report.output import PICTURES
-from jkrcli.report.plots import BLUE, ORANGE, WIDE, Axes, Figure, drawing, few_ticks
+from jkrcli.report.plots import Axes, Figure, drawing, few_ticks
+from jkrcli.report.plots.looks import BLUE, ORANGE, WIDE
 
 from .command import call, output_of, parser_of
 from .record_rivals import fitted, last, timed_scores

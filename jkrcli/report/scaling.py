@@ -1,4 +1,4 @@
-"""Units that make an adhesive curve dimensionless: Eq. 15, Eq. 19, or the user's own."""
+"""Units of an adhesive curve on axes, and those that make it dimensionless: Eq. 15, Eq. 19, or the user's own."""
 
 from __future__ import annotations
 
@@ -23,6 +23,10 @@ class Scales:
     delta: float
     a: float
     labels: tuple[str, str, str]
+
+    def label(self, name: str) -> str:
+        """The label of the axis of "delta", "P" or "a"."""
+        return self.labels[("delta", "P", "a").index(name)]
 
     def columns(self, result: Analysis) -> dict[str, Array]:
         """The curve without dimensions, with Eq. 15 as units: Eq. 16."""

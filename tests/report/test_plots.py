@@ -30,6 +30,7 @@ from jkrcli.case import store
 from jkrcli.many.cost import Cost
 from jkrcli.report import plots
 from jkrcli.report.map import Map
+from jkrcli.report.plots import looks
 from jkrcli.report.plots.curve import curve_figure, physical_units
 from jkrcli.report.plots.map import map_figure
 from jkrcli.report.plots.study import differences_figure
@@ -290,7 +291,7 @@ def test_figures_of_the_verbs_are_fit_for_print(
     assert figures
     for figure in figures:
         assert troubles(figure) == []
-        assert figure.get_size_inches()[0] in (plots.WIDE, plots.MIDDLE, plots.NARROW)
+        assert figure.get_size_inches()[0] in (looks.WIDE, looks.MIDDLE, looks.NARROW)
 
 
 @pytest.mark.slow

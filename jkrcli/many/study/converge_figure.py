@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base import Array, InputError, scale
-from ...report.plots import BLACK, BLUE, GREEN, LABELS, ORANGE, Figure, pretty
+from ...base import Array, InputError
+from ...report.plots import Figure
+from ...report.plots.looks import BLACK, BLUE, GREEN, ORANGE, axis_of
 from ...report.plots.study import Line, Panel, panels_figure
 from .meshes import Meshes
 
@@ -20,30 +21,29 @@ def convergence_figure(study: Meshes) -> Figure:
 
 def radius_panel(study: Meshes) -> Panel:
     """Contact radius at the depth of the study over the number of unknowns."""
-    unit, name = scale(study.levels[-1].state.a, "length")
+    unit, label = axis_of("a", study.levels[-1].state.a)
     unknowns = _unknowns(study)
     lines = [Line(unknowns, np.array(study.values("a"), dtype=float) / unit, "finite elements", "o-", ORANGE)]
     if study.exact is not None:
         lines.append(Line(unknowns, np.full(unknowns.size, study.exact.a / unit), "exact", "--", BLACK))
-    return Panel(UNKNOWNS, f"{LABELS['a']} ({pretty(name)})", lines, logs="x")
+    return Panel(UNKNOWNS, label, lines, logs="x")
 
 
 def curves_panel(study: Meshes) -> Panel:
     """Adhesive load over displacement of every mesh."""
-    held = [(level, level.state.curve) for level in study.levels if level.state.curve is not None]
-    if not held:
+    curves = [(level, level.state.curve) for level in study.levels if level.state.curve is not None]
+    if not curves:
         raise InputError("convergence: no mesh is fine enough for an adhesive curve: give finer meshes")
-    finest = held[-1][1]
-    delta_unit, delta_name = scale(float(np.max(np.abs(finest.delta))), "length")
-    P_unit, P_name = scale(float(np.max(np.abs(finest.P))), "load")
+    finest = curves[-1][1]
+    (delta_unit, delta_label), (P_unit, P_label) = axis_of("delta", finest.delta), axis_of("P", finest.P)
     lines = [
         Line(curve.delta / delta_unit, curve.P / P_unit, f"{level.unknowns} unknowns", "o", color)
-        for (level, curve), color in zip(held, COLORS * len(held), strict=False)
+        for (level, curve), color in zip(curves, COLORS * len(curves), strict=False)
     ]
     if study.exact is not None and study.exact.curve is not None:
         exact = study.exact.curve
         lines.append(Line(exact.delta / delta_unit, exact.P / P_unit, "exact", "-", BLACK))
-    return Panel(f"{LABELS['delta']} ({pretty(delta_name)})", f"{LABELS['P']} ({pretty(P_name)})", lines)
+    return Panel(delta_label, P_label, lines)
 
 
 def errors_panel(study: Meshes) -> Panel:
@@ -63,9 +63,9 @@ def errors_panel(study: Meshes) -> Panel:
 def cost_panel(study: Meshes) -> Panel:
     """Points kept and CPU seconds over the number of unknowns."""
     unknowns = _unknowns(study)
-    kept = np.array([level.kept for level in study.levels], dtype=float)
+    counts = np.array([level.kept for level in study.levels], dtype=float)
     seconds = np.array([level.seconds for level in study.levels])
-    points, time = Line(unknowns, kept, "points kept", "o-", ORANGE), Line(unknowns, seconds, "CPU time", "s--", BLUE)
+    points, time = Line(unknowns, counts, "points kept", "o-", ORANGE), Line(unknowns, seconds, "CPU time", "s--", BLUE)
     return Panel(UNKNOWNS, "points kept", [points], logs="xy", right=("CPU time (s)", time))
 
 

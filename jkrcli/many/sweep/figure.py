@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...base import Array, scale, show
-from ...report.plots import COLORS, LABELS, Figure, pretty
+from ...report.plots import Figure
+from ...report.plots.looks import COLORS, LABELS, pretty
 from ...report.plots.study import Line, Panel, panels_figure
 from .plan import Plan
 from .table import SweepTable
@@ -19,32 +19,21 @@ MARKS = "os^Dvx"  # of lines in this order: one that covers another shows it
 DIMENSIONS = {"_N": "load", "_J_per_m2": "work", "_Pa": "modulus", "_m": "length"}
 
 
-@dataclass(frozen=True)
-class SweepPicture:
-    """What of a sweep is drawn, and how."""
-
-    widely: float = 5.0  # choice: ratio of the ends of an axis from which on it is logarithmic
-    shown: int = 2  # choice: results that are drawn, a panel for each
-
-
-TUNING = SweepPicture()
-
-
 def sweep_figure(plan: Plan, table: SweepTable) -> Figure | None:
-    """Forces where there are some, else the first results; other axes at their first value, which the title says. None
-    where no axis or no result is a number."""
+    """Forces where there are some, else the first results, at most two of them; other axes at their first value, which
+    the title says. None where no axis or no result is a number."""
     numbers = dict(_numbers(table))
     axes = sorted(_axes(plan, numbers), key=lambda name: -np.unique(numbers[name]).size)
     results = [name for name in plan.recipe.wanted.columns if name in numbers and "err" not in name]
-    results = ([name for name in results if name.endswith(".P_N")] or results)[: TUNING.shown]
+    results = ([name for name in results if name.endswith(".P_N")] or results)[:2]
     if not axes or not results:
         return None
     x, *others = axes
     first = {name: numbers[name][0] for name in others[1:]}
     rows = np.logical_and.reduce([np.isfinite(numbers[x]), *(numbers[name] == at for name, at in first.items())])
-    held = {name: values[rows] for name, values in numbers.items()}
+    shown = {name: values[rows] for name, values in numbers.items()}
     joint = any(x in plan.key_columns and len(axis.keys) > 1 for axis in plan.axes)
-    panels = [_panel(held, x, others[:1], name, "" if joint else "-") for name in results]
+    panels = [_panel(shown, x, others[:1], name, "" if joint else "-") for name in results]
     return panels_figure(panels, ", ".join(_value(name, at) for name, at in first.items()))
 
 
@@ -63,24 +52,24 @@ def _axes(plan: Plan, numbers: Mapping[str, Array]) -> Iterator[str]:
         yield from [name for name in names if name in numbers and np.unique(numbers[name]).size > 1][:1]
 
 
-def _panel(held: Mapping[str, Array], x: str, beside: list[str], y: str, style: str) -> Panel:
-    (along, x_label), (up, y_label) = (_scaled(held, name) for name in (x, y))
-    groups = np.unique(held[beside[0]])[: len(COLORS)] if beside else [None]
+def _panel(columns: Mapping[str, Array], x: str, beside: list[str], y: str, style: str) -> Panel:
+    (along, x_label), (up, y_label) = (_scaled(columns, name) for name in (x, y))
+    groups = np.unique(columns[beside[0]])[: len(COLORS)] if beside else [None]
     lines = []
     for at, color, mark in zip(groups, COLORS, MARKS, strict=False):
-        rows = np.flatnonzero(held[beside[0]] == at) if beside else np.arange(along.size)
+        rows = np.flatnonzero(columns[beside[0]] == at) if beside else np.arange(along.size)
         rows = rows[np.argsort(along[rows], kind="stable")]
         lines.append(Line(along[rows], up[rows], _value(beside[0], at) if beside else "", mark + style, color))
-    wide = along.min() > 0 and along.max() > TUNING.widely * along.min()
+    wide = 0 < 5 * along.min() < along.max()
     title = f"{match[1]} control" if (match := PULL_OFF.match(y)) else ""
     return Panel(x_label, y_label, lines, title, logs="x" if wide else "")
 
 
-def _scaled(held: Mapping[str, Array], column: str) -> tuple[Array, str]:
+def _scaled(columns: Mapping[str, Array], column: str) -> tuple[Array, str]:
     """A column in the unit that people would use, and the label of its axis."""
     stem, dimension = _split(column)
-    factor, unit = scale(float(np.nanmax(np.abs(held[column]))), dimension)
-    return held[column] / factor, f"{_words(stem)} ({pretty(unit)})" if unit else _words(stem)
+    factor, unit = scale(float(np.nanmax(np.abs(columns[column]))), dimension)
+    return columns[column] / factor, f"{_words(stem)} ({pretty(unit)})" if unit else _words(stem)
 
 
 def _words(stem: str) -> str:

@@ -11,7 +11,8 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from ... import __version__
-from ...base import Array, atomic, printable, scale
+from ...base import Array, atomic, printable
+from .looks import COLORS, WIDE
 from .quick import without_tables
 
 with without_tables():
@@ -26,10 +27,7 @@ with without_tables():
     from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
     from matplotlib.transforms import ScaledTranslation
 
-WIDE, MIDDLE, NARROW = 7.0, 4.8, 3.4  # two columns of a journal, one and a half, one [inch]: printed unscaled
-LARGER = 0.3  # choice: of the way of a record, below which its contact is drawn once more, larger
 DPI = 300  # choice: of PNG files
-PNG = {"compress_level": 3}  # choice: two thirds of the time of the default, a seventh larger
 STYLE: dict[Any, Any] = {
     "font.size": 9,
     "axes.titlesize": 9,
@@ -50,11 +48,6 @@ STYLE: dict[Any, Any] = {
     "svg.hashsalt": "jkr",
     "svg.fonttype": "none",  # text stays text: it can be searched, copied and set in another font
 }
-# Okabe and Ito's palette: told apart by colour-blind readers, and by line style or marker in grey.
-BLUE, ORANGE, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
-PURPLE, SKY = "#CC79A7", "#56B4E9"
-LABELS = {"delta": r"displacement $\delta$", "P": "load $P$", "a": "contact radius $a$"}
-COLORS = (BLUE, ORANGE, GREEN, PURPLE, SKY, BLACK)
 Box: TypeAlias = tuple[float, float, float, float]  # left, bottom, width, height, of the axes
 
 
@@ -84,9 +77,25 @@ def drawing(
 
 
 @contextlib.contextmanager
-def pair(title: str = "") -> Iterator[tuple[Figure, list[Axes]]]:
-    """Two panels beside each other over a legend, in a fixed frame: the same from picture to picture, and at no cost,
-    where finding one takes a fifth of the drawing. Its margins hold labels of six digits."""
+def panelled(
+    width: float, height: float, count: int = 1, columns: int = 0, legend: int = 0, grid: bool = True
+) -> Iterator[tuple[Figure, list[Axes]]]:
+    """A figure [inch] of ``count`` panels, row by row in so many ``columns`` (0: in one row), with or without a
+    ``grid``, over one ``legend`` for all of them of so many columns (0: none)."""
+    columns = columns or count
+    with drawing(width, height, {"axes.grid": grid}) as figure:
+        panels = list(figure.subplots(-(-count // columns), columns, squeeze=False).ravel())
+        for panel in panels[count:]:
+            panel.set_axis_off()
+        yield figure, panels[:count]
+        if legend:
+            legend_below(figure, panels[:count], legend)
+
+
+@contextlib.contextmanager
+def pair(legend: int, title: str = "") -> Iterator[tuple[Figure, list[Axes]]]:
+    """Two panels beside each other over a ``legend`` of so many columns, in a fixed frame: the same from picture to
+    picture, and at no cost, where finding one takes a fifth of the drawing. Its margins hold labels of six digits."""
     with drawing(WIDE, 3.4, layout=None) as figure:
         frame = {"left": 0.1, "right": 0.985, "wspace": 0.3, "top": 0.87 if title else 0.94}
         panels = list(figure.subplots(1, 2, gridspec_kw=frame))
@@ -94,6 +103,7 @@ def pair(title: str = "") -> Iterator[tuple[Figure, list[Axes]]]:
         for axes in panels:
             few_ticks(axes, 6)
         yield figure, panels
+        legend_below(figure, panels, legend)
 
 
 def few_ticks(axes: Axes, most: int) -> None:
@@ -115,23 +125,24 @@ def enlarged(axes: Axes, x: Array, y: Array, level: float) -> Axes:
 def inset(axes: Axes, place: Box, x: Array, y: Array, margin: float, letters: float) -> Axes:
     """An inset at a ``place`` with limits around the points ``x, y``, ``margin`` of their extent away, and with small
     ``letters`` at its ticks."""
-    found = axes.inset_axes(place)
-    for values, limit in ((x, found.set_xlim), (y, found.set_ylim)):
-        limit(values.min() - margin * np.ptp(values), values.max() + margin * np.ptp(values))
-    found.tick_params(labelsize=letters, pad=1.5, length=2)
-    few_ticks(found, 3)
-    return found
+    within = axes.inset_axes(place)
+    within.set(xlim=ends(x, margin), ylim=ends(y, margin))
+    within.tick_params(labelsize=letters, pad=1.5, length=2)
+    few_ticks(within, 3)
+    return within
 
 
-def pretty(text: str) -> str:
-    """Units as they are typeset."""
-    return text.replace("^2", "²").replace("um", "µm").replace("uN", "µN").replace("uJ", "µJ")
+def zero_lines(axes: Axes) -> None:
+    """Both axes through zero."""
+    axes.axhline(0, color="0.7", lw=0.6)
+    axes.axvline(0, color="0.7", lw=0.6)
 
 
-def unit_of(dimension: str, *values: Array) -> tuple[float, str]:
-    """The unit that the largest of ``values`` [SI] asks for, in SI and as it is typeset."""
-    factor, unit = scale(max(float(np.max(np.abs(each))) for each in values), dimension)
-    return factor, pretty(unit)
+def ends(values: Array, margin: float, above: float | None = None) -> tuple[float, float]:
+    """Ends of an axis a ``margin`` of their extent beyond ``values``; ``above``: that over the largest, where it is
+    another."""
+    low, high = float(np.min(values)), float(np.max(values))
+    return low - margin * (high - low), high + (margin if above is None else above) * (high - low)
 
 
 def legend_below(figure: Figure, axes: Iterable[Axes], ncols: int) -> None:
@@ -183,7 +194,7 @@ def save(figure: Figure, paths: Iterable[Path]) -> None:
 
     Its layout is computed once, for the resolution of print; ``savefig`` would do so for every file, and draw twice.
     """
-    mark = f"jkr {__version__}"
+    mark, quick = f"jkr {__version__}", {"compress_level": 3}  # two thirds of the default's time, a seventh larger
     with style(), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)  # drawn as a box
         for text in figure.findobj(Text):
@@ -197,6 +208,6 @@ def save(figure: Figure, paths: Iterable[Path]) -> None:
             with atomic(path) as temporary:
                 if path.suffix == ".png":
                     figure.set_dpi(DPI)  # SVG has 72
-                    png.print_png(temporary, metadata={"Software": mark}, pil_kwargs=PNG)  # type: ignore[no-untyped-call]
+                    png.print_png(temporary, metadata={"Software": mark}, pil_kwargs=quick)  # type: ignore[no-untyped-call]
                 else:
                     svg.print_svg(temporary, metadata={"Creator": mark, "Date": None})  # type: ignore[no-untyped-call]

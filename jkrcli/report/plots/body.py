@@ -14,7 +14,8 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
 from ...base import Array, scale, show
-from . import BLACK, BLUE, ORANGE, WIDE, Axes, Figure, drawing, legend_below, pretty, unit_of
+from . import Axes, Figure, drawing, ends, legend_below, panelled
+from .looks import BLACK, BLUE, ORANGE, WIDE, pretty, unit_of
 
 if TYPE_CHECKING:
     from ...bodies import Indenter
@@ -22,9 +23,8 @@ if TYPE_CHECKING:
     from ...methods.fem.state import ContactState
 
 
-# Of the contact zone as it is drawn, in contact radii; of each layer's area there, whose stresses colours tell apart:
+# Of the contact zone as it is drawn, in contact radii:
 ASIDE, DEEP, HIGH = 2.0, 1.6, 0.75  # choice: the window to both sides of the axis, below the surface and above it
-COVERED = 0.98  # choice: all but what is singular at the edge
 SYMBOLS = {
     "rr": r"$\sigma_{rr}$", "tt": r"$\sigma_{\theta\theta}$", "zz": r"$\sigma_{zz}$", "rz": r"$\sigma_{rz}$",
     "mises": "von Mises stress",
@@ -40,11 +40,9 @@ def contact_zone_figure(state: ContactState, indenter: Indenter, w: float, compo
         factor = magnification(state)
         _stress(figure, axes, state, component, factor, length)
         _outlines(axes, state, indenter, factor, length)
-        axes.set_xlim(-ASIDE * state.a / length, ASIDE * state.a / length)
-        axes.set_ylim(-depth / length, HIGH * state.a / length)
-        axes.set_aspect("equal")
-        axes.set_xlabel(f"$r$ ({pretty(unit)})")
-        axes.set_ylabel(f"$z$ ({pretty(unit)})")
+        aside, top = ASIDE * state.a / length, HIGH * state.a / length
+        axes.set(xlim=(-aside, aside), ylim=(-depth / length, top), aspect="equal")
+        axes.set(xlabel=f"$r$ ({pretty(unit)})", ylabel=f"$z$ ({pretty(unit)})")
         drawn = "" if factor == 1 else f", displacements × {factor:g}"
         words = [show(state.a, "length"), show(w, "work"), show(state.P, "load")]
         a, work, P = (pretty(word).replace("-", "\N{MINUS SIGN}") for word in words)
@@ -95,8 +93,8 @@ def component_of(state: ContactState, component: str) -> Array:
 
 
 def _limits(state: ContactState, values: Array) -> tuple[float, float]:
-    """Stresses that bound ``COVERED`` of each layer in the window, so that a thin one is seen beside the others;
-    those at the edge of an adhesive contact are infinite."""
+    """Stresses that bound 98 % of each layer in the window, so that a thin one is seen beside the others; those at the
+    edge of an adhesive contact are infinite."""
     grid = state.grid
     corners = grid.points[grid.cells]
     seen = _within(corners.mean(axis=1), state.a)
@@ -106,13 +104,13 @@ def _limits(state: ContactState, values: Array) -> tuple[float, float]:
 
 
 def _bounds(corners: Array, values: Array, inside: Array) -> tuple[float, float]:
-    """The stresses that bound ``COVERED`` of the area of the cells ``inside``."""
+    """The stresses that bound 98 % of the area of the cells ``inside``."""
     first, second = corners[inside, 1] - corners[inside, 0], corners[inside, 2] - corners[inside, 0]
     area = np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
     middle = values[inside].mean(axis=1)
     order = np.argsort(middle)
     share = np.cumsum(area[order]) / area.sum()
-    low, high = np.interp([(1 - COVERED) / 2, (1 + COVERED) / 2], share, middle[order])
+    low, high = np.interp([0.01, 0.99], share, middle[order])
     return float(low), float(high)
 
 
@@ -122,11 +120,12 @@ def _outlines(axes: Axes, state: ContactState, indenter: Indenter, factor: float
     surface = _moved_line(state, 0.0, factor)
     r = np.linspace(0, min(1.2 * ASIDE * state.a, indenter.r_max * (1 - 1e-9)), 400)
     # drawn displacements are larger than they are: the indenter is drawn where they take the points it touches
-    across = r + factor * np.interp(np.minimum(r, state.a), *_radial(state))
+    rows = _line(state, 0.0)
+    of_surface, moved = state.grid.points[rows, 0], state.displacement[rows, 0]
+    across = r + factor * np.interp(np.minimum(r, state.a), of_surface, moved)
     height = factor * (indenter.f(r) - state.delta)
     if indenter.material is not None:  # an elastic one follows the surface it touches, and about a punch's beyond
-        rows = _line(state, 0.0)
-        follows = np.interp(np.minimum(r, state.a), state.grid.points[rows, 0], surface[:, 1])
+        follows = np.interp(np.minimum(r, state.a), of_surface, surface[:, 1])
         edge_off = follows[-1] - factor * (float(indenter.f(np.array(state.a))) - state.delta)
         beyond = edge_off * 2 / np.pi * np.arcsin(state.a / np.maximum(r, state.a))
         height = np.where(r <= state.a, follows, height + beyond)
@@ -157,12 +156,6 @@ def _moved_line(state: ContactState, depth: float, factor: float) -> Array:
     return state.grid.points[rows] + factor * state.displacement[rows]
 
 
-def _radial(state: ContactState) -> tuple[Array, Array]:
-    """Radii and radial displacements of the surface [m]."""
-    rows = _line(state, 0.0)
-    return state.grid.points[rows, 0], state.displacement[rows, 0]
-
-
 def _interface_vertices(state: ContactState) -> Array:
     """Vertices that stand twice, once for each layer."""
     _, first, count = np.unique(state.grid.points, axis=0, return_index=True, return_counts=True)
@@ -173,8 +166,8 @@ def mesh_figure(grid: Grid, reach: float) -> Figure:
     """The whole body and its contact zone; ``reach`` [m]: radius out to which contact is expected."""
     zone = min(1.5 * reach, grid.width), min(1.5 * reach, grid.depth)
     tallest = max(grid.depth / grid.width, zone[1] / zone[0])
-    with drawing(WIDE, 1.0 + float(np.clip(0.42 * WIDE * tallest, 0.6, 5.0)), {"axes.grid": False}) as figure:
-        left, right = figure.subplots(1, 2)
+    height = 1.0 + float(np.clip(0.42 * WIDE * tallest, 0.6, 5.0))
+    with panelled(WIDE, height, 2, legend=1, grid=False) as (figure, [left, right]):
         _cells(left, grid, grid.width, grid.depth)
         left.set_title(f"whole body, {len(grid.cells):,} {grid.element}s")
         _cells(right, grid, *zone)
@@ -182,7 +175,6 @@ def mesh_figure(grid: Grid, reach: float) -> Figure:
         factor = scale(zone[0], "length")[0]
         right.plot([0, reach / factor], [0, 0], color=ORANGE, lw=2.5, solid_capstyle="butt", clip_on=False,
                    label="contact expected")  # fmt: skip
-        legend_below(figure, [right], 1)
         return figure
 
 
@@ -194,21 +186,17 @@ def _cells(axes: Axes, grid: Grid, width: float, depth: float) -> None:
     colors = [("#DCEAF4", "#FBE3D0", "#D9EFE4", "#F3E1EC", "#F7F3C8", "#E4E4E4")[i % 6] for i in grid.materials[shown]]
     line = float(np.clip(30 / np.sqrt(shown.sum() + 1), 0.03, 0.6))
     axes.add_collection(PolyCollection(corners[shown] / factor, facecolors=colors, edgecolors="0.25", linewidths=line))
-    axes.set_xlim(0, width / factor)
-    axes.set_ylim(-depth / factor, 0)
-    axes.set_aspect("equal")
+    axes.set(xlim=(0, width / factor), ylim=(-depth / factor, 0), aspect="equal")
     if depth < 0.1 * width:  # no room for two labels
         axes.set_yticks([-depth / factor], [f"\N{MINUS SIGN}{depth / factor:.3g}"])
     else:
         axes.yaxis.set_major_locator(MaxNLocator(int(np.clip(12 * depth / width, 2, 8))))
-    axes.set_xlabel(f"$r$ ({pretty(unit)})")
-    axes.set_ylabel(f"$z$ ({pretty(unit)})")
+    axes.set(xlabel=f"$r$ ({pretty(unit)})", ylabel=f"$z$ ({pretty(unit)})")
 
 
 def profile_figure(columns: Mapping[str, Array], a: float, w: float) -> Figure:
     """Pressure inside, and the surfaces of specimen and indenter around a contact of radius ``a`` [m]."""
-    with drawing(WIDE, 3.2) as figure:
-        left, right = figure.subplots(1, 2)
+    with panelled(WIDE, 3.2, 2) as (figure, [left, right]):
         length, unit = scale(a, "length")
         _pressure(left, columns, a / length, length)
         _surfaces(right, columns, a / length, length)
@@ -231,9 +219,7 @@ def _pressure(axes: Axes, columns: Mapping[str, Array], a: float, length: float)
         axes.plot(r[r < a], columns["shear_Pa"][r < a] / factor, "--", color=ORANGE, label="shear, outwards")
         axes.legend(frameon=False)
     _edge(axes, a)
-    low, high = min(0.0, float(np.min(p[seen]))), max(0.0, float(np.max(p[seen])))
-    axes.set_ylim(low - 0.1 * (high - low), high + 0.1 * (high - low))
-    axes.set_ylabel(f"contact pressure ({unit})")
+    axes.set(ylim=ends(np.append(p[seen], 0.0), 0.1), ylabel=f"contact pressure ({unit})")
 
 
 def _surfaces(axes: Axes, columns: Mapping[str, Array], a: float, length: float) -> None:
@@ -244,9 +230,7 @@ def _surfaces(axes: Axes, columns: Mapping[str, Array], a: float, length: float)
     axes.plot(r, height, color=BLUE, label="specimen")
     axes.plot(r, height + columns["gap_m"] / factor, "--", color=BLACK, label="indenter")
     _edge(axes, a)
-    low, high = float(np.min(height)), float(np.max(height))
-    axes.set_ylim(low - 0.1 * (high - low), high + 0.8 * (high - low))
-    axes.set_ylabel(f"height ({unit})")
+    axes.set(ylim=ends(height, 0.1, 0.8), ylabel=f"height ({unit})")
 
 
 def _edge(axes: Axes, a: float) -> None:

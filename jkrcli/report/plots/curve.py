@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,8 @@ from ...adhesion.stability import GRIPPED, STABLE, UNSTABLE
 from ...base import Array, show
 from ...beside import Analysis
 from ..scaling import Scales
-from . import BLACK, BLUE, GREEN, LABELS, ORANGE, Axes, Box, Figure, colors, inset, legend_below, pair, pretty, unit_of
+from . import Axes, Box, Figure, colors, ends, inset, pair, zero_lines
+from .looks import BLACK, BLUE, GREEN, LABELS, ORANGE, axis_of, pretty, unit_of
 
 BRANCHES = {STABLE: ("o-", ""), GRIPPED: ("--", "stable under displacement control only"), UNSTABLE: (":", "unstable")}
 PHASES = {  # colour, width and words; the last drawn the thinnest
@@ -29,124 +29,93 @@ PANELS: tuple[tuple[str, str, Box], ...] = (  # x, y, and where no curve passes:
 )
 
 
-@dataclass(frozen=True)
-class Units:
-    """What an axis is divided by, and its labels: delta, P, a."""
-
-    delta: float
-    P: float
-    a: float
-    labels: tuple[str, str, str]
-
-    def label(self, name: str) -> str:
-        """The label of the axis of "delta", "P" or "a"."""
-        return self.labels[("delta", "P", "a").index(name)]
-
-
-def physical_units(curve: EquilibriumCurve) -> Units:
+def physical_units(curve: EquilibriumCurve) -> Scales:
     """People's units, chosen by the magnitude of all that is drawn."""
-    dimensions = {"delta": "length", "P": "load", "a": "length"}
-    units = {name: unit_of(kind, *(getattr(one, name) for one in (curve.series, curve)))
-             for name, kind in dimensions.items()}  # fmt: skip
-    of_delta, of_P, of_a = (f"{LABELS[name]} ({unit})" for name, (_, unit) in units.items())
-    delta, P, a = (factor for factor, _ in units.values())
-    return Units(delta, P, a, (of_delta, of_P, of_a))
+    (delta, of_delta), (P, of_P), (a, of_a) = (
+        axis_of(name, getattr(curve.series, name), getattr(curve, name)) for name in ("delta", "P", "a")
+    )
+    return Scales("SI", P, delta, a, (of_delta, of_P, of_a))
 
 
-def units_of(scales: Scales) -> Units:
-    """The axes of a dimensionless curve."""
-    return Units(scales.delta, scales.P, scales.a, scales.labels)
-
-
-def curve_figure(result: Analysis, units: Units) -> Figure:
+def curve_figure(result: Analysis, units: Scales) -> Figure:
     """The paper's Fig. 5, nonadhesive and adhesive; insets show the tension where it is small against the loads."""
-    with pair() as (figure, panels):
+    with pair(3) as (figure, panels):
         for axes, (x, y, empty) in zip(panels, PANELS, strict=True):
             _draw(axes, result, units, x, y)
-            axes.set_xlabel(units.label(x))
-            axes.set_ylabel(units.label(y))
+            axes.set(xlabel=units.label(x), ylabel=units.label(y))
             if _dwarfed(result.curve):
                 _enlarge(axes, result, units, x, y, empty)
-        legend_below(figure, panels, 3)
         return figure
 
 
-def curves_figure(results: Sequence[Analysis], units: Units) -> Figure:
+def curves_figure(results: Sequence[Analysis], units: Scales) -> Figure:
     """The adhesive curves of one body for several works of adhesion over its nonadhesive one: their tension and three
     times as much compression, where the loads of the series dwarf it."""
     tension = max(-float(np.min(result.curve.P)) for result in results)
     near = [np.abs(result.curve.P) <= 3 * tension for result in results]
-    with pair() as (figure, panels):
+    with pair(4) as (figure, panels):
         for axes, (x, y, _) in zip(panels, PANELS, strict=True):
-            axes.axhline(0, color="0.7", lw=0.6)
-            axes.axvline(0, color="0.7", lw=0.6)
-            series = results[0].curve.series
-            axes.plot(_of(series, x, units), _of(series, y, units), color="0.6", lw=2.4, label="nonadhesive")
+            zero_lines(axes)
+            axes.plot(*_xy(results[0].curve.series, units, x, y), color="0.6", lw=2.4, label="nonadhesive")
             for result, color in zip(results, colors(len(results)), strict=False):
                 label = f"$w$ = {pretty(show(result.w, 'work'))}"
-                axes.plot(_of(result.curve, x, units), _of(result.curve, y, units), color=color, lw=1.2, label=label)
+                axes.plot(*_xy(result.curve, units, x, y), color=color, lw=1.2, label=label)
                 point = result.pull_off["load"]
                 if isinstance(point, CriticalPoint):
-                    axes.plot(_of(point, x, units), _of(point, y, units), "o", color=color, ms=4)
-            axes.set_xlabel(units.label(x))
-            axes.set_ylabel(units.label(y))
+                    axes.plot(*_xy(point, units, x, y), "o", color=color, ms=4)
+            axes.set(xlabel=units.label(x), ylabel=units.label(y))
             if any(_dwarfed(result.curve) for result in results):
-                for name, limit in ((x, axes.set_xlim), (y, axes.set_ylim)):
-                    shown = [_of(result.curve, name, units)[rows] for result, rows in zip(results, near, strict=True)]
-                    low, high = min(map(np.min, shown)), max(map(np.max, shown))
-                    limit(low - 0.05 * (high - low), high + 0.05 * (high - low))
-        legend_below(figure, panels, 4)
+                shown = [_xy(result.curve, units, x, y)[:, rows] for result, rows in zip(results, near, strict=True)]
+                across, up = np.hstack(shown)
+                axes.set(xlim=ends(across, 0.05), ylim=ends(up, 0.05))
         return figure
 
 
-def _draw(axes: Axes, result: Analysis, units: Units, x: str, y: str) -> None:
+def _draw(axes: Axes, result: Analysis, units: Scales, x: str, y: str) -> None:
     """All lines of a panel, with their labels for the legend."""
     curve = result.curve
-    axes.axhline(0, color="0.7", lw=0.6)
-    axes.axvline(0, color="0.7", lw=0.6)
+    zero_lines(axes)
     if result.comparison is not None:
         exact = result.comparison.exact
         shown = exact.a <= curve.a[-1]
-        for held, label in ((exact.series, "closed form"), (exact, None)):
-            axes.plot(_of(held, x, units)[shown], _of(held, y, units)[shown], color="0.75", lw=3.5, label=label)
-    axes.plot(_of(curve.series, x, units), _of(curve.series, y, units), "s-", color=BLUE, ms=3, mfc="none", lw=1.0,
-              markevery=SPACING, label=f"nonadhesive ({result.solution.method})")  # fmt: skip
+        for points, label in ((exact.series, "closed form"), (exact, None)):
+            axes.plot(*_xy(points, units, x, y)[:, shown], color="0.75", lw=3.5, label=label)
+    axes.plot(*_xy(curve.series, units, x, y), "s-", color=BLUE, ms=3, mfc="none", lw=1.0, markevery=SPACING,
+              label=f"nonadhesive ({result.solution.method})")  # fmt: skip
     _band(axes, curve, units, x, y)
     _by_stability(axes, result, units, x, y)
     point = result.pull_off["load"]
     if isinstance(point, CriticalPoint):
-        axes.plot(_of(point, x, units), _of(point, y, units), "o", color=BLACK, ms=4, zorder=3,
-                  label="pull-off (load control)")  # fmt: skip
+        axes.plot(*_xy(point, units, x, y), "o", color=BLACK, ms=4, zorder=3, label="pull-off (load control)")
 
 
-def _of(held: Any, name: str, units: Units) -> Array:
-    """A column of a curve or a series, or what a point has of it, in the units of its axis."""
-    return getattr(held, name) / getattr(units, name)
+def _xy(points: Any, units: Scales, *names: str) -> Array:
+    """The columns ``names`` of a curve or a series, or what a point has of them, in the units of their axes."""
+    return np.array([getattr(points, name) / getattr(units, name) for name in names])
 
 
-def _band(axes: Axes, curve: EquilibriumCurve, units: Units, x: str, y: str) -> None:
+def _band(axes: Axes, curve: EquilibriumCurve, units: Scales, x: str, y: str) -> None:
     """The 90 % band of P, where its half-width is a hundredth of the axis, enough to be seen."""
     if not curve.errors or np.max(curve.errors["P"]) < 0.01 * np.ptp(curve.P):
         return
-    ends = [(curve.P + sign * curve.errors["P"]) / units.P for sign in (-1, 1)]
+    limits = [(curve.P + sign * curve.errors["P"]) / units.P for sign in (-1, 1)]
     style: dict[str, Any] = {"color": ORANGE, "alpha": 0.25, "lw": 0, "label": "90 % band of $P$"}
     if y == "P":
-        axes.fill_between(_of(curve, x, units), *ends, **style)
+        axes.fill_between(*_xy(curve, units, x), *limits, **style)
     else:
-        axes.fill_betweenx(_of(curve, y, units), *ends, **style)
+        axes.fill_betweenx(*_xy(curve, units, y), *limits, **style)
 
 
-def _by_stability(axes: Axes, result: Analysis, units: Units, x: str, y: str) -> None:
+def _by_stability(axes: Axes, result: Analysis, units: Scales, x: str, y: str) -> None:
     """Solid where stable under any control, dashed where only a stiff device holds the contact, dotted where none."""
-    line, words = (_of(result.curve, x, units), _of(result.curve, y, units)), branch(result.curve)
+    line, words = _xy(result.curve, units, x, y), branch(result.curve)
     style: dict[str, Any] = {"color": ORANGE, "ms": 3, "mfc": "none", "lw": 1.2}
     for word, (look, label) in BRANCHES.items():
         if word == STABLE or word in words:
             axes.plot([], [], look, label=label or f"adhesive, $w$ = {pretty(show(result.w, 'work'))}", **style)
-    ends = [0, *(np.flatnonzero(words[1:] != words[:-1]) + 1), len(words)]
-    for first, last in itertools.pairwise(ends):
-        part = slice(first, last + 1)  # to the first point of the next part: no gaps
-        axes.plot(line[0][part], line[1][part], BRANCHES[str(words[first])][0], markevery=SPACING, **style)
+    changes = [0, *(np.flatnonzero(words[1:] != words[:-1]) + 1), len(words)]
+    for first, last in itertools.pairwise(changes):  # to the first point of the next part: no gaps
+        axes.plot(*line[:, first : last + 1], BRANCHES[str(words[first])][0], markevery=SPACING, **style)
 
 
 def _dwarfed(curve: EquilibriumCurve) -> bool:
@@ -155,11 +124,11 @@ def _dwarfed(curve: EquilibriumCurve) -> bool:
     return least < 0 and -least < 0.2 * (most - least)
 
 
-def _enlarge(axes: Axes, result: Analysis, units: Units, x: str, y: str, place: Box) -> None:
+def _enlarge(axes: Axes, result: Analysis, units: Scales, x: str, y: str, place: Box) -> None:
     """An inset with the loads between the largest tension and as much compression."""
     curve = result.curve
     near = np.abs(curve.P) <= -np.min(curve.P)
-    across, up = (_of(curve, name, units)[near] for name in (x, y))
+    across, up = _xy(curve, units, x, y)[:, near]
     _draw(inset(axes, place, across, up, 0.1, 7), result, units, x, y)
 
 
@@ -171,22 +140,17 @@ def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
     over = "device_m" if "device_m" in columns else "delta_m"
     soft = not np.array_equal(columns[over], columns["delta_m"])
     name = r"device position $\delta + P/k$" if soft else LABELS["delta"]
-    with pair(title) as (figure, panels):
+    with pair(4, title) as (figure, panels):
         length, x_unit = unit_of("length", columns[over])
         x = columns[over] / length
-        for axes, column, dimension, label in (
-            (panels[0], "P_N", "load", LABELS["P"]),
-            (panels[1], "a_m", "length", LABELS["a"]),
-        ):
-            factor, y_unit = unit_of(dimension, columns[column])
+        for axes, quantity, column in ((panels[0], "P", "P_N"), (panels[1], "a", "a_m")):
+            factor, label = axis_of(quantity, columns[column])
             y = columns[column] / factor
             _phases(axes, x, y, columns)
             axes.axhline(0, color="0.7", lw=0.6, zorder=0)
-            axes.set_xlabel(f"{name} ({x_unit})")
-            axes.set_ylabel(f"{label} ({y_unit})")
-            if column == "P_N" and 0 < -y.min() < 0.2 * np.ptp(y):
+            axes.set(xlabel=f"{name} ({x_unit})", ylabel=label)
+            if quantity == "P" and 0 < -y.min() < 0.2 * np.ptp(y):
                 _enlarge_loop(axes, x, y, columns)
-        legend_below(figure, panels, 4)
         return figure
 
 

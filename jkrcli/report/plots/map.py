@@ -7,7 +7,8 @@ from matplotlib.ticker import ScalarFormatter
 
 from ...base import Array, scale
 from ..map import IMAGES, Map
-from . import WIDE, Axes, Figure, drawing, pretty
+from . import Axes, Figure, panelled
+from .looks import WIDE, pretty
 
 LABELS = {
     "E_star": "$E^*$",
@@ -16,29 +17,26 @@ LABELS = {
     "adhesion_force": "adhesion force",
     "quality": "quality",
 }
-SPREAD = (2, 98)  # choice: percentiles at the ends of a colour bar, so that single pixels do not flatten the rest
 
 
-def map_figure(held: Map) -> Figure:
+def map_figure(scan: Map) -> Figure:
     """Five images over the positions of the curves."""
-    with drawing(WIDE, 4.0, {"axes.grid": False}) as figure:
-        panels = figure.subplots(2, 3).ravel()
-        for i, (panel, (name, image)) in enumerate(zip(panels, held.images.items(), strict=False)):
-            _image(figure, panel, held, name, image)
-            _, word = _length(held)
-            panel.set_xlabel(f"$x$ ({word})" if i + 3 >= len(held.images) else "")
+    with panelled(WIDE, 4.0, len(scan.images), columns=3, grid=False) as (figure, panels):
+        for i, (panel, (name, image)) in enumerate(zip(panels, scan.images.items(), strict=False)):
+            _image(figure, panel, scan, name, image)
+            _, word = _length(scan)
+            panel.set_xlabel(f"$x$ ({word})" if i + 3 >= len(scan.images) else "")
             panel.set_ylabel(f"$y$ ({word})" if i % 3 == 0 else "")
-        for panel in panels[len(held.images) :]:
-            panel.set_axis_off()
         return figure
 
 
-def _image(figure: Figure, axes: Axes, held: Map, name: str, image: Array) -> None:
+def _image(figure: Figure, axes: Axes, scan: Map, name: str, image: Array) -> None:
     known = image[np.isfinite(image)]
     largest = float(np.max(np.abs(known))) if known.size else 1.0
     factor, unit = (1.0, "") if name == "quality" else scale(largest, IMAGES[name])
-    ends = (0.0, 1.0) if name == "quality" or not known.size else np.percentile(known / factor, SPREAD)
-    (x, y), (length, _) = (held.x - held.x[0], held.y - held.y[0]), _length(held)
+    unknown = name == "quality" or not known.size
+    ends = (0.0, 1.0) if unknown else np.percentile(known / factor, (2, 98))  # single pixels do not flatten the rest
+    (x, y), (length, _) = (scan.x - scan.x[0], scan.y - scan.y[0]), _length(scan)
     pitch = max(np.ptp(at) / (at.size - 1) for at in (x, y) if at.size > 1)
     cells = (_edges(at, float(pitch)) / length for at in (x, y))
     drawn = axes.pcolormesh(*cells, image / factor, shading="flat", cmap="viridis",
@@ -56,7 +54,7 @@ def _edges(middle: Array, pitch: float) -> Array:
     return np.concatenate([[2 * middle[0] - inner[0]], inner, [2 * middle[-1] - inner[-1]]])
 
 
-def _length(held: Map) -> tuple[float, str]:
+def _length(scan: Map) -> tuple[float, str]:
     """The unit in which the size of the map reads well, in SI and as it is typeset."""
-    factor, unit = scale(float(max(np.ptp(held.x), np.ptp(held.y))), "length")
+    factor, unit = scale(float(max(np.ptp(scan.x), np.ptp(scan.y))), "length")
     return factor, pretty(unit)

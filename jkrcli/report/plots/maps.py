@@ -11,7 +11,8 @@ import numpy as np
 from matplotlib.patheffects import withStroke
 
 from ...base import Array
-from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below, log_ticks
+from . import Axes, Figure, drawing, legend_below, log_ticks, panelled
+from .looks import COLORS, MIDDLE, NARROW, WIDE
 
 if TYPE_CHECKING:
     from matplotlib.contour import ContourSet
@@ -46,12 +47,12 @@ def lines_figure(
     ``families``, named by the words there, a kind of line for each value of the last of several."""
     sets = list(dict.fromkeys(zip(*(columns[name].tolist() for name in families), strict=True)))
     last = list(dict.fromkeys(values[-1] for values in sets)) if len(families) > 1 else []
-    with drawing(WIDE if len(panels) > 1 else MIDDLE, 3.4) as figure:
-        places = figure.subplots(1, len(panels), squeeze=False)[0]
+    width, legend = WIDE if len(panels) > 1 else MIDDLE, 4 if len(families) == 1 else 3
+    with panelled(width, 3.4, len(panels), legend=legend) as (figure, places):
         for axes, panel in zip(places, panels, strict=True):
             for i, values in enumerate(sets):
                 of = np.all([columns[name] == value for name, value in zip(families, values, strict=True)], axis=0)
-                words = (said(value) for said, value in zip(families.values(), values, strict=True))
+                words = (words_of(value) for words_of, value in zip(families.values(), values, strict=True))
                 line = LINES[last.index(values[-1]) % len(LINES)] if last else "-"
                 color = COLORS[i % len(COLORS)]
                 axes.plot(columns[over[0]][of], columns[panel.column][of], "." + line, color=color, ms=4,
@@ -59,7 +60,6 @@ def lines_figure(
                 if panel.dashed:
                     axes.plot(columns[over[0]][of], columns[panel.dashed][of], "--", color=color, lw=0.8)
             _dress(axes, panel, over[1])
-        legend_below(figure, list(places), 4 if len(families) == 1 else 3)
         return figure
 
 
@@ -89,15 +89,15 @@ def _clear(drawn: Sequence[Array], level: float, letters: int) -> tuple[float, i
     """Where a word of so many ``letters`` beside the line at ``level`` is farthest from the lines ``drawn``, in shares
     of the axes: its left end, and whether it stands above (1) or below (-1)."""
     wide, high = LETTER * letters, 2 * LETTER
-    found = []
+    places = []
     for left in (0.99 - wide, 0.01):
         x = np.linspace(left, left + wide, 20)
         for side in (1, -1):
             middle = level + side * high
             inside = high < middle < 1 - high
             lines = [np.abs(np.interp(x, line[:, 0], line[:, 1]) - middle).min() for line in drawn]
-            found.append((min([*lines, 8 * LETTER]) if inside else 0.0, (left, side)))
-    return next((place for room, place in found if room > 4 * LETTER), max(found)[1])
+            places.append((min([*lines, 8 * LETTER]) if inside else 0.0, (left, side)))
+    return next((place for room, place in places if room > 4 * LETTER), max(places)[1])
 
 
 def is_filled(columns: Mapping[str, Array]) -> bool:
@@ -115,8 +115,7 @@ def filled_figure(columns: Mapping[str, Array]) -> Figure:
         panels = np.atleast_1d(figure.subplots(1, len(nus), sharey=True))
         for axes, nu in zip(panels, nus, strict=True):
             drawn = _filled(axes, {name: values[columns["nu"] == nu] for name, values in columns.items()}, levels)
-            axes.set_title(rf"$\nu$ = {nu:g}, {columns['base'][0]}")
-            axes.set_xlabel(MU)
+            axes.set(title=rf"$\nu$ = {nu:g}, {columns['base'][0]}", xlabel=MU)
         panels[0].set_ylabel(r"$w R^2 / (E^* h^3)$")
         figure.colorbar(drawn, ax=list(panels), label=r"pull-off force / $\pi w R$")
         legend_below(figure, list(panels), 3)
@@ -149,8 +148,7 @@ def _filled(axes: Axes, rows: Mapping[str, Array], levels: Array) -> ContourSet:
 
 
 def _log_axes(axes: Axes) -> None:
-    axes.set_xscale("log")
-    axes.set_yscale("log")
+    axes.set(xscale="log", yscale="log")
     log_ticks(axes.xaxis, axes.yaxis)
 
 
@@ -171,11 +169,6 @@ def zones_figure(columns: Mapping[str, Array], names: Sequence[str]) -> Figure:
             if row.size:
                 middle = int(np.argmin(np.hypot(row - np.median(row), column - np.median(column))))
                 axes.annotate(name, (mus[column[middle]], loads[row[middle]]), ha="center", va="center", size=9)
-        axes.set_xlabel(MU)
-        axes.set_ylabel(r"load / $\pi w R$")
-        axes.set_title(
-            r"$\nu$ = {:g}, $w R^2/(E^* h^3)$ = {:g}".format(
-                *(columns[name][0] for name in ("nu", "w_R2_over_Estar_h3"))
-            )
-        )
+        nu, q = (columns[name][0] for name in ("nu", "w_R2_over_Estar_h3"))
+        axes.set(xlabel=MU, ylabel=r"load / $\pi w R$", title=rf"$\nu$ = {nu:g}, $w R^2/(E^* h^3)$ = {q:g}")
         return figure

@@ -10,19 +10,19 @@ import numpy as np
 
 from ...base import DRAWN, Array, Unknown
 from ...data import Direction, ForceCurve
-from . import BLACK, BLUE, LARGER, ORANGE, PURPLE, WIDE, Axes, Figure, drawing, enlarged, legend_below, unit_of
+from . import Axes, Figure, enlarged, panelled
+from .looks import BLACK, BLUE, LARGER, ORANGE, PURPLE, WIDE, unit_of
 
-MOST_PANELS = 12  # choice: of a figure
 LETTERS = 84  # choice: of a line as wide as the figure
 LOOKS, GREY = {"approach": (BLUE, 2.0), "retract": (ORANGE, 0.9)}, "0.6"  # the last drawn the thinnest
 
 
 def record_figure(records: Sequence[ForceCurve]) -> Figure:
-    """Load over displacement, a panel per curve; of many curves ``MOST_PANELS`` spread evenly.
+    """Load over displacement, a panel per curve; of many curves twelve spread evenly.
 
     All panels have the same units, told once along each side of the figure.
     """
-    every = np.unique(np.linspace(0, len(records) - 1, min(len(records), MOST_PANELS)).round().astype(int))
+    every = np.unique(np.linspace(0, len(records) - 1, min(len(records), 12)).round().astype(int))
     shown = [records[i] for i in every]
     columns = math.ceil(math.sqrt(len(shown)))
     rows = math.ceil(len(shown) / columns)
@@ -30,16 +30,12 @@ def record_figure(records: Sequence[ForceCurve]) -> Figure:
         unit_of(dimension, *(getattr(record.curve, name) for record in shown))
         for name, dimension in (("device", "length"), ("P", "load"))
     )
-    with drawing(WIDE, max(3.6, 2.2 * rows + 0.6)) as figure:
-        panels = figure.subplots(rows, columns, squeeze=False).ravel()
+    with panelled(WIDE, max(3.6, 2.2 * rows + 0.6), len(shown), columns, legend=4) as (figure, panels):
         for i, (panel, record) in enumerate(zip(panels, shown, strict=False)):
             _panel(panel, record, x, y, round(LETTERS / columns))
             what = "displacement" if record.curve.stiffness is None else "position z of the device"
             panel.set_xlabel(fill(f"{what} ({length})", LETTERS // columns) if i + columns >= len(shown) else "")
             panel.set_ylabel(f"load ({load})" if i % columns == 0 else "")
-        for panel in panels[len(shown) :]:
-            panel.set_axis_off()
-        legend_below(figure, panels[: len(shown)], 4)
         return figure
 
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from ...base import Array
 from ...series.differences import Difference
-from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below, log_ticks
+from . import Axes, Figure, legend_below, log_ticks, panelled, zero_lines
+from .looks import COLORS, MIDDLE, NARROW, WIDE
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,12 +47,9 @@ class Panel:
 def panels_figure(panels: Sequence[Panel], title: str = "") -> Figure:
     """The panels two by two, lettered, each with its legend, or with one for all where it is the same."""
     rows = (len(panels) + 1) // 2
-    with drawing(WIDE if len(panels) > 1 else MIDDLE, 3.0 * rows) as figure:
-        axes = figure.subplots(rows, min(2, len(panels)), squeeze=False).ravel()
+    with panelled(WIDE if len(panels) > 1 else MIDDLE, 3.0 * rows, len(panels), min(2, len(panels))) as (figure, axes):
         for place, panel, letter in zip(axes, panels, "abcdefgh", strict=False):
             _draw(place, panel, f"({letter}) " if len(panels) > 1 else "")
-        for place in axes[len(panels) :]:
-            place.set_axis_off()
         named = [place for place in axes if place.get_legend_handles_labels()[1]]
         if len({tuple(place.get_legend_handles_labels()[1]) for place in named}) == 1:
             legend_below(figure, named[:1], 4)
@@ -74,8 +72,7 @@ def _draw(axes: Axes, panel: Panel, letter: str) -> None:
     else:
         axes.ticklabel_format(axis="y", useOffset=False)  # 1.1998, not -2e-4 + 1.2
     if not panel.logs:
-        axes.axvline(0, color="0.7", lw=0.6)
-        axes.axhline(0, color="0.7", lw=0.6)
+        zero_lines(axes)
     for line in panel.lines:
         _line(axes, line)
     if panel.right is not None:
@@ -96,11 +93,11 @@ def _draw(axes: Axes, panel: Panel, letter: str) -> None:
 
 def _apart(x: Array) -> list[float]:
     """Those of the points on a logarithmic axis whose labels have room beside each other."""
-    room, kept = 0.15 * math.log(float(x.max() / x.min())), [float(x.max())]
+    room, ticks = 0.15 * math.log(float(x.max() / x.min())), [float(x.max())]
     for value in sorted(x.tolist(), reverse=True):
-        if math.log(kept[-1] / value) > room:
-            kept.append(value)
-    return kept
+        if math.log(ticks[-1] / value) > room:
+            ticks.append(value)
+    return ticks
 
 
 def _line(axes: Axes, line: Line) -> None:
@@ -109,18 +106,16 @@ def _line(axes: Axes, line: Line) -> None:
               markevery=every)  # fmt: skip
 
 
-def differences_figure(found: Sequence[Difference], rtol: float) -> Figure:
+def differences_figure(differences: Sequence[Difference], rtol: float) -> Figure:
     """Relative differences over what they are compared at, in logs, with the limit."""
-    with drawing(NARROW, 3.2) as figure:
-        axes = figure.subplots()
-        for difference, color in zip(found, itertools.cycle(COLORS), strict=False):
+    with panelled(NARROW, 3.2, legend=3) as (figure, [axes]):
+        for difference, color in zip(differences, itertools.cycle(COLORS), strict=False):
             size = np.maximum(np.abs(difference.relative), 1e-17)
             label = f"${_symbol(difference.column)}({_symbol(difference.over)})$"
             axes.loglog(difference.x, size, ".-", color=color, ms=4, lw=0.8, label=label)
         axes.axhline(rtol, color="0.4", lw=0.8, ls=":", label=f"rtol {rtol:g}")
-        axes.set_xlabel(" or ".join(f"${_symbol(over)}$ (m)" for over in dict.fromkeys(item.over for item in found)))
-        axes.set_ylabel("relative difference")
-        legend_below(figure, [axes], 3)
+        names = dict.fromkeys(item.over for item in differences)
+        axes.set(xlabel=" or ".join(f"${_symbol(over)}$ (m)" for over in names), ylabel="relative difference")
         return figure
 
 

@@ -1,0 +1,38 @@
+"""What figures share: widths, colours, and the words and units of axes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...base import Array, scale
+
+WIDE, MIDDLE, NARROW = 7.0, 4.8, 3.4  # two columns of a journal, one and a half, one [inch]: printed unscaled
+LARGER = 0.3  # choice: of the way of a record, below which its contact is drawn once more, larger
+# Okabe and Ito's palette: told apart by colour-blind readers, and by line style or marker in grey.
+BLUE, ORANGE, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
+PURPLE, SKY = "#CC79A7", "#56B4E9"
+LABELS = {
+    "delta": r"displacement $\delta$", "P": "load $P$", "a": "contact radius $a$", "t": "time $t$",
+    "w": "work of adhesion $w$", "E_star": "$E^*$", "speed": "speed of the contact's edge $|da/dt|$",
+}  # fmt: skip
+DIMENSIONS = {
+    "delta": "length", "P": "load", "a": "length", "t": "time", "w": "work", "E_star": "modulus", "speed": "speed",
+}  # fmt: skip
+COLORS = (BLUE, ORANGE, GREEN, PURPLE, SKY, BLACK)
+
+
+def pretty(text: str) -> str:
+    """Units as they are typeset."""
+    return text.replace("^2", "²").replace("um", "µm").replace("uN", "µN").replace("uJ", "µJ")
+
+
+def unit_of(dimension: str, *values: Array | float) -> tuple[float, str]:
+    """The unit that the largest of ``values`` [SI] asks for, in SI and as it is typeset."""
+    factor, unit = scale(max(float(np.max(np.abs(each))) for each in values), dimension)
+    return factor, pretty(unit)
+
+
+def axis_of(name: str, *values: Array | float) -> tuple[float, str]:
+    """The unit of an axis of the quantity ``name``, as ``unit_of``, and the axis' label."""
+    factor, unit = unit_of(DIMENSIONS[name], *values)
+    return factor, f"{LABELS[name]} ({unit})"

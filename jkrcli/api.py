@@ -61,7 +61,7 @@ from .case import solve as _solve
 from .data import Curve, Reading, from_columns
 from .data.measured import read as read_curves
 from .methods import Limits, Method
-from .report import Held, Result, as_result
+from .report import AnyResult, Result, as_result
 from .series import Solution
 
 if TYPE_CHECKING:
@@ -154,10 +154,10 @@ def transform(
     else what the case says.
     """
     solution = _solution(solved, method)
-    asked = _range(solution, stress, length)
+    ranged = _range(solution, stress, length)
     from .report import Transformed
 
-    return as_result(Transformed, analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, asked)[0])
+    return as_result(Transformed, analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, ranged)[0])
 
 
 @one_thread()
@@ -186,18 +186,18 @@ def cycle(
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
     works = [_number("w", value, "work") for value in (w if w_approach is None else w_approach, w)]
-    asked = _range(solution, stress, length)
+    ranged = _range(solution, stress, length)
     turn = _maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length")
 
     def cycled(share: float) -> Cycled | CycledByProgram:
-        found = analyse(solution, works, slopes, modulus_factor * share, asked)
-        curves = [with_solved_points(curve, k) for curve in found]
+        pair = analyse(solution, works, slopes, modulus_factor * share, ranged)
+        curves = [with_solved_points(curve, k) for curve in pair]
         return Cycled.of(curves, k, *turn) if program is None else CycledByProgram.of(curves, k, program)
 
     return _in_limits(solution, cycled)
 
 
-def _in_limits(solution: Solution, cycled: Callable[[float], Held]) -> Held | CycledInLimits:
+def _in_limits(solution: Solution, cycled: Callable[[float], AnyResult]) -> AnyResult | CycledInLimits:
     """What was ``cycled`` on the moduli as they are; of a specimen that relaxes on those of both limits."""
     law = solution.problem.specimen.relaxation
     if law is None:
@@ -309,7 +309,7 @@ def _driven(
 
 
 def _range(solution: Solution, stress: float | str | None, length: float | str | None) -> RangeRequest:
-    """Adhesion of finite range as it is asked for, in numbers or text."""
+    """Adhesion of finite range by its tension or its length, in numbers or text."""
     return RangeRequest.of(solution.record, _maybe("stress", stress, "modulus"), _maybe("length", length, "length"))
 
 
@@ -365,16 +365,16 @@ def identify(
     from .report import Fitted
 
     arrays = {"a": a, "delta": delta, "P": P, "t": t}
-    given = {name: values for name, values in arrays.items() if values is not None}
-    if (measured is None) == (not given):
+    named = {name: values for name, values in arrays.items() if values is not None}
+    if (measured is None) == (not named):
         raise InputError("identify: give either what was measured or arrays of a, delta, P, t")
     if reading is not None:  # a fit finds zero points itself, with the rest
         options = {"contact": reading.contact} | options
         reading = replace(reading, contact="as-is")
-    curve = _curve_of(given if measured is None else measured, reading)
+    curve = _curve_of(named if measured is None else measured, reading)
     source = body_of(body, slopes)
-    found = one_thread()(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
-    return as_result(Fitted, found, body=_named(body, source))
+    result = one_thread()(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
+    return as_result(Fitted, result, body=_named(body, source))
 
 
 fit = identify  # the verb's name
@@ -403,8 +403,8 @@ def identify_joint(
     curves = [_curve_of(item, None) for item in measured]
     settings = settings_of(source, free, (fix or {}).items(), **options)
     bodies = with_radii(source, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
-    found = one_thread()(joint_fit)(bodies, curves, settings, shared_of(shared, own, settings))
-    return as_result(JointFitted, found, body=_named(body, source), level=settings.level)
+    result = one_thread()(joint_fit)(bodies, curves, settings, shared_of(shared, own, settings))
+    return as_result(JointFitted, result, body=_named(body, source), level=settings.level)
 
 
 def plan(body: Case | Problem | Solution | str | Path, found: Fit, slopes: str = "auto") -> tuple[Further, ...]:
@@ -460,8 +460,8 @@ def identify_relaxation(
 
     source = body_of(body, slopes)
     curve = _curve_of(measured, None)
-    found = one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, (fix or {}).items(), **options))
-    return as_result(RelaxationFitted, found, body=_named(body, source))
+    result = one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, (fix or {}).items(), **options))
+    return as_result(RelaxationFitted, result, body=_named(body, source))
 
 
 def identify_tension(
@@ -485,8 +485,8 @@ def identify_tension(
     curves = [_curve_of(item, None) for item in measured]
     radii = radii_of(problem, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
     known = known_values(problem, [] if TENSION in (fix or {}) else [TENSION], (fix or {}).items())
-    found = one_thread()(tension_fit)(problem, curves, radii, known, level)
-    return as_result(TensionFitted, found, body=_named(body, source), level=level)
+    result = one_thread()(tension_fit)(problem, curves, radii, known, level)
+    return as_result(TensionFitted, result, body=_named(body, source), level=level)
 
 
 def _named(body: Any, source: FittedBody) -> str:
@@ -499,7 +499,7 @@ def _curve_of(measured: Any, reading: Reading | None) -> Curve:
     if isinstance(measured, Curve):
         return measured
     if not isinstance(measured, str | Path):
-        names = {"a": "a (m)", "delta": "delta (m)", "P": "P (N)", "t": "t (s)"}  # SI where nothing else is told
+        names = {"a": "a (m)", "delta": "delta (m)", "P": "P (N)", "t": "t (s)"}  # SI where no unit is named
         units = () if reading is None else reading.units
         return from_columns({names.get(k, k) if k not in units else k: measured[k] for k in measured}, reading)
     curves = read_curves(Path(measured), reading)
@@ -548,13 +548,13 @@ def profile(
     if (a is None) == (load is None):
         raise InputError("profile: give exactly one of a and load")
     solution, work = _solution(solved, None), _number("w", w, "work")
-    asked = _range(solution, stress, length)
+    ranged = _range(solution, stress, length)
     if load is not None:
-        radius = radius_under(solution, _number("load", load, "load"), work, asked)
+        radius = radius_under(solution, _number("load", load, "load"), work, ranged)
     else:
         assert a is not None
         radius = _number("a", a, "length")
-    return Profile(solution.record.path, radius, work, profile_columns(solution, radius, work, asked))
+    return Profile(solution.record.path, radius, work, profile_columns(solution, radius, work, ranged))
 
 
 @one_thread()
@@ -585,8 +585,8 @@ def pull_off(
         under = (devices or [LOAD_CONTROL])[0]
         return MeasuredPullOff(measured_work(solution, force, under, slopes, modulus_factor, pairs))
     assert w is not None
-    asked = _range(solution, stress, length)
-    return PullOff(*where_lost(solution, [_number("w", w, "work")], devices, slopes, modulus_factor, asked)[0])
+    ranged = _range(solution, stress, length)
+    return PullOff(*where_lost(solution, [_number("w", w, "work")], devices, slopes, modulus_factor, ranged)[0])
 
 
 @one_thread()
@@ -628,8 +628,8 @@ def compare(
     files = one, two
     if one.suffix == ".csv":
         return Compared.of(files, of_curves(files), rtol, tuple(columns), overlap)
-    found = of_solutions(files, _solution(first, None), _solution(second, None))
-    return Compared.of(files, found, rtol, tuple(columns) or ("P",), overlap)
+    differences = of_solutions(files, _solution(first, None), _solution(second, None))
+    return Compared.of(files, differences, rtol, tuple(columns) or ("P",), overlap)
 
 
 def study_map(name: str, **axes: Any) -> MapResult:

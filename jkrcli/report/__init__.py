@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .rate_fit import LawFit
     from .relaxation import CycledInLimits, CycledRelaxing
     from .relaxation_fit import RelaxationFits, RelaxationFitted
-    from .result import Figure, Held, Result, Results, as_result
+    from .result import AnyResult, Figure, Result, Results, as_result
     from .solved import Imported, Solved
     from .tension_fit import TensionFitted
     from .transform import Transformed, figure_of

@@ -47,38 +47,43 @@ def read(path: Path) -> Archive:
     """The archive at ``path``; InputError in one line where it is damaged or of another release."""
     content = read_bytes(path, "archive")
     root = hdf5.parse(path, content, remedy=WRITE_AGAIN)
-    held, version = (str(root.attributes.get(name, "")) for name in ("format", "version"))  # or an array, or none
-    if held not in FORMATS:
-        raise InputError(f'{path}: format must be one of {", ".join(FORMATS)}, got "{held}"')
+    kind, version = (str(root.attributes.get(name, "")) for name in ("format", "version"))  # or an array, or none
+    if kind not in FORMATS:
+        raise InputError(f'{path}: format must be one of {", ".join(FORMATS)}, got "{kind}"')
     if version not in map(str, READ):
         raise InputError(f"{path}: version must be {VERSION}, got {version}; this file needs another release of jkr")
     is_sealed = version != str(UNPROTECTED) or hdf5.SEAL in root.attributes
     if is_sealed and not hdf5.is_sound(root):
         raise hdf5.unreadable(path, content, " (it does not hold what was written)", WRITE_AGAIN)
-    return Archive(path, held, root, is_sealed)
+    return Archive(path, kind, root, is_sealed)
 
 
 # ---------------------------------------------------------------------- what it holds
 def summary(archive: Archive) -> dict[str, Any]:
     """What an archive holds, for machines: the fits of all curves, or the columns of a table with their ends."""
-    told = archive.root.attributes
+    attributes = archive.root.attributes
     try:
-        identity = {"file": str(archive.path), "format": archive.format, "version": told["version"], "jkr": told["jkr"]}
-        found = _fits(archive.root) if archive.format == FITS else _table(archive.root)
-        held = identity | found | {"warnings": [] if archive.is_protected else [DOUBT]}
-        words(held), as_json(held)  # what cannot be told is none
+        identity = {
+            "file": str(archive.path),
+            "format": archive.format,
+            "version": attributes["version"],
+            "jkr": attributes["jkr"],
+        }
+        contents = _fits(archive.root) if archive.format == FITS else _table(archive.root)
+        listing = identity | contents | {"warnings": [] if archive.is_protected else [DOUBT]}
+        words(listing), as_json(listing)  # what cannot be told is none
     except (*hdf5.UNREADABLE, AttributeError, RecursionError):  # a number where a group belongs, and the like
         raise InputError(f"{archive.path}: does not hold what an archive of format {archive.format} does") from None
-    return held
+    return listing
 
 
 def _fits(root: hdf5.Group) -> dict[str, Any]:
     curves = _group(root, "curves").members
     if "summary" in curves:
-        told = _values(curves["summary"])
+        summaries = _values(curves["summary"])
     else:  # of versions 1 and 2, a group for each curve
-        told = [curve.attributes["summary"] for curve in curves.values()]
-    return {"body": root.attributes["body"], "curves": [json.loads(one) for one in told]}
+        summaries = [curve.attributes["summary"] for curve in curves.values()]
+    return {"body": root.attributes["body"], "curves": [json.loads(one) for one in summaries]}
 
 
 def _table(root: hdf5.Group) -> dict[str, Any]:
@@ -90,10 +95,10 @@ def _table(root: hdf5.Group) -> dict[str, Any]:
 
 
 def _group(root: hdf5.Group, name: str) -> hdf5.Group:
-    found = root.members[name]
-    if not isinstance(found, hdf5.Group):
+    member = root.members[name]
+    if not isinstance(member, hdf5.Group):
         raise TypeError(name)
-    return found
+    return member
 
 
 def _values(member: hdf5.Group | hdf5.Dataset) -> Array | list[str]:
@@ -110,25 +115,25 @@ def _ends(values: Array | list[str]) -> list[Any]:
     return [there.min().item(), there.max().item()] if there.size else []
 
 
-def words(held: Mapping[str, Any]) -> list[str]:
+def words(listing: Mapping[str, Any]) -> list[str]:
     """The ``summary`` of an archive as lines of text."""
-    by = f"format {held['format']} {held['version']}, jkr {held['jkr']}"
-    if held["format"] == FITS:
-        lines = [f"{len(held['curves']):,} curves fitted to {held['body']}: {held['file']} ({by})"]
-        lines += [line for curve in held["curves"][:SHOWN] for line in _curve(curve)]
-        lines += [f"  ... and {len(held['curves']) - SHOWN:,} more"] * (len(held["curves"]) > SHOWN)
+    by = f"format {listing['format']} {listing['version']}, jkr {listing['jkr']}"
+    if listing["format"] == FITS:
+        lines = [f"{len(listing['curves']):,} curves fitted to {listing['body']}: {listing['file']} ({by})"]
+        lines += [line for curve in listing["curves"][:SHOWN] for line in _curve(curve)]
+        lines += [f"  ... and {len(listing['curves']) - SHOWN:,} more"] * (len(listing["curves"]) > SHOWN)
     else:
-        lines = [f"{held['rows']:,} cases of a sweep: {held['file']} ({by})"]
-        lines += [f"  {name:<40} {_span(ends)}".rstrip() for name, ends in held["columns"].items()]
-    return lines + [f"  warning   {warning}" for warning in held["warnings"]]
+        lines = [f"{listing['rows']:,} cases of a sweep: {listing['file']} ({by})"]
+        lines += [f"  {name:<40} {_span(ends)}".rstrip() for name, ends in listing["columns"].items()]
+    return lines + [f"  warning   {warning}" for warning in listing["warnings"]]
 
 
 def _curve(curve: Mapping[str, Any]) -> list[str]:
     lines = [f"  {curve['file']}, {curve['curve']}: {curve['status']}"]
-    for name, found in curve.get("estimates", {}).items():
-        error = found.get("standard_error")
+    for name, estimate in curve.get("estimates", {}).items():
+        error = estimate.get("standard_error")
         within = "" if error is None else f" ± {error:.2g}"
-        lines.append(f"    {name:<12} {found['value']:.5g}{within} {found['unit']}".rstrip())
+        lines.append(f"    {name:<12} {estimate['value']:.5g}{within} {estimate['unit']}".rstrip())
     return lines
 
 

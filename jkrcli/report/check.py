@@ -18,6 +18,8 @@ from . import tables
 from .left_out import table, worst
 from .result import Result
 
+SIZES = {"a/R": "a_over_R", "a/h": "a_over_h", "delta/h": "delta_over_h"}
+
 
 @dataclass(frozen=True, eq=False)
 class Check(Result):
@@ -90,15 +92,13 @@ class Check(Result):
             regime = regime if range_ == "" else "" if isinstance(range_, Unknown) else f"; {range_}"
             tabor = f"Tabor number {_ratio(judged.tabor)}{regime}"
             yield f"  w = {show(w, 'work')}: pull-off (load control) {_pull_off(point)}; {tabor}"
-        sizes = {"a/R": "a_over_R", "a/h": "a_over_h", "delta/h": "delta_over_h"}
         for *_, judged in expected.adhesion[-1:]:
-            values = ((name, getattr(judged, key)) for name, key in sizes.items())
-            if known := [f"{name} = {value:.3g}" for name, value in values if not isinstance(value, Unknown)]:
+            if known := tables.size_words(judged, SIZES):
                 yield f"  sizes     {', '.join(known)} at the largest contact radius"
 
 
 def _range(model: CaseModel, method: str) -> str | Unknown:
-    """What is said of the range of adhesion that a case asks for, empty where it asks for none; or why it has no
+    """Words on the range of adhesion that a case asks for, empty where it asks for none; or why it has no
     curve."""
     adhesion = model.adhesion
     if not (adhesion.range or adhesion.stress or adhesion.capillary):

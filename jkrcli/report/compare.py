@@ -12,7 +12,7 @@ from ..base import InputError
 from ..series import Solution
 from ..series.differences import Difference, curve_differences, series_differences
 from .result import Figure, Result
-from .tables import read_curve
+from .tables import by_columns, read_curve
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,22 +28,22 @@ class Compared(Result):
 
     @classmethod
     def of(
-        cls, files: Sequence[Path], found: Sequence[Difference], rtol: float, counting: Iterable[str],
+        cls, files: Sequence[Path], differences: Sequence[Difference], rtol: float, counting: Iterable[str],
         overlap: float,
     ) -> Compared:  # fmt: skip
         """InputError where a column is not in both, or where less than ``overlap`` of their range is; none named: all
         count."""
-        counts = set(counting) or {one.column for one in found}
-        if missing := counts - {one.column for one in found}:
+        counts = set(counting) or {one.column for one in differences}
+        if missing := counts - {one.column for one in differences}:
             raise InputError(f"compare: column {sorted(missing)[0]} is not in both files")
-        for one in found:
+        for one in differences:
             if one.column in counts and one.coverage < overlap:
                 raise InputError(
                     f"compare: {files[0]} and {files[1]} share only {one.coverage:.0%} of their range of {one.over}; "
                     f"load both as far, or allow it with --overlap {one.coverage:.2f}"
                 )
         first, second = files
-        return cls(first, second, found, rtol, counts)
+        return cls(first, second, differences, rtol, counts)
 
     @property
     def agree(self) -> bool:
@@ -63,8 +63,7 @@ class Compared(Result):
 
     @property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
-        rows = [{"column": name} | dict(row) for name, row in self._rows.items()]
-        return {name: [row[name] for row in rows] for name in rows[0]}
+        return by_columns([{"column": name, **row} for name, row in self._rows.items()])
 
     def summary(self) -> dict[str, Any]:
         files = {"first": str(self.first), "second": str(self.second)}

@@ -23,7 +23,7 @@ class Cycled(Result):
     branch."""
 
     file: Path
-    found: Cycle
+    cycle: Cycle
     points: int = ROWS
 
     @classmethod
@@ -35,54 +35,52 @@ class Cycled(Result):
         inwards, outwards = (result.curve for result in curves)
         whole = load is None and depth is None
         turn = None if whole else turning_radius(inwards, stiffness, load=load, depth=depth)
-        found = cycle(inwards, outwards, stiffness, turn)
-        if isinstance(found, Unknown):
-            raise InputError(f"{curves[0].path}: {found.reason}")
-        return cls(curves[0].path, found, points)
+        traced = cycle(inwards, outwards, stiffness, turn)
+        if isinstance(traced, Unknown):
+            raise InputError(f"{curves[0].path}: {traced.reason}")
+        return cls(curves[0].path, traced, points)
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]
-        return trace(self.found, self.points)
+        return trace(self.cycle, self.points)
 
     def figure(self) -> Figure:
         from .plots.curve import cycle_figure
 
-        return cycle_figure(self.columns, control(self.found.stiffness))
+        return cycle_figure(self.columns, control(self.cycle.stiffness))
 
     def summary(self) -> dict[str, Any]:
         """Jumps, turn and energies of a trace, SI."""
-        found = self.found
+        cycle = self.cycle
         return {
             "file": str(self.file),
-            "control": control(found.stiffness),
-            "stiffness_N_per_m": tables.stiffness(found.stiffness),
-            "w_approach_J_per_m2": found.contact.advancing.w,
-            "w_retract_J_per_m2": found.contact.receding.w,
-            "jump_in": tables.point(found.begin),
-            "turn_a_m": found.contact.advancing.point(found.turn).a,
-            "jumps_on_approach": [tables.jump(jump) for jump in found.approach.jumps],
-            "jumps_on_retraction": [tables.jump(jump) for jump in found.retraction.jumps],
-            "contact_lost": found.retraction.ends == "lost",
-            **tables.energies(energy_lost=found.energy_lost, work_of_separation=found.separation),
+            **tables.device(cycle.stiffness),
+            "w_approach_J_per_m2": cycle.contact.advancing.w,
+            "w_retract_J_per_m2": cycle.contact.receding.w,
+            "jump_in": tables.point(cycle.begin),
+            "turn_a_m": cycle.contact.advancing.point(cycle.turn).a,
+            "jumps_on_approach": [tables.jump(jump) for jump in cycle.approach.jumps],
+            "jumps_on_retraction": [tables.jump(jump) for jump in cycle.retraction.jumps],
+            "contact_lost": cycle.retraction.ends == "lost",
+            **tables.energies(energy_lost=cycle.energy_lost, work_of_separation=cycle.separation),
         }
 
     def words(self) -> list[str]:
         """In the order in which the device passes its events."""
-        found, inwards = self.found, self.found.contact.advancing
-        works = [show(curve.w, "work") for curve in (inwards, found.contact.receding)]
-        begin, onset = found.begin, inwards.onset
+        cycle, inwards, outwards = self.cycle, self.cycle.contact.advancing, self.cycle.contact.receding
+        begin, onset = cycle.begin, inwards.onset
         jump_in = f"jump-in at delta = {show(onset, 'length') if onset else 0} to"
         start = jump_in if inwards.w > 0 else "contact grows from a point; first of the series:"
-        energies = {"energy lost per cycle": found.energy_lost, "work of separation": found.separation}
-        told = [item if isinstance(item, Unknown) else f"{name} {item:.4g} J" for name, item in energies.items()]
+        energies = {"energy lost per cycle": cycle.energy_lost, "work of separation": cycle.separation}
+        parts = [item if isinstance(item, Unknown) else f"{name} {item:.4g} J" for name, item in energies.items()]
         lines = [
-            f"{'; '.join(dict.fromkeys(map(str, told)))}: {self.file}",
-            f"  {control(found.stiffness)}, w = {works[0]} on approach, {works[1]} on retraction",
-            f"  {start} P = {show(begin.P, 'load')}, a = {show(begin.a, 'length')}",
-            f"  turn at a = {show(inwards.point(found.turn).a, 'length')}",
-            *(f"  {_jump(jump)}" for jump in (*found.approach.jumps, *found.retraction.jumps)),
+            f"{'; '.join(dict.fromkeys(map(str, parts)))}: {self.file}",
+            _device_words(cycle.stiffness, inwards.w, outwards.w),
+            f"  {start} {tables.state_words(begin, 'P a')}",
+            f"  turn at {tables.state_words(inwards.point(cycle.turn), 'a')}",
+            *(f"  {_jump(jump)}" for jump in (*cycle.approach.jumps, *cycle.retraction.jumps)),
         ]
-        if found.retraction.ends != "lost":
+        if cycle.retraction.ends != "lost":
             lines.append("  contact is not lost within the series: the trace ends at its smallest radius")
         return lines
 
@@ -93,7 +91,7 @@ class CycledByProgram(Result):
     piece."""
 
     file: Path
-    found: path.Path
+    trace: path.Path
     points: int = ROWS
 
     @classmethod
@@ -102,46 +100,49 @@ class CycledByProgram(Result):
         if (steps := np.flatnonzero(np.diff(program.t) == 0)).size:
             raise InputError(f"program: row {int(steps[0]) + 2} is a step: without --rate give it the time of a way")
         inwards, outwards = (result.curve for result in curves)
-        found = path.path(path.QuasiStatic(inwards, outwards, stiffness), program)
-        if found.out_of_series is not None:
-            raise InputError(f"{curves[0].path}: {found.out_of_series}")
-        return cls(curves[0].path, found, points)
+        traced = path.path(path.QuasiStatic(inwards, outwards, stiffness), program)
+        if traced.out_of_series is not None:
+            raise InputError(f"{curves[0].path}: {traced.out_of_series}")
+        return cls(curves[0].path, traced, points)
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]
-        return {name: column for name, column in self.found.rows(self.points).items() if name != "G_J_per_m2"}
+        return {name: column for name, column in self.trace.rows(self.points).items() if name != "G_J_per_m2"}
 
     def figure(self) -> Figure:
         from .plots.rate import history_figure
 
-        return history_figure(self.columns, self.found.jumps, self.found.control)
+        return history_figure(self.columns, self.trace.jumps, self.trace.control)
 
     def summary(self) -> dict[str, Any]:
-        found, k = self.found, self.found.contact.stiffness
+        trace = self.trace
         return {
             "file": str(self.file),
-            "control": found.control,
-            "stiffness_N_per_m": tables.stiffness(k),
-            "w_approach_J_per_m2": found.contact.advance.equilibrium.curve.w,
-            "w_retract_J_per_m2": found.contact.recede.equilibrium.curve.w,
-            "jumps": list(map(tables.timed_jump, found.jumps)),
-            "contact_lost": found.pieces[-1].ends == "lost" or found.pieces[-1].phase == path.FREE,
-            "work_of_device_J": found.work,
+            **tables.device(trace.contact.stiffness),
+            "w_approach_J_per_m2": trace.contact.advance.equilibrium.curve.w,
+            "w_retract_J_per_m2": trace.contact.recede.equilibrium.curve.w,
+            "jumps": list(map(tables.timed_jump, trace.jumps)),
+            "contact_lost": trace.pieces[-1].ends == "lost" or trace.pieces[-1].phase == path.FREE,
+            "work_of_device_J": trace.work,
         }
 
     def words(self) -> list[str]:
-        told = self.summary()
-        works = [show(told[name], "work") for name in ("w_approach_J_per_m2", "w_retract_J_per_m2")]
+        trace = self.trace
+        works = (edge.equilibrium.curve.w for edge in (trace.contact.advance, trace.contact.recede))
         return [
-            f"work of the device {told['work_of_device_J']:.4g} J: {self.file}",
-            f"  {told['control']}, w = {works[0]} on approach, {works[1]} on retraction",
-            *(f"  t = {show(jump.t, 'time')}: {_jump(jump)}" for jump in self.found.jumps),
+            f"work of the device {trace.work:.4g} J: {self.file}",
+            _device_words(trace.contact.stiffness, *works),
+            *(f"  t = {show(jump.t, 'time')}: {_jump(jump)}" for jump in trace.jumps),
         ]
 
 
+def _device_words(stiffness: float, approach: float, retraction: float) -> str:
+    """The control, and the works of adhesion [J/m^2]."""
+    return f"  {control(stiffness)}, w = {show(approach, 'work')} on approach, {show(retraction, 'work')} on retraction"
+
+
 def _jump(jump: Jump) -> str:
-    start = f"P = {show(jump.start.P, 'load')}, delta = {show(jump.start.delta, 'length')}, "
-    start += f"a = {show(jump.start.a, 'length')}"
+    start = tables.state_words(jump.start)
     if jump.end is None:
         return f"contact is lost at {start}"
-    return f"contact jumps from {start} to P = {show(jump.end.P, 'load')}, a = {show(jump.end.a, 'length')}"
+    return f"contact jumps from {start} to {tables.state_words(jump.end, 'P a')}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -13,54 +14,9 @@ from ..base import Array, InputError, show
 from ..beside import Analysis
 from ..formulas.half_space import jkr
 from .result import Result
+from .tables import state_words
 
-CODE = """
-/* The state at an overlap delta [m]; touching: whether the two were in contact before. Returns 1 in contact, 0 free,
-   -1 beyond the table, where its last row stands in. */
-static inline int jkr_contact(double delta, int touching, double *force, double *radius)
-{
-    const int last = JKR_ROWS - 1;
-    double s, w[4];
-    int i, k, found = 1;
-    *force = *radius = 0.0;
-    if (delta < (touching ? JKR_DELTA_TEAR : JKR_DELTA_TOUCH)) return 0;
-    s = sqrt(delta > JKR_DELTA_TEAR ? (delta - JKR_DELTA_TEAR) / JKR_SPAN : 0.0) * last;
-    if (s > last * (1.0 + 1e-12)) { s = last; found = -1; }
-    i = (int)s - 1;
-    if (i < 0) i = 0;
-    if (i > last - 3) i = last - 3;
-    s -= i;
-    w[0] = -(s - 1) * (s - 2) * (s - 3) / 6;
-    w[1] = s * (s - 2) * (s - 3) / 2;
-    w[2] = -s * (s - 1) * (s - 3) / 2;
-    w[3] = s * (s - 1) * (s - 2) / 6;
-    for (k = 0; k < 4; k++) {
-        *force += w[k] * jkr_force[i + k];
-        *radius += w[k] * jkr_radius[i + k];
-    }
-    return found;
-}
-
-#ifdef JKR_CHECK /* cc -DJKR_CHECK -x c this-file.h -lm && ./a.out: the law between its rows, and where contact ends */
-#include <stdio.h>
-int main(void)
-{
-    double force, radius, worst = 0.0;
-    int n;
-    for (n = 0; n < JKR_VECTORS; n++) {
-        if (jkr_contact(jkr_vector[n][0], 1, &force, &radius) != 1) return 1;
-        worst = fmax(worst, fabs(force - jkr_vector[n][1]) / JKR_FORCE_SCALE);
-        worst = fmax(worst, fabs(radius - jkr_vector[n][2]) / JKR_RADIUS_SCALE);
-    }
-    if (jkr_contact(JKR_DELTA_TOUCH - JKR_SPAN * 1e-9, 0, &force, &radius) != 0) return 2;
-    if (jkr_contact(JKR_DELTA_TEAR - JKR_SPAN * 1e-9, 1, &force, &radius) != 0) return 3;
-    if (jkr_contact(JKR_DELTA_TEAR + JKR_SPAN * 1.1, 1, &force, &radius) != -1) return 4;
-    printf("%.3g\\n", worst);
-    return worst > 2e-6 ? 5 : 0;
-}
-#endif
-#endif
-"""
+CODE = resources.files(__package__).joinpath("dem.c").read_text(encoding="utf-8")  # behind its tables
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,11 +72,11 @@ class Exported(Result):
         if R is None:
             return {}
         cubes = {"displacement": 1 / 8, "load": 9 / 8}  # of a, over pi w R^2/E*
-        found = {}
+        points = {}
         for control, cube in cubes.items():
             delta, P = jkr(np.array((cube * math.pi * w * R**2 / E_star) ** (1 / 3)), E_star, R, w)
-            found[control] = (float(delta), float(P))
-        return found
+            points[control] = (float(delta), float(P))
+        return points
 
     def summary(self) -> dict[str, Any]:
         law, result = self.law, self.result
@@ -133,18 +89,18 @@ class Exported(Result):
 
     def words(self) -> list[str]:
         law, result = self.law, self.result
-        w, tear_off, end = result.w, law.tear_off, show(law.delta[-1], "length")
+        w, end = result.w, show(law.delta[-1], "length")
         lines = [
-            f"tear-off at P = {show(tear_off.P, 'load')}, delta = {show(tear_off.delta, 'length')} "
-            f"(displacement control), w = {show(w, 'work')}: {result.path}",
+            f"tear-off at {state_words(law.tear_off, 'P delta')} (displacement control), w = {show(w, 'work')}: "
+            f"{result.path}",
             f"  table      {law.delta.size} rows up to {end}, good to {law.error:.1g} between",
             f"  touch      {_state(0.0, law.jump_in.P)}",
         ]
         if law.load is not None:
             lines.append(f"  pull-off   {_state(law.load.delta, law.load.P)} (load control)")
-        if found := self.half_space:
+        if classical := self.half_space:
             lines.append(f"  JKR of a half-space of the uppermost material, gamma = w/2 = {show(w / 2, 'work')}:")
-            lines += [f"    lets go  {_state(*pair)} ({control} control)" for control, pair in found.items()]
+            lines += [f"    lets go  {_state(*pair)} ({control} control)" for control, pair in classical.items()]
         return lines
 
 

@@ -13,6 +13,7 @@ from ..adhesion import stable_radius
 from ..base import Array, show
 from ..beside import Analysis
 from .result import Figure, Result
+from .tables import state_words
 
 if TYPE_CHECKING:
     from ..bodies import Problem
@@ -78,9 +79,8 @@ class Fields(Result):
 
     def words(self) -> list[str]:
         state, summary = self.state, self.summary()
-        end = f"P = {show(state.P, 'load')}, a = {show(state.a, 'length')}, delta = {show(state.delta, 'length')}"
         return [
-            f"{end}, w = {show(self.curve.w, 'work')}: {self.curve.path}",
+            f"{state_words(state, 'P a delta')}, w = {show(self.curve.w, 'work')}: {self.curve.path}",
             f"  load         of the series {show(self.P, 'load')}: {summary['difference']:.0e} of the forces in the "
             f"contact apart; {summary['elements']} elements",
             *(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import Any
@@ -18,58 +18,44 @@ from ..identification.fit.record_scores import Score, Tried
 from ..identification.fit.rivals import RANGE
 from . import archive
 from .output import SHOWN
-from .result import Figure, Result
+from .result import Figure, Result, Several
+from .tables import DIMENSIONS, by_columns, with_unit
 
 FORMAT, VERSION = archive.FITS, 1  # of the summary
-UNIT_NAMES = {
-    "modulus": "_Pa",
-    "work": "_J_per_m2",
-    "length": "_m",
-    "load": "_N",
-    "speed": "_m_per_s",
-    "stiffness": "_N_per_m",
-    "tension": "_N_per_m",
-    "time": "_s",
-    "number": "",
-}
 ALWAYS = ("file", "curve", "status", "reason", "points")
 SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
 ZERO_POINTS = ("delta0", "P0", "tilt")  # told last
 FITTED, DOUBTFUL, UNUSABLE = "fitted", "doubtful", "unusable"
-DIMENSIONS = {"a": "length", "delta": "length", "P": "load"}
 VAGUE = "not determined"  # how flags end of what rivals may change by much
-NOTICEABLE = 0.01  # choice: of the standard error; smaller systematic parts are not told in words
+NOTICEABLE = 0.01  # of an error, theory: it is shown to two digits, and a smaller part lies below the second
 
 
 @dataclass(frozen=True, eq=False)
-class Fits(Result):
+class Fits(Several):
     """Curves that were fitted or could not be; ``body``: what they were taken to be of, in words; ``remarks`` on all of
     them together."""
 
-    found: Sequence[Fit | Failure]
+    outcomes: Sequence[Fit | Failure]
     body: str
     remarks: Sequence[str] = ()
 
     @property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
-        return columns(self.found)
+        return columns(self.outcomes)
 
     @cached_property
     def fits(self) -> list[Fit]:
-        return [item for item in self.found if isinstance(item, Fit)]
+        return [item for item in self.outcomes if isinstance(item, Fit)]
 
     def summary(self) -> dict[str, Any]:
-        return summary(self.found, self.body)
-
-    def words(self) -> list[str]:
-        return [line for lines in self.parts for line in lines]
+        return summary(self.outcomes, self.body)
 
     @property
     def parts(self) -> list[list[str]]:
         if len(self.fits) == 1:
             return [words(self.fits[0])]
-        told = ((item.where, *words(item)) for item in self.fits[:SHOWN])
-        each = [[f"{where}: {first}", *rest] for where, first, *rest in told]
+        each = [[f"{item.where}: {line}" if i == 0 else line for i, line in enumerate(words(item))]
+                for item in self.fits[:SHOWN]]  # fmt: skip
         return [[self._together()], *each] if len(self.fits) > 2 and len(_surfaces(self.fits)) == 1 else each
 
     def _together(self) -> str:
@@ -77,24 +63,23 @@ class Fits(Result):
         doubtful = sum(_status(item) == DOUBTFUL for item in self.fits)
         values = [(name, [item.estimate(name) for item in self.fits]) for name in ("E_star", "w")]
         parts = []
-        for name, found in values:
-            sizes, dimension = [one.value for one in found], found[0].dimension
+        for name, estimates in values:
+            sizes, dimension = [one.value for one in estimates], estimates[0].dimension
             middle, low, high = (show(float(size), dimension, 4) for size in np.percentile(sizes, (50, 0, 100)))
             parts.append(f"{SYMBOLS.get(name, name)} = {middle} (median; {low} to {high})")
-        return f"{', '.join(parts)}: {len(self.fits):,} of {len(self.found):,} curves fitted, {doubtful:,} doubtful"
+        return f"{', '.join(parts)}: {len(self.fits):,} of {len(self.outcomes):,} curves fitted, {doubtful:,} doubtful"
 
     @property
     def warnings(self) -> list[str]:
         both = len(_surfaces(self.fits)) > 1
-        told = [(f"{item.where}{f', {item.surface}' if both else ''}", item.warnings) for item in self.fits[:SHOWN]]
-        return [*(f"{where}: {line}" for where, lines in told for line in lines), *self.remarks]
+        named = [(f"{item.where}{f', {item.surface}' if both else ''}", item.warnings) for item in self.fits[:SHOWN]]
+        return [*(f"{where}: {line}" for where, lines in named for line in lines), *self.remarks]
 
 
 @dataclass(frozen=True, eq=False)
 class Fitted(Fit, Result):
-    """A fitted curve with what is said of it; ``body``: of what, in words."""
+    """A fitted curve as a result; ``body``: what was fitted, in words."""
 
-    warnings: tuple[str, ...] = ()
     body: str = ""
 
     @property
@@ -117,18 +102,16 @@ def _surfaces(fits: Sequence[Fit]) -> set[str]:
     return {item.surface for item in fits}
 
 
-def columns(found: Sequence[Fit | Failure]) -> dict[str, list[Any]]:
+def columns(outcomes: Sequence[Fit | Failure]) -> dict[str, list[Any]]:
     """The table of all curves, a row for each in their order, by columns; None where there is no value."""
-    rows = [_row(item) for item in found]
-    return {name: [row.get(name) for row in rows] for name in dict.fromkeys(name for row in rows for name in row)}
+    return by_columns([_row(item) for item in outcomes])
 
 
 def _row(item: Fit | Failure) -> dict[str, Any]:
     if isinstance(item, Failure):
-        curve = item.curve
-        held = (str(curve.origin or ""), curve.name, UNUSABLE, " ".join(item.lines), None)
-        told = {"quality": 0.0, "flags": "; ".join(item.flags)}
-        return dict(zip(ALWAYS, held, strict=True)) | _placed(item) | told
+        cells = (str(item.curve.origin or ""), item.curve.name, UNUSABLE, " ".join(item.lines), None)
+        more = {"quality": 0.0, "flags": "; ".join(item.flags)}
+        return dict(zip(ALWAYS, cells, strict=True)) | _placed(item) | more
     row: dict[str, Any] = dict(zip(ALWAYS, (item.file, item.name, _status(item), "", item.a.size), strict=True))
     row |= _placed(item) | {"surface": item.surface}
     for estimate in item.estimates:
@@ -138,15 +121,11 @@ def _row(item: Fit | Failure) -> dict[str, Any]:
         if estimate.model:
             parts["model"] = math.hypot(*estimate.model.values())
         row |= {_title(estimate.name, part, estimate.dimension): value for part, value in parts.items()}
-    told = {
-        "scatter": item.scatter,
-        "lag1": item.structure.lag1,
-        "correlation_modulus_w": item.correlated("modulus", "w"),
-    }
+    row |= {"scatter": item.scatter, "lag1": item.structure.lag1}
+    row |= {"correlation_modulus_w": item.correlated("modulus", "w")}
     if item.quality is not None:
-        told |= {"adhesion_force_N": item.adhesion, "quality": item.quality["quality"]}
-        told |= {"flags": "; ".join(item.flags)}
-    return row | told | {"warnings": "; ".join(item.warnings)}
+        row |= {"adhesion_force_N": item.adhesion, "quality": item.quality["quality"], "flags": "; ".join(item.flags)}
+    return row | {"warnings": "; ".join(item.warnings)}
 
 
 def _placed(item: Fit | Failure) -> dict[str, Any]:
@@ -158,19 +137,21 @@ def _placed(item: Fit | Failure) -> dict[str, Any]:
 def _title(name: str, part: str, dimension: str) -> str:
     """The title of a column: ``E_film_err_Pa``."""
     stem = "modulus_factor" if name == "modulus" else name.replace(":", "_").replace(" ", "_")
-    return "_".join(filter(None, [stem, part])) + ("_m_per_N" if name == "compliance" else UNIT_NAMES[dimension])
+    title = "_".join(filter(None, [stem, part]))
+    return f"{title}_m_per_N" if name == "compliance" else with_unit(title, dimension)
 
 
-def summary(found: Sequence[Fit | Failure], body: str) -> dict[str, Any]:
+def summary(outcomes: Sequence[Fit | Failure], body: str) -> dict[str, Any]:
     """What stands in the JSON file: per curve everything but the rows themselves."""
-    return {"format": FORMAT, "version": VERSION, "body": body, "curves": [_summary(item) for item in found]}
+    return {"format": FORMAT, "version": VERSION, "body": body, "curves": [_summary(item) for item in outcomes]}
 
 
 def _summary(item: Fit | Failure) -> dict[str, Any]:
     if isinstance(item, Failure):
-        curve = item.curve
-        told: dict[str, Any] = {"file": str(curve.origin or ""), "curve": curve.name, "status": UNUSABLE}
-        return told | {"reason": list(item.lines), "quality": {"quality": 0.0}, "flags": list(item.flags)}
+        return {
+            "file": str(item.curve.origin or ""), "curve": item.curve.name, "status": UNUSABLE,
+            "reason": list(item.lines), "quality": {"quality": 0.0}, "flags": list(item.flags),
+        }  # fmt: skip
     structure = item.structure
     return {
         "file": item.file,
@@ -210,8 +191,7 @@ def _beside(item: Fit) -> dict[str, Any]:
     jkr = item.jkr
     if not isinstance(jkr, JKRBeside):
         return {} if jkr is None else {"jkr": {"reason": str(jkr)}}
-    told = {"E_star_Pa": jkr.E_star, "w_J_per_m2": jkr.w, "misfit": jkr.rms / jkr.rms_of_range}
-    return {"jkr": told}
+    return {"jkr": {"E_star_Pa": jkr.E_star, "w_J_per_m2": jkr.w, "misfit": jkr.rms / jkr.rms_of_range}}
 
 
 def _status(item: Fit) -> str:
@@ -219,14 +199,15 @@ def _status(item: Fit) -> str:
 
 
 def estimate_summary(item: FittedValue) -> dict[str, Any]:
-    found = {"value": item.value, "unit": "m/N" if item.name == "compliance" else SI[item.dimension], "free": item.free}
+    unit = "m/N" if item.name == "compliance" else SI[item.dimension]
+    numbers: dict[str, Any] = {"value": item.value, "unit": unit, "free": item.free}
     if item.free:
-        found |= {"standard_error": item.error, "low": item.low, "high": item.high}
+        numbers |= {"standard_error": item.error, "low": item.low, "high": item.high}
     if item.systematic:
-        found["systematic"] = dict(item.systematic)
+        numbers["systematic"] = dict(item.systematic)
     if item.model:
-        found["model"] = dict(item.model)
-    return found
+        numbers["model"] = dict(item.model)
+    return numbers
 
 
 def words(item: Fit) -> list[str]:
@@ -237,13 +218,9 @@ def words(item: Fit) -> list[str]:
     stuck = ", no slip" if item.surface == "sticking" else ""
     lines = [*verdict_words(item), *_range_words(item)]
     lines += [f"  {item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
-    for estimate in sorted(item.estimates, key=lambda one: one.name in ZERO_POINTS):
-        if estimate.free and estimate.name != "modulus":
-            lines.append(
-                f"  {SYMBOLS.get(estimate.name, estimate.name):<12} {estimate_words(estimate, item.settings.level)}"
-            )
-    told = item.correlated("modulus", "w")
-    more = [] if told is None else [f"correlation of E* and w {told:.2f}"]
+    lines += estimate_lines(sorted(item.estimates, key=lambda one: one.name in ZERO_POINTS), item.settings.level)
+    correlation = item.correlated("modulus", "w")
+    more = [] if correlation is None else [f"correlation of E* and w {correlation:.2f}"]
     lines.append(f"  {'scatter':<12} {', '.join([*_scatter(item), *more])}")
     if item.quality is not None:
         parts = ", ".join(f"{name} {value:.2f}" for name, value in item.quality.items() if name != "quality")
@@ -268,7 +245,7 @@ def verdict_words(item: Fit) -> list[str]:
     rejected = f"; rejected for {' or '.join(rivals.families)}" if rivals.named else ""
     judged = [] if rivals.named else ["the data ask for no other model"]
     if tied := item.verdict.tied:
-        rejected = f"; by {tied[0].name} ({told_words(tied[0])})"
+        rejected = f"; by {tied[0].name} ({parameter_words(tied[0])})"
         judged = ["JKR as described is rejected", *(f"{one.name} cannot be told from it" for one in tied[1:])]
     judged += [flag for flag in item.flags if flag.endswith(VAGUE)]
     parts = dict.fromkeys(name for one in shown for name in one.model or {})
@@ -278,8 +255,8 @@ def verdict_words(item: Fit) -> list[str]:
 
 def brief(items: Sequence[FittedValue], level: float) -> str:
     """Values with their statistical part, that of inputs, and that of the model, all half-widths at one ``level``."""
-    said = ", ".join(_with_parts(item, level) for item in items)
-    return said + f", at {100 * level:g} %" * any(item.error is not None for item in items)
+    values = ", ".join(_with_parts(item, level) for item in items)
+    return values + f", at {100 * level:g} %" * any(item.error is not None for item in items)
 
 
 def _with_parts(item: FittedValue, level: float) -> str:
@@ -293,11 +270,11 @@ def _with_parts(item: FittedValue, level: float) -> str:
     own = math.sqrt(half**2 - calibration**2)
     parts = {"statistical": own, "calibration": calibration, "model": math.hypot(*(item.model or {}).values())}
     unit, _ = scale(item.value, item.dimension)
-    said = [f"± {float(f'{size / unit:.2g}'):g} ({kind})" for kind, size in parts.items() if size > NOTICEABLE * own]
-    return " ".join([name, *said])
+    errors = [f"± {float(f'{size / unit:.2g}'):g} ({kind})" for kind, size in parts.items() if size > NOTICEABLE * own]
+    return " ".join([name, *errors])
 
 
-def told_words(one: Tried) -> str:
+def parameter_words(one: Tried) -> str:
     """What else a rival in full tells, in words."""
     values = (f"{name} {show(value, OF_RIVALS[name], 3)}" for name, value in one.told.items())
     return ", ".join([*values, f"chi^2 {-one.falls:.3g}"])
@@ -313,7 +290,7 @@ def rivals_table(item: Fit) -> list[str]:
         f"{-one.taken:>10.3g}" for one in item.verdict.rivals.scores
     ), *(
         f"  in full: {one.name}: {'taken' if one.taken else f'not taken, p = {one.chance:.1g}'}, "
-        f"E* {show(one.E_star, 'modulus', 4)}, w {show(one.w, 'work', 4)}, {told_words(one)}"
+        f"E* {show(one.E_star, 'modulus', 4)}, w {show(one.w, 'work', 4)}, {parameter_words(one)}"
         for one in item.verdict.tried
     )]  # fmt: skip
 
@@ -334,32 +311,32 @@ def _verdict(item: Fit) -> dict[str, Any]:
     """Rivals of a raw record, each with its score, and what a formula makes of the deepest row."""
     if item.verdict is None:
         return {}
-    told = item.verdict
+    verdict = item.verdict
     return {"verdict": {
-        "model": told.tied[0].name if told.tied else "jkr",
-        "named": [one.name for one in told.rivals.named], "families": list(told.families),
-        "in_full": [_tried_summary(one) for one in told.tried],
-        "misfit": told.rivals.misfit / told.rivals.dof, "free_rows_tell_the_noise": told.rivals.loose > 0,
-        "formula": {"name": told.formula, "E_star_Pa": told.E_star} if told.E_star is not None else None,
-        "rivals": [_score_summary(one) for one in told.rivals.scores],
+        "model": verdict.tied[0].name if verdict.tied else "jkr",
+        "named": [one.name for one in verdict.rivals.named], "families": list(verdict.families),
+        "in_full": [_tried_summary(one) for one in verdict.tried],
+        "misfit": verdict.rivals.misfit / verdict.rivals.dof, "free_rows_tell_the_noise": verdict.rivals.loose > 0,
+        "formula": {"name": verdict.formula, "E_star_Pa": verdict.E_star} if verdict.E_star is not None else None,
+        "rivals": [_score_summary(one) for one in verdict.rivals.scores],
     }}  # fmt: skip
 
 
 def _tried_summary(one: Tried) -> dict[str, Any]:
     """A rival in full: how much of the misfit it takes, what it makes of E* and w, and what else it tells."""
-    told = {f"{name}{UNIT_NAMES[OF_RIVALS[name]]}": value for name, value in one.told.items()}
+    parameters = {with_unit(name, OF_RIVALS[name]): value for name, value in one.told.items()}
     return {
         "name": one.name, "family": one.family, "taken": one.taken, "chi2_falls": one.falls, "p": one.chance,
-        "E_star_Pa": one.E_star, "w_J_per_m2": one.w, **told,
+        "E_star_Pa": one.E_star, "w_J_per_m2": one.w, **parameters,
     }  # fmt: skip
 
 
 def _score_summary(one: Score) -> dict[str, Any]:
     """A rival: its amount, what the data say, and the relative moves of E* and w with what was found of it."""
-    told = one.error if math.isfinite(one.error) else None
+    error = one.error if math.isfinite(one.error) else None
     return {
         "name": one.name, "family": one.family, "word": one.word, "amount_is": one.words, "amount": one.amount,
-        "standard_error": told, "p": one.chance, "share_of_misfit": one.share,
+        "standard_error": error, "p": one.chance, "share_of_misfit": one.share,
         "E_star_moves": one.change(one.E_star), "w_moves": one.change(one.w),
         "E_star_may_move": one.moved(one.E_star), "w_may_move": one.moved(one.w),
     }  # fmt: skip
@@ -373,6 +350,12 @@ def _range_words(item: Fit) -> list[str]:
         return []
     moved = f"the data allow up to {show(left, 'length', 2)}, which would change w by {show(part, 'work', 2)}"
     return [f"  {'range':<12} {moved}; if it is known to be shorter: --bound range=..LENGTH"]
+
+
+def estimate_lines(items: Iterable[FittedValue], level: float, names: Mapping[str, str] = SYMBOLS) -> list[str]:
+    """A line for each free parameter but the factor of all moduli, by its name or that in ``names``."""
+    shown = (item for item in items if item.free and item.name != "modulus")
+    return [f"  {names.get(item.name, item.name):<12} {estimate_words(item, level)}" for item in shown]
 
 
 def estimate_words(estimate: FittedValue, level: float) -> str:
@@ -389,10 +372,10 @@ def estimate_words(estimate: FittedValue, level: float) -> str:
     named = (estimate.systematic or {}).items()
     least = NOTICEABLE * (estimate.error or 0.0)
     parts = [f"{name} {show(value, dimension, 2)}" for name, value in named if value > least]
-    model = (
-        f"; systematic (model) ± {show(math.hypot(*estimate.model.values()), dimension, 2)}" if estimate.model else ""
-    )
-    return text + (f" (of which {', '.join(parts)})" if parts else "") + model
+    text += f" (of which {', '.join(parts)})" if parts else ""
+    if estimate.model:
+        text += f"; systematic (model) ± {show(math.hypot(*estimate.model.values()), dimension, 2)}"
+    return text
 
 
 def _scatter(item: Fit) -> list[str]:

@@ -17,18 +17,18 @@ from .map import images_of, map_of
 UNITS = {"a": "m", "delta": "m", "P": "N", "foot_a": "m", "row": "1", "curve": "1"}
 
 
-def write(path: Path, found: Sequence[Fit | Failure], told: Mapping[str, Any]) -> None:
-    """Write all fits to ``path`` with their summary ``told``, in which a curve has its number from 0 in order."""
-    fits = [(number, item) for number, item in enumerate(found) if isinstance(item, Fit)]
+def write(path: Path, outcomes: Sequence[Fit | Failure], summary: Mapping[str, Any]) -> None:
+    """Write all fits to ``path`` with their ``summary``, in which a curve has its number from 0 in order."""
+    fits = [(number, item) for number, item in enumerate(outcomes) if isinstance(item, Fit)]
     tables = {
         "data": [(number, _rows(item)) for number, item in fits],
         "fitted": [(number, dict(item.line)) for number, item in fits],
         "bootstrap": [(number, _samples(item)) for number, item in fits if item.samples is not None],
     }
     curves: dict[str, hdf5.Group | hdf5.Dataset] = {name: _joined(table) for name, table in tables.items() if table}
-    curves["summary"] = hdf5.Dataset([json.dumps(one) for one in told["curves"]])
-    images = {"map": images_of(held)} if (held := map_of(found)) else {}
-    archive.write(path, archive.FITS, {"body": told["body"]}, {"curves": hdf5.Group({}, curves), **images})
+    curves["summary"] = hdf5.Dataset([json.dumps(one) for one in summary["curves"]])
+    images = {"map": images_of(scan)} if (scan := map_of(outcomes)) else {}
+    archive.write(path, archive.FITS, {"body": summary["body"]}, {"curves": hdf5.Group({}, curves), **images})
 
 
 def _rows(item: Fit) -> dict[str, Array]:

@@ -10,15 +10,14 @@ import numpy as np
 from ..base import show
 from ..identification.fit import JointFit
 from . import fit as each
-from .fit import DOUBTFUL, FITTED, brief, estimate_summary, estimate_words
+from .fit import DOUBTFUL, FITTED, brief, estimate_lines, estimate_summary
 from .result import Figure, Result
 
 
 @dataclass(frozen=True, eq=False)
 class JointFitted(JointFit, Result):
-    """Records fitted together with what is said of them; ``body``: of what, in words; ``level`` of their intervals."""
+    """Records fitted together as a result; ``body``: what was fitted, in words; ``level`` of their intervals."""
 
-    warnings: tuple[str, ...] = ()
     body: str = ""
     level: float = 0.95
 
@@ -49,13 +48,13 @@ class JointFitted(JointFit, Result):
             brief(shared, self.level) + (f"; {DOUBTFUL}: {', '.join(self.flags)}" if self.flags else ""),
             f"  {len(self.fits)} records together (p = {self.chance:.2g} that such records differ as much)",
         ]
-        lines += [f"  {item.name:<12} {estimate_words(item, self.level)}" for item in shared]
-        told = {item.name: item.dimension for item in self.shared}
+        lines += estimate_lines(shared, self.level, {})
+        dimensions = {item.name: item.dimension for item in self.shared}
         for one, values in zip(self.fits, self.alone, strict=True):
-            own = [item for item in one.estimates if item.free and item.name not in told]
-            parts = [f"{name} = {show(value, told[name], 4)}" for name, value in values.items()]
-            kept = ", ".join(f"{i.name} = {show(i.value, i.dimension, 4)}" for i in own if i.dimension != "modulus")
-            lines.append(f"  {one.name}: alone {', '.join(parts)}; its own {kept or 'none'}")
+            own = [item for item in one.estimates if item.free and item.name not in dimensions]
+            parts = [f"{name} = {show(value, dimensions[name], 4)}" for name, value in values.items()]
+            rest = ", ".join(f"{i.name} = {show(i.value, i.dimension, 4)}" for i in own if i.dimension != "modulus")
+            lines.append(f"  {one.name}: alone {', '.join(parts)}; its own {rest or 'none'}")
         return lines
 
     def figure(self) -> Figure:

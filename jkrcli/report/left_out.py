@@ -3,30 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from ..base import NOTICEABLE, Estimate, Unknown
 from ..beside.left_out import LeftOut
 
 
-@dataclass(frozen=True)
-class ShownTuning:
-    """How much is printed of it."""
-
-    worst: int = 3  # choice: things in the one line
-    digits: tuple[float, ...] = (0.1, 0.01)  # choice: changes below which one more digit follows the point
-
-
-TUNING = ShownTuning()
-
-
 def worst(rows: Sequence[LeftOut]) -> Iterator[str]:
-    """The things left out that change most, with what of."""
+    """The three things left out that change most, with what of."""
     known = [(one.name, one.largest) for one in rows if not one.included and one.largest is not None]
-    said = [f"{name} ({quantity} {percent(change)})" for name, (quantity, change) in known
-            if abs(change) >= NOTICEABLE][: TUNING.worst]  # fmt: skip
+    changes = [f"{name} ({quantity} {percent(change)})" for name, (quantity, change) in known
+            if abs(change) >= NOTICEABLE][:3]  # fmt: skip
     if known:
-        yield f"  left out  {', '.join(said) or f'nothing that changes a result by {NOTICEABLE:.1%}'}"
+        yield f"  left out  {', '.join(changes) or f'nothing that changes a result by {NOTICEABLE:.1%}'}"
 
 
 def table(rows: Sequence[LeftOut]) -> Iterator[str]:
@@ -45,5 +33,5 @@ def percent(change: Estimate) -> str:
         return "-"
     if not round(change, 4):
         return "0"
-    digits = sum(abs(change) < limit for limit in TUNING.digits)
+    digits = sum(abs(change) < limit for limit in (0.1, 0.01))  # two of them are shown
     return f"{change:+.{digits}%}"

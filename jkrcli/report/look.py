@@ -22,7 +22,7 @@ NAMES = {"a": "contact radius", "delta": "displacement", "P": "load", "t": "time
 @dataclass(frozen=True, eq=False)
 class Look(Result):
     """What a measured file holds: its curves taken apart, and a line on each that is ``unusable``; ``tip``: of which a
-    rough modulus is told."""
+    rough modulus is computed."""
 
     path: Path
     records: Sequence[ForceCurve]
@@ -63,13 +63,13 @@ class Look(Result):
         return lines + ([f"  ... and {count - SHOWN} more curves (--json tells all)"] if count > SHOWN else [])
 
     def _rough(self, record: ForceCurve) -> dict[str, Any]:
-        """The rough numbers of a record as plain values, where a tip is told."""
+        """The rough numbers of a record as plain values, where there is a tip."""
         if self.tip is None:
             return {}
-        found = at_a_glance(record, self.tip)
-        if isinstance(found, Unknown):
-            return {"rough": None, "rough_unknown": found.reason}
-        return {"rough": {"E_star_Pa": found.E_star, "a_m": found.a, **_known("w_J_per_m2", found.w)}}
+        numbers = at_a_glance(record, self.tip)
+        if isinstance(numbers, Unknown):
+            return {"rough": None, "rough_unknown": numbers.reason}
+        return {"rough": {"E_star_Pa": numbers.E_star, "a_m": numbers.a, **_known("w_J_per_m2", numbers.w)}}
 
     @property
     def warnings(self) -> Sequence[str]:
@@ -139,42 +139,42 @@ def at_a_glance(record: ForceCurve, tip: Indenter) -> Rough | Unknown:
 
 
 def _glance(record: ForceCurve, tip: Indenter) -> str:
-    found = at_a_glance(record, tip)
-    if isinstance(found, Unknown):
-        return f"  no rough modulus: {found.reason}"
-    w = "" if isinstance(found.w, Unknown) else f", w = {show(found.w, 'work', 2)} (adhesion force)"
-    E_star, a = show(found.E_star, "modulus", 2), show(found.a, "length", 2)
+    numbers = at_a_glance(record, tip)
+    if isinstance(numbers, Unknown):
+        return f"  no rough modulus: {numbers.reason}"
+    w = "" if isinstance(numbers.w, Unknown) else f", w = {show(numbers.w, 'work', 2)} (adhesion force)"
+    E_star, a = show(numbers.E_star, "modulus", 2), show(numbers.a, "length", 2)
     return f"  rough: E* = {E_star} (half-space without adhesion, largest load, a = {a}){w}"
 
 
 def words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
     """Lines for a reader: what the record is, then a line per direction and per flag; a rough modulus by a ``tip``."""
     curve = record.curve
-    held = ", ".join(NAMES[name] for name in curve.measured)
+    columns = ", ".join(NAMES[name] for name in curve.measured)
     parts = ", ".join(f"{segment.kind} {len(segment)}" for segment in record.segments)
     parts += f", {record.rest} of neither" if record.rest else ""
     return [
         f"{_verdict(record)}: {curve.where}",
-        f"  {len(curve)} rows of {held}; {parts}",
+        f"  {len(curve)} rows of {columns}; {parts}",
         *([] if tip is None else [_glance(record, tip)]),
         *(f"  {name}: {sentence}" for name, sentence in record.flags.items()),
-        *(f"  {item.segment.kind:8}  {line}" for item in record.directions for line in _said(item)),
+        *(f"  {item.segment.kind:8}  {line}" for item in record.directions for line in _direction_words(item)),
         *(f"  {flag}" for flag in curve.flags),
     ]
 
 
 def _verdict(record: ForceCurve) -> str:
     """The adhesion force and the largest load, where the base line gives them."""
-    told = {}
+    forces = {}
     for item in record.directions if all(item.based for item in record.directions) else ():
         if item.segment.kind != "approach" and not isinstance(item.adhesion, Unknown):
-            told["adhesion force"] = item.adhesion
-        told["largest load"] = max(item.largest, told.get("largest load", item.largest))
-    words = [f"{name} {show(told[name], 'load', 3)}" for name in ("adhesion force", "largest load") if name in told]
+            forces["adhesion force"] = item.adhesion
+        forces["largest load"] = max(item.largest, forces.get("largest load", item.largest))
+    words = [f"{name} {show(forces[name], 'load', 3)}" for name in ("adhesion force", "largest load") if name in forces]
     return ", ".join(words) or "no force without a base line"
 
 
-def _said(item: Direction) -> list[str]:
+def _direction_words(item: Direction) -> list[str]:
     approach = item.segment.kind == "approach"
     base = item.base
     line = (

@@ -119,12 +119,9 @@ def _memory(least: float = 1.0) -> Finding:
     from ..base import free_memory
 
     free = free_memory() / 1024
-    if math.isinf(free):
-        return Finding("memory", "ok", "unknown")
-    if free >= least:
-        return Finding("memory", "ok", f"{free:.1f} GiB available")
+    words = "unknown" if math.isinf(free) else f"{free:.1f} GiB available"
     remedy = "large finite-element meshes will not fit: coarser meshes or another method"
-    return Finding("memory", "optional", f"{free:.1f} GiB available", remedy)
+    return Finding("memory", "ok", words) if free >= least else Finding("memory", "optional", words, remedy)
 
 
 def _scratch(least: float = 0.5) -> Finding:
@@ -134,8 +131,7 @@ def _scratch(least: float = 0.5) -> Finding:
             folder = tempfile.gettempdir()
             free = shutil.disk_usage(folder).free / 2**30
     except OSError as error:
-        found = error.strerror or str(error)
-        return Finding("temporary files", "missing", found, "set TMPDIR to a folder that can be written")
-    if free >= least:
-        return Finding("temporary files", "ok", f"{folder}, {free:.1f} GiB free")
-    return Finding("temporary files", "optional", f"{folder}, {free:.1f} GiB free", "free some space")
+        reason = error.strerror or str(error)
+        return Finding("temporary files", "missing", reason, "set TMPDIR to a folder that can be written")
+    lacking = () if free >= least else ("free some space",)
+    return Finding("temporary files", "optional" if lacking else "ok", f"{folder}, {free:.1f} GiB free", *lacking)

@@ -29,16 +29,16 @@ class Map:
     images: Mapping[str, Array]
 
 
-def map_of(found: Sequence[Fit | Failure]) -> Map | None:
+def map_of(outcomes: Sequence[Fit | Failure]) -> Map | None:
     """The map that the curves make; None where they were not taken on a grid, or several share a pixel."""
-    pixels = [item.pixel for item in found if item.pixel is not None]
-    if len(pixels) < 2 or len(pixels) != len(found) or len({(at.column, at.row) for at in pixels}) != len(found):
+    pixels = [item.pixel for item in outcomes if item.pixel is not None]
+    if len(pixels) < 2 or len(pixels) != len(outcomes) or len({(at.column, at.row) for at in pixels}) != len(outcomes):
         return None
     columns, column = np.unique([at.column for at in pixels], return_inverse=True)
     rows, row = np.unique([at.row for at in pixels], return_inverse=True)
     x, y = np.array([at.x for at in pixels]), np.array([at.y for at in pixels])
     images = {name: np.full((rows.size, columns.size), np.nan) for name in IMAGES}
-    values = [_values(item) for item in found]
+    values = [_values(item) for item in outcomes]
     for name, image in images.items():
         image[row, column] = [value[name] for value in values]
     return Map(
@@ -52,17 +52,17 @@ def _values(item: Fit | Failure) -> dict[str, float]:
     """The pixel of one curve in each image."""
     if isinstance(item, Failure):
         return dict.fromkeys(IMAGES, np.nan) | {"quality": 0.0}
-    told = {estimate.name: estimate.value for estimate in item.estimates}
+    estimates = {estimate.name: estimate.value for estimate in item.estimates}
     return {
-        "E_star": told.get("E_star", np.nan),
-        "w": told.get("w", np.nan),
-        "contact_point": told.get("delta0", np.nan),
+        "E_star": estimates.get("E_star", np.nan),
+        "w": estimates.get("w", np.nan),
+        "contact_point": estimates.get("delta0", np.nan),
         "adhesion_force": np.nan if item.adhesion is None else item.adhesion,
         "quality": np.nan if item.quality is None else item.quality["quality"],
     }
 
 
-def images_of(held: Map) -> hdf5.Group:
+def images_of(scan: Map) -> hdf5.Group:
     """A map in HDF5: each image with its unit, and the positions of columns and rows."""
-    images = {name: hdf5.column(image, SI[IMAGES[name]]) for name, image in held.images.items()}
-    return hdf5.Group({}, {"x": hdf5.column(held.x, "m"), "y": hdf5.column(held.y, "m"), **images})
+    images = {name: hdf5.column(image, SI[IMAGES[name]]) for name, image in scan.images.items()}
+    return hdf5.Group({}, {"x": hdf5.column(scan.x, "m"), "y": hdf5.column(scan.y, "m"), **images})

@@ -40,12 +40,12 @@ class Meshed(Result):
         }
 
     def words(self) -> list[str]:
-        told = self.summary()
-        low, middle, high = (told["quality"][name] for name in ("least", "median", "greatest"))
+        summary = self.summary()
+        low, middle, high = (summary["quality"][name] for name in ("least", "median", "greatest"))
         return [
-            f"{told['elements']} {told['element']}s, {told['vertices']} vertices: {self.file}",
-            f"  body      r <= {show(told['r_m'], 'length')}, depth {show(told['depth_m'], 'length')}; "
-            f"{told['vertices_within_reach']} surface vertices within the expected contact of "
+            f"{summary['elements']} {summary['element']}s, {summary['vertices']} vertices: {self.file}",
+            f"  body      r <= {show(summary['r_m'], 'length')}, depth {show(summary['depth_m'], 'length')}; "
+            f"{summary['vertices_within_reach']} surface vertices within the expected contact of "
             f"{show(self.reach, 'length')}",
             f"  quality   {low:.3f} to {high:.3f}, median {middle:.3f} (1 is best)",
         ]

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
-from ..base import as_json, check_series_target, check_target, make_folder, together, write_csv, write_text
+from ..base import as_json, check_target, make_folder, together, write_csv, write_text
 from .result import Figure
 
 PICTURES = (".png", ".svg")
-SHOWN = 10  # curves that are told line by line, and drawn
+SHOWN = 10  # curves that are printed line by line, and drawn
+Check: TypeAlias = Callable[[Path, bool, Iterable[Path]], None]
 
 
 @dataclass(frozen=True)
@@ -66,21 +67,16 @@ class Output:
         make_folder(self.where)
         return self.where
 
-    def file(self, default: Path, inputs: Iterable[Path] = ()) -> Path:
-        """The one file to write, after a check that it can and may be written."""
+    def file(self, default: Path, inputs: Iterable[Path] = (), check: Check = check_target) -> Path:
+        """The one file to write, after a ``check`` that it can and may be written; the name of a series, with
+        ``check_series_target``, must not promise another format."""
         target = default if self.where is None else self.where
-        check_target(target, self.force, inputs)
-        return target
-
-    def series(self, default: Path, inputs: Iterable[Path] = ()) -> Path:
-        """The one file of a series, checked like ``file``; its name must not promise another format."""
-        target = default if self.where is None else self.where
-        check_series_target(target, self.force, inputs)
+        check(target, self.force, inputs)
         return target
 
     def files(self, stem: Path, endings: Iterable[str], inputs: Iterable[Path] = ()) -> Files:
         """``stem`` with ``endings``, without pictures under --no-plots; checked, before any work, like one file."""
-        held = Files(stem, tuple(ending for ending in endings if self.plots or ending not in PICTURES))
-        for ending in held.endings:
-            check_target(held[ending], self.force, inputs)
-        return held
+        files = Files(stem, tuple(ending for ending in endings if self.plots or ending not in PICTURES))
+        for ending in files.endings:
+            check_target(files[ending], self.force, inputs)
+        return files

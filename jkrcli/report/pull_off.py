@@ -31,12 +31,12 @@ class PullOff(Result):
     def summary(self) -> dict[str, Any]:
         result, lost = self.result, self.lost
         controls = []
-        for found, error in lost:
-            told = tables.control(found)
-            told["pull_off"] |= tables.errors(error)
+        for behaviour, error in lost:
+            numbers = tables.under_control(behaviour)
+            numbers["pull_off"] |= tables.errors(error)
             if error is not None:
-                told["pull_off"]["interpolated"] = not _solved(result, found)
-            controls.append({"control": found.control, "stiffness_N_per_m": tables.stiffness(found.stiffness), **told})
+                numbers["pull_off"]["interpolated"] = not _solved(result, behaviour)
+            controls.append(tables.device(behaviour.stiffness) | numbers)
         return {
             "file": str(result.path),
             "w_J_per_m2": result.w,
@@ -48,83 +48,84 @@ class PullOff(Result):
         }
 
     def words(self) -> list[str]:
-        result, lost = self.result, self.lost
-        points = {found.control: (found.pull_off, error) for found, error in lost}
+        result, points = self.result, {means.control: (means.pull_off, error) for means, error in self.lost}
         lines = [*tables.lost_words(result, points), *_validity(result)]
-        return lines + [line for found, error in lost for line in _control(found, error, _solved(result, found))]
+        return lines + [line for means, error in self.lost for line in _control(means, error, _solved(result, means))]
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredPullOff(Result):
     """What a measured pull-off force means."""
 
-    told: MeasuredWork
+    means: MeasuredWork
 
     def summary(self) -> dict[str, Any]:
-        told = self.told
-        found = told.work
+        means, work = self.means, self.means.work
         data = {
-            "file": str(told.result.path),
-            "load_N": found.load,
-            "control": control(found.stiffness),
-            "stiffness_N_per_m": tables.stiffness(found.stiffness),
-            "w_J_per_m2": found.w,
-            "w_err_J_per_m2": known(told.error),
-            "w_err_by_input_J_per_m2": dict(told.parts),
-            "w_err_of_series_J_per_m2": known(told.series),
-            "w_half_space_J_per_m2": found.half_space,
-            "pull_off": tables.point(found.point),
-            "validity": tables.validity(told.result),
+            "file": str(means.result.path),
+            "load_N": work.load,
+            **tables.device(work.stiffness),
+            "w_J_per_m2": work.w,
+            "w_err_J_per_m2": known(means.error),
+            "w_err_by_input_J_per_m2": dict(means.parts),
+            "w_err_of_series_J_per_m2": known(means.series),
+            "w_half_space_J_per_m2": work.half_space,
+            "pull_off": tables.point(work.point),
+            "validity": tables.validity(means.result),
         }
-        return data | ({"error": told.error.reason} if isinstance(told.error, Unknown) else {})
+        return data | ({"error": means.error.reason} if isinstance(means.error, Unknown) else {})
 
     def words(self) -> list[str]:
-        told = self.told
-        found = told.work
-        error = "" if isinstance(told.error, Unknown) or not told.parts else f" ± {show(told.error, 'work', 3)}"
+        means, work = self.means, self.means.work
+        error = "" if isinstance(means.error, Unknown) or not means.parts else f" ± {show(means.error, 'work', 3)}"
         lines = [
-            f"w = {show(found.w, 'work')}{error}: the pull-off force {show(found.load, 'load')} of {told.result.path} "
-            f"({control(found.stiffness)}, a = {show(found.point.a, 'length')})"
+            f"w = {show(work.w, 'work')}{error}: the pull-off force {show(work.load, 'load')} of "
+            f"{means.result.path} ({control(work.stiffness)}, {tables.state_words(work.point, 'a')})"
         ]
-        if told.parts:
-            parts = (f"{name} {show(part, 'work')}" for name, part in told.parts.items())
+        if means.parts:
+            parts = (f"{name} {show(part, 'work')}" for name, part in means.parts.items())
             lines.append(f"  standard error from {', '.join(parts)}")
         else:
             lines.append(f"  {OF_INPUTS}")
-        series = told.series if isinstance(told.series, Unknown) else told.series / found.w
+        series = means.series if isinstance(means.series, Unknown) else means.series / work.w
         lines.append(f"  {accuracy(series)} (90 %)")
-        if found.half_space is None:
+        if work.half_space is None:
             lines.append("  no tip radius: 1.5 pi w R is not defined for this indenter")
         else:
-            under = "" if found.stiffness == LOAD_CONTROL else " under load control"
+            under = "" if work.stiffness == LOAD_CONTROL else " under load control"
             lines.append(
-                f"  1.5 pi w R of a half-space{under} would have given {show(found.half_space, 'work')}, "
-                f"{found.half_space / found.w:.3g} times this body's"
+                f"  1.5 pi w R of a half-space{under} would have given {show(work.half_space, 'work')}, "
+                f"{work.half_space / work.w:.3g} times this body's"
             )
-        return lines + _validity(told.result)
+        return lines + _validity(means.result)
 
 
-def _solved(result: Analysis, found: Behaviour) -> bool:
-    return isinstance(found.pull_off, Equilibrium) and is_solved(result.curve, found.pull_off)
+def _solved(result: Analysis, behaviour: Behaviour) -> bool:
+    return isinstance(behaviour.pull_off, Equilibrium) and is_solved(result.curve, behaviour.pull_off)
 
 
-def _control(found: Behaviour, error: Errors | Unknown | None, solved: bool) -> list[str]:
+def _control(behaviour: Behaviour, error: Errors | Unknown | None, solved: bool) -> list[str]:
     """Points, jumps and energies under one control; the pull-off point ``solved`` or read off between the rows."""
     between = "; interpolated" if not solved and error and not isinstance(error, Unknown) else ""
-    lines = [f"  {found.control}", f"    pull-off            {_point(found.pull_off)}{between}"]
+    lines = [f"  {behaviour.control}", f"    pull-off            {_point(behaviour.pull_off)}{between}"]
     if isinstance(error, Unknown):
         lines.append(f"    its error           {error}")
-    others = [point for point in found.critical if point != found.pull_off]
-    if not found.critical and not isinstance(found.pull_off, Unknown):
+    others = [point for point in behaviour.critical if point != behaviour.pull_off]
+    if not behaviour.critical and not isinstance(behaviour.pull_off, Unknown):
         lines.append("    critical points     none in the series")
     lines += [f"    other {point.kind:<14}{_point(point)}" for point in others]
     lines += [
-        f"    jumps back          {_point(jump.start)}  to  {_point(jump.end)}" for jump in found.partial if jump.end
+        f"    jumps back          {_point(jump.start)}  to  {_point(jump.end)}"
+        for jump in behaviour.partial
+        if jump.end
     ]
-    lines.append(f"    jump-in{', delta = 0  ' if found.onset == 0 else ', attracted  '}{_point(found.jump_in)}")
-    lines.append(f"    energy lost         {_energy(found.energy_lost)}")
-    if found.separation != found.energy_lost:
-        lines.append(f"    work of separation  {_energy(found.separation)}")
+    onset = ", delta = 0  " if behaviour.onset == 0 else ", attracted  "
+    lines += [
+        f"    jump-in{onset}{_point(behaviour.jump_in)}",
+        f"    energy lost         {_energy(behaviour.energy_lost)}",
+    ]
+    if behaviour.separation != behaviour.energy_lost:
+        lines.append(f"    work of separation  {_energy(behaviour.separation)}")
     return lines
 
 
@@ -141,12 +142,9 @@ def _energy(value: Estimate) -> str:
 
 def _validity(result: Analysis) -> list[str]:
     """JKR holds, is doubtful or does not: by every number that the body has, then the other warnings."""
-    judged = tables.validity(result)
-    lines = []
-    if isinstance(judged["tabor"], float):
-        lines.append(f"  Tabor number {judged['tabor']:.3g}: {judged['regime']}")
-    sizes = ((name, judged[key]) for name, key in SIZES.items())
-    lines.append("  " + ", ".join(f"{name} = {value:.3g}" for name, value in sizes if isinstance(value, float)))
-    said = [warning for warning in result.validity.warnings if not warning.startswith(ABOVE)]
-    said += yielding(result.problem, result.curve)
-    return [line for line in [*lines, *(f"  {warning}" for warning in said)] if line.strip()]
+    judged = result.validity
+    tabor = [f"Tabor number {judged.tabor:.3g}: {judged.regime}"] if isinstance(judged.tabor, float) else []
+    warnings = [warning for warning in judged.warnings if not warning.startswith(ABOVE)]
+    warnings += yielding(result.problem, result.curve)
+    lines = [*tabor, ", ".join(tables.size_words(judged, SIZES)), *warnings]
+    return [f"  {line}" for line in lines if line.strip()]

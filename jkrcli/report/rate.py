@@ -19,22 +19,21 @@ from ..adhesion import (
     rate_parameters,
 )
 from ..adhesion.rate.validity import NEGLECTED, Zone, zone
-from ..base import ROWS, SI, UNSEEN, Array, InputError, SolveError, Unknown, known, show
+from ..base import ROWS, SAME, UNSEEN, Array, InputError, SolveError, Unknown, known, show
 from ..beside import Analysis
 from ..identification.rate.through import LawThrough
 from .result import Figure, Result, as_result
-from .tables import stiffness, timed, timed_jump
+from .tables import device, state_words, timed, timed_jump, with_unit
 
-ACCURATE = 1e-6  # choice: error of the integration beyond which a reader is warned
-VAGUE = 1.0  # choice: relative standard error beyond which a parameter is not told
+VAGUE = 1.0  # relative standard error, theory: one as large as the parameter does not tell it from zero
 
 
 def law_words(law: RateLaw) -> str:
     """The law and its parameters as people write them."""
     name, values = parameters_of(law)
     ranges = rate_parameters(name)
-    told = ", ".join(f"{key} = {show(value, ranges[key].dimension)}" for key, value in values.items())
-    return f"{name} law, {told}"
+    parameters = ", ".join(f"{key} = {show(value, ranges[key].dimension)}" for key, value in values.items())
+    return f"{name} law, {parameters}"
 
 
 def law_summary(law: RateLaw | None) -> dict[str, Any] | None:
@@ -42,14 +41,13 @@ def law_summary(law: RateLaw | None) -> dict[str, Any] | None:
     if law is None:
         return None
     name, values = parameters_of(law)
-    units = {key: SI[ranged.dimension].replace("/", "_per_").replace("^", "")
-             for key, ranged in rate_parameters(name).items()}  # fmt: skip
-    return {"law": name} | {f"{key}_{units[key]}".rstrip("_"): value for key, value in values.items()}
+    ranges = rate_parameters(name)
+    return {"law": name} | {with_unit(key, ranges[key].dimension): value for key, value in values.items()}
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class CycledAtSpeed(History, Result):
-    """A history with what is said of it; ``body``: the curve of retraction, ``stress`` [Pa] in the zone at the edge,
+    """A history as a result; ``body``: the curve of retraction, ``stress`` [Pa] in the zone at the edge,
     ``points``: rows of a piece."""
 
     body: Analysis
@@ -60,12 +58,12 @@ class CycledAtSpeed(History, Result):
     def of(cls, contact: RateContact, program: Program, body: Analysis, **options: Any) -> CycledAtSpeed:
         """What happens to ``contact`` under ``program``; InputError where it leaves the series."""
         try:
-            found = contact.history(program)
+            history = contact.history(program)
         except SolveError as error:
             raise InputError(f"{body.path}: {error}") from None
-        if found.out_of_series is not None:
-            raise InputError(f"{body.path}: {found.out_of_series}")
-        return as_result(cls, found, body=body, **options)
+        if history.out_of_series is not None:
+            raise InputError(f"{body.path}: {history.out_of_series}")
+        return as_result(cls, history, body=body, **options)
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]
@@ -87,11 +85,10 @@ class CycledAtSpeed(History, Result):
 
     def summary(self) -> dict[str, Any]:
         contact, zone = self.contact, self.zone
-        error, lost = self.error, self.lost
+        error, lost, energy = self.error, self.lost, self.energy_lost
         return {
             "file": str(self.body.path),
-            "control": self.control,
-            "stiffness_N_per_m": stiffness(contact.stiffness),
+            **device(contact.stiffness),
             "w_approach_J_per_m2": contact.w_advance,
             "w_retract_J_per_m2": contact.w0,
             "rate": law_summary(contact.law),
@@ -105,8 +102,8 @@ class CycledAtSpeed(History, Result):
             "lost_t_s": None if lost is None else lost.t,
             "lost_t_relative_error": known(error["lost"]),
             "waited_s": self.waited,
-            "energy_lost_J": known(self.energy_lost),
-            "energy_lost_reason": self.energy_lost if isinstance(self.energy_lost, Unknown) else None,
+            "energy_lost_J": known(energy),
+            "energy_lost_reason": energy if isinstance(energy, Unknown) else None,
             "dissipated_at_edge_J": self.dissipated,
             "balance_relative_error": self.balance,
             "zone": {
@@ -123,62 +120,56 @@ class CycledAtSpeed(History, Result):
     def warnings(self) -> list[str]:
         """What a reader should know, each with its number."""
         worst = max(value for name in ("P", "t", "lost") if (value := known(self.error[name])) is not None)
-        found = [f"the integration errs by about {worst:.1g}"] if worst > ACCURATE else []
-        if self.balance > UNSEEN:
-            found.append(
-                f"the energies balance to {self.balance:.1g} only: the series' P_H, S and S' contradict each other"
-            )
-        return [*found, *self.zone.warnings]
+        inexact = [f"the integration errs by about {worst:.1g}"] if worst > SAME else []
+        balance = f"the energies balance to {self.balance:.1g} only: the series' P_H, S and S' contradict each other"
+        return [*inexact, *[balance] * (self.balance > UNSEEN), *self.zone.warnings]
 
     def words(self) -> list[str]:
         contact, pulled, lost = self.contact, self.pull_off, self.lost
         works = show(contact.w_advance, "work"), show(contact.w0, "work")
         lines = [
-            f"pull-off force {show(-pulled.P, 'load')} at t = {show(pulled.t, 'time')}, delta = "
-            f"{show(pulled.delta, 'length')}, a = {show(pulled.a, 'length')}; edge up to {show(self.fastest, 'speed')}"
-            f": {self.body.path}",
+            f"pull-off force {show(-pulled.P, 'load')} at {state_words(pulled, 't delta a')}; "
+            f"edge up to {show(self.fastest, 'speed')}: {self.body.path}",
             f"  {self.control}, w = {works[0]} on approach, from {works[1]} on retraction; {law_words(contact.law)}",
-        ]
-        for jump in self.jumps:
-            if jump.end is not None:
-                lines.append(
-                    f"  contact jumps at t = {show(jump.t, 'time')} from a = {show(jump.start.a, 'length')} to "
-                    f"a = {show(jump.end.a, 'length')}, P = {show(jump.end.P, 'load')}"
-                )
-        told = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost.t, 'time')}"
+            *(f"  contact jumps at t = {show(jump.t, 'time')} from {state_words(jump.start, 'a')} to "
+              f"{state_words(jump.end, 'a P')}" for jump in self.jumps if jump.end is not None),
+        ]  # fmt: skip
+        end = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost.t, 'time')}"
         if lost is not None and self.waited is not None:
             loaded = contact.stiffness == LOAD_CONTROL
-            held = f"at P = {show(lost.start.P, 'load')}" if loaded else "with the device at rest"
-            told += f", after {show(self.waited, 'time')} {held}"
-        lines.append(f"  {told}; the contact stopped growing at t = {show(self.turn, 'time')}")
+            where = f"at {state_words(lost.start, 'P')}" if loaded else "with the device at rest"
+            end += f", after {show(self.waited, 'time')} {where}"
+        lines.append(f"  {end}; the contact stopped growing at t = {show(self.turn, 'time')}")
         energy = self.energy_lost
         lines.append(f"  energy lost: {energy if isinstance(energy, Unknown) else f'{energy:.4g} J'}")
         lines.append(f"  dissipating zone at the edge: {self.zone.words}")
         return lines
 
 
-def through_summary(found: LawThrough | Unknown | None) -> dict[str, Any] | None:
+def through_summary(through: LawThrough | Unknown | None) -> dict[str, Any] | None:
     """The law through points of w over speed, or why there is none; None where no time was recorded."""
-    if found is None or isinstance(found, Unknown):
-        return None if found is None else {"law": None, "reason": found.reason}
+    if through is None or isinstance(through, Unknown):
+        return None if through is None else {"law": None, "reason": through.reason}
     return {
-        **(law_summary(found.law) or {}),
-        "w0_J_per_m2": found.w0,
-        "relative_standard_errors": found.errors,
-        "speeds_m_per_s": list(found.speeds),
-        "told": not found.narrow and found.inner is not None and all((e or 1) < VAGUE for e in found.errors.values()),
+        **(law_summary(through.law) or {}),
+        "w0_J_per_m2": through.w0,
+        "relative_standard_errors": through.errors,
+        "speeds_m_per_s": list(through.speeds),
+        "told": not through.narrow
+        and through.inner is not None
+        and all((error or 1) < VAGUE for error in through.errors.values()),
     }
 
 
-def through_words(found: LawThrough | Unknown) -> str:
-    """The law through points of w over the speed in a line; where no parameter is told within its limit, that none."""
-    if isinstance(found, Unknown):
-        return f"no law over speed: {found.reason}"
-    low, high = (show(v, "speed", 3) for v in found.speeds)
-    known = {name: error for name, error in found.errors.items() if error is not None and error <= VAGUE}
+def through_words(through: LawThrough | Unknown) -> str:
+    """The law through points of w over the speed in a line, or that the points determine none of its parameters."""
+    if isinstance(through, Unknown):
+        return f"no law over speed: {through.reason}"
+    low, high = (show(v, "speed", 3) for v in through.speeds)
+    known = {name: error for name, error in through.errors.items() if error is not None and error <= VAGUE}
     if not known:
-        return f"no law over speed: {low} to {high} tell none of {', '.join(found.names)}"
-    told = {name: f"± {100 * known[name]:.2g} %" if name in known else "not told" for name in found.names}
-    errors = ", ".join(f"{name} {word}" for name, word in told.items())
-    doubt = "; less than a decade of speeds does not separate v0 and n" if found.narrow else ""
-    return f"w0 = {show(found.w0, 'work')}, {law_words(found.law)} ({errors}) between {low} and {high}{doubt}"
+        return f"no law over speed: {low} to {high} tell none of {', '.join(through.names)}"
+    determined = {name: f"± {100 * known[name]:.2g} %" if name in known else "not told" for name in through.names}
+    errors = ", ".join(f"{name} {word}" for name, word in determined.items())
+    doubt = "; less than a decade of speeds does not separate v0 and n" if through.narrow else ""
+    return f"w0 = {show(through.w0, 'work')}, {law_words(through.law)} ({errors}) between {low} and {high}{doubt}"

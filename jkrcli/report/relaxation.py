@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from ..adhesion import Program, RelaxedHistory, RelaxingContact, limits_of
-from ..base import ROWS, SI, UNSEEN, Array, InputError, Unknown, show
+from ..base import ROWS, UNSEEN, Array, InputError, Unknown, show
 from ..bodies import RELAXATIONS, Relaxation
 from .result import Figure, Result, Several, as_result
-from .tables import energies, stiffness, timed
+from .tables import device, energies, state_words, timed, with_unit
 
 NEGLECTED = (
     "one relaxation function for all layers, and for the half-space below them, at constant Poisson's ratios; no "
@@ -23,12 +23,12 @@ NEGLECTED = (
 def law_summary(law: Relaxation) -> dict[str, Any]:
     """The law and its parameters, times in s."""
     keys = RELAXATIONS.keys_in_file(law).items()
-    return {f"{key}_{SI['time']}" if key.startswith("time") else key: value for key, value in keys}
+    return {with_unit(key, "time") if key.startswith("time") else key: value for key, value in keys}
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class CycledRelaxing(RelaxedHistory, Result):
-    """A history with what is said of it; ``points``: rows of a piece."""
+    """A history as a result; ``points``: rows of a piece."""
 
     file: Path
     points: int = ROWS
@@ -37,8 +37,8 @@ class CycledRelaxing(RelaxedHistory, Result):
     def of(cls, contact: RelaxingContact, program: Program, file: Path, points: int = ROWS) -> CycledRelaxing:
         """What happens to ``contact`` under ``program``."""
         try:
-            found = contact.history(program)
-            whole = as_result(cls, found, file=file, points=points)
+            history = contact.history(program)
+            whole = as_result(cls, history, file=file, points=points)
             whole.summary()  # may find that the contact is loaded again
         except InputError as error:
             raise InputError([f"{file}: {line}" for line in error.lines]) from None
@@ -56,8 +56,7 @@ class CycledRelaxing(RelaxedHistory, Result):
     def summary(self) -> dict[str, Any]:
         return {
             "file": str(self.file),
-            "control": self.control,
-            "stiffness_N_per_m": stiffness(self.contact.stiffness),
+            **device(self.contact.stiffness),
             "relaxation": law_summary(self.contact.law),
             "largest_load": timed(self.peak),
             "turn_t_s": self.turn,
@@ -73,16 +72,10 @@ class CycledRelaxing(RelaxedHistory, Result):
     def words(self) -> list[str]:
         peak, lost = self.peak, self.lost
         lines = [
-            f"largest load {show(peak.P, 'load')} at t = {show(peak.t, 'time')}, delta = {show(peak.delta, 'length')}, "
-            f"a = {show(peak.a, 'length')}: {self.file}",
+            f"largest load {show(peak.P, 'load')} at {state_words(peak, 't delta a')}: {self.file}",
             f"  {self.control}, no adhesion; {self.contact.law}",
+            *(f"  at {state_words(one, 't')} {state_words(one)}" for one in self.corners if one.t > peak.t),
         ]
-        for corner in self.corners:
-            if corner.t > peak.t:
-                lines.append(
-                    f"  at t = {show(corner.t, 'time')} P = {show(corner.P, 'load')}, delta = "
-                    f"{show(corner.delta, 'length')}, a = {show(corner.a, 'length')}"
-                )
         ends = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost, 'time')}"
         energy = "" if isinstance(self.energy_lost, Unknown) else f"; energy lost per cycle {self.energy_lost:.4g} J"
         grown = f"it stopped growing at t = {show(self.turn, 'time')}{', at the end of the series' * self.whole}"
@@ -108,16 +101,16 @@ class CycledInLimits(Several):
         return cls(file, {name: (share, cycle(share)) for name, share in limits_of(law).items()})
 
     def summary(self) -> dict[str, Any]:
-        told = {name: {"moduli": share} | found.summary() for name, (share, found) in self.limits.items()}
-        return {"file": str(self.file), "limits": told}
+        limits = {name: {"moduli": share} | result.summary() for name, (share, result) in self.limits.items()}
+        return {"file": str(self.file), "limits": limits}
 
     @property
     def parts(self) -> Sequence[Sequence[str]]:
         return [
-            [f"limit of {name} cycles, the moduli times {share:.4g}: {found.words()[0]}", *found.words()[1:]]
-            for name, (share, found) in self.limits.items()
+            [f"limit of {name} cycles, the moduli times {share:.4g}: {result.words()[0]}", *result.words()[1:]]
+            for name, (share, result) in self.limits.items()
         ]
 
     @property
     def warnings(self) -> list[str]:
-        return list(dict.fromkeys(line for _, found in self.limits.values() for line in found.warnings))
+        return list(dict.fromkeys(line for _, result in self.limits.values() for line in result.warnings))

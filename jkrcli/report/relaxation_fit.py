@@ -8,17 +8,16 @@ from typing import Any
 
 from ..base import SI
 from ..identification.relaxation import RelaxationFit
-from .fit import brief, estimate_summary, estimate_words
+from .fit import brief, estimate_lines, estimate_summary
 from .relaxation import NEGLECTED, law_summary
-from .result import Figure, Result, Several
-from .tables import stiffness
+from .result import Figure, Several
+from .tables import by_columns, stiffness
 
 FORMAT = "jkr-relaxation-fit"
 
 
-@dataclass(frozen=True, eq=False)
-class RelaxationFits(Several):
-    """Fits of one law, each of a record; ``body``: of what, in words."""
+class _OfFits(Several):
+    """Results of ``fits`` of one law, each to a record, on a ``body``."""
 
     fits: Sequence[RelaxationFit]
     body: str
@@ -26,16 +25,10 @@ class RelaxationFits(Several):
     @property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
         """A row per record: its estimates with their standard errors, and the scatter."""
-        fits = self.fits
-        found: dict[str, list[Any]] = {
-            "curve": [fit.record.curve.where for fit in fits], "law": [fit.settings.law for fit in fits],
-        }  # fmt: skip
-        for item in fits[0].estimates:
-            if item.free and item.name != "modulus":
-                head = f"{item.name}_{SI[item.dimension]}".rstrip("_")
-                found[head] = [fit.estimate(item.name).value for fit in fits]
-                found[f"{head}_error"] = [fit.estimate(item.name).error for fit in fits]
-        return found | {"scatter": [fit.scatter for fit in fits], "rows": [fit.record.t.size for fit in fits]}
+        return by_columns([
+            {"curve": fit.record.curve.where, "law": fit.settings.law, **_values(fit), "scatter": fit.scatter,
+             "rows": fit.record.t.size} for fit in self.fits
+        ])  # fmt: skip
 
     def summary(self) -> dict[str, Any]:
         return {
@@ -51,10 +44,6 @@ class RelaxationFits(Several):
     def parts(self) -> list[list[str]]:
         return list(map(_words, self.fits))
 
-    @property
-    def warnings(self) -> list[str]:
-        return [f"{fit.record.curve.where}: {line}" for fit in self.fits for line in fit.warnings]
-
     def figure(self) -> Figure:
         from .plots.relaxation import relaxation_fit_figure
 
@@ -62,27 +51,36 @@ class RelaxationFits(Several):
 
 
 @dataclass(frozen=True, eq=False)
-class RelaxationFitted(RelaxationFit, Result):
-    """A fit with what is said of it; ``body``: of what, in words."""
+class RelaxationFits(_OfFits):
+    """Fits of one law, each of a record; ``body``: what was fitted, in words."""
+
+    fits: Sequence[RelaxationFit]
+    body: str
+
+    @property
+    def warnings(self) -> list[str]:
+        return [f"{fit.record.curve.where}: {line}" for fit in self.fits for line in fit.warnings]
+
+
+@dataclass(frozen=True, eq=False)
+class RelaxationFitted(RelaxationFit, _OfFits):
+    """A fit as a result; ``body``: what was fitted, in words."""
 
     body: str = ""
 
     @property
-    def _alone(self) -> RelaxationFits:
-        return RelaxationFits([self], self.body)
+    def fits(self) -> Sequence[RelaxationFit]:  # type: ignore[override]
+        return [self]
 
-    @property
-    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
-        return self._alone.columns
 
-    def summary(self) -> dict[str, Any]:
-        return self._alone.summary()
-
-    def words(self) -> list[str]:
-        return _words(self)
-
-    def figure(self) -> Figure:
-        return self._alone.figure()
+def _values(fit: RelaxationFit) -> dict[str, float | None]:
+    """The free parameters with their standard errors."""
+    values: dict[str, float | None] = {}
+    for item in fit.estimates:
+        if item.free and item.name != "modulus":
+            name = f"{item.name}_{SI[item.dimension]}".rstrip("_")
+            values |= {name: item.value, f"{name}_error": item.error}
+    return values
 
 
 def _fit(fit: RelaxationFit) -> dict[str, Any]:
@@ -104,19 +102,13 @@ def _fit(fit: RelaxationFit) -> dict[str, Any]:
 def _words(fit: RelaxationFit) -> list[str]:
     """Lines for people."""
     record, level = fit.record, fit.settings.level
-    held = "load" if record.loaded else "displacement"
-    motion = "as it was read" if record.read else f"held, {_pieces(record.knots[0])}"
-    lines = [
+    control = "load" if record.loaded else "displacement"
+    pieces = len(record.knots[0]) - 1
+    straight = f"held, {pieces} straight piece{'s' if pieces > 1 else ''}"
+    motion = "as it was read" if record.read else straight
+    return [
         brief([fit.estimate("E_star")], level),
-        f"  {record.curve.where}: {fit.relaxation}; {record.t.size} rows, the {held} {motion}",
+        f"  {record.curve.where}: {fit.relaxation}; {record.t.size} rows, the {control} {motion}",
+        *estimate_lines(fit.estimates, level, {"E_star": "E*" if fit.settings.law == "power" else "E* instant"}),
+        f"  {'scatter':<12} {fit.scatter:.3g} of the noise from row to row",
     ]
-    for item in fit.estimates:
-        if item.free and item.name != "modulus":
-            name = ("E* instant" if fit.settings.law != "power" else "E*") if item.name == "E_star" else item.name
-            lines.append(f"  {name:<12} {estimate_words(item, level)}")
-    return [*lines, f"  {'scatter':<12} {fit.scatter:.3g} of the noise from row to row"]
-
-
-def _pieces(knots: Any) -> str:
-    count = len(knots) - 1
-    return f"{count} straight piece{'s' if count > 1 else ''}"

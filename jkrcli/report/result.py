@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from . import plots
 
 Figure: TypeAlias = "plots.Figure"  # by its name: matplotlib is imported when something is drawn
-Held = TypeVar("Held", bound="Result")
+AnyResult = TypeVar("AnyResult", bound="Result")
 
 
 class Result:
@@ -68,18 +68,18 @@ class Several(Result):
 class Results(Several):
     """Results of one kind, with ``warnings`` of all of them; ``name``: of their list in the summary."""
 
-    held: Sequence[Result]
+    results: Sequence[Result]
     warnings: Sequence[str] = ()
     name: str = "results"
 
     def summary(self) -> dict[str, Any]:
-        return {self.name: [one.summary() for one in self.held]}
+        return {self.name: [one.summary() for one in self.results]}
 
     @property
     def parts(self) -> Sequence[Sequence[str]]:
-        return [one.words() for one in self.held]
+        return [words for one in self.results if (words := one.words())]
 
 
-def as_result(kind: type[Held], found: Any, **more: Any) -> Held:
-    """What was ``found``, a dataclass, as a result of the ``kind`` that extends its class with what is ``more``."""
-    return kind(**{item.name: getattr(found, item.name) for item in fields(found)}, **more)
+def as_result(kind: type[AnyResult], data: Any, **more: Any) -> AnyResult:
+    """The ``data``, a dataclass, as a result of the ``kind`` that extends its class with what is ``more``."""
+    return kind(**{item.name: getattr(data, item.name) for item in fields(data)}, **more)

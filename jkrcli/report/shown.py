@@ -16,14 +16,14 @@ from .result import Several
 class Shown(Several):
     """What each file holds: a series, or the summary of an archive."""
 
-    held: Sequence[Solution | Mapping[str, Any]]
+    contents: Sequence[Solution | Mapping[str, Any]]
 
     def summary(self) -> dict[str, Any]:
-        return {"files": [_as_dict(item) if isinstance(item, Solution) else item for item in self.held]}
+        return {"files": [_as_dict(item) if isinstance(item, Solution) else item for item in self.contents]}
 
     @property
     def parts(self) -> Sequence[Sequence[str]]:
-        return [_words(item) if isinstance(item, Solution) else archive.words(item) for item in self.held]
+        return [_words(item) if isinstance(item, Solution) else archive.words(item) for item in self.contents]
 
 
 def _as_dict(solution: Solution) -> dict[str, Any]:

@@ -23,7 +23,7 @@ def end_of(series: Series) -> dict[str, Any]:
 
 
 @dataclass(frozen=True, eq=False)
-class Held(Result):
+class SeriesFile(Result):
     """A ``solution`` and the ``file`` that holds it."""
 
     file: Path
@@ -42,7 +42,7 @@ class Held(Result):
 
 
 @dataclass(frozen=True, eq=False)
-class Solved(Held):
+class Solved(SeriesFile):
     """A case solved by the method of a ``choice`` in CPU ``seconds``; ``sticking``: what it matters whether surfaces
     stick; ``tolerance``: what was asked for; ``remarks`` on the case."""
 
@@ -83,7 +83,7 @@ class Solved(Held):
 
 
 @dataclass(frozen=True, eq=False)
-class Imported(Held):
+class Imported(SeriesFile):
     """A series that another program computed, read from a ``table``."""
 
     table: Path

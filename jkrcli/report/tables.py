@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,15 +19,44 @@ from ..adhesion import (
     Errors,
     Jump,
     TimedState,
+    Validity,
     behaviour,
     branch,
 )
-from ..base import Array, Estimate, InputError, Unknown, accuracy, allowance, known, read_bytes, show
+from ..adhesion import control as control_name
+from ..base import SI, Array, Estimate, InputError, Unknown, accuracy, allowance, known, read_bytes, show
 from ..base import as_json as as_json
 from ..beside import Analysis
 
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
 WORD_COLUMNS = ("branch",)  # of a curve; all others are numbers
+DIMENSIONS = {"P": "load", "delta": "length", "a": "length", "t": "time"}  # of the numbers of a state
+
+
+def by_columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
+    """The table of ``rows``, each by the names of its cells, by columns; None where a row has no such cell."""
+    return {name: [row.get(name) for row in rows] for name in dict.fromkeys(name for row in rows for name in row)}
+
+
+def stacked(tables: Sequence[Mapping[str, Iterable[Any]]]) -> dict[str, list[Any]]:
+    """Tables with the same columns below each other."""
+    return {name: [cell for table in tables for cell in table[name]] for name in tables[0]}
+
+
+def with_unit(name: str, dimension: str) -> str:
+    """The name of a column or key with its SI unit: ``w_J_per_m2``."""
+    return f"{name}_{SI[dimension].replace('/', '_per_').replace('^', '')}".rstrip("_")
+
+
+def size_words(judged: Validity, sizes: Mapping[str, str]) -> list[str]:
+    """``a/h = 0.3`` of each of the ``sizes``, by their names, that the body has."""
+    values = ((name, getattr(judged, key)) for name, key in sizes.items())
+    return [f"{name} = {value:.3g}" for name, value in values if isinstance(value, float)]
+
+
+def state_words(state: Any, names: str = "P delta a") -> str:
+    """The numbers of a ``state`` that are called ``names``: ``P = 1 mN, delta = 2 um, a = 3 um``."""
+    return ", ".join(f"{name} = {show(getattr(state, name), DIMENSIONS[name])}" for name in names.split())
 
 
 def curve_columns(curve: EquilibriumCurve) -> dict[str, Array]:
@@ -67,10 +96,10 @@ def _regular(lines: list[str], names: list[str]) -> Array | None:
     if not lines or any(line.count(",") != len(names) - 1 for line in lines):
         return None
     try:
-        found = np.loadtxt(lines, delimiter=",", comments=None, usecols=columns, ndmin=2, unpack=True)
+        table = np.loadtxt(lines, delimiter=",", comments=None, usecols=columns, ndmin=2, unpack=True)
     except ValueError:
         return None
-    return found if found.shape[1] == len(lines) and np.isfinite(found).all() else None
+    return table if table.shape[1] == len(lines) and np.isfinite(table).all() else None
 
 
 def _row(path: Path, number: int, line: str, names: list[str]) -> list[float]:
@@ -102,7 +131,7 @@ def summary(result: Analysis) -> dict[str, Any]:
         "smoothing_lambda": slopes.smoothing_lambda,
         "points": {"kept": len(result.curve.series), "dropped": result.dropped},
         "pull_off": {
-            name: point(found) | errors(result.pull_off_errors.get(name)) for name, found in result.pull_off.items()
+            name: point(place) | errors(result.pull_off_errors.get(name)) for name, place in result.pull_off.items()
         },
         "stability": stability(result),
         "tabor": judged["tabor"],
@@ -138,7 +167,7 @@ def lost_words(
     largest numerical error of these."""
     there = {name: (at, half) for name, (at, half) in points.items() if not isinstance(at, Unknown) and at.P}
     forces = ", ".join(f"{show(-at.P, 'load')} ({name.removesuffix(' control')})" for name, (at, _) in there.items())
-    told = f"pull-off force {forces}" if there else "no pull-off in the series"
+    verdict = f"pull-off force {forces}" if there else "no pull-off in the series"
     R, loaded = result.problem.indenter.tip_radius, there.get("load control")
     if R is not None and loaded is not None:
         classical = 1.5 * math.pi * result.w * R
@@ -146,25 +175,25 @@ def lost_words(
     else:
         beside = ""
     errors = [half["P"] / abs(at.P) for at, half in there.values() if half and not isinstance(half, Unknown)]
-    lines = [f"{told} at w = {show(result.w, 'work')}{law_words(result)}{beside}: {result.path}"]
+    lines = [f"{verdict} at w = {show(result.w, 'work')}{law_words(result)}{beside}: {result.path}"]
     return lines + ([f"  pull-off: {accuracy(max(errors))} (90 %)"] if errors else [])
 
 
-def point(found: Equilibrium | Unknown) -> dict[str, Any]:
+def point(state: Equilibrium | Unknown) -> dict[str, Any]:
     """A critical point or state by its columns; all None with the reason where it lies outside the series."""
-    if isinstance(found, Unknown):
-        return {"P_N": None, "delta_m": None, "a_m": None, "reason": found.reason}
-    attracted = {} if found.c is None else {"c_m": found.c}
-    return {"P_N": found.P, "delta_m": found.delta, "a_m": found.a} | attracted
+    if isinstance(state, Unknown):
+        return {"P_N": None, "delta_m": None, "a_m": None, "reason": state.reason}
+    attracted = {} if state.c is None else {"c_m": state.c}
+    return {"P_N": state.P, "delta_m": state.delta, "a_m": state.a} | attracted
 
 
-def errors(found: Errors | Unknown | None) -> dict[str, Any]:
+def errors(half_widths: Errors | Unknown | None) -> dict[str, Any]:
     """The half-widths beside a point; None with the reason where they are unknown, nothing where there is no point."""
-    if found is None:
+    if half_widths is None:
         return {}
-    if isinstance(found, Unknown):
-        return {"P_err_N": None, "delta_err_m": None, "error": found.reason}
-    return {"P_err_N": found["P"], "delta_err_m": found["delta"]}
+    if isinstance(half_widths, Unknown):
+        return {"P_err_N": None, "delta_err_m": None, "error": half_widths.reason}
+    return {"P_err_N": half_widths["P"], "delta_err_m": half_widths["delta"]}
 
 
 def validity(result: Analysis) -> dict[str, Any]:
@@ -174,24 +203,23 @@ def validity(result: Analysis) -> dict[str, Any]:
 
 def stability(result: Analysis) -> dict[str, Any]:
     """What the curve means under load and under displacement control."""
-    return {name: control(behaviour(result.curve, stiffness)) for name, stiffness in CONTROLS.items()}
+    return {name: under_control(behaviour(result.curve, stiffness)) for name, stiffness in CONTROLS.items()}
 
 
-def control(found: Behaviour) -> dict[str, Any]:
+def under_control(behaviour: Behaviour) -> dict[str, Any]:
     """Everything that is read off a curve under one control; a null with its reason where there is no number."""
-    critical = [{"kind": item.kind, **point(item)} for item in found.critical]
     return {
-        "critical_points": critical,
-        "pull_off": point(found.pull_off),
-        "jump_in": point(found.jump_in),
-        "jumps_before_pull_off": [jump(item) for item in found.partial],
-        **energies(energy_lost=found.energy_lost, work_of_separation=found.separation),
+        "critical_points": [{"kind": item.kind, **point(item)} for item in behaviour.critical],
+        "pull_off": point(behaviour.pull_off),
+        "jump_in": point(behaviour.jump_in),
+        "jumps_before_pull_off": [jump(item) for item in behaviour.partial],
+        **energies(energy_lost=behaviour.energy_lost, work_of_separation=behaviour.separation),
     }
 
 
-def jump(found: Jump) -> dict[str, Any]:
+def jump(event: Jump) -> dict[str, Any]:
     """A jump between two states; "to" is null where contact is lost."""
-    return {"from": point(found.start), "to": None if found.end is None else point(found.end)}
+    return {"from": point(event.start), "to": None if event.end is None else point(event.end)}
 
 
 def timed(state: TimedState) -> dict[str, Any]:
@@ -199,21 +227,26 @@ def timed(state: TimedState) -> dict[str, Any]:
     return point(state) | {"t_s": state.t}
 
 
-def timed_jump(found: Jump) -> dict[str, Any]:
+def timed_jump(event: Jump) -> dict[str, Any]:
     """A jump and its time."""
-    return {"t_s": found.t, **jump(found)}
+    return {"t_s": event.t, **jump(event)}
 
 
-def stiffness(value: float) -> float | None:
+def device(k: float) -> dict[str, Any]:
+    """The control that a device of stiffness ``k`` [N/m] exerts, and its stiffness."""
+    return {"control": control_name(k), "stiffness_N_per_m": stiffness(k)}
+
+
+def stiffness(k: float) -> float | None:
     """The stiffness of a device [N/m]; None for a rigid one, as JSON has no infinity."""
-    return None if value == DISPLACEMENT_CONTROL else value
+    return None if k == DISPLACEMENT_CONTROL else k
 
 
-def energies(**found: Estimate) -> dict[str, Any]:
+def energies(**values: Estimate) -> dict[str, Any]:
     """Energies [J] by their names, each null with its reason where there is none."""
-    held: dict[str, Any] = {}
-    for name, energy in found.items():
-        held[f"{name}_J"] = known(energy)
+    columns: dict[str, Any] = {}
+    for name, energy in values.items():
+        columns[f"{name}_J"] = known(energy)
         if isinstance(energy, Unknown):
-            held[f"{name}_reason"] = energy
-    return held
+            columns[f"{name}_reason"] = energy
+    return columns

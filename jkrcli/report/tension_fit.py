@@ -11,25 +11,23 @@ from ..base import show
 from ..identification.tension import TensionFit
 from .fit import brief, estimate_summary, estimate_words
 from .result import Result
+from .tables import stacked
 
 
 @dataclass(frozen=True, eq=False)
 class TensionFitted(TensionFit, Result):
-    """A common fit with what is said of it; ``body``: of what, in words; ``level`` of its intervals."""
+    """A common fit as a result; ``body``: what was fitted, in words; ``level`` of its intervals."""
 
-    warnings: tuple[str, ...] = ()
     body: str = ""
     level: float = 0.95
 
     @property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
         """All rows of all records: readings and the fitted load."""
-        found: dict[str, list[Any]] = {name: [] for name in ("curve", "delta_m", "P_N", "P_fit_N")}
-        for record, loads in zip(self.records, self.loads, strict=True):
-            found["curve"] += [record.name] * record.P.size
-            for name, values in (("delta_m", record.delta), ("P_N", record.P), ("P_fit_N", loads)):
-                found[name] += values.tolist()
-        return found
+        return stacked([
+            {"curve": [record.name] * loads.size, "delta_m": record.delta.tolist(), "P_N": record.P.tolist(),
+             "P_fit_N": loads.tolist()} for record, loads in zip(self.records, self.loads, strict=True)
+        ])  # fmt: skip
 
     def summary(self) -> dict[str, Any]:
         return {

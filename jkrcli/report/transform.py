@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..adhesion import CriticalPoint
 from ..base import Array, Estimate, Unknown, accuracy, show
@@ -14,13 +14,10 @@ from . import tables
 from .result import Figure, Result
 from .scaling import Scales
 
-if TYPE_CHECKING:
-    from .plots.curve import Units
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Transformed(Analysis, Result):
-    """An adhesive curve with what is said of it; ``scales``: units in which it is told besides and drawn; ``effect``:
+    """An adhesive curve as a result; ``scales``: units of more columns and of the picture; ``effect``:
     what it matters whether the surfaces stick, where that is known for several curves of one body at once."""
 
     scales: Scales | None = None
@@ -36,20 +33,23 @@ class Transformed(Analysis, Result):
         return effect_on(self.solution, [self.w]) if self.effect is None else self.effect
 
     def summary(self) -> dict[str, Any]:
-        told, own = tables.summary(self) | {"sticking": effect_as_json(self.sticking)}, self.scales
-        if own is not None:
-            told["scales"] = {"name": own.name, "P_N": own.P, "delta_m": own.delta, "a_m": own.a}
-        return told
+        summary, scales = tables.summary(self) | {"sticking": effect_as_json(self.sticking)}, self.scales
+        if scales is not None:
+            summary["scales"] = {"name": scales.name, "P_N": scales.P, "delta_m": scales.delta, "a_m": scales.a}
+        return summary
 
     def words(self) -> list[str]:
-        return words(self)
+        """Where contact is lost, what the numbers are worth, what an exact solution says."""
+        errors = self.pull_off_errors
+        points = {f"{name} control": (point, errors.get(name)) for name, point in self.pull_off.items()}
+        return [*tables.lost_words(self, points), *(f"  {line}" for line in _of_curve(self))]
 
     @property
-    def units(self) -> Units:
+    def units(self) -> Scales:
         """Of the axes."""
-        from .plots.curve import physical_units, units_of
+        from .plots.curve import physical_units
 
-        return physical_units(self.curve) if self.scales is None else units_of(self.scales)
+        return self.scales or physical_units(self.curve)
 
     def figure(self) -> Figure:
         from .plots.curve import curve_figure
@@ -62,13 +62,6 @@ def figure_of(results: Sequence[Transformed]) -> Figure:
     from .plots.curve import curves_figure
 
     return curves_figure(results, results[-1].units)
-
-
-def words(result: Analysis) -> list[str]:
-    """A curve as lines of text: where contact is lost, what the numbers are worth, what an exact solution says."""
-    errors = result.pull_off_errors
-    points = {f"{name} control": (point, errors.get(name)) for name, point in result.pull_off.items()}
-    return [*tables.lost_words(result, points), *(f"  {line}" for line in _of_curve(result))]
 
 
 def _of_curve(result: Analysis) -> Iterator[str]:
@@ -98,19 +91,19 @@ def _of_curve(result: Analysis) -> Iterator[str]:
 
 def _comparison(result: Analysis) -> Iterator[str]:
     """The closed form of the same indenter on a half-space beside the curve, where there is one."""
-    found = result.comparison
-    if found is None:
+    comparison = result.comparison
+    if comparison is None:
         return
-    parts = [f"P_H(delta) within {found.load:.2e}"]
-    if not isinstance(found.pull_off, Unknown):
-        parts.append(f"pull-off force {found.pull_off:+.2e}")
-    if not isinstance(found.curve, Unknown):
-        parts.append(f"curve within {found.curve:.2e} pull-off units")
+    parts = [f"P_H(delta) within {comparison.load:.2e}"]
+    if not isinstance(comparison.pull_off, Unknown):
+        parts.append(f"pull-off force {comparison.pull_off:+.2e}")
+    if not isinstance(comparison.curve, Unknown):
+        parts.append(f"curve within {comparison.curve:.2e} pull-off units")
     yield f"against the closed form of the same indenter: {', '.join(parts)}"
-    if found.parabola is not None:
+    if comparison.parabola is not None:
         yield (
-            f"the sphere's own pull-off is {found.parabola:.2%} smaller than the paraboloid's -1.5 pi w R of Eq. 18"
-            " (physics, not error)"
+            f"the sphere's own pull-off is {comparison.parabola:.2%} smaller than the paraboloid's -1.5 pi w R of "
+            "Eq. 18 (physics, not error)"
         )
 
 

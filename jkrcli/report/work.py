@@ -21,62 +21,79 @@ from ..series import Solution
 from .output import SHOWN
 from .rate import through_summary, through_words
 from .result import Figure, Result
+from .tables import stacked
 
 FORMAT, VERSION = "jkr-work", 1
 QUARTILES = (0.25, 0.5, 0.75)
-MANY = 0.1  # of the rows: as many without a work of adhesion are said in a warning
+MANY = 0.1  # of the rows: as many without a work of adhesion are worth a warning
 
 
 @dataclass(frozen=True, eq=False)
 class Work(Result):
-    """The work of adhesion along the curves ``found`` in the file at ``path`` on a ``body``; the ``law`` over the speed
-    of the edge through them, where there is one, and why others were ``skipped``."""
+    """The work of adhesion along the ``curves`` in the file at ``path`` on a ``body``; the ``law`` over the speed of
+    the edge through them, where there is one, and why others were ``skipped``."""
 
     path: Path
-    found: Sequence[WorkAlong]
+    curves: Sequence[WorkAlong]
     skipped: Sequence[str]
     body: Analysis
     law: LawThrough | Unknown | None
 
     @classmethod
     def of(
-        cls, path: Path, found: list[WorkAlong], skipped: Sequence[str], solution: Solution, unit: Nonadhesive,
+        cls, path: Path, curves: list[WorkAlong], skipped: Sequence[str], solution: Solution, unit: Nonadhesive,
         modulus_factor: float,
     ) -> Work:  # fmt: skip
-        """What was ``found`` on a ``solution`` with its functions ``unit``."""
-        return cls(path, found, skipped, adhesive(solution, unit, typical(found), modulus_factor), law_along(found))
+        """The ``curves`` on a ``solution`` with its functions ``unit``."""
+        return cls(path, curves, skipped, adhesive(solution, unit, typical(curves), modulus_factor), law_along(curves))
 
     @cached_property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
-        return columns(self.found)
+        """All rows of all curves, a curve at a time; None where there is no value. Quantities that no curve has make
+        no column."""
+        names = {name for item in self.curves for name, (values, _) in _numbers(item).items() if values is not None}
+        return stacked([_labels(item) | _cells(item, names) for item in self.curves])
 
     def summary(self) -> dict[str, Any]:
-        return summary(self.found, self.body, self.path, self.skipped) | {"rate_law": through_summary(self.law)}
+        """Per curve and for the body."""
+        body = self.body
+        return {
+            "format": FORMAT,
+            "version": VERSION,
+            "file": str(self.path),
+            "series": str(body.path),
+            "title": body.solution.record.title,
+            "modulus_factor": body.modulus_factor,
+            "slopes": body.curve.slopes.method,
+            "errors": body.budget.as_dict(),
+            "curves": [curve_summary(item) for item in self.curves],
+            "skipped": list(self.skipped),
+            "warnings": self._body_warnings,
+            "rate_law": through_summary(self.law),
+        }
 
     def words(self) -> list[str]:
-        lines = [line for item in self.found[:SHOWN] for line in words(item)]
-        if len(self.found) > SHOWN:
-            lines.append(f"  ... and {len(self.found) - SHOWN} more curves")
+        lines = [line for item in self.curves[:SHOWN] for line in words(item)]
+        if len(self.curves) > SHOWN:
+            lines.append(f"  ... and {len(self.curves) - SHOWN} more curves")
         return lines + ([] if self.law is None else [f"  {through_words(self.law)}"])
 
     @property
     def warnings(self) -> list[str]:
-        said = [f"skipped: {line}" for line in some(list(self.skipped))]
-        said += [f"{item.curve.where}: {flag}" for item in self.found[:SHOWN] for flag in flags(item)]
-        return said + [f"{self.path}: {warning}" for warning in body_warnings(self.body)]
+        lines = [f"skipped: {line}" for line in some(list(self.skipped))]
+        lines += [f"{item.curve.where}: {flag}" for item in self.curves[:SHOWN] for flag in flags(item)]
+        return lines + [f"{self.path}: {warning}" for warning in self._body_warnings]
+
+    @property
+    def _body_warnings(self) -> list[str]:
+        """What holds for every curve on this body: of its series, slopes and validity."""
+        body = self.body
+        return [*body.solution.warnings, *body.curve.slopes.flags, *body.validity.warnings]
 
     def figure(self) -> Figure:
         from .plots.work import work_figure
 
-        return work_figure(self.found, self.law if isinstance(self.law, LawThrough) else None)
-
-
-def columns(found: Sequence[WorkAlong]) -> dict[str, list[Any]]:
-    """The table of all rows of all curves, a curve at a time, by columns; None where there is no value. Quantities
-    that no curve has make no column."""
-    held = {name for item in found for name, (values, _) in _numbers(item).items() if values is not None}
-    each = [_labels(item) | _cells(item, held) for item in found]
-    return {name: [cell for item in each for cell in item[name]] for name in each[0]}
+        return work_figure(self.curves, self.law if isinstance(self.law, LawThrough) else None)
 
 
 def _labels(item: WorkAlong) -> dict[str, list[Any]]:
@@ -104,29 +121,12 @@ def _numbers(item: WorkAlong) -> dict[str, tuple[Array | None, Array]]:
     }
 
 
-def _cells(item: WorkAlong, held: AbstractSet[str]) -> dict[str, list[Any]]:
-    """The columns named in ``held``."""
+def _cells(item: WorkAlong, names: AbstractSet[str]) -> dict[str, list[Any]]:
+    """The columns that are called ``names``."""
     return {
         name: [None] * rows.size if values is None else np.where(rows, values, np.nan).tolist()
         for name, (values, rows) in _numbers(item).items()
-        if name in held
-    }
-
-
-def summary(found: Sequence[WorkAlong], body: Analysis, path: Path, skipped: Sequence[str]) -> dict[str, Any]:
-    """What stands in the JSON file beside a table: per curve and for the body."""
-    return {
-        "format": FORMAT,
-        "version": VERSION,
-        "file": str(path),
-        "series": str(body.path),
-        "title": body.solution.record.title,
-        "modulus_factor": body.modulus_factor,
-        "slopes": body.curve.slopes.method,
-        "errors": body.budget.as_dict(),
-        "curves": [curve_summary(item) for item in found],
-        "skipped": list(skipped),
-        "warnings": body_warnings(body),
+        if name in names
     }
 
 
@@ -135,8 +135,8 @@ def curve_summary(item: WorkAlong) -> dict[str, Any]:
     its error in as many rows as a speed is taken from, and what to mind."""
     groups = {"all": item.ok}
     if item.timed is not None and item.speed is not None:
-        told = item.timed if item.speed_err is None else item.timed & (np.abs(item.speed) > item.speed_err)
-        senses = {"advancing": told & (item.speed > 0), "receding": told & (item.speed < 0)}
+        moving = item.timed if item.speed_err is None else item.timed & (np.abs(item.speed) > item.speed_err)
+        senses = {"advancing": moving & (item.speed > 0), "receding": moving & (item.speed < 0)}
         groups |= {name: rows & (np.count_nonzero(rows) >= item.window) for name, rows in senses.items()}
     return {
         "curve": item.curve.name,
@@ -153,49 +153,44 @@ def _spread(item: WorkAlong, rows: Array) -> dict[str, Any] | None:
     if not rows.any():
         return None
     low, middle, high = (float(value) for value in np.quantile(item.w[rows], QUARTILES))
-    held: dict[str, Any] = {"rows": int(rows.sum()), "median_J_per_m2": middle, "quartiles_J_per_m2": [low, high]}
+    spread: dict[str, Any] = {"rows": int(rows.sum()), "median_J_per_m2": middle, "quartiles_J_per_m2": [low, high]}
     errors = {"err": item.w_err} | {f"err_by_{name}": share for name, share in item.shares.items()}
-    held |= {
+    spread |= {
         f"{name}_J_per_m2": float(np.median(values[rows])) for name, values in errors.items() if values is not None
     }
     if item.speed is not None and item.timed is not None and (timed := rows & item.timed).any():
-        held["speed_m_per_s"] = [float(value) for value in np.quantile(item.speed[timed], (0, 1))]
-    return held
+        spread["speed_m_per_s"] = [float(value) for value in np.quantile(item.speed[timed], (0, 1))]
+    return spread
 
 
 def flags(item: WorkAlong) -> list[str]:
     """What a reader of the numbers should know about one curve."""
     size = len(item.curve)
-    said = list(saturation(item.curve))
+    lines = list(saturation(item.curve))
     ends = {BELOW: "begin the series at smaller radii", ABOVE: "increase [loading] radius"}
     for word, remedy in ends.items():
         if (count := int((item.state == word).sum())) > MANY * size:
-            said.append(f"{count} of {size} rows lie {word}: they have no w; {remedy}, or they are not in contact")
+            lines.append(f"{count} of {size} rows lie {word}: they have no w; {remedy}, or they are not in contact")
     if (count := int((item.state == NONE).sum())) > MANY * size:
-        said.append(
+        lines.append(
             f"{count} of {size} rows lie at or above the nonadhesive load: check zero points and modulus; if "
             "noise put them there, the w of the others is too large on average"
         )
     if item.w_err is not None and (unsure := int((item.w_err > item.w)[item.ok].sum())) > MANY * size:
-        said.append(f"at {unsure} of {size} rows the error of w is larger than w")
+        lines.append(f"at {unsure} of {size} rows the error of w is larger than w")
     if item.timed is not None and not item.timed.any():
-        said.append(f"no {item.window} usable rows follow one another with rising time: no speed")
-    return said
-
-
-def body_warnings(body: Analysis) -> list[str]:
-    """What holds for every curve on this body: of its series, slopes and validity."""
-    return [*body.solution.warnings, *body.curve.slopes.flags, *body.validity.warnings]
+        lines.append(f"no {item.window} usable rows follow one another with rising time: no speed")
+    return lines
 
 
 def words(item: WorkAlong) -> list[str]:
     """One curve: the work of adhesion along all rows, then of advancing and receding edges."""
     parts = [f"{int(item.ok.sum())} of {len(item.curve)} rows: {item.curve.where}"]
-    for name, held in curve_summary(item)["w"].items():
-        if held is None:
+    for name, spread in curve_summary(item)["w"].items():
+        if spread is None:
             continue
-        low, high = (show(value, "work") for value in held["quartiles_J_per_m2"])
+        low, high = (show(value, "work") for value in spread["quartiles_J_per_m2"])
         label = "w" if name == "all" else f"{name} w"
-        error = f" ± {show(held['err_J_per_m2'], 'work')}" if "err_by_noise_J_per_m2" in held else ""
-        parts.append(f"{label} = {show(held['median_J_per_m2'], 'work')}{error} (half of the rows: {low} to {high})")
+        error = f" ± {show(spread['err_J_per_m2'], 'work')}" if "err_by_noise_J_per_m2" in spread else ""
+        parts.append(f"{label} = {show(spread['median_J_per_m2'], 'work')}{error} (half of the rows: {low} to {high})")
     return [", ".join([*parts[1:2], parts[0]]), *(f"    {part}" for part in (*parts[2:], *item.curve.flags))]

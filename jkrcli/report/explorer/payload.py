@@ -130,11 +130,11 @@ def _band(body: Nonadhesive) -> dict[str, list[list[float]]] | None:
     covariance, quantile = body.slopes.covariance, body.slopes.quantile
     if covariance is None:
         return None
-    held = {}
+    squares = {}
     for name, (g, h) in body.gradients.items():  # linear in q
         square = [_form(g, covariance, g), 2 * _form(g, covariance, h), _form(h, covariance, h)]
-        held[name] = (quantile**2 * np.array(square)).tolist()
-    return held
+        squares[name] = (quantile**2 * np.array(square)).tolist()
+    return squares
 
 
 def _form(left: Array, matrices: Array, right: Array) -> Array:

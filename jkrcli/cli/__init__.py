@@ -111,7 +111,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     try:
         code = call(arguments)
         interrupts.ignore()
-    except KeyboardInterrupt:  # behind the last word of a command, or while it is said that it was interrupted
+    except KeyboardInterrupt:  # behind the last word of a command, or while the message about it is printed
         interrupts.ignore()
         code = _fail([interrupts.SAID], interrupts.CODE)
     sys.exit(code)
@@ -142,10 +142,8 @@ def call(arguments: Sequence[str] | None = None) -> int:
         return _fail([interrupts.SAID], interrupts.CODE)
     except (RuntimeWarning, OverflowError) as error:
         return _fail([f"the numbers leave the range of arithmetic ({error}); are all sizes and units right?"], 1)
-    except MemoryError:
-        return _fail([OUT_OF_MEMORY], 1)
-    except ImportError as error:
-        if not any(words in str(error).lower() for words in NO_ROOM):
+    except (MemoryError, ImportError) as error:
+        if isinstance(error, ImportError) and not any(words in str(error).lower() for words in NO_ROOM):
             raise
         return _fail([OUT_OF_MEMORY], 1)
     except BrokenPipeError:
@@ -186,7 +184,7 @@ def _leave_out_odd_date() -> None:
 
 @contextlib.contextmanager
 def _interrupts_first() -> Iterator[None]:
-    """What goes wrong behind a Ctrl-C is told as one."""
+    """An error behind a Ctrl-C is reported as the interruption."""
     try:
         yield
     except Exception:

@@ -11,12 +11,11 @@ from ..many.bench import FEW, Bench
 from ..methods import METHODS, Limits
 from .options import limits_options
 from .output import give, json_option
-from .verb import Verb
+from .verb import verb
 from .voice import announce, note
 
 
-@click.command(cls=Verb)
-@click.argument("case", type=click.Path(path_type=Path))
+@verb("case")
 @click.option("--method", type=click.Choice(METHODS), help="Method, instead of the case's.")
 @click.option("--repeat", type=click.IntRange(1, 1000), default=5, show_default=True, help="Runs.")
 @limits_options

@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
@@ -33,16 +33,14 @@ class BodyTuning:
 
 
 TUNING = BodyTuning()
+Flags: TypeAlias = Mapping[str, str | None]  # by their names; None: not given
 FLAGS = ("shape", "radius", "half_angle", "modulus", "nu", "thickness", "base")
 SHAPES = {  # by flags, and which of them each needs
     **dict.fromkeys(("sphere", "paraboloid"), ("radius",)),
     "rounded-cone": ("radius", "half_angle"),
     **dict.fromkeys(("cone", "pyramid", "three-sided-pyramid"), ("half_angle",)),
 }
-FLAG_OF = {  # by the last part of a case's key
-    "radius": "radius", "half_angle": "half_angle", "E": "modulus", "nu": "nu", "thickness": "thickness",
-    "base": "base",
-}  # fmt: skip
+FLAG_OF = {"E" if name == "modulus" else name: name for name in FLAGS[1:]}  # by the last part of a case's key
 KEYS = re.compile(rf"\b(?:indenter|specimen)(?:\.half_space|\.layers\[0\])?\.({'|'.join(FLAG_OF)})\b")
 OPTIONS = (
     click.option("--shape", type=click.Choice(list(SHAPES)), metavar="SHAPE",
@@ -65,22 +63,22 @@ def flag(name: str) -> str:
     return "--E" if name == "modulus" else option(name)
 
 
-def given_flags(body: Mapping[str, str | None]) -> str:
+def named_flags(body: Flags) -> str:
     """The flags that were given, for messages."""
     return ", ".join(flag(name) for name in FLAGS if body.get(name) is not None)
 
 
-def by_flags(verb: str, body: Mapping[str, str | None], files: Sequence[Path]) -> bool:
+def by_flags(verb: str, body: Flags, files: Sequence[Path]) -> bool:
     """Whether the body is given by flags; InputError where it is also given by ``files``."""
-    given = given_flags(body)
-    if given and files:
+    named = named_flags(body)
+    if named and files:
         names = ", ".join(map(str, files))
-        raise InputError(f"{verb}: give a body file or the body by flags, not both: {names} and {given}")
-    return bool(given)
+        raise InputError(f"{verb}: give a body file or the body by flags, not both: {names} and {named}")
+    return bool(named)
 
 
 def case_of(
-    verb: str, body: Mapping[str, str | None], instead: str, loading: Mapping[str, Any], modulus: str | None = None,
+    verb: str, body: Flags, instead: str, loading: Mapping[str, Any], modulus: str | None = None,
     **keys: Any,
 ) -> Case:  # fmt: skip
     """The case of a body by flags, with more ``keys`` of its own; the rest as of ``tables_of``. InputError names flags,
@@ -96,7 +94,7 @@ def case_of(
         raise InputError([KEYS.sub(lambda key: flag(FLAG_OF[key[1]]), line, count=1) for line in error.lines]) from None
 
 
-def tip_of(verb: str, flags: Mapping[str, str | None]) -> Indenter | None:
+def tip_of(verb: str, flags: Flags) -> Indenter | None:
     """The tip of the ``tip_options``; None where none is given."""
     if not any(flags.values()):
         return None
@@ -105,36 +103,36 @@ def tip_of(verb: str, flags: Mapping[str, str | None]) -> Indenter | None:
 
 
 def tables_of(
-    verb: str, body: Mapping[str, str | None], instead: str, loading: Mapping[str, Any], modulus: str | None = None
+    verb: str, body: Flags, instead: str, loading: Mapping[str, Any], modulus: str | None = None
 ) -> dict[str, Any]:
-    """The tables of a case from flags; what is missing is said in terms of the flags and what may be given ``instead``.
+    """The tables of a case from flags; InputError names the missing flags, and what may be given ``instead``.
 
-    ``modulus``: the specimen's where the flags do not tell it; None: it must be told.
+    ``modulus``: the specimen's where there is no flag for it; None: the flag is required.
     """
-    told = {**body, "modulus": body["modulus"] or modulus}
-    held = {name: None if value is None else writable(value) for name, value in told.items()}
-    shape = held["shape"] or "sphere"
+    values = {**body, "modulus": body["modulus"] or modulus}
+    texts = {name: None if value is None else writable(value) for name, value in values.items()}
+    shape = texts["shape"] or "sphere"
     sizes = SHAPES[shape]
-    if unused := [flag(name) for name in ("radius", "half_angle") if held[name] is not None and name not in sizes]:
+    if unused := [flag(name) for name in ("radius", "half_angle") if texts[name] is not None and name not in sizes]:
         raise InputError(f"{verb}: a {shape} has no {unused[0]}: leave it out, or give another --shape")
-    missing = [flag(name) for name in (*sizes, "modulus", "nu") if held[name] is None]
+    missing = [flag(name) for name in (*sizes, "modulus", "nu") if texts[name] is None]
     if missing:
         either = f"needs {instead}, or the body by flags: " if instead else ""
         raise InputError(f"{verb}: {either}{', '.join(missing)} missing")
-    if held["base"] is not None and held["thickness"] is None:
+    if texts["base"] is not None and texts["thickness"] is None:
         raise InputError(f"{verb}: --base needs --thickness: a half-space has no base")
     for name in ("radius", "thickness"):
-        size = number_or_text(held[name])
+        size = number_or_text(texts[name])
         if isinstance(size, float) and size >= TUNING.large:
-            warn(f"{flag(name)} {held[name]} without a unit is {size:g} m: give its unit, {flag(name)} "
-                 f'"{held[name]} um"')  # fmt: skip
-    material = {"E": number_or_text(held["modulus"]), "nu": number_or_text(held["nu"])}
-    if held["thickness"] is None:
+            warn(f"{flag(name)} {texts[name]} without a unit is {size:g} m: give its unit, {flag(name)} "
+                 f'"{texts[name]} um"')  # fmt: skip
+    material = {"E": number_or_text(texts["modulus"]), "nu": number_or_text(texts["nu"])}
+    if texts["thickness"] is None:
         specimen: dict[str, Any] = {"half_space": material}
     else:
-        layer = material | {"thickness": number_or_text(held["thickness"])}
-        specimen = {"base": held["base"] or "bonded", "layers": [layer]}
-    indenter = {"shape": shape} | {name: number_or_text(held[name]) for name in sizes}
+        layer = material | {"thickness": number_or_text(texts["thickness"])}
+        specimen = {"base": texts["base"] or "bonded", "layers": [layer]}
+    indenter = {"shape": shape} | {name: number_or_text(texts[name]) for name in sizes}
     return {"indenter": indenter, "specimen": specimen, "loading": dict(loading)}
 
 
@@ -145,9 +143,9 @@ def number_or_text(text: str | None) -> float | str | None:
     return text
 
 
-def given_body(
-    body_file: Path, measured: tuple[Path, ...], flags: dict[str, str | None]
-) -> tuple[Path | dict[str, str | None], tuple[Path, ...]]:
+def body_and_measured(
+    body_file: Path, measured: tuple[Path, ...], flags: Flags
+) -> tuple[Path | Flags, tuple[Path, ...]]:
     """What describes the body, a file or the flags, and the measured files: by flags every file is one."""
     by_case = not by_flags("fit", flags, [body_file] if _is_body(body_file) else [])
     if by_case and not measured:
@@ -165,16 +163,16 @@ def _is_body(path: Path) -> bool:
     return hdf5.kind(path) == store.FORMAT
 
 
-def fitted_body(source: Path | dict[str, str | None], slopes: str, limits: Limits) -> FittedBody:
+def fitted_body(source: Path | Flags, slopes: str, limits: Limits) -> FittedBody:
     """The body of a file, or of flags: there a modulus that is not told is 1 MPa, which no result depends on."""
     from ..identification.fit import body_of
     from .series import read_series
 
     if isinstance(source, Path):
         return body_of(source if source.suffix == ".toml" else read_series(source), slopes, limits)
-    told = "fit", source, "a case or series file"
-    radius = case_of(*told, {"radius": 1.0}, "1 MPa").model.problem().indenter.tip_radius
+    request = "fit", source, "a case or series file"
+    radius = case_of(*request, {"radius": 1.0}, "1 MPa").model.problem().indenter.tip_radius
     method = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
-    case = case_of(*told, {"radius": TUNING.shallow * (radius or TUNING.pointed)}, "1 MPa", method=method)
+    case = case_of(*request, {"radius": TUNING.shallow * (radius or TUNING.pointed)}, "1 MPa", method=method)
     body = body_of(case, slopes, limits)
     return replace(body, told=source["modulus"] is not None)

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
-
 from ..case import load_case
 from ..methods import long_look
 from ..report import Check
 from .output import give, json_option
-from .verb import Verb
+from .verb import verb
 from .voice import note
 
 
-@click.command(cls=Verb)
-@click.argument("case", type=click.Path(path_type=Path))
+@verb("case")
 @json_option
 def check(case: Path, as_json: bool) -> None:
     """Validate CASE and say which method it needs and why, what each would cost, and what to expect.

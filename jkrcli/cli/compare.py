@@ -9,17 +9,15 @@ import click
 from ..base import InputError
 from ..report import PICTURES, Compared, Output, of_curves, of_solutions
 from .measured import begin_reading
-from .options import NumberRange
+from .option_types import NumberRange
 from .output import give, output_options
 from .series import read_files
-from .verb import Verb
+from .verb import verb
 
 COLUMNS = ("P", "a", "S", "dS")
 
 
-@click.command(cls=Verb)
-@click.argument("first", type=click.Path(path_type=Path))
-@click.argument("second", type=click.Path(path_type=Path))
+@verb("first second")
 @click.option("--rtol", type=NumberRange(min=0), default=1e-3, show_default=True, help="Largest relative difference.")
 @click.option("--column", "columns", multiple=True, type=click.Choice(COLUMNS), help="What counts [default: P].")
 @click.option("--overlap", type=NumberRange(0, 1), default=0.9, show_default=True, help="Least common range.")
@@ -51,11 +49,11 @@ def compare(
     files = first, second
     if first.suffix == ".csv":
         begin_reading("compare", files)
-        found = of_curves(files)
+        differences = of_curves(files)
     else:
-        found = of_solutions(files, *read_files("compare", files)[1])
+        differences = of_solutions(files, *read_files("compare", files)[1])
         columns = columns or ("P",)
-    result = Compared.of(files, found, rtol, columns, overlap)
+    result = Compared.of(files, differences, rtol, columns, overlap)
     give(result, output.json)
     if plot is not None:
         from ..report import plots

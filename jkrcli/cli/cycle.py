@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from ..adhesion import RangeRequest, limits_of
+from ..adhesion import limits_of
 from ..base import InputError, show
 from ..beside import Analysis, analyse, with_solved_points
 from ..methods import Limits
@@ -15,23 +15,21 @@ from ..report import PICTURES, Cycled, CycledByProgram, CycledInLimits, Output, 
 from ..series import Solution
 from .cycle_rate import RateOptions, rate_options, read_program, run, run_relaxing
 from .measured import TUNING, begin_reading
-from .options import ControlType, WorkType, limits_options, modulus_factor_option, range_options, slopes_option
+from .option_types import CONTROL, WORK
+from .options import CurveOptions, curve_options, limits_options
 from .output import give, into_folder, output_options
 from .series import begin_curves, read_series, series_file, works_of
-from .verb import Verb
+from .verb import verb
 
 
-@click.command(cls=Verb)
-@click.argument("file", type=click.Path(path_type=Path))
-@click.option("--w-approach", type=WorkType(), help="While the contact grows [default: the case's first w].")
-@click.option("--w-retract", type=WorkType(), help="While it shrinks, not smaller [default: that of approach].")
-@click.option("--stiffness", type=ControlType(), default="rigid", show_default=True,
+@verb("file")
+@click.option("--w-approach", type=WORK, help="While the contact grows [default: the case's first w].")
+@click.option("--w-retract", type=WORK, help="While it shrinks, not smaller [default: that of approach].")
+@click.option("--stiffness", type=CONTROL, default="rigid", show_default=True,
               help='"0.2 N/m", "rigid" or "load".')  # fmt: skip
 @rate_options
 @click.option("--points", type=click.IntRange(2, 100_000), default=200, show_default=True, help="Rows per branch.")
-@range_options
-@slopes_option
-@modulus_factor_option
+@curve_options
 @limits_options
 @into_folder()
 @output_options(plots="Write the CSV only.", json="Print the figures as JSON.")
@@ -41,9 +39,7 @@ def cycle(
     w_retract: float | None,
     stiffness: float,
     points: int,
-    attraction: tuple[float | None, float | None],
-    slopes: str,
-    modulus_factor: float,
+    how: CurveOptions,
     rates: RateOptions,
     limits: Limits,
     output: Output,
@@ -76,27 +72,27 @@ def cycle(
     if in_limits:
         rates.refuse_in_limits()
     if rates.rate is not None:  # there the stress is that of the zone in which energy is lost
-        rates, attraction = replace(rates, stress=attraction[0]), (None, attraction[1])
-    asked = RangeRequest.of(solution.record, *attraction)
-    if asked:
+        rates, how = replace(rates, stress=how.stress), replace(how, stress=None)
+    ranged = how.of(solution)
+    if ranged:
         _refuse_range(rates, works)
     _begin_program(rates.program, points, limits)
     names = limits_of(law) if law is not None and in_limits else ("",)
-    stem = output.folder(file.parent) / f"{file.stem}-cycle{asked.suffix}"
+    stem = output.folder(file.parent) / f"{file.stem}-cycle{ranged.suffix}"
     named = [stem.with_name("-".join([stem.name, *name.split()])) for name in names]
     targets = [output.files(one, (".csv", *PICTURES), [file]) for one in named]
-    begin_curves("cycle", [solution], [works], [asked], limits)
+    begin_curves("cycle", [solution], [works], [ranged], limits)
 
     def cycled(share: float = 1.0) -> Result:
-        curves = analyse(solution, works, slopes, modulus_factor * share, asked)
+        curves = analyse(solution, works, how.slopes, how.modulus_factor * share, ranged)
         results = [with_solved_points(curve, stiffness) for curve in curves]
         if law is not None and not in_limits:
             return run_relaxing(results[0], law, stiffness, points, rates)
         return _traced(results, stiffness, points, rates)
 
     result = CycledInLimits.of(file, law, cycled) if law is not None and in_limits else cycled()
-    found = [one for _, one in result.limits.values()] if isinstance(result, CycledInLimits) else [result]
-    for one, files in zip(found, targets, strict=True):
+    cycles = [one for _, one in result.limits.values()] if isinstance(result, CycledInLimits) else [result]
+    for one, files in zip(cycles, targets, strict=True):
         files.write(one.columns, figure=files.draw(one.figure))
     give(result, output.json, f"  written {', '.join(map(str, targets))}", file)
 
@@ -110,7 +106,7 @@ def _begin_program(program: Path | None, points: int, limits: Limits) -> None:
 
 
 def _refuse_range(rates: RateOptions, works: tuple[float, float]) -> None:
-    """InputError where adhesion of finite range is asked to lose energy otherwise than in its jumps."""
+    """InputError where adhesion of finite range would lose energy otherwise than in its jumps."""
     if rates.rate is not None:
         raise InputError("cycle: --rate has no adhesion of finite range: leave --range and the case's out")
     if works[0] != works[1]:

@@ -11,7 +11,7 @@ import click
 
 from ..adhesion import LOAD_CONTROL, Course
 from ..base import InputError
-from .options import LengthType, LoadType, PairsType
+from .option_types import LENGTH, LOAD, PairsType
 from .verb import as_one, flag
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class RateOptions:
     def __post_init__(self) -> None:
         if self.rate is not None and (self.speed is None) == (self.program is None):
             raise InputError('cycle: --rate needs what the device does: --speed "10 um/s", or --program TABLE')
-        if self.program is not None and (beside := [name for name in self.given if name in ALONE]):
+        if self.program is not None and (beside := [name for name in self.named if name in ALONE]):
             raise InputError(f"cycle: give either {flag(beside[0])} or --program")
         if (self.dwell is None) != (self.dwell_time is None):
             raise InputError("cycle: --dwell and --dwell-time go together")
@@ -53,21 +53,21 @@ class RateOptions:
             raise InputError("cycle: give at most one of --to-load and --to-depth")
 
     @property
-    def given(self) -> list[str]:
+    def named(self) -> list[str]:
         """The fields that were given, but the rate and the turn."""
         beside = ("rate", "to_load", "to_depth")
         return [name for name, value in vars(self).items() if value is not None and name not in beside]
 
     def refuse_without_time(self) -> None:
         """InputError where options of time are given for what does not depend on it."""
-        if self.rate is None and (given := [name for name in self.given if name != "program"]):
-            raise InputError(f"cycle: {flag(given[0])} needs --rate: without it nothing depends on time")
+        if self.rate is None and (timed := [name for name in self.named if name != "program"]):
+            raise InputError(f"cycle: {flag(timed[0])} needs --rate: without it nothing depends on time")
 
     def refuse_in_limits(self) -> None:
         """InputError where they say what a body does over time that relaxes and adheres."""
-        if self.rate is None and self.given:
+        if self.rate is None and self.named:
             raise InputError(
-                f"cycle: {flag(self.given[0])}: adhesion on a body that relaxes is known in the limits of very fast "
+                f"cycle: {flag(self.named[0])}: adhesion on a body that relaxes is known in the limits of very fast "
                 "and very slow cycles alone, which do not depend on time: leave it out, or give --w-approach 0"
             )
 
@@ -90,9 +90,9 @@ class RateOptions:
 rate_options = as_one(
     "rates",
     RateOptions,
-    click.option("--to-load", type=LoadType(),
+    click.option("--to-load", type=LOAD,
                  help="Turn at this load [default: at the end of the series, what creeps on included]."),
-    click.option("--to-depth", type=LengthType(), help="Turn at this displacement delta."),
+    click.option("--to-depth", type=LENGTH, help="Turn at this displacement delta."),
     click.option("--rate", type=PairsType(), help='w0 (1 + (v/v0)^n) as the edge recedes: v0="1 um/s",n=0.6; '
                  'law=log,v0=...,b="5 mJ/m^2": w0 + b log(1 + v/v0). w0 is --w-retract.'),
     click.option("--rate-advance", type=PairsType(), help="The same of an edge that advances [default: at once]."),

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import click
-
 from ..report.machine import Machine
 from .output import give, json_option
-from .verb import Verb
+from .verb import verb
 
 
-@click.command(cls=Verb)
+@verb()
 @json_option
 def doctor(as_json: bool) -> int:
     """Look at versions, the mesher's system libraries, optional parts, threads, memory and temporary files.
@@ -19,6 +17,6 @@ def doctor(as_json: bool) -> int:
     \b
     jkr doctor
     """
-    found = Machine.examined()
-    give(found, as_json)
-    return int(not found.is_sound)
+    machine = Machine.examined()
+    give(machine, as_json)
+    return int(not machine.is_sound)

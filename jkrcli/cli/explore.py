@@ -14,17 +14,16 @@ from ..methods import Limits
 from ..report import Output
 from ..report.explorer import Explored, page, payload, start_work
 from .measured import begin_reading, reading_options
-from .options import WorkType, limits_options, slopes_option
+from .option_types import WORK
+from .options import limits_options, slopes_option
 from .output import ONE_FILE, give, into_file, output_options
 from .series import begin_curves, read_series, series_file, without_range
-from .verb import Verb
+from .verb import verb
 
 
-@click.command(cls=Verb)
-@click.argument("file", type=click.Path(path_type=Path))
-@click.argument("data", nargs=-1, type=click.Path(path_type=Path))
+@verb("file [data...]")
 @into_file("The page [default: <file>-explore.html].")
-@click.option("--w", "work", type=WorkType(), help="To begin with [default: the case's first].")
+@click.option("--w", "work", type=WORK, help="To begin with [default: the case's first].")
 @slopes_option
 @reading_options
 @limits_options

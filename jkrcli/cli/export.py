@@ -11,16 +11,16 @@ from ..base import InputError, together, write_text
 from ..beside import analyse
 from ..methods import Limits
 from ..report import Output
-from .options import WorkType, limits_options, slopes_option
+from .option_types import WORK
+from .options import limits_options, slopes_option
 from .output import give, into_folder, output_options
 from .series import begin_curves, body_and_work
-from .verb import Verb
+from .verb import verb
 
 
-@click.command(cls=Verb)
-@click.argument("file", type=click.Path(path_type=Path))
+@verb("file")
 @click.option("--dem", is_flag=True, help="For particle codes: a C header and a table of load and radius over overlap.")
-@click.option("--w", "work", type=WorkType(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s first].')
+@click.option("--w", "work", type=WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s first].')
 @slopes_option
 @limits_options
 @into_folder()
@@ -45,8 +45,8 @@ def export(file: Path, dem: bool, work: float | None, slopes: str, limits: Limit
     begin_curves("export", [solution], [(w,)], [RangeRequest()], limits)
     from ..report import Exported
 
-    found = Exported.of(analyse(solution, [w], slopes)[0])
+    law = Exported.of(analyse(solution, [w], slopes)[0])
     with together():
-        write_text(targets[".h"], found.header)
-        targets.write(found.columns)
-    give(found, output.json, f"  written    {targets}")
+        write_text(targets[".h"], law.header)
+        targets.write(law.columns)
+    give(law, output.json, f"  written    {targets}")

@@ -7,27 +7,24 @@ from typing import cast
 
 import click
 
-from ..base import InputError, atomic, together
+from ..base import atomic, together
 from ..beside import analyse
 from ..case import Case
 from ..report import COMPONENTS, PICTURES, Fields, Output
 from .mesh import MARKS
-from .options import state_options
+from .options import State, state_options
 from .output import give, into_folder, output_options
 from .series import body_and_work
-from .verb import Verb
+from .verb import verb
 
 
-@click.command(cls=Verb)
-@click.argument("file", type=click.Path(path_type=Path))
+@verb("file")
 @state_options
 @click.option("--component", type=click.Choice(COMPONENTS), default="zz", show_default=True,
               help="Stress in the picture; the .vtu holds all.")  # fmt: skip
 @into_folder()
 @output_options(plots="Write .vtu and .csv only.", json="Print the summary as JSON.")
-def fields(
-    file: Path, radius: float | None, load: float | None, work: float | None, component: str, output: Output
-) -> None:
+def fields(file: Path, state: State, component: str, output: Output) -> None:
     """Displacement and stress in the body of FILE, a case or a series, at one state of adhesive contact, by finite
     elements.
 
@@ -39,18 +36,17 @@ def fields(
     jkr fields data.h5 --a "5 um"
     jkr fields coating.h5 --load "-10 uN" --w "40 mJ/m^2" --component rr
     """
-    if (radius is None) == (load is None):
-        raise InputError("fields: give exactly one of --a and --load")
+    state.refuse_wrong("fields")
     output.folder(Path())
-    file, solution, w = body_and_work("fields", file, work)
+    file, solution, w = body_and_work("fields", file, state.work)
     targets = output.files(output.folder(file.parent) / f"{file.stem}-fields", (".vtu", ".csv", *PICTURES), [file])
     from ..case import fem_of
 
     method = fem_of(cast(Case, solution.record.case).model)
-    found = Fields.of(analyse(solution, [w])[0], method, a=radius, load=load, component=component)
-    figure = targets.draw(found.figure)
+    result = Fields.of(analyse(solution, [w])[0], method, a=state.radius, load=state.load, component=component)
+    figure = targets.draw(result.figure)
     with together():
         with atomic(targets[".vtu"]) as temporary:
-            found.write_vtu(temporary, MARKS[".vtu"])
-        targets.write(found.columns, figure=figure)
-    give(found, output.json, f"  written      {targets}")
+            result.write_vtu(temporary, MARKS[".vtu"])
+        targets.write(result.columns, figure=figure)
+    give(result, output.json, f"  written      {targets}")

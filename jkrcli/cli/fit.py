@@ -7,22 +7,21 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
-
 from ..base import InputError, beside
 from ..base.files import TUNING as FILES
 from ..bodies import RELAXATIONS
 from ..data import Reading
 from ..methods import Limits
 from ..report import PICTURES, Files, Output
-from .body import fitted_body, given_body
+from .body import Flags, body_and_measured, fitted_body
 from .fit_curves import FEWER, fit_curves, refits_of
-from .fit_idle import EACH, LAW, RELAXATION, SHARED, TENSION, given, refuse_idle
+from .fit_idle import EACH, LAW, RELAXATION, SHARED, TENSION, refuse_idle, typed_options
 from .fit_options import fit_options
 from .fit_relaxation import fit_relaxation
-from .fit_together import Asked, fit_joint, fit_law, fit_tension, is_asked
+from .fit_together import FitRequest, fit_joint, fit_law, fit_tension, has_tension
 from .measured import TUNING, begin_reading
-from .verb import Verb
+from .options import Parallel
+from .verb import verb
 
 if TYPE_CHECKING:
     from ..identification.fit import Settings
@@ -32,17 +31,15 @@ HOW = ("segment", "base_line", "branch", "loss", "confidence", "model", "level",
 NO_RANGE = "has no adhesion of finite range: leave the case's adhesion.range, stress and capillary out"
 
 
-@click.command(cls=Verb)
-@click.argument("body_file", metavar="BODY", type=click.Path(path_type=Path))
-@click.argument("measured", nargs=-1, type=click.Path(path_type=Path))
+@verb("body [measured...]")
 @fit_options
 def fit(
-    body_file: Path,
+    body: Path,
     measured: tuple[Path, ...],
-    flags: dict[str, str | None],
+    flags: Flags,
     reading: Reading,
     slopes: str,
-    parallel: tuple[int | None, str | None],
+    parallel: Parallel,
     limits: Limits,
     output: Output,
     **options: Any,
@@ -64,52 +61,52 @@ def fit(
     jkr fit gel.toml held.csv --relaxation sls
     jkr fit gel.toml small.csv large.csv --shared E_star,w
     """
-    source, paths = given_body(body_file, measured, flags)
-    inputs = (body_file, *measured)
-    told, kind = given(), _kind(options)
+    source, paths = body_and_measured(body, measured, flags)
+    inputs = (body, *measured)
+    typed, kind = typed_options(), _kind(options)
     if kind != EACH:
-        refuse_idle(kind, told)
-    targets = _targets(body_file, kind != EACH, inputs, output)
+        refuse_idle(kind, typed)
+    targets = _targets(body, kind != EACH, inputs, output)
     refits = refits_of(options["confidence"], options["samples"], len(options["uncertain"]))
     surfaces = SURFACES.get(options["surface"], ("",))
     per_row, per_file = TUNING.fit_per_row + refits * TUNING.refit_per_row, refits * TUNING.refit
     begin_reading("fit", paths, limits, FEWER, per_row=len(surfaces) * per_row, per_file=len(surfaces) * per_file)
-    body = fitted_body(source, slopes, limits)
-    if kind in (LAW, RELAXATION) and body.asked:
+    fitted = fitted_body(source, slopes, limits)
+    if kind in (LAW, RELAXATION) and fitted.asked:
         raise InputError(f"fit: {kind} {NO_RANGE}")
-    words = str(source) if isinstance(source, Path) else body.problem.words
-    asked = Asked(body, paths, reading, _names(options), options, targets, words, output)
+    words = str(source) if isinstance(source, Path) else fitted.problem.words
+    request = FitRequest(fitted, paths, reading, _names(options), options, targets, words, output, inputs)
     if kind in (EACH, SHARED):
-        kind = TENSION if is_asked(asked) else kind
-        refuse_idle(kind, told)
-        asked = replace(asked, reading=replace(reading, contact="as-is"))  # the fit finds zeros with the rest
+        kind = TENSION if has_tension(request) else kind
+        refuse_idle(kind, typed)
+        request = replace(request, reading=replace(reading, contact="as-is"))  # the fit finds zeros with the rest
     if kind == RELAXATION:
-        fit_relaxation(asked)
+        fit_relaxation(request)
     elif kind == LAW:
-        fit_law(asked)
+        fit_law(request)
     elif kind == TENSION:
-        fit_tension(replace(asked, targets=output.files(targets.stem, (".csv", ".json"), inputs)))
+        fit_tension(replace(request, targets=output.files(targets.stem, (".csv", ".json"), inputs)))
     elif kind == SHARED:
-        fit_joint(asked, _settings(asked, reading.contact))
+        fit_joint(request, _settings(request, reading.contact))
     else:
-        bodies = [body.on_surface(one) for one in SURFACES[options["surface"] or body.problem.surface]]
-        fit_curves(asked, bodies, _settings(asked, reading.contact), refits, inputs, limits, parallel)
+        bodies = [fitted.on_surface(one) for one in SURFACES[options["surface"] or fitted.problem.surface]]
+        fit_curves(request, bodies, _settings(request, reading.contact), refits, limits, parallel)
 
 
 def _kind(options: Mapping[str, Any]) -> str:
-    """Which kind of fit is asked for, but for that of a surface tension."""
+    """The kind of fit by its options; that of a surface tension shows in the parameters."""
     if options["relaxation"] is None and "relaxation" in _flat(options["free"]):
         raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
     kinds = {RELAXATION: options["relaxation"], LAW: options["law"], SHARED: options["shared"]}
-    return next((kind for kind, given in kinds.items() if given), EACH)
+    return next((kind for kind, value in kinds.items() if value), EACH)
 
 
 def _names(options: Mapping[str, Any]) -> list[str]:
     """The parameters that are free beside the usual ones, those that records share or have each among them."""
     from ..identification.fit import ALIAS, USUALLY_FREE
 
-    kept = (*USUALLY_FREE, ALIAS, *dict(options["fix"]))
-    own = [name for name in _flat((*options["shared"], *options["own"])) if name not in kept]
+    known = (*USUALLY_FREE, ALIAS, *dict(options["fix"]))
+    own = [name for name in _flat((*options["shared"], *options["own"])) if name not in known]
     return [*_flat(options["free"]), *own]
 
 
@@ -122,17 +119,17 @@ def _targets(body_file: Path, timed: bool, inputs: tuple[Path, ...], output: Out
     return targets
 
 
-def _settings(asked: Asked, contact: str) -> Settings:
+def _settings(request: FitRequest, contact: str) -> Settings:
     """What is fitted and how; uncertain inputs are known only when the parameters are."""
     from ..identification.fit import settings_of, uncertain_of
 
-    options = asked.options
-    told = (asked.body, asked.names, options["fix"], options["start"], options["bound"])
+    options = request.options
+    free = (request.body, request.names, options["fix"], options["start"], options["bound"])
     how = {name: options[name] for name in HOW} | {"noise": dict(options["noise"]), "contact": contact}
-    settings = settings_of(*told, **how)
+    settings = settings_of(*free, **how)
     if not options["uncertain"]:
         return settings
-    return settings_of(*told, uncertain=uncertain_of(asked.body, options["uncertain"], settings), **how)
+    return settings_of(*free, uncertain=uncertain_of(request.body, options["uncertain"], settings), **how)
 
 
 def _flat(groups: Iterable[Sequence[str]]) -> list[str]:

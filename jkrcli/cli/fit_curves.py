@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 from ..base import InputError, beside, together
 from ..methods import Forecast, Limits
-from ..report import PICTURES, SHOWN, Files, Output
-from .fit_together import Asked
+from ..report import PICTURES, SHOWN, Files
+from .fit_together import FitRequest
 from .measured import TUNING
-from .options import begin
+from .options import Parallel, begin
 from .output import give
 from .voice import note, progress, say, warn
 
@@ -31,9 +31,8 @@ def refits_of(confidence: str, samples: int, uncertain: int) -> int:
 
 
 def fit_curves(
-    asked: Asked, bodies: list[FittedBody], settings: Settings, refits: int, inputs: tuple[Path, ...], limits: Limits,
-    parallel: tuple[int | None, str | None],
-) -> None:  # fmt: skip
+    request: FitRequest, bodies: list[FittedBody], settings: Settings, refits: int, limits: Limits, parallel: Parallel
+) -> None:
     """Each curve on each of the ``bodies``, which are one under different surfaces: table, archive and pictures."""
     from ..base import executor
     from ..data import usable
@@ -41,8 +40,8 @@ def fit_curves(
     from ..identification.fit.friction import friction_warnings, preferences
     from ..report import Fits, plan_table, rivals_table
 
-    targets, output = asked.targets, asked.output
-    curves, reasons = usable(asked.measured, asked.reading)
+    output = request.output
+    curves, reasons = usable(request.measured, request.reading)
     each_curve = (TUNING.fit_per_curve + refits * (TUNING.refit + TUNING.refit_per_row * len(one)) for one in curves)
     seconds = sum(each_curve)
     begin(f"fit of {len(curves):,} curves", Forecast(len(bodies) * seconds, 0.0, 0.0), limits, FEWER)
@@ -50,85 +49,82 @@ def fit_curves(
     for one in bodies:
         with executor(*parallel, progress, seconds) as pool:
             each.append(fit_all(one, curves, settings, pool))
-    found = [item for items in each for item in items]
-    if asked.options["rivals"] and not any(isinstance(item, Fit) and item.verdict for item in found):
+    outcomes = [item for items in each for item in items]
+    if request.options["rivals"] and not any(isinstance(item, Fit) and item.verdict for item in outcomes):
         raise InputError("fit: --rivals is for raw records, which none of these was fitted as: leave it out")
-    if asked.options["plan"]:
-        found = [planned(one, item) if isinstance(item, Fit) else item
+    if request.options["plan"]:
+        outcomes = [planned(one, item) if isinstance(item, Fit) else item
                  for one, items in zip(bodies, each, strict=True) for item in items]  # fmt: skip
     reasons += [line for item in each[0] if isinstance(item, Failure) for line in item.lines]
-    pictures = _pictures(each, bodies, targets, inputs, output) if output.plots else []
-    told = list(preferences(found)) if len(bodies) > 1 else []
-    friction = [] if len(bodies) > 1 else list(friction_warnings(asked.body, found))
-    result = Fits(found, asked.told, friction)
-    map_file = _write(result, reasons, targets, pictures, output, inputs)
+    pictures = _pictures(request, each, bodies) if output.plots else []
+    preferred = list(preferences(outcomes)) if len(bodies) > 1 else []
+    friction = [] if len(bodies) > 1 else list(friction_warnings(request.body, outcomes))
+    result = Fits(outcomes, request.body_words, friction)
+    map_file = _write(request, result, reasons, pictures)
     for line in reasons:
         warn(f"skipped: {line}")
     drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
     more = f" ({len(result.fits) - SHOWN:,} more curves)" if len(result.fits) > SHOWN else ""
-    give(result, output.json, f"  written {targets}{drawn}{f', the map in {map_file}' if map_file else ''}{more}")
+    scan = f", the map in {map_file}" if map_file else ""
+    give(result, output.json, f"  written {request.targets}{drawn}{scan}{more}")
     for item in result.fits[:SHOWN] if not output.json else []:
-        if lines := [*(rivals_table(item) if asked.options["rivals"] else []), *plan_table(item)]:
+        if lines := [*(rivals_table(item) if request.options["rivals"] else []), *plan_table(item)]:
             say("\n".join(lines))
-    for line in told:
+    for line in preferred:
         (note if output.json else say)(line)
 
 
-def _write(
-    result: Fits, reasons: list[str], targets: Files, pictures: Pictures, output: Output, inputs: tuple[Path, ...]
-) -> Files | None:
+def _write(request: FitRequest, result: Fits, reasons: list[str], pictures: Pictures) -> Files | None:
     """Write table, summary, archive and pictures; the files of the map, if there is one. InputError, when all that can
     be written is, where no curve could be used."""
     from ..data import some
     from ..report.fit_archive import write
     from ..report.map import map_of
 
-    if not result.found:
+    if not result.outcomes:
         raise InputError(some(reasons))
-    held = map_of(result.found) if output.plots else None
-    of_map = None if held is None else output.files(Path(f"{targets.stem}-map"), PICTURES, inputs)
-    told = result.summary()
+    targets, output, summary = request.targets, request.output, result.summary()
+    scan = map_of(result.outcomes) if output.plots else None
+    of_map = None if scan is None else output.files(Path(f"{targets.stem}-map"), PICTURES, request.inputs)
     with together():
-        targets.write(result.columns, told)
-        write(targets[".h5"], result.found, told)
+        targets.write(result.columns, summary)
+        write(targets[".h5"], result.outcomes, summary)
         if pictures:
             _draw(pictures)
-        if held is not None and of_map is not None:
+        if scan is not None and of_map is not None:
             from ..report.plots.map import map_figure
 
-            of_map.write(figure=map_figure(held))
+            of_map.write(figure=map_figure(scan))
     if not result.fits:
         raise InputError(some(reasons))
     return of_map
 
 
-def _pictures(
-    each: list[list[Fit | Failure]], bodies: list[FittedBody], targets: Files,
-    inputs: tuple[Path, ...], output: Output,
-) -> Pictures:  # fmt: skip
+def _pictures(request: FitRequest, each: list[list[Fit | Failure]], bodies: list[FittedBody]) -> Pictures:
     """Curves to draw, fitted or not, each with its files, named after the curve and, of several, the surface."""
     named = [
         (item, name if len(bodies) == 1 else f"{name}-{body.problem.surface}")
         for items, body in zip(each, bodies, strict=True)
         for item, name in _named(items)
     ]
-    stems = beside(targets.stem, [name for _, name in named])
-    return [(item, output.files(stem, PICTURES, inputs)) for (item, _), stem in zip(named, stems, strict=True)]
+    stems = beside(request.targets.stem, [name for _, name in named])
+    files = [request.output.files(stem, PICTURES, request.inputs) for stem in stems]
+    return [(item, target) for (item, _), target in zip(named, files, strict=True)]
 
 
-def _named(found: list[Fit | Failure]) -> list[tuple[Fit | Failure, str]]:
+def _named(outcomes: list[Fit | Failure]) -> list[tuple[Fit | Failure, str]]:
     """Curves that can be drawn, each with what its pictures are called after; none where they are many."""
     from ..identification.fit import Failure
 
-    drawable = [
-        item for item in found if not (isinstance(item, Failure) and (item.curve.delta is None or item.curve.P is None))
-    ]
-    if len(drawable) > SHOWN:
+    named: list[tuple[Fit | Failure, str, str]] = []
+    for item in outcomes:
+        if not isinstance(item, Failure):
+            named.append((item, Path(item.file).stem, item.name))
+        elif item.curve.delta is not None and item.curve.P is not None:
+            named.append((item, Path(item.curve.origin or "").stem, item.curve.name))
+    if len(named) > SHOWN:
         return []
-    held = [(str(item.curve.origin or ""), item.curve.name) if isinstance(item, Failure) else (item.file, item.name)
-            for item in drawable]  # fmt: skip
-    names = [Path(file).stem if len(held) == 1 else f"{Path(file).stem}-{name}" for file, name in held]
-    return list(zip(drawable, names, strict=True))
+    return [(item, stem if len(named) == 1 else f"{stem}-{name}") for item, stem, name in named]
 
 
 def _draw(drawn: Pictures) -> None:

@@ -27,11 +27,11 @@ GOES_WITH = {
 }  # fmt: skip
 
 
-def given() -> dict[str, Any]:
+def typed_options() -> dict[str, Any]:
     """The options that the user gave, by their names, with their values."""
     context = click.get_current_context()
-    told = (name for name in context.params if context.get_parameter_source(name) is ParameterSource.COMMANDLINE)
-    return {name: context.params[name] for name in told}
+    names = (name for name in context.params if context.get_parameter_source(name) is ParameterSource.COMMANDLINE)
+    return {name: context.params[name] for name in names}
 
 
 def refuse_idle(kind: str, options: Mapping[str, Any]) -> None:

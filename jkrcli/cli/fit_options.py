@@ -11,7 +11,8 @@ from ..bodies import RELAXATIONS
 from ..report import SHOWN
 from .body import body_options
 from .measured import reading_options
-from .options import NamedType, ParsedType, RangeType, ScaleType, limits_options, parallel_options, slopes_option
+from .option_types import LENGTH_ABOVE_0, NamedType, ParsedType, ScaleType
+from .options import limits_options, parallel_options, slopes_option
 from .output import into_folder, output_options
 from .verb import several
 
@@ -67,7 +68,7 @@ fit_options = several(
                  help="Fit all records together: parameters that they share, E_star,w."),
     click.option("--own", multiple=True, type=NamesType(),
                  help="With --shared: those of each record, delta0,P0 [default: all other free ones]."),
-    click.option("--tip-radius", multiple=True, type=RangeType(),
+    click.option("--tip-radius", multiple=True, type=LENGTH_ABOVE_0,
                  help="With --shared or surface_tension: of each file, or of all [default: BODY's]."),
     click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
                  help="Of the body, instead of its own; both: under either, and what the data prefer."),

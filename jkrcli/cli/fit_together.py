@@ -21,9 +21,9 @@ Beside = TypeVar("Beside")
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class FitRequest:
     """What is fitted to what, how the files are read, and where it goes; ``names``: of what is free beside the usual;
-    ``told``: the ``body`` in words; ``options``: of the fit, by name."""
+    ``body_words``: the ``body`` in words; ``options``: of the fit, by name; ``inputs``: files not to write over."""
 
     body: FittedBody
     measured: Sequence[Path]
@@ -31,70 +31,71 @@ class Asked:
     names: Sequence[str]
     options: dict[str, Any]
     targets: Files
-    told: str
+    body_words: str
     output: Output
+    inputs: Sequence[Path]
 
     def curves(self, beside: Sequence[Beside]) -> tuple[list[Curve], list[Beside]]:
         """The curves in all files, each with what stands ``beside`` its file; InputError where one cannot be read."""
         from ..data import each
 
-        found = [(item, one) for path, one in zip(self.measured, beside, strict=True)
+        pairs = [(item, one) for path, one in zip(self.measured, beside, strict=True)
                  for item in each(path, self.reading)]  # fmt: skip
-        for item, _ in found:
+        for item, _ in pairs:
             if isinstance(item, InputError):
                 raise item
-        return [item for item, _ in found if not isinstance(item, InputError)], [one for _, one in found]
+        return [item for item, _ in pairs if not isinstance(item, InputError)], [one for _, one in pairs]
 
-    def conclude(self, fit: Callable[[], Result]) -> None:
-        """One fit of all curves, its table, summary and, where it has one, picture."""
+    def conclude(self, kind: type[Result], fit: Callable[[], Any], **more: Any) -> None:
+        """One fit of all curves as a result of a ``kind``, with what is ``more``: its table, summary and, where it has
+        one, picture."""
         from ..base import one_thread
+        from ..report import as_result
 
         try:
             with one_thread():
-                found = fit()
+                result = as_result(kind, fit(), body=self.body_words, **more)
         except SolveError as error:
             raise InputError(f"{self.measured[0]}: {error}") from None
-        self.targets.write(found.columns, found.summary(), self.targets.draw(found.figure))
-        give(found, self.output.json, f"  written {self.targets}")
+        self.targets.write(result.columns, result.summary(), self.targets.draw(result.figure))
+        give(result, self.output.json, f"  written {self.targets}")
 
 
-def fit_joint(asked: Asked, settings: Settings) -> None:
+def fit_joint(request: FitRequest, settings: Settings) -> None:
     """What all records have in common, from all of them together."""
     from ..identification.fit import joint_fit, shared_of, with_radii
-    from ..report import JointFitted, as_result
+    from ..report import JointFitted
 
-    shared, own = ([name for group in asked.options[kind] for name in group] for kind in ("shared", "own"))
+    shared, own = ([name for group in request.options[kind] for name in group] for kind in ("shared", "own"))
     names = shared_of(shared, own, settings)
-    curves, bodies = asked.curves(with_radii(asked.body, asked.options["tip_radius"], len(asked.measured)))
-    told = {"body": asked.told, "level": settings.level}
-    asked.conclude(lambda: as_result(JointFitted, joint_fit(bodies, curves, settings, names), **told))
+    curves, bodies = request.curves(with_radii(request.body, request.options["tip_radius"], len(request.measured)))
+    request.conclude(JointFitted, lambda: joint_fit(bodies, curves, settings, names), level=settings.level)
 
 
-def fit_law(asked: Asked) -> None:
+def fit_law(request: FitRequest) -> None:
     """w0, the law's parameters, E* and zeros from records at one or several speeds."""
     from ..identification.rate.fitting import rate_fit, rate_settings
-    from ..report import LawFit, as_result
+    from ..report import LawFit
 
-    law, fix, start = (asked.options[name] for name in ("law", "fix", "start"))
-    told = {name: asked.options[name] for name in ("level", "segment", "confidence")}
-    settings = rate_settings(asked.body, law, asked.names, fix, start, **told)
-    curves, _ = asked.curves(asked.measured)
-    asked.conclude(lambda: as_result(LawFit, rate_fit(asked.body, curves, settings), body=asked.told))
+    law, fix, start = (request.options[name] for name in ("law", "fix", "start"))
+    how = {name: request.options[name] for name in ("level", "segment", "confidence")}
+    settings = rate_settings(request.body, law, request.names, fix, start, **how)
+    curves, _ = request.curves(request.measured)
+    request.conclude(LawFit, lambda: rate_fit(request.body, curves, settings))
 
 
-def is_asked(asked: Asked) -> bool:
+def has_tension(request: FitRequest) -> bool:
     """Whether surface tension has a part in the fit."""
-    named = TENSION in asked.names or TENSION in dict(asked.options["fix"])
-    return named or asked.body.problem.specimen.surface_tension > 0
+    named = TENSION in request.names or TENSION in dict(request.options["fix"])
+    return named or request.body.problem.specimen.surface_tension > 0
 
 
-def fit_tension(asked: Asked) -> None:
+def fit_tension(request: FitRequest) -> None:
     """The surface tension, E*, w and zeros from records by tips of several radii."""
     from ..identification.tension import known_values, radii_of, tension_fit
-    from ..report import TensionFitted, as_result
+    from ..report import TensionFitted
 
-    problem, level = asked.body.problem, asked.options["level"]
-    fixed = known_values(problem, asked.names, asked.options["fix"])
-    curves, tips = asked.curves(radii_of(problem, asked.options["tip_radius"], len(asked.measured)))
-    told = {"body": asked.told, "level": level}
-    asked.conclude(lambda: as_result(TensionFitted, tension_fit(problem, curves, tips, fixed, level), **told))
+    problem, level = request.body.problem, request.options["level"]
+    fixed = known_values(problem, request.names, request.options["fix"])
+    curves, tips = request.curves(radii_of(problem, request.options["tip_radius"], len(request.measured)))
+    request.conclude(TensionFitted, lambda: tension_fit(problem, curves, tips, fixed, level), level=level)

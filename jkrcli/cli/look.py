@@ -4,25 +4,21 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
-
 from ..base import InputError
 from ..data import Reading
-from ..report import PICTURES, Output
-from .body import tip_of, tip_options
+from ..report import PICTURES, Output, Results
+from .body import Flags, tip_of, tip_options
 from .measured import begin_reading, reading_options
-from .output import answer, into_folder, output_options, refuse_doubles
-from .verb import Verb
-from .voice import present, warn
+from .output import answer, files_beside, give, into_folder, output_options
+from .verb import verb
 
 
-@click.command(cls=Verb)
-@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@verb("files...")
 @tip_options
 @reading_options
 @into_folder()
 @output_options(plots="Draw nothing.", json="Print everything as JSON.")
-def look(files: tuple[Path, ...], flags: dict[str, str | None], reading: Reading, output: Output) -> None:
+def look(files: tuple[Path, ...], flags: Flags, reading: Reading, output: Output) -> None:
     """What measured FILES hold: the first thing to do with a force curve. No body is needed.
 
     Says how columns and units were understood, and finds in every curve approach, pause and retraction, the base line
@@ -38,26 +34,18 @@ def look(files: tuple[Path, ...], flags: dict[str, str | None], reading: Reading
     from ..report import Look
 
     tip = tip_of("look", flags)
-    stems = [(output.where or path.parent) / f"{path.stem}-look" for path in files]
-    refuse_doubles(stems, "give each its own -o")
-    output.folder(Path())
-    targets = [output.files(stem, PICTURES, files) for stem in stems]
+    targets = files_beside(output, files, "look", PICTURES, files)
     begin_reading("look", files)
-    results, told, pictures = [], [], list[str]()
+    results, pictures = [], list[str]()
     for path, target in zip(files, targets, strict=True):
         result = Look.at(path, reading, tip)
         results.append(result)
-        if result.records:
-            told.append(result.words())
-            if output.plots:
-                target.write(figure=result.figure())
-                pictures.append(str(target))
-    if output.json:
-        answer({"files": [result.summary() for result in results]})
-    elif told:
-        present(*told, last=f"  drawn in {', '.join(pictures)}" if pictures else "")
-    failures = [line for result in results for line in result.warnings]
+        if result.records and output.plots:
+            target.write(figure=result.figure())
+            pictures.append(str(target))
+    whole = Results(results, [line for result in results for line in result.warnings], "files")
     if not any(result.records for result in results):
-        raise InputError(failures)
-    for line in failures:
-        warn(line)
+        if output.json:
+            answer(whole.summary())
+        raise InputError(whole.warnings)
+    give(whole, output.json, f"  drawn in {', '.join(pictures)}" if pictures else "")

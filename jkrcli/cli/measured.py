@@ -12,18 +12,17 @@ import click
 from ..data import SEPARATORS, Reading
 from ..data.measured.text import NAMES
 from ..methods import Forecast, Limits
-from .options import (
-    ANY,
+from .option_types import (
+    ROWS,
+    SENSITIVITY,
+    STIFFNESS,
     ColumnUnitType,
     KeyNumberType,
     KeyValueType,
     NamedType,
-    RowsType,
     ScaleType,
-    SensitivityType,
-    StiffnessType,
-    begin,
 )
+from .options import ANY, begin
 from .verb import as_one
 
 
@@ -49,15 +48,21 @@ TUNING = TableTuning()
 KEYS = tuple(NAMES.quantities)
 
 
-def _reading(**told: Any) -> Reading:
-    """The reading that the values of the options ask for."""
-    pairs = {name: dict(told[name]) for name in ("columns", "units", "factors", "zero", "where")}
-    return Reading(**told | pairs | {"flip": frozenset(told["flip"])})
+SEPARATED = (
+    click.option("--separator", type=click.Choice(list(SEPARATORS)), help="Between the columns [default: found out]."),
+    click.option("--decimal", type=click.Choice([".", ","]), help="Decimal mark [default: found out]."),
+)
+
+
+def reading_of(options: dict[str, Any]) -> dict[str, Any]:
+    """The values of the options of a reading, KEY=VALUE of several as one mapping."""
+    pairs = {"columns", "units", "factors", "zero", "where"} & set(options)
+    return options | {name: dict(options[name]) for name in pairs}
 
 
 reading_options = as_one(
     "reading",
-    _reading,
+    lambda flip, **options: Reading(flip=frozenset(flip), **reading_of(options)),
     click.option("--column", "columns", multiple=True, type=KeyValueType("NAME", KEYS),
                  help=f"Column name or number where the header does not tell; keys {', '.join(KEYS)}."),
     click.option("--unit", "units", multiple=True, type=ColumnUnitType(),
@@ -73,16 +78,15 @@ reading_options = as_one(
                  show_default=True, help="Zero points: fitted together with the rest (base line, tilt, contact point; "
                  "auto: of raw records), as-is, or estimated before from the free part of the approach; of raw records "
                  "the same as fitted."),
-    click.option("--stiffness", type=StiffnessType(),
+    click.option("--stiffness", type=STIFFNESS,
                  help='The displacement is that of a device (piezo) of this stiffness: P/stiffness is subtracted; it '
                  'makes a force of a deflection. "rigid": nothing is to be subtracted.'),
-    click.option("--sensitivity", type=SensitivityType(),
+    click.option("--sensitivity", type=SENSITIVITY,
                  help='Of a force microscope, "45 nm/V", where its file lacks it: makes a deflection of volts.'),
     click.option("--format", type=click.Choice(["auto", "text", "afm"]), default="auto", show_default=True,
                  help="auto: by content and ending; afm: .csv and .txt of microscopes (needs afmformats)."),
-    click.option("--separator", type=click.Choice(list(SEPARATORS)), help="Between the columns [default: found out]."),
-    click.option("--decimal", type=click.Choice([".", ","]), help="Decimal mark [default: found out]."),
-    click.option("--rows", type=RowsType(), help="Only these rows of each curve, from 1: 100..900."),
+    *SEPARATED,
+    click.option("--rows", type=ROWS, help="Only these rows of each curve, from 1: 100..900."),
     click.option("--where", multiple=True, type=NamedType(),
                  help="Only rows of a segment, of a curve or of one content of a column: segment=retract."),
 )  # fmt: skip

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
-
 from .. import __version__
 from ..base import atomic, together
 from ..case import fem_of, load_case
@@ -14,14 +12,13 @@ from ..methods.fem.mesh import write_msh, write_vtu
 from ..report import Meshed, Output
 from .options import begin, limits_options
 from .output import give, into_folder, output_options
-from .verb import Verb
+from .verb import verb
 
 # What tells jkr that it wrote a file, where the format keeps comments.
 MARKS = {".msh": f"$Comments\njkr {__version__}\n$EndComments\n", ".vtu": f"\n<!-- jkr {__version__} -->\n"}
 
 
-@click.command(cls=Verb)
-@click.argument("case", type=click.Path(path_type=Path))
+@verb("case")
 @into_folder("Folder.", default=".", show_default=True)
 @limits_options
 @output_options(json="Print the summary as JSON.")

@@ -8,14 +8,13 @@ from pathlib import Path
 import click
 
 from ..base import InputError, check_target, write_text
-from .verb import Verb
+from .verb import verb
 from .voice import say
 
 TEMPLATE = resources.files(__package__).joinpath("new.toml").read_text(encoding="utf-8")
 
 
-@click.command(cls=Verb)
-@click.argument("file", type=click.Path(path_type=Path))
+@verb("file")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 def new(file: Path, force: bool) -> None:
     """Write a commented case to FILE, ready to edit and run.

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..base import InputError, as_json, real
-from ..report import Output
+from ..report import Files, Output
 from .verb import Command, Options, several
 from .voice import present, warn
 
 ONE_FILE = "Replace an existing file that jkr did not write."  # help of --force
-FILES = (".msh", ".vtu", ".csv", ".json", ".png", ".svg", ".pdf", ".h5", ".html", ".toml", ".txt")
+ENDINGS = (".msh", ".vtu", ".csv", ".json", ".png", ".svg", ".pdf", ".h5", ".html", ".toml", ".txt")
 if TYPE_CHECKING:
     from ..report import Result
 
@@ -31,10 +31,10 @@ class Folder(_Path):
     """A folder, there or to be made; a name that ends like one of the files that go into it is answered."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        found = super().convert(value, param, ctx)
-        if found.suffix in FILES and not found.is_dir():
-            self.fail(f"{found} is the name of a file, a folder is wanted: files are named by the input")
-        return found
+        folder = super().convert(value, param, ctx)
+        if folder.suffix in ENDINGS and not folder.is_dir():
+            self.fail(f"{folder} is the name of a file, a folder is wanted: files are named by the input")
+        return folder
 
 
 def into_folder(help: str = "Folder [default: the file's].", **options: Any) -> Options:
@@ -54,18 +54,28 @@ def output_options(
 
     The verb takes the values, with that of -o (see ``into_folder``), as one argument ``output``: an ``Output``.
     """
-    told = {"--no-plots": plots, "--force": force, "--json": json}
-    flags = [click.option(flag, is_flag=True, help=words) for flag, words in told.items() if words]
+    helps = {"--no-plots": plots, "--force": force, "--json": json}
+    flags = [click.option(flag, is_flag=True, help=words) for flag, words in helps.items() if words]
 
     def decorate(command: Command) -> Command:
         @functools.wraps(command)
-        def verb(*words: Any, force: bool, no_plots: bool = False, json: bool = False, **others: Any) -> Any:
+        def taking(*words: Any, force: bool, no_plots: bool = False, json: bool = False, **others: Any) -> Any:
             output = Output(others.pop("output", None), force, not no_plots, json)
             return command(*words, output=output, **others)
 
-        return several(*flags)(verb)
+        return several(*flags)(taking)
 
     return decorate
+
+
+def files_beside(
+    output: Output, paths: Sequence[Path], word: str, endings: Sequence[str], inputs: Sequence[Path]
+) -> list[Files]:
+    """Files called <stem>-<word> of each of the ``paths``, beside it or in the folder of -o."""
+    stems = [(output.where or path.parent) / f"{path.stem}-{word}" for path in paths]
+    refuse_doubles(stems, "give each its own -o")
+    output.folder(Path())
+    return [output.files(stem, endings, inputs) for stem in stems]
 
 
 def refuse_doubles(stems: Sequence[Path], remedy: str) -> None:

@@ -4,35 +4,22 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
-
-from ..adhesion import RangeRequest
-from ..base import InputError
 from ..beside import profile_columns, radius_under
 from ..methods import Limits
 from ..report import PICTURES, Output, Profile
-from .options import limits_options, range_options, state_options
+from .options import RangeOptions, State, limits_options, range_options, state_options
 from .output import give, into_folder, output_options
 from .series import begin_curves, body_and_work
-from .verb import Verb
+from .verb import verb
 
 
-@click.command(cls=Verb)
-@click.argument("file", type=click.Path(path_type=Path))
+@verb("file")
 @state_options
 @range_options
 @limits_options
 @into_folder()
 @output_options(json="Print the summary as JSON.")
-def profile(
-    file: Path,
-    radius: float | None,
-    load: float | None,
-    work: float | None,
-    attraction: tuple[float | None, float | None],
-    limits: Limits,
-    output: Output,
-) -> None:
+def profile(file: Path, state: State, attraction: RangeOptions, limits: Limits, output: Output) -> None:
     """Pressure p(r) inside and surface displacement and gap around the contact of FILE, a case or a series, at one
     state.
 
@@ -45,17 +32,16 @@ def profile(
     jkr profile data.h5 --a "5 um"
     jkr profile data.h5 --load "-10 uN" --w "50 mJ/m^2"
     """
-    if (radius is None) == (load is None):
-        raise InputError("profile: give exactly one of --a and --load")
+    state.refuse_wrong("profile")
     output.folder(Path())
-    file, solution, w = body_and_work("profile", file, work, ranged=True)
-    asked = RangeRequest.of(solution.record, *attraction)
-    stem = output.folder(file.parent) / f"{file.stem}-profile{asked.suffix}"
+    file, solution, w = body_and_work("profile", file, state.work, ranged=True)
+    ranged, radius = attraction.of(solution), state.radius
+    stem = output.folder(file.parent) / f"{file.stem}-profile{ranged.suffix}"
     targets = output.files(stem, (".csv", *PICTURES), [file])
     if radius is None:
-        assert load is not None
-        begin_curves("profile", [solution], [(w,)], [asked], limits)
-        radius = radius_under(solution, load, w, asked)
-    result = Profile(file, radius, w, profile_columns(solution, radius, w, asked))
+        assert state.load is not None
+        begin_curves("profile", [solution], [(w,)], [ranged], limits)
+        radius = radius_under(solution, state.load, w, ranged)
+    result = Profile(file, radius, w, profile_columns(solution, radius, w, ranged))
     targets.write(result.columns, figure=result.figure())
     give(result, output.json, f"  written {targets}")

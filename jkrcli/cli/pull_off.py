@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,38 +15,27 @@ from ..methods.guards import Limits
 from ..report.pull_off import MeasuredPullOff, PullOff
 from ..report.result import Result, Results
 from ..series import Solution
-from .body import body_options, by_flags, case_of
-from .options import (
-    ControlType,
-    LoadType,
-    NamedType,
-    WorkType,
-    limits_options,
-    modulus_factor_option,
-    range_options,
-    slopes_option,
-)
+from .body import Flags, body_options, by_flags, case_of
+from .option_types import CONTROL, LOAD, WORK, NamedType
+from .options import CurveOptions, curve_options, limits_options
 from .output import give, json_option
 from .series import begin_curves, read_files, without_range, works_of
-from .verb import Verb
+from .verb import verb
 
 SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of a measured force; choice: for forecasts
 
 
-@click.command("pull-off", cls=Verb)
-@click.argument("files", nargs=-1, type=click.Path(path_type=Path))
+@verb("[files...]", "pull-off")
 @body_options
-@click.option("--w", "works", multiple=True, type=WorkType(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
-@click.option("--stiffness", "stiffnesses", multiple=True, type=ControlType(),
+@click.option("--w", "works", multiple=True, type=WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
+@click.option("--stiffness", "stiffnesses", multiple=True, type=CONTROL,
               help='Of the machine or cantilever, "0.2 N/m"; also "load" and "rigid" [default: these two].'
 )  # fmt: skip
-@click.option("--load", "force", type=LoadType(), help='A measured pull-off force, "12 uN": which w does it mean?')
+@click.option("--load", "force", type=LOAD, help='A measured pull-off force, "12 uN": which w does it mean?')
 @click.option("--uncertain", multiple=True, type=NamedType(),
               help="With --load: standard deviation of load, R, E, h, nu or E:LAYER, such as load=5%, h=1um."
 )  # fmt: skip
-@range_options
-@slopes_option
-@modulus_factor_option
+@curve_options
 @limits_options
 @json_option
 def pull_off(
@@ -55,11 +44,9 @@ def pull_off(
     stiffnesses: tuple[float, ...],
     force: float | None,
     uncertain: tuple[tuple[str, str], ...],
-    attraction: tuple[float | None, float | None],
-    slopes: str,
-    modulus_factor: float,
+    how: CurveOptions,
     limits: Limits,
-    flags: dict[str, str | None],
+    flags: Flags,
     as_json: bool,
 ) -> None:
     """Say where contact is lost in each FILE, a case or a series, or on the body by flags (--radius, --E, --nu,
@@ -79,63 +66,62 @@ def pull_off(
         raise InputError("pull-off: give either --w or --load, not both")
     if uncertain and force is None:
         raise InputError("pull-off: --uncertain says how well a measured force and its body are known: give --load too")
-    if force is not None and attraction != (None, None):
+    if force is not None and (how.stress, how.length) != (None, None):
         raise InputError("pull-off: --load asks for the w of JKR: give neither --stress nor --range with it")
     if force == 0:
         raise InputError("pull-off: --load must not be 0; give the measured pull-off force")
     if by_flags("pull-off", flags, files):
-        held = [_by_flags(flags, works, force, stiffnesses, slopes, modulus_factor)]
+        solutions = [_by_flags(flags, works, force, stiffnesses, how)]
     elif files:
-        _, held = read_files("pull-off", files)
+        _, solutions = read_files("pull-off", files)
     else:
         raise InputError("pull-off: give FILES, a case or a series, or the body by flags: --radius, --E, --nu")
     if force is not None:
-        give(_means(held, abs(force), stiffnesses, uncertain, slopes, modulus_factor, limits), as_json)
+        give(_means(solutions, abs(force), stiffnesses, uncertain, how, limits), as_json)
         return
-    asked = [RangeRequest.of(solution.record, *attraction) for solution in held]
-    wanted = [works or works_of(solution) for solution in held]
-    begin_curves("pull-off", held, wanted, asked, limits, devices=len(stiffnesses))
-    found = [one for solution, some, ranged in zip(held, wanted, asked, strict=True)
-             for one in where_lost(solution, some, stiffnesses, slopes, modulus_factor, ranged)]  # fmt: skip
-    give(Results([PullOff(*one) for one in found]), as_json)
+    ranges = list(map(how.of, solutions))
+    wanted = [works or works_of(solution) for solution in solutions]
+    begin_curves("pull-off", solutions, wanted, ranges, limits, devices=len(stiffnesses))
+    curves = [one for solution, some, ranged in zip(solutions, wanted, ranges, strict=True)
+             for one in where_lost(solution, some, stiffnesses, how.slopes, how.modulus_factor, ranged)]  # fmt: skip
+    give(Results([PullOff(*one) for one in curves]), as_json)
 
 
 def _means(
-    held: Sequence[Solution], force: float, stiffnesses: Sequence[float], uncertain: Sequence[tuple[str, str]],
-    slopes: str, modulus_factor: float, limits: Limits,
+    solutions: Sequence[Solution], force: float, stiffnesses: Sequence[float], uncertain: Sequence[tuple[str, str]],
+    how: CurveOptions, limits: Limits,
 ) -> Results:  # fmt: skip
     """The work of adhesion that a measured ``force`` [N] means on each body under each control."""
     from ..identification.work_of_adhesion import measured_work, seconds_of_inputs
 
     controls, names = stiffnesses or (LOAD_CONTROL,), [name for name, _ in uncertain]
-    for solution in held:
+    for solution in solutions:
         without_range(solution.record, "pull-off: --load")
-    seconds = len(controls) * sum(seconds_of_inputs(solution, names) for solution in held)
-    tried = [SEARCHED * len(controls) * (1 + 2 * len(names))] * len(held)
-    begin_curves("pull-off --load", held, tried, [RangeRequest()] * len(held), limits, beside=seconds)
-    found, warnings = list[Result](), list[str]()
-    for solution in held:
-        means = [measured_work(solution, force, one, slopes, modulus_factor, uncertain) for one in controls]
+    seconds = len(controls) * sum(seconds_of_inputs(solution, names) for solution in solutions)
+    tried = [SEARCHED * len(controls) * (1 + 2 * len(names))] * len(solutions)
+    begin_curves("pull-off --load", solutions, tried, [RangeRequest()] * len(solutions), limits, beside=seconds)
+    results, warnings = list[Result](), list[str]()
+    for solution in solutions:
+        means = [measured_work(solution, force, one, how.slopes, how.modulus_factor, uncertain) for one in controls]
         effect = effect_on(solution, [means[0].work.w])
         warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
-        found += map(MeasuredPullOff, means)
-    return Results(found, warnings)
+        results += map(MeasuredPullOff, means)
+    return Results(results, warnings)
 
 
 def _by_flags(
-    flags: Mapping[str, str | None], works: Sequence[float], force: float | None, stiffnesses: Sequence[float],
-    slopes: str, modulus_factor: float,
+    flags: Flags, works: Sequence[float], force: float | None, stiffnesses: Sequence[float], how: CurveOptions
 ) -> Solution:  # fmt: skip
     """The body by flags, solved as far as the question needs; no file is written."""
     from ..beside.reach import solved_for, solved_for_force
 
     problem = case_of("pull-off", flags, "a case or series file", {"radius": 1.0}).model.problem()
     if force is not None:
-        solution = solved_for_force(problem, abs(force), stiffnesses, slopes, modulus_factor)
+        solution = solved_for_force(problem, abs(force), stiffnesses, how.slopes, how.modulus_factor)
     elif works and not (w := max(works)) > 0:
         raise InputError(f"pull-off: --w must be > 0 to ask where contact is lost, got {w:g} J/m^2")
     elif works:
-        solution = solved_for(problem, works, slopes, modulus_factor)
+        solution = solved_for(problem, works, how.slopes, how.modulus_factor)
     else:
         raise InputError("pull-off: give --w, or --load with a measured pull-off force")
     called = f"{problem.indenter.words} on {problem.specimen.words}"

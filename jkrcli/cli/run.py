@@ -8,18 +8,18 @@ from pathlib import Path
 
 import click
 
+from ..base import check_series_target
 from ..beside import effect_facts, sticking_effect
 from ..case import load_case, solve, store
 from ..methods import METHODS, Limits
 from ..report import Output, Solved
 from .options import limits_options
 from .output import ONE_FILE, give, into_file, output_options
-from .verb import Verb
+from .verb import verb
 from .voice import command_line, detail, note
 
 
-@click.command(cls=Verb)
-@click.argument("case", type=click.Path(path_type=Path))
+@verb("case")
 @into_file("Series file [default: <case>.h5 here].")
 @click.option("--method", type=click.Choice(["auto", *METHODS]), help="Method, instead of the case's.")
 @click.option("--tolerance", type=float,
@@ -41,7 +41,7 @@ def run(case: Path, method: str | None, tolerance: float | None, limits: Limits,
     loaded = load_case(case)
     if tolerance is not None:
         loaded = loaded.with_tolerance(tolerance, method or loaded.model.method)
-    target = output.series(Path(f"{case.stem}.h5"), [case])
+    target = output.file(Path(f"{case.stem}.h5"), [case], check_series_target)
     choice, solution = solve(loaded, method, limits, note)
     for stage, used in solution.timings.items():
         detail(f"{stage}: {used:.3f} s CPU")

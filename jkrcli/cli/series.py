@@ -32,11 +32,11 @@ def series_file(path: Path) -> Path:
         return path
     case, target = load_case(path), Path(f"{path.stem}.h5")
     check_series_target(target, False, [path])
-    found = _solved(target, case)
-    if found is not None:
-        note(f"{path}: {target} holds its series already (method {found.method})")
-        if _adhesion(found.record) != _adhesion(store.record_of(case)):
-            store.write(target, replace(found, record=store.record_of(case)), found.record.command_line)
+    existing = _solved(target, case)
+    if existing is not None:
+        note(f"{path}: {target} holds its series already (method {existing.method})")
+        if _adhesion(existing.record) != _adhesion(store.record_of(case)):
+            store.write(target, replace(existing, record=store.record_of(case)), existing.record.command_line)
         return target
     from ..case import solve
 
@@ -55,16 +55,16 @@ def _adhesion(record: Record) -> tuple[object, ...]:
 def _solved(target: Path, case: Case) -> Solution | None:
     """What ``target`` holds where that is a series of the same body, loading and method by this release."""
     try:
-        found = store.read(target, with_pressure=True) if target.exists() else None
+        solution = store.read(target, with_pressure=True) if target.exists() else None
     except InputError:
         return None
-    if found is None or not isinstance(found.record.case, Case):
+    if solution is None or not isinstance(solution.record.case, Case):
         return None
-    apart = {"title", "adhesion"} | other_tables(found.method)
-    held, wanted = (one.model.model_dump(exclude=apart) for one in (found.record.case, case))
-    if held == wanted and found.record.versions.get("jkr") == __version__:
-        return found
-    if found.record.command_line.startswith(IMPORTED):
+    apart = {"title", "adhesion"} | other_tables(solution.method)
+    there, wanted = (one.model.model_dump(exclude=apart) for one in (solution.record.case, case))
+    if there == wanted and solution.record.versions.get("jkr") == __version__:
+        return solution
+    if solution.record.command_line.startswith(IMPORTED):
         raise InputError(f"{target}: is an imported series of another case: name it itself, or move it away")
     return None
 
@@ -107,7 +107,7 @@ def body_and_work(verb: str, path: Path, work: float | None, ranged: bool = Fals
 
 
 def _first_work(solution: Solution) -> float:
-    """The first work of adhesion [J/m^2] that the case names; 0, which is said, where it names none."""
+    """The first work of adhesion [J/m^2] that the case names; 0, with a note, where it names none."""
     if not solution.record.w:
         note(f"{solution.record.path}: its case names no work of adhesion: the contact without adhesion, or give --w")
     return (*solution.record.w, 0.0)[0]
@@ -124,9 +124,9 @@ def without_range(record: Record, verb: str) -> None:
 
 def begin_curves(
     verb: str,
-    held: Sequence[Solution],
+    solutions: Sequence[Solution],
     works: Sequence[Sequence[float]],
-    asked: Sequence[RangeRequest],
+    ranges: Sequence[RangeRequest],
     limits: Limits,
     tables: bool = False,
     figures: bool = False,
@@ -137,9 +137,9 @@ def begin_curves(
     CPU seconds ``beside``, where that is much; Refusal beyond the ``limits``."""
     from ..beside import forecast
 
-    costs = [forecast(*each, tables, figures, devices) for each in zip(held, works, asked, strict=True)]
+    costs = [forecast(*each, tables, figures, devices) for each in zip(solutions, works, ranges, strict=True)]
     total = Forecast(beside + sum(cost.seconds for cost in costs), max(cost.memory_mib for cost in costs), 0.0)
-    rows = sum(solution.increments.a.size for solution in held)
+    rows = sum(solution.increments.a.size for solution in solutions)
     under = f" under {devices:,} controls" if devices else ""
     what = f"{verb} of {rows:,} rows for {sum(map(len, works)):,} works of adhesion{under}"
     less = f"fewer rows, files{', controls' if devices else ''} or works of adhesion, or leave out the plots"

@@ -13,12 +13,11 @@ from ..report.shown import Shown
 from ..series import Solution
 from .output import give, json_option
 from .series import announce_files, read_series, series_file
-from .verb import Verb
+from .verb import verb
 from .voice import warn
 
 
-@click.command(cls=Verb)
-@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@verb("files...")
 @click.option("--case", "case_only", is_flag=True, help="Print the resolved case alone: a case file that runs again.")
 @json_option
 def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
@@ -31,18 +30,18 @@ def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
     jkr show --case data.h5 > again.toml
     """
     announce_files("show", files)
-    held = [_held(path, case_only) for path in files]
+    items = [_content(path, case_only) for path in files]
     if case_only and not as_json:
-        click.echo("\n".join(plain_toml(item.record.toml).rstrip() for item in held if isinstance(item, Solution)))
+        click.echo("\n".join(plain_toml(item.record.toml).rstrip() for item in items if isinstance(item, Solution)))
         return
-    give(Shown(held), as_json)
+    give(Shown(items), as_json)
 
 
-def _held(path: Path, case_only: bool) -> Solution | dict[str, Any]:
+def _content(path: Path, case_only: bool) -> Solution | dict[str, Any]:
     """The series in a file, or the summary of an archive, which has no case."""
     if case_only or not archive.is_archive(path):
         return read_series(series_file(path))
-    found = archive.read(path)
-    if not found.is_protected:
+    file = archive.read(path)
+    if not file.is_protected:
         warn(f"{path}: {archive.DOUBT}")
-    return archive.summary(found)
+    return archive.summary(file)

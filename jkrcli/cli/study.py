@@ -9,7 +9,8 @@ import click
 
 from ..many.study import MAPS
 from ..report import PICTURES, Output
-from .options import PairsType, parallel_options
+from .option_types import PairsType
+from .options import Parallel, parallel_options
 from .output import give, into_folder, output_options
 from .verb import LateGroup, Verb, several
 from .voice import progress
@@ -59,13 +60,13 @@ def _command(row: Map) -> click.Command:
     @parallel_options
     @into_folder("Folder [default: .].", default=Path())
     @output_options(plots="Write the CSV only.", json="Print the table as JSON.")
-    def study_map(output: Output, parallel: tuple[int | None, str | None], **axes: Any) -> None:
+    def study_map(output: Output, parallel: Parallel, **axes: Any) -> None:
         from ..base import executor
 
-        given = {name: value for name, value in axes.items() if value not in (None, ())}
+        chosen = {name: value for name, value in axes.items() if value not in (None, ())}
         files = output.files(output.folder(Path()) / f"{row.name}-map", (".csv", *PICTURES))
-        with executor(*parallel, progress, row.forecast(**given)) as pool:
-            result = row.over(pool, **given)
+        with executor(*parallel, progress, row.forecast(**chosen)) as pool:
+            result = row.over(pool, **chosen)
         files.write(result.columns, figure=files.draw(result.figure))
         give(result, output.json, f"  written {files}")
 

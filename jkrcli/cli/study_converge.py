@@ -12,27 +12,22 @@ from ..case import load_case, method_of
 from ..many.study.converge import converge
 from ..methods import FEM
 from ..report import PICTURES, Output
-from .options import WorkType, parallel_options
+from .option_types import WORK
+from .options import Parallel, parallel_options
 from .output import give, into_folder, output_options
-from .verb import Verb
+from .verb import verb
 from .voice import progress
 
 
-@click.command("converge", cls=Verb)
-@click.argument("case", type=click.Path(path_type=Path))
+@verb("case", "converge")
 @click.option("--levels", type=click.IntRange(2, 8), default=4, show_default=True, help="Meshes; the last: the case's.")
 @click.option("--contact", type=click.Choice(["nested", "incremental"]), help="Instead of the case's.")
-@click.option("--w", "work", type=WorkType(), help="Work of adhesion [default: the case's first].")
+@click.option("--w", "work", type=WORK, help="Work of adhesion [default: the case's first].")
 @parallel_options
 @into_folder("Folder.", default=Path())
 @output_options(plots="Write CSV and JSON only.", json="Print as JSON.")
 def study_converge(
-    case: Path,
-    levels: int,
-    contact: str | None,
-    work: float | None,
-    parallel: tuple[int | None, str | None],
-    output: Output,
+    case: Path, levels: int, contact: str | None, work: float | None, parallel: Parallel, output: Output
 ) -> None:
     """Solve CASE by finite elements on meshes whose elements halve from one to the next (Appendix C).
 
@@ -55,6 +50,6 @@ def study_converge(
         method = replace(method, contact=contact)  # type: ignore[arg-type]
     problem = loaded.model.problem()
     with executor(*parallel, progress, method.forecast(problem).seconds) as pool:
-        found = converge(problem, method, w, levels, pool=pool)
-    files.write(found.columns, found.summary(), files.draw(found.figure))
-    give(found, output.json, f"  written   {files}")
+        study = converge(problem, method, w, levels, pool=pool)
+    files.write(study.columns, study.summary(), files.draw(study.figure))
+    give(study, output.json, f"  written   {files}")

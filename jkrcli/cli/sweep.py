@@ -15,14 +15,14 @@ from ..many.sweep.running import Means, alone
 from ..many.sweep.running import sweep as carry_out
 from ..many.sweep.table import STEM
 from ..report import PICTURES, Files, Output
-from .options import NumberRange, parallel_options
+from .option_types import NumberRange
+from .options import Parallel, parallel_options
 from .output import answer, give, into_folder, output_options
-from .verb import Verb
+from .verb import verb
 from .voice import note, progress
 
 
-@click.command(cls=Verb)
-@click.argument("sweep_file", metavar="SWEEP", type=click.Path(path_type=Path))
+@verb("sweep")
 @into_folder("Folder [default: <sweep>-results here].")
 @parallel_options
 @click.option("--hours", type=NumberRange(min=0), default=10.0, show_default=True, help="Most core hours to begin.")
@@ -31,9 +31,9 @@ from .voice import note, progress
 @click.option("--show-case", type=click.IntRange(min=0), metavar="CASE", help="Print this case as a case file.")
 @output_options(plots="Draw nothing.", json="Print the summary (or the row) as JSON.")
 def sweep(
-    sweep_file: Path,
+    sweep: Path,
     output: Output,
-    parallel: tuple[int | None, str | None],
+    parallel: Parallel,
     hours: float,
     retry_failed: bool,
     only: int | None,
@@ -50,27 +50,27 @@ def sweep(
     jkr sweep my-sweep.toml --only 17
     jkr sweep my-sweep.toml --show-case 17 > case-17.toml
     """
-    plan = load_plan(sweep_file)
+    plan = load_plan(sweep)
     if show_case is not None:
         click.echo(plain_toml(plan.case(_number(plan, show_case, "--show-case")).to_toml()), nl=False)
     elif only is not None:
         row = alone(plan, _number(plan, only, "--only"))
         answer(row.summary()) if output.json else click.echo(str(row))
     else:
-        folder = replace(output, where=output.where or Path(f"{sweep_file.stem}-results")).folder(Path())
+        folder = replace(output, where=output.where or Path(f"{sweep.stem}-results")).folder(Path())
         pictures = output.files(folder / STEM, PICTURES)
         means = Means(*parallel, hours, retry_failed, progress)
-        found = carry_out(plan, folder, means, output.force, note)
-        if output.plots and _draw(found, pictures):
-            found = replace(found, files=(*found.files, *(pictures[ending] for ending in PICTURES)))
-        give(found, output.json, f"  written   {', '.join(map(str, found.files))}")
+        result = carry_out(plan, folder, means, output.force, note)
+        if output.plots and _draw(result, pictures):
+            result = replace(result, files=(*result.files, *(pictures[ending] for ending in PICTURES)))
+        give(result, output.json, f"  written   {', '.join(map(str, result.files))}")
 
 
-def _draw(found: Swept, pictures: Files) -> bool:
+def _draw(result: Swept, pictures: Files) -> bool:
     """Whether the table has a picture; it is written."""
     from ..many.sweep.figure import sweep_figure
 
-    figure = sweep_figure(found.plan, found.table)
+    figure = sweep_figure(result.plan, result.table)
     pictures.write(figure=figure)
     return figure is not None
 

@@ -13,19 +13,17 @@ from ..beside import analyse, effect_on, sticking_warnings
 from ..methods import Limits
 from ..report import PICTURES, Files, Output, Transformed, as_result, figure_of
 from ..report.scaling import own_scales, scales_of
-from .options import ScaleType, WorkType, limits_options, modulus_factor_option, range_options, slopes_option
+from .option_types import WORK, ScaleType
+from .options import CurveOptions, curve_options, limits_options
 from .output import answer, into_folder, output_options, refuse_doubles
 from .series import begin_curves, read_files, works_of
-from .verb import Verb
+from .verb import verb
 from .voice import present, warn
 
 
-@click.command(cls=Verb)
-@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--w", "works", multiple=True, type=WorkType(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
-@range_options
-@slopes_option
-@modulus_factor_option
+@verb("files...")
+@click.option("--w", "works", multiple=True, type=WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
+@curve_options
 @into_folder()
 @click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]), help="Also in units of Eq. 15, 19.")
 @click.option("--scale", "own", multiple=True, type=ScaleType(),
@@ -36,9 +34,7 @@ from .voice import present, warn
 def transform(
     files: tuple[Path, ...],
     works: tuple[float, ...],
-    attraction: tuple[float | None, float | None],
-    slopes: str,
-    modulus_factor: float,
+    how: CurveOptions,
     dimensionless: str | None,
     own: tuple[tuple[str, float], ...],
     together: bool,
@@ -60,26 +56,27 @@ def transform(
     if together and dimensionless:
         raise InputError("transform: --together needs one unit for all w: give --scale instead of --dimensionless")
     users = own_scales(dict(own)) if own else None
-    files, held = read_files("transform", files)
-    wanted = [works or works_of(solution) for solution in held]
-    asked = [RangeRequest.of(solution.record, *attraction) for solution in held]
+    files, solutions = read_files("transform", files)
+    wanted = [works or works_of(solution) for solution in solutions]
+    ranges = list(map(how.of, solutions))
     figures = output.plots and not together
-    begin_curves("transform", held, wanted, asked, limits, tables=True, figures=figures)
-    plans = _plans(files, wanted, asked, modulus_factor, together, output)
-    summaries, told, written, warnings = [], list[list[str]](), list[str](), list[str]()
-    for solution, plan in zip(held, plans, strict=True):
-        effect = effect_on(solution.scaled(modulus_factor), plan.works)
-        curves, results = analyse(solution, plan.works, slopes, modulus_factor, plan.asked), list[Transformed]()
-        for found, target in zip(curves, plan.targets, strict=True):
-            scales = scales_of(found.problem, found.w, dimensionless) if dimensionless else users
-            result = as_result(Transformed, found, scales=scales, effect=effect)
+    begin_curves("transform", solutions, wanted, ranges, limits, tables=True, figures=figures)
+    plans = _plans(files, wanted, ranges, how.modulus_factor, together, output)
+    summaries, lines, written, warnings = [], list[list[str]](), list[str](), list[str]()
+    for solution, plan in zip(solutions, plans, strict=True):
+        effect = effect_on(solution.scaled(how.modulus_factor), plan.works)
+        curves = analyse(solution, plan.works, how.slopes, how.modulus_factor, plan.range)
+        results = list[Transformed]()
+        for curve, target in zip(curves, plan.targets, strict=True):
+            scales = scales_of(curve.problem, curve.w, dimensionless) if dimensionless else users
+            result = as_result(Transformed, curve, scales=scales, effect=effect)
             summaries.append(result.summary())
             target.write(result.columns, summaries[-1], result.figure() if figures else None)
             results.append(result)
         if plan.picture is not None:
             plan.picture.write(figure=figure_of(results))
         warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
-        told += [result.words() for result in results]
+        lines += [result.words() for result in results]
         written += map(str, plan.targets)
         warnings += [f"{result.path}: {text}" for result in results for text in result.warnings if not output.json]
     if output.json:
@@ -87,30 +84,30 @@ def transform(
     else:
         more = f" and {len(written) - 1:,} more like it" if len(written) > 1 else ""
         pictures = ", ".join(str(plan.picture) for plan in plans if plan.picture is not None)
-        present(*told, last=f"  written {written[0]}{more}{pictures and f', all in one picture: {pictures}'}")
+        present(*lines, last=f"  written {written[0]}{more}{pictures and f', all in one picture: {pictures}'}")
     for text in warnings:
         warn(text)
 
 
 @dataclass(frozen=True, eq=False)
 class _Plan:
-    """Curves of one file: its ``works`` of adhesion [J/m^2], the range ``asked`` for, what is written for each of the
+    """Curves of one file: its ``works`` of adhesion [J/m^2], their ``range``, what is written for each of the
     works, and the ``picture`` of all of them together, if there is to be one."""
 
     works: tuple[float, ...]
-    asked: RangeRequest
+    range: RangeRequest
     targets: list[Files]
     picture: Files | None
 
 
 def _plans(
-    files: tuple[Path, ...], wanted: list[tuple[float, ...]], asked: list[RangeRequest], modulus_factor: float,
+    files: tuple[Path, ...], wanted: list[tuple[float, ...]], ranges: list[RangeRequest], modulus_factor: float,
     together: bool, output: Output,
 ) -> list[_Plan]:  # fmt: skip
     """What is written for each file; InputError before anything is solved, where it cannot be."""
     factor = "" if modulus_factor == 1 else f"-modulus{modulus_factor:g}"
     begins = [(output.where or path.parent) / path.stem for path in files]
-    ends = [f"{ranged.suffix}{factor}" for ranged in asked]
+    ends = [f"{ranged.suffix}{factor}" for ranged in ranges]
     stems = [
         [begin.with_name(f"{begin.name}-w{w:g}{end}") for w in works]
         for begin, end, works in zip(begins, ends, wanted, strict=True)
@@ -125,4 +122,4 @@ def _plans(
             output.files(begin.with_name(f"{begin.name}-all-w{end}"), PICTURES, files)
             for begin, end in zip(begins, ends, strict=True)
         ]
-    return [_Plan(*each) for each in zip(wanted, asked, targets, pictures, strict=True)]
+    return [_Plan(*each) for each in zip(wanted, ranges, targets, pictures, strict=True)]

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Container, Mapping
+from pathlib import Path
 from typing import Any, ClassVar
 
 import click
@@ -42,7 +43,7 @@ FIRST = {"cycle": ("stiffness",), "pull-off": ("stiffness", "uncertain"), "rate-
 
 def several(*options: Options) -> Options:
     """Options as one, in this order."""
-    return lambda command: functools.reduce(lambda held, option: option(held), reversed(options), command)
+    return lambda command: functools.reduce(lambda decorated, option: option(decorated), reversed(options), command)
 
 
 def as_one(name: str, make: Callable[..., Any], *options: Options) -> Options:
@@ -55,11 +56,11 @@ def as_one(name: str, make: Callable[..., Any], *options: Options) -> Options:
 
     def decorate(command: Command) -> Command:
         @functools.wraps(command)
-        def verb(*words: Any, **others: Any) -> Any:
-            held = {key: others.pop(key) for key in keys}
-            return command(*words, **{name: make(**held)}, **others)
+        def taking(*words: Any, **others: Any) -> Any:
+            values = {key: others.pop(key) for key in keys}
+            return command(*words, **{name: make(**values)}, **others)
 
-        return several(*options)(verb)
+        return several(*options)(taking)
 
     return decorate
 
@@ -74,15 +75,15 @@ class Verb(click.Command):
 
     def __init__(self, *words: Any, **others: Any):
         super().__init__(*words, **others)
-        told = {"is_flag": True, "is_eager": True, "expose_value": False, "hidden": True}
-        self.params.append(click.Option(["--help-all"], callback=_help_all, help="Describe every option.", **told))
+        kind = {"is_flag": True, "is_eager": True, "expose_value": False, "hidden": True}
+        self.params.append(click.Option(["--help-all"], callback=_help_all, help="Describe every option.", **kind))
 
     def get_help(self, ctx: click.Context) -> str:
-        asked = ctx.meta.get(ALL, False)
+        wanted = ctx.meta.get(ALL, False)
         ctx.meta[ALL] = True
         whole = super().get_help(ctx)
-        ctx.meta[ALL] = asked
-        return whole if asked or whole.count("\n") < TUNING.help else super().get_help(ctx)
+        ctx.meta[ALL] = wanted
+        return whole if wanted or whole.count("\n") < TUNING.help else super().get_help(ctx)
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         rows: dict[str, list[tuple[str, str]]] = {title: [] for title in ("Options", *GROUPS)}
@@ -110,6 +111,18 @@ class Verb(click.Command):
         return next((title for title, names in GROUPS.items() if option in names), "Options")
 
 
+def verb(usage: str = "", name: str | None = None) -> Callable[[Command], click.Command]:
+    """A command of the paths that its ``usage`` names as its help does: "file", "series measured...", "[files...]"."""
+
+    def decorate(command: Command) -> click.Command:
+        for word in reversed(usage.split()):
+            path, count = click.Path(path_type=Path), -1 if "..." in word else 1
+            command = click.argument(word.strip("[.]"), type=path, nargs=count, required=word[0] != "[")(command)
+        return click.command(name, cls=Verb)(command)
+
+    return decorate
+
+
 class LateGroup(click.Group):
     """A group whose commands are imported, or made, when they are called; ``titles``: their names with a line each, by
     the titles of the help's sections; ``voiced``: those that can be quiet, ``silent``: those that print no result."""
@@ -123,7 +136,7 @@ class LateGroup(click.Group):
         raise NotImplementedError
 
     def unknown(self, name: str) -> str:
-        """What is said of a ``name`` that is none."""
+        """The message on a ``name`` that no command has."""
         raise NotImplementedError
 
     def list_commands(self, ctx: click.Context) -> list[str]:

@@ -18,7 +18,7 @@ import click
 
 from ..base import SILENCE, duration, printable, writable
 
-LEVEL, SAID, ANNOUNCED = "jkr.level", "jkr.said", "jkr.announced"
+LEVEL, WARNED, ANNOUNCED = "jkr.level", "jkr.warned", "jkr.announced"
 QUIET, USUAL, VERBOSE = range(3)
 
 
@@ -26,8 +26,6 @@ QUIET, USUAL, VERBOSE = range(3)
 class VoiceTuning:
     """How much is printed, and how wide."""
 
-    behind: int = 10  # choice: lines behind the verdict, the last one among them; the rest is printed with -v
-    width: int = 120  # choice: characters of a line where no terminal says how many
     help: int = 80  # choice: lines, of 80 columns, of a verb's help: two screens
     anew: float = 2.0  # choice: factor of what was announced from which on more is announced anew
 
@@ -64,7 +62,7 @@ def _level() -> int:
 
 def folded(line: str) -> str:
     """A line as several of the terminal's width, broken between words; all but the first are set in."""
-    width = max(shutil.get_terminal_size((TUNING.width, 0)).columns, 40)
+    width = max(shutil.get_terminal_size((120, 0)).columns, 40)
     if len(line) <= width:
         return line
     indent = " " * (len(line) - len(line.lstrip()) + 4)
@@ -93,9 +91,9 @@ def say(text: str) -> None:
 
 
 def present(*results: Sequence[str], last: str = "") -> None:
-    """The verdict of a result, its first line, and what fits behind it; of several results their verdicts; then the
-    ``last`` line. All of it with -v."""
-    lines, room = [line for lines in results for line in lines], TUNING.behind + 1 - bool(last)
+    """The verdict of a result, its first line, and up to ten lines behind it, the ``last`` among them; of several
+    results their verdicts. All of it with -v."""
+    lines, room = [line for lines in results for line in lines], 11 - bool(last)
     shown = lines if len(results) == 1 or _level() == VERBOSE else [lines[0] for lines in results]
     if _level() != VERBOSE and (len(shown) > room or shown != lines):
         shown = shown[: room - 1]
@@ -118,9 +116,9 @@ def detail(text: str) -> None:
 def warn(text: str) -> None:
     """A sentence that a reader of the numbers should know; said once."""
     ctx = click.get_current_context(silent=True)
-    said: set[str] = set() if ctx is None else ctx.meta.setdefault(SAID, set())
-    if text not in said:
-        said.add(text)
+    before: set[str] = set() if ctx is None else ctx.meta.setdefault(WARNED, set())
+    if text not in before:
+        before.add(text)
         tell(folded(f"jkr: warning: {printable(text)}"))
 
 
@@ -133,9 +131,9 @@ def announce(what: str, seconds: float) -> None:
 def forewarn(words: str, seconds: float) -> None:
     """A note on what will take so many CPU ``seconds``, unless the command has told of about as many."""
     ctx = click.get_current_context(silent=True)
-    said: dict[str, float] = {} if ctx is None else ctx.meta
-    if seconds > TUNING.anew * said.get(ANNOUNCED, -1.0):
-        said[ANNOUNCED] = seconds
+    meta: dict[str, float] = {} if ctx is None else ctx.meta
+    if seconds > TUNING.anew * meta.get(ANNOUNCED, -1.0):
+        meta[ANNOUNCED] = seconds
         note(words)
 
 

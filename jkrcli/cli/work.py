@@ -10,15 +10,14 @@ import click
 from ..data import Reading
 from ..report import PICTURES, Output, Results
 from .measured import TUNING, begin_reading, reading_options
-from .options import WORKERS, ScaleType, modulus_factor_option, slopes_option
-from .output import give, into_folder, output_options, refuse_doubles
-from .verb import Verb
+from .option_types import WORKERS, ScaleType
+from .options import modulus_factor_option, slopes_option
+from .output import files_beside, give, into_folder, output_options
+from .verb import verb
 from .voice import progress
 
 
-@click.command(cls=Verb)
-@click.argument("series", type=click.Path(path_type=Path))
-@click.argument("measured", nargs=-1, required=True, type=click.Path(path_type=Path))
+@verb("series measured...")
 @click.option("--use", type=click.Choice(["a,P", "a,delta", "delta,P"]),
               help="What w follows from [default: the first of these that was measured].")  # fmt: skip
 @click.option("--segment", help='Rows of this segment only, "retract".')
@@ -61,11 +60,8 @@ def work(
     from ..report import Work
     from .series import read_series, series_file, without_range
 
-    stems = [(output.where or path.parent) / f"{path.stem}-work" for path in measured]
-    refuse_doubles(stems, "give each its own -o")
-    output.folder(Path())
+    targets = files_beside(output, measured, "work", (".csv", ".json", *PICTURES), (series, *measured))
     series = series_file(series)
-    targets = [output.files(stem, (".csv", ".json", *PICTURES), (series, *measured)) for stem in stems]
     begin_reading("work", measured, per_row=TUNING.work_per_row)
     solution = read_series(series)
     without_range(solution.record, "work")
@@ -75,8 +71,8 @@ def work(
     results = []
     for path, target in zip(measured, targets, strict=True):
         with executor(workers, progress=progress) as pool:
-            found, skipped = along_file(path, reading, evaluation, pool)
-        result = Work.of(path, found, skipped, solution, unit, modulus_factor)
+            curves, skipped = along_file(path, reading, evaluation, pool)
+        result = Work.of(path, curves, skipped, solution, unit, modulus_factor)
         results.append(result)
         target.write(result.columns, result.summary(), target.draw(result.figure))
     warnings = [text for result in results for text in result.warnings]

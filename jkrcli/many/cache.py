@@ -23,9 +23,9 @@ from ..series import Record, Solution
 
 @dataclass(frozen=True)
 class CacheTuning:
-    """How solves are told apart and which are kept."""
+    """How solves are distinguished and which are kept."""
 
-    digits: int = 13  # choice: of every number at unit modulus; far below what any method promises
+    digits: int = 13  # of numbers at unit modulus, theory: of the 16 of a double quotients lose the last ones
     worth_keeping: float = 0.1  # choice: CPU seconds; reading a file takes a tenth of it
 
 
@@ -59,8 +59,8 @@ def solved(problem: Problem, method: Method, folder: Path | None = None) -> Solu
     where that was expensive (``CacheTuning``)."""
     key = solve_key(problem, method)
     path = None if folder is None else folder / f"{key}.h5"
-    if path is not None and (found := _read(path, problem, key)) is not None:
-        return found
+    if path is not None and (stored := _read(path, problem, key)) is not None:
+        return stored
     start = time.process_time()
     solution = replace(method(problem), record=Record(path=Path("series")))
     expensive = time.process_time() - start > TUNING.worth_keeping
@@ -79,7 +79,7 @@ def _made_by(key: str) -> str:
 def _read(path: Path, problem: Problem, key: str) -> Solution | None:
     """A solution that was kept; None where there is none, its file is damaged, or it holds another solve."""
     try:
-        found = store.read(path, problem) if path.exists() else None
+        solution = store.read(path, problem) if path.exists() else None
     except InputError:
         return None
-    return found if found is not None and found.record.command_line == _made_by(key) else None
+    return solution if solution is not None and solution.record.command_line == _made_by(key) else None

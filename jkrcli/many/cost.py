@@ -41,9 +41,9 @@ def process_cost(command: Sequence[str], folder: Path | None = None, output: Pat
         done = subprocess.run([sys.executable, "-S", "-c", LAUNCHER, *command], cwd=folder, stdout=sink,
                               stderr=subprocess.PIPE)  # fmt: skip
     wall = time.perf_counter() - start
-    said = done.stderr.decode(errors="replace").splitlines()
+    lines = done.stderr.decode(errors="replace").splitlines()
     if done.returncode != 0:
-        words = " ".join(said[-2:])[-300:]
+        words = " ".join(lines[-2:])[-300:]
         raise SolveError(f"{' '.join(command)}: ended with code {done.returncode}: {words}")
-    cpu, kilobytes = map(float, said[-1].split())
+    cpu, kilobytes = map(float, lines[-1].split())
     return Cost(cpu, wall, kilobytes / 1024)

@@ -108,9 +108,9 @@ def _adhesive(series: Series, w: float, slopes_name: str) -> AdhesiveCurve | Unk
 def _exact(problem: Problem, w: float, depth: float) -> State | None:
     """The exact solution of the wide body down to ``depth``; None where the body ends sideways."""
     loading = replace(problem.loading, to="depth", maximum=depth, points=200, spacing="radius", values=())
-    asked = replace(problem, loading=loading)
+    same_depth = replace(problem, loading=loading)
     method = Layered()
-    if method.refusal(asked) is not None:
+    if method.refusal(same_depth) is not None:
         return None
-    series = method(asked).series
+    series = method(same_depth).series
     return _state(series, _adhesive(series, w, "exact"), depth)

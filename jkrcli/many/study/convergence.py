@@ -16,7 +16,7 @@ WORDS = {"a": "contact radius", "P": "load", "pull_off": "pull-off force"}
 
 @dataclass(frozen=True, eq=False)
 class Convergence(Meshes, Result):
-    """What the meshes tell, and what is said of it."""
+    """A study of meshes as a result."""
 
     @property
     def columns(self) -> dict[str, Sequence[Any]]:  # type: ignore[override]
@@ -68,9 +68,9 @@ class Convergence(Meshes, Result):
     def words(self) -> list[str]:
         against = "the exact solution" if self.exact is not None else "the extrapolated value or the finest mesh"
         finest = [abs(error) for name in QUANTITIES if (error := self.errors(name)[-1]) is not None]
-        told = f"errors within {max(finest):.1e} of {against}" if finest else "no errors"
+        verdict = f"errors within {max(finest):.1e} of {against}" if finest else "no errors"
         return [
-            f"elements of {show(self.levels[-1].size, 'length', 3)}: {told}",
+            f"elements of {show(self.levels[-1].size, 'length', 3)}: {verdict}",
             f"  body      {self.problem.words}",
             f"  at        delta = {show(self.depth, 'length')}, w = {show(self.w, 'work')}",
             *map(self._order, QUANTITIES),

@@ -40,22 +40,22 @@ class Axis:
     family: bool = False
     read: Callable[[Any], Any] | None = None
 
-    def values(self, given: Any) -> Any:
+    def values(self, chosen: Any) -> Any:
         """The values of this axis, each once; ValueError where one is not allowed."""
         if not self.several:
-            return self._value(self.default if given is None else given)
-        given = [given] if np.isscalar(given) else given
-        values = [self._value(item) for item in (self.default if given is None or len(given) == 0 else given)]
+            return self._value(self.default if chosen is None else chosen)
+        chosen = [chosen] if np.isscalar(chosen) else chosen
+        values = [self._value(item) for item in (self.default if chosen is None or len(chosen) == 0 else chosen)]
         return tuple(dict.fromkeys(values) if self.family else sorted(set(values)))
 
-    def _value(self, given: Any) -> Any:
+    def _value(self, value: Any) -> Any:
         if self.read is not None:
-            return self.read(given)
+            return self.read(value)
         if isinstance(self.allowed, Ranged):
-            return self.allowed.read(given)
-        if self.allowed is not None and given not in self.allowed:
-            raise ValueError(f'must be {" or ".join(self.allowed)}, got "{given}"')
-        return given
+            return self.allowed.read(value)
+        if self.allowed is not None and value not in self.allowed:
+            raise ValueError(f'must be {" or ".join(self.allowed)}, got "{value}"')
+        return value
 
 
 POISSON = Ranged("number", above=-1, most=0.5)
@@ -82,25 +82,25 @@ class Map:
     draw: Callable[[Columns], Figure]
     order: str = ""
 
-    def values(self, given: Mapping[str, Any]) -> Values:
+    def values(self, axes: Mapping[str, Any]) -> Values:
         """The values of all axes; InputError where one is unknown or outside its range."""
-        if unknown := [name for name in given if name not in self.axes]:
+        if unknown := [name for name in axes if name not in self.axes]:
             raise InputError(f'{self.name} map: has no axis "{unknown[0]}" (axes: {", ".join(self.axes)})')
-        return {name: self._read(name, axis, given.get(name)) for name, axis in self.axes.items()}
+        return {name: self._read(name, axis, axes.get(name)) for name, axis in self.axes.items()}
 
-    def _read(self, name: str, axis: Axis, given: Any) -> Any:
+    def _read(self, name: str, axis: Axis, values: Any) -> Any:
         try:
-            return axis.values(given)
+            return axis.values(values)
         except ValueError as error:
             raise InputError(f"{self.name} map: {name} {error}") from None
 
-    def forecast(self, **given: Any) -> float:
-        """CPU seconds that the map over the ``given`` axes takes."""
-        return self.seconds(self.values(given))
+    def forecast(self, **axes: Any) -> float:
+        """CPU seconds that the map over the ``axes`` takes."""
+        return self.seconds(self.values(axes))
 
-    def over(self, pool: Pool | None = None, **given: Any) -> MapResult:
-        """The map over the ``given`` axes; ``pool`` works on its cells (default: this process)."""
-        values = self.values(given)
+    def over(self, pool: Pool | None = None, **axes: Any) -> MapResult:
+        """The map over the ``axes``; ``pool`` works on its cells (default: this process)."""
+        values = self.values(axes)
         parts = in_order(pool, *self.work(values), f"{self.name} map")
         columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
         if self.order:
@@ -145,8 +145,8 @@ def map_of(name: str) -> Map:
     """The row of the map called ``name``."""
     if name not in MAPS:
         raise InputError(f'unknown map "{name}" (maps: {", ".join(MAPS)})')
-    held: Map = importlib.import_module(f".{name.replace('-', '_')}_map", __package__).MAP
-    return held
+    row: Map = importlib.import_module(f".{name.replace('-', '_')}_map", __package__).MAP
+    return row
 
 
 def rows(**columns: Any) -> Columns:

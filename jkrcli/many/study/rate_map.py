@@ -59,8 +59,8 @@ def _points(values: Values, thickness: float) -> Columns:
 def _point(body: Nonadhesive, a: float, law: Any, stiffness: float, speed: float) -> tuple[float, float, float]:
     contact = RateContact(body, law, 1.0, 1.0, stiffness)
     x = float(contact.edge.position_at(np.array(a), 1.0))
-    found = contact.history(Program.on(x, -speed), a)
-    return -found.pull_off.P / math.pi, found.dissipated / (math.pi * a**2), known(found.error["P"]) or 0.0
+    history = contact.history(Program.on(x, -speed), a)
+    return -history.pull_off.P / math.pi, history.dissipated / (math.pi * a**2), known(history.error["P"]) or 0.0
 
 
 def _body(thickness: float, nu: float) -> tuple[Nonadhesive, float]:
@@ -110,7 +110,7 @@ MAP = Map(
     """,
     {
         "rate": Axis({"n": "0.6"}, "The law in units of w0 and v0: n=0.6; law=log,b=0.3.", several=False,
-                     read=lambda given: rate_law_of({"v0": 1.0} | given, "--rate")),
+                     read=lambda keys: rate_law_of({"v0": 1.0} | keys, "--rate")),
         "thickness": Axis((0.3,), "Of a bonded layer on a rigid base, in R; repeatable.", POSITIVE, family=True),
         "nu": Axis(0.3, "Poisson's ratio of the layers.", POISSON, several=False),
         "stiffness": Axis(("rigid", "1"), 'Of the device, in E* R; "rigid"; repeatable.', family=True, read=_stiffness),

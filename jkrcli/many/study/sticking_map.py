@@ -24,7 +24,7 @@ class StickingMapTuning:
     per_decade: int = 20  # choice: of the contact radius, between which loads are interpolated to 1e-4
     # of the largest a/h; tuned on maps, by `make constants`: a stuck contact is wider at equal depth by less
     beyond: float = 1.2
-    # tuned on maps, by `make constants`: relative, of the series; ratios are told to four digits
+    # tuned on maps, by `make constants`: relative, of the series; ratios are printed to four digits
     tolerance: float = 1e-4
     per_nu: float = 0.25  # CPU seconds; tuned on maps of 6 and 40 ratios of Poisson, by `make guards`
     per_point: float = 5e-4  # CPU seconds of an a/h; tuned on maps of 1000, by `make guards`

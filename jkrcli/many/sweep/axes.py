@@ -151,10 +151,10 @@ def _samples(samples: SamplesTable, trial: Trial) -> Axis:
 def _distribution(key: str, table: DistributionTable, trial: Trial) -> Distribution:
     if table.values is not None:
         return Distribution("choice", {"values": tuple(trial.si({key: value})[0] for value in table.values)})
-    given = {
+    parameters = {
         name: value if name == "factor" else _number(trial, key, value) for name, value in table.parameters.items()
     }
     try:
-        return Distribution(table.distribution, given)
+        return Distribution(table.distribution, parameters)
     except InputError as error:
         raise InputError(f"{key}: {error}") from None

@@ -20,7 +20,6 @@ from .solving import FAILED, OK, Row
 FORMAT, VERSION = "jkr-sweep-journal", 2
 HEAD = json.dumps({"format": FORMAT, "version": VERSION, "jkr": __version__}).encode() + b"\n"
 ENTRY = [str, str, str, list, float]  # of a line: identity, status, reason, values, CPU seconds; then their digest
-DIGITS = 16  # choice: of the digest of a line
 MOST_BYTES = 1 << 31  # choice: of all lines, which are read at once; some ten million cases
 
 
@@ -102,15 +101,15 @@ class Journal:
 
 def _sealed(entry: bytes) -> bytes:
     """A list in JSON with the digest of its text as its last item."""
-    return entry[:-1] + b', "' + hashlib.sha256(entry).hexdigest()[:DIGITS].encode() + b'"]'
+    return entry[:-1] + b', "' + hashlib.sha256(entry).hexdigest()[:16].encode() + b'"]'
 
 
 def _entry(line: bytes) -> list[Any] | None:
     """The entry of a line; None where the line is not as it was written."""
     entry = line.rpartition(b", ")[0] + b"]"
-    found = _parsed(entry) if _sealed(entry) == line else None
-    is_sound = isinstance(found, list) and list(map(type, found)) == ENTRY and found[1] in (OK, FAILED)
-    return found if is_sound else None
+    values = _parsed(entry) if _sealed(entry) == line else None
+    is_sound = isinstance(values, list) and list(map(type, values)) == ENTRY and values[1] in (OK, FAILED)
+    return values if is_sound else None
 
 
 def _parsed(line: bytes) -> Any:

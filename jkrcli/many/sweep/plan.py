@@ -94,9 +94,9 @@ class Plan:
 
     def identity(self, number: int) -> str:
         """A hash of everything that the row of a case depends on: what journals know it by."""
-        found = self._head.copy()
-        found.update(f"\n{self.values(number)!r}".encode())
-        return found.hexdigest()[:20]
+        digest = self._head.copy()
+        digest.update(f"\n{self.values(number)!r}".encode())
+        return digest.hexdigest()[:20]
 
     @cached_property
     def _head(self) -> Any:
@@ -177,15 +177,15 @@ def load_plan(path: Path) -> Plan:
 
 
 def _wanted(model: SweepModel, source: str) -> Wanted:
-    asked = model.outputs
-    columns = len(ALONG) * len(asked.radii) + len(POINT) * len(asked.stiffness)
+    outputs = model.outputs
+    columns = len(ALONG) * len(outputs.radii) + len(POINT) * len(outputs.stiffness)
     if columns > MOST_COLUMNS:
         raise InputError(
             f"{source}: outputs.radii and outputs.stiffness make {columns:,} columns, at most {MOST_COLUMNS:,} are "
             "written; ask for fewer"
         )
-    rule = checked_rule(asked.slopes, f"{source}: outputs.slopes")
-    return Wanted(names_of(asked.quantities, source), asked.radii, asked.stiffness, rule)
+    rule = checked_rule(outputs.slopes, f"{source}: outputs.slopes")
+    return Wanted(names_of(outputs.quantities, source), outputs.radii, outputs.stiffness, rule)
 
 
 def _self_contained(tables: Tables, first: CaseModel, axes: Sequence[Axis]) -> Tables:

@@ -26,37 +26,37 @@ def _at_end(result: Analysis) -> dict[str, Any]:
 
 
 def _pull_off(result: Analysis) -> dict[str, Any]:
-    points = [_point(name, found) for name, found in result.pull_off.items()]
+    points = [_point(name, place) for name, place in result.pull_off.items()]
     return {key: value for point in points for key, value in point.items()} | {"load.over_pi_w_R": _ratio(result)}
 
 
 def _point_errors(result: Analysis) -> dict[str, Any]:
     """Half-widths of P and delta of each pull-off point, or why there are none."""
-    found: dict[str, Any] = {}
+    errors: dict[str, Any] = {}
     for name, point in result.pull_off.items():
         error = point if isinstance(point, Unknown) else result.pull_off_errors[name]
         for key, quantity in zip(ERROR, ("P", "delta"), strict=True):
-            found[f"{name}.{key}"] = error if isinstance(error, Unknown) else error[quantity]
-    return found
+            errors[f"{name}.{key}"] = error if isinstance(error, Unknown) else error[quantity]
+    return errors
 
 
 def _ratio(result: Analysis) -> float | Unknown:
     """The pull-off force under load control as -P/(pi w R): 3/2 on a half-space."""
-    found, R = result.pull_off["load"], result.problem.indenter.tip_radius
-    if isinstance(found, Unknown):
-        return found
-    return Unknown("the indenter has no tip radius") if R is None else -found.P / (math.pi * result.w * R)
+    point, R = result.pull_off["load"], result.problem.indenter.tip_radius
+    if isinstance(point, Unknown):
+        return point
+    return Unknown("the indenter has no tip radius") if R is None else -point.P / (math.pi * result.w * R)
 
 
-def _point(name: str, found: Equilibrium | Unknown) -> dict[str, Any]:
-    told = tables.point(found)
-    return {f"{name}.{key}": Unknown(told["reason"]) if told[key] is None else told[key] for key in POINT}
+def _point(name: str, state: Equilibrium | Unknown) -> dict[str, Any]:
+    columns = tables.point(state)
+    return {f"{name}.{key}": Unknown(columns["reason"]) if columns[key] is None else columns[key] for key in POINT}
 
 
 def _stability(result: Analysis) -> dict[str, Any]:
-    found = behaviour(result.curve, DISPLACEMENT_CONTROL)
-    energies = {"energy_lost_J": found.energy_lost, "work_of_separation_J": found.separation}
-    return energies | _point("jump_in", found.jump_in)
+    pulled = behaviour(result.curve, DISPLACEMENT_CONTROL)
+    energies = {"energy_lost_J": pulled.energy_lost, "work_of_separation_J": pulled.separation}
+    return energies | _point("jump_in", pulled.jump_in)
 
 
 ERRORS = ("discretisation", "truncation", "radius", "smoothing", "total")
@@ -116,20 +116,20 @@ class Wanted:
         """One value per column."""
         result = with_solved_points(result, *self.stiffness) if self.stiffness else result
         sections = {name: SECTIONS[name][0](result) for name in dict.fromkeys(n.split(".")[0] for n in self.names)}
-        told = [
+        values = [
             _value(name, sections[section][key]) for name in self.names for section, _, key in [name.partition(".")]
         ]
         devices = [_point("device", result.curve.pull_off(k)) for k in self.stiffness]
-        return [*told, *(value for point in devices for value in point.values()), *_along(result.jkr, self.radii)]
+        return [*values, *(value for point in devices for value in point.values()), *_along(result.jkr, self.radii)]
 
 
-def _value(name: str, told: Any) -> Value | Unknown:
+def _value(name: str, value: Any) -> Value | Unknown:
     """A number (or word, where the column holds words), or why there is none."""
-    if isinstance(told, Unknown):
-        return Unknown("") if name.startswith(OF_THE_KIND) else told
-    if name in WORDS or isinstance(told, int):
-        return told
-    return float(told) if math.isfinite(told) else Unknown(f"{name} is not finite")
+    if isinstance(value, Unknown):
+        return Unknown("") if name.startswith(OF_THE_KIND) else value
+    if name in WORDS or isinstance(value, int):
+        return value
+    return float(value) if math.isfinite(value) else Unknown(f"{name} is not finite")
 
 
 def _along(curve: AdhesiveCurve, radii: Sequence[float]) -> Iterator[Value | Unknown]:
@@ -143,16 +143,16 @@ def _along(curve: AdhesiveCurve, radii: Sequence[float]) -> Iterator[Value | Unk
         yield from [Unknown(curve.beyond_words(place))] * len(ALONG) if out else next(rows)
 
 
-def names_of(asked: Sequence[str], source: str) -> tuple[str, ...]:
-    """All names that ``asked`` means, groups ("pull_off", "pull_off.load") taken apart; InputError for unknown ones."""
+def names_of(words: Sequence[str], source: str) -> tuple[str, ...]:
+    """All names that the ``words`` mean, those of groups ("pull_off", "pull_off.load") each; InputError for others."""
     names: dict[str, None] = {}
-    for word in asked:
-        found = [name for name in NAMES if name == word or name.startswith(f"{word}.")]
-        if not found:
+    for word in words:
+        meant = [name for name in NAMES if name == word or name.startswith(f"{word}.")]
+        if not meant:
             hint = did_you_mean(word, [*SECTIONS, *NAMES])
             raise InputError(
                 f'{source}: outputs.quantities: unknown quantity "{word}"{hint} (groups: {", ".join(SECTIONS)}; '
                 f"single ones: {', '.join(NAMES)})"
             )
-        names |= dict.fromkeys(found)
+        names |= dict.fromkeys(meant)
     return tuple(names)

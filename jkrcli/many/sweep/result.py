@@ -69,5 +69,5 @@ class SweptCase(Result):
         return {"case": row.number, "status": row.status, "reason": row.reason, **inputs, **outputs}
 
     def words(self) -> list[str]:
-        told = self.summary().items()
-        return [printable(f"{name:<40} {'' if value is None else value}".rstrip()) for name, value in told]
+        cells = self.summary().items()
+        return [printable(f"{name:<40} {'' if value is None else value}".rstrip()) for name, value in cells]

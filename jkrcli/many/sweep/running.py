@@ -41,7 +41,7 @@ class SweepTuning:
     per_cell: float = 5e-6  # and per column of its row; tuned on 1,000 radii, by `make guards`
     per_column: float = 6e-4  # CPU seconds of each in the files; tuned on 1,000 radii, by `make guards`
     look: float = 0.0004  # CPU seconds to look at a case; tuned on the shipped sweeps, by `make sweep`
-    many: int = 2000  # choice: cases beyond which that is told: about a second
+    many: int = 2000  # choice: cases beyond which the look is announced: about a second
     looked_at: int = 12  # choice: groups whose forecasts stand for all
     task: float = 2.0  # choice: CPU seconds of one task: much more than handing it out, little to lose
     shares: int = 8  # choice: tasks per worker at least, so that the last ones end together
@@ -83,7 +83,7 @@ class Work:
 def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> Swept:
     """Carry out ``plan`` with the results in ``folder``; a sweep that was interrupted there goes on.
 
-    ``say`` is told what goes on in the meantime. Errors: InputError where more than ``means.hours`` are forecast or
+    ``say`` reports what goes on in the meantime. Errors: InputError where more than ``means.hours`` are forecast or
     the folder holds what is not ours, JkrError where every case failed.
     """
     make_folder(folder)
@@ -200,12 +200,12 @@ def _guard(what: str, seconds: float, hours: float, likewise: str = "") -> None:
 
 def _solve(plan: Plan, work: Work, folder: Path, journal: Journal, means: Means, say: Say) -> None:
     """Hand out the groups and journal their cases as they come in."""
-    kept = folder.resolve() / SOLVES
-    make_folder(kept)
+    solves = folder.resolve() / SOLVES
+    make_folder(solves)
     with executor(means.workers, means.scheduler, means.progress, work.seconds) as pool:
         if pool.dashboard:
             say(f"dashboard {pool.dashboard}")
-        function, chunk = partial(solve_group, plan.recipe, kept), work.chunk(pool.workers)
+        function, chunk = partial(solve_group, plan.recipe, solves), work.chunk(pool.workers)
         try:
             for index, result in completed(pool, function, work.groups, plan.title or "sweep", chunk):
                 for row in _rows(plan, work.groups[index], result):

@@ -36,15 +36,15 @@ class Row:
     seconds: float
 
 
-def solve_group(recipe: Recipe, kept: Path | None, group: Group) -> list[Row]:
+def solve_group(recipe: Recipe, folder: Path | None, group: Group) -> list[Row]:
     """Solve what the cases of a group share, and read off each what is wanted; failures become rows.
 
-    ``kept``: folder of expensive solves of earlier runs.
+    ``folder``: of expensive solves of earlier runs.
     """
     start = time.process_time()
     try:
         model = recipe.model(group.cases[0][1])
-        solution = _solved(at_unit_modulus(model.problem())[0], model, kept)
+        solution = _solved(at_unit_modulus(model.problem())[0], model, folder)
         body = nonadhesive(solution, recipe.wanted.slopes)
     except Exception as error:
         share = (time.process_time() - start) / len(group.cases)
@@ -53,13 +53,13 @@ def solve_group(recipe: Recipe, kept: Path | None, group: Group) -> list[Row]:
     return [_row(recipe, solution, body, number, values, share) for number, values in group.cases]
 
 
-def _solved(body: Problem, model: CaseModel, kept: Path | None) -> Solution:
+def _solved(body: Problem, model: CaseModel, folder: Path | None) -> Solution:
     """The solution by the case's method; where "auto" has the choice and a method fails, by the next one."""
     build = partial(method_of, model)
     choice = least(body, model)
     while True:
         try:
-            return solved(body, choice.method, kept)
+            return solved(body, choice.method, folder)
         except JkrError as error:
             if model.method != "auto":
                 raise
@@ -91,11 +91,11 @@ def _row(
         factor = at_unit_modulus(model.problem())[1]
         solution = replace(solution, record=replace(solution.record, z0=z0))
         result = adhesive(solution, body, works[0] if works else 0.0, factor)
-        told = recipe.wanted.values(result)
+        wanted = recipe.wanted.values(result)
     except Exception as error:
         return _failed(recipe, number, error, share + time.process_time() - start)
-    reasons = dict.fromkeys(value.reason for value in told if isinstance(value, Unknown) and value.reason)
-    cells = tuple(None if isinstance(value, Unknown) else value for value in told)
+    reasons = dict.fromkeys(value.reason for value in wanted if isinstance(value, Unknown) and value.reason)
+    cells = tuple(None if isinstance(value, Unknown) else value for value in wanted)
     return Row(number, OK, "; ".join(reasons), cells, share + time.process_time() - start)
 
 

@@ -93,9 +93,9 @@ def _write_parquet(path: Path, columns: dict[str, list[Any]]) -> None:
     from pyarrow import parquet
 
     arrays = [_arrow(values, name == "case") for name, values in columns.items()]
-    told = {"format": archive.SWEEP_TABLE, "jkr": __version__}
+    metadata = {"format": archive.SWEEP_TABLE, "jkr": __version__}
     with atomic(path) as temporary:
-        table = pyarrow.Table.from_arrays(arrays, names=list(columns), metadata=told)
+        table = pyarrow.Table.from_arrays(arrays, names=list(columns), metadata=metadata)
         parquet.write_table(table, temporary)
 
 

@@ -31,10 +31,10 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
 from jkrcli.identification.fit import Fit, FittedBody, fit, force_curve, record_verdict
+from jkrcli.identification.fit.fitted_record import FittedRecord
 from jkrcli.identification.fit.record_change import AMOUNT, Change, RivalModel
 from jkrcli.identification.fit.record_rivals import RIVALS
-from jkrcli.identification.fit.record_scores import RecordRivals, errors_of
-from jkrcli.identification.fit.record_situation import Situation
+from jkrcli.identification.fit.record_scores import RecordRivals, relative_errors
 from jkrcli.identification.fit.settings import settings_of, uncertain_of
 from jkrcli.methods.layered.layered import Layered
 
@@ -85,7 +85,7 @@ def timed_scores() -> None:
         begin = time.process_time()
         found = plain(*args)
         spent[1] += time.process_time() - begin
-        last[:] = [args[0].body, args[0].found, found]
+        last[:] = [args[0].body, args[0].fit, found]
         return found
 
     for name in ("rivals_of_record", "bounded"):
@@ -166,20 +166,20 @@ def at_bounds(seed: int, count: int) -> None:
 
 def _add_ratios(name: str, ratios: dict[str, list[float]]) -> None:
     body, plain, rivals = last
-    at = Situation(body, plain)
+    at = FittedRecord(body, plain)
     score = next((one for one in rivals.scores if one.name == name), None)
     if score is None or rivals.named or score.most == 0:
         return
-    change = next(one for one in RIVALS if one.name == name).look(at)
+    change = next(one for one in RIVALS if one.name == name).effect(at)
     assert isinstance(change, Change)
     upward = np.linspace(0.4, 1, 4) * score.most  # E* moves most at a range below that which moves w most
     moves = []
     for amount in (*upward, *-upward[upward * score.least < 0]):
         model = replace(RivalModel.of(plain.model, change), known={**plain.model.known, AMOUNT: amount})
-        here = Situation(body, force_curve.fit(model, plain.x, near=True))
+        here = FittedRecord(body, force_curve.fit(model, plain.x, near=True))
         moves.append([math.log(here.modulus / at.modulus), math.log(here.work / at.work) if here.work else 0.0])
     largest = np.abs(moves).max(axis=0)
-    for quantity, error, moved in zip(ratios, errors_of(plain), largest, strict=True):
+    for quantity, error, moved in zip(ratios, relative_errors(plain), largest, strict=True):
         stated = score.moved(getattr(score, quantity))
         if stated and moved > 0.1 * error:
             ratios[quantity].append(stated / moved)

@@ -14,7 +14,7 @@ from scipy.special import ndtri
 from ..base import SI, scale, show
 from ..identification.fit import Failure, Fit, FittedValue, JKRBeside
 from ..identification.fit.record_rivals import OF_RIVALS
-from ..identification.fit.record_scores import Score, Tried
+from ..identification.fit.record_scores import FittedRival, Score
 from ..identification.fit.rivals import RANGE
 from . import archive
 from .output import SHOWN
@@ -274,9 +274,9 @@ def _with_parts(item: FittedValue, level: float) -> str:
     return " ".join([name, *errors])
 
 
-def parameter_words(one: Tried) -> str:
+def parameter_words(one: FittedRival) -> str:
     """What else a rival in full tells, in words."""
-    values = (f"{name} {show(value, OF_RIVALS[name], 3)}" for name, value in one.told.items())
+    values = (f"{name} {show(value, OF_RIVALS[name], 3)}" for name, value in one.quantities.items())
     return ", ".join([*values, f"chi^2 {-one.falls:.3g}"])
 
 
@@ -291,7 +291,7 @@ def rivals_table(item: Fit) -> list[str]:
     ), *(
         f"  in full: {one.name}: {'taken' if one.taken else f'not taken, p = {one.chance:.1g}'}, "
         f"E* {show(one.E_star, 'modulus', 4)}, w {show(one.w, 'work', 4)}, {parameter_words(one)}"
-        for one in item.verdict.tried
+        for one in item.verdict.fitted
     )]  # fmt: skip
 
 
@@ -315,16 +315,16 @@ def _verdict(item: Fit) -> dict[str, Any]:
     return {"verdict": {
         "model": verdict.tied[0].name if verdict.tied else "jkr",
         "named": [one.name for one in verdict.rivals.named], "families": list(verdict.families),
-        "in_full": [_tried_summary(one) for one in verdict.tried],
+        "in_full": [_tried_summary(one) for one in verdict.fitted],
         "misfit": verdict.rivals.misfit / verdict.rivals.dof, "free_rows_tell_the_noise": verdict.rivals.loose > 0,
         "formula": {"name": verdict.formula, "E_star_Pa": verdict.E_star} if verdict.E_star is not None else None,
         "rivals": [_score_summary(one) for one in verdict.rivals.scores],
     }}  # fmt: skip
 
 
-def _tried_summary(one: Tried) -> dict[str, Any]:
+def _tried_summary(one: FittedRival) -> dict[str, Any]:
     """A rival in full: how much of the misfit it takes, what it makes of E* and w, and what else it tells."""
-    parameters = {with_unit(name, OF_RIVALS[name]): value for name, value in one.told.items()}
+    parameters = {with_unit(name, OF_RIVALS[name]): value for name, value in one.quantities.items()}
     return {
         "name": one.name, "family": one.family, "taken": one.taken, "chi2_falls": one.falls, "p": one.chance,
         "E_star_Pa": one.E_star, "w_J_per_m2": one.w, **parameters,
@@ -335,7 +335,7 @@ def _score_summary(one: Score) -> dict[str, Any]:
     """A rival: its amount, what the data say, and the relative moves of E* and w with what was found of it."""
     error = one.error if math.isfinite(one.error) else None
     return {
-        "name": one.name, "family": one.family, "word": one.word, "amount_is": one.words, "amount": one.amount,
+        "name": one.name, "family": one.family, "word": one.word, "amount_is": one.amount_is, "amount": one.amount,
         "standard_error": error, "p": one.chance, "share_of_misfit": one.share,
         "E_star_moves": one.change(one.E_star), "w_moves": one.change(one.w),
         "E_star_may_move": one.moved(one.E_star), "w_may_move": one.moved(one.w),

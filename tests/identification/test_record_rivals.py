@@ -18,15 +18,17 @@ from test_fit_record import BODY, R, usual
 from wrong_records import SPEED, WRONG, Drawn, Wrong, right
 
 from jkrcli.data.measured import Curve
-from jkrcli.identification.fit import Fit, fit, force_curve, record_rivals
+from jkrcli.identification.fit import Fit, fit, force_curve
 from jkrcli.identification.fit.coloured import Spectrum
 from jkrcli.identification.fit.device_path import grid, on_grid
+from jkrcli.identification.fit.fitted_record import FittedRecord, Known
 from jkrcli.identification.fit.record import _fitted, _kinds, _model, whole_record
-from jkrcli.identification.fit.record_change import AMOUNT, LITTLE, Bent, Change, RivalModel
+from jkrcli.identification.fit.record_change import AMOUNT, LITTLE, Change, ChangedFamily, RivalModel
+from jkrcli.identification.fit.record_change import TUNING as CHANGES
 from jkrcli.identification.fit.record_full import _of_amounts, bounded
-from jkrcli.identification.fit.record_rivals import RIVALS, Known, columns, narrow_range, work_over_speed
-from jkrcli.identification.fit.record_scores import ASKED, EXCLUDED, UNTOLD, Weighted, rivals_of_record
-from jkrcli.identification.fit.record_situation import Situation
+from jkrcli.identification.fit.record_rival_adhesion import narrow_range, work_over_speed
+from jkrcli.identification.fit.record_rivals import RIVALS, Rival, columns
+from jkrcli.identification.fit.record_scores import DETECTED, EXCLUDED, UNDECIDED, Linearised, rivals_of_record
 from jkrcli.identification.fit.record_verdict import half_space_modulus
 from jkrcli.identification.fit.settings import Settings
 from jkrcli.report.fit import rivals_table, summary, words
@@ -42,16 +44,16 @@ def curve(made: Wrong) -> Curve:
 
 
 @lru_cache
-def situation() -> Situation:
+def still_record() -> FittedRecord:
     """A fit of a right record without noise and without rest."""
     made = Wrong(record(STILL.E, R, STILL.w, STILL.w, STILL.device, 1), STILL.k, STILL.truth)
     return of_record(made, usual())
 
 
-def of_record(made: Wrong, settings: Settings) -> Situation:
+def of_record(made: Wrong, settings: Settings) -> FittedRecord:
     held = whole_record(curve(made), settings)
     assert held is not None
-    return Situation(*_fitted(BODY, _model(BODY, held, settings, {}, _kinds(held, settings)), settings))
+    return FittedRecord(*_fitted(BODY, _model(BODY, held, settings, {}, _kinds(held, settings)), settings))
 
 
 @lru_cache
@@ -59,17 +61,17 @@ def answer(kind: str) -> Fit:
     return fit(BODY, curve(ALL.get(kind, right)(AT)), usual())
 
 
-def named(name: str) -> record_rivals.Rival:
+def named(name: str) -> Rival:
     return next(rival for rival in RIVALS if rival.name == name)
 
 
 def change(name: str) -> Change:
-    found = named(name).look(situation())
+    found = named(name).effect(still_record())
     assert isinstance(found, Change)
     return found
 
 
-def column(at: Situation, name: str) -> np.ndarray:
+def column(at: FittedRecord, name: str) -> np.ndarray:
     return columns(at, [named(name)])[named(name)]
 
 
@@ -80,12 +82,12 @@ def test_names_and_families() -> None:
 
 def test_the_load_of_a_sphere() -> None:
     """By Sneddon's series: P over that of the paraboloid at equal depth is 1 - delta/(5 R) to first order."""
-    at = situation()
+    at = still_record()
     a = np.array([1e-2, 1e-1]) * R
     body = RivalModel.of(at.model, change("sphere or paraboloid"))
-    values = at.model.values(at.found.x) | {"amount": LITTLE}
+    values = at.model.values(at.fit.x) | {"amount": LITTLE}
     family = body.followed(at.model.stretches[0], values).family
-    assert isinstance(family, Bent)
+    assert isinstance(family, ChangedFamily)
     D, _, H, _ = family.spline(np.log(a)).T / LITTLE
     x = a / R
     exact_D, exact_H = np.arctanh(x) / x, 3 / (4 * x**3) * ((1 + x**2) * np.arctanh(x) - x)
@@ -102,13 +104,13 @@ def test_surface_tension_of_a_half_space() -> None:
     at = elastic()
     ours = column(at, "surface tension")
     i = int(np.argmax(at.a))
-    log = math.log(2 / record_rivals.TUNING.skin) + 0.5772157
-    of_theory = at.body.problem.E_star * at.modulus * at.widest**3 / R * (4 * log - 4 * (log - 1)) / math.pi
-    assert ours[i] / at.yields[i] == pytest.approx(of_theory, rel=0.02)  # at constant displacement
+    log = math.log(2 / CHANGES.small) + 0.5772157
+    of_theory = at.body.problem.E_star * at.modulus * at.a_max**3 / R * (4 * log - 4 * (log - 1)) / math.pi
+    assert ours[i] / at.at_fixed_position[i] == pytest.approx(of_theory, rel=0.02)  # at constant displacement
 
 
 @lru_cache
-def elastic() -> Situation:
+def elastic() -> FittedRecord:
     """The same without adhesion, by a stiff device."""
     return of_record(wrong_records.relaxing(STILL, 0.0), usual(fix=[("w", "0")]))
 
@@ -121,15 +123,15 @@ def test_relaxation_of_a_tenth_of_a_per_cent() -> None:
     theirs = (loads[1] - loads[0]) / 1e-3
     part_in, part_out = at.model.stretches
     rows = np.concatenate([part_in.rows, part_out.rows])
-    touching = at.a > 0.2 * at.widest
+    touching = at.a > 0.2 * at.a_max
     scale = float(np.abs(theirs).max())
-    assert np.abs(ours / at.yields - theirs[rows])[touching].max() < 0.03 * scale  # 150 instants
+    assert np.abs(ours / at.at_fixed_position - theirs[rows])[touching].max() < 0.03 * scale  # 150 instants
 
 
 def test_a_short_range_is_that_of_maugis() -> None:
     """The loads of Maugis's curve of Tabor's number 8 less those of JKR, by the square of the range; the next order is
     that of the ring's width over the radius, a tenth and more."""
-    at = situation()
+    at = still_record()
     u = grid(at.model.family)
     D, T, H, V = on_grid(at.model.family)[0]
     ours = column(at, "adhesion of finite range")
@@ -139,7 +141,7 @@ def test_a_short_range_is_that_of_maugis() -> None:
     there = [np.interp(part.z, one["z"][-1:999:-1], one["P"][-1:999:-1]) for one in both]
     theirs = (there[0] - there[1]) / (z0[0] ** 2 - z0[1] ** 2) * narrow_range(at) ** 2
     rows = slice(-part.z.size, None)
-    far = (at.a[rows] > 0.6 * at.widest) & (part.z < min(one["z"].max() for one in both))
+    far = (at.a[rows] > 0.6 * at.a_max) & (part.z < min(one["z"].max() for one in both))
     assert np.abs(ours[rows] - theirs)[far].max() < 0.25 * np.abs(theirs[far]).max()  # 0.21
     assert len(u) == D.size == T.size == H.size == V.size
 
@@ -158,7 +160,7 @@ def test_a_right_record_asks_for_nothing() -> None:
     assert not found.verdict.rivals.named
     assert found.flags == ()
     assert found.verdict.rivals.misfit / found.verdict.rivals.dof == pytest.approx(1, abs=0.1)
-    assert {one.word for one in found.verdict.rivals.scores} <= {EXCLUDED, UNTOLD}
+    assert {one.word for one in found.verdict.rivals.scores} <= {EXCLUDED, UNDECIDED}
     assert "the data ask for no other model" in words(found)[2]
 
 
@@ -175,45 +177,45 @@ def test_a_wrong_model_is_rejected(kind: str, family: str) -> None:
 
 def test_scores_are_chi_squares() -> None:
     """Of right records with other noise the amounts scatter by their errors: mean of z^2 near 1 (22 rivals of 12)."""
-    at = situation()
-    held = [rivals_of_record(Situation(at.body, _noisy(at, seed)), Known()).scores for seed in range(12)]
+    at = still_record()
+    held = [rivals_of_record(FittedRecord(at.body, _noisy(at, seed))).scores for seed in range(12)]
     z2 = np.array([[one.taken for one in scores] for scores in held])
     assert np.mean(z2) == pytest.approx(1, abs=0.4)
 
 
 def test_what_the_model_itself_takes_is_no_rivals() -> None:
     """Five standard errors beside the best offset: the residuals are others, the scores are not."""
-    at = situation()
-    i = next(i for i, name in enumerate(at.found.names) if name.startswith("offset"))
-    beside = at.found.x.copy()
-    beside[i] += 5 * math.sqrt(at.found.covariance[i, i])
+    at = still_record()
+    i = next(i for i, name in enumerate(at.fit.names) if name.startswith("offset"))
+    beside = at.fit.x.copy()
+    beside[i] += 5 * math.sqrt(at.fit.covariance[i, i])
     best, other = (
-        np.array([one.taken for one in rivals_of_record(Situation(at.body, found), Known()).scores])
-        for found in (at.found, replace(at.found, x=beside))
+        np.array([one.taken for one in rivals_of_record(FittedRecord(at.body, found)).scores])
+        for found in (at.fit, replace(at.fit, x=beside))
     )
     assert other == pytest.approx(best, abs=0.01 * best.max() + 1e-3)
 
 
-def _noisy(at: Situation, seed: int) -> object:
+def _noisy(at: FittedRecord, seed: int) -> object:
     rng, parts = np.random.default_rng(seed), at.model.stretches
     noisy = tuple(replace(part, P=part.P + 1e-11 * rng.normal(size=part.P.size)) for part in parts)
-    told = replace(at.found.spread, noise=Spectrum(1e-22))
-    return replace(at.found, model=replace(at.model, stretches=noisy), spread=told)
+    told = replace(at.fit.spread, noise=Spectrum(1e-22))
+    return replace(at.fit, model=replace(at.model, stretches=noisy), spread=told)
 
 
 def test_what_is_left_of_a_known_amount() -> None:
     """The data exclude part of it: amounts from 0.1 to 0.3 of a rival known within 0.2 leave 0.2."""
     score = next(one for one in answer("right").verdict.rivals.scores)  # type: ignore[union-attr]
-    one = replace(score, amount=0.2, error=0.1 / 1.96, wide=1.96, least=-0.2, known=0.2, word=UNTOLD)
+    one = replace(score, amount=0.2, error=0.1 / 1.96, quantile=1.96, least=-0.2, known=0.2, word=UNDECIDED)
     assert one.most == pytest.approx(0.2)
     assert replace(one, known=1.0).most == pytest.approx(0.3)
     assert replace(one, amount=-0.2, known=1.0).most == pytest.approx(0.2)
     assert replace(one, amount=-0.2, least=0.0).most == 0
-    assert replace(one, known=1.0, word=ASKED).moved(2.0) == pytest.approx(0.6)
+    assert replace(one, known=1.0, word=DETECTED).moved(2.0) == pytest.approx(0.6)
 
 
 def test_columns_are_finite_and_few_rivals_mean_nothing() -> None:
-    held = columns(situation())
+    held = columns(still_record())
     assert {rival.name for rival in RIVALS} - {rival.name for rival in held} == {
         "thickness of the layer", "nu of the layer", "no slip", "another slope at rest"
     } - ({"another slope at rest"} & {rival.name for rival in held})  # fmt: skip
@@ -237,12 +239,12 @@ def test_the_command_prints_the_table(jkr: Callable[..., Outcome], tmp_path: Pat
 
 def test_positions_that_repeat_take_no_fit_with_them() -> None:
     """A piezo's readings are steps of a converter: on a microscope's own file the speed of the edge was 0/0."""
-    at = situation()
-    part = at.back
+    at = still_record()
+    part = at.retraction
     assert part is not None
     stepped = replace(part, z=np.round(part.z / (4 * part.spacing)) * 4 * part.spacing)
     stretches = tuple(stepped if one is part else one for one in at.model.stretches)
-    coarse = Situation(at.body, replace(at.found, model=replace(at.model, stretches=stretches)))
+    coarse = FittedRecord(at.body, replace(at.fit, model=replace(at.model, stretches=stretches)))
     with np.errstate(all="raise"):
         look = work_over_speed(coarse)
     assert look is not None
@@ -346,25 +348,25 @@ def test_a_range_below_the_noise_is_named_or_in_the_part_of_the_model(kind: str,
 def test_moves_at_a_bound_are_those_of_a_fit_in_full(name: str, drawn: Drawn) -> None:
     """Of a range below all that the body suggests, which these data exclude."""
     at = of_record(right(drawn), usual())
-    rivals = bounded(at, rivals_of_record(at, Known()), Known())
+    rivals = bounded(at, rivals_of_record(at))
     score = next(one for one in rivals.scores if one.name == name)
-    look = named(score.name).look(at)
+    look = named(score.name).effect(at)
     assert isinstance(look, Change)
     model = RivalModel.of(at.model, look)
     held = replace(model, known={**model.known, AMOUNT: score.most})
-    here = Situation(at.body, force_curve.fit(held, at.found.x, near=True))
+    here = FittedRecord(at.body, force_curve.fit(held, at.fit.x, near=True))
     for rate, ratio in ((score.E_star, here.modulus / at.modulus), (score.w, here.work / at.work)):
         assert 0.5 < abs(rate * score.most / math.log(ratio)) < 2
 
 
 def test_ranges_beyond_the_interval_count_by_the_chord() -> None:
     """Of rises of chi^2 by 0, 6 and 7: the larger moves of the last two at 1.96 over the root of theirs."""
-    at, rival = situation(), named("adhesion of finite range")
-    score = next(one for one in rivals_of_record(at, Known()).scores if one.name == rival.name)
-    look = rival.look(at)
+    at, rival = still_record(), named("adhesion of finite range")
+    score = next(one for one in rivals_of_record(at).scores if one.name == rival.name)
+    look = rival.effect(at)
     assert isinstance(look, Change)
     tried = {4.0: (0.0, 0.01, -0.02), 2.0: (6.0, 0.3, 0.1), 1.0: (7.0, 0.2, -0.4)}
-    found = _of_amounts(at, Weighted.of(at), score, look, tried)
+    found = _of_amounts(Linearised.of(at), score, look, tried)
     assert found.known == 4
     assert found.moved(found.E_star) == pytest.approx(0.3 * 1.96 / math.sqrt(6), rel=1e-4)
     assert found.moved(found.w) == pytest.approx(0.4 * 1.96 / math.sqrt(7), rel=1e-4)
@@ -383,11 +385,11 @@ def test_the_angle_of_a_cone_is_an_error_of_its_modulus() -> None:
 
 def test_a_surface_tension_that_may_be_there_is_in_the_part_of_the_model() -> None:
     """Of 30 mN/m at most: E* of a half-space moves by 3 kappa log/(pi a) at equal depth; none is known by default."""
-    at = situation()
+    at = still_record()
     rival = named("surface tension")
-    assert record_rivals.known_amount(at, rival, Known()) == 0
+    assert rival.likely_in(at) == 0
     kappa = 2 * 0.03 / (at.modulus * at.body.problem.E_star)
-    assert record_rivals.known_amount(at, rival, Known(tension=0.03)) == pytest.approx(kappa / at.widest, rel=1e-12)
+    assert rival.likely_in(replace(at, known=Known(tension=0.03))) == pytest.approx(kappa / at.a_max, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -16,12 +16,14 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ...base import Array, SolveError
+from ...base import REMEMBERED, Array, SolveError
 from .device_path import Changes, DeviceBranch, Rest, grid, on_grid
 from .family import Family
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel
 
-AMOUNT = "amount"
+AMOUNT, ANY = "amount", (-math.inf, math.inf)
+Values = Mapping[str, float]  # of all unknowns, by name
+Loads = Callable[[ForceCurveModel, DirectionReadings, Values], Array]  # [N], of all rows of a stretch
 
 
 @dataclass(frozen=True)
@@ -30,9 +32,12 @@ class ChangeTuning:
 
     little: float = 1e-3  # theory: relative amounts whose squares are below the noise of any record
     step: float = 1e-5  # theory: relative, for one-sided differences of loads that are good to 1e-9; of histories more
-    small: float = 1e-2  # choice: amounts, and shares of the largest w, below which steps are no smaller
+    # choice: a small amount: below it, and below such a share of the largest w, steps are no smaller; of the largest
+    # contact radius, the ring of attraction and the length of a surface tension at which columns are taken
+    small: float = 1e-2
+    largest: float = 6.0  # choice: amount up to which rivals are searched where theory sets no limit
+    beyond: float = 1.5  # choice: over the largest depth or contact radius of a record, where changed bodies end
     fold: float = 0.02  # choice: of the way in contact, rows left out about folds and before the loss of a slow edge
-    remembered: int = 8  # choice: changed models kept, one for each stretch and set of amounts
 
 
 TUNING = ChangeTuning()
@@ -40,9 +45,9 @@ LITTLE = TUNING.little
 
 
 @dataclass(frozen=True, eq=False)
-class Bent(Family):
-    """A family whose four logs differ by ``changes`` (4, nodes) on the grid of that of a ``body``, as at its ends
-    beyond them."""
+class ChangedFamily(Family):
+    """A family whose four logs differ by ``changes`` (4, nodes) from those of a ``body``, on its grid; beyond it they
+    differ as at its ends."""
 
     body: Family | None = None
     changes: Array = field(default_factory=lambda: np.empty(0))
@@ -54,15 +59,17 @@ class Bent(Family):
 
     def at(self, u: Array) -> tuple[Array, Array, Array]:
         near = np.clip(u, self.spline.x[0], self.spline.x[-1])
-        return _bent(super().at(u), *(self.spline(near, order).T for order in range(3)))
+        return _changed(super().at(u), *(self.spline(near, order).T for order in range(3)))
 
     def at_nodes(self, u: Array) -> tuple[Array, Array, Array]:
         assert self.body is not None
-        return _bent(on_grid(self.body), self.changes, *_rates(self.changes, float(u[1] - u[0])))
+        return _changed(on_grid(self.body), self.changes, *_rates(self.changes, float(u[1] - u[0])))
 
 
-def _bent(functions: tuple[Array, Array, Array], g: Array, first: Array, second: Array) -> tuple[Array, Array, Array]:
-    """Functions and their derivatives, the logs changed by ``g``."""
+def _changed(
+    functions: tuple[Array, Array, Array], g: Array, first: Array, second: Array
+) -> tuple[Array, Array, Array]:
+    """Functions f e^g and their two derivatives by u, from those of f and of ``g``."""
     value, by_u, by_uu = functions
     factor = np.exp(g)
     return (
@@ -80,31 +87,21 @@ def _rates(g: Array, step: float) -> tuple[Array, Array]:
     return first[:, ends], second[:, ends]
 
 
-def bent(family: Family, changes: Array) -> Family:
-    """A family whose logs of D, T, H, V differ by ``changes`` (4, n) on its grid."""
+def changed_family(family: Family, changes: Array) -> Family:
+    """The family whose logs of D, T, H, V differ by ``changes`` (4, n) on its grid."""
     if not np.isfinite(changes).all():
         raise SolveError("no body has curves that differ so much")
-    return Bent(family.logs, family.low, family.high, None, family, changes)
+    return ChangedFamily(family.logs, family.low, family.high, None, family, changes)
 
 
-def by_log(u: Array, changes: Array) -> Changes:
-    """Changes (4, n) at logs ``u`` of the radius, as they are beyond."""
+def interpolated(u: Array, changes: Array) -> Changes:
+    """``changes`` (4, n) at logs ``u`` of the radius as a function of it; constant beyond the ends."""
     return lambda at: np.stack([np.interp(at, u, row) for row in changes])
 
 
-def bending(bends: Callable[[ForceCurveModel, DirectionReadings, Values], Array | None]) -> dict[str, Any]:
-    """What a change has that ``bends`` the bodies of stretches."""
-
-    def model(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
-        changes = bends(plain, part, values)
-        return plain if changes is None else replace(plain, family=bent(plain.family, changes))
-
-    return {"bends": bends, "model": model}
-
-
 def of_body(family: Family, D: Array, S: Array) -> Array:
-    """Changes of the logs (4, n) on the grid where those of displacement and stiffness change by ``D`` and ``S`` there:
-    the load follows by dP = S d(delta), adhesion by S'."""
+    """Changes of the logs of D, T, H, V (4, n) on the grid of a body whose logs of displacement and stiffness change by
+    ``D`` and ``S`` there: P_H = int S d(delta_H), and adhesion follows from S'."""
     u = grid(family)
     (d, t, _, v), (dD, dT, _, dV), _ = on_grid(family)
     s, ds = v / t, v / t * (dV / v - dT / t)
@@ -114,7 +111,7 @@ def of_body(family: Family, D: Array, S: Array) -> Array:
     return np.stack([D, T, np.log(_integral(u, rate) / _plain_integral(family)), S + T])
 
 
-@lru_cache(maxsize=TUNING.remembered)
+@lru_cache(maxsize=REMEMBERED)
 def _plain_integral(family: Family) -> Array:
     """The load without adhesion by the same integral."""
     (_, t, _, v), (dD, _, _, _), _ = on_grid(family)
@@ -127,38 +124,63 @@ def _integral(u: Array, rate: Array) -> Array:
     step, log = float(u[1] - u[0]), np.log(rate[:2])
     by_u = _rates(rate[None], step)[0][0]
     cells = step / 2 * (rate[1:] + rate[:-1]) - step**2 / 12 * np.diff(by_u)
-    found: Array = np.cumsum(np.append(rate[0] * step / (log[1] - log[0]), cells))
-    return found
-
-
-Values = Mapping[str, float]
+    integral: Array = np.cumsum(np.append(rate[0] * step / (log[1] - log[0]), cells))
+    return integral
 
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """What an amount of a rival does. ``model``: the model that a stretch follows at the values of the unknowns, from
-    the plain one; ``moved``: what its positions are off [m]; ``load``: its loads [N], all, in place of a path's,
-    without adhesion; ``back``: those of the last stretch alone, with it.
+    """What an amount of a rival does to the model of a record. One of
 
-    ``bends``: what ``model`` does to the logs of the body of a stretch (4, n) on its grid, where that is all it does.
-    ``starts``: values of the unknowns ``names`` to begin with; ``limits``: their least and largest; ``told``: what they
-    mean, SI, by name. ``felt``: whether ``model`` or ``load`` depend on the other unknowns too. ``renewed``: the change
-    about a fit that it led to, where it is made about one. ``column``: in place of the derivative at the amount 0,
-    where another one looks further.
+    - ``log_changes``: changes of the logs of D, T, H, V of the body of a stretch (4, n) on its grid, None for none;
+    - ``model``: the model that a stretch follows, from the plain one, where more changes or bodies are shared;
+    - ``shift``: what the positions of a stretch are off [m];
+    - ``loads``: loads of a stretch [N] in place of those of the path, without adhesion;
+    - ``loads_back``: the same of the last stretch alone, with adhesion;
+
+    as functions of the stretch and of the values of all unknowns. ``starts``: values of the unknowns ``names`` to begin
+    a search with; ``limits``: their least and largest; ``quantities``: what they mean, SI, by name. ``coupled``:
+    whether the change depends on the other unknowns too. ``recentred``: the change about a fit that it led to, where it
+    is made about one. ``column``: the derivative of all loads [N] by the amount, where it is not that at 0.
     """
 
-    starts: tuple[tuple[float, ...], ...]
+    starts: tuple[tuple[float, ...], ...] = ((0.0,),)
     names: tuple[str, ...] = (AMOUNT,)
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     model: Callable[[ForceCurveModel, DirectionReadings, Values], ForceCurveModel] | None = None
-    bends: Callable[[ForceCurveModel, DirectionReadings, Values], Array | None] | None = None
-    moved: Callable[[DirectionReadings, Values], Array] | None = None
-    load: Callable[[ForceCurveModel, DirectionReadings, Values], Array] | None = None
-    back: Callable[[ForceCurveModel, DirectionReadings, Values], Array] | None = None
-    felt: bool = False
-    told: Callable[[Values], dict[str, float]] = lambda values: {AMOUNT: values[AMOUNT]}
-    renewed: Callable[[ForceCurveFit], Change] | None = None
+    log_changes: Callable[[ForceCurveModel, DirectionReadings, Values], Array | None] | None = None
+    shift: Callable[[DirectionReadings, Values], Array] | None = None
+    loads: Loads | None = None
+    loads_back: Loads | None = None
+    coupled: bool = False
+    quantities: Callable[[Values], dict[str, float]] = lambda values: {AMOUNT: values[AMOUNT]}
+    recentred: Callable[[ForceCurveFit], Change] | None = None
     column: Array | None = None
+
+    def followed(self, plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
+        """The model that a stretch follows in place of the ``plain`` one."""
+        if self.model is not None:
+            return self.model(plain, part, values)
+        changes = None if self.log_changes is None else self.log_changes(plain, part, values)
+        return plain if changes is None else replace(plain, family=changed_family(plain.family, changes))
+
+
+def change_of_body(
+    changes: Callable[[Family, float], Array], limits: tuple[float, float] = ANY, *, last: bool = False
+) -> Change:
+    """The change of the body by ``changes`` (4, n) of its logs at an amount; of the ``last`` stretch or of all."""
+    changed = lru_cache(maxsize=2)(changes)
+    body = lru_cache(maxsize=2)(lambda family, amount: changed_family(family, changed(family, amount)))
+
+    def log_changes(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> Array | None:
+        return None if last and part is not plain.stretches[-1] else changed(plain.family, values[AMOUNT])
+
+    def model(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
+        if last and part is not plain.stretches[-1]:
+            return plain
+        return replace(plain, family=body(plain.family, values[AMOUNT]))
+
+    return Change(limits={AMOUNT: limits}, log_changes=log_changes, model=model)
 
 
 def _before_loss(part: DirectionReadings) -> DirectionReadings:
@@ -167,25 +189,29 @@ def _before_loss(part: DirectionReadings) -> DirectionReadings:
         return part
     lost = float(part.z[part.touching].min())
     keep = ~part.touching | (part.z > lost + max(TUNING.fold * part.reach, 2 * part.spacing))
-    held = {name: getattr(part, name)[keep] for name in ("rows", "z", "P", "touching", "t")}
-    return replace(part, **held)
+    return replace(part, **{name: getattr(part, name)[keep] for name in ("rows", "z", "P", "touching", "t")})
+
+
+def _inputs(model: ForceCurveModel) -> dict[str, Any]:
+    """What a model is made from, without its change."""
+    return {item.name: getattr(model, item.name) for item in fields(ForceCurveModel)}
 
 
 @dataclass(frozen=True, eq=False)
 class RivalModel(ForceCurveModel):
     """The model of a record with a ``change``."""
 
-    change: Change = Change(())
+    change: Change = Change()
 
     @classmethod
     def of(cls, plain: ForceCurveModel, change: Change) -> RivalModel:
         """The ``plain`` model, of a rival or not, with a change in place of its own."""
-        held = {item.name: getattr(plain, item.name) for item in fields(ForceCurveModel)}
-        if change.load is not None:  # which knows no adhesion
-            held["works"] = {part.kind: 0.0 for part in plain.stretches}
-        if change.back is not None:
-            held["stretches"] = (*plain.stretches[:-1], _before_loss(plain.stretches[-1]))
-        return cls(**held, change=change)
+        inputs = _inputs(plain)
+        if change.loads is not None:  # which knows no adhesion
+            inputs["works"] = {part.kind: 0.0 for part in plain.stretches}
+        if change.loads_back is not None:
+            inputs["stretches"] = (*plain.stretches[:-1], _before_loss(plain.stretches[-1]))
+        return cls(**inputs, change=change)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -196,21 +222,20 @@ class RivalModel(ForceCurveModel):
         return {**super().limits, **self.change.limits}
 
     def further(self, values: Values) -> dict[str, float]:
-        return self.change.told(values)
+        return self.change.quantities(values)
 
     @cached_property
-    def _changed(self) -> dict[object, ForceCurveModel]:
+    def _followed(self) -> dict[object, ForceCurveModel]:
         return {}
 
     def followed(self, part: DirectionReadings, values: Values) -> ForceCurveModel:
-        """The plain model that a stretch follows."""
-        key = part.kind, *(values[name] for name in (values if self.change.felt else self.change.names))
-        if key not in self._changed:
-            if len(self._changed) >= TUNING.remembered:
-                self._changed.clear()
-            plain = ForceCurveModel(**{item.name: getattr(self, item.name) for item in fields(ForceCurveModel)})
-            self._changed[key] = plain if self.change.model is None else self.change.model(plain, part, values)
-        return self._changed[key]
+        """The plain model that a stretch follows, remembered."""
+        key = part.kind, *(values[name] for name in (values if self.change.coupled else self.change.names))
+        if key not in self._followed:
+            if len(self._followed) >= REMEMBERED:
+                self._followed.clear()
+            self._followed[key] = self.change.followed(ForceCurveModel(**_inputs(self)), part, values)
+        return self._followed[key]
 
     def branch(self, part: DirectionReadings, values: Values) -> DeviceBranch:
         return self.followed(part, values).branch(part, values)
@@ -220,13 +245,13 @@ class RivalModel(ForceCurveModel):
 
     def depth(self, part: DirectionReadings, values: Values) -> Array:
         depth = super().depth(part, values)
-        return depth if self.change.moved is None else depth + self.change.moved(part, values)
+        return depth if self.change.shift is None else depth + self.change.shift(part, values)
 
     def evaluated(self, x: Array, blunt: float) -> tuple[Array, Array]:
         off, rates = super().evaluated(x, blunt)
         for i, name in enumerate(self.names):
-            if name in self.change.names or (self.change.felt and name.startswith(("ln_s", "q:", "r:", "z0"))):
-                step = (TUNING.step if self.change.load is None else LITTLE) * self._unit(name, float(x[i]))
+            if name in self.change.names or (self.change.coupled and name.startswith(("ln_s", "q:", "r:", "z0"))):
+                step = (TUNING.step if self.change.loads is None else LITTLE) * self._unit(name, float(x[i]))
                 step = -step if x[i] + step > self.limits.get(name, (0.0, math.inf))[1] else step
                 rates[:, i] = (self.off(x + step * (np.arange(x.size) == i), blunt) - off) / step
         return off, rates
@@ -237,14 +262,13 @@ class RivalModel(ForceCurveModel):
             return max(part.reach for part in self.stretches)
         return max(abs(x), TUNING.small * (self.most if name.startswith(("q:", "r:")) else 1.0))
 
-    def _told(self, part: DirectionReadings) -> Callable[[ForceCurveModel, DirectionReadings, Values], Array] | None:
-        """What gives the loads of a stretch in place of a path."""
-        return self.change.load or (self.change.back if part is self.stretches[-1] else None)
-
     def _load(self, part: DirectionReadings, values: Values, blunt: float) -> Array:
-        told = self._told(part)
-        return super()._load(part, values, blunt) if told is None else told(self, part, values)
+        loads = self._in_place_of_path(part)
+        return super()._load(part, values, blunt) if loads is None else loads(self, part, values)
 
     def _contact(self, part: DirectionReadings, values: Values, blunt: float) -> tuple[Array, dict[str, Array]]:
-        told = self._told(part)
-        return super()._contact(part, values, blunt) if told is None else (told(self, part, values), {})
+        loads = self._in_place_of_path(part)
+        return super()._contact(part, values, blunt) if loads is None else (loads(self, part, values), {})
+
+    def _in_place_of_path(self, part: DirectionReadings) -> Loads | None:
+        return self.change.loads or (self.change.loads_back if part is self.stretches[-1] else None)

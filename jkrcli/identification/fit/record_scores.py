@@ -1,9 +1,9 @@
 """What the data say of every rival of a raw record's model, by one step of Gauss and Newton each.
 
-Residuals and columns are weighted by the spectrum of the noise in the free rows. A rival whose column c is left with
-c' beside the model's own has the score (c' r)^2/c'^2, chi^2 of one degree of freedom where the model holds; its amount
-is -c' r/c'^2, and the unknowns move with it by -J+ c. That detects, and does not name: rivals that take nearly as much
-of the misfit as the best are named together.
+Residuals r, the Jacobian J and the column c of a rival are weighted by the spectrum of the noise in the free rows. With
+r' and c' what is left of them beyond the columns of J, the rival takes (c' r')^2/c'^2 from chi^2, one degree of freedom
+where the model holds; its amount is -c' r'/c'^2 with the standard error 1/|c'|, and the unknowns move by -J+ c per
+amount. That detects, and does not name: rivals that take nearly as much of the misfit as the best are named together.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ from functools import cached_property
 import numpy as np
 from scipy.special import fdtrc
 
-from ...base import Array
+from ...base import TINY, UNSEEN, Array
 from .coloured import TUNING as COLOURED
 from .coloured import frequencies, in_time, waves
+from .fitted_record import FittedRecord
 from .force_curve import ForceCurveFit
 from .record_change import TUNING as CHANGES
-from .record_rivals import Known, Rival, columns, known_amount
-from .record_situation import Situation
+from .record_rivals import Rival, columns
 from .statistics import t_quantile
 
-ASKED, EXCLUDED, UNTOLD = "asked for by the data", "excluded", "cannot be told"
+DETECTED, EXCLUDED, UNDECIDED = "asked for by the data", "excluded", "cannot be told"
 
 
 @dataclass(frozen=True)
 class ScoreTuning:
-    """When a rival is asked for, and when it is excluded."""
+    """When a rival is detected, and when it is excluded."""
 
-    chance: float = 0.01  # choice: of any rival being asked for, of data of the model itself
+    chance: float = 0.01  # choice: of any rival being detected in data of the model itself
     moves: float = 0.5  # choice: of its error, by which E* or w must move
     matters: float = 0.02  # choice: relative change of E* and w, below which a rival is excluded
     tied: float = 9.0  # choice: of chi^2, three standard errors: rivals nearer are named together or not at all
@@ -40,7 +40,6 @@ class ScoreTuning:
     over: float = 1.25  # choice: of what is possible, up to which an amount may come out: the same
     normal: float = 1.96  # theory: 95 % of a normal value
     alike: float = 0.9  # choice: correlation of what is left of two columns, from which they are named together
-    singular: float = 1e-4  # choice: share of a column beyond the model's own, below which no data tell it
     # rows about a fold, that no fall of chi^2 counts; tuned on right records, by `make record-rivals`
     beside: float = 1.5
 
@@ -50,17 +49,17 @@ TUNING = ScoreTuning()
 
 @dataclass(frozen=True)
 class Score:
-    """What the data say of one rival, by its ``name``, ``family`` and what its ``amount`` is in ``words``.
+    """What the data say of one rival, by its ``name`` and ``family``; ``amount_is``: what its ``amount`` is, in words.
 
-    ``error``: standard error of the amount, infinite where no row tells it; ``chance`` of as much from noise; ``taken``
-    from chi^2, and the ``share`` of all that is; ``E_star``, ``w``: by how much their logarithms move per amount.
-    ``least, known``: the amounts that are likely before the data; ``word``: one of three; ``wide``: half-width of what
-    is stated, in standard errors.
+    ``error``: standard error of the amount, infinite where no row determines it; ``chance`` of as much from noise;
+    ``taken`` from chi^2, and the ``share`` of all that is; ``E_star``, ``w``: by how much their logarithms move per
+    amount. ``least, known``: the amounts that are likely before the data; ``word``: DETECTED, EXCLUDED or UNDECIDED;
+    ``quantile``: half-width of intervals, in standard errors.
     """
 
     name: str
     family: str
-    words: str
+    amount_is: str
     of_directions: bool
     amount: float
     error: float
@@ -72,18 +71,18 @@ class Score:
     least: float
     known: float
     word: str
-    wide: float = TUNING.normal
+    quantile: float = TUNING.normal
 
     def change(self, rate: float) -> float:
-        """Relative change, with the amount found, of a quantity whose logarithm moves by ``rate`` per amount."""
+        """Relative change, with the amount, of a quantity whose logarithm moves by ``rate`` per amount."""
         return math.expm1(min(self.amount * rate, 700.0))
 
     def moved(self, rate: float) -> float:
-        """How far a quantity may be off, relative, that moves by ``rate`` per amount: by the amount found and its
-        error, at the level of the intervals, where the data ask for it; else by the largest that they and what is known
+        """How far a quantity may be off, relative, that moves by ``rate`` per amount: by the amount and its error, at
+        the level of the intervals, where the rival is detected; else by the largest that the data and what is known
         leave."""
-        if self.word == ASKED and math.isfinite(self.error):
-            return abs(rate) * (abs(self.amount) + self.wide * self.error)
+        if self.word == DETECTED and math.isfinite(self.error):
+            return abs(rate) * (abs(self.amount) + self.quantile * self.error)
         return abs(rate) * self.most if rate else 0.0
 
     @property
@@ -91,16 +90,16 @@ class Score:
         """The largest amount that is known to be possible and not excluded by the data."""
         if math.isinf(self.error):
             return self.known
-        room = self.wide * self.error
-        reach = (self.amount - room, self.amount + room)
-        return max(abs(min(max(end, self.least), self.known)) for end in reach)
+        room = self.quantile * self.error
+        interval = (self.amount - room, self.amount + room)
+        return max(abs(min(max(end, self.least), self.known)) for end in interval)
 
 
 @dataclass(frozen=True)
 class RecordRivals:
-    """The ``scores`` of a record, and among them those that are ``named``: asked for, and explaining the misfit about
-    as well as the best one, which is the first. ``misfit``: chi^2 of the weighted residuals over their degrees of
-    freedom ``dof``; ``loose``: free rows that told the noise, 0 where they are too few."""
+    """The ``scores`` of a record, and among them those that are ``named``: detected, and explaining the misfit about as
+    well as the best one, which is the first. ``misfit``: chi^2 of the weighted residuals over their degrees of freedom
+    ``dof``; ``loose``: free rows that the noise is estimated from, 0 where they are too few."""
 
     scores: tuple[Score, ...]
     named: tuple[Score, ...]
@@ -126,9 +125,9 @@ class RecordRivals:
 
 
 @dataclass(frozen=True)
-class Tried:
+class FittedRival:
     """A rival fitted in full: by how much chi^2 ``falls``, the ``chance`` that the noise of the free rows leaves as
-    much, whether it is ``taken``; E* [Pa], w [J/m^2], and what else it ``told``, SI, by name."""
+    much, whether it is ``taken``; E* [Pa], w [J/m^2], and its own ``quantities``, SI, by name."""
 
     name: str
     family: str
@@ -137,25 +136,25 @@ class Tried:
     taken: bool
     E_star: float
     w: float
-    told: Mapping[str, float]
+    quantities: Mapping[str, float]
 
 
 @dataclass(frozen=True)
 class Verdict:
     """The ``rivals`` of a record and what a formula of the half-space makes of its deepest row: ``formula`` by name and
-    its ``E_star`` [Pa], None where the tip has no radius. ``tried``: rivals that were fitted in full, best first; where
-    the first is taken it is the model of the answer, and those ``tied`` with it, taken too, cannot be told from it.
+    its ``E_star`` [Pa], None where the tip has no radius. ``fitted``: rivals that were fitted in full, best first; if
+    the first is taken it is the model of the answer, and those ``tied`` with it, taken too, cannot be distinguished.
     """
 
     rivals: RecordRivals
     formula: str
     E_star: float | None
-    tried: tuple[Tried, ...] = ()
+    fitted: tuple[FittedRival, ...] = ()
 
     @property
-    def tied(self) -> tuple[Tried, ...]:
+    def tied(self) -> tuple[FittedRival, ...]:
         """Those that are taken, the best one first."""
-        return tuple(one for one in self.tried if one.taken)
+        return tuple(one for one in self.fitted if one.taken)
 
     @property
     def families(self) -> tuple[str, ...]:
@@ -163,95 +162,145 @@ class Verdict:
         return tuple(dict.fromkeys(one.family for one in self.tied)) or self.rivals.families
 
 
-def rivals_of_record(at: Situation, known: Known) -> RecordRivals:
-    """All rivals of a fit, with what is ``known`` before the data."""
-    held, found = columns(at), at.found
-    keep = told_rows(at)
-    names, (off, J) = list(held), at.here
-    table = np.column_stack([off, J, *held.values()])
-    weighted, loose = _weighted(at, table, keep)
-    own, wide = weighted[:, 1 : 1 + J.shape[1]], weighted[:, 1 + J.shape[1] :]
-    scale, Q, triangle = _spanned(own)
-    r, beyond = (item - Q @ (Q.T @ item) for item in (weighted[:, 0], wide))
+def rivals_of_record(record: FittedRecord) -> RecordRivals:
+    """The scores of all rivals of a fit."""
+    by_rival, rows, J = columns(record), regular_rows(record), record.jacobian
+    table = np.column_stack([record.residuals, J, *by_rival.values()])
+    weighted, loose = _weighted(record, table, rows)
+    own, c = weighted[:, 1 : 1 + J.shape[1]], weighted[:, 1 + J.shape[1] :]
+    scale, Q, triangle = _factors(own)
+    r, beyond = (x - Q @ (Q.T @ x) for x in (weighted[:, 0], c))
     sizes = np.linalg.norm(beyond, axis=0)
-    left = beyond / np.maximum(sizes, np.finfo(float).tiny)
-    moves = -np.linalg.lstsq(triangle, Q.T @ wide, rcond=None)[0] / scale[:, None]
-    dof = max(int(np.count_nonzero(keep)) - J.shape[1], 1)
-    misfit, errors, along, told = float(r @ r), errors_of(found), r @ left, _told_at(found, left)
-    chances = _chances(at, left, keep, along**2, told)
+    unit = beyond / np.maximum(sizes, TINY)  # c'/|c'|
+    along = r @ unit
+    moves = -np.linalg.lstsq(triangle, Q.T @ c, rcond=None)[0] / scale[:, None]
+    dof, misfit = max(int(np.count_nonzero(rows)) - J.shape[1], 1), float(r @ r)
+    dofs = _noise_dofs(record.fit, unit)
+    evidence = zip(sizes.tolist(), along.tolist(), np.linalg.norm(c, axis=0).tolist(), dofs,
+                   _chances(record, unit, rows, along**2, dofs).tolist(), strict=True)  # fmt: skip
     scores = [
-        _score(rival, float(size), float(by), whole, _rates(found, move), errors,
-               (misfit, own_dof, float(chance), len(names)), (known_amount(at, rival, known), known.wide))
-        for rival, size, by, whole, move, own_dof, chance in zip(
-            names, sizes, along, np.linalg.norm(wide, axis=0), moves.T, told, chances, strict=True)
-    ]  # fmt: skip
-    return RecordRivals(tuple(scores), _named(scores, left), misfit, dof, loose)
+        _score(record, rival, _Evidence(*items, len(by_rival), misfit), _rates(record.fit, move))
+        for rival, items, move in zip(by_rival, evidence, moves.T, strict=True)
+    ]
+    return RecordRivals(tuple(scores), _named(scores, unit), misfit, dof, loose)
 
 
-def _told_at(found: ForceCurveFit, left: Array) -> list[float]:
-    """The degrees of freedom of the noise at the frequencies of each of the columns ``left``, of length 1: waves of the
-    free rows in each octave, of which a share has as much of the variance, at least one."""
-    if not found.spread.noise.slow:
-        return [found.spread.dof] * left.shape[1]
-    edges = np.append(0, 2 ** np.arange(math.ceil(math.log2(len(left)))))
-    share = np.add.reduceat(left**2, edges, axis=0)
-    counts = np.maximum(np.diff(np.append(edges, len(left))) * found.spread.dof / len(left), 1)
+@dataclass(frozen=True)
+class _Evidence:
+    """What the rows say of one of ``rivals``: |c'|, c' r'/|c'|, |c|, degrees of freedom of the noise, and the chance of
+    what it takes from the ``misfit``, chi^2 in all."""
+
+    size: float
+    along: float
+    whole: float
+    dof: float
+    chance: float
+    rivals: int
+    misfit: float
+
+
+def _score(record: FittedRecord, rival: Rival, by: _Evidence, rates: tuple[float, float]) -> Score:
+    """The score of a rival that moves the logs of E* and w at these ``rates`` per amount."""
+    most, quantile, (low, high) = rival.likely_in(record), record.known.quantile, rival.limits
+    labels, likely = (rival.name, rival.family, rival.amount, rival.of_directions), (max(low, -most), most)
+    if by.size <= UNSEEN * by.whole:
+        return Score(*labels, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, *likely, UNDECIDED, quantile)
+    amount, error, taken = -by.along / by.size, 1 / by.size, by.along**2
+    room = TUNING.normal * error
+    detected = (
+        TUNING.over * low - room <= amount <= TUNING.over * high + room
+        and by.chance * by.rivals < TUNING.chance
+        and any(abs(rate * amount) > TUNING.moves * own
+                for rate, own in zip(rates, relative_errors(record.fit), strict=True))
+    )  # fmt: skip
+    end = abs(amount) + t_quantile(0.95, round(by.dof)) * error
+    excluded = max(map(abs, rates)) * end < TUNING.matters
+    word = DETECTED if detected else EXCLUDED if excluded else UNDECIDED
+    share = taken / max(by.misfit, taken)
+    return Score(*labels, amount, error, by.chance, taken, share, *rates, *likely, word, quantile)
+
+
+def _noise_dofs(fit: ForceCurveFit, unit: Array) -> list[float]:
+    """The degrees of freedom of the noise at the frequencies of each ``unit`` column: waves of the free rows in each
+    octave, of which a share has as much of the variance, at least one."""
+    if not fit.spread.noise.slow:
+        return [fit.spread.dof] * unit.shape[1]
+    edges = _octaves(len(unit))
+    share = np.add.reduceat(unit**2, edges, axis=0)
+    counts = np.maximum(np.diff(np.append(edges, len(unit))) * fit.spread.dof / len(unit), 1)
     return (1 / (share**2 / counts[:, None]).sum(axis=0)).tolist()
 
 
-def _chances(at: Situation, left: Array, keep: Array, taken: Array, told: Sequence[float]) -> Array:
-    """The chances that noise makes one number more, along each of the columns ``left``, take as much of chi^2: the mean
-    over the spectra that are possible, each of which raises it as much as the column is slow."""
-    possible, noise = at.found.spread.possible, at.found.spread.noise
+def _octaves(n: int) -> Array:
+    """The first of ``n`` frequencies of each octave."""
+    return np.append(0, 2 ** np.arange(math.ceil(math.log2(n))))
+
+
+def _chances(record: FittedRecord, unit: Array, rows: Array, taken: Array, dofs: Sequence[float]) -> Array:
+    """The chances that noise makes one number more, along each ``unit`` column, take as much of chi^2: the mean over
+    the spectra that are possible, each of which raises it as much as the column is slow."""
+    possible, noise = record.fit.spread.possible, record.fit.spread.noise
     if not possible:
-        return np.array(fdtrc(1, told, taken))
-    power = waves(in_time(left, at.model.rows[keep], noise)) ** 2
-    edges, f = np.append(0, 2 ** np.arange(math.ceil(math.log2(len(power))))), frequencies(len(power))[:, None]
+        return np.array(fdtrc(1, dofs, taken))
+    power = waves(in_time(unit, record.model.rows[rows], noise)) ** 2
+    edges, f = _octaves(len(power)), frequencies(len(power))[:, None]
     energy = np.add.reduceat(power, edges, axis=0)
-    centre = np.add.reduceat(f * power, edges, axis=0) / np.maximum(energy, np.finfo(float).tiny)
+    centre = np.add.reduceat(f * power, edges, axis=0) / np.maximum(energy, TINY)
     raised = np.array([np.sum(S(centre) * energy, axis=0) for _, S in possible]) / noise.A
-    chances = fdtrc(1, np.array(told), taken / np.maximum(raised, np.finfo(float).tiny))
+    chances = fdtrc(1, np.array(dofs), taken / np.maximum(raised, TINY))
     mean: Array = np.array([share for share, _ in possible]) @ chances
     return mean
 
 
-def at_chance(found: ForceCurveFit, taken: float) -> float:
+def chance_of(fit: ForceCurveFit, taken: float) -> float:
     """The chance that noise makes one number more take as much of chi^2."""
-    return float(fdtrc(1, max(found.spread.dof / found.spread.tau, 1.0), max(taken, 0.0)))
+    return float(fdtrc(1, max(fit.spread.dof / fit.spread.tau, 1.0), max(taken, 0.0)))
 
 
-def left_over(at: Situation, keep: Array) -> tuple[float, int, int]:
-    """chi^2 of what a fit leaves on the rows to ``keep``, its degrees of freedom, and how many rows told the noise."""
-    off, J = at.here
-    weighted, loose = _weighted(at, np.column_stack([off, J]), keep)
-    _, Q, _ = _spanned(weighted[:, 1:])
+def misfit_left(record: FittedRecord, rows: Array) -> tuple[float, int, int]:
+    """chi^2 of what a fit leaves on some ``rows``, its degrees of freedom, and how many rows the noise is estimated
+    from."""
+    J = record.jacobian
+    weighted, loose = _weighted(record, np.column_stack([record.residuals, J]), rows)
+    _, Q, _ = _factors(weighted[:, 1:])
     r = weighted[:, 0] - Q @ (Q.T @ weighted[:, 0])
-    return float(r @ r), max(int(np.count_nonzero(keep)) - J.shape[1], 1), loose
+    return float(r @ r), max(int(np.count_nonzero(rows)) - J.shape[1], 1), loose
 
 
-def rows_of(at: Situation, other: Situation) -> Array:
+def common_rows(record: FittedRecord, other: FittedRecord) -> Array:
     """Which rows of a fit an ``other`` has, too, but for those at the fold of either."""
-    return off_folds(at) & np.isin(at.model.rows, other.model.rows[off_folds(other)])
+    return off_folds(record) & np.isin(record.model.rows, other.model.rows[off_folds(other)])
 
 
-def off_folds(at: Situation) -> Array:
+def off_folds(record: FittedRecord) -> Array:
     """Which rows are not right at the fold that a stretch jumps at: there the load rises with a root of the distance,
     so that a fold misplaced by less than from row to row leaves many times the noise, in a model that is right."""
-    keep = []
-    for part, (a, _) in zip(at.model.stretches, at.radii, strict=True):
+    rows = []
+    for part, (a, _) in zip(record.model.stretches, record.radii, strict=True):
         fold = part.z[a > 0].min() if part.jumped and (a > 0).any() else math.inf
-        keep.append(np.abs(part.z - fold) > TUNING.beside * part.spacing)
-    return np.concatenate(keep)
+        rows.append(np.abs(part.z - fold) > TUNING.beside * part.spacing)
+    return np.concatenate(rows)
+
+
+def regular_rows(record: FittedRecord) -> Array:
+    """Which rows columns are trusted in: none next to a fold or first touch, where they diverge."""
+    rows = []
+    for part, (a, _) in zip(record.model.stretches, record.radii, strict=True):
+        z, touching = part.z, a > 0
+        first = z[touching].min() if touching.any() else math.inf
+        span = max(CHANGES.fold * part.reach, 2 * part.spacing)
+        rows.append(~touching | (z > first + span) if part.jumped else np.abs(z - first) > span)
+    return np.concatenate(rows)
 
 
 @dataclass(frozen=True, eq=False)
-class Weighted:
-    """The derivatives of a fit in units of the noise, for steps of models that differ a little, at the rows ``kept``.
-    ``x``: its unknowns where these vanish, as they need not in the fit itself, at the kink of a fold; ``left``: chi^2
-    left there."""
+class Linearised:
+    """A fit with its derivatives in units of the noise, for steps of models that differ a little, on some ``rows``.
+    ``x``: its unknowns where the derivatives of chi^2 vanish, as they need not in the fit itself, at the kink of a
+    fold; ``left``: chi^2 left there."""
 
-    at: Situation
-    kept: Array
+    record: FittedRecord
+    rows: Array
     x: Array
     scale: Array
     Q: Array
@@ -259,23 +308,22 @@ class Weighted:
     left: float
 
     @classmethod
-    def of(cls, at: Situation, kept: Array | None = None) -> Weighted:
-        (off, J), noise = at.here, at.found.spread.noise
-        kept = np.ones(off.size, dtype=bool) if kept is None else kept
-        scale, Q, triangle = _spanned(at.model.whitened(J * kept[:, None], noise))
-        plain = cls(at, kept, at.found.x, scale, Q, triangle, 0.0)
-        step, left = plain.step(off)
-        return replace(plain, x=at.found.x - step, left=left)
+    def of(cls, record: FittedRecord, rows: Array | None = None) -> Linearised:
+        rows = np.ones(record.residuals.size, dtype=bool) if rows is None else rows
+        weighted = record.model.whitened(record.jacobian * rows[:, None], record.fit.spread.noise)
+        at_fit = cls(record, rows, record.fit.x, *_factors(weighted), 0.0)
+        step, left = at_fit.step(record.residuals)
+        return replace(at_fit, x=record.fit.x - step, left=left)
 
     @cached_property
     def inverse(self) -> Array:
-        """The unknowns in their lengths by what is along ``Q``: rows that are left out may hold one alone."""
-        found: Array = np.linalg.pinv(self.triangle, rcond=len(self.triangle) * np.finfo(float).eps)
-        return found
+        """The unknowns in their lengths by what is along ``Q``: rows that are left out may determine one alone."""
+        inverse: Array = np.linalg.pinv(self.triangle, rcond=len(self.triangle) * np.finfo(float).eps)
+        return inverse
 
-    def step(self, off: Array) -> tuple[Array, float]:
-        """What the unknowns are to fall by for residuals ``off`` [N] of all rows, and chi^2 of what is left then."""
-        r = self.at.model.whitened(off * self.kept, self.at.found.spread.noise)
+    def step(self, residuals: Array) -> tuple[Array, float]:
+        """What the unknowns are to fall by for ``residuals`` [N] of all rows, and chi^2 of what is left then."""
+        r = self.record.model.whitened(residuals * self.rows, self.record.fit.spread.noise)
         along = self.Q.T @ r
         return self.inverse @ along / self.scale, float(r @ r - along @ along)
 
@@ -284,91 +332,54 @@ class Weighted:
         return float(np.linalg.norm(self.triangle @ (self.scale * step)))
 
 
-def _spanned(own: Array) -> tuple[Array, Array, Array]:
-    """Lengths of the model's own columns, and the factors of what they span."""
-    scale = np.maximum(np.linalg.norm(own, axis=0), np.finfo(float).tiny)
+def _factors(own: Array) -> tuple[Array, Array, Array]:
+    """Lengths of the model's own columns, and Q and R of these over them."""
+    scale = np.maximum(np.linalg.norm(own, axis=0), TINY)
     return (scale, *np.linalg.qr(own / scale))
 
 
-def _named(scores: Sequence[Score], left: Array) -> tuple[Score, ...]:
-    """Those that are asked for and take nearly as much as the best, or whose column is much like its own; ``left``:
-    what of the columns is beyond the model's own, each of length 1."""
-    asked = sorted((i for i, one in enumerate(scores) if one.word == ASKED), key=lambda i: -scores[i].taken)
-    if not asked:
+def _named(scores: Sequence[Score], unit: Array) -> tuple[Score, ...]:
+    """Those that are detected and take nearly as much as the best, or whose ``unit`` column is much like its own."""
+    detected = [i for i, one in enumerate(scores) if one.word == DETECTED]
+    if not detected:
         return ()
-    least = least_of_named(scores[asked[0]].taken)
-    alike = np.abs(left.T @ left[:, asked[0]]) > TUNING.alike
-    return tuple(scores[i] for i in asked if scores[i].taken >= least or alike[i])
+    detected.sort(key=lambda i: -scores[i].taken)
+    best = detected[0]
+    least, alike = least_taken(scores[best].taken), np.abs(unit.T @ unit[:, best]) > TUNING.alike
+    return tuple(scores[i] for i in detected if scores[i].taken >= least or alike[i])
 
 
-def least_of_named(most: float) -> float:
+def least_taken(most: float) -> float:
     """What a rival takes from chi^2 at least that is named beside the one that takes ``most``."""
     return min(most - TUNING.tied, TUNING.near * most)
 
 
-def _score(
-    rival: Rival, size: float, along: float, whole: float, rates: tuple[float, float], errors: tuple[float, float],
-    judged: tuple[float, float, float, int], known: tuple[float, float],
-) -> Score:  # fmt: skip
-    """The score of a rival whose weighted column is ``whole`` long, ``size`` of it beyond the model's own, with the
-    product ``along`` of that direction and the residuals; ``errors`` of E* and w, relative; ``judged``: chi^2, the
-    degrees of freedom of the noise, the chance of what it takes, and how many rivals there are; ``known``: what is
-    likely of it, and how wide a statement is."""
-    (misfit, dof, chance, count), (most, wide) = judged, known
-    told = (rival.name, rival.family, rival.amount, rival.of_directions)
-    likely = (0.0 if rival.positive else -most, most)
-    if size <= TUNING.singular * whole:
-        return Score(*told, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, *likely, UNTOLD, wide)
-    amount, error, taken = -along / size, 1 / size, along**2
-    room, reach = TUNING.normal * error, TUNING.over * rival.possible
-    possible = (0.0 if rival.positive else -reach) - room <= amount <= reach + room
-    asked = (
-        possible
-        and chance * count < TUNING.chance
-        and any(abs(rate * amount) > TUNING.moves * own for rate, own in zip(rates, errors, strict=True))
-    )
-    ends = abs(amount) + t_quantile(0.95, round(dof)) * error
-    word = ASKED if asked else EXCLUDED if max(map(abs, rates)) * ends < TUNING.matters else UNTOLD
-    return Score(*told, amount, error, chance, taken, taken / max(misfit, taken), *rates, *likely, word, wide)
+def _rates(fit: ForceCurveFit, moves: Array) -> tuple[float, float]:
+    """Changes of the logs of E* and w with ``moves`` of the unknowns."""
+    by = dict(zip(fit.names, moves, strict=True))
+    return float(by.get("ln_s", 0.0)), float(sum(rate * by.get(name, 0.0) for name, rate in _by_unknown(fit).items()))
 
 
-def _rates(found: ForceCurveFit, moves: Array) -> tuple[float, float]:
-    """Relative changes of E* and w with ``moves`` of the unknowns."""
-    by = dict(zip(found.names, moves, strict=True))
-    return float(by.get("ln_s", 0.0)), float(sum(rate * by.get(name, 0.0) for name, rate in _of_work(found).items()))
-
-
-def _of_work(found: ForceCurveFit) -> dict[str, float]:
-    """Derivatives of the log of w of the last direction whose w is told, by the unknowns."""
-    for part in reversed(found.model.stretches):
+def _by_unknown(fit: ForceCurveFit) -> dict[str, float]:
+    """Derivatives of ln w of the last direction whose w is above its error, by the unknowns: w = s q = s r^2."""
+    for part in reversed(fit.model.stretches):
         for name, power in ((f"q:{part.kind}", 1.0), (f"r:{part.kind}", 2.0)):
-            if name in found.names and found.value(name) > TUNING.normal * found.error(name):
-                return {name: power / found.value(name), "ln_s": 1.0}
+            if name in fit.names and fit.value(name) > TUNING.normal * fit.error(name):
+                return {name: power / fit.value(name), "ln_s": 1.0}
     return {}
 
 
-def errors_of(found: ForceCurveFit) -> tuple[float, float]:
-    """Relative standard errors of E* and w, infinite where they are not told."""
-    E = found.error("ln_s") if "ln_s" in found.names else math.inf
-    rates = _of_work(found)
-    by = np.array([rates.get(name, 0.0) for name in found.names])
-    return E, math.sqrt(max(float(by @ found.covariance @ by), 0.0)) if rates else math.inf
+def relative_errors(fit: ForceCurveFit) -> tuple[float, float]:
+    """Relative standard errors of E* and w, infinite where they are not determined."""
+    E = fit.error("ln_s") if "ln_s" in fit.names else math.inf
+    rates = _by_unknown(fit)
+    by = np.array([rates.get(name, 0.0) for name in fit.names])
+    return E, math.sqrt(max(float(by @ fit.covariance @ by), 0.0)) if rates else math.inf
 
 
-def told_rows(at: Situation) -> Array:
-    """Which rows columns are trusted in: none next to a fold or first touch, where they diverge."""
-    keep = []
-    for part, (a, _) in zip(at.model.stretches, at.radii, strict=True):
-        z, touching = part.z, a > 0
-        near = z[touching].min() if touching.any() else math.inf
-        span = max(CHANGES.fold * part.reach, 2 * part.spacing)
-        keep.append(~touching | (z > near + span) if part.jumped else np.abs(z - near) > span)
-    return np.concatenate(keep)
-
-
-def _weighted(at: Situation, table: Array, keep: Array) -> tuple[Array, int]:
-    """The rows of ``table`` in units of the noise of the free rows, so that noise has unit variance and no colour; how
-    many rows told it, 0 where they are too few."""
-    noise, loose = at.found.spread.noise, sum(part.size for part in at.model.free(table[:, 0]))
-    ordered = in_time(table[keep], at.model.rows[keep], noise) if noise.slow else table[keep]
+def _weighted(record: FittedRecord, table: Array, rows: Array) -> tuple[Array, int]:
+    """The ``rows`` of a ``table`` in units of the noise of the free rows, so that noise has unit variance and no
+    colour; from how many rows it is estimated, 0 where they are too few."""
+    noise, loose = record.fit.spread.noise, sum(part.size for part in record.model.free(table[:, 0]))
+    ordered = in_time(table[rows], record.model.rows[rows], noise) if noise.slow else table[rows]
     return noise.whitened(ordered), loose if loose >= COLOURED.free else 0

@@ -9,14 +9,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
+from ...base import ROUNDED, UNSEEN
 from ...bodies import Problem
 from ..answer import FittedValue
 from .body import FittedBody
+from .fitted_record import FittedRecord, Known
 from .force_curve import ForceCurveFit, ForceCurveModel, base_line
-from .record_full import InFull, bounded, fitted_in_full
-from .record_rivals import MEMORY, Known
-from .record_scores import RecordRivals, Tried, Verdict, rivals_of_record
-from .record_situation import Situation
+from .record_full import RivalFit, bounded, fitted_in_full
+from .record_rivals import MEMORY
+from .record_scores import FittedRival, RecordRivals, Verdict, rivals_of_record
 from .result import Fit
 
 REJECTED, DIFFER = "model rejected", "directions differ"
@@ -24,67 +25,66 @@ REJECTED, DIFFER = "model rejected", "directions differ"
 
 @dataclass(frozen=True)
 class VerdictTuning:
-    """When rivals leave nothing determined, and where the formula's contact radius is sought."""
+    """When rivals leave nothing determined."""
 
     large: float = 0.3  # choice: share of E* or w that rivals may move it by, above which it is flagged
-    radii: tuple[float, float] = (1 + 1e-9, 1e4)  # choice: over the contact radius without adhesion
     tenfold: float = 9.0  # theory: relative change of a quantity that becomes ten times as large
 
 
 TUNING = VerdictTuning()
 
 
-def judged(result: Fit, body: FittedBody, found: ForceCurveFit) -> Fit:
-    """The fit with its verdict: that of ``found``, which is of all directions of the record."""
-    settings, at = result.settings, Situation(body, found)
-    known = Known(settings.range_at_most, settings.tension_at_most, settings.level)
-    rivals = bounded(at, rivals_of_record(at, known), known)
-    said = {name: sentence for name, sentence in _flags(rivals) if name not in result.flags}
+def judged(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Fit:
+    """The result with its verdict: that of a ``fit`` of all directions of the record."""
+    settings = result.settings
+    record = FittedRecord(body, fit, Known(settings.range_at_most, settings.tension_at_most, settings.level))
+    rivals = bounded(record, rivals_of_record(record))
+    new = {name: sentence for name, sentence in _flags(rivals) if name not in result.flags}
     estimates = tuple(_with_part(item, rivals) for item in result.estimates)
-    warnings = tuple(f"{name}: {sentence}" for name, sentence in said.items())
+    warnings = tuple(f"{name}: {sentence}" for name, sentence in new.items())
     return replace(
-        result, estimates=estimates, flags=(*result.flags, *said), warnings=(*warnings, *result.warnings),
-        verdict=Verdict(rivals, *_by_formula(body.problem, found)),
+        result, estimates=estimates, flags=(*result.flags, *new), warnings=(*warnings, *result.warnings),
+        verdict=Verdict(rivals, *_by_formula(body.problem, fit)),
     )  # fmt: skip
 
 
 def by_rivals(
-    plain: Fit, body: FittedBody, found: ForceCurveFit, fresh: ForceCurveModel, told: Callable[[ForceCurveFit], Fit]
-) -> Fit:  # fmt: skip
-    """The fit by the best of the rivals that are taken, where the data ask for one; ``told``: what a fit of the record
-    says. The systematic part holds what is tied with it."""
+    plain: Fit, body: FittedBody, fit: ForceCurveFit, fresh: ForceCurveModel, result_of: Callable[[ForceCurveFit], Fit]
+) -> Fit:
+    """The result by the best of the rivals that are taken, where the data ask for one; ``result_of`` a fit of the
+    record. The systematic part holds what is tied with it."""
     verdict = plain.verdict
     if verdict is None or not verdict.rivals.named:
         return plain
-    full = fitted_in_full(body, found, fresh, verdict.rivals)
-    verdict = replace(verdict, tried=tuple(_tried(one, full[0], body) for one in full))
+    full = fitted_in_full(FittedRecord(body, fit), fresh, verdict.rivals)
+    verdict = replace(verdict, fitted=tuple(_fitted_rival(one, full[0], body) for one in full))
     if not verdict.tied:
         return replace(plain, verdict=verdict)
-    fits = {one.score.name: told(one.found) for one in full[: len(verdict.tied)]}
-    result = fits[verdict.tied[0].name]
-    estimates = tuple(_with_ties(item, verdict.tied, fits) for item in result.estimates)
+    results = {one.score.name: result_of(one.fit) for one in full[: len(verdict.tied)]}
+    result = results[verdict.tied[0].name]
+    estimates = tuple(_with_ties(item, verdict.tied, results) for item in result.estimates)
     return replace(result, estimates=estimates, verdict=verdict)
 
 
-def _tried(one: InFull, best: InFull, body: FittedBody) -> Tried:
-    found, taken = one.found, one.taken(best)
-    values = found.model.values(found.x)
-    s, last = math.exp(values["ln_s"]), found.model.stretches[-1].kind
-    told = found.model.further(values)
-    w = told.pop("w", max(values[f"q:{last}"], 0.0) * s)
-    return Tried(one.score.name, one.score.family, one.falls, one.chance, taken, s * body.problem.E_star, w, told)
+def _fitted_rival(one: RivalFit, best: RivalFit, body: FittedBody) -> FittedRival:
+    model, score = one.fit.model, one.score
+    values = model.values(one.fit.x)
+    s, quantities = math.exp(values["ln_s"]), model.further(values)
+    w = quantities.pop("w", max(values[f"q:{model.stretches[-1].kind}"], 0.0) * s)
+    E_star, taken = s * body.problem.E_star, one.taken(best)
+    return FittedRival(score.name, score.family, one.falls, one.chance, taken, E_star, w, quantities)
 
 
-def _with_ties(item: FittedValue, tied: Sequence[Tried], fits: Mapping[str, Fit]) -> FittedValue:
+def _with_ties(item: FittedValue, tied: Sequence[FittedRival], results: Mapping[str, Fit]) -> FittedValue:
     """The estimate with what the farthest of those that are tied makes of it, or how far its interval reaches beyond
-    this one's, where that is more; ``fits`` by name."""
+    this one's, where that is more; ``results`` by name."""
     of_modulus, best = _of_modulus(item), tied[0]
     if item.error is None or not (of_modulus or item.dimension == "work"):
         return item
     moves = {}
     for one in tied[1:]:
         shift = (one.E_star / best.E_star - 1) * item.value if of_modulus else one.w - best.w
-        moves[one.name] = max(abs(shift), _beyond(item, fits[one.name]))
+        moves[one.name] = max(abs(shift), _beyond(item, results[one.name]))
     moves |= dict(item.model or {})
     worst = max(moves, key=lambda name: moves[name], default="")
     return replace(item, model={worst: moves[worst]}) if worst else item
@@ -99,7 +99,7 @@ def _beyond(item: FittedValue, other: Fit) -> float:
 
 
 def _by(change: float) -> str:
-    """A relative change; of one step, which is of first order, no more is told than that it is tenfold."""
+    """A relative change; of one step, which is of first order, no more than that it is tenfold."""
     return f"{change:+.1%}" if change < TUNING.tenfold else "more than tenfold"
 
 
@@ -111,8 +111,8 @@ def _flags(rivals: RecordRivals) -> Iterator[tuple[str, str]]:
         yield REJECTED, f"p = {rivals.chance:.1g}, the residuals ask for {names}{apart}"
     if rivals.named and rivals.named[0].of_directions:
         compared = (one for one in rivals.scores if one.of_directions and one.family == MEMORY)
-        found = ", ".join(f"{one.name} {one.amount:+.1%} ± {one.error:.1%} ({one.words})" for one in compared)
-        yield DIFFER, f"approach and retraction ask for {found}; {', '.join(rivals.families)} would explain it"
+        amounts = ", ".join(f"{one.name} {one.amount:+.1%} ± {one.error:.1%} ({one.amount_is})" for one in compared)
+        yield DIFFER, f"approach and retraction ask for {amounts}; {', '.join(rivals.families)} would explain it"
     for quantity, symbol in (("E_star", "E*"), ("w", "w")):
         if (worst := rivals.worst(quantity)) is not None and worst[1] > TUNING.large:
             yield f"{symbol} not determined", f"{worst[0]} may change it by {worst[1]:.0%}"
@@ -129,13 +129,13 @@ def _of_modulus(item: FittedValue) -> bool:
     return item.dimension == "modulus" or item.name == "modulus"
 
 
-def _by_formula(problem: Problem, found: ForceCurveFit) -> tuple[str, float | None]:
+def _by_formula(problem: Problem, fit: ForceCurveFit) -> tuple[str, float | None]:
     """E* by Hertz of a half-space, by JKR of one under a layered body, from the deepest row of the last direction."""
-    R, part = problem.indenter.tip_radius, found.model.stretches[-1]
-    values = found.model.values(found.x)
+    R, part = problem.indenter.tip_radius, fit.model.stretches[-1]
+    values = fit.model.values(fit.x)
     i = int(np.argmax(part.z))
-    load = float((part.P + found.off[-part.P.size :] - base_line(part, values)[0])[i])
-    depth = float(found.model.depth(part, values)[i]) - load / found.model.k
+    load = float((part.P + fit.off[-part.P.size :] - base_line(part, values)[0])[i])
+    depth = float(fit.model.depth(part, values)[i]) - load / fit.model.k
     if R is None or depth <= 0:
         return "", None
     if not problem.specimen.layers:
@@ -148,7 +148,7 @@ def _by_formula(problem: Problem, found: ForceCurveFit) -> tuple[str, float | No
 
 
 def half_space_modulus(P: float, delta: float, R: float, w: float) -> float:
-    """E* [Pa] of the half-space on which a paraboloid of radius ``R`` [m] is held at depth ``delta`` [m] by the load
+    """E* [Pa] of the half-space on which a paraboloid of radius ``R`` [m] stands at depth ``delta`` [m] under the load
     ``P`` [N] against the work of adhesion ``w`` [J/m^2] (JKR); ValueError where there is none."""
     if w == 0:
         return 3 * P / (4 * math.sqrt(R * delta**3))
@@ -160,5 +160,6 @@ def half_space_modulus(P: float, delta: float, R: float, w: float) -> float:
         E = modulus(a)
         return 4 * E * a**3 / (3 * R) - math.sqrt(8 * math.pi * w * E * a**3) - P
 
-    touching, (least, most) = math.sqrt(R * delta), TUNING.radii
-    return modulus(touching * float(brentq(lambda x: excess(touching * x), least, most)))
+    # From the contact radius without adhesion, to where the depth is nothing beside a^2/R:
+    touching = math.sqrt(R * delta)
+    return modulus(touching * float(brentq(lambda x: excess(touching * x), 1 + ROUNDED, 1 / UNSEEN)))

@@ -1,7 +1,7 @@
 """The retraction of a contact whose work of adhesion rises with the speed of its edge: w = w0 (1 + b v^n).
 
 Gent and Schultz's law, quasi-static but for the edge. With L = delta_H - delta and G = S' L^2/(4 pi a) the edge recedes
-where G > w0, at the speed v that its law gives; the device moves back evenly, so that v = -da/dz is told by positions
+where G > w0, at the speed v that its law gives; the device moves back evenly, so that v = -da/dz follows from positions
 alone. Over the contact radius: dz/da = -1/v with z = D - y T + s (H - y V)/k, y = sqrt(q (1 + b v^n)).
 """
 
@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from ...base import MOST_STEPS, SETTLED, Array
+from ...base import MOST_STEPS, REMEMBERED, SETTLED, Array
 from .device_path import Rest
 from .family import Family
 
@@ -24,8 +24,8 @@ class SlowEdgeTuning:
     """Radii at which the edge is followed."""
 
     first: float = 1e-12  # choice: of the radius at the turn, the first step of the edge, which begins at rest
-    last: float = 0.99  # choice: of it, by how much the contact has shrunk when it is taken as lost
-    even: float = 0.01  # choice: of it, from where on radii are even; in a geometric sequence before
+    even: float = 0.01  # choice: of it, from where on radii are even, in a geometric sequence before; the contact that
+    # is left when it is taken as lost
     radii: int = 100  # choice: of either; loads are then good to 5e-4 of the tension
     widest: float = 3.0  # choice: of it, a step
 
@@ -33,22 +33,24 @@ class SlowEdgeTuning:
 TUNING = SlowEdgeTuning()
 
 
-@lru_cache(maxsize=8)
-def receding(family: Family, s: float, q: float, k: float, law: tuple[float, float], held: Rest, turn: float) -> Array:
+@lru_cache(maxsize=REMEMBERED)
+def receding(
+    family: Family, s: float, q: float, k: float, law: tuple[float, float], resting: Rest, turn: float
+) -> Array:
     """Positions of the device [m], increasing, and loads [N] of the edge (2, n), for moduli times ``s``, w0 = ``q`` s
-    and the ``law`` (b, n); from where it is ``held`` until G is w0, or from the ``turn`` [m]."""
-    start = math.exp(held.u)
+    and the ``law`` (b, n); from the end of its ``resting``, where G is w0, or from the ``turn`` [m]."""
+    start = math.exp(resting.u)
     x = np.concatenate([np.geomspace(TUNING.first, TUNING.even, TUNING.radii, endpoint=False),
-                        np.linspace(TUNING.even, TUNING.last, TUNING.radii)])  # fmt: skip
+                        np.linspace(TUNING.even, 1 - TUNING.even, TUNING.radii)])  # fmt: skip
     D, T, H, V = family.at(np.log(start * (1 - x)))[0]
     r, steps = math.sqrt(q), np.diff(start * x, prepend=0.0)
     free, pulled = D + s * H / k, r * (T + s * V / k)
     z = np.empty(x.size)
-    begin = min(held.end, turn)
+    begin = min(resting.end, turn)
     grown = _follow(free.tolist(), pulled.tolist(), steps.tolist(), begin, law, z)
-    loads = np.append(held.at(np.array([begin]))[0], s * (H - r * grown * V))
-    found: Array = np.stack([np.append(begin, z), loads])[:, ::-1]
-    return found
+    loads = np.append(resting.at(np.array([begin]))[0], s * (H - r * grown * V))
+    path: Array = np.stack([np.append(begin, z), loads])[:, ::-1]
+    return path
 
 
 def _follow(
@@ -74,10 +76,10 @@ def _follow(
     return grown
 
 
-def load_at(path: Array, held: Rest, turn: float, z: Array) -> Array:
+def load_at(path: Array, resting: Rest, turn: float, z: Array) -> Array:
     """Loads [N] at positions ``z`` [m]: at rest down to where the edge begins, 0 where contact is lost."""
     positions, P = path
-    keep = np.append(True, np.diff(np.maximum.accumulate(positions)) > 0)
-    moving = PchipInterpolator(positions[keep], P[keep])(np.clip(z, positions[0], positions[-1]))
-    found: Array = np.where(z > min(held.end, turn), held.at(z)[0], np.where(z < positions[0], 0.0, moving))
-    return found
+    rising = np.append(True, np.diff(np.maximum.accumulate(positions)) > 0)
+    moving = PchipInterpolator(positions[rising], P[rising])(np.clip(z, positions[0], positions[-1]))
+    loads: Array = np.where(z > min(resting.end, turn), resting.at(z)[0], np.where(z < positions[0], 0.0, moving))
+    return loads

@@ -16,6 +16,17 @@ NORMAL_MEDIAN = 0.6745  # theory: median of |x| of a normal x of standard deviat
 TURNS = {"soft_l1": 1.345, "huber": 1.345, "cauchy": 2.385, "linear": math.inf}
 
 
+@dataclass(frozen=True)
+class StatisticsTuning:
+    """Chances below which noise is no explanation."""
+
+    improbable: float = 1e-3  # choice: of misfit, and of differences between records
+    suspicious: float = 1e-4  # choice: of order in residuals
+
+
+TUNING = StatisticsTuning()
+
+
 def robust_scale(residuals: Array) -> float:
     """Standard deviation of normal residuals, from their median size."""
     return float(np.median(np.abs(residuals))) / NORMAL_MEDIAN
@@ -55,7 +66,7 @@ def variance_factor(residuals: Array, dof: int, loss: Loss, width: float) -> flo
 
 
 def covariance(jacobian: Array, factor: float) -> Array | None:
-    """Covariance ``factor`` (J^T J)^-1; None where the data do not tell the parameters apart."""
+    """Covariance ``factor`` (J^T J)^-1; None where the data do not determine all parameters."""
     size = np.linalg.norm(jacobian, axis=0)
     if not (size > 0).all():
         return None
@@ -78,8 +89,8 @@ def covariance_of_uneven(jacobian: Array, residuals: Array) -> Array | None:
     rows = jacobian.reshape(k, n, -1)
     leverage = np.einsum("knp,pq,knq->n", rows, inverse, rows)
     pulls = np.einsum("knp,kn->np", rows, residuals) / (1 - np.minimum(leverage, 0.5))[:, None]
-    found: Array = inverse @ (pulls.T @ pulls) @ inverse
-    return found
+    spread: Array = inverse @ (pulls.T @ pulls) @ inverse
+    return spread
 
 
 def larger(one: Array | None, other: Array | None) -> Array | None:
@@ -113,7 +124,7 @@ class Structure:
 
     @property
     def suspicious(self) -> bool:
-        return self.probability < 1e-4  # choice: one in ten thousand by chance
+        return self.probability < TUNING.suspicious
 
 
 def structure(residuals: Array) -> Structure:

@@ -175,4 +175,4 @@ def fitted_body(source: Path | Flags, slopes: str, limits: Limits) -> FittedBody
     method = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
     case = case_of(*request, {"radius": TUNING.shallow * (radius or TUNING.pointed)}, "1 MPa", method=method)
     body = body_of(case, slopes, limits)
-    return replace(body, told=source["modulus"] is not None)
+    return replace(body, moduli_known=source["modulus"] is not None)

@@ -72,7 +72,7 @@ def fit(
     per_row, per_file = TUNING.fit_per_row + refits * TUNING.refit_per_row, refits * TUNING.refit
     begin_reading("fit", paths, limits, FEWER, per_row=len(surfaces) * per_row, per_file=len(surfaces) * per_file)
     fitted = fitted_body(source, slopes, limits)
-    if kind in (LAW, RELAXATION) and fitted.asked:
+    if kind in (LAW, RELAXATION) and fitted.range_of_case:
         raise InputError(f"fit: {kind} {NO_RANGE}")
     words = str(source) if isinstance(source, Path) else fitted.problem.words
     request = FitRequest(fitted, paths, reading, _names(options), options, targets, words, output, inputs)

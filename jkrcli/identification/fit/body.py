@@ -16,7 +16,7 @@ import numpy as np
 
 from ...adhesion import FiniteRangeBody, Nonadhesive, RangeRequest, Slopes
 from ...adhesion.slopes.choice import slopes
-from ...base import REMEMBERED, InputError, JkrError, Refusal, SolveError, show
+from ...base import NOTICEABLE, REMEMBERED, InputError, JkrError, Refusal, SolveError, show
 from ...beside import JKR, nonadhesive
 from ...bodies import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal
 from ...case import Case, load_case, solve, store
@@ -31,12 +31,10 @@ class ResolvingTuning:
     """How bodies are solved anew with other layers or to other radii."""
 
     step: float = 1e-4  # theory: of logs of parameters, for derivatives: the square root of the solve's 1e-8
-    rounded: float = 0.01  # choice: of the same logs; derivatives at rounded values are found again
+    rounded: float = 0.01  # choice: of the same logs; derivatives at rounded values are remembered
     coarser: float = 100.0  # choice: factor of the tolerance where a body cannot be solved, on the way to the solution
-    coarsest: float = 1e-3  # choice: tolerance at which it is given up
     per_decade: int = 20  # choice: radii to which a body is solved, so that many curves share one solve
     points: int = 100  # choice: least radii of a series that is solved to another radius
-    tolerance: float = 1e-8  # choice: of the solves, far below the noise of any record
     ahead: float = 4.0  # choice: of log a beyond the series, how far it may be continued to find how deep it goes
     adheres: float = 1.2  # choice: of the contact radius without adhesion, what adhesion may make of it
     deep: float = 0.7  # choice: of the tip's radius, to which a body is solved before anything is fitted
@@ -52,8 +50,9 @@ class FittedBody:
     ``problem``: bodies and nominal values; ``series``, ``slopes``: its nonadhesive solution, by any method.
 
     Only bodies that the method ``layered`` represents can be solved anew: ``with_values``. ``extensible``: may also be
-    solved to other radii than those of the series. ``told``: whether the user gave the moduli of the problem;
-    else they only stand in for a unit.
+    solved to other radii than those of the series. ``moduli_known``: whether the user gave the moduli of the problem;
+    else they only stand in for a unit. ``tolerance``: of the solves, far below the noise of any record.
+    ``range_of_case``: the range of adhesion of the case; ``no_range``: why the body has no curves of one.
     """
 
     problem: Problem
@@ -61,15 +60,15 @@ class FittedBody:
     slopes: Slopes
     family: Family
     extensible: bool = False
-    told: bool = True
-    tolerance: float = TUNING.tolerance
-    asked: RangeRequest = JKR
+    moduli_known: bool = True
+    tolerance: float = Layered.tolerance
+    range_of_case: RangeRequest = JKR
     no_range: str = ""
     resolution: Resolution = FINE
 
     @classmethod
-    def of(cls, problem: Problem, series: Series, found: Slopes, extensible: bool = False) -> FittedBody:
-        return cls(problem, series, found, Family.of(series, found), extensible)
+    def of(cls, problem: Problem, series: Series, slopes: Slopes, extensible: bool = False) -> FittedBody:
+        return cls(problem, series, slopes, Family.of(series, slopes), extensible)
 
     def members(self, ranged: bool) -> Members:
         """The adhesive curves of the body, of finite range or JKR's."""
@@ -99,7 +98,7 @@ class FittedBody:
 
     @property
     def layer_names(self) -> tuple[str, ...]:
-        """Names of the layers as told in the case, else their numbers from 1 at the contact; "base": the half-space."""
+        """Names of the layers as in the case, else their numbers from 1 at the contact; "base": the half-space."""
         return layer_names(self.problem.specimen)
 
     @property
@@ -174,7 +173,8 @@ class FittedBody:
 
     def _like(self, other: FittedBody, **changes: Any) -> FittedBody:
         """The ``other`` body as the user describes this one."""
-        return replace(other, told=self.told, asked=self.asked, no_range=self.no_range, **changes)
+        known = {name: getattr(self, name) for name in ("moduli_known", "range_of_case", "no_range")}
+        return replace(other, **known, **changes)
 
     def _solved(self, problem: Problem) -> Family:
         return solved(
@@ -201,7 +201,7 @@ def solved(problem: Problem, tolerance: float) -> Family:
     try:
         series = Layered(tolerance)(problem).series
     except JkrError as error:
-        if tolerance * TUNING.coarser < TUNING.coarsest:
+        if tolerance * TUNING.coarser < NOTICEABLE:
             return solved(problem, tolerance * TUNING.coarser)
         raise SolveError(f"the body could not be solved anew: {error}") from None
     return Family.of(series, slopes(series, "exact"))
@@ -232,18 +232,18 @@ def body_of(
         source = load_case(source) if Path(source).suffix == ".toml" else store.read(source)
     if isinstance(source, Solution):
         body = nonadhesive(source, rule)
-        return _asked(FittedBody.of(source.problem, body.series, body.slopes), source)
+        return _with_range(FittedBody.of(source.problem, body.series, body.slopes), source)
     _, solution = solve(source, limits=limits)
     problem, series = solution.problem, solution.series
     extensible = problem.specimen.radius is None and rule in ("auto", "exact")
-    return _asked(FittedBody.of(problem, series, slopes(series, rule), extensible), solution)
+    return _with_range(FittedBody.of(problem, series, slopes(series, rule), extensible), solution)
 
 
-def _asked(body: FittedBody, solution: Solution) -> FittedBody:
-    """The body with the range of adhesion that its case asks for, and whether it has curves of one."""
+def _with_range(body: FittedBody, solution: Solution) -> FittedBody:
+    """The body with the range of adhesion of its case, and whether it has curves of one."""
     refused = ""
     try:
         FiniteRangeBody.of(solution)
     except Refusal as error:
         refused = str(error)
-    return replace(body, asked=RangeRequest.of(solution.record), no_range=refused)
+    return replace(body, range_of_case=RangeRequest.of(solution.record), no_range=refused)

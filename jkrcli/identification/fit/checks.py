@@ -105,8 +105,8 @@ def _beside_jkr(fit: Fit) -> Iterator[str]:
 
 
 def _far_from_case(fit: Fit, body: FittedBody) -> Iterator[str]:
-    factor = fit.value("modulus")
-    if body.told and "modulus" in fit.free and not 1 / THRESHOLDS.far_from_case <= factor <= THRESHOLDS.far_from_case:
+    factor, far = fit.value("modulus"), THRESHOLDS.far_from_case
+    if body.moduli_known and "modulus" in fit.free and not 1 / far <= factor <= far:
         yield f"the moduli are {factor:.3g} times those of the case: check the units of the data and of the case"
 
 

@@ -30,8 +30,8 @@ class RestingMember:
     @property
     def functions(self) -> tuple[Array, Array]:
         """(D, T, H, V) at the turn, and their derivatives by its log."""
-        found = JKRMember(self.family, self.s, 0.0, self.drift).functions(np.log([self.turn]))
-        return found[0][:, 0], found[1][:, 0]
+        values, rates = JKRMember(self.family, self.s, 0.0, self.drift).functions(np.log([self.turn]))[:2]
+        return values[:, 0], rates[:, 0]
 
     @property
     def unit(self) -> float:

@@ -15,7 +15,7 @@ from .result import Fit
 
 @dataclass(frozen=True)
 class PreferenceTuning:
-    """When data are said to prefer one assumption."""
+    """When data prefer one assumption."""
 
     # Difference of Akaike's criterion, whose parameters are as many on both sides:
     clear: float = 10.0  # theory: odds of exp(5) (Burnham and Anderson 2002, Sec. 2.6)
@@ -25,9 +25,9 @@ class PreferenceTuning:
 TUNING = PreferenceTuning()
 
 
-def preferences(found: Sequence[Fit | Failure]) -> Iterator[str]:
+def preferences(results: Sequence[Fit | Failure]) -> Iterator[str]:
     """A sentence on each curve that was fitted under both assumptions: E*, w, and what the data prefer, if they do."""
-    fits = [item for item in found if isinstance(item, Fit)]
+    fits = [item for item in results if isinstance(item, Fit)]
     sticking = {(item.file, item.name): item for item in fits if item.surface == "sticking"}
     for one in fits:
         other = sticking.get((one.file, one.name))
@@ -40,20 +40,20 @@ def _values(item: Fit) -> str:
 
 
 def _verdict(sliding: Fit, sticking: Fit) -> str:
-    """What residuals of the same rows say; where those of the better fit follow their neighbours they count as
-    fewer."""
+    """Which assumption residuals of the same rows prefer; those of the better fit count as fewer where they are
+    autocorrelated."""
     first, second = (_spread(item) for item in (sliding, sticking))
     name = list(sliding.scales)[-1]
     spreads = (show(spread, "load" if name == "P" else "length", 3) for spread in (first, second))
-    told = f"scatter {' and '.join(spreads)} in {name}"
+    scatter = f"scatter {' and '.join(spreads)} in {name}"
     if sliding.rows.size != sticking.rows.size or not (first > 0 and second > 0):
-        return f"the data do not compare them ({told})"
+        return f"the data do not compare them ({scatter})"
     better = sliding if first < second else sticking
     lag = min(max(better.structure.lag1, 0.0), 0.99)
     difference = 2 * better.dof * (1 - lag) / (1 + lag) * math.log(first / second)
     if abs(difference) < TUNING.clear or abs(first / second - 1) < TUNING.least:
-        return f"the data do not decide ({told})"
-    return f"the data prefer {better.surface} ({told}; Akaike's criterion lower by {abs(difference):.0f})"
+        return f"the data do not decide ({scatter})"
+    return f"the data prefer {better.surface} ({scatter}; Akaike's criterion lower by {abs(difference):.0f})"
 
 
 def _spread(item: Fit) -> float:
@@ -61,9 +61,9 @@ def _spread(item: Fit) -> float:
     return item.scatter * float(list(item.scales.values())[-1])
 
 
-def friction_warnings(body: FittedBody, found: Sequence[Fit | Failure]) -> Iterator[str]:
+def friction_warnings(body: FittedBody, results: Sequence[Fit | Failure]) -> Iterator[str]:
     """What the assumption on the surfaces matters at the largest radius of the data."""
-    fits = [item for item in found if isinstance(item, Fit) and item.a.size]
+    fits = [item for item in results if isinstance(item, Fit) and item.a.size]
     if not fits:
         return
     names = {estimate.name for estimate in fits[0].estimates}

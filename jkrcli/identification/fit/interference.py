@@ -19,13 +19,13 @@ from ...data.record import TUNING as RECORDS
 
 @dataclass(frozen=True)
 class InterferenceTuning:
-    """Where a sine is looked for, and when it is told from noise."""
+    """Where a sine is searched, and when it is no noise."""
 
-    blocks: int = 2000  # choice: means of successive free rows that are looked at
+    blocks: int = 2000  # choice: means of successive free rows that are transformed
     shortest: int = 6  # choice: of them in a period
     finer: int = 4  # choice: frequencies tried for each that the free way tells apart
     shares: tuple[float, ...] = (0.5, 1.0, 1.0)  # choice: of the free rows, in rounds; a large wave hides their end
-    told: float = 14.0  # theory: once in a thousand by chance of a thousand frequencies (Scargle, ApJ 263, 835, 1982)
+    clear: float = 14.0  # theory: once in a thousand by chance of a thousand frequencies (Scargle, ApJ 263, 835, 1982)
 
 
 TUNING = InterferenceTuning()
@@ -51,8 +51,8 @@ def parts(along: Array, period: float) -> Array:
 
 
 def straightened(record: ForceCurve) -> tuple[ForceCurve, Mapping[str, Wave]]:
-    """The record looked at again without the sine of its base lines, and that of each direction by its kind; the record
-    itself and none where no sine is told from the noise.
+    """The record examined again without the sine of its base lines, and that of each direction by its kind; the record
+    itself and none where no sine exceeds the noise.
 
     Without the wave the free rows are found better, and by them the wave.
     """
@@ -103,7 +103,7 @@ def _period(free: list[tuple[Array, Array]]) -> float | None:
     periods = way * TUNING.finer / np.maximum(np.arange(power.size), 1)
     power = np.where((periods <= way) & (periods >= TUNING.shortest * way / count), power, 0.0)
     best = int(np.argmax(power))
-    return float(periods[best]) if power[best] > 2 * TUNING.told * (total - power[best]) / rows else None
+    return float(periods[best]) if power[best] > 2 * TUNING.clear * (total - power[best]) / rows else None
 
 
 def _wave(z: Array, off: Array, period: float) -> Wave:

@@ -29,15 +29,15 @@ from .record import whole_fit
 from .result import Fit
 from .search import robust, search
 from .settings import Settings
+from .statistics import TUNING as STATISTICS
 from .statistics import covariance, t_quantile
 
 
 @dataclass(frozen=True)
 class JointTuning:
-    """How the search ends, and when records are said not to share what they are asked to."""
+    """How the search ends."""
 
     converged: float = 1e-10  # choice: relative, far below any standard error
-    apart: float = 1e-3  # choice: chance of such differences, below which it is said
 
 
 TUNING = JointTuning()
@@ -46,14 +46,14 @@ TUNING = JointTuning()
 def shared_of(names: Iterable[str], own: Iterable[str], settings: Settings) -> tuple[str, ...]:
     """The shared parameters by their own names; InputError where one is not free, or every record's own as well."""
     free = [p.name for p in settings.free]
-    shared, kept = (["modulus" if name == ALIAS else name for name in group] for group in (names, own))
-    for option, group in (("shared", shared), ("own", kept)):
+    shared, unshared = (["modulus" if name == ALIAS else name for name in group] for group in (names, own))
+    for option, group in (("shared", shared), ("own", unshared)):
         if unknown := [name for name in group if name not in free]:
             hint = did_you_mean(unknown[0], free)
             raise InputError(f"fit: --{option} {unknown[0]}: is not free{hint} (free: {', '.join(free)})")
-    if both := set(shared) & set(kept):
+    if both := set(shared) & set(unshared):
         raise InputError(f"fit: {min(both)} cannot be shared and every record's own: leave one out")
-    if left := [name for name in free if kept and name not in (*shared, *kept)]:
+    if left := [name for name in free if unshared and name not in (*shared, *unshared)]:
         raise InputError(f"fit: --own: {left[0]} is free too: name it in --shared or in --own")
     return tuple(dict.fromkeys(shared))
 
@@ -109,7 +109,7 @@ class Part:
         return np.setdiff1d(np.arange(len(self.names)), [self.place(name) for name in shared])
 
     def value(self, name: str) -> float:
-        """The shared unknown as it is found in this record alone."""
+        """The shared unknown by this record alone."""
         x = float(self.least.x[self.place(name)]) * self.units.get(name, 1.0)
         return x * self.modulus(self.least.x) if self.counted and name == "w" else x
 
@@ -122,11 +122,11 @@ def part_of(body: FittedBody, curve: Curve, settings: Settings) -> Part:
     """A curve fitted alone, by its points or as a whole record."""
     ready = prepared(body, curve, settings)
     if isinstance(ready, ForceCurve):
-        found = whole_fit(body, ready, settings)
-        last = found.model.stretches[-1].kind
-        plain = covariance(found.least.state.jacobian, 1.0)
-        return Part(curve.where, found.least, found.names, {}, _noise(found.covariance, plain),
-                    {"modulus": "ln_s", "w": f"q:{last}"}, math.exp(found.model.known.get("ln_s", 0.0)))  # fmt: skip
+        whole = whole_fit(body, ready, settings)
+        last = whole.model.stretches[-1].kind
+        plain = covariance(whole.least.state.jacobian, 1.0)
+        return Part(curve.where, whole.least, whole.names, {}, _noise(whole.covariance, plain),
+                    {"modulus": "ln_s", "w": f"q:{last}"}, math.exp(whole.model.known.get("ln_s", 0.0)))  # fmt: skip
     minimum = robust(search(body, ready.points, ready.settings), ready.settings.loss)
     names = tuple(minimum.objective.parameters[i].name for i in minimum.objective.free)
     inner, scale = spread_of(minimum, ready.settings)[0], np.outer(minimum.units, minimum.units)
@@ -159,12 +159,12 @@ class Joint:
         values, first = dict(zip(self.shared, x[:m].tolist(), strict=True)), m
         for part, own in zip(self.parts, self.own, strict=True):
             y, by = part.unknowns(values, x[first : first + own.size])
-            found, J = part.least.problem.model(y), np.zeros((0, 0))
-            J = np.zeros((found.residuals.size, x.size))
-            J[:, :m] = found.jacobian @ np.stack([by[name] for name in self.shared], axis=1)
-            J[:, first : first + own.size] = found.jacobian[:, own]
+            state = part.least.problem.model(y)
+            J = np.zeros((state.residuals.size, x.size))
+            J[:, :m] = state.jacobian @ np.stack([by[name] for name in self.shared], axis=1)
+            J[:, first : first + own.size] = state.jacobian[:, own]
             scale, first = math.sqrt(part.noise), first + own.size
-            residuals.append(found.residuals / scale)
+            residuals.append(state.residuals / scale)
             rates.append(J / scale)
         return State(np.concatenate(residuals), lambda: np.concatenate(rates))
 
@@ -181,7 +181,7 @@ class Joint:
         return np.concatenate(ends[0]), np.concatenate(ends[1])
 
     def search(self) -> Least:
-        """From the mean of what each record says of the shared unknowns, by its certainty."""
+        """From the mean of the shared unknowns by each record alone, weighted by their inverse variances."""
         weights, values = [], []
         for part in self.parts:
             spread = covariance(part.least.state.jacobian, part.noise)
@@ -198,7 +198,7 @@ class Joint:
 @dataclass(frozen=True, eq=False, kw_only=True)
 class JointFit(Answer):
     """Records fitted together: what is ``shared`` (``covariance``: of logs of moduli); ``fits`` of the records with
-    these; ``alone``: what each says by itself; ``chance`` that records which share them differ as much."""
+    these; ``alone``: the values by each record alone; ``chance`` that records which share them differ as much."""
 
     fits: tuple[Fit, ...]
     alone: tuple[Mapping[str, float], ...]
@@ -212,31 +212,32 @@ class JointFit(Answer):
     @property
     def flags(self) -> tuple[str, ...]:
         """Why the shared values are doubtful: records that do not share them, and flags of the records with these."""
-        apart = ["records do not share it"] * (self.chance <= TUNING.apart)
+        apart = ["records do not share it"] * (self.chance <= STATISTICS.improbable)
         return tuple(dict.fromkeys([*apart, *(flag for one in self.fits for flag in one.flags)]))
 
 
 def joint_fit(
     bodies: Sequence[FittedBody], curves: Sequence[Curve], settings: Settings, shared: Sequence[str]
 ) -> JointFit:
-    """The fit of all ``curves``, each on its body, that share unknowns; InputError where one does not tell them."""
+    """The fit of all ``curves``, each on its body, that share unknowns; InputError where one does not determine
+    them."""
     if len(curves) < 2:
         raise InputError(f"fit: --shared: needs two records or more, got {len(curves)}")
     parts = tuple(part_of(body, curve, settings) for body, curve in zip(bodies, curves, strict=True))
-    found = Joint(parts, tuple(shared)).search()
-    m, dof = len(shared), max(found.state.residuals.size - found.x.size, 1)
-    spread = covariance(found.state.jacobian, 1.0)
-    if spread is None or not found.ended:
+    least = Joint(parts, tuple(shared)).search()
+    m, dof = len(shared), max(least.state.residuals.size - least.x.size, 1)
+    spread = covariance(least.state.jacobian, 1.0)
+    if spread is None or not least.ended:
         raise InputError(f"fit: the records together do not determine {', '.join(shared)}: fix one of them (--fix)")
     E_star = bodies[0].problem.E_star if "modulus" in shared else None
     common = Unknowns(tuple(Parameter(name, True) for name in shared))
     t = t_quantile(settings.level, dof)
-    estimates = Intervals.of(common, found, spread, t, settings.level, settings.confidence, E_star).estimates()
+    estimates = Intervals.of(common, least, spread, t, settings.level, settings.confidence, E_star).estimates()
     known = {item.name: item.value for item in estimates}
     fixed = tuple(Parameter(p.name, False, known[p.name]) if p.name in known else p for p in settings.parameters)
-    asked = replace(settings, parameters=fixed, given=settings.given)
-    fits = tuple(_sharing(fit(body, curve, asked), estimates) for body, curve in zip(bodies, curves, strict=True))
-    rise = 2 * (found.cost - sum(part.least.cost / part.noise for part in parts))
+    sharing = replace(settings, parameters=fixed, given=settings.given)
+    fits = tuple(_sharing(fit(body, curve, sharing), estimates) for body, curve in zip(bodies, curves, strict=True))
+    rise = 2 * (least.cost - sum(part.least.cost / part.noise for part in parts))
     chance = float(chdtrc(m * (len(parts) - 1), max(rise, 0.0)))
     alone = tuple(_alone(part, shared, bodies[0].problem.E_star) for part in parts)
     warnings = *_warnings(estimates, chance), *(f"{one.where}: {line}" for one in fits for line in one.warnings)
@@ -247,11 +248,11 @@ def joint_fit(
 
 
 def _alone(part: Part, shared: Sequence[str], E_star: float) -> dict[str, float]:
-    """What a record says by itself of what it shares, E* for the modulus."""
-    found = {name: part.value(name) for name in shared}
-    found |= {name: math.exp(x) for name, x in found.items() if Parameter(name, True).kind == LOG}
-    modulus = {} if "modulus" not in found else {"E_star": found.pop("modulus") * E_star}
-    return modulus | found
+    """The shared values by a record alone, E* for the modulus."""
+    values = {name: part.value(name) for name in shared}
+    values |= {name: math.exp(x) for name, x in values.items() if Parameter(name, True).kind == LOG}
+    modulus = {} if "modulus" not in values else {"E_star": values.pop("modulus") * E_star}
+    return modulus | values
 
 
 def _sharing(one: Fit, shared: Sequence[FittedValue]) -> Fit:
@@ -261,7 +262,7 @@ def _sharing(one: Fit, shared: Sequence[FittedValue]) -> Fit:
 
 
 def _warnings(shared: Sequence[FittedValue], chance: float) -> list[str]:
-    if chance > TUNING.apart:
+    if chance > STATISTICS.improbable:
         return []
     names = " and ".join("E*" if item.name == "E_star" else item.name for item in shared if item.name != "modulus")
     return [f"the records differ by more than their noise (p = {chance:.1g}): they do not share {names}; see what each "

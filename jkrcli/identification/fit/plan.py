@@ -1,9 +1,9 @@
 """Which further measurement would narrow E* and w most: another tip radius, largest load or thickness of the layer.
 
-A measurement that is not yet made has a Fisher information already: that of the curve which the values found predict,
-with as many rows and the noise of the one at hand, at the cost of its own zero points (their Schur complement); counted
-so that the measurement at hand would tell again what it tells now. Added to what is known, it gives the standard errors
-that both would have together, to first order.
+A measurement that is not yet made has a Fisher information already: that of the curve which the fitted values predict,
+with as many rows and the noise of the one at hand, at the cost of its own zero points (their Schur complement); scaled
+so that the measurement at hand, repeated, has the information that it has now. Added to what is known, it gives the
+standard errors that both would have together, to first order.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base import Array, InputError, JkrError, show
+from ...base import LOOKED_AT, Array, InputError, JkrError, show
 from ...bodies import RADIUS
 from ...methods.radii import ROOM
 from ..parameters import Parameter
@@ -30,44 +30,43 @@ ZEROS = ("delta0", "P0")
 
 @dataclass(frozen=True)
 class PlanTuning:
-    """What is tried."""
+    """Which measurements are proposed."""
 
     radii: tuple[float, ...] = (0.25, 0.5, 2.0, 4.0)  # choice: over that at hand
     factors: tuple[float, ...] = (0.3, 3.0)  # choice: loads and thicknesses over those at hand
     widest: float = 0.4  # choice: of a tip's radius, to which it is pressed at most
-    nodes: int = 400  # choice: of a branch, among which rows are placed
     placed: float = 1e-3  # choice: of the loads' relative noise, that of positions which have none
 
 
 TUNING = PlanTuning()
 
 
-def further(body: FittedBody, found: Fit) -> tuple[Further, ...]:
-    """What is known now, and what it would be with the same measurement again and with others; InputError where
-    the data do not tell E* and w."""
-    if found.covariance is None or not set(WANTED) <= set(found.free) or found.value("w") <= 0:
-        raise InputError(f"{found.where}: --plan: needs E* and w free and determined by the data")
-    known = [found.free.index(name) for name in WANTED]
-    now = np.linalg.inv(found.covariance[np.ix_(known, known)])
-    largest = float(np.max(found.line["P"][found.line["a"] > 0])) - found.value("P0")
-    held = np.linalg.cholesky(now) @ np.linalg.inv(np.linalg.cholesky(_information(body, found, largest)))
-    told = [_further("now", now, found), _further("the same again", 2 * now, found)]
-    for words, changes, load in _candidates(body, found, largest):
+def further(body: FittedBody, fit: Fit) -> tuple[Further, ...]:
+    """The errors now, and those with the same measurement again and with others; InputError where the data do not
+    determine E* and w."""
+    if fit.covariance is None or not set(WANTED) <= set(fit.free) or fit.value("w") <= 0:
+        raise InputError(f"{fit.where}: --plan: needs E* and w free and determined by the data")
+    wanted = [fit.free.index(name) for name in WANTED]
+    now = np.linalg.inv(fit.covariance[np.ix_(wanted, wanted)])
+    largest = float(np.max(fit.line["P"][fit.line["a"] > 0])) - fit.value("P0")
+    scale = np.linalg.cholesky(now) @ np.linalg.inv(np.linalg.cholesky(_information(body, fit, largest)))
+    measurements = [_further("now", now, fit), _further("the same again", 2 * now, fit)]
+    for words, changes, load in _candidates(body, fit, largest):
         with contextlib.suppress(JkrError):  # a body that cannot be solved is no proposal
-            more = held @ _information(body.with_values(dict(changes)), found, load) @ held.T
-            told.append(_further(words, now + more, found))
-    return tuple(told)
+            more = scale @ _information(body.with_values(dict(changes)), fit, load) @ scale.T
+            measurements.append(_further(words, now + more, fit))
+    return tuple(measurements)
 
 
-def planned(body: FittedBody, found: Fit) -> Fit:
-    """The fit with what further measurements would tell; a warning where nothing is known of it."""
+def planned(body: FittedBody, fit: Fit) -> Fit:
+    """The fit with the errors that further measurements would leave; a warning where they are not known."""
     try:
-        return replace(found, plan=further(body, found))
+        return replace(fit, plan=further(body, fit))
     except InputError as error:
-        return replace(found, warnings=(*found.warnings, str(error)))
+        return replace(fit, warnings=(*fit.warnings, str(error)))
 
 
-def _candidates(body: FittedBody, found: Fit, largest: float) -> Iterator[tuple[str, Mapping[str, float], float]]:
+def _candidates(body: FittedBody, fit: Fit, largest: float) -> Iterator[tuple[str, Mapping[str, float], float]]:
     """Measurements in words, changes of the body, and their largest load [N]."""
     for factor in TUNING.factors:
         yield f"largest load {show(factor * largest, 'load', 3)}", {}, factor * largest
@@ -78,34 +77,34 @@ def _candidates(body: FittedBody, found: Fit, largest: float) -> Iterator[tuple[
             R = factor * body.nominal(RADIUS)
             yield f"tip radius {show(R, 'length', 3)}", {RADIUS: R}, largest
     for name in [name for name in body.own_parameters if name.startswith("h:")][:1]:
-        h = next((item.value for item in found.estimates if item.name == name), body.nominal(name))
+        h = next((item.value for item in fit.estimates if item.name == name), body.nominal(name))
         for factor in TUNING.factors:
             yield f"thickness {show(factor * h, 'length', 3)}", {name: factor * h}, largest
 
 
-def _further(words: str, information: Array, found: Fit) -> Further:
+def _further(words: str, information: Array, fit: Fit) -> Further:
     errors = np.sqrt(np.diag(np.linalg.inv(information)))
-    return Further(words, *(float(e) / found.value(name) for e, name in zip(errors, WANTED, strict=True)))
+    return Further(words, *(float(e) / fit.value(name) for e, name in zip(errors, WANTED, strict=True)))
 
 
-def _information(body: FittedBody, found: Fit, largest: float) -> Array:
+def _information(body: FittedBody, fit: Fit, largest: float) -> Array:
     """Fisher information of modulus factor and w [SI] in a measurement on this ``body`` up to a load [N]."""
-    columns = tuple(name for name in ("a", "delta", "P") if name in found.data)
-    held = {item.name: item.value for item in found.estimates} | dict.fromkeys(ZEROS, 0.0)
-    both = "w_approach" in held and "w_approach" in found.free
-    own = [name for name in ZEROS if name in found.free and not (name == "P0" and found.quality)]  # of a base line
-    body, ways = _ways(body, held, both, largest, int(np.count_nonzero(found.a > 0)))
-    held["a_turn"] = float(np.exp(ways[ADVANCING if both else RECEDING].max()))
+    columns = tuple(name for name in ("a", "delta", "P") if name in fit.data)
+    values = {item.name: item.value for item in fit.estimates} | dict.fromkeys(ZEROS, 0.0)
+    both = "w_approach" in values and "w_approach" in fit.free
+    own = [name for name in ZEROS if name in fit.free and not (name == "P0" and fit.quality)]  # of a base line
+    body, ways = _ways(body, values, both, largest, int(np.count_nonzero(fit.a > 0)))
+    values["a_turn"] = float(np.exp(ways[ADVANCING if both else RECEDING].max()))
     names = [*WANTED, *own, *["w_approach", "a_turn"] * both]
     free = [Parameter(name, True) for name in names]
-    known = [Parameter(n, False, held.get(n, 0.0)) for n in (*ZEROS, "compliance") if n not in names]
+    known = [Parameter(n, False, values.get(n, 0.0)) for n in (*ZEROS, "compliance") if n not in names]
     parameters = (*free, *known)
-    x = np.array([p.inner(held.get(p.name, 0.0)) for p in parameters])
+    x = np.array([p.inner(values.get(p.name, 0.0)) for p in parameters])
     parts = [Readings(body.family, parameters, x, columns, np.ones(len(columns)), None, edge) for edge in ways]
-    scales = _noise(found, [part.along(u)[0] for part, u in zip(parts, ways.values(), strict=True)], columns)
+    scales = _noise(fit, [part.along(u)[0] for part, u in zip(parts, ways.values(), strict=True)], columns)
     J = np.concatenate([_rates(replace(part, scales=scales), u, len(free))
                         for part, u in zip(parts, ways.values(), strict=True)])  # fmt: skip
-    J[:, 0] /= held["modulus"]  # from its log
+    J[:, 0] /= values["modulus"]  # from its log
     size = np.linalg.norm(J, axis=0)
     whole = (J / size).T @ (J / size)
     cross = whole[:2, 2:]
@@ -113,9 +112,9 @@ def _information(body: FittedBody, found: Fit, largest: float) -> Array:
     return left
 
 
-def _noise(found: Fit, rows: list[Array], columns: tuple[str, ...]) -> Array:
+def _noise(fit: Fit, rows: list[Array], columns: tuple[str, ...]) -> Array:
     """Standard deviations of the readings [SI]; of positions without scatter next to none."""
-    noise = {name: scale * found.scatter for name, scale in found.scales.items()}
+    noise = {name: scale * fit.scatter for name, scale in fit.scales.items()}
     spans = dict(zip(columns, np.ptp(np.concatenate(rows, axis=1), axis=1), strict=True))
     least = TUNING.placed * max(noise.get(name, 0.0) / spans[name] for name in columns)
     return np.array([noise.get(name, least * spans[name]) for name in columns])
@@ -129,20 +128,20 @@ def _rates(readings: Readings, u: Array, free: int) -> Array:
 
 
 def _ways(
-    body: FittedBody, held: Mapping[str, float], both: bool, largest: float, rows: int
+    body: FittedBody, values: Mapping[str, float], both: bool, largest: float, rows: int
 ) -> tuple[FittedBody, dict[int, Array]]:
     """The body solved as far as it is pressed, and the places of rows even in displacement, for each thing that the
     edge does: in to the largest load and out to the pull-off under load, or out alone."""
-    s, w = held["modulus"], held["w"]
-    body, into = _branch(body, s, held["w_approach"] if both else w, largest)
+    s, w = values["modulus"], values["w"]
+    body, into = _branch(body, s, values["w_approach"] if both else w, largest)
     if not both:
         return body, {RECEDING: _even(body, s, w, into, rows)}
     turn, (D, T, _, _) = into[1], body.family.at(into[1:])[0][:, 0]
-    unit, ends = float(D / T), [math.sqrt(held[name] / s) for name in ("w_approach", "w")]
+    unit, ends = float(D / T), [math.sqrt(values[name] / s) for name in ("w_approach", "w")]
     out = (_branch(body, s, w, largest)[1][0], turn)
     spans = [float(T) * abs(ends[1] - ends[0]), float(np.ptp(_delta(body, s, w, np.array(out))))]
     still = max(round(rows / 2 * spans[0] / sum(spans)), 2)
-    ways = {ADVANCING: _even(body, s, held["w_approach"], into, rows // 2)}
+    ways = {ADVANCING: _even(body, s, values["w_approach"], into, rows // 2)}
     ways[RESTING] = np.linspace(ends[0], ends[1], still) / unit
     return body, ways | {RECEDING: _even(body, s, w, out, max(rows // 2 - still, 2))}
 
@@ -152,7 +151,7 @@ def _branch(body: FittedBody, s: float, w: float, largest: float) -> tuple[Fitte
     R = body.problem.indenter.tip_radius
     for _ in range(2):
         high = math.log(TUNING.widest * R) if R is not None and body.extensible else body.family.high
-        u = np.linspace(min(body.family.low, high - 5), high, TUNING.nodes)
+        u = np.linspace(min(body.family.low, high - 5), high, LOOKED_AT)
         _, _, H, V = body.family.at(u)[0]
         P = s * H - math.sqrt(w * s) * V
         low = int(np.argmin(P))
@@ -165,12 +164,12 @@ def _branch(body: FittedBody, s: float, w: float, largest: float) -> tuple[Fitte
 
 def _delta(body: FittedBody, s: float, w: float, u: Array) -> Array:
     D, T, _, _ = body.family.at(u)[0]
-    found: Array = D - math.sqrt(w / s) * T
-    return found
+    delta: Array = D - math.sqrt(w / s) * T
+    return delta
 
 
 def _even(body: FittedBody, s: float, w: float, ends: Sequence[float] | Array, rows: int) -> Array:
     """Logs of contact radii of so many rows, even in displacement."""
-    u = np.linspace(ends[0], ends[1], TUNING.nodes)
+    u = np.linspace(ends[0], ends[1], LOOKED_AT)
     delta = _delta(body, s, w, u)
     return np.interp(np.linspace(delta[0], delta[-1], rows), delta, u)

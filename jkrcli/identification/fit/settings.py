@@ -32,18 +32,18 @@ AS_IN_THE_CASE = {"modulus": 1.0, "delta0": 0.0, "P0": 0.0, "compliance": 0.0}
 
 @dataclass(frozen=True)
 class Settings:
-    """All that a fit is asked.
+    """All that determines a fit of a curve.
 
     ``parameters``: in the order of the tables; w must be among them, of the other common ones those that are left out
     are fixed as in the case. ``segment``: None takes both directions where the curve names them, else all rows.
-    ``noise``: standard deviation of the readings by column, SI; found from the record where it is not given.
+    ``noise``: standard deviation of the readings by column, SI; those left out are estimated from the record.
     ``level``: of the confidence intervals. ``uncertain``: standard deviations of inputs of the body ("nu:film",
     "h:film", "radius", SI) and, relative, of a device ("stiffness", "sensitivity"), carried through. ``samples,
     seed``: of the bootstrap.
     ``contact``: "fitted": base line and contact point are fitted with the rest (``record``), "auto": where the curve is
     a raw record, else readings as they are. ``base_line`` of a raw record: "sine": with a wave by interference.
     ``model`` of a raw record: "auto" fits the best rivals in full where the data ask for one.
-    ``given``: names of the parameters that are not left out. ``range_at_most`` [m]: what is known of the range of
+    ``given``: names of the parameters that the user names. ``range_at_most`` [m]: what is known of the range of
     adhesion where JKR is fitted; ``tension_at_most`` [N/m]: of a surface tension that is left out.
     """
 
@@ -65,9 +65,8 @@ class Settings:
     tension_at_most: float = 0.0
 
     def __post_init__(self) -> None:
-        given = self.given or frozenset(parameter.name for parameter in self.parameters)
-        object.__setattr__(self, "given", given)
-        if "w" not in given:
+        object.__setattr__(self, "given", self.given or frozenset(parameter.name for parameter in self.parameters))
+        if "w" not in self.given:
             raise InputError("fit: w must be free or fixed at a value")
         named = {parameter.name for parameter in self.parameters}
         left_out = (Parameter(name, False, value) for name, value in AS_IN_THE_CASE.items() if name not in named)
@@ -89,10 +88,10 @@ class Settings:
                     f"fit: {item.name} is a fraction of the travel, must be > -1 and < 1, got {item.value:g}"
                 )
         if self.range is not None:
-            self._check_range(given)
+            self._check_range()
 
-    def _check_range(self, given: frozenset[str]) -> None:
-        if set(RANGES) <= given:
+    def _check_range(self) -> None:
+        if set(RANGES) <= self.given:
             raise InputError("fit: range and stress are one quantity, stress = w/range: free or fix one of them")
         if own := [p.name for p in self.free if p.of_body]:
             raise InputError(f"fit: {own[0]} cannot be free together with a range of adhesion: fix {own[0]}")
@@ -171,28 +170,29 @@ def settings_of(
     if both := sorted(set(wanted) & set(fixed)):
         raise InputError(f"fit: {both[0]} is both free and fixed")
     names = [name for name in names if name not in fixed]
-    ranged = set(RANGES) & {*names, *fixed} or body.asked.stress is not None or body.asked.length is not None
+    of_case = {"stress": body.range_of_case.stress, "range": body.range_of_case.length}
+    of_case = {name: value for name, value in of_case.items() if value is not None}
+    ranged = set(RANGES) & {*names, *fixed} or of_case
     if "range" in bounds and not ranged:
         options["range_at_most"] = _longest_range(body, bounds.pop("range"))
     if idle := sorted({*starts, *bounds} - set(names)):
         raise InputError(f"fit: {idle[0]} is not free: a start or a bound has no meaning (free: {', '.join(names)})")
-    found = []
+    parameters = []
     for name in names:
         low, high = _ends(body, name, bounds[name]) if name in bounds else (-math.inf, math.inf)
         value = _value(body, name, *starts[name]) if name in starts else None
-        found.append(Parameter(name, True, value, low, high))
-    found += [Parameter(name, False, _value(body, name, *text)) for name, text in fixed.items()]
-    if not set(RANGES) & {parameter.name for parameter in found}:
-        asked = {"stress": body.asked.stress, "range": body.asked.length}
-        found += [Parameter(name, False, value) for name, value in asked.items() if value is not None]
-    return Settings(tuple(found), **options)
+        parameters.append(Parameter(name, True, value, low, high))
+    parameters += [Parameter(name, False, _value(body, name, *text)) for name, text in fixed.items()]
+    if not set(RANGES) & {parameter.name for parameter in parameters}:
+        parameters += [Parameter(name, False, value) for name, value in of_case.items()]
+    return Settings(tuple(parameters), **options)
 
 
 def uncertain_of(body: FittedBody, pairs: Iterable[tuple[str, str]], settings: Settings) -> dict[str, float]:
     """Standard deviations of inputs by name: "radius" of the indenter, "nu" and "thickness" of the layer in contact, or
     "nu:film", "h:film", "E:base", absolute ("0.02", "50 nm") or relative ("5%"); "stiffness" and "sensitivity" of a
     device, relative."""
-    found = {}
+    errors = {}
     for name, text in pairs:
         whole = {"nu": f"nu:{body.layer_names[0]}", "thickness": f"h:{body.layer_names[0]}"}.get(name, name)
         radius = [RADIUS] if body.own_parameters and hasattr(body.problem.indenter, "R") else []
@@ -211,19 +211,19 @@ def uncertain_of(body: FittedBody, pairs: Iterable[tuple[str, str]], settings: S
             value = _parsed(name, text, "length" if whole == RADIUS else dimension_of(whole))
         if not (math.isfinite(value) and value > 0):
             raise InputError(f"fit: the uncertainty of {name} must be > 0, got {text}")
-        found[whole] = value
-    return found
+        errors[whole] = value
+    return errors
 
 
 def _by_name(body: FittedBody, pairs: Iterable[tuple[str, str]]) -> dict[str, tuple[str, str]]:
     """Names as the user wrote them and texts, by the parameters' own names."""
-    found: dict[str, tuple[str, str]] = {}
+    by_name: dict[str, tuple[str, str]] = {}
     for name, text in pairs:
         own = _own_name(body, name)
-        if own in found:
+        if own in by_name:
             raise InputError(f"fit: {name} is given twice")
-        found[own] = (name, text)
-    return found
+        by_name[own] = (name, text)
+    return by_name
 
 
 def _own_name(body: FittedBody, name: str) -> str:
@@ -270,10 +270,10 @@ def _largest_tension(body: FittedBody, text: str) -> float:
     low, mark, high = text.partition(BETWEEN)
     if low.strip() or not mark:
         raise InputError(f'fit: the bound of surface_tension must be {BETWEEN}HIGH, got "{text}"')
-    found = _parsed(TENSION, high.strip(), "tension")
-    if not found > 0:
-        raise InputError(f"fit: surface_tension: the bound must be > 0, got {found:g}")
-    return found
+    largest = _parsed(TENSION, high.strip(), "tension")
+    if not largest > 0:
+        raise InputError(f"fit: surface_tension: the bound must be > 0, got {largest:g}")
+    return largest
 
 
 def _parsed(name: str, text: str, dimension: str) -> float:

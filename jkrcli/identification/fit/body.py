@@ -16,13 +16,14 @@ import numpy as np
 
 from ...adhesion import FiniteRangeBody, Nonadhesive, RangeRequest, Slopes
 from ...adhesion.slopes.choice import slopes
-from ...base import NOTICEABLE, REMEMBERED, InputError, JkrError, Refusal, SolveError, show
+from ...base import NOTICEABLE, REMEMBERED, ROWS, InputError, JkrError, Refusal, SolveError, show
 from ...beside import JKR, nonadhesive
 from ...bodies import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal
 from ...case import Case, load_case, solve, store
 from ...methods import Layered, Limits, unbounded
 from ...series import Series, Solution
 from .attracted import COARSE, FINE, AttractedFamily, Resolution
+from .device_path import TUNING as PATHS
 from .family import Family, Members
 
 
@@ -35,7 +36,6 @@ class ResolvingTuning:
     coarser: float = 100.0  # choice: factor of the tolerance where a body cannot be solved, on the way to the solution
     per_decade: int = 20  # choice: radii to which a body is solved, so that many curves share one solve
     points: int = 100  # choice: least radii of a series that is solved to another radius
-    ahead: float = 4.0  # choice: of log a beyond the series, how far it may be continued to find how deep it goes
     adheres: float = 1.2  # choice: of the contact radius without adhesion, what adhesion may make of it
     deep: float = 0.7  # choice: of the tip's radius, to which a body is solved before anything is fitted
 
@@ -162,8 +162,9 @@ class FittedBody:
         return self._like(_reaching(problem, self.tolerance))
 
     def to_depth(self, depth: float) -> FittedBody:
-        """The same problem solved to the contact radius at a ``depth`` [m], where it may be."""
-        u = np.linspace(self.family.low, self.family.high + TUNING.ahead, 200)
+        """The same problem solved to the contact radius at a ``depth`` [m], where it may be; beyond the series it is
+        estimated by continuation, as far as below it."""
+        u = np.linspace(self.family.low, self.family.high + PATHS.below, ROWS)
         reached = np.flatnonzero(self.family.at(u)[0][0] <= depth)
         tip, a = self.problem.indenter, math.exp(u[reached[-1]]) if reached.size else 0.0
         a = TUNING.adheres * a if TUNING.adheres * a < tip.r_max else a

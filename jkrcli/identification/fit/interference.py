@@ -54,7 +54,7 @@ def straightened(record: ForceCurve) -> tuple[ForceCurve, Mapping[str, Wave]]:
     """The record examined again without the sine of its base lines, and that of each direction by its kind; the record
     itself and none where no sine exceeds the noise.
 
-    Without the wave the free rows are found better, and by them the wave.
+    Without the wave the free rows are determined better, and by them the wave.
     """
     curve, waves = record.curve, dict[str, Wave]()
     for share in TUNING.shares:

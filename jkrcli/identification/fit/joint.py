@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from scipy.special import chdtrc
 
-from ...base import MOST_STEPS, Array, InputError, did_you_mean
+from ...base import MOST_STEPS, ROUNDED, Array, InputError, did_you_mean
 from ...bodies import RADIUS
 from ...data import Curve, ForceCurve
 from ..answer import Answer, FittedValue
@@ -31,16 +31,6 @@ from .search import robust, search
 from .settings import Settings
 from .statistics import TUNING as STATISTICS
 from .statistics import covariance, t_quantile
-
-
-@dataclass(frozen=True)
-class JointTuning:
-    """How the search ends."""
-
-    converged: float = 1e-10  # choice: relative, far below any standard error
-
-
-TUNING = JointTuning()
 
 
 def shared_of(names: Iterable[str], own: Iterable[str], settings: Settings) -> tuple[str, ...]:
@@ -191,7 +181,7 @@ class Joint:
             weights.append(1 / (np.diag(spread)[places] * [part.units.get(name, 1.0) ** 2 for name in self.shared]))
         start = [np.average(values, axis=0, weights=weights)]
         start += [part.least.x[own] for part, own in zip(self.parts, self.own, strict=True)]
-        problem = LeastSquares(self.state, self.bounds, TUNING.converged, evaluations=MOST_STEPS)
+        problem = LeastSquares(self.state, self.bounds, ROUNDED, evaluations=MOST_STEPS)
         return problem.least(np.concatenate(start))
 
 
@@ -235,7 +225,7 @@ def joint_fit(
     estimates = Intervals.of(common, least, spread, t, settings.level, settings.confidence, E_star).estimates()
     known = {item.name: item.value for item in estimates}
     fixed = tuple(Parameter(p.name, False, known[p.name]) if p.name in known else p for p in settings.parameters)
-    sharing = replace(settings, parameters=fixed, given=settings.given)
+    sharing = replace(settings, parameters=fixed, named=settings.named)
     fits = tuple(_sharing(fit(body, curve, sharing), estimates) for body, curve in zip(bodies, curves, strict=True))
     rise = 2 * (least.cost - sum(part.least.cost / part.noise for part in parts))
     chance = float(chdtrc(m * (len(parts) - 1), max(rise, 0.0)))

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base import LOOKED_AT, Array, InputError, JkrError, show
+from ...base import LOOKED_AT, UNSEEN, Array, InputError, JkrError, show
 from ...bodies import RADIUS
 from ...methods.radii import ROOM
 from ..parameters import Parameter
@@ -35,7 +35,6 @@ class PlanTuning:
     radii: tuple[float, ...] = (0.25, 0.5, 2.0, 4.0)  # choice: over that at hand
     factors: tuple[float, ...] = (0.3, 3.0)  # choice: loads and thicknesses over those at hand
     widest: float = 0.4  # choice: of a tip's radius, to which it is pressed at most
-    placed: float = 1e-3  # choice: of the loads' relative noise, that of positions which have none
 
 
 TUNING = PlanTuning()
@@ -116,7 +115,7 @@ def _noise(fit: Fit, rows: list[Array], columns: tuple[str, ...]) -> Array:
     """Standard deviations of the readings [SI]; of positions without scatter next to none."""
     noise = {name: scale * fit.scatter for name, scale in fit.scales.items()}
     spans = dict(zip(columns, np.ptp(np.concatenate(rows, axis=1), axis=1), strict=True))
-    least = TUNING.placed * max(noise.get(name, 0.0) / spans[name] for name in columns)
+    least = UNSEEN * max(noise.get(name, 0.0) / spans[name] for name in columns)
     return np.array([noise.get(name, least * spans[name]) for name in columns])
 
 

@@ -140,7 +140,7 @@ def beyond_the_record(settings: Settings) -> bool:
     """Whether something is asked that the model of a whole record does not know."""
     named = any(p.name not in ASKED or p.value is not None for p in settings.free)
     bound = any(p.name != "modulus" and (p.low, p.high) != FREE for p in settings.free)
-    fixed = any(p.name in ZEROS & settings.given and not p.free for p in settings.parameters)
+    fixed = any(p.name in ZEROS & settings.named and not p.free for p in settings.parameters)
     return settings.range is not None or named or bound or fixed or settings.branch != "all" or bool(settings.noise)
 
 
@@ -262,10 +262,10 @@ def reduced(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[C
     model does not know, and the settings by which they are fitted: the device is a compliance that is known, positions
     have no scatter, what the zeros err by is fitted again."""
     usual = tuple(Parameter(name, True) for name in ("modulus", "w", "delta0"))
-    plain = replace(settings, parameters=usual, given=frozenset(), noise={}, branch="all", loss="linear")
+    plain = replace(settings, parameters=usual, named=frozenset(), noise={}, branch="all", loss="linear")
     found = whole_fit(body, record, plain)
     curve = _in_contact(found, record.curve, found.model.stretches)
-    told, asked = _outcome(found, found.x, body), {p.name: p for p in settings.parameters if p.name in settings.given}
+    told, asked = _outcome(found, found.x, body), {p.name: p for p in settings.parameters if p.name in settings.named}
     given = {name for name in ("delta0", "P0") if name in asked and not asked[name].free}
     shift = {name: told[name] if name in given else 0.0 for name in ("delta0", "P0")}
     stiff = 0.0 if "compliance" in asked else 1 / found.model.k
@@ -472,7 +472,7 @@ def _result(
     values = _outcome(found, found.x, body)
     dof = max(found.off.size - found.x.size, 1)
     t = t_quantile(settings.level, max(round(found.spread.dof / found.spread.tau), 1))
-    fixed = {item.name for item in settings.parameters if not item.free and item.name in settings.given}
+    fixed = {item.name for item in settings.parameters if not item.free and item.name in settings.named}
     told = _intervals(body, found, settings, values, fixed, t, pool)
     carried = _carried(body, found, settings, values)
     plain = (_resting(item, found) for item in told.estimates())

@@ -19,6 +19,7 @@ from .fitted_record import FittedRecord
 from .force_curve import DirectionReadings, ForceCurveModel
 from .record_change import AMOUNT, LITTLE, Change, Values, change_of_body
 from .record_change import TUNING as CHANGES
+from .slow_edge import TUNING as SLOW_EDGE
 from .slow_edge import load_at, receding
 
 
@@ -32,7 +33,6 @@ class AdhesionRivalTuning:
     endless: float = 400.0  # choice: of how far adhesion deforms the body, a range from which on no longer one differs
     narrow: float = 0.5  # choice: of the contact radius, a ring between narrow and wide
     every: int = 7  # choice: of the nodes of a grid, at which rings are solved: splines between are good to 1e-5
-    widest_step: float = 2.0  # choice: of the log of its width, in the search for it
     settled: float = 1e-4  # theory: such a step by Newton's method, whose errors are squared: the next is below 1e-9
     # choice: rise of w at the usual speed of the edge and power of the speed, to begin with
     speeds: tuple[tuple[float, float], ...] = ((0.3, 0.3), (0.3, 0.8), (1.0, 0.3), (1.0, 0.8))
@@ -189,7 +189,8 @@ def _splines(size: int) -> Array:
 def _rim(a: Array, D: Array, E: float, w: float, sigma: float) -> Array:
     """Ratio m of outer to inner radius of the ring whose stress ``sigma`` releases ``w``. With t = sqrt(m^2 - 1) and c
     = arccos(1/m), 1 = 4 sigma^2 a/(pi E* w) (t c - m + 1) + sigma D/(pi w) (t + (m^2 - 2) c); by Newton's method for
-    the log of the right-hand side over that of m - 1, nearly straight; from its limits, of narrow rings and wide ones."""
+    the log of the right-hand side over that of m - 1, nearly straight; from its limits, of narrow rings and
+    of wide ones."""
     own, pressed = 4 * sigma**2 / (math.pi * E * w) * a, sigma / (math.pi * w) * D
     near = 1 / (own + (math.sqrt(128) / 3 * pressed) ** (2 / 3))
     far = 2 / ((math.pi / 2 - 1) * own + np.sqrt(((math.pi / 2 - 1) * own) ** 2 + 2 * math.pi * pressed))
@@ -201,7 +202,7 @@ def _rim(a: Array, D: Array, E: float, w: float, sigma: float) -> Array:
         released = own * (root * angle - x) + pressed * (root + (m**2 - 2) * angle)
         rate = own * (m * angle / root + 1 / m - 1) + pressed * (m / root + 2 * m * angle + (m - 2 / m) / root)
         step = -released / (x * rate) * np.log(released)
-        x *= np.exp(np.clip(step, -TUNING.widest_step, TUNING.widest_step))
+        x *= np.exp(np.clip(step, -SLOW_EDGE.widest, SLOW_EDGE.widest))
         if float(np.abs(step).max()) < TUNING.settled:
             break
     return 1 + x

@@ -16,10 +16,11 @@ from scipy.interpolate import CubicSpline
 
 from ...adhesion import LIMITS
 from ...adhesion.validity import EXCESS, STRAINED
-from ...base import MOST_STEPS, SAME, SETTLED, Array
+from ...base import MOST_STEPS, SAME, SETTLED, UNSEEN, Array
 from ...bodies import HalfSpace, Layer, Loading, Rigid, Specimen
 from ...methods.layered.layered import unbounded
 from ...methods.radii import DENSE
+from .attracted import TUNING as ATTRACTED
 from .body import FittedBody, solved
 from .device_path import grid
 from .family import Family
@@ -38,10 +39,8 @@ class BodyRivalTuning:
     under: tuple[float, float] = (3e-3, 0.5)  # of its thickness, radii it is solved at; theory: up to a contact of 0.44
     decades: int = 4  # choice: such layers to a decade of thickness, so that many curves share one solve
     neighbour: float = 0.02  # choice: of thickness and nu, for differences of two bodies
-    inside: float = 0.9  # choice: of the tip, up to which a layer below it is solved
     thin: float = 4.0  # choice: contact radii over the thickness up to which a layer is searched
     thicknesses: tuple[float, ...] = (0.3, 1.0)  # choice: contact radii over it, to begin with
-    incompressible: float = 0.4999  # choice: largest nu that is searched; theory: 1/2 at most
     softest: float = -0.6  # theory: S' stays above 0 up to ``CHANGES.beyond``
     bluntest: float = -1.5  # theory: profiles that rise, exponent 1/2
     flattest: float = -3.0  # theory: profiles that rise up to a/R = 1
@@ -68,7 +67,7 @@ def _on_rigid(body: FittedBody, h: float, most: float) -> Family:
     specimen = body.problem.specimen
     assert isinstance(specimen.base, HalfSpace)
     problem = replace(unbounded(body.problem), specimen=Specimen((Layer(specimen.base.material, h),), Rigid()))
-    most = min(most, TUNING.inside * problem.indenter.r_max / h)
+    most = min(most, ATTRACTED.below_limit * problem.indenter.r_max / h)
     radii = tuple((h * np.geomspace(TUNING.under[0], most, DENSE)).tolist())
     return solved(replace(problem, loading=Loading.given("radius", radii)), body.tolerance)
 
@@ -116,7 +115,7 @@ def _of_layer(record: FittedRecord, symbol: str, quantity: str) -> Change | None
         return None
     name = f"{symbol}:{body.layer_names[0]}"
     nominal = body.nominal(name)
-    most = TUNING.incompressible / nominal - 1 if symbol == "nu" else CHANGES.largest
+    most = (0.5 - UNSEEN) / nominal - 1 if symbol == "nu" else CHANGES.largest
 
     def at_node(i: int) -> Family:
         return body.with_values({name: nominal * (1 + min(i * step, most))}).family

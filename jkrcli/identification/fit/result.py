@@ -49,10 +49,10 @@ class Fit(Answer):
     fitted curve, readings by column and "a". ``warnings``: sentences with numbers. ``flags``: what is wrong with a
     raw record, in a word or two each; ``surface``: what the surfaces were taken to do; ``quality``: of a raw
     record, between 0 and 1, with its parts, None where readings were prepared; ``adhesion``: its largest tension on
-    retraction [N], None where none is told; ``directions``: of it that were fitted. ``pixel``: in a map. ``jkr``: of a
+    retraction [N], None where there is none; ``directions``: of it that were fitted. ``pixel``: in a map. ``jkr``: of a
     fit with a range, JKR beside it; ``range_left``: of a fit of JKR, the longest range [m] that the rows leave, None
-    where none was tried; ``verdict``: of a raw record, on its rivals; ``plan``: what further
-    measurements would tell, where that was asked.
+    where none was tried; ``verdict``: of a raw record, on its rivals; ``plan``: the errors that
+    further measurements would leave, on request.
     """
 
     name: str

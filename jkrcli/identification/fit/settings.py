@@ -43,7 +43,7 @@ class Settings:
     ``contact``: "fitted": base line and contact point are fitted with the rest (``record``), "auto": where the curve is
     a raw record, else readings as they are. ``base_line`` of a raw record: "sine": with a wave by interference.
     ``model`` of a raw record: "auto" fits the best rivals in full where the data ask for one.
-    ``given``: names of the parameters that the user names. ``range_at_most`` [m]: what is known of the range of
+    ``named``: the parameters that the user frees or fixes. ``range_at_most`` [m]: what is known of the range of
     adhesion where JKR is fitted; ``tension_at_most`` [N/m]: of a surface tension that is left out.
     """
 
@@ -60,13 +60,13 @@ class Settings:
     contact: ContactName = "auto"
     base_line: BaseLineName = "straight"
     model: ModelName = "jkr"
-    given: frozenset[str] = frozenset()
+    named: frozenset[str] = frozenset()
     range_at_most: float = math.inf
     tension_at_most: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "given", self.given or frozenset(parameter.name for parameter in self.parameters))
-        if "w" not in self.given:
+        object.__setattr__(self, "named", self.named or frozenset(parameter.name for parameter in self.parameters))
+        if "w" not in self.named:
             raise InputError("fit: w must be free or fixed at a value")
         named = {parameter.name for parameter in self.parameters}
         left_out = (Parameter(name, False, value) for name, value in AS_IN_THE_CASE.items() if name not in named)
@@ -91,7 +91,7 @@ class Settings:
             self._check_range()
 
     def _check_range(self) -> None:
-        if set(RANGES) <= self.given:
+        if set(RANGES) <= self.named:
             raise InputError("fit: range and stress are one quantity, stress = w/range: free or fix one of them")
         if own := [p.name for p in self.free if p.of_body]:
             raise InputError(f"fit: {own[0]} cannot be free together with a range of adhesion: fix {own[0]}")

@@ -27,7 +27,7 @@ class SlowEdgeTuning:
     even: float = 0.01  # choice: of it, from where on radii are even, in a geometric sequence before; the contact that
     # is left when it is taken as lost
     radii: int = 100  # choice: of either; loads are then good to 5e-4 of the tension
-    widest: float = 3.0  # choice: of it, a step
+    widest: float = 3.0  # choice: of logs, a step by Newton's method
 
 
 TUNING = SlowEdgeTuning()

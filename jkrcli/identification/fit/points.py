@@ -14,7 +14,7 @@ from ...data import APPROACH, RETRACT, Curve
 from ...data.record import TUNING as RECORDS
 from .edges import ADVANCING, RECEDING
 from .settings import BranchName, SegmentName
-from .statistics import NORMAL_MEDIAN
+from .statistics import TUNING as STATISTICS
 
 COLUMNS = ("a", "delta", "P")
 
@@ -271,4 +271,6 @@ def evenly(rows: int, most: int) -> Array:
 def third_differences(column: Array) -> float:
     """Standard deviation of the noise in a ``column`` (n,), in its unit: the median size of third differences, which
     for independent normal noise scatter sqrt(20) times as much; infinite below 5 rows."""
-    return float(np.median(np.abs(np.diff(column, 3)))) / (NORMAL_MEDIAN * math.sqrt(20)) if column.size > 4 else np.inf
+    if column.size <= 4:
+        return np.inf
+    return float(np.median(np.abs(np.diff(column, 3)))) / (STATISTICS.normal_median * math.sqrt(20))

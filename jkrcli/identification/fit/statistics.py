@@ -11,15 +11,15 @@ from scipy import special
 from ...base import Array
 from .settings import Loss
 
-NORMAL_MEDIAN = 0.6745  # theory: median of |x| of a normal x of standard deviation 1
 # Theory: turns of the losses at 95 % efficiency for normal noise (Holland and Welsch 1977).
 TURNS = {"soft_l1": 1.345, "huber": 1.345, "cauchy": 2.385, "linear": math.inf}
 
 
 @dataclass(frozen=True)
 class StatisticsTuning:
-    """Chances below which noise is no explanation."""
+    """Chances below which noise is no explanation, and what is known of normal noise."""
 
+    normal_median: float = 0.6745  # theory: median of |x| of a normal x of standard deviation 1
     improbable: float = 1e-3  # choice: of misfit, and of differences between records
     suspicious: float = 1e-4  # choice: of order in residuals
 
@@ -29,7 +29,7 @@ TUNING = StatisticsTuning()
 
 def robust_scale(residuals: Array) -> float:
     """Standard deviation of normal residuals, from their median size."""
-    return float(np.median(np.abs(residuals))) / NORMAL_MEDIAN
+    return float(np.median(np.abs(residuals))) / TUNING.normal_median
 
 
 def influence(z: Array, loss: Loss) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ import numpy as np
 from ...adhesion import RATE_LAWS, TWO_SIDED_90, RateLaw, rate_parameters
 from ...base import Array, Ranged, Unknown
 from ..fit import covariance, t_quantile
-from ..fit.statistics import NORMAL_MEDIAN, larger
+from ..fit.statistics import larger, robust_scale
 from ..least_squares import Least, LeastSquares, State
 from ..parameters import Unknowns, parameters_of
 from ..work import WorkAlong
@@ -125,7 +125,7 @@ def law_through(name: str, v: Array, w: Array, together: int = 1, v_err: Array |
         if v_err is not None:
             sigma = _uneven(law, w0, v, v_err[rows], residuals)
     dof = max(v.size // together - best.x.size, 1)
-    factor = float(np.median(np.abs(residuals / sigma)) / NORMAL_MEDIAN) ** 2 * together
+    factor = robust_scale(residuals / sigma) ** 2 * together
     ends = np.quantile(v, (0.05, 0.95))
     inner = covariance((log_rates(law, w0, v) / sigma).T, factor)
     if v_err is not None:
@@ -140,7 +140,7 @@ def _uneven(law: RateLaw, w0: float, v: Array, v_err: Array, residuals: Array) -
     by_v = np.log(law.work(w0, v * (1 + step)) / law.work(w0, v * (1 - step))) / (2 * step)
     known = by_v * v_err / (TWO_SIDED_90 * v)
     surest = known <= np.median(known)
-    sigma = np.hypot(known, np.median(np.abs(residuals[surest])) / NORMAL_MEDIAN)
+    sigma = np.hypot(known, robust_scale(residuals[surest]))
     return np.ones_like(v) if not (middle := float(np.median(sigma))) > 0 else np.maximum(sigma / middle, TUNING.even)
 
 

@@ -246,10 +246,10 @@ def test_positions_that_repeat_take_no_fit_with_them() -> None:
     stretches = tuple(stepped if one is part else one for one in at.model.stretches)
     coarse = FittedRecord(at.body, replace(at.fit, model=replace(at.model, stretches=stretches)))
     with np.errstate(all="raise"):
-        look = work_over_speed(coarse)
-    assert look is not None
-    assert look.column is not None
-    assert np.isfinite(look.column).all()
+        effect = work_over_speed(coarse)
+    assert effect is not None
+    assert effect.column is not None
+    assert np.isfinite(effect.column).all()
 
 
 @pytest.mark.parametrize(("kind", "told"), [
@@ -350,9 +350,9 @@ def test_moves_at_a_bound_are_those_of_a_fit_in_full(name: str, drawn: Drawn) ->
     at = of_record(right(drawn), usual())
     rivals = bounded(at, rivals_of_record(at))
     score = next(one for one in rivals.scores if one.name == name)
-    look = named(score.name).effect(at)
-    assert isinstance(look, Change)
-    model = RivalModel.of(at.model, look)
+    effect = named(score.name).effect(at)
+    assert isinstance(effect, Change)
+    model = RivalModel.of(at.model, effect)
     held = replace(model, known={**model.known, AMOUNT: score.most})
     here = FittedRecord(at.body, force_curve.fit(held, at.fit.x, near=True))
     for rate, ratio in ((score.E_star, here.modulus / at.modulus), (score.w, here.work / at.work)):
@@ -363,10 +363,10 @@ def test_ranges_beyond_the_interval_count_by_the_chord() -> None:
     """Of rises of chi^2 by 0, 6 and 7: the larger moves of the last two at 1.96 over the root of theirs."""
     at, rival = still_record(), named("adhesion of finite range")
     score = next(one for one in rivals_of_record(at).scores if one.name == rival.name)
-    look = rival.effect(at)
-    assert isinstance(look, Change)
+    effect = rival.effect(at)
+    assert isinstance(effect, Change)
     tried = {4.0: (0.0, 0.01, -0.02), 2.0: (6.0, 0.3, 0.1), 1.0: (7.0, 0.2, -0.4)}
-    found = _of_amounts(Linearised.of(at), score, look, tried)
+    found = _of_amounts(Linearised.of(at), score, effect, tried)
     assert found.known == 4
     assert found.moved(found.E_star) == pytest.approx(0.3 * 1.96 / math.sqrt(6), rel=1e-4)
     assert found.moved(found.w) == pytest.approx(0.4 * 1.96 / math.sqrt(7), rel=1e-4)

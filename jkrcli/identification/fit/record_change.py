@@ -28,7 +28,7 @@ Loads = Callable[[ForceCurveModel, DirectionReadings, Values], Array]  # [N], of
 
 @dataclass(frozen=True)
 class ChangeTuning:
-    """Differences by amounts."""
+    """Differences by amounts, and how far rivals are followed."""
 
     little: float = 1e-3  # theory: relative amounts whose squares are below the noise of any record
     step: float = 1e-5  # theory: relative, for one-sided differences of loads that are good to 1e-9; of histories more

@@ -53,6 +53,9 @@ class HybridTuning:
     # Of the last step but one over the last, at most; where it falls by more, the last is small by accident:
     plausible: float = 300.0  # tuned on random bodies, by `make bounds`
     plausible_cornered: float = 50.0  # with singular corners; tuned on random bodies, by `make bounds`
+    small: float = 0.1  # a step that a level below the lowest tells of; tuned on random bodies, by `make bounds`
+    # Times what is small by accident, at pull-off points, after one step from the lowest:
+    at_points: float = 2.0  # tuned on random bodies, by `make bounds`
     steeper: float = 2.0  # error of S' over that of the others, at least; tuned on random bodies, by `make failures`
     allowed: float = 0.5  # of the tolerance, up to which ``steeper`` asks for no finer elements; choice: half
     unseen: float = 3.0  # times the last polynomial's change / (convergence - 1): its error; theory: geometric series
@@ -391,10 +394,11 @@ class AdaptiveKernel:
         known = bool(np.isfinite(before).all())
         fast = known and levels.correction(degree).elements > TUNING.irregular
         falls = _falls(before, last, fastest) if fast else np.full(radii.size, TUNING.slowest)
-        # Two levels may agree by accident; one below the lowest tells of that only where they agree too well:
+        # Two levels may agree by accident, which the step before tells of; one from below the lowest only where it is a
+        # small one, or the last much smaller still:
         by_accident = TUNING.safety / TUNING.slowest / plausible * known
-        telling = known and (not after_lowest or bool(before.max() > plausible * last.max()))
-        accident = by_accident * (before if telling else 0.0)
+        small = known and bool(before.max() < TUNING.small or before.max() > plausible * last.max())
+        accident = by_accident * (before if known and (not after_lowest or small) else 0.0)
         left = max(TUNING.unseen / (convergence(region) - 1), TUNING.least)
         cut = _left_by_cut(region, cuts[0]) if cuts else np.zeros_like(last)
         least = TUNING.no_claim * self.tolerance + (GRADED if levels.wide is not None else 0.0)
@@ -402,7 +406,8 @@ class AdaptiveKernel:
         steeper = np.minimum(TUNING.steeper * elements[:-1].max(axis=0), TUNING.allowed * self.attainable)
         elements[-1] = np.maximum(elements[-1], steeper)
         # The polynomial that is missing goes in waves: the last one shows one phase of them, the last but one another:
-        parts = (TUNING.safety / float(falls[-1]), by_accident, left, left / convergence(region), 1.0)
+        at_points = by_accident * (TUNING.at_points if after_lowest else 1.0)
+        parts = (TUNING.safety / float(falls[-1]), at_points, left, left / convergence(region), 1.0)
         weights = (*(part * ALL for part in parts), _of_cut(region))[: len(kernels)]
         companions = replace(companions, weights=weights, least=least + precise)
         return ErrorEstimates(radii, elements, left * waves, cut, companions)

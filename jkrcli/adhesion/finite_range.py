@@ -127,7 +127,8 @@ class FiniteRangeCurve(EquilibriumCurve):
     def point_error(self, point: Equilibrium, stiffness: float) -> Errors:
         """Half-widths of "delta" [m] and "P" [N] at the lowest ``point`` under a device of a ``stiffness`` [N/m]: those
         of the curve there, of the place, by a profile at points, and what every second state changes. Where it is not
-        known how far other panels move the place, it errs by about the same fraction as P."""
+        known how far other panels move the place, it errs by about the same fraction as P, and at least by round-off,
+        as a zero of a derivative."""
         here, by_points = self.error_at(np.array(point.place)), self.by_points.get(stiffness, {})
         for name in by_points:
             here[name] = here[name] - np.interp(point.place, self.places, self.of_profile[name])
@@ -138,7 +139,7 @@ class FiniteRangeCurve(EquilibriumCurve):
         if len(nearest) < len(halves):
             assert isinstance(self.interpolation_error, float)
             unseen += TUNING.halved * self.interpolation_error
-        fraction = unseen + self.moved.get(stiffness, 0.0)
+        fraction = unseen + self.moved.get(stiffness, 0.0) + ROUNDED
         rates = dict(zip(("delta", "P"), self._rates(np.array(point.place)), strict=True))
         return {
             name: float(here[name]) + by_points.get(name, 0.0)

@@ -112,11 +112,14 @@ class AttractedBody:
         return self._checks[reach]
 
     def kernel_error(self, reach: float, radii: Array) -> Array:
-        """Relative error that the kernel itself leaves in delta, P and S up to ``radii`` [m]."""
+        """Relative error that the kernel itself leaves in delta and P up to ``radii`` [m]: that of nonadhesive contact,
+        and of the density at its edge, whose square is S'."""
         estimates = self._kernel(reach)[2]
         if estimates is None:
             return np.full(radii.size, GRADED if self.problem.specimen.is_graded else 0.0)
-        return estimates.at(np.asarray(radii)).max(axis=0)
+        *columns, dS = estimates.at(np.asarray(radii))
+        largest: Array = np.max([*columns, dS / 2], axis=0)
+        return largest
 
     def _kernel(self, reach: float) -> tuple[Attraction, KernelContact | None, ErrorEstimates | None]:
         if reach not in self._kernels:

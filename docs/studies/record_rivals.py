@@ -30,7 +30,7 @@ from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
-from jkrcli.identification.fit import Fit, FittedBody, fit, force_curve, record_verdict
+from jkrcli.identification.fit import Fit, FittedBody, fit, force_curve_fit, record_verdict
 from jkrcli.identification.fit.fitted_record import FittedRecord
 from jkrcli.identification.fit.record_change import AMOUNT, Change, RivalModel
 from jkrcli.identification.fit.record_rivals import RIVALS
@@ -176,7 +176,7 @@ def _add_ratios(name: str, ratios: dict[str, list[float]]) -> None:
     moves = []
     for amount in (*upward, *-upward[upward * score.least < 0]):
         model = replace(RivalModel.of(plain.model, change), known={**plain.model.known, AMOUNT: amount})
-        here = FittedRecord(body, force_curve.fit(model, plain.x, near=True))
+        here = FittedRecord(body, force_curve_fit.fit(model, plain.x, near=True))
         moves.append([math.log(here.modulus / at.modulus), math.log(here.work / at.work) if here.work else 0.0])
     largest = np.abs(moves).max(axis=0)
     for quantity, error, moved in zip(ratios, relative_errors(plain), largest, strict=True):

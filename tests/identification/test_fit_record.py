@@ -20,7 +20,7 @@ from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
-from jkrcli.identification.fit import Fit, FittedBody, FittedValue, fit, force_curve
+from jkrcli.identification.fit import Fit, FittedBody, FittedValue, fit, force_curve_fit
 from jkrcli.identification.fit.points import third_differences
 from jkrcli.identification.fit.record import whole_record
 from jkrcli.identification.fit.settings import Settings, settings_of
@@ -589,7 +589,7 @@ def test_prepared_readings_of_both_directions_have_a_w_each() -> None:
 
 
 def test_a_search_that_is_given_up_says_what_is_not_determined(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(force_curve, "TUNING", replace(force_curve.TUNING, evaluations=1))
+    monkeypatch.setattr(force_curve_fit, "TUNING", replace(force_curve_fit.TUNING, evaluations=1))
     found = fit(BODY, cycled(1), usual())
     assert "not determined" in found.flags
     assert found.estimate("E_star").high is None

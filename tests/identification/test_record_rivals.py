@@ -18,7 +18,7 @@ from test_fit_record import BODY, R, usual
 from wrong_records import SPEED, WRONG, Drawn, Wrong, right
 
 from jkrcli.data.measured import Curve
-from jkrcli.identification.fit import Fit, fit, force_curve
+from jkrcli.identification.fit import Fit, fit, force_curve_fit
 from jkrcli.identification.fit.coloured import Spectrum
 from jkrcli.identification.fit.device_path import grid, on_grid
 from jkrcli.identification.fit.fitted_record import FittedRecord, Known
@@ -354,7 +354,7 @@ def test_moves_at_a_bound_are_those_of_a_fit_in_full(name: str, drawn: Drawn) ->
     assert isinstance(effect, Change)
     model = RivalModel.of(at.model, effect)
     held = replace(model, known={**model.known, AMOUNT: score.most})
-    here = FittedRecord(at.body, force_curve.fit(held, at.fit.x, near=True))
+    here = FittedRecord(at.body, force_curve_fit.fit(held, at.fit.x, near=True))
     for rate, ratio in ((score.E_star, here.modulus / at.modulus), (score.w, here.work / at.work)):
         assert 0.5 < abs(rate * score.most / math.log(ratio)) < 2
 

@@ -18,7 +18,9 @@ from ...data.measured.curve import APPROACH
 from .body import FittedBody
 from .device_path import grid
 from .family import Family
-from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, base_line
+from .force_curve import ForceCurveModel, base_line
+from .force_curve_fit import ForceCurveFit
+from .force_curve_readings import DirectionReadings
 from .record_change import LITTLE, Change, RivalModel, Values, interpolated
 
 

@@ -31,7 +31,7 @@ from .body import FittedBody, check_parameters
 from .checks import warnings_of
 from .confidence import confidence_of
 from .edges import ADVANCING, RECEDING, RESTING, RestingMember
-from .force_curve import Neighbour
+from .force_curve_fit import Neighbour
 from .jkr_beside import jkr_beside
 from .model import PathDistances
 from .points import Points, directed, points_of, points_of_cycle

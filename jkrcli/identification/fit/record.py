@@ -20,20 +20,11 @@ from ..least_squares import State
 from ..parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, Parameter, dimension_of
 from .body import FittedBody
 from .checks import warnings_of
-from .force_curve import (
-    DirectionReadings,
-    ForceCurveFit,
-    ForceCurveModel,
-    Neighbour,
-    another_modulus,
-    base_line,
-    fit,
-    nearest,
-    stretches,
-    unasked_drift,
-    windowed,
-)
+from .force_curve import ForceCurveModel, base_line
+from .force_curve_fit import ForceCurveFit, Neighbour, fit, nearest, windowed
+from .force_curve_readings import DirectionReadings, stretches
 from .interference import Wave, straightened
+from .one_more import another_modulus, unasked_drift
 from .points import third_differences
 from .positions import TIMED
 from .record_rivals import OF_RIVALS
@@ -528,7 +519,7 @@ def _carried(
         else:
             moved = body.with_values({name: value})
             model = replace(found.model, family=moved.family)
-        refitted = fit(model, model.moved(found, value if name in CALIBRATED else 1.0), near=True, loss=settings.loss)
+        refitted = fit(model, found.at_loads(value if name in CALIBRATED else 1.0), near=True, loss=settings.loss)
         return _outcome(refitted, refitted.x, moved)
 
     centres = {name: 1.0 if name in CALIBRATED else body.nominal(name) for name in settings.uncertain}

@@ -19,7 +19,9 @@ from scipy.interpolate import CubicSpline
 from ...base import REMEMBERED, Array, SolveError
 from .device_path import Changes, DeviceBranch, Rest, grid, on_grid
 from .family import Family
-from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel
+from .force_curve import ForceCurveModel
+from .force_curve_fit import ForceCurveFit
+from .force_curve_readings import DirectionReadings
 
 AMOUNT, ANY = "amount", (-math.inf, math.inf)
 Values = Mapping[str, float]  # of all unknowns, by name

@@ -17,7 +17,9 @@ from scipy.special import fdtrc
 
 from ...base import MOST_SOLVES, MOST_STEPS, TINY, Array, JkrError, SolveError
 from .fitted_record import FittedRecord
-from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
+from .force_curve import ForceCurveModel
+from .force_curve_fit import ForceCurveFit, fit, misfit_at, rough, windowed
+from .force_curve_starts import starts_of
 from .record_change import AMOUNT, Change, RivalModel
 from .record_rival_adhesion import TUNING as ADHESION
 from .record_rival_adhesion import amount_of_range, neck

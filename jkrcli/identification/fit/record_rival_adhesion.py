@@ -16,7 +16,8 @@ from ...base import MOST_STEPS, Array
 from .device_path import grid, on_grid, rest
 from .family import Family
 from .fitted_record import FittedRecord
-from .force_curve import DirectionReadings, ForceCurveModel
+from .force_curve import ForceCurveModel
+from .force_curve_readings import DirectionReadings
 from .record_change import AMOUNT, LITTLE, Change, Values, change_of_body
 from .record_change import TUNING as CHANGES
 from .slow_edge import TUNING as SLOW_EDGE

@@ -25,7 +25,9 @@ from .body import FittedBody, solved
 from .device_path import grid
 from .family import Family
 from .fitted_record import FittedRecord, log_ratio
-from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel
+from .force_curve import ForceCurveModel
+from .force_curve_fit import ForceCurveFit
+from .force_curve_readings import DirectionReadings
 from .record_change import AMOUNT, LITTLE, Change, RivalModel, Values, change_of_body, of_body
 from .record_change import TUNING as CHANGES
 from .record_rival_adhesion import root_of

@@ -13,7 +13,7 @@ from ...data.measured.curve import APPROACH
 from .device_path import grid
 from .family import Family
 from .fitted_record import FittedRecord
-from .force_curve import DirectionReadings
+from .force_curve_readings import DirectionReadings
 from .record_change import AMOUNT, LITTLE, Change, change_of_body, of_body
 
 

@@ -21,7 +21,8 @@ from ...base import REMEMBERED, Array, InputError
 from ...bodies import Relaxation
 from ...data.measured.curve import APPROACH
 from .fitted_record import FittedRecord
-from .force_curve import DirectionReadings, ForceCurveModel, base_line
+from .force_curve import ForceCurveModel, base_line
+from .force_curve_readings import DirectionReadings
 from .record_change import AMOUNT, Change, Loads, Values
 from .record_change import TUNING as CHANGES
 

@@ -20,7 +20,7 @@ from ...base import TINY, UNSEEN, Array
 from .coloured import TUNING as COLOURED
 from .coloured import frequencies, in_time, waves
 from .fitted_record import FittedRecord
-from .force_curve import ForceCurveFit
+from .force_curve_fit import ForceCurveFit
 from .record_change import TUNING as CHANGES
 from .record_rivals import Rival, columns
 from .statistics import t_quantile

@@ -14,7 +14,8 @@ from ...bodies import Problem
 from ..answer import FittedValue
 from .body import FittedBody
 from .fitted_record import FittedRecord, Known
-from .force_curve import ForceCurveFit, ForceCurveModel, base_line
+from .force_curve import ForceCurveModel, base_line
+from .force_curve_fit import ForceCurveFit
 from .record_full import RivalFit, bounded, fitted_in_full
 from .record_rivals import MEMORY
 from .record_scores import FittedRival, RecordRivals, Verdict, rivals_of_record

@@ -1,0 +1,332 @@
+"""The search for the unknowns of a force curve, and its end: estimates, covariance, noise."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from ...base import Array, SolveError
+from ...data.measured.curve import APPROACH
+from ..least_squares import Least, LeastSquares, State
+from .coloured import Spectrum, Spread
+from .coloured import spread as covariance
+from .force_curve import ForceCurveModel
+from .force_curve_readings import DirectionReadings
+from .force_curve_starts import by_base_lines, starts_of
+from .settings import Loss
+from .statistics import TURNS, influence, robust_scale
+
+
+@dataclass(frozen=True)
+class ForceCurveFitTuning:
+    """How starts are tried, and when a search ends."""
+
+    window: float = 4.0  # choice: standard errors of z0 and w that the window about first touch covers
+    beside: float = 2.0  # choice: rows on each side of first touch, at least, that belong to the window
+    narrow: float = 0.3  # choice: of the depth of contact, that the window covers at most
+    above: float = 1.1  # choice: of the w that the last row holds at rest, one with which it rests for sure
+    recedes: float = 12.0  # theory: fall of chi^2 by one unknown that chance brings once in 2000
+    surely_found: float = 1.05  # choice: of the noise, residuals that the search is not begun anew for
+    enough: float = 1.5  # choice: of the noise, residuals that no other start is tried below
+    blunt: tuple[float, ...] = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt fold while searching
+    moduli: float = 10.0  # choice: of ln s about its start, where the search may go
+    periods: float = 0.3  # choice: the same of the log of a wave's period
+    converged: float = 1e-11  # choice: relative change of parameters
+    fell: float = 1e-8  # choice: of the cost, below which the minimum is found: a hundredth of a standard error
+    about: float = 1e-6  # choice: the same while the fold is blunter than it will be, or no more can be had
+    unsure: float = 0.1  # choice: of the way in contact, the most that the place of a fold is taken to be uncertain by
+    widths: int = 5  # choice: of that error, each told by the one before
+    narrower: float = 2.0  # choice: factor between two of them, below which they agree
+    near: float = 0.1  # choice: of chi^2, the fall still to be had a third of a standard error from its minimum
+    evaluations: int = 80  # choice: steps after which the search gives up
+
+
+TUNING = ForceCurveFitTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class ForceCurveFit:
+    """The model that fits best: ``values`` and standard errors by name; ``off`` residuals [N] of all rows.
+
+    ``sigma``: standard deviation of a reading about the model [N]; ``weight``: the noise that rows were weighted by;
+    ``spread``: covariance of the unknowns, and the noise that it rests on. ``least``: as the search sees it, in units
+    of ``weight``. ``ended``: whether it is a minimum, and not where the search was given up.
+    """
+
+    model: ForceCurveModel
+    names: tuple[str, ...]
+    x: Array
+    weight: Spectrum
+    spread: Spread
+    off: Array
+    sigma: float
+    least: Least
+    ended: bool
+
+    @property
+    def covariance(self) -> Array:
+        return self.spread.covariance
+
+    def value(self, name: str) -> float:
+        return float(self.x[self.names.index(name)])
+
+    def error(self, name: str) -> float:
+        i = self.names.index(name)
+        return math.sqrt(self.covariance[i, i])
+
+    def unknowns(self, model: ForceCurveModel) -> Array:
+        """Those of a ``model`` that may know fewer of them."""
+        values = self.model.values(self.x)
+        return np.array([values[name] for name in model.names])
+
+    def at_loads(self, factor: float) -> Array:
+        """The unknowns as they are about where all loads are ``factor`` times as large."""
+        loads = np.array([name.startswith(("offset:", "tilt:", "cos:", "sin:")) for name in self.names], dtype=bool)
+        ln_s = np.array([name == "ln_s" for name in self.names])
+        return np.where(loads, factor * self.x, self.x) + np.where(ln_s, math.log(factor), 0.0)
+
+
+def _even(model: ForceCurveModel) -> Spectrum:
+    """White noise as large as the range of the loads: the weight while nothing is known of it."""
+    return Spectrum(max(float(np.ptp(part.P)) for part in model.stretches) ** 2)
+
+
+def _state(model: ForceCurveModel, weight: Spectrum, blunt: float, x: Array) -> State:
+    """The residuals, weighted by noise."""
+    return _weighted(model, weight, *model.residuals(x, blunt))
+
+
+def _weighted(model: ForceCurveModel, weight: Spectrum, off: Array, rates: Array) -> State:
+    return State(model.whitened(off, weight), partial(model.whitened, rates, weight))
+
+
+def _problem(
+    model: ForceCurveModel, weight: Spectrum, bounds: tuple[Array, Array], blunt: float, enough: float
+) -> LeastSquares:
+    return LeastSquares(partial(_state, model, weight, blunt), bounds, enough, TUNING.fell, TUNING.evaluations)
+
+
+def misfit_at(model: ForceCurveModel, x: Array) -> float:
+    """Half the sum of squares at the unknowns ``x``, of loads over their range."""
+    off = _state(model, _even(model), TUNING.blunt[-1], np.clip(x, *_bounds(model, x))).residuals
+    return float(off @ off) / 2
+
+
+def rough(model: ForceCurveModel, start: Array, steps: int) -> tuple[float, Array]:
+    """Half the sum of squares that is left, of loads over their range, and the unknowns that leave about least, by a
+    search from ``start`` on of a few ``steps``."""
+    problem = _problem(model, _even(model), _bounds(model, start), TUNING.blunt[1], TUNING.about)
+    found = replace(problem, evaluations=steps).least(start)
+    return found.cost, found.x
+
+
+def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> ForceCurveFit:
+    """The unknowns that leave least, first of a few rows and with a blunt fold unless ``start`` is ``near``, then of
+    all as they are; then weighted by the noise of the free rows where that has a colour. Where the rows do not
+    determine them the search creeps along a valley: it is given up, and that is told."""
+    bounds, even = _bounds(model, start), _even(model)
+    x, sharp = np.clip(start, *bounds), TUNING.blunt[-1]
+    few = model
+    if "turn" not in model.names:  # of a retraction alone other minima are near
+        few = replace(model, stretches=tuple(part.thinned() for part in model.stretches))
+    whole, level = _problem(model, even, bounds, sharp, TUNING.converged), max(p.line.noise for p in model.stretches)
+    slow = TUNING.blunt[: -1 if few is model else None]
+    for stages in [()] if near else [slow] if few is model else [TUNING.blunt[1:2], slow]:
+        begun = x
+        for blunt in stages:
+            begun = _problem(few, _even(few), bounds, blunt, TUNING.about).least(begun).x
+        found = whole.least(begun)
+        if found.ended and 2 * found.cost * even.A < (TUNING.surely_found * level) ** 2 * found.state.residuals.size:
+            break  # no other minimum leaves less than the noise
+    about = _problem(model, even, bounds, sharp, TUNING.about)
+    if not found.ended:  # of few rows at the fold each makes a kink, between which a search runs to and fro
+        found = about.least(found.x)
+    for _ in range(2 * (loss != "linear")):
+        width = TURNS[loss] * robust_scale(found.state.residuals)
+        found = replace(about, loss=loss, width=width).least(found.x)
+    best = _fitted(model, found, even)
+    noise = best.spread.noise
+    if loss != "linear" or not noise.slow:
+        return best
+    x = best.unknowns(model)  # an edge that rests by white noise need not by this one
+    for blunt in (sharp, TUNING.blunt[1]):  # where misfit runs to and fro between the kinks of a sharp fold
+        found = _problem(model, noise, _bounds(model, x), blunt, TUNING.about).least(x)
+        if found.ended:
+            break
+    return _fitted(model, found, noise)
+
+
+def _fitted(model: ForceCurveModel, found: Least, weight: Spectrum) -> ForceCurveFit:
+    """What the end of a search means."""
+    before, sharp, (model, x) = found.problem, TUNING.blunt[-1], _without_idle(model, found.x, weight)
+    problem = replace(before, model=partial(_state, model, weight, sharp), bounds=_bounds(model, x))
+    off, rates = model.residuals(x, sharp)
+    found = replace(found, problem=problem, x=x, state=_weighted(model, weight, off, rates))
+    size = before.width * math.sqrt(_even(model).A)
+    psi, slope = influence(off / size, before.loss)
+    pull = psi * size / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
+    dof = max(off.size - x.size, 1)
+    J, spread = _told_at_folds(model, x, off, pull, weight)
+    ended = found.ended or _flat(model.whitened(pull, weight), model.whitened(J, weight), TUNING.near / dof)
+    return ForceCurveFit(model, model.names, x, weight, spread, off, math.sqrt(float(pull @ pull) / dof), found, ended)
+
+
+def _told_at_folds(model: ForceCurveModel, x: Array, off: Array, pull: Array, weight: Spectrum) -> tuple[Array, Spread]:
+    """Derivatives of all rows, (rows, unknowns), and the covariance by them, residuals ``off`` and what rows ``pull``
+    with [N].
+
+    From a fold on loads rise with the root of the distance: their slope there holds no nearer to it than its place is
+    known to, nor than half of the way between two rows. White noise leaves it known to about that.
+    """
+    residuals, free = model.ordered(pull, weight), model.free(off)
+
+    def told(J: Array) -> Spread:
+        return covariance(residuals, model.ordered(J, weight), free, weight)
+
+    J = model.residuals(x, 0.0)[1]
+    spread, first = told(J), 0
+    for part in model.stretches if weight.slow and "z0" in model.names else ():
+        rows = slice(first, first := first + part.z.size)
+        lost, width = rows.start + int(np.argmax(part.touching)), TUNING.unsure * part.reach
+        if not part.jumped or _place_error(model, J[lost], spread) <= part.spacing:
+            continue
+        J = J.copy()
+        for _ in range(TUNING.widths):
+            J[rows] = model.evaluated(x, width / part.reach)[1][rows]
+            spread = told(J)
+            error = max(_place_error(model, J[lost], spread), part.spacing / 2)
+            if TUNING.narrower * error > width:
+                break
+            width = error
+    return J, spread
+
+
+def _place_error(model: ForceCurveModel, slopes: Array, spread: Spread) -> float:
+    """The standard error [m] of the place of a fold, where loads change by ``slopes`` with the unknowns."""
+    rise = abs(float(slopes[model.names.index("z0")]))
+    return math.sqrt(max(float(slopes @ spread.covariance @ slopes), 0.0)) / rise if rise else 0.0
+
+
+def _flat(off: Array, J: Array, share: float) -> bool:
+    """Whether a step of Gauss and Newton would lower chi^2 by less than a ``share`` of it."""
+    step = J @ np.linalg.lstsq(J, off, rcond=None)[0]
+    return float(step @ step) < share * float(off @ off)
+
+
+def _without_idle(model: ForceCurveModel, x: Array, weight: Spectrum) -> tuple[ForceCurveModel, Array]:
+    """The model and its unknowns without those that no row depends on, which are known then: the share of an edge that
+    never rests, w of an edge that rests throughout, which is at least what its last row holds."""
+    idle = ~model.residuals(x, 0.0)[1].any(axis=0)
+    idle |= (np.array(model.names) == "turn") & (np.abs(x) == 1)
+    values, last = dict(zip(model.names, map(float, x), strict=True)), model.stretches[-1]
+    own = f"q:{last.kind}"
+    told = own in values and last.touching.any() and (last.tension > 0 or not last.line.rows)
+    if told and (resting := model.rest(last, model.values(x))):
+        depth = model.depth(last, model.values(x))[last.touching]
+        most = resting.released(math.sqrt(max(values[own], 0.0)), float(depth.min())) ** 2  # its last row holds that
+        if _rests_throughout(model, x, own, most, weight):
+            idle |= np.array(model.names) == own
+            values[own] = most
+    known = {name: values[name] for name, no in zip(model.names, idle, strict=True) if no}
+    return (replace(model, known={**model.known, **known}), x[~idle]) if known else (model, x)
+
+
+def _rests_throughout(model: ForceCurveModel, x: Array, own: str, most: float, weight: Spectrum) -> bool:
+    """Whether an edge that never recedes, as of a w above ``most``, describes the rows as well, in units of noise."""
+    never = np.where(np.array(model.names) == own, min(TUNING.above * most, model.most), x)
+    with contextlib.suppress(SolveError):  # no contact bears that
+        recedes, rests = (float(np.sum(model.whitened(model.residuals(at, 0.0)[0], weight) ** 2)) for at in (x, never))
+        return (rests / recedes - 1) * sum(part.P.size for part in model.stretches) < TUNING.recedes
+    return False
+
+
+def windowed(found: ForceCurveFit) -> ForceCurveModel:
+    """The model without the rows about first touch where nothing else tells which of them are in contact: the load is
+    not smooth there in z0 and w. The same model where there are none."""
+    parts = tuple(part if part.jumped else _windowed(found, part) for part in found.model.stretches)
+    return found.model if parts == found.model.stretches else replace(found.model, stretches=parts)
+
+
+def _windowed(found: ForceCurveFit, part: DirectionReadings) -> DirectionReadings:
+    """A stretch whose rows are free up to the window and in contact beyond."""
+    values = found.model.values(found.x)
+    depth, own = found.model.depth(part, values), f"q:{part.kind}"
+    error = found.error(own) if own in found.names else 0.0
+    most = values | {own: max(values[own], 0.0) + TUNING.window * error}
+    neck = 0.0 if part.kind == APPROACH else -found.model.branch(part, most).fold
+    unsure = found.error("z0") if "z0" in found.names else 0.0
+    half = neck + max(TUNING.window * unsure, TUNING.beside * part.spacing)
+    half = min(half, TUNING.narrow * float(depth.max()))
+    if half <= 0:
+        return part  # no row of it is in contact
+    keep = np.abs(depth) > half
+    cut = {name: getattr(part, name)[keep] for name in ("rows", "z", "P", "t")}
+    return replace(part, touching=(depth > 0)[keep], jumped=True, **cut)
+
+
+def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
+    """Least and largest unknowns of a search from ``start`` on."""
+    names = np.array(model.names, dtype=str)
+    reach = np.select([names == "ln_s", names == "ln_period"], [TUNING.moduli, TUNING.periods], np.inf)
+    lowest, highest = start - reach, start + reach
+    for letter, high in (("q", model.most), ("r", math.sqrt(model.most)), ("t", 1.0)):
+        own = np.char.startswith(names, f"{letter}:") | (names == "turn") & (letter == "t")
+        lowest, highest = np.where(own, -high, lowest), np.where(own, high, highest)
+    least, most = np.array([model.limits.get(name, (-np.inf, np.inf)) for name in model.names]).T
+    return np.maximum(lowest, least), np.minimum(highest, most)
+
+
+class Neighbour:
+    """Where the search of one record ended, for that of the next one of a map."""
+
+    def __init__(self) -> None:
+        self.found: ForceCurveFit | None = None
+
+    def start(self, model: ForceCurveModel) -> Array | None:
+        """Unknowns of a ``model`` with moduli and w of the last record, contact beginning as far from the outermost row
+        that is in contact for sure; None where it has others."""
+        found = self.found
+        if found is None or found.names != model.names or model.positions or any(one.wave for one in model.stretches):
+            return None
+        then, now = _outermost(found.model), _outermost(model)
+        if then is None or now is None:
+            return None
+        values = {name: found.value(name) for name in found.names} | by_base_lines(model)
+        values["z0"] += now - then
+        return np.array([values[name] for name in model.names])
+
+
+def _outermost(model: ForceCurveModel) -> float | None:
+    """The position [m] of the outermost row of the last direction that is in contact for sure."""
+    part = model.stretches[-1]
+    return float(part.z[part.touching].min()) if part.jumped else None
+
+
+def nearest(model: ForceCurveModel, loss: Loss = "linear", near: Array | None = None) -> ForceCurveFit:
+    """The unknowns that leave least, from several starts until one leaves no more than noise, ``near`` being the first
+    one; SolveError where no search converges. Of a retraction alone all are tried: how far its edge rests is told by
+    its shape only."""
+    noise = max(part.line.noise for part in model.stretches)
+    if near is not None and "turn" not in model.names:
+        with contextlib.suppress(SolveError):
+            found = fit(model, near, True, loss)
+            if found.ended and found.sigma <= TUNING.surely_found * noise:
+                return found
+    best: ForceCurveFit | SolveError = SolveError("no curve of this body resembles the record")
+    for x in starts_of(model):
+        try:
+            found = fit(model, x, loss=loss)
+        except SolveError as error:
+            best = error if isinstance(best, SolveError) else best
+            continue
+        if isinstance(best, SolveError) or (not found.ended, found.sigma) < (not best.ended, best.sigma):
+            best = found
+        if "turn" not in model.names and best.sigma <= TUNING.enough * noise:
+            break
+    if isinstance(best, SolveError):
+        raise best
+    return best

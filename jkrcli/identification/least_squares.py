@@ -23,10 +23,10 @@ from .fit.statistics import costs
 
 @dataclass(frozen=True)
 class SearchTuning:
-    """How often is searched again, and what laws of records over time have in common."""
+    """Steps of a search, ends of profiles, and what laws of records over time have in common."""
 
     doublings: int = 6  # choice: of the step in which a profile must reach its limit, else it has none
-    held: float = 10.0  # theory: how much more a held value weighs than the data, whose pull is then a hundredth
+    pull: float = 10.0  # theory: how much more a constrained value weighs than the data, whose pull is then a hundredth
     close: float = 1e-3  # choice: of the step, to which the end of a profile is found
     reach: float = 12.0  # choice: guard, how far logs may move from their start
     poor: float = 0.25  # choice: of what a step foretold, below which the next ones are shorter
@@ -44,8 +44,8 @@ TUNING = SearchTuning()
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """What a model says at some unknowns: ``residuals`` (n,), and the ``jacobian`` (n, unknowns), which ``rates`` gives
-    when it is asked for."""
+    """What a model says at some unknowns: ``residuals`` (n,), and the ``jacobian`` (n, unknowns), which ``rates``
+    computes on request."""
 
     residuals: Array
     rates: Callable[[], Array]
@@ -99,13 +99,13 @@ class LeastSquares:
             raise SolveError("no curve of this body resembles the record")
         if self.loss == "linear":
             return self._of_squares(start, at(start))
-        found = optimize.least_squares(
+        solution = optimize.least_squares(
             lambda x: at(x).residuals, start, lambda x: at(x).jacobian, bounds=self.bounds,
             method="trf", x_scale="jac", loss=self.loss, f_scale=self.width, max_nfev=self.evaluations,
             ftol=max(self.cost, self.converged), xtol=self.converged, gtol=self.converged,
         )  # fmt: skip
-        steps, ended = int(found.nfev), found.status > 0
-        return Least(self, found.x, at(found.x), float(found.cost), found.active_mask != 0, steps, ended)
+        steps, ended = int(solution.nfev), solution.status > 0
+        return Least(self, solution.x, at(solution.x), float(solution.cost), solution.active_mask != 0, steps, ended)
 
     def _of_squares(self, x: Array, state: State) -> Least:
         """The least of squares by steps of Gauss and Newton within a radius, in units of the columns' lengths, that
@@ -127,20 +127,20 @@ class LeastSquares:
                 new = np.clip(new, low, high)
                 there, steps = self._if_any(new), steps + 1
                 change, moved = state.jacobian @ (new - x), float(np.linalg.norm((new - x) * length))
-                foretold = -float(change @ (state.residuals + change / 2))
-                fallen = -math.inf if there is None else cost - there.cost
-                good = fallen / foretold if foretold > 0 else 0.0
+                predicted = -float(change @ (state.residuals + change / 2))
+                reduction = -math.inf if there is None else cost - there.cost
+                ratio = reduction / predicted if predicted > 0 else 0.0
                 close = float(np.linalg.norm(new - x)) < self.converged * (self.converged + float(np.linalg.norm(x)))
-                ended = close or (good > TUNING.poor and fallen < max(self.cost, self.converged) * cost)
-                if good < TUNING.poor:
+                ended = close or (ratio > TUNING.poor and reduction < max(self.cost, self.converged) * cost)
+                if ratio < TUNING.poor:
                     radius = TUNING.poor * moved
-                elif good > TUNING.good and moved > TUNING.whole * radius:
+                elif ratio > TUNING.good and moved > TUNING.whole * radius:
                     radius = 2 * radius
-                if there is not None and fallen > 0:
+                if there is not None and reduction > 0:
                     x, state, cost = new, there, there.cost
                 if ended:
                     return self._ended(x, state, steps, True)
-                if fallen > 0:
+                if reduction > 0:
                     break
         return self._ended(x, state, steps, False)
 
@@ -184,20 +184,20 @@ class Least:
     ended: bool
 
     def profile(self, outcome: Outcome, step: float, limit: float) -> float | None:
-        """The value of an ``outcome`` at which the least cost with it held is ``limit`` higher, where a ``step`` from
-        here leads to; None: it never is.
+        """The value of an ``outcome`` at which the least cost with it constrained is ``limit`` higher, where a
+        ``step`` from here leads to; None: it never is.
 
-        The held value is pulled at by one more row: what it comes to, and what that costs, lie on the profile.
+        One more row pulls at the constrained value: what it comes to, and what that costs, lie on the profile.
         """
         here, loss, width = outcome(self.x)[0], self.problem.loss, self.problem.width
-        weight = TUNING.held * math.sqrt(2 * limit) / abs(step)
+        weight = TUNING.pull * math.sqrt(2 * limit) / abs(step)
         near, known = [self.x], {0.0: (-math.sqrt(limit), self.x)}  # a search from elsewhere may end elsewhere
 
         def excess(k: float) -> float:
             if k not in known:
-                held = self.problem.holding(outcome, here + k * step, weight).least(near[0])
-                cost = costs(held.state.residuals[:-1], loss, width)
-                known[k] = (math.sqrt(max(cost - self.cost, 0.0)) - math.sqrt(limit), held.x)
+                constrained = self.problem.holding(outcome, here + k * step, weight).least(near[0])
+                cost = costs(constrained.state.residuals[:-1], loss, width)
+                known[k] = (math.sqrt(max(cost - self.cost, 0.0)) - math.sqrt(limit), constrained.x)
             value, near[0] = known[k]
             return value
 
@@ -213,7 +213,7 @@ class Least:
 
     def sample(self, change: Callable[[State], State], cost: float) -> Array | None:
         """The unknowns of the least where all states are changed, from a first step by Gauss and Newton, to ``cost``
-        relatively; None where it is not found."""
+        relatively; None where no search reaches it."""
         here = change(self.state)
         near = self.x - np.linalg.lstsq(here.jacobian, here.residuals, rcond=None)[0]
         with contextlib.suppress(JkrError):
@@ -238,15 +238,15 @@ class _Ball:
 
     def step(self, radius: float) -> Array:
         """The step to there that is no longer than ``radius``, by Newton's method for the inverse of its length."""
-        more, found = 0.0, self.along / self.sizes
+        more, coordinates = 0.0, self.along / self.sizes
         for _ in range(TUNING.rounds):
-            length = float(np.linalg.norm(found))
+            length = float(np.linalg.norm(coordinates))
             if length <= TUNING.longer * radius:
                 break
-            rate = float(np.sum(found**2 / (self.sizes**2 + more))) / length
+            rate = float(np.sum(coordinates**2 / (self.sizes**2 + more))) / length
             more += (length / radius - 1) * length / rate
-            found = self.sizes * self.along / (self.sizes**2 + more)
-        inside: Array = found @ self.V
+            coordinates = self.sizes * self.along / (self.sizes**2 + more)
+        inside: Array = coordinates @ self.V
         return inside
 
 

@@ -1,7 +1,7 @@
 """Least squares under noise whose neighbours follow each other: drift, hum, 1/f, slow steps.
 
 The noise is what the free rows of a record say, without any model of the contact. Its spectrum, S(f) = A + B/(1 +
-(f/c)^2)^(b/2), white and of one correlation time (b = 2) or of a power of the frequency (c far below all), is found by
+(f/c)^2)^(b/2), white and of one correlation time (b = 2) or of a power of the frequency (c far below all), follows by
 the likelihood of Whittle (Ark. Mat. 2, 423, 1953) from the squares of the cosine transform of their residuals in
 octaves, each divided by the share of it that the fit has left; where too few rows are free, from that of all. Spectra
 that are nearly as likely have a share in it, as they go on differently below the frequencies that are seen. The cosine
@@ -12,7 +12,7 @@ With rows weighted by W the covariance of the unknowns is (WJ)^+ W C W^T (WJ)^+T
 Noise slower than the free rows are long hides in them (a random walk of a fifth of the white noise, in every fifth
 record): where they tell none that is slow, its colour is that of all residuals, if they are as likely with it and it
 raises standard errors by no more than ``TUNING.hidden``. Other residuals in contact that are larger or slower are no
-noise: they are told as an excess. Where noise goes on rising below the frequencies of the free rows (1/f) nothing tells
+noise: an excess reports them. Where noise goes on rising below the frequencies of the free rows (1/f) nothing tells
 how far: standard errors are wider there, by the excess too.
 An octave stands at the frequency where 1/f has its mean over what the fit has left of it: at that of its middle, the
 lowest octave of a run, of which a straight line was taken, would tell two thirds of such noise.
@@ -32,7 +32,7 @@ from ...base import TINY, Array
 
 @dataclass(frozen=True)
 class ColouredTuning:
-    """How spectra are found."""
+    """How spectra are estimated."""
 
     corners: int = 24  # choice: correlation times tried, from a few rows to the whole record
     powers: tuple[float, ...] = (0.5, 0.75, 1.0, 1.25, 1.5, 2.0)  # choice: of 1/f, tried
@@ -56,7 +56,7 @@ class ColouredTuning:
     white: float = 0.5  # choice: chance, before the data, that noise has no slow part
     # choice: of the white part at the lowest frequency that free rows tell, the slow parts that may hide
     heights: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
-    untold: float = 1e-12  # choice: least singular value over the largest, below which rounding has the word
+    singular: float = 1e-12  # choice: least singular value over the largest, below which rounding has the word
 
 
 TUNING = ColouredTuning()
@@ -70,8 +70,8 @@ class Spectrum:
     slow: tuple[tuple[float, float, float], ...] = ()
 
     def __call__(self, f: Array) -> Array:
-        found: Array = self.A + sum((B * _slow(f, corner, power) for B, corner, power in self.slow), np.zeros_like(f))
-        return found
+        density: Array = self.A + sum((B * _slow(f, corner, power) for B, corner, power in self.slow), np.zeros_like(f))
+        return density
 
     def of_level(self, A: float) -> Spectrum:
         """The same colour where the white part is ``A``."""
@@ -91,16 +91,16 @@ class Spectrum:
 
     def drawn(self, rng: np.random.Generator, rows: int) -> Array:
         """A series of so many ``rows`` of this noise."""
-        found: Array = idct(np.sqrt(self(frequencies(rows))) * rng.normal(size=rows), norm="ortho")
-        return found
+        series: Array = idct(np.sqrt(self(frequencies(rows))) * rng.normal(size=rows), norm="ortho")
+        return series
 
 
 @dataclass(frozen=True, eq=False)
 class Spread:
     """``covariance`` of the unknowns; ``tau``: how many rows count as one, the factor by which the colour of the noise
     raises their variances; ``excess``: the factor by which the residuals of all rows would widen the standard errors
-    beyond it (both medians). ``dof``: rows that told the ``noise``; ``possible``: where it is white, what it may be as
-    well, each with its chance."""
+    beyond it (both medians). ``dof``: rows that determine the ``noise``; ``possible``: where it is white, what it may
+    be as well, each with its chance."""
 
     covariance: Array
     tau: float
@@ -111,14 +111,14 @@ class Spread:
 
 
 def _slow(f: Array, corner: Array | float, power: Array | float) -> Array:
-    found: Array = (1 + (f / corner) ** 2) ** (-np.asarray(power) / 2)
-    return found
+    shape: Array = (1 + (f / corner) ** 2) ** (-np.asarray(power) / 2)
+    return shape
 
 
 def waves(columns: Array) -> Array:
     """The orthonormal cosine transform of columns of rows."""
-    found: Array = dct(columns, axis=0, norm="ortho")
-    return found
+    transform: Array = dct(columns, axis=0, norm="ortho")
+    return transform
 
 
 def in_time(columns: Array, rows: Array, noise: Spectrum) -> Array:
@@ -126,16 +126,16 @@ def in_time(columns: Array, rows: Array, noise: Spectrum) -> Array:
     the means of as many beside them, as much of them as ``noise`` of that length is slow: it goes on meanwhile."""
     order = np.argsort(rows)
     columns, rows = columns[order], rows[order] - rows.min()
-    found = np.zeros((int(rows[-1]) + 1, *columns.shape[1:]))
-    found[rows] = columns
+    series = np.zeros((int(rows[-1]) + 1, *columns.shape[1:]))
+    series[rows] = columns
     for i in np.flatnonzero(np.diff(rows) > 1) + 1:
         count = int(rows[i] - rows[i - 1]) - 1
         slow = 1 - noise.A / float(noise(np.array(1 / (2 * count))))
         beside = max(count, TUNING.beside)
         first, last = (slow * part.mean(axis=0) for part in (columns[max(i - beside, 0) : i], columns[i : i + beside]))
         share = np.arange(1, count + 1) / (count + 1)
-        found[rows[i - 1] + 1 : rows[i]] = first + np.multiply.outer(share, last - first)
-    return found
+        series[rows[i - 1] + 1 : rows[i]] = first + np.multiply.outer(share, last - first)
+    return series
 
 
 def frequencies(rows: int) -> Array:
@@ -145,15 +145,15 @@ def frequencies(rows: int) -> Array:
 
 def spread(off: Array, J: Array, free: Sequence[Array], weight: Spectrum) -> Spread:
     """The covariance of unknowns from residuals ``off`` and their derivatives ``J``, in the order of time, that were
-    fitted with the ``weight`` of such noise; very large where the data do not tell an unknown. ``free``: residuals of
-    runs of rows out of contact."""
+    fitted with the ``weight`` of such noise; very large where the data do not determine an unknown. ``free``:
+    residuals of runs of rows out of contact."""
     f = frequencies(off.size)
     own = weight(f)
     rows = waves(np.column_stack([J, off])) / np.sqrt(own)[:, None]
     scale = np.linalg.norm(rows[:, :-1], axis=0)
     scale[scale == 0] = 1.0
     U, s, V = np.linalg.svd(rows[:, :-1] / scale, full_matrices=False)
-    root = (V / np.maximum(s, TUNING.untold * s[0])[:, None] / scale).T
+    root = (V / np.maximum(s, TUNING.singular * s[0])[:, None] / scale).T
     all_rows = Octaves.of(f, rows[:, -1] ** 2, np.sum(U**2, axis=1)).spectrum()
     every = all_rows(f) * own
     loose = sum(run.size for run in free)
@@ -161,8 +161,8 @@ def spread(off: Array, J: Array, free: Sequence[Array], weight: Spectrum) -> Spr
     noise = Spectrum(float(np.mean(every))) if seen is None else seen.spectrum()
 
     def of(noise: Array | float) -> Array:
-        found: Array = root @ (U.T * (noise / own)) @ U @ root.T
-        return found
+        matrix: Array = root @ (U.T * (noise / own)) @ U @ root.T
+        return matrix
 
     beside, covariance = of(every), of(every if seen is None else noise(f))
     if seen is not None and _rise(beside, covariance) < TUNING.hidden**2:
@@ -182,13 +182,13 @@ def _rise(one: Array, other: Array) -> float:
     return float(np.median((np.diag(one) / np.diag(other))[known])) if known.any() else 1.0
 
 
-def _hidden(seen: Octaves, found: Spectrum, every: Spectrum) -> Spectrum:
-    """The noise of free rows that were ``seen``; where what was ``found`` in them is not slow, of the colour of
+def _hidden(seen: Octaves, noise: Spectrum, every: Spectrum) -> Spectrum:
+    """The noise of free rows that were ``seen``; where their own ``noise`` is not slow, of the colour of
     ``every`` row if it is as likely in them: noise slower than they are long shows in the others."""
-    if found.slow or not every.A:
-        return found
-    likely = every.of_level(found.A)
-    return likely if seen.unlikely(likely) <= seen.unlikely(found) else found
+    if noise.slow or not every.A:
+        return noise
+    likely = every.of_level(noise.A)
+    return likely if seen.unlikely(likely) <= seen.unlikely(noise) else noise
 
 
 def _of_base_lines(runs: Sequence[Array]) -> Octaves:
@@ -205,7 +205,7 @@ def _of_base_lines(runs: Sequence[Array]) -> Octaves:
 
 @dataclass(frozen=True, eq=False)
 class Octaves:
-    """The ``mean`` squares of the waves of a series in octaves about frequencies ``centre``, each told by the ``count``
+    """The ``mean`` squares of the waves of a series in octaves about frequencies ``centre``, each from the ``count``
     of them that the fit has left; ``lowest``: the lowest frequency above 0."""
 
     mean: Array
@@ -237,10 +237,10 @@ class Octaves:
         slow = np.stack([_slow(centre, *shape) for shape in shapes])
         slow /= slow[:, :1]
         A, B = _parts(slow, mean, count)
-        found = _unlikely(mean, A[:, None] + B[:, None] * slow, count)
-        if found.min() > most[0] - TUNING.least:
+        deviance = _unlikely(mean, A[:, None] + B[:, None] * slow, count)
+        if deviance.min() > most[0] - TUNING.least:
             return Spectrum(white)
-        share = np.exp((found.min() - found) / 2)
+        share = np.exp((deviance.min() - deviance) / 2)
         share = np.where(share > TUNING.likely, share, 0.0) / share[share > TUNING.likely].sum()
         heights = share * B / np.array([_slow(centre[0], *shape) for shape in shapes])
         parts = ((float(B), *shape) for B, shape in zip(heights, shapes, strict=True) if B)
@@ -287,7 +287,7 @@ def _falling(mean: Array, count: Array) -> Array:
             pool = (before[0] * before[1] + pool[0] * pool[1]) / weights, weights, before[2] + pool[2]
         pools.append(pool)
     levels, _, octaves = zip(*pools, strict=True)
-    return np.maximum(np.repeat(levels, octaves), TUNING.untold * mean.max())
+    return np.maximum(np.repeat(levels, octaves), TUNING.singular * mean.max())
 
 
 def _octaves(left: Array) -> Array:
@@ -302,20 +302,20 @@ def _octaves(left: Array) -> Array:
 
 def _unlikely(mean: Array, S: Array, count: Array) -> Array:
     """Minus twice the logarithm of Whittle's likelihood of spectra ``S``, (spectra, octaves)."""
-    likely = np.maximum(S, TUNING.untold * mean.max())
-    found: Array = np.where((S > 0).all(axis=1), np.sum(count * (np.log(likely) + mean / likely), axis=1), np.inf)
-    return found
+    likely = np.maximum(S, TUNING.singular * mean.max())
+    deviance: Array = np.where((S > 0).all(axis=1), np.sum(count * (np.log(likely) + mean / likely), axis=1), np.inf)
+    return deviance
 
 
 def _parts(slow: Array, mean: Array, count: Array) -> tuple[Array, Array]:
     """A and B, not below 0, that are likeliest for each shape ``slow``, (corners, octaves), by least squares weighted
-    with the spectrum found so far."""
+    with the spectrum so far."""
     items = np.stack([np.ones_like(slow), slow, slow**2, np.broadcast_to(mean, slow.shape), slow * mean])
     S = np.broadcast_to(np.maximum(mean, 1e-3 * mean.max()), slow.shape)
     for _ in range(TUNING.rounds):
         weights = count / np.maximum(S, TINY) ** 2
         aa, ab, bb, a, b = np.einsum("ij,kij->ki", weights, items)
-        determinant = aa * bb * (1 + TUNING.untold) - ab * ab
+        determinant = aa * bb * (1 + TUNING.singular) - ab * ab
         A, B = (a * bb - b * ab) / determinant, (b * aa - a * ab) / determinant
         A, B = np.where(B < 0, a / aa, np.where(A < 0, 0.0, A)), np.where(B < 0, 0.0, np.where(A < 0, b / bb, B))
         S = A[:, None] + B[:, None] * slow

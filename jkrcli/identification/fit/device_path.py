@@ -28,7 +28,7 @@ class DevicePathTuning:
     polished: int = 4  # choice: steps of Newton's method for the fold; its position, flat there, is then good to 1e-16
     beside: float = 0.5  # choice: of a step of the grid, how near to the fold its next node may be
     below: float = 4.0  # choice: of log a below the series, where its limit by power laws holds
-    beyond: float = 0.5  # choice: of log a above the series, tried while starting values are looked for
+    beyond: float = 0.5  # choice: of log a above the series, tried while starting values are sought
     flat: float = 1e-6  # choice: of the displacement, least dz/du at the turn; nothing rests on a turn at the fold
     widest: float = 0.5  # choice: of log a, a step of it
 
@@ -44,7 +44,7 @@ HERMITE = np.array([[1, 0, 0, -10, 15, -6], [0, 1, 0, -6, 8, -3], [0, 0, 0.5, -1
 
 @lru_cache(maxsize=REMEMBERED)
 def grid(family: Family) -> Array:
-    """Logs of contact radii over which paths are looked at."""
+    """Logs of contact radii at which paths are tabulated."""
     return np.linspace(family.low - TUNING.below, family.high + TUNING.beyond, TUNING.nodes)
 
 
@@ -87,18 +87,18 @@ class Nodes:
             [1, x, x2, x3, x2 * x2, x2 * x3], [0, per, 2 * x * per, 3 * x2 * per, 4 * x3 * per, 5 * x2 * x2 * per],
             [0, 0, 2 * per2, 6 * x * per2, 12 * x2 * per2, 20 * x3 * per2],
         ])  # fmt: skip
-        found: Array = powers @ (HERMITE.T @ self.logs[i : i + 2].reshape(6, 4))
-        found[0] = np.exp(found[0])
-        found[2] += found[1] ** 2
-        found[1:] *= found[0]
-        return found
+        functions: Array = powers @ (HERMITE.T @ self.logs[i : i + 2].reshape(6, 4))
+        functions[0] = np.exp(functions[0])
+        functions[2] += functions[1] ** 2
+        functions[1:] *= functions[0]
+        return functions
 
 
 def _path(s: float, r: float, k: float, functions: Array) -> Array:
     """Position and load of an edge that moves, by ``functions`` D, T, H, V (4, ...)."""
     of_four = np.array([[1.0, -r, s / k, -s * r / k], [0.0, 0.0, s, -s * r]])
-    found: Array = (of_four @ functions.reshape(4, -1)).reshape(2, *functions.shape[1:])
-    return found
+    path: Array = (of_four @ functions.reshape(4, -1)).reshape(2, *functions.shape[1:])
+    return path
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,12 +133,12 @@ class DeviceBranch:
     @cached_property
     def cubics(self) -> Array:
         """Between nodes: where they begin, the inverse width, and the load's coefficients of a cubic (6, n - 1)."""
-        first, left, found = self.zeta[:-1], self.P[:-1], np.empty((6, self.zeta.size - 1))
+        first, left, cubics = self.zeta[:-1], self.P[:-1], np.empty((6, self.zeta.size - 1))
         width, rise = self.zeta[1:] - first, self.P[1:] - left
-        found[0], found[1], found[2], found[3] = first, 1 / width, left, self.slope[:-1] * width
-        found[5] = found[3] + self.slope[1:] * width - 2 * rise
-        found[4] = rise - found[3] - found[5]
-        return found
+        cubics[0], cubics[1], cubics[2], cubics[3] = first, 1 / width, left, self.slope[:-1] * width
+        cubics[5] = cubics[3] + self.slope[1:] * width - 2 * rise
+        cubics[4] = rise - cubics[3] - cubics[5]
+        return cubics
 
     @cached_property
     def rates(self) -> Array:
@@ -179,16 +179,16 @@ class DeviceBranch:
 
     def radii(self, z: Array) -> Array:
         """Contact radii [m] at positions ``z`` [m], that of the fold before it."""
-        found: Array = np.interp(np.sqrt(np.maximum(z - self.fold, 0.0)), self.zeta, np.exp(self.u))
-        return found
+        a: Array = np.interp(np.sqrt(np.maximum(z - self.fold, 0.0)), self.zeta, np.exp(self.u))
+        return a
 
     def by_body(self, z: Array, blunt: float, changes: Changes) -> Array:
         """Derivative of the load at positions ``z`` [m] by an amount of ``changes`` of the body."""
         zeta = np.sqrt(np.maximum(z - self.fold, blunt))
         D, T, H, V = changes(self.u) * self.parts
         rate = self.zeta * (H - V) - self.slope / 2 * (D - T + (H - V) / self.k)
-        found: Array = np.interp(zeta, self.zeta, rate) / zeta
-        return found
+        dP: Array = np.interp(zeta, self.zeta, rate) / zeta
+        return dP
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -261,8 +261,8 @@ class Rest:
 
     def load(self, z: Array) -> Array:
         """Load at positions ``z`` [m]."""
-        found: Array = (self.P_H - self.S * (self.D - z)) / (1 + self.S / self.k)
-        return found
+        P: Array = (self.P_H - self.S * (self.D - z)) / (1 + self.S / self.k)
+        return P
 
     def at(self, z: Array) -> tuple[Array, Array]:
         """Load at positions ``z`` [m], and its derivatives by ln s, the root of q, z, and the position of the turn."""
@@ -277,8 +277,8 @@ class Rest:
         P, (_, _, _, by_turn) = self.at(z)
         turns = D * self.D - T * self.shift + (H * self.P_H - V * self.S * self.shift) / self.k
         off = (V - T) * (self.D - z + P / self.k) + D * self.D
-        found: Array = (H * self.P_H - self.S * off) / (1 + self.S / self.k) - by_turn * turns
-        return found
+        dP: Array = (H * self.P_H - self.S * off) / (1 + self.S / self.k) - by_turn * turns
+        return dP
 
 
 @lru_cache(maxsize=REMEMBERED)

@@ -19,14 +19,14 @@ from ...base import Array
 from ...series import Series
 
 FUNCTIONS = 4  # D, T, H, V
-SOUGHT = 200  # choice: radii among which the fold is looked for
+SOUGHT = 200  # choice: radii among which the fold is sought
 
 
 class Member(Protocol):
     """One adhesive curve of a body over u, the log of a place on it [m]: states (a [m], delta [m], P [N])."""
 
     def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
-        """u between which measured points are looked for, so far beyond the fold and the end of the series, and down to
+        """u between which measured points are sought, so far beyond the fold and the end of the series, and down to
         the ``least`` radius that was measured [m], if any."""
 
     def refuse_beyond(self, a: float) -> None:
@@ -107,9 +107,9 @@ class Family:
 
     def at(self, u: Array) -> tuple[Array, Array, Array]:
         """(D, T, H, V) and their first and second derivatives by u, each of shape (4, n)."""
-        found = self.logs(u).T
-        values = np.exp(found[:FUNCTIONS])
-        first, second = found[FUNCTIONS : 2 * FUNCTIONS], found[2 * FUNCTIONS :]
+        logs = self.logs(u).T
+        values = np.exp(logs[:FUNCTIONS])
+        first, second = logs[FUNCTIONS : 2 * FUNCTIONS], logs[2 * FUNCTIONS :]
         return values, values * first, values * (second + first**2)
 
     def at_nodes(self, u: Array) -> tuple[Array, Array, Array]:
@@ -171,8 +171,8 @@ class JKRMember:
 
     def functions(self, u: Array) -> tuple[Array, Array, Array]:
         """(D, T, H, V) and their derivatives by u."""
-        found = self.family.at(u)
-        return found if self.drift is None else self.drift.applied(found, u)
+        functions = self.family.at(u)
+        return functions if self.drift is None else self.drift.applied(functions, u)
 
     def refuse_beyond(self, a: float) -> None:
         """Nothing is refused: beyond the series power laws go on, and the search itself looks at where it ends."""

@@ -78,11 +78,11 @@ def flags_of(curve: Curve) -> Mapping[str, str]:
 
 
 def parted(curve: Curve, settings: Settings) -> Curve:
-    """The curve with approach and retraction told apart by its motion, where it holds both, no column tells them and
-    one of them is asked for, or to be taken because it is the record of a device."""
-    asked = settings.segment in (APPROACH, RETRACT) or (settings.segment is None and curve.stiffness is not None)
+    """The curve with approach and retraction separated by its motion, where it holds both, no column names them and
+    one of them is requested, or needed because it is the record of a device."""
+    needed = settings.segment in (APPROACH, RETRACT) or (settings.segment is None and curve.stiffness is not None)
     curve = directed(curve)
-    if curve.segment is not None or not asked:
+    if curve.segment is not None or not needed:
         return curve
     try:
         segments = examine(curve).segments
@@ -99,18 +99,18 @@ def parted(curve: Curve, settings: Settings) -> Curve:
 def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool: Pool) -> list[Fit | Failure]:
     """Fits of all curves in their order; any exception but the project's own is a bug and shows itself. Of a single
     one the pool works on the samples of its bootstrap."""
-    found: dict[int, Fit | Failure] = {}
+    fits: dict[int, Fit | Failure] = {}
     with nullcontext(pool) if len(curves) > 1 else executor(1) as outer:
         work = partial(_next, body, settings, None if outer is pool else pool, Neighbour())
         for index, result in completed(outer, work, list(enumerate(curves)), "fitting", chunk=TOGETHER):
             if isinstance(result, JkrError):
                 lines = result.lines if isinstance(result, InputError) else (str(result),)
-                found[index] = Failure(curves[index], lines)
+                fits[index] = Failure(curves[index], lines)
             elif isinstance(result, Exception):
                 raise result
             else:
-                found[index] = result
-    return [found[index] for index in sorted(found)]
+                fits[index] = result
+    return [fits[index] for index in sorted(fits)]
 
 
 def _next(
@@ -120,7 +120,7 @@ def _next(
     however many work on tasks."""
     number, curve = numbered
     if number % TOGETHER == 0:
-        before.found = None
+        before.last = None
     return fit(body, curve, settings, pool, before)
 
 
@@ -133,14 +133,14 @@ def fit(
     Raises InputError where the data do not allow it, SolveError where it does not converge; both name the curve.
     """
     try:
-        found = _fit(body, curve, settings, pool, before)
-        kept = [
+        fitted = _fit(body, curve, settings, pool, before)
+        flags = [
             WARNED.get(flag, "") + flag
             for flag in curve.flags
             if flag in WARNED or OVERRULED in flag or NO_UNIT in flag
         ]
-        warnings = (*kept, *found.warnings)
-        return replace(found, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
+        warnings = (*flags, *fitted.warnings)
+        return replace(fitted, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
     except InputError as error:
         likely = "".join(f"; {flag}" for flag in (NOT_SUBTRACTED, SUBTRACTED_TWICE) if flag in curve.flags)
         lines = [line if line.startswith(curve.where) else f"{curve.where}: {line}" for line in error.lines]
@@ -152,31 +152,31 @@ def fit(
 @dataclass(frozen=True, eq=False)
 class Prepared:
     """What is fitted of a ``curve``: its ``points``, the ``settings`` that its columns and edges leave of those that
-    were ``asked``, and ``words`` on it."""
+    were ``requested``, and ``words`` on it."""
 
     curve: Curve
     points: Points
     settings: Settings
-    asked: Settings
+    requested: Settings
     words: tuple[str, ...]
 
 
 def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | ForceCurve:
     """The points of a curve, or a raw record, which is fitted as a whole."""
-    given = curve
+    original = curve
     check_parameters(body, [parameter.name for parameter in settings.parameters])
     if (record := whole_record(curve, settings)) is not None:
         if not beyond_the_record(settings):
             return record
         curve, settings = reduced(body, record, settings)
-    asked = settings
+    requested = settings
     if idle := [name for name in settings.uncertain if name in CALIBRATED]:
         raise InputError(f"{curve.where}: --uncertain {idle[0]} is for raw records of a device, it has no effect here")
     if settings.tension_at_most:
         raise InputError(f"{curve.where}: --bound {TENSION} is for raw records, it has no effect here")
     curve = with_zero_points(curve) if settings.contact == "estimate" else curve
     curve, zero = parted(curve, settings), settings.parameter("P0")
-    level = 0.0 if zero is None or (curve is not given and zero.free) else None if zero.free else zero.value
+    level = 0.0 if zero is None or (curve is not original and zero.free) else None if zero.free else zero.value
     kinds = set(curve.segments())
     rows = partial(points_of_cycle, curve) if kinds & {APPROACH, RETRACT} else partial(points_of, curve)
     points = rows(settings.segment, settings.branch, len(settings.free), level)
@@ -184,10 +184,10 @@ def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | F
         raise InputError(
             f"{curve.where}: --noise {unread[0]}: it was not measured, so this has no effect: leave it out"
         )
-    settings, words = _told_by(settings, points)
+    settings, words = _determined_by(settings, points)
     edges = set() if points.edges is None else set(points.edges)
     settings = settings.of_a_cycle(ADVANCING in edges) if RECEDING in edges else settings
-    return Prepared(curve, points, settings, asked, (*curve.flags[len(given.flags) :], *words))
+    return Prepared(curve, points, settings, requested, (*curve.flags[len(original.flags) :], *words))
 
 
 def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None, before: Neighbour | None = None) -> Fit:
@@ -205,11 +205,11 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None, 
     flags: Mapping[str, str] = {} if curve.stiffness is None else flags_of(curve)
     free = tuple(parameter.name for parameter in minimum.objective.parameters if parameter.free)
     estimates = _resting(minimum, rivals.with_parts(confidence.estimates))
-    untold = any(item.name in free and item.low is None and item.high is None for item in estimates)
+    undetermined = any(item.name in free and item.low is None and item.high is None for item in estimates)
     distances = minimum.distances
     readings, a = distances.readings, distances.a
     readings.member.refuse_beyond(float(a.max()))
-    found = Fit(
+    result = Fit(
         name=curve.name,
         file="" if curve.origin is None else str(curve.origin),
         where=curve.where,
@@ -230,45 +230,45 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None, 
         evaluations=minimum.least.steps,
         settings=settings,
         warnings=(),
-        flags=(*flags, *["not determined"] * untold),
+        flags=(*flags, *["not determined"] * undetermined),
         jkr=sharp,
         range_left=None if rivals.range is None else rivals.range.most,
     )
-    said = warnings_of(
-        found, minimum.objective.body, readings.members.plain, minimum.at_bound, rivals, minimum.least.ended
+    checks = warnings_of(
+        result, minimum.objective.body, readings.members.plain, minimum.at_bound, rivals, minimum.least.ended
     )
     words = (*words, *[RESTS] * (ADVANCING in edges and "w" not in free))
-    found = replace(found, warnings=(*_on_record(flags, zero), *words, *said))
+    result = replace(result, warnings=(*_on_record(flags, zero), *words, *checks))
     if edges == {ADVANCING}:
-        return _of_an_approach(found)
+        return _of_an_approach(result)
     if ADVANCING not in edges or not _apart(minimum, confidence.scatter):
-        return found
-    into, back = (_fit(body, curve, replace(ready.asked, segment=kind), pool) for kind in DIRECTIONS)
+        return result
+    into, back = (_fit(body, curve, replace(ready.requested, segment=kind), pool) for kind in DIRECTIONS)
     moduli = [one.estimate("E_star") for one in (into, back)]
     error = math.hypot(*((item.error or 0.0) / item.value for item in moduli))
-    return beside(back, into, found) if differ(moduli[0].value, moduli[1].value, error) else found
+    return beside(back, into, result) if differ(moduli[0].value, moduli[1].value, error) else result
 
 
 def _apart(minimum: Minimum, scatter: float) -> bool:
     """Whether the rows of a cycle ask for another modulus on the way back than on the way in: by one step of Gauss and
     Newton with a modulus for each; ``scatter`` of the residuals."""
-    objective, found = minimum.objective, minimum.distances
+    objective, distances = minimum.objective, minimum.distances
     names = [objective.parameters[i].name for i in objective.free]
     if "modulus" not in names:
         return False
     assert objective.points.edges is not None
-    jacobian, back = found.jacobian(objective.free), objective.points.edges != ADVANCING
-    own = jacobian[:, names.index("modulus")] * np.tile(back, found.residuals.shape[0])
+    jacobian, back = distances.jacobian(objective.free), objective.points.edges != ADVANCING
+    own = jacobian[:, names.index("modulus")] * np.tile(back, distances.residuals.shape[0])
     matrix = np.column_stack([jacobian, own])
     spread = covariance(matrix, scatter**2)
-    step = np.linalg.lstsq(matrix, -found.residuals.ravel(), rcond=None)[0]
+    step = np.linalg.lstsq(matrix, -distances.residuals.ravel(), rcond=None)[0]
     return spread is not None and differ(1.0, 1 + float(step[-1]), math.sqrt(spread[-1, -1]))
 
 
-def _of_an_approach(found: Fit) -> Fit:
+def _of_an_approach(result: Fit) -> Fit:
     """The fit of an approach alone, whose w is called w_approach: w is that of a retraction."""
-    estimates = tuple(replace(item, name=OWN.get(item.name, item.name)) for item in found.estimates)
-    return replace(found, estimates=estimates, free=tuple(OWN.get(name, name) for name in found.free))
+    estimates = tuple(replace(item, name=OWN.get(item.name, item.name)) for item in result.estimates)
+    return replace(result, estimates=estimates, free=tuple(OWN.get(name, name) for name in result.free))
 
 
 def _resting(minimum: Minimum, estimates: tuple[FittedValue, ...]) -> tuple[FittedValue, ...]:
@@ -291,8 +291,8 @@ def _on_record(flags: Mapping[str, str], zero: Parameter | None) -> Iterator[str
         yield "no base line: the zero of the load is set to 0 (--free P0, or --zero P=... if known)"
 
 
-def _told_by(settings: Settings, points: Points) -> tuple[Settings, tuple[str, ...]]:
-    """The settings with the parameters that the measured columns do not tell fixed, and words on what is not told."""
+def _determined_by(settings: Settings, points: Points) -> tuple[Settings, tuple[str, ...]]:
+    """The settings with the parameters fixed that the measured columns do not determine, and words on them."""
     absent = set() if "delta" in points.columns else {"delta0", "compliance"}
     fixed = dict.fromkeys(absent if "P" in points.columns else absent | {"P0"}, 0.0)
     words: tuple[str, ...] = ()

@@ -9,7 +9,7 @@ P is 0 where a row is free. On approach the edge advances with its own w; from t
 recedes with the w of the retraction. Where the retraction is alone, the root of the w of its approach is a share
 ``turn`` of its own. Each direction has its own base line (drag, drift of the load), on request with a wave c cos + s
 sin of 2 pi (z - at)/period (``interference``). On request positions err by a drift, hysteresis or creep, 0 at the
-turning point (``positions``): of one direction alone these cannot be told from another modulus.
+turning point (``positions``): in one direction alone they cannot be separated from another modulus.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class ForceCurveTuning:
     # tuned on raw records, by `make constants`: of the rows of a base line, those that tell the noise: contact begins
     # gently
     surely: float = 0.9
-    remembered: int = 2  # choice: residuals of a model that are asked for again at the same unknowns
+    remembered: int = 2  # choice: residuals of a model that are needed again at the same unknowns
 
 
 TUNING = ForceCurveTuning()
@@ -113,10 +113,10 @@ class ForceCurveModel:
 
     def values(self, x: Array) -> dict[str, float]:
         """All unknowns by name, the known ones too, and q of each stretch."""
-        found = {**self.known, **dict(zip(self.names, map(float, x), strict=True))}
-        found |= {f"q:{kind}": w / math.exp(found["ln_s"]) for kind, w in self.works.items()}
-        roots = {name: r for name, r in found.items() if name.startswith("r:")}
-        return found | {f"q{name[1:]}": r * abs(r) for name, r in roots.items()}
+        values = {**self.known, **dict(zip(self.names, map(float, x), strict=True))}
+        values |= {f"q:{kind}": w / math.exp(values["ln_s"]) for kind, w in self.works.items()}
+        roots = {name: r for name, r in values.items() if name.startswith("r:")}
+        return values | {f"q{name[1:]}": r * abs(r) for name, r in roots.items()}
 
     def depth(self, part: DirectionReadings, values: Mapping[str, float]) -> Array:
         """Position of the device beyond its zero [m], at all rows of a stretch."""
@@ -128,15 +128,15 @@ class ForceCurveModel:
     def misplaced(self, part: DirectionReadings) -> dict[str, Array]:
         """How much deeper the rows of a stretch stand than they say, per amount of each error of positions [m]."""
         back = part.travel * (part.kind != APPROACH)
-        found = {}
+        shifts = {}
         for name in self.positions:
             if name == "drift":
-                found[name] = -part.t
+                shifts[name] = -part.t
             elif name == "hysteresis":
-                found[name] = back * hysteresis(part.way)
+                shifts[name] = back * hysteresis(part.way)
             else:
-                found[name] = back * creep(np.maximum(part.t, 0.0) / part.lasting)
-        return found
+                shifts[name] = back * creep(np.maximum(part.t, 0.0) / part.lasting)
+        return shifts
 
     def deepened(self, part: DirectionReadings, values: Mapping[str, float]) -> float:
         """How much deeper the device creeps while it waits before the way back, per amount [m]."""
@@ -161,7 +161,7 @@ class ForceCurveModel:
         return rest(self.family, math.exp(values["ln_s"]), before, root, self.k, depth) if before < root else None
 
     def touching(self, part: DirectionReadings, values: Mapping[str, float], fold: float) -> Array:
-        """Which rows of a stretch are in contact: those that are told to be, else those beyond first touch, or on the
+        """Which rows of a stretch are in contact: those known to be, else those beyond first touch, or on the
         branch down to its ``fold`` [m]."""
         return part.touching if part.jumped else self.depth(part, values) > (0.0 if part.kind == APPROACH else fold)
 
@@ -194,12 +194,12 @@ class ForceCurveModel:
 
         ``blunt``: share of the depth of contact over which the fold is blunt; 0: half the distance of two rows.
         """
-        held, key = self._residuals, (x.tobytes(), blunt)
-        if key not in held:
-            if len(held) >= TUNING.remembered:
-                del held[next(iter(held))]
-            held[key] = self.evaluated(x, blunt)
-        return held[key]
+        cache, key = self._residuals, (x.tobytes(), blunt)
+        if key not in cache:
+            if len(cache) >= TUNING.remembered:
+                del cache[next(iter(cache))]
+            cache[key] = self.evaluated(x, blunt)
+        return cache[key]
 
     def evaluated(self, x: Array, blunt: float) -> tuple[Array, Array]:
         """The same anew."""

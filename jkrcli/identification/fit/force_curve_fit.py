@@ -30,7 +30,7 @@ class ForceCurveFitTuning:
     narrow: float = 0.3  # choice: of the depth of contact, that the window covers at most
     above: float = 1.1  # choice: of the w that the last row holds at rest, one with which it rests for sure
     recedes: float = 12.0  # theory: fall of chi^2 by one unknown that chance brings once in 2000
-    surely_found: float = 1.05  # choice: of the noise, residuals that the search is not begun anew for
+    explained: float = 1.05  # choice: of the noise, residuals that the search is not begun anew for
     enough: float = 1.5  # choice: of the noise, residuals that no other start is tried below
     blunt: tuple[float, ...] = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt fold while searching
     moduli: float = 10.0  # choice: of ln s about its start, where the search may go
@@ -39,7 +39,7 @@ class ForceCurveFitTuning:
     fell: float = 1e-8  # choice: of the cost, below which the minimum is found: a hundredth of a standard error
     about: float = 1e-6  # choice: the same while the fold is blunter than it will be, or no more can be had
     unsure: float = 0.1  # choice: of the way in contact, the most that the place of a fold is taken to be uncertain by
-    widths: int = 5  # choice: of that error, each told by the one before
+    widths: int = 5  # choice: of that error, each from the one before
     narrower: float = 2.0  # choice: factor between two of them, below which they agree
     near: float = 0.1  # choice: of chi^2, the fall still to be had a third of a standard error from its minimum
     evaluations: int = 80  # choice: steps after which the search gives up
@@ -120,14 +120,14 @@ def rough(model: ForceCurveModel, start: Array, steps: int) -> tuple[float, Arra
     """Half the sum of squares that is left, of loads over their range, and the unknowns that leave about least, by a
     search from ``start`` on of a few ``steps``."""
     problem = _problem(model, _even(model), _bounds(model, start), TUNING.blunt[1], TUNING.about)
-    found = replace(problem, evaluations=steps).least(start)
-    return found.cost, found.x
+    least = replace(problem, evaluations=steps).least(start)
+    return least.cost, least.x
 
 
 def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> ForceCurveFit:
     """The unknowns that leave least, first of a few rows and with a blunt fold unless ``start`` is ``near``, then of
     all as they are; then weighted by the noise of the free rows where that has a colour. Where the rows do not
-    determine them the search creeps along a valley: it is given up, and that is told."""
+    determine them the search creeps along a valley: it is given up, and the fit reports it."""
     bounds, even = _bounds(model, start), _even(model)
     x, sharp = np.clip(start, *bounds), TUNING.blunt[-1]
     few = model
@@ -139,43 +139,45 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
         begun = x
         for blunt in stages:
             begun = _problem(few, _even(few), bounds, blunt, TUNING.about).least(begun).x
-        found = whole.least(begun)
-        if found.ended and 2 * found.cost * even.A < (TUNING.surely_found * level) ** 2 * found.state.residuals.size:
+        least = whole.least(begun)
+        if least.ended and 2 * least.cost * even.A < (TUNING.explained * level) ** 2 * least.state.residuals.size:
             break  # no other minimum leaves less than the noise
     about = _problem(model, even, bounds, sharp, TUNING.about)
-    if not found.ended:  # of few rows at the fold each makes a kink, between which a search runs to and fro
-        found = about.least(found.x)
+    if not least.ended:  # of few rows at the fold each makes a kink, between which a search runs to and fro
+        least = about.least(least.x)
     for _ in range(2 * (loss != "linear")):
-        width = TURNS[loss] * robust_scale(found.state.residuals)
-        found = replace(about, loss=loss, width=width).least(found.x)
-    best = _fitted(model, found, even)
+        width = TURNS[loss] * robust_scale(least.state.residuals)
+        least = replace(about, loss=loss, width=width).least(least.x)
+    best = _fitted(model, least, even)
     noise = best.spread.noise
     if loss != "linear" or not noise.slow:
         return best
     x = best.unknowns(model)  # an edge that rests by white noise need not by this one
     for blunt in (sharp, TUNING.blunt[1]):  # where misfit runs to and fro between the kinks of a sharp fold
-        found = _problem(model, noise, _bounds(model, x), blunt, TUNING.about).least(x)
-        if found.ended:
+        least = _problem(model, noise, _bounds(model, x), blunt, TUNING.about).least(x)
+        if least.ended:
             break
-    return _fitted(model, found, noise)
+    return _fitted(model, least, noise)
 
 
-def _fitted(model: ForceCurveModel, found: Least, weight: Spectrum) -> ForceCurveFit:
+def _fitted(model: ForceCurveModel, least: Least, weight: Spectrum) -> ForceCurveFit:
     """What the end of a search means."""
-    before, sharp, (model, x) = found.problem, TUNING.blunt[-1], _without_idle(model, found.x, weight)
+    before, sharp, (model, x) = least.problem, TUNING.blunt[-1], _without_idle(model, least.x, weight)
     problem = replace(before, model=partial(_state, model, weight, sharp), bounds=_bounds(model, x))
     off, rates = model.residuals(x, sharp)
-    found = replace(found, problem=problem, x=x, state=_weighted(model, weight, off, rates))
+    least = replace(least, problem=problem, x=x, state=_weighted(model, weight, off, rates))
     size = before.width * math.sqrt(_even(model).A)
     psi, slope = influence(off / size, before.loss)
     pull = psi * size / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
     dof = max(off.size - x.size, 1)
-    J, spread = _told_at_folds(model, x, off, pull, weight)
-    ended = found.ended or _flat(model.whitened(pull, weight), model.whitened(J, weight), TUNING.near / dof)
-    return ForceCurveFit(model, model.names, x, weight, spread, off, math.sqrt(float(pull @ pull) / dof), found, ended)
+    J, spread = _spread_at_folds(model, x, off, pull, weight)
+    ended = least.ended or _flat(model.whitened(pull, weight), model.whitened(J, weight), TUNING.near / dof)
+    return ForceCurveFit(model, model.names, x, weight, spread, off, math.sqrt(float(pull @ pull) / dof), least, ended)
 
 
-def _told_at_folds(model: ForceCurveModel, x: Array, off: Array, pull: Array, weight: Spectrum) -> tuple[Array, Spread]:
+def _spread_at_folds(
+    model: ForceCurveModel, x: Array, off: Array, pull: Array, weight: Spectrum
+) -> tuple[Array, Spread]:
     """Derivatives of all rows, (rows, unknowns), and the covariance by them, residuals ``off`` and what rows ``pull``
     with [N].
 
@@ -184,11 +186,11 @@ def _told_at_folds(model: ForceCurveModel, x: Array, off: Array, pull: Array, we
     """
     residuals, free = model.ordered(pull, weight), model.free(off)
 
-    def told(J: Array) -> Spread:
+    def spread_by(J: Array) -> Spread:
         return covariance(residuals, model.ordered(J, weight), free, weight)
 
     J = model.residuals(x, 0.0)[1]
-    spread, first = told(J), 0
+    spread, first = spread_by(J), 0
     for part in model.stretches if weight.slow and "z0" in model.names else ():
         rows = slice(first, first := first + part.z.size)
         lost, width = rows.start + int(np.argmax(part.touching)), TUNING.unsure * part.reach
@@ -197,7 +199,7 @@ def _told_at_folds(model: ForceCurveModel, x: Array, off: Array, pull: Array, we
         J = J.copy()
         for _ in range(TUNING.widths):
             J[rows] = model.evaluated(x, width / part.reach)[1][rows]
-            spread = told(J)
+            spread = spread_by(J)
             error = max(_place_error(model, J[lost], spread), part.spacing / 2)
             if TUNING.narrower * error > width:
                 break
@@ -224,8 +226,8 @@ def _without_idle(model: ForceCurveModel, x: Array, weight: Spectrum) -> tuple[F
     idle |= (np.array(model.names) == "turn") & (np.abs(x) == 1)
     values, last = dict(zip(model.names, map(float, x), strict=True)), model.stretches[-1]
     own = f"q:{last.kind}"
-    told = own in values and last.touching.any() and (last.tension > 0 or not last.line.rows)
-    if told and (resting := model.rest(last, model.values(x))):
+    adheres = own in values and last.touching.any() and (last.tension > 0 or not last.line.rows)
+    if adheres and (resting := model.rest(last, model.values(x))):
         depth = model.depth(last, model.values(x))[last.touching]
         most = resting.released(math.sqrt(max(values[own], 0.0)), float(depth.min())) ** 2  # its last row holds that
         if _rests_throughout(model, x, own, most, weight):
@@ -244,21 +246,21 @@ def _rests_throughout(model: ForceCurveModel, x: Array, own: str, most: float, w
     return False
 
 
-def windowed(found: ForceCurveFit) -> ForceCurveModel:
-    """The model without the rows about first touch where nothing else tells which of them are in contact: the load is
+def windowed(best: ForceCurveFit) -> ForceCurveModel:
+    """The model without the rows about first touch where no jump shows which of them are in contact: the load is
     not smooth there in z0 and w. The same model where there are none."""
-    parts = tuple(part if part.jumped else _windowed(found, part) for part in found.model.stretches)
-    return found.model if parts == found.model.stretches else replace(found.model, stretches=parts)
+    parts = tuple(part if part.jumped else _windowed(best, part) for part in best.model.stretches)
+    return best.model if parts == best.model.stretches else replace(best.model, stretches=parts)
 
 
-def _windowed(found: ForceCurveFit, part: DirectionReadings) -> DirectionReadings:
+def _windowed(best: ForceCurveFit, part: DirectionReadings) -> DirectionReadings:
     """A stretch whose rows are free up to the window and in contact beyond."""
-    values = found.model.values(found.x)
-    depth, own = found.model.depth(part, values), f"q:{part.kind}"
-    error = found.error(own) if own in found.names else 0.0
+    values = best.model.values(best.x)
+    depth, own = best.model.depth(part, values), f"q:{part.kind}"
+    error = best.error(own) if own in best.names else 0.0
     most = values | {own: max(values[own], 0.0) + TUNING.window * error}
-    neck = 0.0 if part.kind == APPROACH else -found.model.branch(part, most).fold
-    unsure = found.error("z0") if "z0" in found.names else 0.0
+    neck = 0.0 if part.kind == APPROACH else -best.model.branch(part, most).fold
+    unsure = best.error("z0") if "z0" in best.names else 0.0
     half = neck + max(TUNING.window * unsure, TUNING.beside * part.spacing)
     half = min(half, TUNING.narrow * float(depth.max()))
     if half <= 0:
@@ -284,18 +286,18 @@ class Neighbour:
     """Where the search of one record ended, for that of the next one of a map."""
 
     def __init__(self) -> None:
-        self.found: ForceCurveFit | None = None
+        self.last: ForceCurveFit | None = None
 
     def start(self, model: ForceCurveModel) -> Array | None:
         """Unknowns of a ``model`` with moduli and w of the last record, contact beginning as far from the outermost row
         that is in contact for sure; None where it has others."""
-        found = self.found
-        if found is None or found.names != model.names or model.positions or any(one.wave for one in model.stretches):
+        last = self.last
+        if last is None or last.names != model.names or model.positions or any(one.wave for one in model.stretches):
             return None
-        then, now = _outermost(found.model), _outermost(model)
+        then, now = _outermost(last.model), _outermost(model)
         if then is None or now is None:
             return None
-        values = {name: found.value(name) for name in found.names} | by_base_lines(model)
+        values = {name: last.value(name) for name in last.names} | by_base_lines(model)
         values["z0"] += now - then
         return np.array([values[name] for name in model.names])
 
@@ -308,23 +310,23 @@ def _outermost(model: ForceCurveModel) -> float | None:
 
 def nearest(model: ForceCurveModel, loss: Loss = "linear", near: Array | None = None) -> ForceCurveFit:
     """The unknowns that leave least, from several starts until one leaves no more than noise, ``near`` being the first
-    one; SolveError where no search converges. Of a retraction alone all are tried: how far its edge rests is told by
-    its shape only."""
+    one; SolveError where no search converges. Of a retraction alone all are tried: only its shape shows how far its
+    edge rests."""
     noise = max(part.line.noise for part in model.stretches)
     if near is not None and "turn" not in model.names:
         with contextlib.suppress(SolveError):
-            found = fit(model, near, True, loss)
-            if found.ended and found.sigma <= TUNING.surely_found * noise:
-                return found
+            fitted = fit(model, near, True, loss)
+            if fitted.ended and fitted.sigma <= TUNING.explained * noise:
+                return fitted
     best: ForceCurveFit | SolveError = SolveError("no curve of this body resembles the record")
     for x in starts_of(model):
         try:
-            found = fit(model, x, loss=loss)
+            fitted = fit(model, x, loss=loss)
         except SolveError as error:
             best = error if isinstance(best, SolveError) else best
             continue
-        if isinstance(best, SolveError) or (not found.ended, found.sigma) < (not best.ended, best.sigma):
-            best = found
+        if isinstance(best, SolveError) or (not fitted.ended, fitted.sigma) < (not best.ended, best.sigma):
+            best = fitted
         if "turn" not in model.names and best.sigma <= TUNING.enough * noise:
             break
     if isinstance(best, SolveError):

@@ -30,11 +30,11 @@ TUNING = ReadingsTuning()
 class DirectionReadings:
     """The ``rows`` of one direction, from the far end inwards: device position ``z`` [m], reading ``P`` [N].
 
-    ``touching``: whether a row may be in contact; where ``jumped``, all those rows are, and the others are free, as a
-    jump tells, or a window about first touch that is left out.
-    ``line``: the base line that was found from the free rows alone, ``wave``: on top of it. ``t``: time since the end
+    ``touching``: whether a row may be in contact; where ``jumped``, all those rows are, and the others are free, by a
+    jump, or by a window about first touch that is left out.
+    ``line``: the base line of the free rows alone, ``wave``: on top of it. ``t``: time since the end
     of the approach [s], 0 where it is not known, ``waits`` until the retraction, of ``lasting`` in all. ``turn``: where
-    the device turns [m]; ``tension``: the largest that is told from the noise [N].
+    the device turns [m]; ``tension``: the largest above the noise [N].
     """
 
     kind: str
@@ -99,7 +99,7 @@ def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> Directio
         rows = rows[::-1]
     z = curve.device[rows]
     P = curve.load[rows] if wave is None else curve.load[rows] + wave(z)
-    line, tension, touching, keep = _told(side, z, P)
+    line, tension, touching, keep = _base_and_contact(side, z, P)
     contact = np.count_nonzero(touching) or rows.size - side.border[1]
     keep[rows.size - round(TUNING.turning * contact) :] = False
     keep &= ~np.isin(rows, record.spikes)
@@ -112,9 +112,9 @@ def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> Directio
     )  # fmt: skip
 
 
-def _told(side: Direction, z: Array, P: Array) -> tuple[BaseLine, float, Array, Array]:
-    """Base line of a direction, its largest tension [N], which rows are in contact, and which are to be kept; no row
-    where first touch is not told by a jump. Without a base line the load is that over 0."""
+def _base_and_contact(side: Direction, z: Array, P: Array) -> tuple[BaseLine, float, Array, Array]:
+    """Base line of a direction, its largest tension [N], masks of the rows in contact and of those to keep; no row is
+    surely in contact without a jump at first touch. Without a base line the load is that over 0."""
     tension, touching, keep = known(side.adhesion) or 0.0, np.zeros(z.size, dtype=bool), np.ones(z.size, dtype=bool)
     if not side.begins_free:
         touching = in_contact({"delta": z, "P": P}, 0.0)

@@ -66,8 +66,8 @@ def _of_tension(model: ForceCurveModel, s: float, tension: float) -> float:
 
 
 def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tuple[float, float, float]:
-    """s, z0 and sqrt(q) that a stretch is best described with, by its found base line, up to a ``share`` of the way in
-    contact."""
+    """s, z0 and sqrt(q) that a stretch is best described with, by the base line of its free rows, up to a ``share``
+    of the way in contact."""
     rows = _some_rows(part)
     rows = rows[part.z[rows] <= part.z.max() - (1 - share) * part.reach] if share < 1 else rows
     net = part.P[rows] - part.line(part.z[rows])

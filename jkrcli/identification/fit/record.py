@@ -24,7 +24,7 @@ from .force_curve import ForceCurveModel, base_line
 from .force_curve_fit import ForceCurveFit, Neighbour, fit, nearest, windowed
 from .force_curve_readings import DirectionReadings, stretches
 from .interference import Wave, straightened
-from .one_more import another_modulus, unasked_drift
+from .one_more import another_modulus, drift_left_out
 from .points import third_differences
 from .positions import TIMED
 from .record_rivals import OF_RIVALS
@@ -42,13 +42,13 @@ class WholeRecordTuning:
     placed: float = 0.3  # choice: scatter of positions over that of loads, both over their range, of a table
     rounds: int = 3  # choice: solves to larger radii before the record is given up
     misfit: float = 0.03  # choice: residual over the range of the load above which the model does not describe it
-    vague: float = 0.1  # choice: noise over the range, error of the contact point over the depth: little is told
+    vague: float = 0.1  # choice: noise over the range, error of the contact point over the depth: little is known
     spoilt: float = 0.1  # choice: factor of the quality for each thing that is wrong with the record itself
-    dependent: float = 2.0  # choice: rows worth one above which it is said
+    dependent: float = 2.0  # choice: rows worth one above which a warning tells
     apart: float = 4.0  # choice: standard errors between the moduli of the two directions from which on they differ
     rough: float = 1.5  # choice: of the noise, residuals from which on the directions are fitted each alone as well
     sure: float = 3.0  # choice: standard errors of w below 0, or of a drift, that are no noise
-    untold: float = 1.0  # theory: of ln E*, a standard error with which 95 % span a factor of fifty
+    undetermined: float = 1.0  # theory: of ln E*, a standard error with which 95 % span a factor of fifty
     absurd: float = 1000.0  # choice: the same, from which on its size says no more
     rigid: float = 0.99  # choice: of the way of a device in contact, that bends its spring, beside a rigid specimen
     excess: float = 4.0  # choice: of the standard errors, what misfit would add to them where its flag is raised
@@ -56,11 +56,9 @@ class WholeRecordTuning:
 
 
 TUNING = WholeRecordTuning()
-ASKED = frozenset(
-    {"modulus", "w", "delta0", "P0", *POSITIONS}
-)  # parameters of a whole record; others need prepared readings
+PARAMETERS = frozenset({"modulus", "w", "delta0", "P0", *POSITIONS})  # of a whole record; others need prepared readings
 FREE = (-math.inf, math.inf)
-ZEROS = frozenset({"delta0", "P0", "compliance"})  # always fitted, or told by the stiffness of the device
+ZEROS = frozenset({"delta0", "P0", "compliance"})  # always fitted, or known by the stiffness of the device
 
 
 def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
@@ -72,31 +70,31 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
     prepared = settings.contact == "as-is"
     only = [f"--base-line {settings.base_line}"] * (settings.base_line != "straight") + list(settings.positions)
     only += [f"--model {settings.model}"] * (settings.model == AUTO)
-    asked = settings.contact == "fitted" or bool(only)
+    required = settings.contact == "fitted" or bool(only)
     if prepared or curve.a is not None or curve.delta is None or curve.P is None:
-        if asked:
+        if required:
             what = next(iter(only), "--contact fitted")
             raise InputError(f"{what} is for raw records of displacement and load, with --contact fitted or auto")
         return None
     try:
         record = examine(curve)
     except InputError:
-        if asked:
+        if required:
             raise
         return None
-    if not (asked or _raw(record)):
+    if not (required or _raw(record)):
         return record if settings.contact == "auto" and _as_read(record, settings) else None
     idle = [name for name in settings.uncertain if name in CALIBRATED and curve.stiffness in (None, math.inf)]
     if idle:
         raise InputError(f"{curve.where}: --uncertain {idle[0]}: the record has no stiffness, so it has no effect here")
-    if said := record.flags.get("wrong way"):
-        raise InputError(f"{curve.where}: {said}")
+    if reason := record.flags.get("wrong way"):
+        raise InputError(f"{curve.where}: {reason}")
     _check_positions(curve, settings)
     return record
 
 
 def _check_positions(curve: Curve, settings: Settings) -> None:
-    """InputError where the record or what else is asked tells no error of positions that is."""
+    """InputError where an error of positions is to be fitted that the record, or another option, does not determine."""
     for name in settings.positions:
         if settings.segment not in (None, "both"):
             raise InputError(f"{curve.where}: {name} needs approach and retraction together: leave --segment out")
@@ -128,8 +126,8 @@ def _as_read(record: ForceCurve, settings: Settings) -> bool:
 
 
 def beyond_the_record(settings: Settings) -> bool:
-    """Whether something is asked that the model of a whole record does not know."""
-    named = any(p.name not in ASKED or p.value is not None for p in settings.free)
+    """Whether the settings have an option that the model of a whole record does not know."""
+    named = any(p.name not in PARAMETERS or p.value is not None for p in settings.free)
     bound = any(p.name != "modulus" and (p.low, p.high) != FREE for p in settings.free)
     fixed = any(p.name in ZEROS & settings.named and not p.free for p in settings.parameters)
     return settings.range is not None or named or bound or fixed or settings.branch != "all" or bool(settings.noise)
@@ -165,24 +163,24 @@ def fit_record(
     def of(*kinds: str) -> tuple[FittedBody, ForceCurveFit]:
         return _fitted(body, _model(body, record, settings, waves, kinds), settings, before)
 
-    def told(body: FittedBody, found: ForceCurveFit) -> Fit:
-        return _result(body, record, curve, settings, found, pool)
+    def result_of(body: FittedBody, best: ForceCurveFit) -> Fit:
+        return _result(body, record, curve, settings, best, pool)
 
     whole, joint = of(*kinds)
     if not joint.ended:
-        return told(whole, joint)
+        return result_of(whole, joint)
     _refuse_undetermined(curve, joint)
-    before.found = joint
-    plain = judged(_of_directions(of, told, whole, joint), whole, joint)
+    before.last = joint
+    plain = judged(_of_directions(of, result_of, whole, joint), whole, joint)
     if settings.model != AUTO:
         return plain
     fresh = _model(whole, record, settings, waves, kinds)
-    return by_rivals(plain, whole, joint, fresh, partial(told, whole))
+    return by_rivals(plain, whole, joint, fresh, partial(result_of, whole))
 
 
 def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
     """InputError where the rows determine no modulus."""
-    if "ln_s" not in joint.names or (error := joint.error("ln_s")) <= TUNING.untold:
+    if "ln_s" not in joint.names or (error := joint.error("ln_s")) <= TUNING.undetermined:
         return
     times = f"{error:.2g}" if error < TUNING.absurd else f"more than {TUNING.absurd:g}"
     reason = "the rows in contact do not tell it from w and the zero: fit both directions, or fix w (--fix w=...)"
@@ -197,18 +195,18 @@ def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
 
 
 def _of_directions(
-    of: Callable[..., tuple[FittedBody, ForceCurveFit]], told: Callable[[FittedBody, ForceCurveFit], Fit],
+    of: Callable[..., tuple[FittedBody, ForceCurveFit]], result_of: Callable[[FittedBody, ForceCurveFit], Fit],
     whole: FittedBody, joint: ForceCurveFit,
 ) -> Fit:  # fmt: skip
     """The fit of both directions by one modulus, or each by its own where they differ."""
-    result = told(whole, joint)
+    result = result_of(whole, joint)
     if len(joint.model.stretches) < 2 or joint.model.positions or not _apart(joint):
         return result  # one direction alone tells no error of positions
     (_, into), (deeper, back) = of(APPROACH), of(RETRACT)
-    error = math.hypot(*(found.error("ln_s") * found.spread.excess for found in (into, back)))
+    error = math.hypot(*(one.error("ln_s") * one.spread.excess for one in (into, back)))
     if not differ(math.exp(into.value("ln_s")), math.exp(back.value("ln_s")), error):
         return result
-    return beside(told(deeper, back), told(deeper, into), result)
+    return beside(result_of(deeper, back), result_of(deeper, into), result)
 
 
 def whole_fit(body: FittedBody, record: ForceCurve, settings: Settings) -> ForceCurveFit:
@@ -229,20 +227,20 @@ def receding(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
     record = whole_record(curve, settings)
     if record is None or not any(_usable(record, kind) for kind in _wanted(settings)):
         return curve
-    _, found = _fitted(body, _model(body, record, settings, {}, _kinds(record, settings)), settings)
-    curve = _in_contact(found, curve, found.model.stretches[-1:], still=False)
-    return replace(curve, delta=curve.depth - curve.load / found.model.k)
+    _, best = _fitted(body, _model(body, record, settings, {}, _kinds(record, settings)), settings)
+    curve = _in_contact(best, curve, best.model.stretches[-1:], still=False)
+    return replace(curve, delta=curve.depth - curve.load / best.model.k)
 
 
-def _in_contact(found: ForceCurveFit, curve: Curve, parts: Sequence[DirectionReadings], still: bool = True) -> Curve:
+def _in_contact(best: ForceCurveFit, curve: Curve, parts: Sequence[DirectionReadings], still: bool = True) -> Curve:
     """The rows in contact of some stretches, those on which the edge is ``still`` too, in order of recording: net load
     over the position of the device from first touch."""
-    values, each = found.model.values(found.x), []
+    values, each = best.model.values(best.x), []
     for part in parts:
-        a, rests = found.model.contact_radii(part, values)
-        kept = (a > 0) & (still | ~rests)
-        depth, P = found.model.depth(part, values), part.P - base_line(part, values)[0]
-        each.append((part.rows[kept], depth[kept], P[kept], np.full(np.count_nonzero(kept), part.kind)))
+        a, rests = best.model.contact_radii(part, values)
+        chosen = (a > 0) & (still | ~rests)
+        depth, P = best.model.depth(part, values), part.P - base_line(part, values)[0]
+        each.append((part.rows[chosen], depth[chosen], P[chosen], np.full(np.count_nonzero(chosen), part.kind)))
     rows, delta, P, words = (np.concatenate(columns) for columns in zip(*each, strict=True))
     order = np.argsort(rows)
     return replace(curve.rows(rows[order]), delta=delta[order], P=P[order], segment=words[order], stiffness=None)
@@ -254,23 +252,24 @@ def reduced(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[C
     have no scatter, what the zeros err by is fitted again."""
     usual = tuple(Parameter(name, True) for name in ("modulus", "w", "delta0"))
     plain = replace(settings, parameters=usual, named=frozenset(), noise={}, branch="all", loss="linear")
-    found = whole_fit(body, record, plain)
-    curve = _in_contact(found, record.curve, found.model.stretches)
-    told, asked = _outcome(found, found.x, body), {p.name: p for p in settings.parameters if p.name in settings.named}
-    given = {name for name in ("delta0", "P0") if name in asked and not asked[name].free}
-    shift = {name: told[name] if name in given else 0.0 for name in ("delta0", "P0")}
-    stiff = 0.0 if "compliance" in asked else 1 / found.model.k
-    delta = curve.depth - (1 / found.model.k - stiff) * curve.load + shift["delta0"]
-    said = (
+    best = whole_fit(body, record, plain)
+    curve = _in_contact(best, record.curve, best.model.stretches)
+    outcome = _outcome(best, best.x, body)
+    requested = {p.name: p for p in settings.parameters if p.name in settings.named}
+    fixed_zeros = {name for name in ("delta0", "P0") if name in requested and not requested[name].free}
+    shift = {name: outcome[name] if name in fixed_zeros else 0.0 for name in ("delta0", "P0")}
+    stiff = 0.0 if "compliance" in requested else 1 / best.model.k
+    delta = curve.depth - (1 / best.model.k - stiff) * curve.load + shift["delta0"]
+    note = (
         f"the rows in contact alone are fitted, less the base lines of the whole record and from its zero, delta0 = "
-        f"{show(told['delta0'], 'length', 5)} and P0 = {show(told['P0'], 'load', 5)}"
+        f"{show(outcome['delta0'], 'length', 5)} and P0 = {show(outcome['P0'], 'load', 5)}"
     )
-    placed = TUNING.placed_rows * found.sigma * float(np.ptp(delta) / np.ptp(curve.load))
-    placed = max(placed, found.sigma * (1 / found.model.k - stiff))
+    placed = TUNING.placed_rows * best.sigma * float(np.ptp(delta) / np.ptp(curve.load))
+    placed = max(placed, best.sigma * (1 / best.model.k - stiff))
     fixed = {"compliance": Parameter("compliance", False, stiff)} | {"P0": Parameter("P0", True)}
-    parameters = tuple(fixed.get(p.name, p) if p.name not in asked else p for p in settings.parameters)
-    curve = replace(curve, delta=delta, P=curve.load + shift["P0"], flags=(*curve.flags, said))
-    noise = {"delta": placed, "P": found.sigma} | dict(settings.noise)
+    parameters = tuple(fixed.get(p.name, p) if p.name not in requested else p for p in settings.parameters)
+    curve = replace(curve, delta=delta, P=curve.load + shift["P0"], flags=(*curve.flags, note))
+    noise = {"delta": placed, "P": best.sigma} | dict(settings.noise)
     return curve, replace(settings, parameters=parameters, noise=noise, contact="as-is", base_line="straight")
 
 
@@ -281,43 +280,43 @@ def _fitted(
     for part in model.stretches:
         if np.ptp(part.z) == 0:
             raise SolveError(f"the {part.kind} has {part.z.size} rows to fit, all at one piezo position")
-    body, found = _deep_enough(body, model), None
+    body, best = _deep_enough(body, model), None
     for _ in range(TUNING.rounds):
         model = replace(model, family=body.family)
         near = None if before is None else before.start(model)
-        found = nearest(model, settings.loss, near) if found is None else _again(found, model, settings)
-        reach = _contact_radii(found).max()
+        best = nearest(model, settings.loss, near) if best is None else _again(best, model, settings)
+        reach = _contact_radii(best).max()
         if not body.extensible or reach <= body.series.a[-1]:
             break
         body = body.to_radius(ROOM * float(reach))
-    assert found is not None
-    if np.count_nonzero(_contact_radii(found)) <= len(found.names):
+    assert best is not None
+    if np.count_nonzero(_contact_radii(best)) <= len(best.names):
         raise SolveError("the curve that fits best has next to no row in contact; --flip P, if compression is negative")
-    cut = windowed(found)
-    found = found if cut is found.model else _again(found, replace(cut, known=model.known), settings)
-    model = found.model
-    held = {kind: 0.0 for part in model.stretches if _repels(found, kind := part.kind)}
-    return body, nearest(replace(model, works={**model.works, **held}), settings.loss) if held else found
+    cut = windowed(best)
+    best = best if cut is best.model else _again(best, replace(cut, known=model.known), settings)
+    model = best.model
+    zero_works = {kind: 0.0 for part in model.stretches if _repels(best, kind := part.kind)}
+    return body, nearest(replace(model, works={**model.works, **zero_works}), settings.loss) if zero_works else best
 
 
-def _again(found: ForceCurveFit, model: ForceCurveModel, settings: Settings) -> ForceCurveFit:
-    """The fit of a ``model`` that differs a little from the one ``found``."""
-    return fit(model, found.unknowns(model), True, settings.loss)
+def _again(best: ForceCurveFit, model: ForceCurveModel, settings: Settings) -> ForceCurveFit:
+    """The fit of a ``model`` that differs a little from that of the ``best`` fit so far."""
+    return fit(model, best.unknowns(model), True, settings.loss)
 
 
-def _repels(found: ForceCurveFit, kind: str) -> bool:
+def _repels(best: ForceCurveFit, kind: str) -> bool:
     """Whether w of a direction comes out below 0 by more than noise and misfit explain: another body, w = 0 is as near
     as it can come."""
-    name = next((name for name in (f"q:{kind}", f"r:{kind}") if name in found.names), None)
-    return name is not None and found.value(name) < -TUNING.sure * found.error(name) * found.spread.excess
+    name = next((name for name in (f"q:{kind}", f"r:{kind}") if name in best.names), None)
+    return name is not None and best.value(name) < -TUNING.sure * best.error(name) * best.spread.excess
 
 
-def _apart(found: ForceCurveFit) -> bool:
+def _apart(best: ForceCurveFit) -> bool:
     """Whether the data ask for another modulus on the way back than on the way in."""
-    if "ln_s" not in found.names:
+    if "ln_s" not in best.names:
         return False
-    noise, other = max(part.line.noise for part in found.model.stretches), another_modulus(found)
-    if found.sigma > TUNING.rough * noise:
+    noise, other = max(part.line.noise for part in best.model.stretches), another_modulus(best)
+    if best.sigma > TUNING.rough * noise:
         return True
     return differ(1.0, 1 + other.last, 0.0) and differ(1.0, 1 + other.last, other.error)
 
@@ -326,7 +325,7 @@ def beside(back: Fit, into: Fit, both: Fit) -> Fit:
     """The fit of the retraction with the estimates of the approach beside its own; ``both``: that of one modulus."""
     one, other = back.estimate("E_star"), into.estimate("E_star")
     name = "directions differ"
-    said = (
+    sentence = (
         f"{name}: E* is {show(other.value, 'modulus', 4)} on approach and {show(one.value, 'modulus', 4)} on "
         "retraction, one value does not fit both: the specimen relaxes or yields, or the device drifts"
     )
@@ -334,7 +333,7 @@ def beside(back: Fit, into: Fit, both: Fit) -> Fit:
     quality = back.quality and {**back.quality, "quality": TUNING.spoilt * back.quality["quality"]}
     return replace(
         back, estimates=(*back.estimates, replace(other, name="E_star_approach"), work), quality=quality,
-        flags=(*back.flags, name), warnings=(said, *drifts, *back.warnings),
+        flags=(*back.flags, name), warnings=(sentence, *drifts, *back.warnings),
         directions=f"{NAMES[RETRACT]}, the approach beside it",
     )  # fmt: skip
 
@@ -347,7 +346,7 @@ def differ(into: float, back: float, error: float) -> bool:
 def _model(
     body: FittedBody, record: ForceCurve, settings: Settings, waves: Mapping[str, Wave], kinds: Sequence[str]
 ) -> ForceCurveModel:
-    """What is to be fitted to the directions ``kinds`` of a record, as asked."""
+    """The model of the directions ``kinds`` of a record, by the settings."""
     curve, w, modulus = record.curve, settings.parameter("w"), settings.parameter("modulus")
     parts = stretches(record, kinds, waves)
     assert w is not None
@@ -373,9 +372,9 @@ def _deep_enough(body: FittedBody, model: ForceCurveModel) -> FittedBody:
     return body.to_depth(max(float(np.ptp(way)) for way in ways))
 
 
-def _directions(record: ForceCurve, found: ForceCurveFit, settings: Settings) -> str:
+def _directions(record: ForceCurve, best: ForceCurveFit, settings: Settings) -> str:
     """Which directions were fitted, and why another one was not."""
-    kinds = [part.kind for part in found.model.stretches]
+    kinds = [part.kind for part in best.model.stretches]
     if len(kinds) > 1:
         return f"{APPROACH} and {NAMES[RETRACT]}"
     other = RETRACT if kinds[0] == APPROACH else APPROACH
@@ -390,20 +389,20 @@ def _adhesion(record: ForceCurve) -> float | None:
 
 
 def _wanted(settings: Settings) -> tuple[str, ...]:
-    """The directions that are asked for."""
+    """The requested directions."""
     return (APPROACH, RETRACT) if settings.segment in (None, "both") else (str(settings.segment),)
 
 
 def _kinds(record: ForceCurve, settings: Settings) -> tuple[str, ...]:
-    """The directions to fit: as asked, else the retraction, else the approach."""
+    """The directions to fit: those requested that can be fitted."""
     wanted = _wanted(settings)
-    held = tuple(kind for kind in wanted if _usable(record, kind))
-    if not held and settings.contact == "auto" and record.curve.stiffness is not None:
-        held = tuple(kind for kind in wanted if record.direction(kind) is not None)
-    if not held:
+    kinds = tuple(kind for kind in wanted if _usable(record, kind))
+    if not kinds and settings.contact == "auto" and record.curve.stiffness is not None:
+        kinds = tuple(kind for kind in wanted if record.direction(kind) is not None)
+    if not kinds:
         reasons = [f"{kind}: {_reason(record, kind)}" for kind in wanted]
         raise InputError(f"no direction can be fitted ({'; '.join(reasons)})")
-    return held
+    return kinds
 
 
 def _reason(record: ForceCurve, kind: str) -> str:
@@ -414,35 +413,35 @@ def _reason(record: ForceCurve, kind: str) -> str:
     return side.touch.reason if isinstance(side.touch, Unknown) else "it has no base line"
 
 
-def _contact_radii(found: ForceCurveFit) -> Array:
+def _contact_radii(best: ForceCurveFit) -> Array:
     """Contact radius [m] of every row, 0 where it is free."""
-    values = found.model.values(found.x)
-    return np.concatenate([found.model.contact_radii(part, values)[0] for part in found.model.stretches])
+    values = best.model.values(best.x)
+    return np.concatenate([best.model.contact_radii(part, values)[0] for part in best.model.stretches])
 
 
-def _outcome(found: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, float]:
+def _outcome(best: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, float]:
     """What the unknowns ``x`` mean, SI."""
-    values, problem = found.model.values(x), body.problem
+    values, problem = best.model.values(x), body.problem
     s = math.exp(values["ln_s"])
-    last = found.model.stretches[-1]
-    told = {"modulus": s}
-    for part in found.model.stretches:
-        told[WORKS[part.kind]] = values[f"q:{part.kind}"] * s
+    last = best.model.stretches[-1]
+    quantities = {"modulus": s}
+    for part in best.model.stretches:
+        quantities[WORKS[part.kind]] = values[f"q:{part.kind}"] * s
     tilt = values[f"tilt:{last.kind}"]
     P0 = values[f"offset:{last.kind}"] + tilt * (values["z0"] - last.z[0])
     if last.wave is not None:
         wave = Wave(math.exp(values["ln_period"]), last.wave.at, values[f"cos:{last.kind}"], values[f"sin:{last.kind}"])
         P0 += float(wave(np.array(values["z0"])))
-    told |= {"delta0": values["z0"] - P0 / found.model.k, "P0": P0, "tilt": tilt}
-    told |= {name: values[name] for name in found.model.positions}
+    quantities |= {"delta0": values["z0"] - P0 / best.model.k, "P0": P0, "tilt": tilt}
+    quantities |= {name: values[name] for name in best.model.positions}
     if last.wave is not None:
-        told |= {"wave_period": wave.period, "wave_amplitude": math.hypot(wave.cos, wave.sin)}
-    told |= found.model.further(values)
-    told["E_star"] = s * problem.E_star
+        quantities |= {"wave_period": wave.period, "wave_amplitude": math.hypot(wave.cos, wave.sin)}
+    quantities |= best.model.further(values)
+    quantities["E_star"] = s * problem.E_star
     if problem.indenter.material is None:
         materials = problem.specimen.materials
-        told |= {f"E:{name}": s * m.surface.E for name, m in zip(body.layer_names, materials, strict=True)}
-    return told
+        quantities |= {f"E:{name}": s * m.surface.E for name, m in zip(body.layer_names, materials, strict=True)}
+    return quantities
 
 
 GIVEN_UP = "the search stopped after {} steps, the rows do not determine the unknowns: fix one (--fix w=...)"
@@ -457,24 +456,24 @@ DIMENSIONS = {
 
 
 def _result(
-    body: FittedBody, record: ForceCurve, curve: Curve, settings: Settings, found: ForceCurveFit, pool: Pool | None
+    body: FittedBody, record: ForceCurve, curve: Curve, settings: Settings, best: ForceCurveFit, pool: Pool | None
 ) -> Fit:
     """The fit of a ``curve`` as every fit gives it; ``record``: without the waves of its base lines."""
-    values = _outcome(found, found.x, body)
-    dof = max(found.off.size - found.x.size, 1)
-    t = t_quantile(settings.level, max(round(found.spread.dof / found.spread.tau), 1))
+    values = _outcome(best, best.x, body)
+    dof = max(best.off.size - best.x.size, 1)
+    t = t_quantile(settings.level, max(round(best.spread.dof / best.spread.tau), 1))
     fixed = {item.name for item in settings.parameters if not item.free and item.name in settings.named}
-    told = _intervals(body, found, settings, values, fixed, t, pool)
-    carried = _carried(body, found, settings, values)
-    plain = (_resting(item, found) for item in told.estimates())
+    intervals = _intervals(body, best, settings, values, fixed, t, pool)
+    carried = _carried(body, best, settings, values)
+    plain = (_resting(item, best) for item in intervals.estimates())
     estimates = tuple(wider(item, {key: change[item.name] for key, change in carried.items()}, t) for item in plain)
-    if not found.ended:
+    if not best.ended:
         estimates = tuple(replace(item, error=None, low=None, high=None) for item in estimates)
     free = tuple(item.name for item in estimates if item.free and item.name != "E_star" and ":" not in item.name
                  and (item.error is not None or item.name != WORKS[RETRACT]))  # fmt: skip
-    rows = np.concatenate([part.rows for part in found.model.stretches])
-    a, order = _contact_radii(found), np.argsort(rows)
-    flags, quality = _judged(record, found, a)
+    rows = np.concatenate([part.rows for part in best.model.stretches])
+    a, order = _contact_radii(best), np.argsort(rows)
+    flags, quality = _judged(record, best, a)
     flags = {**record.flags, **flags}
     result = Fit(
         name=curve.name,
@@ -482,44 +481,44 @@ def _result(
         where=curve.where,
         estimates=estimates,
         free=free,
-        covariance=told.covariance_of(free) if found.ended else None,
-        samples=told.sampled(free),
+        covariance=intervals.covariance_of(free) if best.ended else None,
+        samples=intervals.sampled(free),
         data={"delta": curve.depth[rows[order]], "P": curve.load[rows[order]]},
         rows=rows[order],
         left_out=_left_out(record, rows.size),
         a=a[order],
-        residuals=found.off[order][None] / found.sigma,
-        scales={"P": found.sigma},
+        residuals=best.off[order][None] / best.sigma,
+        scales={"P": best.sigma},
         scatter=1.0,
         dof=dof,
-        structure=structure(found.off[a > 0]),
-        line=_line(found),
-        evaluations=found.least.steps,
+        structure=structure(best.off[a > 0]),
+        line=_line(best),
+        evaluations=best.least.steps,
         settings=settings,
         warnings=(),
         flags=tuple(flags),
         quality=quality,
         adhesion=_adhesion(record),
-        directions=_directions(record, found, settings),
+        directions=_directions(record, best, settings),
     )
-    said = [f"{name}: {sentence}" for name, sentence in flags.items()]
-    at_bound = ["modulus"] * bool(np.isclose(values["modulus"], found.model.moduli, rtol=SAME).any())
+    sentences = [f"{name}: {sentence}" for name, sentence in flags.items()]
+    at_bound = ["modulus"] * bool(np.isclose(values["modulus"], best.model.moduli, rtol=SAME).any())
     more = warnings_of(result, body, body.family, at_bound)
-    return replace(result, warnings=(*said, *_words(found, settings), *more))
+    return replace(result, warnings=(*sentences, *_words(best, settings), *more))
 
 
 def _carried(
-    body: FittedBody, found: ForceCurveFit, settings: Settings, here: Mapping[str, float]
+    body: FittedBody, best: ForceCurveFit, settings: Settings, here: Mapping[str, float]
 ) -> dict[str, dict[str, float]]:
     """Changes of the outcome by the standard deviation of each uncertain input."""
 
     def outcome(name: str, value: float) -> dict[str, float]:
         if name in CALIBRATED:
-            moved, model = body, found.model.calibrated(value, name == "stiffness")
+            moved, model = body, best.model.calibrated(value, name == "stiffness")
         else:
             moved = body.with_values({name: value})
-            model = replace(found.model, family=moved.family)
-        refitted = fit(model, found.at_loads(value if name in CALIBRATED else 1.0), near=True, loss=settings.loss)
+            model = replace(best.model, family=moved.family)
+        refitted = fit(model, best.at_loads(value if name in CALIBRATED else 1.0), near=True, loss=settings.loss)
         return _outcome(refitted, refitted.x, moved)
 
     centres = {name: 1.0 if name in CALIBRATED else body.nominal(name) for name in settings.uncertain}
@@ -530,72 +529,71 @@ def _carried(
 
 
 def _intervals(
-    body: FittedBody, found: ForceCurveFit, settings: Settings, here: Mapping[str, float], fixed: Container[str],
+    body: FittedBody, best: ForceCurveFit, settings: Settings, here: Mapping[str, float], fixed: Container[str],
     t: float, pool: Pool | None,
 ) -> Intervals:  # fmt: skip
     """What is known of the outcome ``here``, of which some are ``fixed``."""
-    quantities = [_quantity(name, found) for name in here]
-    held = {name: value for name, value in here.items() if name in fixed}
+    quantities = [_quantity(name, best) for name in here]
+    fixed_values = {name: value for name, value in here.items() if name in fixed}
 
     def meaning(x: Array) -> dict[str, float]:
-        told = _outcome(found, x, body) | held
-        return {item.name: item.inner(told[item.name]) for item in quantities}
+        outcome = _outcome(best, x, body) | fixed_values
+        return {item.name: item.inner(outcome[item.name]) for item in quantities}
 
     samples = None
-    if settings.confidence == "bootstrap" and found.ended:
-        cost = found.least.problem.converged
-        samples = bootstrap(found.least, partial(_renewed, found), cost, settings.samples, settings.seed, pool)
-    profiled = settings.confidence == "profile" and found.ended
-    return Intervals(found.least, quantities, meaning, found.covariance, t, settings.level, profiled, samples=samples)
+    if settings.confidence == "bootstrap" and best.ended:
+        cost = best.least.problem.converged
+        samples = bootstrap(best.least, partial(_renewed, best), cost, settings.samples, settings.seed, pool)
+    profiled = settings.confidence == "profile" and best.ended
+    return Intervals(best.least, quantities, meaning, best.covariance, t, settings.level, profiled, samples=samples)
 
 
-def _quantity(name: str, found: ForceCurveFit) -> Parameter:
+def _quantity(name: str, best: ForceCurveFit) -> Parameter:
     """Moduli by their logs, w as it may come out below 0, an advancing one before a rest by its signed root."""
     dimension, scale = DIMENSIONS.get(name, "modulus"), LINEAR
     if name == "modulus" or dimension == "modulus":
         scale = LOG
     elif dimension == "work":
-        scale = ROOT if name == WORKS[APPROACH] and f"r:{APPROACH}" in found.names else LIMIT
+        scale = ROOT if name == WORKS[APPROACH] and f"r:{APPROACH}" in best.names else LIMIT
     return Parameter(name, True, scale=scale, quantity=dimension, follows=dimension == "modulus")
 
 
-def _resting(item: FittedValue, found: ForceCurveFit) -> FittedValue:
-    """The estimate; w of an edge that rests throughout is at least what was found."""
-    if item.name != WORKS[RETRACT] or f"q:{RETRACT}" not in found.model.known:
+def _resting(item: FittedValue, best: ForceCurveFit) -> FittedValue:
+    """The estimate; w of an edge that rests throughout is a lower bound."""
+    if item.name != WORKS[RETRACT] or f"q:{RETRACT}" not in best.model.known:
         return item
     return FittedValue(item.name, item.value, True, item.dimension, None, item.value)
 
 
-def _renewed(found: ForceCurveFit, rng: np.random.Generator) -> Callable[[State], State]:
+def _renewed(best: ForceCurveFit, rng: np.random.Generator) -> Callable[[State], State]:
     """Records that the model and the noise of the free rows may have made: residuals as they are, with other noise."""
-    rows = found.model.rows - found.model.rows.min()
-    noise = found.spread.noise.drawn(rng, int(rows.max()) + 1)[rows]
-    other = found.model.whitened(noise, found.weight) - found.least.state.residuals
+    rows = best.model.rows - best.model.rows.min()
+    noise = best.spread.noise.drawn(rng, int(rows.max()) + 1)[rows]
+    other = best.model.whitened(noise, best.weight) - best.least.state.residuals
     return lambda state: state.moved(other)
 
 
-def _line(found: ForceCurveFit) -> dict[str, Array]:
+def _line(best: ForceCurveFit) -> dict[str, Array]:
     """The fitted readings in one stroke, in by the first direction and out by the second: a, delta and P."""
-    model = np.concatenate([part.P for part in found.model.stretches]) + found.off
-    z = np.concatenate([part.z for part in found.model.stretches])
+    model = np.concatenate([part.P for part in best.model.stretches]) + best.off
+    z = np.concatenate([part.z for part in best.model.stretches])
     rows = np.arange(z.size)
-    first = found.model.stretches[0].z.size  # each direction is held from its far end inwards
+    first = best.model.stretches[0].z.size  # each direction goes from its far end inwards
     order = np.concatenate([rows[:first], rows[first:][::-1]])
-    columns = {"a": _contact_radii(found), "delta": z - model / found.model.k, "P": model}
+    columns = {"a": _contact_radii(best), "delta": z - model / best.model.k, "P": model}
     return {name: values[order] for name, values in columns.items()}
 
 
 def _left_out(record: ForceCurve, used: int) -> tuple[str, ...]:
     spikes = record.spikes.size
     rest = len(record.curve) - used - spikes
-    said = [f"{rest} rows of other segments, next to the turning point or in jumps"] * (rest > 0)
     return (
-        *said,
+        *[f"{rest} rows of other segments, next to the turning point or in jumps"] * (rest > 0),
         *[f"{spikes} {'isolated outliers' if spikes > 1 else 'isolated outlier'}"] * (spikes > 0),
     )
 
 
-def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[str, str], dict[str, float]]:
+def _judged(record: ForceCurve, best: ForceCurveFit, a: Array) -> tuple[dict[str, str], dict[str, float]]:
     """Flags of the fit itself with a sentence each, and the parts of its quality, each between 0 and 1.
 
     Each part is exp(-x^2/2) of a number x that is 1 where its flag is raised: misfit (slow residuals in contact over
@@ -604,18 +602,18 @@ def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[st
     ``quality`` is their product.
     """
     touching = a > 0
-    span = max(float(np.ptp(part.P)) for part in found.model.stretches)
-    off = found.off[touching]
+    span = max(float(np.ptp(part.P)) for part in best.model.stretches)
+    off = best.off[touching]
     noise = max(record_side.base.noise for record_side in record.directions)
     slow = math.sqrt(max(float(np.mean(off**2)) - noise**2, 0.0)) / span if off.size else 0.0
-    depth = max(part.reach for part in found.model.stretches)
-    contact = found.error("z0") / depth if "z0" in found.names else 0.0
+    depth = max(part.reach for part in best.model.stretches)
+    contact = best.error("z0") / depth if "z0" in best.names else 0.0
     wavy = max(side.base.waviness for side in record.directions) / span
-    flags = {} if found.ended else {"not determined": GIVEN_UP.format(found.least.steps)}
-    beyond = (found.spread.excess - 1) / TUNING.excess
+    flags = {} if best.ended else {"not determined": GIVEN_UP.format(best.least.steps)}
+    beyond = (best.spread.excess - 1) / TUNING.excess
     if beyond > 1:
         flags["misfit"] = (
-            f"the residuals in contact are {found.spread.excess:.0f} times what the noise of the free rows explains: "
+            f"the residuals in contact are {best.spread.excess:.0f} times what the noise of the free rows explains: "
             "another body, indenter or adhesion"
         )
     if slow > TUNING.misfit:
@@ -631,42 +629,42 @@ def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[st
     return flags, {"quality": math.prod(parts.values()), **parts}
 
 
-def _words(found: ForceCurveFit, settings: Settings) -> Iterator[str]:
+def _words(best: ForceCurveFit, settings: Settings) -> Iterator[str]:
     """How the record was taken, and what its residuals did to the intervals."""
-    if settings.base_line == "sine" and found.model.stretches[0].wave is None:
+    if settings.base_line == "sine" and best.model.stretches[0].wave is None:
         yield "base line: no sine beyond its noise, a straight line is used"
-    yield from _on_adhesion(found)
+    yield from _on_adhesion(best)
     free = [parameter.name for parameter in settings.free]
-    for kind in (part.kind for part in found.model.stretches if found.model.works.get(part.kind) == 0 and "w" in free):
+    for kind in (part.kind for part in best.model.stretches if best.model.works.get(part.kind) == 0 and "w" in free):
         yield f"{NAMES[kind]}: w would be negative and is set to 0: another body"
-    if any(name.startswith("offset:") for name in found.model.known):
+    if any(name.startswith("offset:") for name in best.model.known):
         yield "no base line: the zero of the load is set to 0 (--free P0, or --zero P=... if known)"
-    model = found.model
+    model = best.model
     if (
         len(model.stretches) > 1
         and "drift" not in model.positions
         and all(np.ptp(part.t) > 0 for part in model.stretches)
     ):
-        drift = unasked_drift(found)
+        drift = drift_left_out(best)
         if drift.size > TUNING.sure and abs(drift.last) > TUNING.sure * drift.error:
-            change = float(drift.step[found.names.index("ln_s")]) if "ln_s" in found.names else 0.0
+            change = float(drift.step[best.names.index("ln_s")]) if "ln_s" in best.names else 0.0
             yield (
                 f"drift: the depth drifts by {show(drift.last, 'speed', 3)} ± {show(drift.error, 'speed', 2)}, which "
                 f"would change the moduli by {change:+.2%}: --free drift fits it"
             )
-    if not all(part.line.rows for part in found.model.stretches):
+    if not all(part.line.rows for part in best.model.stretches):
         yield "no free rows: noise cannot be separated from misfit"
-    if found.spread.tau > TUNING.dependent:
+    if best.spread.tau > TUNING.dependent:
         yield (
-            f"residuals are autocorrelated (effective sample size n/{found.spread.tau:.1f}), "
-            f"which widens the intervals by {math.sqrt(found.spread.tau):.1f}"
+            f"residuals are autocorrelated (effective sample size n/{best.spread.tau:.1f}), "
+            f"which widens the intervals by {math.sqrt(best.spread.tau):.1f}"
         )
 
 
-def _on_adhesion(found: ForceCurveFit) -> Iterator[str]:
-    """What the directions that were fitted do not tell of w."""
-    known = found.model.known
-    if len(found.model.stretches) == 1 and found.model.stretches[0].kind == APPROACH:
+def _on_adhesion(best: ForceCurveFit) -> Iterator[str]:
+    """What the fitted directions leave open about w."""
+    known = best.model.known
+    if len(best.model.stretches) == 1 and best.model.stretches[0].kind == APPROACH:
         yield "approach alone: its w is w_approach; w, that of the retraction, stays empty"
     if f"q:{RETRACT}" in known:
         yield RESTS

@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from scipy import optimize
 
-from ..base import Array, JkrError, SolveError
+from ..base import MOST_STEPS, NOTICEABLE, Array, JkrError, SolveError
 from .fit.settings import Loss
 from .fit.statistics import costs
 
@@ -27,15 +27,11 @@ class SearchTuning:
 
     doublings: int = 6  # choice: of the step in which a profile must reach its limit, else it has none
     pull: float = 10.0  # theory: how much more a constrained value weighs than the data, whose pull is then a hundredth
-    close: float = 1e-3  # choice: of the step, to which the end of a profile is found
     reach: float = 12.0  # choice: guard, how far logs may move from their start
-    poor: float = 0.25  # choice: of what a step foretold, below which the next ones are shorter
-    good: float = 0.75  # choice: of it, above which they may be longer
-    whole: float = 0.95  # choice: of the radius, above which a step is as long as it
-    longer: float = 1.01  # choice: over the radius, what a step may be
-    rounds: int = 10  # choice: guard, of Newton's method for it; two or three are needed
+    poor: float = 0.25  # theory: More (1978): of the predicted reduction, below which steps are shorter
+    good: float = 0.75  # theory: the same, above which they may be longer
+    longer: float = 1.01  # choice: factor within which a step is as long as the radius
     singular: float = 1e-14  # theory: of the largest singular value, rounding
-    evaluations: int = 100  # choice: guard, for each unknown
     misfit: float = 1.3  # choice: scatter over the noise from row to row beyond which the law or the body is doubted
 
 
@@ -110,7 +106,7 @@ class LeastSquares:
     def _of_squares(self, x: Array, state: State) -> Least:
         """The least of squares by steps of Gauss and Newton within a radius, in units of the columns' lengths, that
         grows and shrinks with how well each foretells the cost (More, Lecture Notes in Mathematics 630 (1978) 105)."""
-        cost, most, (low, high) = state.cost, self.evaluations or TUNING.evaluations * x.size, self.bounds
+        cost, most, (low, high) = state.cost, self.evaluations or MOST_STEPS * x.size, self.bounds
         units, radius, steps = np.zeros_like(x), math.inf, 1
         while steps < most:
             slopes = state.jacobian.T @ state.residuals
@@ -134,7 +130,7 @@ class LeastSquares:
                 ended = close or (ratio > TUNING.poor and reduction < max(self.cost, self.converged) * cost)
                 if ratio < TUNING.poor:
                     radius = TUNING.poor * moved
-                elif ratio > TUNING.good and moved > TUNING.whole * radius:
+                elif ratio > TUNING.good and TUNING.longer * moved > radius:
                     radius = 2 * radius
                 if there is not None and reduction > 0:
                     x, state, cost = new, there, there.cost
@@ -204,7 +200,7 @@ class Least:
         with contextlib.suppress(JkrError):
             for k in 2.0 ** np.arange(TUNING.doublings):
                 if excess(k) >= 0:
-                    excess(optimize.brentq(excess, 0.0 if k <= 1 else k / 2, k, xtol=TUNING.close, rtol=TUNING.close))
+                    excess(optimize.brentq(excess, 0.0 if k <= 1 else k / 2, k, xtol=NOTICEABLE, rtol=NOTICEABLE))
                     return outcome(near[0])[0]
                 reached = outcome(near[0])[0]
                 if abs(reached - here) < k * abs(step) / 2:  # a bound holds it
@@ -239,7 +235,7 @@ class _Ball:
     def step(self, radius: float) -> Array:
         """The step to there that is no longer than ``radius``, by Newton's method for the inverse of its length."""
         more, coordinates = 0.0, self.along / self.sizes
-        for _ in range(TUNING.rounds):
+        for _ in range(MOST_STEPS):
             length = float(np.linalg.norm(coordinates))
             if length <= TUNING.longer * radius:
                 break

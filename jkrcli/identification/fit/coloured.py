@@ -38,7 +38,7 @@ class ColouredTuning:
     powers: tuple[float, ...] = (0.5, 0.75, 1.0, 1.25, 1.5, 2.0)  # choice: of 1/f, tried
     rounds: int = 8  # choice: of reweighting; the likelihood is then good to 1e-3
     share: float = 0.25  # choice: of an octave that the fit must have left, below which it joins the next
-    least: float = 4.0  # choice: of 2 ln of the likelihoods' ratio that a second part of the spectrum must gain
+    least: float = 4.0  # theory: Akaike's criterion, 2 ln of the likelihoods' ratio for two more parameters
     beside: int = 8  # choice: least rows on each side of missing ones, whose means a line goes through
     likely: float = 0.05  # choice: of the likeliest spectrum, likelihood below which one has no share
     free: int = 40  # choice: free rows of a direction that tell its noise
@@ -49,14 +49,13 @@ class ColouredTuning:
     # of standard errors, where noise goes on rising at frequencies that no free row tells; tuned on cycles with 1/f
     # noise, by `make record-bounds`
     unseen: float = 1.1
-    least_unseen: float = 0.5  # choice: of the noise at the lowest frequency that they tell, such noise that counts
-    exceeded: float = 2.0  # choice: the same, what the rows in contact say more of it at most
+    exceeded: float = 2.0  # choice: of the noise there, what the rows in contact say more of it at most
     # choice: of standard errors, by which slow noise that free rows do not tell may raise them; more is misfit
     hidden: float = 3.0
-    white: float = 0.5  # choice: chance, before the data, that noise has no slow part
+    white: float = 0.5  # theory: before the data nothing speaks for a slow part of the noise or against it
     # choice: of the white part at the lowest frequency that free rows tell, the slow parts that may hide
     heights: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
-    singular: float = 1e-12  # choice: least singular value over the largest, below which rounding has the word
+    singular: float = 1e-12  # theory: of the largest singular value, round-off of some thousand rows, each 2e-16
 
 
 TUNING = ColouredTuning()
@@ -81,7 +80,7 @@ class Spectrum:
         """Whether most of it goes on rising at frequencies below ``f``, which no run of free rows tells."""
         unseen = Spectrum(0.0, tuple(part for part in self.slow if part[1] < f))
         at = np.array(f)
-        return bool(unseen(at) > TUNING.least_unseen * self(at))
+        return bool(unseen(at) > self(at) / 2)
 
     def whitened(self, columns: Array) -> Array:
         """Columns of rows in the order of time, (rows, ...), so that this noise has unit variance and no colour."""

@@ -16,20 +16,17 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ...base import MOST_STEPS, REMEMBERED, SETTLED, Array, SolveError, show
+from ...base import LOOKED_AT, MOST_STEPS, REMEMBERED, SAME, SETTLED, Array, SolveError, show
 from .family import Family
 
 
 @dataclass(frozen=True)
 class DevicePathTuning:
-    """How finely branches are tabulated."""
+    """How far branches are tabulated, and steps along them."""
 
-    nodes: int = 400  # choice: of a branch; loads between them are good to 1e-7 of the largest
-    polished: int = 4  # choice: steps of Newton's method for the fold; its position, flat there, is then good to 1e-16
-    beside: float = 0.5  # choice: of a step of the grid, how near to the fold its next node may be
+    polished: int = 4  # theory: steps of Newton's method, which square the error, from a tenth of a step to 1e-16
     below: float = 4.0  # choice: of log a below the series, where its limit by power laws holds
     beyond: float = 0.5  # choice: of log a above the series, tried while starting values are sought
-    flat: float = 1e-6  # choice: of the displacement, least dz/du at the turn; nothing rests on a turn at the fold
     widest: float = 0.5  # choice: of log a, a step of it
 
 
@@ -44,8 +41,8 @@ HERMITE = np.array([[1, 0, 0, -10, 15, -6], [0, 1, 0, -6, 8, -3], [0, 0, 0.5, -1
 
 @lru_cache(maxsize=REMEMBERED)
 def grid(family: Family) -> Array:
-    """Logs of contact radii at which paths are tabulated."""
-    return np.linspace(family.low - TUNING.below, family.high + TUNING.beyond, TUNING.nodes)
+    """Logs of contact radii at which paths are tabulated; loads between them are good to 1e-7 of the largest."""
+    return np.linspace(family.low - TUNING.below, family.high + TUNING.beyond, LOOKED_AT)
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -232,7 +229,7 @@ def _fold(u: Array, rates: Array, bends: Array) -> tuple[int, float]:
     for _ in range(TUNING.polished):
         slope = dl + x * (2 * b + 3 * x * a)
         x = min(max(x - (left + x * (dl + x * (b + x * a))) / slope, 0.0), 1.0) if slope > 0 else x
-    return i + (1 if x < TUNING.beside else 2), float(u[i]) + x * step
+    return i + 1 + round(x), float(u[i]) + x * step
 
 
 @dataclass(frozen=True, eq=False)
@@ -299,6 +296,6 @@ def rest(family: Family, s: float, advanced: float, receding: float, k: float, t
         near += step
     S = s * v / t
     dS = S * (dV / v - dT / t)
-    per = 1 / max(dz, TUNING.flat * d)
+    per = 1 / max(dz, SAME * d)  # nothing rests on a turn at the fold, where dz = 0
     by_u = -s * (h - advanced * v) / k * per, (t + s * v / k) * per, per
     return Rest(near, d - receding * t + s * (h - receding * v) / k, by_u, d, s * h, S, dS, advanced * t, k)

@@ -15,11 +15,10 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline, PPoly
 
 from ...adhesion import Nonadhesive, Slopes
-from ...base import Array
+from ...base import ROWS, Array
 from ...series import Series
 
 FUNCTIONS = 4  # D, T, H, V
-SOUGHT = 200  # choice: radii among which the fold is sought
 
 
 class Member(Protocol):
@@ -88,7 +87,7 @@ class Family:
 
     def neck(self, s: float, w: float) -> float:
         """What adhesion adds to the displacement where the load is least [m], for JKR."""
-        _, T, H, V = self.at(np.linspace(self.low, self.high, SOUGHT))[0]
+        _, T, H, V = self.at(np.linspace(self.low, self.high, ROWS))[0]
         return float(np.sqrt(w / s) * T[np.argmin(s * H - np.sqrt(w * s) * V)])
 
     @property
@@ -163,7 +162,7 @@ class JKRMember:
     drift: Drift | None
 
     def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
-        whole = np.linspace(self.family.low - below_fold, self.family.high, SOUGHT)
+        whole = np.linspace(self.family.low - below_fold, self.family.high, ROWS)
         (D, T, _, _), _, _ = self.family.at(whole)
         fold = whole[np.argmin(D - np.sqrt(self.w / self.s) * T)]
         below = fold - below_fold if least is None else min(fold - below_fold, np.log(least))

@@ -38,7 +38,7 @@ class ForceCurveTuning:
     # tuned on raw records, by `make constants`: of the rows of a base line, those that tell the noise: contact begins
     # gently
     surely: float = 0.9
-    remembered: int = 2  # choice: residuals of a model that are needed again at the same unknowns
+    remembered: int = 2  # theory: residuals at the same unknowns, with the fold as the search sees it and as it is
 
 
 TUNING = ForceCurveTuning()

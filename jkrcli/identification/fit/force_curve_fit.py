@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from ...base import Array, SolveError
+from ...base import MOST_SOLVES, SAME, Array, SolveError
 from ...data.measured.curve import APPROACH
 from ..least_squares import Least, LeastSquares, State
 from .coloured import Spectrum, Spread
@@ -28,7 +28,7 @@ class ForceCurveFitTuning:
     window: float = 4.0  # choice: standard errors of z0 and w that the window about first touch covers
     beside: float = 2.0  # choice: rows on each side of first touch, at least, that belong to the window
     narrow: float = 0.3  # choice: of the depth of contact, that the window covers at most
-    above: float = 1.1  # choice: of the w that the last row holds at rest, one with which it rests for sure
+    above: float = 1.1  # theory: any w above what the last row at rest holds gives the same loads
     recedes: float = 12.0  # theory: fall of chi^2 by one unknown that chance brings once in 2000
     explained: float = 1.05  # choice: of the noise, residuals that the search is not begun anew for
     enough: float = 1.5  # choice: of the noise, residuals that no other start is tried below
@@ -36,11 +36,9 @@ class ForceCurveFitTuning:
     moduli: float = 10.0  # choice: of ln s about its start, where the search may go
     periods: float = 0.3  # choice: the same of the log of a wave's period
     converged: float = 1e-11  # choice: relative change of parameters
-    fell: float = 1e-8  # choice: of the cost, below which the minimum is found: a hundredth of a standard error
-    about: float = 1e-6  # choice: the same while the fold is blunter than it will be, or no more can be had
+    fell: float = 1e-8  # theory: of chi^2 of 1e4 rows, its rise a hundredth of a standard error from the minimum
     unsure: float = 0.1  # choice: of the way in contact, the most that the place of a fold is taken to be uncertain by
-    widths: int = 5  # choice: of that error, each from the one before
-    narrower: float = 2.0  # choice: factor between two of them, below which they agree
+    narrower: float = 2.0  # choice: factor between two estimates of it, below which they agree
     near: float = 0.1  # choice: of chi^2, the fall still to be had a third of a standard error from its minimum
     evaluations: int = 80  # choice: steps after which the search gives up
 
@@ -119,7 +117,7 @@ def misfit_at(model: ForceCurveModel, x: Array) -> float:
 def rough(model: ForceCurveModel, start: Array, steps: int) -> tuple[float, Array]:
     """Half the sum of squares that is left, of loads over their range, and the unknowns that leave about least, by a
     search from ``start`` on of a few ``steps``."""
-    problem = _problem(model, _even(model), _bounds(model, start), TUNING.blunt[1], TUNING.about)
+    problem = _problem(model, _even(model), _bounds(model, start), TUNING.blunt[1], SAME)
     least = replace(problem, evaluations=steps).least(start)
     return least.cost, least.x
 
@@ -138,11 +136,11 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     for stages in [()] if near else [slow] if few is model else [TUNING.blunt[1:2], slow]:
         begun = x
         for blunt in stages:
-            begun = _problem(few, _even(few), bounds, blunt, TUNING.about).least(begun).x
+            begun = _problem(few, _even(few), bounds, blunt, SAME).least(begun).x
         least = whole.least(begun)
         if least.ended and 2 * least.cost * even.A < (TUNING.explained * level) ** 2 * least.state.residuals.size:
             break  # no other minimum leaves less than the noise
-    about = _problem(model, even, bounds, sharp, TUNING.about)
+    about = _problem(model, even, bounds, sharp, SAME)
     if not least.ended:  # of few rows at the fold each makes a kink, between which a search runs to and fro
         least = about.least(least.x)
     for _ in range(2 * (loss != "linear")):
@@ -154,7 +152,7 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
         return best
     x = best.unknowns(model)  # an edge that rests by white noise need not by this one
     for blunt in (sharp, TUNING.blunt[1]):  # where misfit runs to and fro between the kinks of a sharp fold
-        least = _problem(model, noise, _bounds(model, x), blunt, TUNING.about).least(x)
+        least = _problem(model, noise, _bounds(model, x), blunt, SAME).least(x)
         if least.ended:
             break
     return _fitted(model, least, noise)
@@ -197,7 +195,7 @@ def _spread_at_folds(
         if not part.jumped or _place_error(model, J[lost], spread) <= part.spacing:
             continue
         J = J.copy()
-        for _ in range(TUNING.widths):
+        for _ in range(MOST_SOLVES):
             J[rows] = model.evaluated(x, width / part.reach)[1][rows]
             spread = spread_by(J)
             error = max(_place_error(model, J[lost], spread), part.spacing / 2)

@@ -21,6 +21,7 @@ from ..parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, Parameter, dimensi
 from .body import FittedBody
 from .checks import warnings_of
 from .force_curve import ForceCurveModel, base_line
+from .force_curve_fit import TUNING as SEARCH
 from .force_curve_fit import ForceCurveFit, Neighbour, fit, nearest, windowed
 from .force_curve_readings import DirectionReadings, stretches
 from .interference import Wave, straightened
@@ -46,13 +47,10 @@ class WholeRecordTuning:
     spoilt: float = 0.1  # choice: factor of the quality for each thing that is wrong with the record itself
     dependent: float = 2.0  # choice: rows worth one above which a warning tells
     apart: float = 4.0  # choice: standard errors between the moduli of the two directions from which on they differ
-    rough: float = 1.5  # choice: of the noise, residuals from which on the directions are fitted each alone as well
     sure: float = 3.0  # choice: standard errors of w below 0, or of a drift, that are no noise
     undetermined: float = 1.0  # theory: of ln E*, a standard error with which 95 % span a factor of fifty
-    absurd: float = 1000.0  # choice: the same, from which on its size says no more
-    rigid: float = 0.99  # choice: of the way of a device in contact, that bends its spring, beside a rigid specimen
     excess: float = 4.0  # choice: of the standard errors, what misfit would add to them where its flag is raised
-    differs: float = 0.01  # choice: of the modulus, below which they do not
+    differs: float = 0.01  # choice: of a modulus, or of the way of a device in contact, a difference that is none
 
 
 TUNING = WholeRecordTuning()
@@ -182,12 +180,12 @@ def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
     """InputError where the rows determine no modulus."""
     if "ln_s" not in joint.names or (error := joint.error("ln_s")) <= TUNING.undetermined:
         return
-    times = f"{error:.2g}" if error < TUNING.absurd else f"more than {TUNING.absurd:g}"
+    times = f"{error:.2g}" if error < 1000 else "more than 1000"
     reason = "the rows in contact do not tell it from w and the zero: fit both directions, or fix w (--fix w=...)"
     model, part = joint.model, joint.model.stretches[-1]
     values = model.values(joint.x)
     reach = model.k * float(model.depth(part, values).max())
-    if math.isfinite(model.k) and float((part.P - base_line(part, values)[0]).max()) > TUNING.rigid * reach:
+    if math.isfinite(model.k) and float((part.P - base_line(part, values)[0]).max()) > (1 - TUNING.differs) * reach:
         reason = (
             f"beside a device of {show(model.k, 'stiffness')} the specimen is rigid: check --stiffness and the units"
         )
@@ -316,7 +314,7 @@ def _apart(best: ForceCurveFit) -> bool:
     if "ln_s" not in best.names:
         return False
     noise, other = max(part.line.noise for part in best.model.stretches), another_modulus(best)
-    if best.sigma > TUNING.rough * noise:
+    if best.sigma > SEARCH.enough * noise:
         return True
     return differ(1.0, 1 + other.last, 0.0) and differ(1.0, 1 + other.last, other.error)
 

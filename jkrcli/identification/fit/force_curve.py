@@ -118,6 +118,15 @@ class ForceCurveModel:
         roots = {name: r for name, r in values.items() if name.startswith("r:")}
         return values | {f"q{name[1:]}": r * abs(r) for name, r in roots.items()}
 
+    def unknowns(self, values: Mapping[str, float]) -> Array:
+        """Those of some ``values`` by name, in order."""
+        return np.array([values[name] for name in self.names])
+
+    @cached_property
+    def noise(self) -> float:
+        """The largest noise of a base line [N]."""
+        return max(part.line.noise for part in self.stretches)
+
     def depth(self, part: DirectionReadings, values: Mapping[str, float]) -> Array:
         """Position of the device beyond its zero [m], at all rows of a stretch."""
         depth: Array = part.z - values["z0"]

@@ -56,7 +56,6 @@ class ForceCurveFit:
     """
 
     model: ForceCurveModel
-    names: tuple[str, ...]
     x: Array
     weight: Spectrum
     spread: Spread
@@ -64,6 +63,10 @@ class ForceCurveFit:
     sigma: float
     least: Least
     ended: bool
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return self.model.names
 
     @property
     def covariance(self) -> Array:
@@ -78,8 +81,7 @@ class ForceCurveFit:
 
     def unknowns(self, model: ForceCurveModel) -> Array:
         """Those of a ``model`` that may know fewer of them."""
-        values = self.model.values(self.x)
-        return np.array([values[name] for name in model.names])
+        return model.unknowns(self.model.values(self.x))
 
     def at_loads(self, factor: float) -> Array:
         """The unknowns as they are about where all loads are ``factor`` times as large."""
@@ -95,10 +97,7 @@ def _even(model: ForceCurveModel) -> Spectrum:
 
 def _state(model: ForceCurveModel, weight: Spectrum, blunt: float, x: Array) -> State:
     """The residuals, weighted by noise."""
-    return _weighted(model, weight, *model.residuals(x, blunt))
-
-
-def _weighted(model: ForceCurveModel, weight: Spectrum, off: Array, rates: Array) -> State:
+    off, rates = model.residuals(x, blunt)
     return State(model.whitened(off, weight), partial(model.whitened, rates, weight))
 
 
@@ -131,14 +130,14 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     few = model
     if "turn" not in model.names:  # of a retraction alone other minima are near
         few = replace(model, stretches=tuple(part.thinned() for part in model.stretches))
-    whole, level = _problem(model, even, bounds, sharp, TUNING.converged), max(p.line.noise for p in model.stretches)
+    whole = _problem(model, even, bounds, sharp, TUNING.converged)
     slow = TUNING.blunt[: -1 if few is model else None]
     for stages in [()] if near else [slow] if few is model else [TUNING.blunt[1:2], slow]:
         begun = x
         for blunt in stages:
             begun = _problem(few, _even(few), bounds, blunt, SAME).least(begun).x
         least = whole.least(begun)
-        if least.ended and 2 * least.cost * even.A < (TUNING.explained * level) ** 2 * least.state.residuals.size:
+        if least.ended and 2 * least.cost * even.A < (TUNING.explained * model.noise) ** 2 * least.state.residuals.size:
             break  # no other minimum leaves less than the noise
     about = _problem(model, even, bounds, sharp, SAME)
     if not least.ended:  # of few rows at the fold each makes a kink, between which a search runs to and fro
@@ -162,15 +161,15 @@ def _fitted(model: ForceCurveModel, least: Least, weight: Spectrum) -> ForceCurv
     """What the end of a search means."""
     before, sharp, (model, x) = least.problem, TUNING.blunt[-1], _without_idle(model, least.x, weight)
     problem = replace(before, model=partial(_state, model, weight, sharp), bounds=_bounds(model, x))
-    off, rates = model.residuals(x, sharp)
-    least = replace(least, problem=problem, x=x, state=_weighted(model, weight, off, rates))
+    off = model.residuals(x, sharp)[0]
+    least = replace(least, problem=problem, x=x, state=_state(model, weight, sharp, x))
     size = before.width * math.sqrt(_even(model).A)
     psi, slope = influence(off / size, before.loss)
     pull = psi * size / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
     dof = max(off.size - x.size, 1)
     J, spread = _spread_at_folds(model, x, off, pull, weight)
     ended = least.ended or _flat(model.whitened(pull, weight), model.whitened(J, weight), TUNING.near / dof)
-    return ForceCurveFit(model, model.names, x, weight, spread, off, math.sqrt(float(pull @ pull) / dof), least, ended)
+    return ForceCurveFit(model, x, weight, spread, off, math.sqrt(float(pull @ pull) / dof), least, ended)
 
 
 def _spread_at_folds(
@@ -222,11 +221,11 @@ def _without_idle(model: ForceCurveModel, x: Array, weight: Spectrum) -> tuple[F
     never rests, w of an edge that rests throughout, which is at least what its last row holds."""
     idle = ~model.residuals(x, 0.0)[1].any(axis=0)
     idle |= (np.array(model.names) == "turn") & (np.abs(x) == 1)
-    values, last = dict(zip(model.names, map(float, x), strict=True)), model.stretches[-1]
+    values, last = model.values(x), model.stretches[-1]
     own = f"q:{last.kind}"
-    adheres = own in values and last.touching.any() and (last.tension > 0 or not last.line.rows)
-    if adheres and (resting := model.rest(last, model.values(x))):
-        depth = model.depth(last, model.values(x))[last.touching]
+    adheres = own in model.names and last.touching.any() and (last.tension > 0 or not last.line.rows)
+    if adheres and (resting := model.rest(last, values)):
+        depth = model.depth(last, values)[last.touching]
         most = resting.released(math.sqrt(max(values[own], 0.0)), float(depth.min())) ** 2  # its last row holds that
         if _rests_throughout(model, x, own, most, weight):
             idle |= np.array(model.names) == own
@@ -273,8 +272,8 @@ def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
     names = np.array(model.names, dtype=str)
     reach = np.select([names == "ln_s", names == "ln_period"], [TUNING.moduli, TUNING.periods], np.inf)
     lowest, highest = start - reach, start + reach
-    for letter, high in (("q", model.most), ("r", math.sqrt(model.most)), ("t", 1.0)):
-        own = np.char.startswith(names, f"{letter}:") | (names == "turn") & (letter == "t")
+    for prefix, high in (("q:", model.most), ("r:", math.sqrt(model.most)), ("turn", 1.0)):
+        own = np.char.startswith(names, prefix)
         lowest, highest = np.where(own, -high, lowest), np.where(own, high, highest)
     least, most = np.array([model.limits.get(name, (-np.inf, np.inf)) for name in model.names]).T
     return np.maximum(lowest, least), np.minimum(highest, most)
@@ -297,7 +296,7 @@ class Neighbour:
             return None
         values = {name: last.value(name) for name in last.names} | by_base_lines(model)
         values["z0"] += now - then
-        return np.array([values[name] for name in model.names])
+        return model.unknowns(values)
 
 
 def _outermost(model: ForceCurveModel) -> float | None:
@@ -310,11 +309,10 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear", near: Array | None = 
     """The unknowns that leave least, from several starts until one leaves no more than noise, ``near`` being the first
     one; SolveError where no search converges. Of a retraction alone all are tried: only its shape shows how far its
     edge rests."""
-    noise = max(part.line.noise for part in model.stretches)
     if near is not None and "turn" not in model.names:
         with contextlib.suppress(SolveError):
             fitted = fit(model, near, True, loss)
-            if fitted.ended and fitted.sigma <= TUNING.explained * noise:
+            if fitted.ended and fitted.sigma <= TUNING.explained * model.noise:
                 return fitted
     best: ForceCurveFit | SolveError = SolveError("no curve of this body resembles the record")
     for x in starts_of(model):
@@ -325,7 +323,7 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear", near: Array | None = 
             continue
         if isinstance(best, SolveError) or (not fitted.ended, fitted.sigma) < (not best.ended, best.sigma):
             best = fitted
-        if "turn" not in model.names and best.sigma <= TUNING.enough * noise:
+        if "turn" not in model.names and best.sigma <= TUNING.enough * model.noise:
             break
     if isinstance(best, SolveError):
         raise best

@@ -47,7 +47,7 @@ def _start(model: ForceCurveModel, part: DirectionReadings, share: float, turn: 
         if other.wave is not None:
             values["ln_period"] = math.log(other.wave.period)
             values |= {f"cos:{other.kind}": other.wave.cos, f"sin:{other.kind}": other.wave.sin}
-    return np.array([values[name] for name in model.names])
+    return model.unknowns(values)
 
 
 def by_base_lines(model: ForceCurveModel) -> dict[str, float]:

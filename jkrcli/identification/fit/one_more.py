@@ -50,7 +50,7 @@ def drift_left_out(fit: ForceCurveFit) -> OneMore:
     """A drift of z0 [m/s] that was not fitted: one step of a search that knows it."""
     model = replace(fit.model, positions=(*fit.model.positions, "drift"))
     values = fit.model.values(fit.x) | {"drift": 0.0}
-    J = model.evaluated(np.array([values[name] for name in model.names]), 0.0)[1]
+    J = model.evaluated(model.unknowns(values), 0.0)[1]
     return OneMore.of(fit, J[:, model.names.index("drift")])
 
 

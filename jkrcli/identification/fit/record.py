@@ -313,9 +313,9 @@ def _apart(best: ForceCurveFit) -> bool:
     """Whether the data ask for another modulus on the way back than on the way in."""
     if "ln_s" not in best.names:
         return False
-    noise, other = max(part.line.noise for part in best.model.stretches), another_modulus(best)
-    if best.sigma > SEARCH.enough * noise:
+    if best.sigma > SEARCH.enough * best.model.noise:
         return True
+    other = another_modulus(best)
     return differ(1.0, 1 + other.last, 0.0) and differ(1.0, 1 + other.last, other.error)
 
 

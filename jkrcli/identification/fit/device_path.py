@@ -26,8 +26,7 @@ class DevicePathTuning:
 
     polished: int = 4  # theory: steps of Newton's method, which square the error, from a tenth of a step to 1e-16
     below: float = 4.0  # choice: of log a below the series, where its limit by power laws holds
-    beyond: float = 0.5  # choice: of log a above the series, tried while starting values are sought
-    widest: float = 0.5  # choice: of log a, a step of it
+    beyond: float = 0.5  # choice: of log a above the series, tried while starting values are sought; no step is longer
 
 
 TUNING = DevicePathTuning()
@@ -290,7 +289,7 @@ def rest(family: Family, s: float, advanced: float, receding: float, k: float, t
         (d, t, h, v), (dD, dT, dH, dV), _ = nodes.at(near).tolist()
         dz = dD - advanced * dT + s * (dH - advanced * dV) / k
         off = turn - (d - advanced * t + s * (h - advanced * v) / k)
-        step = min(max(off / max(dz, 1e-300), -TUNING.widest), TUNING.widest)
+        step = min(max(off / max(dz, 1e-300), -TUNING.beyond), TUNING.beyond)
         if abs(step) < SETTLED or near + step < nodes.u[first]:
             break
         near += step

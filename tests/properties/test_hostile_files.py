@@ -23,6 +23,7 @@ from jkrcli.base import allowance, hdf5
 from jkrcli.base.allowance import LINE_ENDS
 from jkrcli.base.errors import InputError
 from jkrcli.base.files import TUNING, beside
+from jkrcli.base.memory import fence
 from jkrcli.data import measured
 from jkrcli.data.measured import Curve, Reading
 from jkrcli.data.measured.amount import rows_expected
@@ -313,7 +314,7 @@ def test_memory_that_runs_out_is_not_called_damage(tmp_path: Path, tuned, monkey
         file.create_dataset("zz", (10**7,), "f8", chunks=(10**6,))
     with h5py.File(tmp_path / "large.h5", "w") as file:  # more than what other tests may have left free in the heap
         file.create_dataset("zz", (9 * 10**6,), "S100", chunks=(10**6,))
-    tuned("jkrcli.base.allowance.TUNING.fence", 1 << 24)
+    monkeypatch.setattr("jkrcli.base.allowance.fence", lambda most: fence(1 << 24))
     tuned("jkrcli.base.allowance.TUNING.little", 1 << 40)
     with pytest.raises(InputError, match="takes more memory to read than may be taken: split it, free memory or raise"):
         hdf5.parse(tmp_path / "large.h5", (tmp_path / "large.h5").read_bytes())
@@ -425,7 +426,7 @@ def test_a_body_whose_name_leaves_no_room_for_its_pictures_is_refused_before_wor
 ) -> None:
     monkeypatch.setattr("jkrcli.cli.fit.fitted_body", lambda *_: pytest.fail("work was begun"))
     Path("m.csv").write_bytes(TABLE)
-    body = series.rename("b" * (255 - len("-fit-.png") - TUNING.shortest + 1) + ".h5")
+    body = series.rename("b" * (255 - len("-fit-.png") - TUNING.letters[0] + 1) + ".h5")
     refused(jkr("fit", body, "m.csv"), "cannot be written (File name too long)")
 
 

@@ -151,10 +151,10 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
         return best
     x = best.unknowns(model)  # an edge that rests by white noise need not by this one
     for blunt in (sharp, TUNING.blunt[1]):  # where misfit runs to and fro between the kinks of a sharp fold
-        least = _problem(model, noise, _bounds(model, x), blunt, SAME).least(x)
-        if least.ended:
+        weighted = _fitted(model, _problem(model, noise, _bounds(model, x), blunt, SAME).least(x), noise)
+        if weighted.ended:
             break
-    return _fitted(model, least, noise)
+    return weighted
 
 
 def _fitted(model: ForceCurveModel, least: Least, weight: Spectrum) -> ForceCurveFit:

@@ -181,7 +181,8 @@ def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
     if "ln_s" not in joint.names or (error := joint.error("ln_s")) <= TUNING.undetermined:
         return
     times = f"{error:.2g}" if error < 1000 else "more than 1000"
-    reason = "the rows in contact do not tell it from w and the zero: fit both directions, or fix w (--fix w=...)"
+    other = "fit both directions, or " if len(joint.model.stretches) == 1 else ""
+    reason = f"the rows in contact do not tell it from w and the zero: {other}fix w (--fix w=...)"
     model, part = joint.model, joint.model.stretches[-1]
     values = model.values(joint.x)
     reach = model.k * float(model.depth(part, values).max())

@@ -36,6 +36,7 @@ from .record_scores import (
     common_rows,
     least_taken,
     misfit_left,
+    misfit_of,
     off_folds,
     regular_rows,
 )
@@ -76,7 +77,7 @@ Moves = tuple[float, float, float]  # rises of chi^2 and of the logs of E* and w
 class RivalFit:
     """A rival fitted in full: its one-step ``score``; ``chance``: that the noise of the free rows leaves as much, where
     no row is next to a fold; ``falls``: how much lower chi^2 is than without, on the rows of both that are off the
-    folds."""
+    folds, in units of the noise without."""
 
     score: Score
     fit: ForceCurveFit
@@ -367,7 +368,9 @@ def _in_full(record: FittedRecord, model: RivalModel, x: Array, score: Score) ->
     here = FittedRecord(record.body, settled(full))
     misfit, dof, loose = misfit_left(here, regular_rows(here))
     chance = float(fdtrc(dof, max(loose, 1), misfit / dof))
-    falls = misfit_left(record, common_rows(record, here))[0] - misfit_left(here, common_rows(here, record))[0]
+    noise = record.fit.spread.noise  # for all rivals: misfit that is slow may pass for noise of the fit's own
+    plain = misfit_of(record, common_rows(record, here), noise)
+    falls = plain - misfit_of(here, common_rows(here, record), noise)
     return RivalFit(score, here.fit, chance, falls)
 
 

@@ -18,7 +18,7 @@ from scipy.special import fdtrc
 
 from ...base import TINY, UNSEEN, Array
 from .coloured import TUNING as COLOURED
-from .coloured import frequencies, in_time, waves
+from .coloured import Spectrum, frequencies, in_time, waves
 from .fitted_record import FittedRecord
 from .force_curve_fit import ForceCurveFit
 from .record_change import TUNING as CHANGES
@@ -265,6 +265,14 @@ def misfit_left(record: FittedRecord, rows: Array) -> tuple[float, int, int]:
     _, Q, _ = _factors(weighted[:, 1:])
     r = weighted[:, 0] - Q @ (Q.T @ weighted[:, 0])
     return float(r @ r), max(int(np.count_nonzero(rows)) - J.shape[1], 1), loose
+
+
+def misfit_of(record: FittedRecord, rows: Array, noise: Spectrum) -> float:
+    """chi^2 of some ``rows``, in units of a ``noise``, as a fit to all of them leaves it: those at folds hold its folds
+    where they are."""
+    r = record.residuals[rows]
+    r = noise.whitened(in_time(r, record.model.rows[rows], noise) if noise.slow else r)
+    return float(r @ r)
 
 
 def common_rows(record: FittedRecord, other: FittedRecord) -> Array:

@@ -362,7 +362,8 @@ def _place(new: Path, path: Path) -> None:
                 new.rmdir()
             else:
                 new.replace(path)
-        new.unlink(missing_ok=True)
+        if new.samefile(path):  # linked; else it is gone, or that of the next result, which another put there
+            new.unlink()
 
 
 def write_text(path: Path, text: str) -> None:

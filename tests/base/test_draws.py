@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jkrcli.base.draws import Distribution, draw
 
 
+@settings(deadline=None)
 @given(st.integers(0, 2**20), st.sampled_from(["random", "sobol", "latin-hypercube"]))
 def test_draws_keep_their_limits(seed: int, method: str) -> None:
     items = [

@@ -114,22 +114,23 @@ def test_the_curve_of_a_mesh_where_a_profile_bends() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "factor"), [("thin-layer", 40), ("gel", 3)])  # measured: 34 and 1.6
+@pytest.mark.parametrize(("name", "factor"), [("thin-layer", 40), ("gel", 3)])  # measured: 22 and 2.5
 def test_points_of_meshes_are_not_stated_far_too_large(name: str, factor: float) -> None:
     """The force at load pull-off was stated 200 and 45 times too large, that under displacement control 118 times:
-    there against the largest error among five works, as one of them may be right by accident."""
+    against the largest relative error among five works, as errors go through zero (at the case's w alone 15 and 2.7
+    times, 24 and 38)."""
     model = load_case(CASES / f"{name}.toml").model
     works = [model.adhesion.w[0] * 10**x for x in (0.0, -0.5, -0.25, 0.25, 0.5)]
     found, exact = (analyse(method(model.problem()), works) for method in (FEM(), Layered()))
-    for control, most, some in (("load", 10, 1), ("displacement", factor, 5)):
+    for control, most in (("load", 10), ("displacement", factor)):  # load, measured: 3
         errors, stated = [], []
-        for one, other in zip(found[:some], exact[:some], strict=True):
+        for one, other in zip(found, exact, strict=True):
             point, truth, half = one.pull_off[control], other.pull_off[control], one.pull_off_errors[control]
             assert not isinstance(point, Unknown)
             assert not isinstance(truth, Unknown)
             assert not isinstance(half, Unknown)
-            errors.append(abs(point.P - truth.P))
-            stated.append(half["P"])
+            errors.append(abs(point.P / truth.P - 1))
+            stated.append(half["P"] / abs(truth.P))
         assert np.all(np.array(errors) <= stated)
         assert stated[0] <= most * max(errors)
 

@@ -127,7 +127,9 @@ class LeastSquares:
                 reduction = -math.inf if there is None else cost - there.cost
                 ratio = reduction / predicted if predicted > 0 else 0.0
                 close = float(np.linalg.norm(new - x)) < self.converged * (self.converged + float(np.linalg.norm(x)))
-                ended = close or (ratio > TUNING.poor and reduction < max(self.cost, self.converged) * cost)
+                little = max(self.cost, self.converged) * cost
+                foretold = TUNING.poor < ratio or (predicted < little and reduction > -little)
+                ended = close or (foretold and reduction < little)
                 if ratio < TUNING.poor:
                     radius = TUNING.poor * moved
                 elif ratio > TUNING.good and TUNING.longer * moved > radius:

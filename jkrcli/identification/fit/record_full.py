@@ -211,14 +211,20 @@ def _ranges(record: FittedRecord, score: Score, longest: float) -> list[float]:
 
 
 def _along(near: Linearised, change: Change, amounts: Iterable[float]) -> dict[float, Moves | None]:
-    """``_moves_at`` several ``amounts`` of a change, each from where the next smaller one led to."""
+    """``_moves_at`` several ``amounts`` of a change, each from where a straight line through the two before leads."""
     moves: dict[float, Moves | None] = {}
-    begin = near.x
+    reached = [(0.0, near.x)]
     for amount in sorted(amounts):
-        end = _at_amount(near, change, amount, begin)
+        end = _at_amount(near, change, amount, _on_line(reached[-2:], amount))
         moves[amount] = _left(near, end)
-        begin = near.x if end is None or moves[amount] is None else end[1]
+        reached = [(0.0, near.x)] if end is None or moves[amount] is None else [*reached, (amount, end[1])]
     return moves
+
+
+def _on_line(points: Sequence[tuple[float, Array]], amount: float) -> Array:
+    """Unknowns at an ``amount`` on the straight line through the last two ``points``, or as at the only one."""
+    (first, x), (last, y) = points[0], points[-1]
+    return y + (y - x) * ((amount - last) / (last - first)) if last > first else y
 
 
 def _moves_at(near: Linearised, change: Change, amount: float) -> Moves | None:

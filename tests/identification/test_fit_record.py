@@ -22,8 +22,8 @@ from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Spe
 from jkrcli.data.measured import Curve
 from jkrcli.identification.fit import Fit, FittedBody, FittedValue, fit, force_curve_fit
 from jkrcli.identification.fit.points import third_differences
-from jkrcli.identification.fit.record import whole_record
 from jkrcli.identification.fit.settings import Settings, settings_of
+from jkrcli.identification.fit.whole_record import whole_record
 from jkrcli.identification.parameters import ROOT, Parameter
 from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.methods.layered.layered import Layered

@@ -22,7 +22,7 @@ from jkrcli.identification.fit import Fit, fit, force_curve_fit
 from jkrcli.identification.fit.coloured import Spectrum
 from jkrcli.identification.fit.device_path import grid, on_grid
 from jkrcli.identification.fit.fitted_record import FittedRecord, Known
-from jkrcli.identification.fit.record import _fitted, _kinds, _model, whole_record
+from jkrcli.identification.fit.record import _fitted, _model
 from jkrcli.identification.fit.record_change import AMOUNT, LITTLE, Change, ChangedFamily, RivalModel
 from jkrcli.identification.fit.record_change import TUNING as CHANGES
 from jkrcli.identification.fit.record_full import _of_amounts, bounded
@@ -31,6 +31,7 @@ from jkrcli.identification.fit.record_rivals import RIVALS, Rival, columns
 from jkrcli.identification.fit.record_scores import DETECTED, EXCLUDED, UNDECIDED, Linearised, rivals_of_record
 from jkrcli.identification.fit.record_verdict import half_space_modulus
 from jkrcli.identification.fit.settings import Settings
+from jkrcli.identification.fit.whole_record import directions_of, whole_record
 from jkrcli.report.fit import rivals_table, summary, words
 
 AT = Drawn(E=1e5, w=2e-4, radius=1.5e-6, k=1.0, largest=4e5 * 1.5e-6**3 / (3 * R), noise=3e-11, seed=5)
@@ -53,7 +54,7 @@ def still_record() -> FittedRecord:
 def of_record(made: Wrong, settings: Settings) -> FittedRecord:
     held = whole_record(curve(made), settings)
     assert held is not None
-    return FittedRecord(*_fitted(BODY, _model(BODY, held, settings, {}, _kinds(held, settings)), settings))
+    return FittedRecord(*_fitted(BODY, _model(BODY, held, settings, {}, directions_of(held, settings)), settings))
 
 
 @lru_cache

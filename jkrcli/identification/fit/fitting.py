@@ -35,12 +35,14 @@ from .force_curve_fit import Neighbour
 from .jkr_beside import jkr_beside
 from .model import PathDistances
 from .points import Points, directed, points_of, points_of_cycle
-from .record import RESTS, beside, beyond_the_record, differ, fit_record, reduced, whole_record
+from .record import beside, differ, fit_record, reduced
+from .record_flags import RESTS
 from .result import Fit
 from .rivals import Rivals, rivals_of
 from .search import Minimum, robust, search
 from .settings import CALIBRATED, TENSION, SegmentName, Settings
 from .statistics import covariance, structure
+from .whole_record import beyond_the_record, whole_record
 
 OWN = {"w": "w_approach"}  # names of an approach alone
 DIRECTIONS: tuple[SegmentName, ...] = ("approach", "retract")

@@ -1,141 +1,45 @@
-"""Raw force curves: the fit of a whole record as the result that every fit gives."""
+"""The fit of a whole raw record, and of its directions alone where one modulus does not describe both."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
-from ...base import SAME, Array, InputError, Pool, SolveError, Unknown, known, show
-from ...data import Curve, ForceCurve, examine
-from ...data.measured.curve import APPROACH, RETRACT
-from ...data.record import TUNING as RECORDS
+from ...base import MOST_SOLVES, InputError, Pool, SolveError, show
+from ...data import APPROACH, RETRACT, Curve, ForceCurve
 from ...methods.radii import ROOM
-from ..answer import FittedValue
-from ..intervals import Intervals, bootstrap, changes_by, wider
-from ..least_squares import State
-from ..parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, Parameter, dimension_of
+from ..parameters import Parameter
 from .body import FittedBody
-from .checks import warnings_of
 from .force_curve import ForceCurveModel, base_line
 from .force_curve_fit import TUNING as SEARCH
 from .force_curve_fit import ForceCurveFit, Neighbour, fit, nearest, windowed
 from .force_curve_readings import DirectionReadings, stretches
 from .interference import Wave, straightened
-from .one_more import another_modulus, drift_left_out
-from .points import third_differences
-from .positions import TIMED
-from .record_rivals import OF_RIVALS
+from .one_more import another_modulus
+from .record_flags import NAMES
+from .record_flags import TUNING as FLAGS
+from .record_result import as_fit, contact_radii, outcome_of
 from .record_verdict import by_rivals, judged
 from .result import Fit
-from .settings import AUTO, CALIBRATED, Settings
-from .statistics import structure, t_quantile
+from .settings import AUTO, Settings
+from .whole_record import directions_of, requested, usable, whole_record
 
 
 @dataclass(frozen=True)
-class WholeRecordTuning:
-    """When a record is taken as a whole, and how far its body must reach."""
+class RecordTuning:
+    """When one modulus does not describe both directions, or the rows determine none."""
 
     placed_rows: float = 0.05  # choice: of the loads' relative scatter, that of positions which have none
-    placed: float = 0.3  # choice: scatter of positions over that of loads, both over their range, of a table
-    rounds: int = 3  # choice: solves to larger radii before the record is given up
-    misfit: float = 0.03  # choice: residual over the range of the load above which the model does not describe it
-    vague: float = 0.1  # choice: noise over the range, error of the contact point over the depth: little is known
-    spoilt: float = 0.1  # choice: factor of the quality for each thing that is wrong with the record itself
-    dependent: float = 2.0  # choice: rows worth one above which a warning tells
     apart: float = 4.0  # choice: standard errors between the moduli of the two directions from which on they differ
-    sure: float = 3.0  # choice: standard errors of w below 0, or of a drift, that are no noise
     undetermined: float = 1.0  # theory: of ln E*, a standard error with which 95 % span a factor of fifty
-    excess: float = 4.0  # choice: of the standard errors, what misfit would add to them where its flag is raised
     differs: float = 0.01  # choice: of a modulus, or of the way of a device in contact, a difference that is none
 
 
-TUNING = WholeRecordTuning()
-PARAMETERS = frozenset({"modulus", "w", "delta0", "P0", *POSITIONS})  # of a whole record; others need prepared readings
-FREE = (-math.inf, math.inf)
-ZEROS = frozenset({"delta0", "P0", "compliance"})  # always fitted, or known by the stiffness of the device
-
-
-def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
-    """The record taken apart, where base line and contact are to be fitted together; None: the readings as they are.
-
-    By itself that is so for records of a device whose deflection is known, or of both directions with a base line each;
-    without a base line the zero of the load is that of the file.
-    """
-    prepared = settings.contact == "as-is"
-    only = [f"--base-line {settings.base_line}"] * (settings.base_line != "straight") + list(settings.positions)
-    only += [f"--model {settings.model}"] * (settings.model == AUTO)
-    required = settings.contact == "fitted" or bool(only)
-    if prepared or curve.a is not None or curve.delta is None or curve.P is None:
-        if required:
-            what = next(iter(only), "--contact fitted")
-            raise InputError(f"{what} is for raw records of displacement and load, with --contact fitted or auto")
-        return None
-    try:
-        record = examine(curve)
-    except InputError:
-        if required:
-            raise
-        return None
-    if not (required or _raw(record)):
-        return record if settings.contact == "auto" and _as_read(record, settings) else None
-    idle = [name for name in settings.uncertain if name in CALIBRATED and curve.stiffness in (None, math.inf)]
-    if idle:
-        raise InputError(f"{curve.where}: --uncertain {idle[0]}: the record has no stiffness, so it has no effect here")
-    if reason := record.flags.get("wrong way"):
-        raise InputError(f"{curve.where}: {reason}")
-    _check_positions(curve, settings)
-    return record
-
-
-def _check_positions(curve: Curve, settings: Settings) -> None:
-    """InputError where an error of positions is to be fitted that the record, or another option, does not determine."""
-    for name in settings.positions:
-        if settings.segment not in (None, "both"):
-            raise InputError(f"{curve.where}: {name} needs approach and retraction together: leave --segment out")
-        if name in TIMED and (curve.t is None or not np.ptp(curve.t) > 0):
-            raise InputError(f"{curve.where}: {name} needs a column of time, there is none: leave {name} out")
-        if beyond_the_record(settings):
-            raise InputError(
-                f"{curve.where}: {name} is told by a whole record, which knows no range, stress, compliance, "
-                "layers' own parameters, --branch, --noise, --start and --bound: leave these or it out"
-            )
-
-
-def _raw(record: ForceCurve) -> bool:
-    """Whether it is an instrument's record, and no prepared readings: a base line is there, or no contact at all, and
-    the scatter is in the load."""
-    usable = [kind for kind in (APPROACH, RETRACT) if _usable(record, kind)]
-    delta, P = record.curve.device, record.curve.P
-    assert P is not None
-    if third_differences(delta) * np.ptp(P) > TUNING.placed * third_differences(P) * np.ptp(delta):
-        return False
-    if len(usable) > 1 or (usable and record.curve.stiffness is not None):
-        return True
-    return len(record.directions) > 1 and bool({"no contact", "no force curve"} & set(record.flags))
-
-
-def _as_read(record: ForceCurve, settings: Settings) -> bool:
-    """Whether a record without a base line is that of a device, on which an edge rests where it turns."""
-    return record.curve.stiffness is not None and bool(record.directions) and not beyond_the_record(settings)
-
-
-def beyond_the_record(settings: Settings) -> bool:
-    """Whether the settings have an option that the model of a whole record does not know."""
-    named = any(p.name not in PARAMETERS or p.value is not None for p in settings.free)
-    bound = any(p.name != "modulus" and (p.low, p.high) != FREE for p in settings.free)
-    fixed = any(p.name in ZEROS & settings.named and not p.free for p in settings.parameters)
-    return settings.range is not None or named or bound or fixed or settings.branch != "all" or bool(settings.noise)
-
-
-def _usable(record: ForceCurve, kind: str) -> bool:
-    side = record.direction(kind)
-    if side is None or isinstance(side.touch, Unknown):
-        return False
-    return side.begins_free and side.base.rows >= RECORDS.least_rows
+TUNING = RecordTuning()
 
 
 def fit_record(
@@ -156,13 +60,13 @@ def fit_record(
     curve = record.curve
     record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
     body = _with_known(body, settings)
-    kinds = _kinds(record, settings)
+    kinds = directions_of(record, settings)
 
     def of(*kinds: str) -> tuple[FittedBody, ForceCurveFit]:
         return _fitted(body, _model(body, record, settings, waves, kinds), settings, before)
 
     def result_of(body: FittedBody, best: ForceCurveFit) -> Fit:
-        return _result(body, record, curve, settings, best, pool)
+        return as_fit(body, record, curve, settings, best, pool)
 
     whole, joint = of(*kinds)
     if not joint.ended:
@@ -212,7 +116,7 @@ def whole_fit(body: FittedBody, record: ForceCurve, settings: Settings) -> Force
     """What leaves least of all directions of a record."""
     record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
     body = _with_known(body, settings)
-    return _fitted(body, _model(body, record, settings, waves, _kinds(record, settings)), settings)[1]
+    return _fitted(body, _model(body, record, settings, waves, directions_of(record, settings)), settings)[1]
 
 
 def _with_known(body: FittedBody, settings: Settings) -> FittedBody:
@@ -224,9 +128,9 @@ def receding(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
     """The rows of a raw record's last direction on which the edge of the contact moves, less the base line and from the
     zero that fit best; a curve that is no raw record, or has no base line, as it is."""
     record = whole_record(curve, settings)
-    if record is None or not any(_usable(record, kind) for kind in _wanted(settings)):
+    if record is None or not any(usable(record, kind) for kind in requested(settings)):
         return curve
-    _, best = _fitted(body, _model(body, record, settings, {}, _kinds(record, settings)), settings)
+    _, best = _fitted(body, _model(body, record, settings, {}, directions_of(record, settings)), settings)
     curve = _in_contact(best, curve, best.model.stretches[-1:], still=False)
     return replace(curve, delta=curve.depth - curve.load / best.model.k)
 
@@ -253,11 +157,11 @@ def reduced(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[C
     plain = replace(settings, parameters=usual, named=frozenset(), noise={}, branch="all", loss="linear")
     best = whole_fit(body, record, plain)
     curve = _in_contact(best, record.curve, best.model.stretches)
-    outcome = _outcome(best, best.x, body)
-    requested = {p.name: p for p in settings.parameters if p.name in settings.named}
-    fixed_zeros = {name for name in ("delta0", "P0") if name in requested and not requested[name].free}
+    outcome = outcome_of(best, best.x, body)
+    chosen = {p.name: p for p in settings.parameters if p.name in settings.named}
+    fixed_zeros = {name for name in ("delta0", "P0") if name in chosen and not chosen[name].free}
     shift = {name: outcome[name] if name in fixed_zeros else 0.0 for name in ("delta0", "P0")}
-    stiff = 0.0 if "compliance" in requested else 1 / best.model.k
+    stiff = 0.0 if "compliance" in chosen else 1 / best.model.k
     delta = curve.depth - (1 / best.model.k - stiff) * curve.load + shift["delta0"]
     note = (
         f"the rows in contact alone are fitted, less the base lines of the whole record and from its zero, delta0 = "
@@ -266,7 +170,7 @@ def reduced(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[C
     placed = TUNING.placed_rows * best.sigma * float(np.ptp(delta) / np.ptp(curve.load))
     placed = max(placed, best.sigma * (1 / best.model.k - stiff))
     fixed = {"compliance": Parameter("compliance", False, stiff)} | {"P0": Parameter("P0", True)}
-    parameters = tuple(fixed.get(p.name, p) if p.name not in requested else p for p in settings.parameters)
+    parameters = tuple(fixed.get(p.name, p) if p.name not in chosen else p for p in settings.parameters)
     curve = replace(curve, delta=delta, P=curve.load + shift["P0"], flags=(*curve.flags, note))
     noise = {"delta": placed, "P": best.sigma} | dict(settings.noise)
     return curve, replace(settings, parameters=parameters, noise=noise, contact="as-is", base_line="straight")
@@ -280,16 +184,16 @@ def _fitted(
         if np.ptp(part.z) == 0:
             raise SolveError(f"the {part.kind} has {part.z.size} rows to fit, all at one piezo position")
     body, best = _deep_enough(body, model), None
-    for _ in range(TUNING.rounds):
+    for _ in range(MOST_SOLVES):
         model = replace(model, family=body.family)
         near = None if before is None else before.start(model)
         best = nearest(model, settings.loss, near) if best is None else _again(best, model, settings)
-        reach = _contact_radii(best).max()
+        reach = contact_radii(best).max()
         if not body.extensible or reach <= body.series.a[-1]:
             break
         body = body.to_radius(ROOM * float(reach))
     assert best is not None
-    if np.count_nonzero(_contact_radii(best)) <= len(best.names):
+    if np.count_nonzero(contact_radii(best)) <= len(best.names):
         raise SolveError("the curve that fits best has next to no row in contact; --flip P, if compression is negative")
     cut = windowed(best)
     best = best if cut is best.model else _again(best, replace(cut, known=model.known), settings)
@@ -307,7 +211,7 @@ def _repels(best: ForceCurveFit, kind: str) -> bool:
     """Whether w of a direction comes out below 0 by more than noise and misfit explain: another body, w = 0 is as near
     as it can come."""
     name = next((name for name in (f"q:{kind}", f"r:{kind}") if name in best.names), None)
-    return name is not None and best.value(name) < -TUNING.sure * best.error(name) * best.spread.excess
+    return name is not None and best.value(name) < -FLAGS.sure * best.error(name) * best.spread.excess
 
 
 def _apart(best: ForceCurveFit) -> bool:
@@ -329,7 +233,7 @@ def beside(back: Fit, into: Fit, both: Fit) -> Fit:
         "retraction, one value does not fit both: the specimen relaxes or yields, or the device drifts"
     )
     work, drifts = into.estimate("w_approach"), [line for line in both.warnings if line.startswith("drift")]
-    quality = back.quality and {**back.quality, "quality": TUNING.spoilt * back.quality["quality"]}
+    quality = back.quality and {**back.quality, "quality": FLAGS.spoilt * back.quality["quality"]}
     return replace(
         back, estimates=(*back.estimates, replace(other, name="E_star_approach"), work), quality=quality,
         flags=(*back.flags, name), warnings=(sentence, *drifts, *back.warnings),
@@ -369,301 +273,3 @@ def _deep_enough(body: FittedBody, model: ForceCurveModel) -> FittedBody:
     """The body solved to the contact radius that a record can reach at most, as its tip moves no deeper."""
     ways = ((part.z - part.P / model.k)[part.touching if part.jumped else slice(None)] for part in model.stretches)
     return body.to_depth(max(float(np.ptp(way)) for way in ways))
-
-
-def _directions(record: ForceCurve, best: ForceCurveFit, settings: Settings) -> str:
-    """Which directions were fitted, and why another one was not."""
-    kinds = [part.kind for part in best.model.stretches]
-    if len(kinds) > 1:
-        return f"{APPROACH} and {NAMES[RETRACT]}"
-    other = RETRACT if kinds[0] == APPROACH else APPROACH
-    why = f" ({NAMES[other]}: {_reason(record, other)})" if settings.segment in (None, "both") else ""
-    return f"{NAMES[kinds[0]]} alone{why}"
-
-
-def _adhesion(record: ForceCurve) -> float | None:
-    """The adhesion force of the retraction [N]."""
-    side = record.direction(RETRACT)
-    return None if side is None else known(side.adhesion)
-
-
-def _wanted(settings: Settings) -> tuple[str, ...]:
-    """The requested directions."""
-    return (APPROACH, RETRACT) if settings.segment in (None, "both") else (str(settings.segment),)
-
-
-def _kinds(record: ForceCurve, settings: Settings) -> tuple[str, ...]:
-    """The directions to fit: those requested that can be fitted."""
-    wanted = _wanted(settings)
-    kinds = tuple(kind for kind in wanted if _usable(record, kind))
-    if not kinds and settings.contact == "auto" and record.curve.stiffness is not None:
-        kinds = tuple(kind for kind in wanted if record.direction(kind) is not None)
-    if not kinds:
-        reasons = [f"{kind}: {_reason(record, kind)}" for kind in wanted]
-        raise InputError(f"no direction can be fitted ({'; '.join(reasons)})")
-    return kinds
-
-
-def _reason(record: ForceCurve, kind: str) -> str:
-    """Why a direction cannot be fitted."""
-    side = record.direction(kind)
-    if side is None:
-        return "not in the record"
-    return side.touch.reason if isinstance(side.touch, Unknown) else "it has no base line"
-
-
-def _contact_radii(best: ForceCurveFit) -> Array:
-    """Contact radius [m] of every row, 0 where it is free."""
-    values = best.model.values(best.x)
-    return np.concatenate([best.model.contact_radii(part, values)[0] for part in best.model.stretches])
-
-
-def _outcome(best: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, float]:
-    """What the unknowns ``x`` mean, SI."""
-    values, problem = best.model.values(x), body.problem
-    s = math.exp(values["ln_s"])
-    last = best.model.stretches[-1]
-    quantities = {"modulus": s}
-    for part in best.model.stretches:
-        quantities[WORKS[part.kind]] = values[f"q:{part.kind}"] * s
-    tilt = values[f"tilt:{last.kind}"]
-    P0 = values[f"offset:{last.kind}"] + tilt * (values["z0"] - last.z[0])
-    if last.wave is not None:
-        wave = Wave(math.exp(values["ln_period"]), last.wave.at, values[f"cos:{last.kind}"], values[f"sin:{last.kind}"])
-        P0 += float(wave(np.array(values["z0"])))
-    quantities |= {"delta0": values["z0"] - P0 / best.model.k, "P0": P0, "tilt": tilt}
-    quantities |= {name: values[name] for name in best.model.positions}
-    if last.wave is not None:
-        quantities |= {"wave_period": wave.period, "wave_amplitude": math.hypot(wave.cos, wave.sin)}
-    quantities |= best.model.further(values)
-    quantities["E_star"] = s * problem.E_star
-    if problem.indenter.material is None:
-        materials = problem.specimen.materials
-        quantities |= {f"E:{name}": s * m.surface.E for name, m in zip(body.layer_names, materials, strict=True)}
-    return quantities
-
-
-GIVEN_UP = "the search stopped after {} steps, the rows do not determine the unknowns: fix one (--fix w=...)"
-RESTS = "w: the edge of the contact rests in all rows of the retraction, w is at least what the last holds"
-NAMES = {APPROACH: APPROACH, RETRACT: "retraction"}
-WORKS = {APPROACH: "w_approach", RETRACT: "w"}
-DIMENSIONS = {
-    "modulus": "number", "w": "work", "w_approach": "work", "delta0": "length", "P0": "load",
-    "tilt": "stiffness", "wave_period": "length", "wave_amplitude": "load", **OF_RIVALS,
-    **{name: dimension_of(name) for name in POSITIONS},
-}  # fmt: skip
-
-
-def _result(
-    body: FittedBody, record: ForceCurve, curve: Curve, settings: Settings, best: ForceCurveFit, pool: Pool | None
-) -> Fit:
-    """The fit of a ``curve`` as every fit gives it; ``record``: without the waves of its base lines."""
-    values = _outcome(best, best.x, body)
-    dof = max(best.off.size - best.x.size, 1)
-    t = t_quantile(settings.level, max(round(best.spread.dof / best.spread.tau), 1))
-    fixed = {item.name for item in settings.parameters if not item.free and item.name in settings.named}
-    intervals = _intervals(body, best, settings, values, fixed, t, pool)
-    carried = _carried(body, best, settings, values)
-    plain = (_resting(item, best) for item in intervals.estimates())
-    estimates = tuple(wider(item, {key: change[item.name] for key, change in carried.items()}, t) for item in plain)
-    if not best.ended:
-        estimates = tuple(replace(item, error=None, low=None, high=None) for item in estimates)
-    free = tuple(item.name for item in estimates if item.free and item.name != "E_star" and ":" not in item.name
-                 and (item.error is not None or item.name != WORKS[RETRACT]))  # fmt: skip
-    rows = np.concatenate([part.rows for part in best.model.stretches])
-    a, order = _contact_radii(best), np.argsort(rows)
-    flags, quality = _judged(record, best, a)
-    flags = {**record.flags, **flags}
-    result = Fit(
-        name=curve.name,
-        file="" if curve.origin is None else str(curve.origin),
-        where=curve.where,
-        estimates=estimates,
-        free=free,
-        covariance=intervals.covariance_of(free) if best.ended else None,
-        samples=intervals.sampled(free),
-        data={"delta": curve.depth[rows[order]], "P": curve.load[rows[order]]},
-        rows=rows[order],
-        left_out=_left_out(record, rows.size),
-        a=a[order],
-        residuals=best.off[order][None] / best.sigma,
-        scales={"P": best.sigma},
-        scatter=1.0,
-        dof=dof,
-        structure=structure(best.off[a > 0]),
-        line=_line(best),
-        evaluations=best.least.steps,
-        settings=settings,
-        warnings=(),
-        flags=tuple(flags),
-        quality=quality,
-        adhesion=_adhesion(record),
-        directions=_directions(record, best, settings),
-    )
-    sentences = [f"{name}: {sentence}" for name, sentence in flags.items()]
-    at_bound = ["modulus"] * bool(np.isclose(values["modulus"], best.model.moduli, rtol=SAME).any())
-    more = warnings_of(result, body, body.family, at_bound)
-    return replace(result, warnings=(*sentences, *_words(best, settings), *more))
-
-
-def _carried(
-    body: FittedBody, best: ForceCurveFit, settings: Settings, here: Mapping[str, float]
-) -> dict[str, dict[str, float]]:
-    """Changes of the outcome by the standard deviation of each uncertain input."""
-
-    def outcome(name: str, value: float) -> dict[str, float]:
-        if name in CALIBRATED:
-            moved, model = body, best.model.calibrated(value, name == "stiffness")
-        else:
-            moved = body.with_values({name: value})
-            model = replace(best.model, family=moved.family)
-        refitted = fit(model, best.at_loads(value if name in CALIBRATED else 1.0), near=True, loss=settings.loss)
-        return _outcome(refitted, refitted.x, moved)
-
-    centres = {name: 1.0 if name in CALIBRATED else body.nominal(name) for name in settings.uncertain}
-    return {
-        name: changes_by(name, centres[name], sigma, here, partial(outcome, name))
-        for name, sigma in settings.uncertain.items()
-    }
-
-
-def _intervals(
-    body: FittedBody, best: ForceCurveFit, settings: Settings, here: Mapping[str, float], fixed: Container[str],
-    t: float, pool: Pool | None,
-) -> Intervals:  # fmt: skip
-    """What is known of the outcome ``here``, of which some are ``fixed``."""
-    quantities = [_quantity(name, best) for name in here]
-    fixed_values = {name: value for name, value in here.items() if name in fixed}
-
-    def meaning(x: Array) -> dict[str, float]:
-        outcome = _outcome(best, x, body) | fixed_values
-        return {item.name: item.inner(outcome[item.name]) for item in quantities}
-
-    samples = None
-    if settings.confidence == "bootstrap" and best.ended:
-        cost = best.least.problem.converged
-        samples = bootstrap(best.least, partial(_renewed, best), cost, settings.samples, settings.seed, pool)
-    profiled = settings.confidence == "profile" and best.ended
-    return Intervals(best.least, quantities, meaning, best.covariance, t, settings.level, profiled, samples=samples)
-
-
-def _quantity(name: str, best: ForceCurveFit) -> Parameter:
-    """Moduli by their logs, w as it may come out below 0, an advancing one before a rest by its signed root."""
-    dimension, scale = DIMENSIONS.get(name, "modulus"), LINEAR
-    if name == "modulus" or dimension == "modulus":
-        scale = LOG
-    elif dimension == "work":
-        scale = ROOT if name == WORKS[APPROACH] and f"r:{APPROACH}" in best.names else LIMIT
-    return Parameter(name, True, scale=scale, quantity=dimension, follows=dimension == "modulus")
-
-
-def _resting(item: FittedValue, best: ForceCurveFit) -> FittedValue:
-    """The estimate; w of an edge that rests throughout is a lower bound."""
-    if item.name != WORKS[RETRACT] or f"q:{RETRACT}" not in best.model.known:
-        return item
-    return FittedValue(item.name, item.value, True, item.dimension, None, item.value)
-
-
-def _renewed(best: ForceCurveFit, rng: np.random.Generator) -> Callable[[State], State]:
-    """Records that the model and the noise of the free rows may have made: residuals as they are, with other noise."""
-    rows = best.model.rows - best.model.rows.min()
-    noise = best.spread.noise.drawn(rng, int(rows.max()) + 1)[rows]
-    other = best.model.whitened(noise, best.weight) - best.least.state.residuals
-    return lambda state: state.moved(other)
-
-
-def _line(best: ForceCurveFit) -> dict[str, Array]:
-    """The fitted readings in one stroke, in by the first direction and out by the second: a, delta and P."""
-    model = np.concatenate([part.P for part in best.model.stretches]) + best.off
-    z = np.concatenate([part.z for part in best.model.stretches])
-    rows = np.arange(z.size)
-    first = best.model.stretches[0].z.size  # each direction goes from its far end inwards
-    order = np.concatenate([rows[:first], rows[first:][::-1]])
-    columns = {"a": _contact_radii(best), "delta": z - model / best.model.k, "P": model}
-    return {name: values[order] for name, values in columns.items()}
-
-
-def _left_out(record: ForceCurve, used: int) -> tuple[str, ...]:
-    spikes = record.spikes.size
-    rest = len(record.curve) - used - spikes
-    return (
-        *[f"{rest} rows of other segments, next to the turning point or in jumps"] * (rest > 0),
-        *[f"{spikes} {'isolated outliers' if spikes > 1 else 'isolated outlier'}"] * (spikes > 0),
-    )
-
-
-def _judged(record: ForceCurve, best: ForceCurveFit, a: Array) -> tuple[dict[str, str], dict[str, float]]:
-    """Flags of the fit itself with a sentence each, and the parts of its quality, each between 0 and 1.
-
-    Each part is exp(-x^2/2) of a number x that is 1 where its flag is raised: misfit (slow residuals in contact over
-    the range of the load), noise (over the range), base line (waviness over the range), contact (error of the contact
-    point over the depth); "record" is ``spoilt`` for each flag of the record itself but that of a missing direction.
-    ``quality`` is their product.
-    """
-    touching = a > 0
-    span = max(float(np.ptp(part.P)) for part in best.model.stretches)
-    off = best.off[touching]
-    noise = max(record_side.base.noise for record_side in record.directions)
-    slow = math.sqrt(max(float(np.mean(off**2)) - noise**2, 0.0)) / span if off.size else 0.0
-    depth = max(part.reach for part in best.model.stretches)
-    contact = best.error("z0") / depth if "z0" in best.names else 0.0
-    wavy = max(side.base.waviness for side in record.directions) / span
-    flags = {} if best.ended else {"not determined": GIVEN_UP.format(best.least.steps)}
-    beyond = (best.spread.excess - 1) / TUNING.excess
-    if beyond > 1:
-        flags["misfit"] = (
-            f"the residuals in contact are {best.spread.excess:.0f} times what the noise of the free rows explains: "
-            "another body, indenter or adhesion"
-        )
-    if slow > TUNING.misfit:
-        flags["misfit"] = f"the residuals in contact are {slow:.1%} of the range of the load: another body or indenter"
-    if noise / span > TUNING.vague:
-        flags["noisy"] = f"the noise is {noise / span:.0%} of the range of the load"
-    if contact > TUNING.vague:
-        flags["vague contact point"] = f"known to {contact:.0%} of the depth only"
-    ratios = {"misfit": max(slow / TUNING.misfit, beyond), "noise": noise / span / TUNING.vague,
-              "base line": wavy / TUNING.misfit, "contact point": contact / TUNING.vague}  # fmt: skip
-    parts = {name: math.exp(-(x**2) / 2) for name, x in ratios.items()}
-    parts["record"] = TUNING.spoilt ** sum(not name.endswith((APPROACH, RETRACT)) for name in record.flags)
-    return flags, {"quality": math.prod(parts.values()), **parts}
-
-
-def _words(best: ForceCurveFit, settings: Settings) -> Iterator[str]:
-    """How the record was taken, and what its residuals did to the intervals."""
-    if settings.base_line == "sine" and best.model.stretches[0].wave is None:
-        yield "base line: no sine beyond its noise, a straight line is used"
-    yield from _on_adhesion(best)
-    free = [parameter.name for parameter in settings.free]
-    for kind in (part.kind for part in best.model.stretches if best.model.works.get(part.kind) == 0 and "w" in free):
-        yield f"{NAMES[kind]}: w would be negative and is set to 0: another body"
-    if any(name.startswith("offset:") for name in best.model.known):
-        yield "no base line: the zero of the load is set to 0 (--free P0, or --zero P=... if known)"
-    model = best.model
-    if (
-        len(model.stretches) > 1
-        and "drift" not in model.positions
-        and all(np.ptp(part.t) > 0 for part in model.stretches)
-    ):
-        drift = drift_left_out(best)
-        if drift.size > TUNING.sure and abs(drift.last) > TUNING.sure * drift.error:
-            change = float(drift.step[best.names.index("ln_s")]) if "ln_s" in best.names else 0.0
-            yield (
-                f"drift: the depth drifts by {show(drift.last, 'speed', 3)} ± {show(drift.error, 'speed', 2)}, which "
-                f"would change the moduli by {change:+.2%}: --free drift fits it"
-            )
-    if not all(part.line.rows for part in best.model.stretches):
-        yield "no free rows: noise cannot be separated from misfit"
-    if best.spread.tau > TUNING.dependent:
-        yield (
-            f"residuals are autocorrelated (effective sample size n/{best.spread.tau:.1f}), "
-            f"which widens the intervals by {math.sqrt(best.spread.tau):.1f}"
-        )
-
-
-def _on_adhesion(best: ForceCurveFit) -> Iterator[str]:
-    """What the fitted directions leave open about w."""
-    known = best.model.known
-    if len(best.model.stretches) == 1 and best.model.stretches[0].kind == APPROACH:
-        yield "approach alone: its w is w_approach; w, that of the retraction, stays empty"
-    if f"q:{RETRACT}" in known:
-        yield RESTS

@@ -106,7 +106,28 @@ class Spread:
     excess: float
     dof: int
     noise: Spectrum
-    possible: tuple[tuple[float, Spectrum], ...] = ()
+    possible: Possible | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Possible:
+    """Spectra that a noise may have, each with its ``chance``: A + B/(1 + (f/c)^2)^(b/2), the white one first, then
+    those of each ``corner`` c and ``power`` b, for one height of the slow part after the other."""
+
+    chance: Array
+    A: Array
+    B: Array
+    corner: Array
+    power: Array
+
+    def of_waves(self, f: Array, squares: Array) -> Array:
+        """The sums of ``squares`` (n, columns) of waves of frequencies ``f`` (n, columns), each by what a spectrum has
+        there: (spectra, columns)."""
+        slow = np.sum(_slow(f, self.corner[:, None, None], self.power[:, None, None]) * squares, axis=1)
+        every = np.tile(slow, ((self.A.size - 1) // len(slow), 1))
+        energy: Array = np.outer(self.A, squares.sum(axis=0))
+        energy[1:] += self.B[1:, None] * every
+        return energy
 
 
 def _slow(f: Array, corner: Array | float, power: Array | float) -> Array:
@@ -171,7 +192,7 @@ def spread(off: Array, J: Array, free: Sequence[Array], weight: Spectrum) -> Spr
     excess = math.sqrt(max(_rise(beside, covariance), 1.0))
     if seen is not None and noise.beyond(1 / (2 * max(run.size for run in free))):
         covariance = covariance * (TUNING.unseen * min(excess, TUNING.exceeded)) ** 2
-    possible = () if seen is None or noise.slow else seen.possible()
+    possible = None if seen is None or noise.slow else seen.possible()
     return Spread(covariance, max(tau, 1.0), excess, off.size if seen is None else loose, noise, possible)
 
 
@@ -232,46 +253,39 @@ class Octaves:
         most = _unlikely(mean, np.stack([np.full(mean.size, white), _falling(mean, count)]), count)
         if most[0] < most[1] + TUNING.least:
             return Spectrum(white)  # no spectrum that falls gains as much
-        shapes = _shapes(lowest)
-        slow = np.stack([_slow(centre, *shape) for shape in shapes])
-        slow /= slow[:, :1]
+        corner, power = _shapes(lowest)
+        slow = _slow(centre, corner[:, None], power[:, None])
+        tops = slow[:, 0].copy()
+        slow /= tops[:, None]
         A, B = _parts(slow, mean, count)
         deviance = _unlikely(mean, A[:, None] + B[:, None] * slow, count)
         if deviance.min() > most[0] - TUNING.least:
             return Spectrum(white)
         share = np.exp((deviance.min() - deviance) / 2)
         share = np.where(share > TUNING.likely, share, 0.0) / share[share > TUNING.likely].sum()
-        heights = share * B / np.array([_slow(centre[0], *shape) for shape in shapes])
-        parts = ((float(B), *shape) for B, shape in zip(heights, shapes, strict=True) if B)
-        return Spectrum(float(share @ A), tuple(parts))
+        parts = zip((share * B / tops).tolist(), corner.tolist(), power.tolist(), strict=True)
+        return Spectrum(float(share @ A), tuple(part for part in parts if part[0]))
 
-    def possible(self) -> tuple[tuple[float, Spectrum], ...]:
+    def possible(self) -> Possible:
         """Spectra with their chances after the data: white or with one slow part, those of one correlation time and
         those of 1/f being as likely before."""
-        shapes = _shapes(self.lowest)
-        slow = np.stack([_slow(self.centre, *shape) for shape in shapes])
-        heights = np.repeat(TUNING.heights, len(shapes))
-        ratio = np.vstack(
-            [
-                np.zeros(self.centre.size),
-                heights[:, None] * np.tile(slow / slow[:, :1], (heights.size // len(shapes), 1)),
-            ]
-        )
+        (corner, power), heights = _shapes(self.lowest), np.array(TUNING.heights)
+        slow = _slow(self.centre, corner[:, None], power[:, None])
+        tops = slow[:, 0]
+        ratio = np.vstack([np.zeros(self.centre.size), *(heights[:, None, None] * (slow / tops[:, None]))])
         A = np.average(self.mean / (1 + ratio), weights=self.count, axis=1)
         kinds = np.repeat([1 / TUNING.corners, 1 / len(TUNING.powers)], [TUNING.corners, len(TUNING.powers)]) / 2
-        before = np.append(TUNING.white, np.tile((1 - TUNING.white) / len(TUNING.heights) * kinds, len(TUNING.heights)))
+        before = np.append(TUNING.white, np.tile((1 - TUNING.white) / heights.size * kinds, heights.size))
         unlikely = _unlikely(self.mean, A[:, None] * (1 + ratio), self.count)
-        share = before * np.exp((unlikely.min() - unlikely) / 2)
-        tops = np.tile(slow[:, 0], len(TUNING.heights))
-        parts = zip(A[1:], heights / tops, shapes * len(TUNING.heights), strict=True)
-        spectra = [Spectrum(float(A[0])), *(Spectrum(float(a), ((float(a * B), *shape),)) for a, B, shape in parts)]
-        return tuple(zip((share / share.sum()).tolist(), spectra, strict=True))
+        chance = before * np.exp((unlikely.min() - unlikely) / 2)
+        B = A * np.append(0.0, np.outer(heights, 1 / tops))
+        return Possible(chance / chance.sum(), A, B, corner, power)
 
 
-def _shapes(lowest: float) -> list[tuple[float, float]]:
+def _shapes(lowest: float) -> tuple[Array, Array]:
     """Corners and powers of slow parts, of one correlation time and of 1/f, of runs of a ``lowest`` frequency."""
-    corners = np.geomspace(TUNING.seen * lowest, 0.2, TUNING.corners)
-    return [(float(c), 2.0) for c in corners] + [(TUNING.lowest * lowest, b) for b in TUNING.powers]
+    corners, powers = np.geomspace(TUNING.seen * lowest, 0.2, TUNING.corners), np.array(TUNING.powers)
+    return np.append(corners, 0 * powers + TUNING.lowest * lowest), np.append(0 * corners + 2.0, powers)
 
 
 def _falling(mean: Array, count: Array) -> Array:

@@ -240,15 +240,15 @@ def _chances(record: FittedRecord, unit: Array, rows: Array, taken: Array, dofs:
     """The chances that noise makes one number more, along each ``unit`` column, take as much of chi^2: the mean over
     the spectra that are possible, each of which raises it as much as the column is slow."""
     possible, noise = record.fit.spread.possible, record.fit.spread.noise
-    if not possible:
+    if possible is None:
         return np.array(fdtrc(1, dofs, taken))
     power = waves(in_time(unit, record.model.rows[rows], noise)) ** 2
     edges, f = _octaves(len(power)), frequencies(len(power))[:, None]
     energy = np.add.reduceat(power, edges, axis=0)
     centre = np.add.reduceat(f * power, edges, axis=0) / np.maximum(energy, TINY)
-    raised = np.array([np.sum(S(centre) * energy, axis=0) for _, S in possible]) / noise.A
+    raised = possible.of_waves(centre, energy) / noise.A
     chances = fdtrc(1, np.array(dofs), taken / np.maximum(raised, TINY))
-    mean: Array = np.array([share for share, _ in possible]) @ chances
+    mean: Array = possible.chance @ chances
     return mean
 
 

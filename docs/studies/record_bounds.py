@@ -84,8 +84,13 @@ def approaches(seed: int, count: int, bodies: dict[Any, FittedBody], exact: dict
             w = times * shown
             columns = record(E_star, R, w, w, device, noise + round(10 * times), exact[layer])
             z, P = (columns[name][: device.rows] for name in "zP")
-            found = fit(bodies[layer], Curve("made", delta=z - P / device.k, P=P, stiffness=device.k),
-                        settings_of(bodies[layer], segment=APPROACH))  # fmt: skip
+            try:
+                found = fit(bodies[layer], Curve("made", delta=z - P / device.k, P=P, stiffness=device.k),
+                            settings_of(bodies[layer], segment=APPROACH))  # fmt: skip
+            except JkrError as error:
+                told["refused"].append(1.0)
+                print(f"approach {i}: {error}")
+                break
             E, item = found.estimate("E_star"), found.estimate("w_approach")
             if E.error is None or E.low is None or E.high is None or item.low is None or item.high is None:
                 told["not determined"].append(1.0)
@@ -123,19 +128,26 @@ def main(seed: int, count: int) -> None:
         for name, value in told.items():
             found[kind][name].append(value)
             found["all"][name].append(value)
+    _print(found)
     approaches(seed, count, bodies, exact)
+    tables: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
     for i in range(count // 5 * len(TABLES)):
         columns, rest = TABLES[i % len(TABLES)]
         lens = lens_tables.lens(np.random.default_rng((seed, i)), columns, rest, (APPROACH, RETRACT))
         told = judged(lens_body(), lens.curve, lens.truth, bound=[("range", "..1 nm")])  # no range is looked for
         for name, value in told.items():
-            found[f"{columns}{' with rest' * rest}"][name].append(value)
-    for kind, parts in found.items():
+            tables[f"{columns}{' with rest' * rest}"][name].append(value)
+    _print(tables)
+
+
+def _print(counts: dict[str, dict[str, list[float]]]) -> None:
+    """Prints how many intervals hold, by kind of record."""
+    for kind, parts in counts.items():
         held = ", ".join(
             f"{name} {np.mean(values):.3f} of {len(values)} (± {math.sqrt(0.05 * 0.95 / len(values)):.3f})"
             for name, values in parts.items() if name != "silent"
         )  # fmt: skip
-        print(f"{kind:<6} {held}; silent and far off {np.sum(parts['silent']):.0f}")
+        print(f"{kind:<6} {held}; silent and far off {np.sum(parts['silent']):.0f}", flush=True)
 
 
 if __name__ == "__main__":

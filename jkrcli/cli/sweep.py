@@ -10,10 +10,9 @@ import click
 from ..base import InputError
 from ..case import plain_toml
 from ..many.sweep.plan import Plan, load_plan
-from ..many.sweep.result import Swept
+from ..many.sweep.result import STEM, Swept
 from ..many.sweep.running import Means, alone
 from ..many.sweep.running import sweep as carry_out
-from ..many.sweep.table import STEM
 from ..report import PICTURES, Files, Output
 from .option_types import NumberRange
 from .options import Parallel, parallel_options
@@ -70,7 +69,7 @@ def _draw(result: Swept, pictures: Files) -> bool:
     """Whether the table has a picture; it is written."""
     from ..many.sweep.figure import sweep_figure
 
-    figure = sweep_figure(result.plan, result.table)
+    figure = sweep_figure(result.plan, result.columns)
     pictures.write(figure=figure)
     return figure is not None
 

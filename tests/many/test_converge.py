@@ -18,7 +18,7 @@ from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.many.study.converge import coarser, converge, edge_size
-from jkrcli.many.study.meshes import richardson
+from jkrcli.many.study.convergence import richardson
 from jkrcli.methods.fem.method import FEM
 
 MATERIAL = Elastic(1.0, 0.3)
@@ -84,7 +84,7 @@ def test_too_coarse_a_mesh_has_a_reason_for_its_missing_pull_off() -> None:
     method = FEM(contact="incremental", spacing=0.2, edge_correction=False)
     found = converge(problem, method, W, 2)
     assert isinstance(found.levels[0].state.point, Unknown)
-    assert found.levels[0].state.curve is None
+    assert found.levels[0].state.curve is found.levels[0].state.point
     assert found.values("pull_off")[0] is None
     assert found.errors("pull_off")[0] is None
     assert "needs at least" in found.levels[0].state.point.reason

@@ -10,14 +10,13 @@ import pytest
 
 from jkrcli.many.sweep.figure import sweep_figure
 from jkrcli.many.sweep.plan import Plan, load_plan
-from jkrcli.many.sweep.table import SweepTable
 
 CASES = Path(__file__).parents[2] / "cases"
 THICKNESS = 'key = "specimen.layers[0].thickness"\nvalues = [3e-4, 5e-4, 8e-4]\n'
 NU = 'key = "specimen.layers[0].nu"\nvalues = [0.3, 0.4]\n'
 
 
-def planned(tmp_path: Path, *axes: str) -> tuple[Plan, SweepTable]:
+def planned(tmp_path: Path, *axes: str) -> tuple[Plan, dict[str, list]]:
     """A sweep with one w, and a table as if each force were the number of its case in mN."""
     text = "".join(f"[[axes]]\n{axis}" for axis in (*axes, 'key = "adhesion.w"\nvalues = [0.04]\n'))
     (tmp_path / "s.toml").write_text(f'base = "{CASES / "gel.toml"}"\n{text}[outputs]\nquantities = ["pull_off"]\n')
@@ -27,7 +26,7 @@ def planned(tmp_path: Path, *axes: str) -> tuple[Plan, SweepTable]:
     keys = [tuple(plan.values(number).values()) for number in numbers]
     columns |= dict(zip(plan.key_columns, map(list, zip(*keys, strict=True)), strict=True))
     columns |= {name: [1e-3 * number for number in numbers] for name in plan.recipe.wanted.columns}
-    return plan, SweepTable(columns)
+    return plan, columns
 
 
 def test_one_axis_makes_one_line_in_people_s_units(tmp_path: Path) -> None:
@@ -44,7 +43,7 @@ def test_one_axis_makes_one_line_in_people_s_units(tmp_path: Path) -> None:
 
 def test_two_axes_make_a_line_for_each_value_of_the_shorter(tmp_path: Path) -> None:
     plan, table = planned(tmp_path, NU, THICKNESS)
-    table.columns["pull_off.load.P_N"][4] = None  # a case that failed leaves a gap
+    table["pull_off.load.P_N"][4] = None  # a case that failed leaves a gap
     figure = sweep_figure(plan, table)
     assert figure is not None
     named = {str(line.get_label()): line for line in figure.axes[0].lines}

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from ...adhesion import AdhesiveCurve, transform
+from ...adhesion import transform
 from ...base import Array, InputError, Pool, Unknown, in_order
 from ...bodies import Problem
 from ...methods import FEM, Layered
 from ...series import RawSeries, Series, Solution
-from .convergence import Convergence
-from .meshes import TUNING, Level, State
+from .convergence import TUNING, Convergence, Level, State
 
 
 def converge(
@@ -25,36 +24,26 @@ def converge(
 
     ``pool``: works on the meshes (default: this process).
     """
-    if count < 2:
-        raise InputError(f"levels: must be >= 2 meshes, got {count}")
     method = replace(method, estimate_error=False, tolerance=None)
     factors = [TUNING.ratio**k for k in reversed(range(count))]
     methods = [coarser(method, problem, factor) for factor in factors]
     meshes = in_order(pool, partial(_timed, problem), methods, "meshes")
-    depth = min(float(mesh.solution.increments.delta[-1]) for mesh in meshes)
-    largest = float(meshes[-1].solution.series.a[-1])
+    depth = min(float(solution.increments.delta[-1]) for solution, _, _ in meshes)
+    largest = float(meshes[-1][0].series.a[-1])
     levels = []
-    for mesh in meshes:
-        solution, facts = mesh.solution, mesh.solution.facts
-        state = _state(solution.increments, _adhesive(solution.series, w, slopes_name), depth)
-        levels.append(Level(spacing_at(mesh.radii, largest), state, facts["elements"], facts["unknowns"],
-                            len(solution.series), facts["dropped"], mesh.seconds))  # fmt: skip
+    for solution, radii, seconds in meshes:
+        series, facts = solution.series, solution.facts
+        state = _state(solution.increments, series, slopes_name, w, depth)
+        levels.append(Level(spacing_at(radii, largest), state, facts["elements"], facts["unknowns"], len(series),
+                            facts["dropped"], seconds))  # fmt: skip
     return Convergence(problem, w, depth, tuple(levels), _exact(problem, w, depth))
 
 
-@dataclass(frozen=True, eq=False)
-class Timed:
-    """A solution, its mesh's surface ``radii`` [m] and the CPU ``seconds`` it took."""
-
-    solution: Solution
-    radii: Array
-    seconds: float
-
-
-def _timed(problem: Problem, method: FEM) -> Timed:
+def _timed(problem: Problem, method: FEM) -> tuple[Solution, Array, float]:
+    """A solution, its mesh's surface radii [m] and the CPU seconds it took."""
     start = time.thread_time()  # of this mesh alone, whatever else the process works on
     run, solution = method.solve(problem)
-    return Timed(solution, run.level.model.system.grid.surface_radii(), time.thread_time() - start)
+    return solution, run.level.model.system.grid.surface_radii(), time.thread_time() - start
 
 
 def coarser(method: FEM, problem: Problem, factor: float) -> FEM:
@@ -86,23 +75,17 @@ def spacing_at(radii: Array, a: float) -> float:
     return float(radii[k] - radii[k - 1])
 
 
-def _state(rows: RawSeries | Series, curve: AdhesiveCurve | Unknown, depth: float) -> State:
-    """The state at ``depth`` [m]: load and radius (of increments that of a node) between rows in logarithms."""
+def _state(rows: RawSeries | Series, series: Series, slopes_name: str, w: float, depth: float) -> State:
+    """The state at ``depth`` [m]: load and radius (of increments that of a node) between ``rows`` in logarithms, and
+    the adhesive curve of the ``series``, or why a mesh is too coarse for one."""
     at = math.log(depth * (1 + TUNING.round_off))
     touching = rows.a > 0
     x = np.log(rows.delta[touching])
     load, radius = (math.exp(np.interp(at, x, np.log(column[touching]))) for column in (rows.P, rows.a))
-    if isinstance(curve, Unknown):
-        return State(radius, load, curve, None)
-    return State(radius, load, curve.pull_off(0.0), curve)
-
-
-def _adhesive(series: Series, w: float, slopes_name: str) -> AdhesiveCurve | Unknown:
-    """The adhesive curve, or why a mesh is too coarse for one."""
     try:
-        return transform(series, slopes_name, w)
+        return State(radius, load, transform(series, slopes_name, w))
     except InputError as error:
-        return Unknown(error.lines[0])
+        return State(radius, load, Unknown(error.lines[0]))
 
 
 def _exact(problem: Problem, w: float, depth: float) -> State | None:
@@ -113,4 +96,4 @@ def _exact(problem: Problem, w: float, depth: float) -> State | None:
     if method.refusal(same_depth) is not None:
         return None
     series = method(same_depth).series
-    return _state(series, _adhesive(series, w, "exact"), depth)
+    return _state(series, series, "exact", w, depth)

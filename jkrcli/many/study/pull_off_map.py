@@ -45,21 +45,18 @@ LIMITS = {1.5: "thick: 3/2", 2.0: "thin, compressible: 2", 3.0: "thin, incompres
 
 def _work(values: Values) -> Work:
     """One unit series per Poisson's ratio serves every q, unless the surface has a tension."""
-    cells = [(nu, beta) for nu in values["nu"] for beta in values["beta"]]
-    return partial(_cell, values["base"], values["q"]), cells
+    qs = values["q"]
+    cells = [(nu, beta, group) for nu in values["nu"] for beta in values["beta"]
+             for group in ([[q] for q in qs] if beta else [qs])]  # fmt: skip
+    return partial(_points, values["base"]), cells
 
 
-def _cell(base: str, qs: Sequence[float], cell: tuple[float, float]) -> Columns:
-    nu, beta = cell
-    parts = [_points(base, group, nu, beta) for group in ([[q] for q in qs] if beta else [qs])]
-    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-
-
-def _points(base: str, qs: Sequence[float], nu: float, beta: float) -> Columns:
+def _points(base: str, cell: tuple[float, float, Sequence[float]]) -> Columns:
     """The points of one Poisson's ratio, in units of h = R = 1 m, E* = 1 Pa.
 
     The paraboloid's problem is linear in R, so that no small strain is needed.
     """
+    nu, beta, qs = cell
     series = _unit_series(nu, base == "bonded", qs, beta * qs[0] ** (1 / 3))
     body = Nonadhesive.of(series, "exact")
     q, P, a, delta = np.transpose([_pull_off(nu, q, AdhesiveCurve(body, q)) for q in qs])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -29,19 +29,16 @@ class Axis:
 
 @dataclass(frozen=True)
 class Trial:
-    """The case in which values are tried: ``tables`` with the first value of every axis."""
+    """The case in which values are tried: ``tables`` with the first value of every axis, and with all layers, however
+    many a sweep keeps of them."""
 
     tables: Tables
     first: Mapping[str, Any]
     folder: Path
 
     def model(self, values: Mapping[str, Any]) -> CaseModel:
-        """The case with ``values`` in place of those of ``first``; InputError says what is wrong with it.
-
-        All layers are there, however many a sweep keeps of them, unless ``values`` says so.
-        """
-        all_layers = {key: value for key, value in self.first.items() if key != LAYER_COUNT}
-        return model_of(with_values(self.tables, {**all_layers, **values}), "", self.folder)
+        """The case with ``values`` in place of those of ``first``; InputError says what is wrong with it."""
+        return model_of(with_values(self.tables, {**self.first, **values}), "", self.folder)
 
     def si(self, values: Mapping[str, Any]) -> tuple[Any, ...]:
         """The values of keys that go together, in SI."""
@@ -82,16 +79,18 @@ def _noted(lines: list[str], where: str) -> Iterator[None]:
         lines += [f"{where}: {line.removeprefix(': ')}" for line in error.lines]
 
 
-def _keys(axis: AxisTable) -> tuple[str, ...]:
-    return tuple(axis.zip) if axis.zip is not None else (str(axis.key),)
+def _listed(axis: AxisTable) -> Mapping[str, Sequence[Any]]:
+    """The values of each key of an axis as they stand in the file, of a range where it begins."""
+    if axis.zip is not None:
+        return axis.zip
+    return {str(axis.key): (axis.start,) if axis.values is None else axis.values}
 
 
 def _each_once(model: SweepModel, source: str) -> None:
-    keys = [key for axis in model.axes for key in _keys(axis)] + list(model.samples.of if model.samples else ())
+    keys = [key for axis in model.axes for key in _listed(axis)] + list(model.samples.of if model.samples else ())
     if not keys:
         raise InputError(f"{source}: nothing varies: give [[axes]] or [samples]")
-    twice = sorted({key for key in keys if keys.count(key) > 1})
-    if twice:
+    if twice := sorted({key for key in keys if keys.count(key) > 1}):
         raise InputError(f"{source}: {twice[0]}: is varied twice; keys that go together stand in one zip")
     for key in keys:
         try:
@@ -101,27 +100,22 @@ def _each_once(model: SweepModel, source: str) -> None:
 
 
 def _first(model: SweepModel) -> dict[str, Any]:
-    """A value of every varied key that stands in the file."""
-    first: dict[str, Any] = {}
-    for axis in model.axes:
-        if axis.zip is not None:
-            first |= {key: values[0] for key, values in axis.zip.items()}
-        else:
-            first[str(axis.key)] = axis.start if axis.values is None else axis.values[0]
+    """A value of every varied key that stands in the file, but for the number of layers."""
+    first = {key: values[0] for axis in model.axes for key, values in _listed(axis).items()}
     for key, item in (model.samples.of if model.samples else {}).items():
         value = item.parameters[KINDS[item.distribution].needed[0]]
         first[key] = value[0] if item.distribution == "choice" else value
+    first.pop(LAYER_COUNT, None)
     return first
 
 
 def _axis(axis: AxisTable, trial: Trial) -> Axis:
-    keys = _keys(axis)
-    if axis.zip is not None:
-        rows = [trial.si(dict(zip(keys, row, strict=True))) for row in zip(*axis.zip.values(), strict=True)]
-        return Axis(keys, tuple(rows))
-    if axis.values is not None:
-        return Axis(keys, tuple(trial.si({keys[0]: value}) for value in axis.values))
-    return Axis(keys, tuple((value,) for value in _range(axis, trial)))
+    listed = _listed(axis)
+    keys = tuple(listed)
+    if axis.zip is None and axis.values is None:
+        return Axis(keys, tuple((value,) for value in _range(axis, trial)))
+    rows = zip(*listed.values(), strict=True)
+    return Axis(keys, tuple(trial.si(dict(zip(keys, row, strict=True))) for row in rows))
 
 
 def _range(axis: AxisTable, trial: Trial) -> list[Any]:

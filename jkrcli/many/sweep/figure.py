@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -12,17 +13,17 @@ from ...report.plots import Figure
 from ...report.plots.looks import COLORS, LABELS, pretty
 from ...report.plots.study import Line, Panel, panels_figure
 from .plan import Plan
-from .table import SweepTable
 
 PULL_OFF = re.compile(r"pull_off\.(load|displacement)\.(P|delta|a)")
 MARKS = "os^Dvx"  # of lines in this order: one that covers another shows it
 DIMENSIONS = {"_N": "load", "_J_per_m2": "work", "_Pa": "modulus", "_m": "length"}
 
 
-def sweep_figure(plan: Plan, table: SweepTable) -> Figure | None:
+def sweep_figure(plan: Plan, table: Mapping[str, Sequence[Any]]) -> Figure | None:
     """Forces where there are some, else the first results, at most two of them; other axes at their first value, which
     the title says. None where no axis or no result is a number."""
-    numbers = dict(_numbers(table))
+    numbers = {name: np.array(values, dtype=float) for name, values in table.items()
+               if all(value is None or isinstance(value, int | float) for value in values)}  # fmt: skip
     axes = sorted(_axes(plan, numbers), key=lambda name: -np.unique(numbers[name]).size)
     results = [name for name in plan.recipe.wanted.columns if name in numbers and "err" not in name]
     results = ([name for name in results if name.endswith(".P_N")] or results)[:2]
@@ -35,13 +36,6 @@ def sweep_figure(plan: Plan, table: SweepTable) -> Figure | None:
     joint = any(x in plan.key_columns and len(axis.keys) > 1 for axis in plan.axes)
     panels = [_panel(shown, x, others[:1], name, "" if joint else "-") for name in results]
     return panels_figure(panels, ", ".join(_value(name, at) for name, at in first.items()))
-
-
-def _numbers(table: SweepTable) -> Iterator[tuple[str, Array]]:
-    """Columns that hold numbers alone, NaN where a case failed."""
-    for name, values in table.columns.items():
-        if all(value is None or isinstance(value, int | float) for value in values):
-            yield name, np.array([np.nan if value is None else value for value in values], dtype=float)
 
 
 def _axes(plan: Plan, numbers: Mapping[str, Array]) -> Iterator[str]:

@@ -20,7 +20,7 @@ from .solving import FAILED, OK, Row
 FORMAT, VERSION = "jkr-sweep-journal", 2
 HEAD = json.dumps({"format": FORMAT, "version": VERSION, "jkr": __version__}).encode() + b"\n"
 ENTRY = [str, str, str, list, float]  # of a line: identity, status, reason, values, CPU seconds; then their digest
-MOST_BYTES = 1 << 31  # choice: of all lines, which are read at once; some ten million cases
+MOST_BYTES = 1 << 31  # theory: of all lines, which are read at once: MOST_CELLS numbers of 21 characters
 
 
 class Journal:
@@ -41,9 +41,7 @@ class Journal:
         entry = [identity, row.status, row.reason, row.values, round(row.seconds, 6)]
         self._write(_sealed(json.dumps(entry, allow_nan=False).encode()) + b"\n")
         self.rows[identity] = row
-        if (
-            time.monotonic() - self._synced > 5.0
-        ):  # seconds that a power failure may cost; a killed process loses nothing
+        if time.monotonic() - self._synced > 5.0:  # that a power failure may cost; a killed process loses nothing
             self.sync()
 
     def _write(self, line: bytes) -> None:
@@ -82,12 +80,11 @@ class Journal:
         self._file.truncate(whole)
         self._file.seek(whole)
         for number, line in enumerate(lines, start=2):
-            entry = _entry(line)
-            if entry is None:
+            if (entry := _entry(line)) is None:
                 self.damaged.append(number)
-            else:
-                identity, status, reason, values, seconds = entry
-                self.rows[identity] = Row(-1, status, reason, tuple(values), seconds)
+                continue
+            identity, status, reason, values, seconds = entry
+            self.rows[identity] = Row(-1, status, reason, tuple(values), seconds)
 
     def _check_head(self, line: bytes) -> None:
         """Refuse to append to what is no journal of this format."""

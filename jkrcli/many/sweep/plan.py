@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from ... import __version__
 from ...adhesion.slopes import checked_rule
@@ -26,6 +26,7 @@ from .quantities import ALONG, POINT, Wanted, names_of
 
 FIRM = ("radius", "thickness", "nu")  # how keys end whose values tell bodies apart
 PHYSICS = {"title", "indenter", "specimen", "loading", "adhesion"}
+Cases: TypeAlias = Sequence[tuple[int, Mapping[str, Any]]]  # by their numbers and values, which share one solve
 
 
 @dataclass(frozen=True)
@@ -44,13 +45,6 @@ class Recipe:
         if ranged := [name for name in ("range", "stress", "capillary") if getattr(model.adhesion, name) is not None]:
             raise InputError(f"adhesion.{ranged[0]}: sweep has no adhesion of finite range: leave it out")
         return model
-
-
-@dataclass(frozen=True)
-class Group:
-    """Cases by their numbers and values that share one solve."""
-
-    cases: tuple[tuple[int, Mapping[str, Any]], ...]
 
 
 @dataclass(frozen=True)
@@ -110,7 +104,7 @@ class Plan:
         """Case ``number`` as a case of its own."""
         return Case(self.recipe.model(self.values(number)), f"{self.source}: case {number}")
 
-    def groups(self, numbers: Iterable[int], most: int = 1000) -> tuple[list[Group], list[tuple[int, str]]]:
+    def groups(self, numbers: Iterable[int], most: int = 1000) -> tuple[list[Cases], list[tuple[int, str]]]:
         """The cases ``numbers`` by shared solves, and those that are none, each with its reason.
 
         Cases share a solve where they differ in the work of adhesion, or by one factor of all moduli, alone; at most
@@ -124,15 +118,11 @@ class Plan:
                 model = self.recipe.model(values)
                 body = at_unit_modulus(model.problem())[0]
             except InputError as error:
-                wrong.append((number, _one_line(error)))
+                wrong.append((number, "; ".join(line.removeprefix(": ") for line in error.lines)))
                 continue
             shared.setdefault(_solve_identity(body, model), []).append((number, values))
-        groups = [
-            Group(tuple(cases[start : start + most]))
-            for cases in shared.values()
-            for start in range(0, len(cases), most)
-        ]
-        return groups, wrong
+        pieces = (cases[first : first + most] for cases in shared.values() for first in range(0, len(cases), most))
+        return list(pieces), wrong
 
 
 def _firm(keys: Sequence[str], row: Sequence[Any], cut: bool) -> list[Any]:
@@ -143,10 +133,6 @@ def _firm(keys: Sequence[str], row: Sequence[Any], cut: bool) -> list[Any]:
 def _solve_identity(body: Problem, model: CaseModel) -> bytes:
     """A hash of the body at unit modulus and of how it is to be solved."""
     return hashlib.sha256(f"{body.key}{model.model_dump(exclude=PHYSICS)!r}".encode()).digest()
-
-
-def _one_line(error: InputError) -> str:
-    return "; ".join(line.removeprefix(": ") for line in error.lines)
 
 
 def load_plan(path: Path) -> Plan:

@@ -20,24 +20,18 @@ POINT = ("P_N", "delta_m", "a_m")
 ERROR = ("P_err_N", "delta_err_m")
 
 
+def _solved_by(result: Analysis) -> dict[str, Any]:
+    return {"method": result.solution.method, "slopes": result.curve.slopes.method}
+
+
 def _at_end(result: Analysis) -> dict[str, Any]:
     series = result.curve.series
     return {"points": len(series), "a_m": series.a[-1], "delta_H_m": series.delta[-1], "P_H_N": series.P[-1]}
 
 
 def _pull_off(result: Analysis) -> dict[str, Any]:
-    points = [_point(name, place) for name, place in result.pull_off.items()]
-    return {key: value for point in points for key, value in point.items()} | {"load.over_pi_w_R": _ratio(result)}
-
-
-def _point_errors(result: Analysis) -> dict[str, Any]:
-    """Half-widths of P and delta of each pull-off point, or why there are none."""
-    errors: dict[str, Any] = {}
-    for name, point in result.pull_off.items():
-        error = point if isinstance(point, Unknown) else result.pull_off_errors[name]
-        for key, quantity in zip(ERROR, ("P", "delta"), strict=True):
-            errors[f"{name}.{key}"] = error if isinstance(error, Unknown) else error[quantity]
-    return errors
+    load, displacement = (_point(name, result.pull_off[name]) for name in ("load", "displacement"))
+    return load | displacement | {"load.over_pi_w_R": _ratio(result)}
 
 
 def _ratio(result: Analysis) -> float | Unknown:
@@ -53,41 +47,50 @@ def _point(name: str, state: Equilibrium | Unknown) -> dict[str, Any]:
     return {f"{name}.{key}": Unknown(columns["reason"]) if columns[key] is None else columns[key] for key in POINT}
 
 
+def _point_errors(result: Analysis) -> dict[str, Any]:
+    """Half-widths of P and delta of each pull-off point, or why there are none."""
+    errors: dict[str, Any] = {}
+    for name, point in result.pull_off.items():
+        error = point if isinstance(point, Unknown) else result.pull_off_errors[name]
+        for key, quantity in zip(ERROR, ("P", "delta"), strict=True):
+            errors[f"{name}.{key}"] = error if isinstance(error, Unknown) else error[quantity]
+    return errors
+
+
 def _stability(result: Analysis) -> dict[str, Any]:
     pulled = behaviour(result.curve, DISPLACEMENT_CONTROL)
     energies = {"energy_lost_J": pulled.energy_lost, "work_of_separation_J": pulled.separation}
     return energies | _point("jump_in", pulled.jump_in)
 
 
-ERRORS = ("discretisation", "truncation", "radius", "smoothing", "total")
+def _errors(result: Analysis) -> dict[str, Any]:
+    return result.budget.as_dict()
+
+
+def _comparison(result: Analysis) -> dict[str, Any]:
+    return {"pull_off": result.comparison.pull_off if result.comparison else Unknown("")}
+
+
+def _of_both(keys: Sequence[str]) -> Iterator[str]:
+    """The names of the ``keys`` under control of load and of displacement."""
+    return (f"{control}.{key}" for control in ("load", "displacement") for key in keys)
+
+
 VALIDITY = ("tabor", "a_over_R", "a_over_R_pull_off", "delta_over_h", "a_over_h", "a_over_L")
 SECTIONS: dict[str, tuple[Section, tuple[str, ...]]] = {
-    "solved_by": (
-        lambda result: {"method": result.solution.method, "slopes": result.curve.slopes.method},
-        ("method", "slopes"),
-    ),
+    "solved_by": (_solved_by, ("method", "slopes")),
     "contact": (lambda result: {"E_star_Pa": result.problem.E_star}, ("E_star_Pa",)),
     "end": (_at_end, ("points", "a_m", "delta_H_m", "P_H_N")),
-    "pull_off": (
-        _pull_off,
-        (*(f"{control}.{key}" for control in ("load", "displacement") for key in POINT), "load.over_pi_w_R"),
-    ),
-    "pull_off_errors": (
-        _point_errors,
-        tuple(f"{control}.{key}" for control in ("load", "displacement") for key in ERROR),
-    ),
+    "pull_off": (_pull_off, (*_of_both(POINT), "load.over_pi_w_R")),
+    "pull_off_errors": (_point_errors, tuple(_of_both(ERROR))),
     "stability": (_stability, ("energy_lost_J", "work_of_separation_J", *(f"jump_in.{key}" for key in POINT))),
     "validity": (tables.validity, VALIDITY),
-    "errors": (lambda result: result.budget.as_dict(), ERRORS),
-    "comparison": (
-        lambda result: {"pull_off": result.comparison.pull_off if result.comparison else Unknown("")},
-        ("pull_off",),
-    ),
+    "errors": (_errors, ("discretisation", "truncation", "radius", "smoothing", "total")),
+    "comparison": (_comparison, ("pull_off",)),
 }
 NAMES = tuple(f"{section}.{key}" for section, (_, keys) in SECTIONS.items() for key in keys)
 NEED_W = ("pull_off", "pull_off_errors", "stability")
 OF_THE_KIND = ("validity.", "comparison.")  # absent by the kind of body, the same in every case: no reason is given
-WORDS = ("solved_by.method", "solved_by.slopes")
 ALONG = ("P_N", "delta_m", "P_H_N", "delta_H_m", "S_N_per_m", "dS_da_N_per_m2")
 
 
@@ -115,19 +118,20 @@ class Wanted:
     def values(self, result: Analysis) -> list[Value | Unknown]:
         """One value per column."""
         result = with_solved_points(result, *self.stiffness) if self.stiffness else result
-        sections = {name: SECTIONS[name][0](result) for name in dict.fromkeys(n.split(".")[0] for n in self.names)}
-        values = [
-            _value(name, sections[section][key]) for name in self.names for section, _, key in [name.partition(".")]
-        ]
-        devices = [_point("device", result.curve.pull_off(k)) for k in self.stiffness]
-        return [*values, *(value for point in devices for value in point.values()), *_along(result.jkr, self.radii)]
+        told: dict[str, Any] = {}
+        for section in dict.fromkeys(name.split(".")[0] for name in self.names):
+            told |= {f"{section}.{key}": value for key, value in SECTIONS[section][0](result).items()}
+        values = [_value(name, told[name]) for name in self.names]
+        for k in self.stiffness:
+            values += _point("device", result.curve.pull_off(k)).values()
+        return [*values, *_along(result.jkr, self.radii)]
 
 
 def _value(name: str, value: Any) -> Value | Unknown:
-    """A number (or word, where the column holds words), or why there is none."""
+    """A number or word, or why there is none."""
     if isinstance(value, Unknown):
         return Unknown("") if name.startswith(OF_THE_KIND) else value
-    if name in WORDS or isinstance(value, int):
+    if isinstance(value, int | str):
         return value
     return float(value) if math.isfinite(value) else Unknown(f"{name} is not finite")
 

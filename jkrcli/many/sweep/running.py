@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 from ...base import (
+    SILENCE,
     InputError,
     JkrError,
     Progress,
@@ -24,10 +25,9 @@ from ...base import (
 )
 from ..cache import at_unit_modulus
 from .journal import Journal, opened
-from .plan import Group, Plan
-from .result import Swept, SweptCase
-from .solving import Row, failed, least, solve_group
-from .table import STEM, SweepTable, endings, write
+from .plan import Cases, Plan
+from .result import STEM, Swept, SweptCase, endings, table, write
+from .solving import failed, least, solve_group
 
 JOURNAL, FAILED_TABLE, SOLVES = "journal.jsonl", "failed.csv", "solves"
 Say = Callable[[str], None]
@@ -41,9 +41,7 @@ class SweepTuning:
     per_cell: float = 5e-6  # and per column of its row; tuned on 1,000 radii, by `make guards`
     per_column: float = 6e-4  # CPU seconds of each in the files; tuned on 1,000 radii, by `make guards`
     look: float = 0.0004  # CPU seconds to look at a case; tuned on the shipped sweeps, by `make sweep`
-    many: int = 2000  # choice: cases beyond which the look is announced: about a second
     looked_at: int = 12  # choice: groups whose forecasts stand for all
-    task: float = 2.0  # choice: CPU seconds of one task: much more than handing it out, little to lose
     shares: int = 8  # choice: tasks per worker at least, so that the last ones end together
 
 
@@ -63,23 +61,6 @@ class Means:
     progress: Progress = silent
 
 
-@dataclass(frozen=True)
-class Work:
-    """What is left to do: ``groups`` that share a solve, and its forecast in CPU ``seconds``."""
-
-    groups: list[Group]
-    seconds: float
-
-    @property
-    def cases(self) -> int:
-        return sum(len(group.cases) for group in self.groups)
-
-    def chunk(self, workers: int) -> int:
-        """The number of groups that make one task."""
-        by_time = TUNING.task * len(self.groups) / max(self.seconds, 1e-9)
-        return max(1, min(round(by_time), math.ceil(len(self.groups) / (TUNING.shares * workers))))
-
-
 def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> Swept:
     """Carry out ``plan`` with the results in ``folder``; a sweep that was interrupted there goes on.
 
@@ -88,27 +69,29 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> Swep
     """
     make_folder(folder)
     _check_targets(folder, force)
-    if plan.count > TUNING.many:
+    look = TUNING.look * plan.count
+    if look > SILENCE:
         say(
-            f"{plan.count:,} cases: looking through them takes about {duration(TUNING.look * plan.count)} of CPU time "
-            "before the first is solved"
+            f"{plan.count:,} cases: looking through them takes about {duration(look)} of CPU time before the first is "
+            "solved"
         )
     with opened(folder / JOURNAL) as journal:
         _say_damage(journal, say)
         if means.retry and (forgotten := journal.forget_failed()):
             say(f"{forgotten} failed cases are tried again")
-        if plan.count > TUNING.many:
+        if look > SILENCE:
             _guard_early(plan, journal, means.hours, say)
-        work = _left(plan, journal, say)
-        _guard(f"{work.cases:,} cases with {len(work.groups):,} solves", work.seconds, means.hours)
-        if work.groups:
-            _solve(plan, work, folder, journal, means, say)
-        table = SweepTable.of(plan, journal)
+        groups = _left(plan, journal, say)
+        seconds = forecast(plan, groups)
+        _guard(f"{sum(map(len, groups)):,} cases with {len(groups):,} solves", seconds, means.hours)
+        if groups:
+            _solve(plan, groups, seconds, folder, journal, means, say)
+        swept = Swept(plan, table(plan, journal))
     with together():
-        paths = [*write(folder, table), *_write_failed(plan, folder, table)]
-    if len(table.failed) == plan.count:
-        raise JkrError(f"{plan.source}: every case failed, the first because: {table.failed[0][1]}")
-    return Swept(plan, table, paths)
+        paths = [*write(folder, swept.columns), *_write_failed(folder, swept)]
+    if len(swept.failed) == plan.count:
+        raise JkrError(f"{plan.source}: every case failed, the first because: {swept.failed[0][1]}")
+    return replace(swept, files=paths)
 
 
 def _guard_early(plan: Plan, journal: Journal, hours: float, say: Say) -> None:
@@ -136,23 +119,9 @@ def _say_damage(journal: Journal, say: Say) -> None:
         say(f"{journal.path}: {len(journal.damaged):,} damaged lines ({lines}): their cases are solved again")
 
 
-def _left(plan: Plan, journal: Journal, say: Say) -> Work:
-    """The cases that the journal does not hold; those that make no case are journaled as failed at once."""
-    numbers = _missing(plan, journal)
-    done = plan.count - len(numbers)
-    if done:
-        say(f"{done:,} of {plan.count:,} cases are there from an earlier run")
-    groups, wrong = plan.groups(numbers)
-    for number, reason in wrong:
-        journal.append(plan.identity(number), failed(plan.recipe, number, reason))
-    work = Work(groups, forecast(plan, groups))
-    if groups:
-        say(f"{work.cases:,} cases to do with {len(groups):,} solves")
-    return work
-
-
-def _missing(plan: Plan, journal: Journal) -> list[int]:
-    """Numbers of the cases that are not in the journal, equal cases once."""
+def _left(plan: Plan, journal: Journal, say: Say) -> list[Cases]:
+    """The cases that the journal does not hold, equal ones once, by shared solves; what makes no case is journaled as
+    failed at once."""
     new: dict[str, int] = {}
     width = len(plan.recipe.wanted.columns)
     for number in range(plan.count):
@@ -161,15 +130,21 @@ def _missing(plan: Plan, journal: Journal) -> list[int]:
         if row is None or len(row.values) != width:
             journal.rows.pop(identity, None)
             new.setdefault(identity, number)
-    return list(new.values())
+    if done := plan.count - len(new):
+        say(f"{done:,} of {plan.count:,} cases are there from an earlier run")
+    groups, wrong = plan.groups(new.values())
+    for number, reason in wrong:
+        journal.append(plan.identity(number), failed(plan.recipe, number, reason))
+    if groups:
+        say(f"{sum(map(len, groups)):,} cases to do with {len(groups):,} solves")
+    return groups
 
 
-def forecast(plan: Plan, groups: list[Group]) -> float:
+def forecast(plan: Plan, groups: Sequence[Cases]) -> float:
     """CPU seconds that the groups will take, from the methods' own forecasts for some of them."""
     some = groups[:: max(1, len(groups) // TUNING.looked_at)]
     seconds = [_solve_seconds(plan, group) for group in some]
-    cases = sum(len(group.cases) for group in groups)
-    return _beside(plan, cases) + len(groups) * sum(seconds) / max(len(seconds), 1)
+    return _beside(plan, sum(map(len, groups))) + len(groups) * sum(seconds) / max(len(seconds), 1)
 
 
 def _beside(plan: Plan, cases: int) -> float:
@@ -178,9 +153,9 @@ def _beside(plan: Plan, cases: int) -> float:
     return TUNING.per_column * columns + (TUNING.per_case + TUNING.per_cell * columns) * cases
 
 
-def _solve_seconds(plan: Plan, group: Group) -> float:
+def _solve_seconds(plan: Plan, group: Cases) -> float:
     """Forecast of the solve of a group; 0 where it is refused at once."""
-    model = plan.recipe.model(group.cases[0][1])
+    model = plan.recipe.model(group[0][1])
     body, _ = at_unit_modulus(model.problem())
     try:
         return least(body, model).method.forecast(body).seconds
@@ -198,37 +173,37 @@ def _guard(what: str, seconds: float, hours: float, likewise: str = "") -> None:
         )
 
 
-def _solve(plan: Plan, work: Work, folder: Path, journal: Journal, means: Means, say: Say) -> None:
-    """Hand out the groups and journal their cases as they come in."""
+def _solve(
+    plan: Plan, groups: list[Cases], seconds: float, folder: Path, journal: Journal, means: Means, say: Say
+) -> None:
+    """Hand out the groups, which take about so many CPU ``seconds``, and journal their cases as they come in."""
     solves = folder.resolve() / SOLVES
     make_folder(solves)
-    with executor(means.workers, means.scheduler, means.progress, work.seconds) as pool:
+    with executor(means.workers, means.scheduler, means.progress, seconds) as pool:
         if pool.dashboard:
             say(f"dashboard {pool.dashboard}")
-        function, chunk = partial(solve_group, plan.recipe, solves), work.chunk(pool.workers)
+        by_time = SILENCE * len(groups) / max(seconds, 1e-9)  # much more than handing out, and the next is seen soon
+        chunk = max(1, min(round(by_time), math.ceil(len(groups) / (TUNING.shares * pool.workers))))
         try:
-            for index, result in completed(pool, function, work.groups, plan.title or "sweep", chunk):
-                for row in _rows(plan, work.groups[index], result):
+            function = partial(solve_group, plan.recipe, solves)
+            for index, rows in completed(pool, function, groups, plan.title or "sweep", chunk):
+                if isinstance(rows, Exception):
+                    rows = [failed(plan.recipe, number, str(rows)) for number, _ in groups[index]]
+                for row in rows:
                     journal.append(plan.identity(row.number), row)
         except KeyboardInterrupt:
             say(f"{len(journal.rows):,} cases are kept; the same command goes on from there")
             raise
 
 
-def _rows(plan: Plan, group: Group, result: list[Row] | Exception) -> Iterable[Row]:
-    if isinstance(result, Exception):
-        return [failed(plan.recipe, number, str(result)) for number, _ in group.cases]
-    return result
-
-
-def _write_failed(plan: Plan, folder: Path, table: SweepTable) -> list[Path]:
+def _write_failed(folder: Path, swept: Swept) -> list[Path]:
     """A table of the failed cases with the command that runs each alone; none where none failed."""
     path = folder / FAILED_TABLE
-    if not table.failed:
+    if not swept.failed:
         remove(path)
         return []
-    numbers, reasons = zip(*table.failed, strict=True)
-    write_csv(path, {"case": numbers, "reason": reasons, "command": [plan.command(number) for number in numbers]})
+    numbers, reasons = zip(*swept.failed, strict=True)
+    write_csv(path, {"case": numbers, "reason": reasons, "command": list(map(swept.plan.command, numbers))})
     return [path]
 
 

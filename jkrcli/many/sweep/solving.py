@@ -18,7 +18,7 @@ from ...methods import Choice, least_first, survey
 from ...methods.choose import choose
 from ...series import Solution
 from ..cache import at_unit_modulus, solved
-from .plan import Group, Recipe
+from .plan import Cases, Recipe
 from .quantities import Value
 
 OK, FAILED = "ok", "failed"
@@ -36,21 +36,21 @@ class Row:
     seconds: float
 
 
-def solve_group(recipe: Recipe, folder: Path | None, group: Group) -> list[Row]:
-    """Solve what the cases of a group share, and read off each what is wanted; failures become rows.
+def solve_group(recipe: Recipe, folder: Path | None, cases: Cases) -> list[Row]:
+    """Solve what ``cases`` share, and read off each what is wanted; failures become rows.
 
     ``folder``: of expensive solves of earlier runs.
     """
     start = time.process_time()
     try:
-        model = recipe.model(group.cases[0][1])
+        model = recipe.model(cases[0][1])
         solution = _solved(at_unit_modulus(model.problem())[0], model, folder)
         body = nonadhesive(solution, recipe.wanted.slopes)
     except Exception as error:
-        share = (time.process_time() - start) / len(group.cases)
-        return [_failed(recipe, number, error, share) for number, _ in group.cases]
-    share = (time.process_time() - start) / len(group.cases)
-    return [_row(recipe, solution, body, number, values, share) for number, values in group.cases]
+        share = (time.process_time() - start) / len(cases)
+        return [failed(recipe, number, error, share) for number, _ in cases]
+    share = (time.process_time() - start) / len(cases)
+    return [_row(recipe, solution, body, number, values, share) for number, values in cases]
 
 
 def _solved(body: Problem, model: CaseModel, folder: Path | None) -> Solution:
@@ -93,18 +93,14 @@ def _row(
         result = adhesive(solution, body, works[0] if works else 0.0, factor)
         wanted = recipe.wanted.values(result)
     except Exception as error:
-        return _failed(recipe, number, error, share + time.process_time() - start)
+        return failed(recipe, number, error, share + time.process_time() - start)
     reasons = dict.fromkeys(value.reason for value in wanted if isinstance(value, Unknown) and value.reason)
     cells = tuple(None if isinstance(value, Unknown) else value for value in wanted)
     return Row(number, OK, "; ".join(reasons), cells, share + time.process_time() - start)
 
 
-def failed(recipe: Recipe, number: int, reason: str, seconds: float = 0.0) -> Row:
-    """The row of a case without a result."""
-    return Row(number, FAILED, " ".join(reason.split()), (None,) * len(recipe.wanted.columns), seconds)
-
-
-def _failed(recipe: Recipe, number: int, error: Exception, seconds: float) -> Row:
-    """Errors that are no message for users are bugs: their type tells them apart."""
-    known = isinstance(error, JkrError)
-    return failed(recipe, number, str(error) if known else f"unexpected {type(error).__name__}: {error}", seconds)
+def failed(recipe: Recipe, number: int, why: str | Exception, seconds: float = 0.0) -> Row:
+    """The row of a case without a result; errors that are no message for users are bugs: their type tells so."""
+    if isinstance(why, Exception) and not isinstance(why, JkrError):
+        why = f"unexpected {type(why).__name__}: {why}"
+    return Row(number, FAILED, " ".join(str(why).split()), (None,) * len(recipe.wanted.columns), seconds)

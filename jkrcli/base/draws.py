@@ -90,11 +90,7 @@ def _latin(count: int, size: int, seed: int) -> Array:
     return qmc.LatinHypercube(size, rng=np.random.default_rng(seed)).random(count)
 
 
-METHODS: dict[str, Callable[[int, int, int], Array]] = {
-    "random": _random,
-    "sobol": _sobol,
-    "latin-hypercube": _latin,
-}
+METHODS: dict[str, Callable[[int, int, int], Array]] = {"random": _random, "sobol": _sobol, "latin-hypercube": _latin}
 
 
 def draw(distributions: list[Distribution], count: int, method: str, seed: int) -> list[tuple[Any, ...]]:

@@ -51,7 +51,6 @@ class PoolTuning:
 
     ahead: int = 2  # theory: tasks per worker that are handed out, one in work and the next, so that none ever waits
     worth: float = 4.0  # choice: CPU seconds of work for each process, which takes half a second to start
-    connect: float = 15.0  # choice: seconds to reach a scheduler, as long as a user will wait for a wrong address
 
 
 TUNING = PoolTuning()
@@ -78,10 +77,7 @@ class Pool(Executor):
 
 @contextlib.contextmanager
 def executor(
-    workers: int | None = None,
-    scheduler: str | None = None,
-    progress: Progress = silent,
-    seconds: float = math.inf,
+    workers: int | None = None, scheduler: str | None = None, progress: Progress = silent, seconds: float = math.inf
 ) -> Iterator[Pool]:
     """A pool for ``completed``: ``workers`` local processes (1: this very process; default: one per core, as far as
     they pay for work of about so many CPU ``seconds``), or the workers of a running Dask ``scheduler``
@@ -261,7 +257,7 @@ class _Cluster(Pool):
         except ModuleNotFoundError:
             raise InputError(f"--scheduler: needs the optional package distributed: {installs('cluster')}") from None
         try:
-            self._client = Client(address, timeout=TUNING.connect, set_as_default=False)
+            self._client = Client(address, timeout=15, set_as_default=False)  # s that a user waits for a wrong address
         except (OSError, ValueError) as error:
             raise InputError(f'--scheduler: no Dask scheduler answers at "{address}" ({first_line(error)})') from None
         self._pool = self._client.get_executor(pure=False)

@@ -28,10 +28,9 @@ from .locks import taken
 
 @dataclass(frozen=True)
 class FilesTuning:
-    """Names that others gave, and how long others are waited for."""
+    """Names that others gave."""
 
     letters: tuple[int, int] = (20, 80)  # choice: least and most that a name keeps of what a file is called after
-    left: float = 86_400.0  # choice: seconds after which, where there are no locks, nobody is taken to be writing
 
 
 TUNING = FilesTuning()
@@ -157,26 +156,22 @@ def beside(stem: Path, names: Sequence[str]) -> list[Path]:
 def check_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
     """Refuse, before any work, to write where it cannot be done, over an input, or over what is not ours."""
     try:
-        _check_target(path, force, inputs)
+        if path.is_dir():
+            raise InputError(f"{path}: is a folder, cannot be written as a file")
+        if path.exists() and not path.is_file():
+            raise InputError(f"{path}: is a device or a pipe, cannot be written as a file")
+        if not path.parent.is_dir():
+            raise InputError(f"{path}: the folder {path.parent} does not exist")
+        if not os.access(path.parent, os.W_OK):
+            raise InputError(f"{path}: the folder {path.parent} is not writable")
+        _finish(path.parent)
+        _tidy(real(path.parent))
+        if path.exists() and any(source.exists() and path.samefile(source) for source in inputs):
+            raise InputError(f"{path}: is read by this command, cannot be written too; give another name")
+        (_forced.add if force else _forced.discard)(path.absolute())
+        _goes_by_force(path)
     except OSError as error:  # a name that is too long
         raise InputError(f"{path}: cannot be written ({error.strerror})") from None
-
-
-def _check_target(path: Path, force: bool, inputs: Iterable[Path]) -> None:
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder, cannot be written as a file")
-    if path.exists() and not path.is_file():
-        raise InputError(f"{path}: is a device or a pipe, cannot be written as a file")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: the folder {path.parent} does not exist")
-    if not os.access(path.parent, os.W_OK):
-        raise InputError(f"{path}: the folder {path.parent} is not writable")
-    _finish(path.parent)
-    _tidy(real(path.parent))
-    if path.exists() and any(source.exists() and path.samefile(source) for source in inputs):
-        raise InputError(f"{path}: is read by this command, cannot be written too; give another name")
-    (_forced.add if force else _forced.discard)(path.absolute())
-    _goes_by_force(path)
 
 
 _forced: set[Path] = set()  # targets that were checked with --force: what appears there later may go too
@@ -289,7 +284,8 @@ def _tidy(folder: Path) -> None:
     for path in folder.glob(f"{MARK}*{LOCK}"):
         with contextlib.suppress(OSError), path.open("r+b") as lock:
             is_free = taken(lock)
-            if is_free or (is_free is None and time.time() - path.stat().st_mtime > TUNING.left):
+            day = 86_400  # s, after which, where there are no locks, nobody is taken to be writing
+            if is_free or (is_free is None and time.time() - path.stat().st_mtime > day):
                 _drop({folder: (path.with_suffix(""), lock)})
 
 

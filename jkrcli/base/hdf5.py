@@ -124,10 +124,9 @@ def _fill(target: h5py.Group, group: Group) -> None:
 
 
 def _dataset(target: h5py.Group, name: str, values: Any) -> h5py.Dataset:
-    if isinstance(values, str):
-        return target.create_dataset(name, data=_fixed(values))
-    values = values if isinstance(values, np.ndarray) else _all_fixed(values)
-    if not values.size:
+    is_text = isinstance(values, str)
+    values = values if isinstance(values, np.ndarray) else _fixed(values)
+    if is_text or not values.size:
         return target.create_dataset(name, data=values)
     fastest = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
     packed = {} if values.dtype.kind == "f" else fastest  # digits of measured numbers are noise, two thirds remain
@@ -140,14 +139,10 @@ def _describe(target: h5py.Group | h5py.Dataset, attributes: Mapping[str, Any]) 
         target.attrs[name] = _fixed(value) if isinstance(value, str) else value
 
 
-def _fixed(text: str) -> Array:
-    content = writable(text).encode()
-    return np.array(content, dtype=h5py.string_dtype("utf-8", max(len(content), 1)))
-
-
-def _all_fixed(texts: Sequence[str]) -> Array:
-    contents = [writable(text).encode() for text in texts]
-    return np.array(contents, dtype=h5py.string_dtype("utf-8", max(map(len, contents), default=1) or 1))
+def _fixed(texts: str | Sequence[str]) -> Array:
+    """A text, or a column of them, of the length of the longest."""
+    contents = writable(texts).encode() if isinstance(texts, str) else [writable(text).encode() for text in texts]
+    return np.array(contents, dtype=h5py.string_dtype("utf-8", max(np.array(contents, dtype=bytes).itemsize, 1)))
 
 
 # ---------------------------------------------------------------------- reading

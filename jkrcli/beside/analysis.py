@@ -32,8 +32,8 @@ from ..base import LARGEST_SI, Estimate, InputError, Unknown, known
 from ..bodies import Problem, relaxing_words
 from ..methods import Forecast
 from ..series import ErrorBudget, Series, Solution, is_series
+from .again import own_solution
 from .comparison import Comparison, compare_half_space
-from .own_body import own_solution
 from .range_effect import effect_of_range
 from .solved import seconds_of_points, solved, solver_of
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..adhesion import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Slopes, transform
-from ..base import ROUNDED, Array, Estimate, Unknown
+from ..base import ROUNDED, Array, Estimate, Unknown, zeros_between
 from ..bodies import HalfSpace, Indenter, Problem, Specimen, Sphere
 from ..formulas.griffith import shift
 from ..formulas.half_space import adhesive_half_space
@@ -27,7 +27,6 @@ class DistanceTuning:
     fine: int = 17  # and in each refinement around the nearest; choice: time alone depends on it
     refinements: int = 17  # theory: by fine // 2 each, down to round-off of the radius
     beyond: float = 3.0  # choice: of the pull-off radius of a paraboloid, up to which that of another tip is sought
-    halvings: int = 70  # of the interval that holds the logarithm of a radius; theory: down to round-off
 
 
 TUNING = DistanceTuning()
@@ -127,19 +126,15 @@ def _load_difference(series: Series, problem: Problem) -> float:
 
 
 def _radii_of_depth(delta: Array, indenter: Indenter) -> Array:
-    """Radii [m] of the closed form at ``delta`` [m] > 0, where F(a) = delta, by halving an interval of log(a - a0)."""
+    """Radii [m] of the closed form at ``delta`` [m] > 0, where F(a) = delta, between two logs of a - a0."""
     a0, top = indenter.a0, (indenter.r_max - indenter.a0) * (1 - 1e-15)
     low = high = min(max(a0, float(delta[-1])), top / 2)
     while (indenter.abel(np.array(a0 + low)) > delta).any():
         low /= 2
     while high < top and (indenter.abel(np.array(a0 + high)) < delta).any():
         high = min(2 * high, top)
-    start, end = np.full_like(delta, np.log(low)), np.full_like(delta, np.log(high))
-    for _ in range(TUNING.halvings):
-        middle = (start + end) / 2
-        below = indenter.abel(a0 + np.exp(middle)) < delta
-        start, end = np.where(below, middle, start), np.where(below, end, middle)
-    return a0 + np.exp((start + end) / 2)
+    ends = (np.full_like(delta, np.log(end)) for end in (low, high))
+    return a0 + np.exp(zeros_between(lambda x: indenter.abel(a0 + np.exp(x)) - delta, *ends, 0.0))
 
 
 def _curve_distance(computed: AdhesiveCurve, problem: Problem, unit: CriticalPoint) -> float:

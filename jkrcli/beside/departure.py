@@ -18,7 +18,7 @@ from ..adhesion.slopes.scatter import estimate, whitener
 from ..base import Array
 from ..bodies import Problem
 from ..series import RawSeries
-from .own_body import own_solution
+from .again import own_solution
 
 
 @dataclass(frozen=True)
@@ -93,24 +93,23 @@ def _smooth(gap: Array, rates: Array, x: Array) -> tuple[Array, Array] | None:
     rho = _correlation(np.einsum("ijn,jn->in", whiten, gap - parabola))
     target, design = _independent(white, rho).ravel(), _independent(basis, rho).reshape(6, -1)
     parabolas, line, modulus = slice(0, 6), slice(3, 5), slice(3, 4)  # rows of the design
-    full, straight, none = (_least(design[rows], target) for rows in (parabolas, line, modulus))
+    (both, full), (drift, straight), (_, none) = (_fit(design[rows], target) for rows in (parabolas, line, modulus))
     free = target.size - 6
     chance, of_line = (
         float(fdtrc(more, free, (none - left) / more / max(full / free, 1e-300)))
         for more, left in ((5, full), (1, straight))
     )
     if chance <= TUNING.chance:
-        coefficients = np.linalg.lstsq(design.T, target, rcond=None)[0]
-        return coefficients[:3] @ powers, coefficients[3:] @ powers
+        return both[:3] @ powers, both[3:] @ powers
     if of_line <= TUNING.of_line:
-        return np.zeros(n), np.linalg.lstsq(design[line].T, target, rcond=None)[0] @ powers[:2]
+        return np.zeros(n), drift @ powers[:2]
     return None
 
 
-def _least(design: Array, target: Array) -> float:
-    """Least sum of squares of ``target`` (m,) by the rows of ``design``."""
+def _fit(design: Array, target: Array) -> tuple[Array, float]:
+    """Coefficients and least sum of squares of ``target`` (m,) by the rows of ``design``."""
     coefficients = np.linalg.lstsq(design.T, target, rcond=None)[0]
-    return float(np.sum((target - coefficients @ design) ** 2))
+    return coefficients, float(np.sum((target - coefficients @ design) ** 2))
 
 
 def _correlation(white: Array) -> float:

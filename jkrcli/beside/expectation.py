@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 from ..adhesion import LOAD_CONTROL, CriticalPoint, Validity, judge, refuse_wetting, resolved, sizes, transform
 from ..adhesion.slopes.choice import slopes
@@ -51,19 +52,11 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
         refuse_wetting(w, body.specimen.surface_tension)
         curve = transform(series, exact_slopes, w)
         point = resolved(curve.pull_off(LOAD_CONTROL), curve, LOAD_CONTROL, z0)
-        judged = judge(
-            a=a,
-            delta=delta,
-            w=w,
-            **sizes(problem),
-            L=problem.specimen.radius,
-            end_is_cut=False,
-            z0=z0,
-            a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
-            effect_of_range=(
-                effect_of_range(body, series, w, z0, point) if isinstance(point, CriticalPoint) else point
-            ),
-        )
+        pulled: dict[str, Any] = {"effect_of_range": point}
+        if isinstance(point, CriticalPoint):
+            pulled = {"a_pull_off": point.a, "effect_of_range": effect_of_range(body, series, w, z0, point)}
+        judged = judge(a=a, delta=delta, w=w, **sizes(problem), L=problem.specimen.radius, end_is_cut=False, z0=z0,
+                       **pulled)  # fmt: skip
         adhesion.append((w, point, judged))
     return Expectation(a, delta, P, _layers_matter(problem, delta, P), tuple(adhesion), series)
 

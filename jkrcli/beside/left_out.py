@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 
 from ..adhesion import LOAD_CONTROL, CriticalPoint, judge, refuse_wetting, sizes, transform
 from ..adhesion.slopes.choice import slopes
-from ..base import Estimate, JkrError, Unknown, show
+from ..base import PATIENCE, Estimate, JkrError, Unknown, show
 from ..bodies import INCOMPRESSIBLE, Elastic, HalfSpace, Loading, Paraboloid, Problem, Rigid, Sphere
 from ..formulas.gravity import over_hertz, over_jkr
 from ..methods.layered.layered import Layered, unbounded
@@ -39,7 +39,6 @@ class LeftOutTuning:
     of_strains: float = 4 / 3  # theory: change of S over that of P where this grows with the root of the depth
     # tuned on what cases leave out, by `make constants`: of the solutions; changes are printed to 1e-4
     accuracy: float = 1e-5
-    longest: float = 1.0  # choice: CPU seconds of one solution by its forecast; most take a fiftieth of it
     # choice: kappa over the largest radius, below which a tension is that, in proportion; the second where the first
     # would take long
     slight: tuple[float, float] = (1e-3, 1e-2)
@@ -132,7 +131,7 @@ class Comparison:
         """Up to the depth, with its radius."""
         loading = Loading("depth", self.expected.delta, DENSE, "log")
         method = Layered(TUNING.accuracy)
-        return again(replace(problem, loading=loading), method=method, longest=TUNING.longest).series
+        return again(replace(problem, loading=loading), method=method, longest=PATIENCE).series
 
 
 def _at(series: Series, depth: float) -> tuple[float, float]:
@@ -210,7 +209,7 @@ def _tense(body: Problem, largest: float, tension: float) -> tuple[Series, Serie
     a0, method = body.indenter.a0, Layered(TUNING.accuracy)
     radii = a0 + (largest - a0) * np.geomspace(TUNING.smallest, 1.0, TUNING.few)
     specimens = (body.specimen, replace(body.specimen, surface_tension=tension))
-    plain, tense = (again(body, radii, method, TUNING.longest, specimen=one).series for one in specimens)
+    plain, tense = (again(body, radii, method, PATIENCE, specimen=one).series for one in specimens)
     return plain, tense
 
 

@@ -1,4 +1,5 @@
-"""How far a body has to be solved so that its pull-off lies in the series: to where adhesion holds it without load."""
+"""How far a body has to be solved so that its pull-off lies in the series: to where adhesion holds it without load; and
+what the formulas of a half-space make of a record at a glance."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..adhesion import LOAD_CONTROL, AdhesiveCurve, work_from_pull_off
-from ..base import ROWS, Array, InputError, JkrError
+from ..base import ROWS, Array, Estimate, InputError, JkrError, Unknown
 from ..bodies import Indenter, Loading, Problem
 from ..formulas.half_space import adhesive_half_space
 from ..methods.radii import ROOM
@@ -26,8 +27,7 @@ class ReachTuning:
     radii: tuple[float, float] = (1e-13, 1e3)  # choice: [m], from below atoms to beyond every body
 
     inside: float = 0.99  # choice: of the radius at which the indenter ends
-    first: float = 5.0  # choice: times the thickness of a layer, where a first contact ends
-    further: float = 3.0  # choice: times the radius of the contact before, that of the next
+    further: float = 3.0  # choice: times the thickness of layers, then the radius of the contact before: the next one's
     of_devices: float = 1e3  # choice: w of a force under displacement control over that under load control; a cone's: 3
 
 
@@ -82,7 +82,7 @@ def _wider(problem: Problem, w: float, modulus_factor: float) -> Iterator[Soluti
     _, P = adhesive_half_space(a, delta_H, P_H, E_star, w)
     widest = float(a[P <= 0].max(initial=a[0]))
     layers = problem.specimen.layers
-    reach = min(TUNING.first * sum(layer.thickness for layer in layers), widest) if layers else widest
+    reach = min(TUNING.further * sum(layer.thickness for layer in layers), widest) if layers else widest
     while True:
         far = _to(problem, reach)
         yield again(far, method=COARSE) if layers else again(far)
@@ -107,3 +107,26 @@ def half_space_radii(indenter: Indenter, E_star: float) -> tuple[Array, Array, A
     if columns is None:
         raise InputError(f"{indenter.words} has no closed form on a half-space: describe the bodies in a case file")
     return a, *columns
+
+
+@dataclass(frozen=True)
+class Rough:
+    """``E_star`` [Pa] by the formula without adhesion at the largest load, its contact radius ``a`` [m], and ``w``
+    [J/m^2] by the pull-off force of JKR with that modulus: of a half-space, without an error."""
+
+    E_star: float
+    a: float
+    w: Estimate
+
+
+def rough(tip: Indenter, load: float, depth: float, adhesion: Estimate) -> Rough | Unknown:
+    """A glance at the ``load`` [N] that holds the ``tip`` at a ``depth`` [m], and at the force of ``adhesion`` [N]."""
+    if not (load > 0 and depth > 0):
+        return Unknown("the largest load or its depth is not positive")
+    a, delta, P = half_space_radii(tip, 1.0)
+    if not delta[0] < depth < delta[-1]:
+        return Unknown("the depth lies beyond the indenter")
+    radius, unit = (float(np.exp(np.interp(np.log(depth), np.log(delta), np.log(column)))) for column in (a, P))
+    E_star = load / unit
+    w = adhesion if isinstance(adhesion, Unknown) else work_on_half_space(tip, E_star, adhesion)
+    return Rough(E_star, radius, w)

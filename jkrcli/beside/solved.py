@@ -208,7 +208,8 @@ def solved(curve: AdhesiveCurve, further: Further, *devices: float) -> AdhesiveC
             break
         apart = _apart(before, radii, curve.series.a0) if step > 1 else before[:0]
         try:
-            trial = _through(curve, further(np.union1d(apart, radii)))
+            there = further(np.union1d(apart, radii))  # in place of what was solved further before
+            trial = AdhesiveCurve(replace(curve.nonadhesive, further=there), curve.w)
             trial.nonadhesive.logs  # noqa: B018 - refuses points that do not fit in between the rows
         except JkrError:  # nor may body or profile allow it: what is interpolated stands, with its error
             break
@@ -238,8 +239,3 @@ def is_solved(curve: EquilibriumCurve, point: Equilibrium) -> bool:
     further = curve.nonadhesive.further
     nearest = math.inf if further is None else float(np.min(np.abs(further.a - point.a)))
     return nearest <= SAME * (point.a - curve.series.a0)
-
-
-def _through(curve: AdhesiveCurve, further: Nonadhesive) -> AdhesiveCurve:
-    """The ``curve`` through the functions ``further`` at further radii in place of those before."""
-    return AdhesiveCurve(replace(curve.nonadhesive, further=further), curve.w)

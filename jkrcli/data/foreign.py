@@ -111,7 +111,7 @@ def _by_fit(path: Path, raw: RawSeries, problem: Problem) -> tuple[RawSeries, Se
     Rows near first touch at which noise hides the contact (delta or P <= 0) are left out, and so are outliers beyond.
     """
     from ..adhesion.slopes.choice import smoothed
-    from ..beside.own_body import own_solution
+    from ..beside.again import own_solution
 
     assert raw.rows is not None
     indenter = problem.indenter

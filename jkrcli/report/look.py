@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..base import InputError, Unknown, show
-from ..beside.rough import Rough, rough
+from ..beside.reach import Rough, rough
 from ..bodies import Indenter
 from ..data import BaseLine, Direction, ForceCurve, examine, measured
 from ..data.measured.curve import ARBITRARY

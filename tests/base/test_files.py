@@ -216,7 +216,7 @@ def test_what_a_living_process_writes_stays_wherever_it_runs(tmp_path: Path, mon
 def test_what_was_left_goes(module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where there are no locks when it is a day old."""
     monkeypatch.setitem(sys.modules, module, None)
-    for name, age in (("old", 2 * files.TUNING.left), ("young", 10)):
+    for name, age in (("old", 2 * 86_400), ("young", 10)):
         (tmp_path / f".jkr-{name}").mkdir()
         (tmp_path / f".jkr-{name}" / "part").touch()
         (tmp_path / f".jkr-{name}.lock").touch()

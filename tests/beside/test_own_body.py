@@ -10,8 +10,8 @@ import pytest
 
 from jkrcli.adhesion.slopes.integral import integral
 from jkrcli.base.arrays import Array
+from jkrcli.beside.again import own_solution
 from jkrcli.beside.analysis import nonadhesive
-from jkrcli.beside.own_body import own_solution
 from jkrcli.bodies.indenters import RoundedFlat
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen

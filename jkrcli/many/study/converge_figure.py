@@ -53,7 +53,8 @@ def errors_panel(study: Convergence) -> Panel:
     for name, words, color in (("a", "a", ORANGE), ("P", "P", BLUE), ("pull_off", "pull-off force", GREEN)):
         shown = [(n, 100 * abs(error)) for n, error in zip(unknowns, study.errors(name), strict=True) if error]
         if shown:
-            lines.append(Line(*np.array(shown).T, words, "o-", color))
+            x, y = np.array(shown).T
+            lines.append(Line(x, y, words, "o-", color))
     against = "the exact value" if study.exact is not None else "the extrapolated value"
     return Panel(UNKNOWNS, f"difference to {against} (%)", lines, logs="xy")
 

@@ -21,21 +21,8 @@ if TYPE_CHECKING:
         printable,
         writable,
     )
-    from .executors import Pool, Progress, completed, executor, in_order, silent
-    from .files import (
-        atomic,
-        beside,
-        check_series_target,
-        check_target,
-        make_folder,
-        opened,
-        read_bytes,
-        real,
-        remove,
-        together,
-        write_bytes,
-        write_text,
-    )
+    from .executors import Pool, completed, executor, in_order
+    from .files import atomic, beside, check_series_target, check_target, read_bytes, together, write_bytes, write_text
     from .installing import installs
     from .iteration import (
         AT_ONCE,
@@ -61,23 +48,7 @@ if TYPE_CHECKING:
     from .registry import Key, Registry
     from .table import as_json, lists, write_csv
     from .threads import begin_with_one, one_thread
-    from .units import (
-        LARGE_WORK,
-        LARGEST_SI,
-        SI,
-        UNITS,
-        AnyLength,
-        Length,
-        Modulus,
-        Ranged,
-        check_ranges,
-        decades,
-        parse,
-        ranges_of,
-        reached,
-        scale,
-        show,
-    )
+    from .units import LARGEST_SI, SI, UNITS, AnyLength, Length, Ranged, check_ranges, parse, ranges_of, scale, show
     from .unknown import Estimate, Unknown, accuracy, known
 
 __getattr__ = lazily(__name__, __file__)

@@ -14,7 +14,6 @@ import h5py
 import numpy as np
 
 from . import allowance
-from .allowance import Allowance, reading
 from .arrays import Array
 from .errors import InputError, writable
 from .locks import taken
@@ -149,7 +148,7 @@ def _fixed(texts: str | Sequence[str]) -> Array:
 def kind(path: Path) -> str:
     """The attribute "format" of the file at ``path``; "" where there is none of fixed length or it is damaged."""
     try:
-        with reading(path) as allowed, h5py.File(path, "r") as file:
+        with allowance.reading(path) as allowed, h5py.File(path, "r") as file:
             is_free = file.attrs.get_id("format").dtype.hasobject
             return "" if is_free else str(_Reader(path, path.stat().st_size, allowed).attribute(file, "format"))
     except (InputError, *UNREADABLE):
@@ -163,7 +162,7 @@ def parse(path: Path, content: bytes, without: Container[str] = (), remedy: str 
     takes more than is allowed.
     """
     try:
-        with reading(path) as allowed:
+        with allowance.reading(path) as allowed:
             _check_heaps(content, allowed)
             with h5py.File(h5py.h5f.open_file_image(content)) as file:
                 return _Reader(path, len(content), allowed).group(file, without)
@@ -173,7 +172,7 @@ def parse(path: Path, content: bytes, without: Container[str] = (), remedy: str 
         raise unreadable(path, content, remedy=remedy) from None
 
 
-def _check_heaps(content: bytes, allowed: Allowance) -> None:
+def _check_heaps(content: bytes, allowed: allowance.Allowance) -> None:
     """ValueError where a heap of texts of variable length holds free space of no length, over which the library would
     go on without end (HDF5 file format, III.E)."""
     for heap in HEAP.finditer(content):
@@ -212,7 +211,7 @@ class _Reader:
 
     path: Path
     whole: int
-    allowed: Allowance
+    allowed: allowance.Allowance
     seen: set[int] = field(default_factory=set)
 
     def group(self, group: h5py.Group, without: Container[str] = ()) -> Group:

@@ -101,17 +101,11 @@ class Analysis:
     @cached_property
     def validity(self) -> Validity:
         problem, series, point = self.problem, self.curve.series, self.pull_off["load"]
-        judged = judge(
-            a=float(series.a[-1]),
-            delta=float(series.delta[-1]),
-            w=self.w,
-            **sizes(problem),
-            L=end_of_body(problem, self.solution.facts),
-            z0=self.solution.record.z0 if self.law is None else self.law.length,
-            a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
-            end_is_cut=problem.specimen.radius is None,
-            effect_of_range=self.effect_of_range,
-        )
+        z0 = self.solution.record.z0 if self.law is None else self.law.length
+        judged = judge(a=float(series.a[-1]), delta=float(series.delta[-1]), w=self.w, **sizes(problem), z0=z0,
+                       L=end_of_body(problem, self.solution.facts), end_is_cut=problem.specimen.radius is None,
+                       a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
+                       effect_of_range=self.effect_of_range)  # fmt: skip
         return judged if self.law is None else replace(judged, regime="adhesion of this range is solved")
 
     @cached_property

@@ -133,8 +133,8 @@ def _radii_of_depth(delta: Array, indenter: Indenter) -> Array:
         low /= 2
     while high < top and (indenter.abel(np.array(a0 + high)) < delta).any():
         high = min(2 * high, top)
-    ends = (np.full_like(delta, np.log(end)) for end in (low, high))
-    return a0 + np.exp(zeros_between(lambda x: indenter.abel(a0 + np.exp(x)) - delta, *ends, 0.0))
+    start, end = np.full_like(delta, np.log(low)), np.full_like(delta, np.log(high))
+    return a0 + np.exp(zeros_between(lambda x: indenter.abel(a0 + np.exp(x)) - delta, start, end, 0.0))
 
 
 def _curve_distance(computed: AdhesiveCurve, problem: Problem, unit: CriticalPoint) -> float:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..base import InputError, as_json, real
+from ..base import InputError, as_json, files
 from ..report import Files, Output
 from .verb import Command, Options, several
 from .voice import present, warn
@@ -80,7 +80,7 @@ def files_beside(
 
 def refuse_doubles(stems: Sequence[Path], remedy: str) -> None:
     """InputError where two results would go to the same files."""
-    places = list(map(real, stems))
+    places = list(map(files.real, stems))
     for i, stem in enumerate(stems):
         if places[i] in places[:i]:
             raise InputError(f"{stem}.csv: would be written twice; rename a file, or {remedy}")

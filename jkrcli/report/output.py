@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from ..base import as_json, check_target, make_folder, together, write_csv, write_text
+from ..base import as_json, check_target, files, together, write_csv, write_text
 from .result import Figure
 
 PICTURES = (".png", ".svg")
@@ -64,7 +64,7 @@ class Output:
         """The folder to write into, made where -o names one that is not there; else ``default``."""
         if self.where is None:
             return default
-        make_folder(self.where)
+        files.make_folder(self.where)
         return self.where
 
     def file(self, default: Path, inputs: Iterable[Path] = (), check: Check = check_target) -> Path:

@@ -18,7 +18,7 @@ from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.many.study.converge import coarser, converge, edge_size
-from jkrcli.many.study.convergence import richardson
+from jkrcli.many.study.meshes import richardson
 from jkrcli.methods.fem.method import FEM
 
 MATERIAL = Elastic(1.0, 0.3)

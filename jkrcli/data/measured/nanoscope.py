@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...base import LARGEST_SI, Array, InputError, allowance, opened, read_bytes
+from ...base import LARGEST_SI, Array, InputError, allowance, files, read_bytes
 from ..text_table import unit_power
 from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, Curve, Pixel, Reading, place
 from .instruments import toward
@@ -34,7 +34,7 @@ def knows(path: Path) -> bool:
     """Whether the file begins and goes on as a binary one of the Nanoscope."""
     if not path.is_file():
         return False
-    with opened(path, WHAT) as file:
+    with files.opened(path, WHAT) as file:
         if file.read(len(BEGINS)) != BEGINS:
             return False
         return BINARY in file.read(allowance.TUNING.little)

@@ -14,7 +14,8 @@ from ...base import Array, InputError, Pool, Unknown, in_order
 from ...bodies import Problem
 from ...methods import FEM, Layered
 from ...series import RawSeries, Series, Solution
-from .convergence import TUNING, Convergence, Level, State
+from .convergence import Convergence
+from .meshes import TUNING, Level, State
 
 
 def converge(

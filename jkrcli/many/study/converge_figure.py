@@ -8,18 +8,18 @@ from ...base import Array, InputError, Unknown
 from ...report.plots import Figure
 from ...report.plots.looks import BLACK, BLUE, GREEN, ORANGE, axis_of
 from ...report.plots.study import Line, Panel, panels_figure
-from .convergence import Convergence
+from .meshes import Meshes
 
 UNKNOWNS = "unknowns"
 COLORS = (ORANGE, BLUE, GREEN, "#CC79A7", "#56B4E9", "#E69F00", "#F0E442")
 
 
-def convergence_figure(study: Convergence) -> Figure:
+def convergence_figure(study: Meshes) -> Figure:
     """Contact radius over element size, adhesive curves, errors, and what the meshes cost."""
     return panels_figure([radius_panel(study), curves_panel(study), errors_panel(study), cost_panel(study)])
 
 
-def radius_panel(study: Convergence) -> Panel:
+def radius_panel(study: Meshes) -> Panel:
     """Contact radius at the depth of the study over the number of unknowns."""
     unit, label = axis_of("a", study.levels[-1].state.a)
     unknowns = _unknowns(study)
@@ -29,7 +29,7 @@ def radius_panel(study: Convergence) -> Panel:
     return Panel(UNKNOWNS, label, lines, logs="x")
 
 
-def curves_panel(study: Convergence) -> Panel:
+def curves_panel(study: Meshes) -> Panel:
     """Adhesive load over displacement of every mesh."""
     curves = [(level, level.state.curve) for level in study.levels if not isinstance(level.state.curve, Unknown)]
     if not curves:
@@ -46,7 +46,7 @@ def curves_panel(study: Convergence) -> Panel:
     return Panel(delta_label, P_label, lines)
 
 
-def errors_panel(study: Convergence) -> Panel:
+def errors_panel(study: Meshes) -> Panel:
     """Relative errors over the number of unknowns."""
     unknowns = _unknowns(study)
     lines = []
@@ -59,7 +59,7 @@ def errors_panel(study: Convergence) -> Panel:
     return Panel(UNKNOWNS, f"difference to {against} (%)", lines, logs="xy")
 
 
-def cost_panel(study: Convergence) -> Panel:
+def cost_panel(study: Meshes) -> Panel:
     """Points kept and CPU seconds over the number of unknowns."""
     unknowns = _unknowns(study)
     counts = np.array([level.kept for level in study.levels], dtype=float)
@@ -68,6 +68,6 @@ def cost_panel(study: Convergence) -> Panel:
     return Panel(UNKNOWNS, "points kept", [points], logs="xy", right=("CPU time (s)", time))
 
 
-def _unknowns(study: Convergence) -> Array:
+def _unknowns(study: Meshes) -> Array:
     """The axis of the study: it grows from mesh to mesh, while coarse meshes may share their largest element."""
     return np.array([level.unknowns for level in study.levels], dtype=float)

@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...base import Array, scale, show
-from ...report.plots import Figure
-from ...report.plots.looks import COLORS, LABELS, pretty
-from ...report.plots.study import Line, Panel, panels_figure
+from ...report.plots import Figure, looks, study
 from .plan import Plan
 
 PULL_OFF = re.compile(r"pull_off\.(load|displacement)\.(P|delta|a)")
@@ -35,7 +33,7 @@ def sweep_figure(plan: Plan, table: Mapping[str, Sequence[Any]]) -> Figure | Non
     shown = {name: values[rows] for name, values in numbers.items()}
     joint = any(x in plan.key_columns and len(axis.keys) > 1 for axis in plan.axes)
     panels = [_panel(shown, x, others[:1], name, "" if joint else "-") for name in results]
-    return panels_figure(panels, ", ".join(_value(name, at) for name, at in first.items()))
+    return study.panels_figure(panels, ", ".join(_value(name, at) for name, at in first.items()))
 
 
 def _axes(plan: Plan, numbers: Mapping[str, Array]) -> Iterator[str]:
@@ -46,30 +44,30 @@ def _axes(plan: Plan, numbers: Mapping[str, Array]) -> Iterator[str]:
         yield from [name for name in names if name in numbers and np.unique(numbers[name]).size > 1][:1]
 
 
-def _panel(columns: Mapping[str, Array], x: str, beside: list[str], y: str, style: str) -> Panel:
+def _panel(columns: Mapping[str, Array], x: str, beside: list[str], y: str, style: str) -> study.Panel:
     (along, x_label), (up, y_label) = (_scaled(columns, name) for name in (x, y))
-    groups = np.unique(columns[beside[0]])[: len(COLORS)] if beside else [None]
+    groups = np.unique(columns[beside[0]])[: len(looks.COLORS)] if beside else [None]
     lines = []
-    for at, color, mark in zip(groups, COLORS, MARKS, strict=False):
+    for at, color, mark in zip(groups, looks.COLORS, MARKS, strict=False):
         rows = np.flatnonzero(columns[beside[0]] == at) if beside else np.arange(along.size)
         rows = rows[np.argsort(along[rows], kind="stable")]
-        lines.append(Line(along[rows], up[rows], _value(beside[0], at) if beside else "", mark + style, color))
+        lines.append(study.Line(along[rows], up[rows], _value(beside[0], at) if beside else "", mark + style, color))
     wide = 0 < 5 * along.min() < along.max()
     title = f"{match[1]} control" if (match := PULL_OFF.match(y)) else ""
-    return Panel(x_label, y_label, lines, title, logs="x" if wide else "")
+    return study.Panel(x_label, y_label, lines, title, logs="x" if wide else "")
 
 
 def _scaled(columns: Mapping[str, Array], column: str) -> tuple[Array, str]:
     """A column in the unit that people would use, and the label of its axis."""
     stem, dimension = _split(column)
     factor, unit = scale(float(np.nanmax(np.abs(columns[column]))), dimension)
-    return columns[column] / factor, f"{_words(stem)} ({pretty(unit)})" if unit else _words(stem)
+    return columns[column] / factor, f"{_words(stem)} ({looks.pretty(unit)})" if unit else _words(stem)
 
 
 def _words(stem: str) -> str:
     """What a result or a key is called on an axis: "pull_off.load.P" the load at pull-off; others as they are."""
     if match := PULL_OFF.fullmatch(stem):
-        return f"{LABELS[match[2]]} at pull-off"
+        return f"{looks.LABELS[match[2]]} at pull-off"
     if match := re.fullmatch(r"specimen\.layers\[(\d+)\]\.(\w+)", stem):
         return f"{match[2]} of layer {int(match[1]) + 1}"
     return stem
@@ -77,7 +75,7 @@ def _words(stem: str) -> str:
 
 def _value(column: str, value: float) -> str:
     stem, dimension = _split(column)
-    return f"{stem.rpartition('.')[2]} = {pretty(show(value, dimension))}"
+    return f"{stem.rpartition('.')[2]} = {looks.pretty(show(value, dimension))}"
 
 
 def _split(column: str) -> tuple[str, str]:

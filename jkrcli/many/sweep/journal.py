@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ... import __version__
-from ...base import InputError, JkrError
-from ...base.locks import taken
+from ...base import InputError, JkrError, locks
 from .solving import FAILED, OK, Row
 
 FORMAT, VERSION = "jkr-sweep-journal", 2
@@ -127,7 +126,7 @@ def opened(path: Path) -> Iterator[Journal]:
     except OSError as error:
         raise JkrError(f"{path}: cannot be opened ({error.strerror})") from None
     with file:
-        if taken(file) is False:
+        if locks.taken(file) is False:
             raise InputError(f"{path}: another jkr sweep is writing there; wait for it, or give another folder")
         if os.fstat(file.fileno()).st_size > MOST_BYTES:
             raise InputError(f"{path}: journal is larger than {MOST_BYTES >> 20} MiB; give another folder")

@@ -9,18 +9,7 @@ if TYPE_CHECKING:
     from .arrays import Array
     from .clock import PATIENCE, SILENCE, StageClock, duration
     from .cubic import EvenCubic, PiecewiseCubic, PiecewiseQuintic, spline_slopes, zeros_between
-    from .errors import (
-        InputError,
-        JkrError,
-        Refusal,
-        SolveError,
-        did_you_mean,
-        first_line,
-        nearest,
-        positive,
-        printable,
-        writable,
-    )
+    from .errors import InputError, JkrError, Refusal, SolveError, did_you_mean, first_line, positive, printable
     from .executors import Pool, completed, executor, in_order
     from .files import atomic, beside, check_series_target, check_target, read_bytes, together, write_bytes, write_text
     from .installing import installs

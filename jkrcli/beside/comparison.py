@@ -158,23 +158,14 @@ def curve_distance(
     """Greatest distance of the points (``delta``, ``P``) from the curve ``exact`` of the radius, which is sought
     near their radii ``a`` [m] between the ``ends`` [m]; the axes in units of the displacement and load of ``unit``."""
     low, high = np.maximum(a / TUNING.window, ends[0]), np.minimum(a * TUNING.window, ends[1])
-
-    def distances(v: Array) -> Array:
-        delta_there, P_there = exact(low + (high - low) * v**2)
-        return np.hypot((delta_there - delta) / abs(unit.delta), (P_there - P) / abs(unit.P))
-
-    return float(np.max(_least(distances, a.size)))
-
-
-def _least(distances: Callable[[Array], Array], size: int) -> Array:
-    """The least of each of ``size`` distances over v in [0, 1], ``distances``: (m, size) -> (m, size)."""
-    columns = np.arange(size)
-    v = np.broadcast_to(np.linspace(0, 1, TUNING.coarse)[:, None], (TUNING.coarse, size))
-    step, least = 1 / (TUNING.coarse - 1), np.full(size, np.inf)
+    columns = np.arange(a.size)
+    v = np.broadcast_to(np.linspace(0, 1, TUNING.coarse)[:, None], (TUNING.coarse, a.size))  # of the way, squared
+    step, least = 1 / (TUNING.coarse - 1), np.full(a.size, np.inf)
     for _ in range(TUNING.refinements):
-        values = distances(v)
-        nearest = np.argmin(values, axis=0)
-        least = np.minimum(least, values[nearest, columns])
+        delta_there, P_there = exact(low + (high - low) * v**2)
+        distances = np.hypot((delta_there - delta) / abs(unit.delta), (P_there - P) / abs(unit.P))
+        nearest = np.argmin(distances, axis=0)
+        least = np.minimum(least, distances[nearest, columns])
         v = np.clip(v[nearest, columns] + step * np.linspace(-1, 1, TUNING.fine)[:, None], 0, 1)
         step *= 2 / (TUNING.fine - 1)
-    return least
+    return float(np.max(least))

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import tomli_w
 from pydantic import ValidationError
 
-from ..base import InputError, did_you_mean, nearest, ranges_of, read_bytes, units
+from ..base import InputError, did_you_mean, errors, ranges_of, read_bytes, units
 from ..bodies import SHAPES
 from ..methods import METHODS
 from .models import CaseModel, RootTable, case_model, other_tables
@@ -165,7 +165,7 @@ def _sentences(error: ValidationError, tree: dict[str, Any], keys_at: KeysAt) ->
         (*item["loc"][:-1], close)
         for item in items
         if item["type"] == "extra_forbidden"
-        if (close := nearest(item["loc"][-1], _allowed(item["loc"], keys_at)))
+        if (close := errors.nearest(item["loc"][-1], _allowed(item["loc"], keys_at)))
     }
     mistakes = [item for item in items if not (item["type"] == "missing" and item["loc"] in meant)]
     return sorted({_sentence(item, tree, keys_at) for item in mistakes})

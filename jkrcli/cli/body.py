@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
-from ..base import InputError, writable
+from ..base import InputError, errors
 from ..methods import Limits
 from .verb import as_one
 from .verb import flag as option
@@ -110,7 +110,7 @@ def tables_of(
     ``modulus``: the specimen's where there is no flag for it; None: the flag is required.
     """
     values = {**body, "modulus": body["modulus"] or modulus}
-    texts = {name: None if value is None else writable(value) for name, value in values.items()}
+    texts = {name: None if value is None else errors.writable(value) for name, value in values.items()}
     shape = texts["shape"] or "sphere"
     sizes = SHAPES[shape]
     if unused := [flag(name) for name in ("radius", "half_angle") if texts[name] is not None and name not in sizes]:

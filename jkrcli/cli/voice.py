@@ -16,7 +16,7 @@ from typing import Any, TextIO
 
 import click
 
-from ..base import SILENCE, duration, printable, writable
+from ..base import SILENCE, duration, errors, printable
 
 LEVEL, WARNED, ANNOUNCED = "jkr.level", "jkr.warned", "jkr.announced"
 QUIET, USUAL, VERBOSE = range(3)
@@ -158,4 +158,4 @@ def progress(label: str, total: int, seconds: float) -> Iterator[Callable[[bool]
 
 def command_line() -> str:
     """What was typed, as a shell would take it; bytes of names that are no text as escapes."""
-    return writable(shlex.join(click.get_current_context().find_root().obj))
+    return errors.writable(shlex.join(click.get_current_context().find_root().obj))

@@ -165,6 +165,6 @@ def series_at(radii: Array, specimen: Specimen, method: Method, sticks: bool = F
     return method(Problem(Paraboloid(1.0), specimen, loading, sticks)).series
 
 
-def layer(nu: float, bonded: bool = True) -> Specimen:
-    """A layer on a rigid base, in units of its thickness and of E*."""
-    return Specimen((Layer(Elastic(1 - nu**2, nu), 1.0),), Rigid(bonded))
+def layer(nu: float, bonded: bool = True, thickness: float = 1.0) -> Specimen:
+    """A layer of E* = 1 Pa and a ``thickness`` [m] on a rigid base."""
+    return Specimen((Layer(Elastic(1 - nu**2, nu), thickness),), Rigid(bonded))

@@ -16,11 +16,11 @@ import numpy as np
 
 from ...adhesion import AdhesiveCurve, Nonadhesive, Program, RateContact, rate_law_of
 from ...base import Ranged, SolveError, known
-from ...bodies import Elastic, HalfSpace, Layer, Rigid, Specimen
+from ...bodies import Elastic, HalfSpace, Specimen
 from ...methods import Layered
 from ...methods.closed_form.method import ClosedForm
 from ...report import Figure
-from .maps import POISSON, Axis, Columns, Map, Values, Work, rows, series_at
+from .maps import POISSON, Axis, Columns, Map, Values, Work, layer, rows, series_at
 
 
 @dataclass(frozen=True)
@@ -66,9 +66,8 @@ def _point(body: Nonadhesive, a: float, law: Any, stiffness: float, speed: float
 def _body(thickness: float, nu: float) -> tuple[Nonadhesive, float]:
     """The body in units of R = E* = 1, and the radius at no load with w = 1."""
     a = (4.5 * math.pi) ** (1 / 3)  # of the half-space; that of a layer is smaller
-    material = Elastic(1 - nu**2, nu)
     whole = math.isinf(thickness)
-    specimen = Specimen((), HalfSpace(material)) if whole else Specimen((Layer(material, thickness),), Rigid(True))
+    specimen = Specimen((), HalfSpace(Elastic(1 - nu**2, nu))) if whole else layer(nu, thickness=thickness)
     low, high = TUNING.smallest * a, TUNING.largest * a
     count = math.ceil(TUNING.per_decade * math.log10(high / low))
     method = ClosedForm() if whole else Layered(TUNING.tolerance)

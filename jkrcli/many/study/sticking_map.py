@@ -9,12 +9,9 @@ from functools import partial
 import numpy as np
 
 from ... import __version__
-from ...base import Array
-from ...bodies import Elastic, Layer, Rigid, Specimen
 from ...methods import Layered
 from ...report import Figure
-from ...series import Series
-from .maps import POISSON, SHOWN_NU, Axis, Columns, Map, Values, Work, rows, series_at, within
+from .maps import POISSON, SHOWN_NU, Axis, Columns, Map, Values, Work, layer, rows, series_at, within
 
 
 @dataclass(frozen=True)
@@ -35,26 +32,21 @@ TUNING = StickingMapTuning()
 
 def _rows(ratios: Sequence[float], nu: float) -> Columns:
     """For each a/h the ratio of S at that radius and that of the load at the depth where the sliding contact has that
-    radius, in units of h = R = 1 m, E = 1 Pa."""
+    radius, in units of h = R = 1 m, E* = 1 Pa."""
+    from scipy.interpolate import PchipInterpolator
+
     wanted = np.array(ratios)
     decades = np.log10(TUNING.beyond * wanted[-1] / wanted[0])
     radii = np.geomspace(wanted[0], TUNING.beyond * wanted[-1], max(int(TUNING.per_decade * decades), 8))
     radii = np.unique(np.concatenate([radii, wanted]))
-    specimen, method = Specimen((Layer(Elastic(1.0, nu), 1.0),), Rigid()), Layered(TUNING.tolerance)
-    sliding, sticking = (series_at(radii, specimen, method, sticks) for sticks in (False, True))
+    sliding, sticking = (series_at(radii, layer(nu), Layered(TUNING.tolerance), sticks) for sticks in (False, True))
     at = np.searchsorted(radii, wanted)
     assert sliding.S is not None
     assert sticking.S is not None
-    load = _load_at(sticking, sliding.delta[at]) / sliding.P[at]
+    logs = PchipInterpolator(np.log(sticking.delta), np.log(sticking.P), extrapolate=True)
+    load = np.exp(logs(np.log(sliding.delta[at]))) / sliding.P[at]
     return rows(nu=nu, a_over_h=wanted, S_ratio=sticking.S[at] / sliding.S[at], load_ratio=load,
                 solved_by=f"jkr {__version__} layered")  # fmt: skip
-
-
-def _load_at(series: Series, depth: Array) -> Array:
-    from scipy.interpolate import PchipInterpolator
-
-    ends = np.log(series.delta), np.log(series.P)
-    return np.exp(PchipInterpolator(*ends, extrapolate=True)(np.log(depth)))
 
 
 def _figure(columns: Columns) -> Figure:

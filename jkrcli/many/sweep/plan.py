@@ -15,7 +15,6 @@ from typing import Any, TypeAlias
 from ... import __version__
 from ...adhesion.slopes import checked_rule
 from ...base import MOST_CELLS, InputError
-from ...bodies import Problem
 from ...case import Case, CaseModel, model_of
 from ...case.sweep import MOST_CASES, SweepModel, load_sweep
 from ...data.text_table import MOST_COLUMNS
@@ -120,7 +119,8 @@ class Plan:
             except InputError as error:
                 wrong.append((number, "; ".join(line.removeprefix(": ") for line in error.lines)))
                 continue
-            shared.setdefault(_solve_identity(body, model), []).append((number, values))
+            solve = f"{body.key}{model.model_dump(exclude=PHYSICS)!r}"  # the body and how it is to be solved
+            shared.setdefault(hashlib.sha256(solve.encode()).digest(), []).append((number, values))
         pieces = (cases[first : first + most] for cases in shared.values() for first in range(0, len(cases), most))
         return list(pieces), wrong
 
@@ -128,11 +128,6 @@ class Plan:
 def _firm(keys: Sequence[str], row: Sequence[Any], cut: bool) -> list[Any]:
     """Those values of a row of an axis that make another body, whatever the moduli and the number of layers are."""
     return [value for key, value in zip(keys, row, strict=True) if key.endswith(FIRM) and not (cut and "layers" in key)]
-
-
-def _solve_identity(body: Problem, model: CaseModel) -> bytes:
-    """A hash of the body at unit modulus and of how it is to be solved."""
-    return hashlib.sha256(f"{body.key}{model.model_dump(exclude=PHYSICS)!r}".encode()).digest()
 
 
 def load_plan(path: Path) -> Plan:

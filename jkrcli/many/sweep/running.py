@@ -54,7 +54,8 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> Swep
     the folder holds what is not ours, JkrError where every case failed.
     """
     files.make_folder(folder)
-    _check_targets(folder, force)
+    for name in (*(f"{STEM}{ending}" for ending in endings()), FAILED_TABLE):
+        files.check_target(folder / name, force)
     look = TUNING.look * plan.count
     if look > SILENCE:
         say(
@@ -91,11 +92,6 @@ def _guard_early(plan: Plan, journal: Journal, hours: float, say: Say) -> None:
     most, least = (left * (_beside(plan, plan.count) + count * solve) for count in (plan.count, plan.least_solves))
     say(f"all cases: at most about {duration(most)} of CPU time, were each solved on its own as the first")
     _guard(f"{plan.count:,} cases with at least {plan.least_solves:,} solves", least, hours, ", as the first case does")
-
-
-def _check_targets(folder: Path, force: bool) -> None:
-    for name in (*(f"{STEM}{ending}" for ending in endings()), FAILED_TABLE):
-        files.check_target(folder / name, force)
 
 
 def _say_damage(journal: Journal, say: Say) -> None:

@@ -6,8 +6,7 @@ from ..base.lazy import lazily
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from .analysis import JKR, Analysis, adhesive, analyse, error_of_point, forecast, nonadhesive, with_solved_points
-    from .lost import Lost, where_lost
+    from .analysis import JKR, Analysis, Lost, adhesive, analyse, forecast, nonadhesive, where_lost, with_solved_points
     from .profile import profile_columns, radius_under
     from .solved import is_solved
     from .sticking import StickingEffect, effect_as_json, effect_facts, effect_on, sticking_effect, sticking_warnings

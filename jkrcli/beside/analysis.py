@@ -1,4 +1,5 @@
-"""A solution and a work of adhesion to the adhesive curve with its pull-off points, errors, validity and warnings."""
+"""A solution and a work of adhesion to the adhesive curve with its pull-off points, errors, validity and warnings, and
+where contact is lost under every control."""
 
 from __future__ import annotations
 
@@ -6,10 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TypeAlias
 
 from ..adhesion import (
     CONTROLS,
+    DISPLACEMENT_CONTROL,
+    LOAD_CONTROL,
     AdhesiveCurve,
+    Behaviour,
     CriticalPoint,
     EquilibriumCurve,
     Errors,
@@ -18,6 +23,7 @@ from ..adhesion import (
     RangeRequest,
     Slopes,
     Validity,
+    behaviours,
     end_of_body,
     judge,
     point_error,
@@ -39,6 +45,8 @@ from .solved import seconds_of_points, solved, solver_of
 
 SURE = 2.0  # theory: 90 % half-widths of a normal error that one in a thousand exceeds
 JKR: RangeRequest = RangeRequest()
+TINY = Unknown("it would be one of a contact smaller than atoms")
+Lost: TypeAlias = tuple[Behaviour, Errors | Unknown | None]  # read off under one control; half-widths of its pull-off
 
 
 @dataclass(frozen=True, eq=False)
@@ -267,6 +275,35 @@ def error_of_point(curve: EquilibriumCurve, point: CriticalPoint, stiffness: flo
 
     assert isinstance(curve, FiniteRangeCurve)
     return curve.point_error(point, stiffness)
+
+
+def where_lost(
+    solution: Solution, works: Sequence[float], stiffnesses: Sequence[float], slopes: str, modulus_factor: float,
+    request: RangeRequest,
+) -> list[tuple[Analysis, list[Lost]]]:  # fmt: skip
+    """For each of the ``works`` [J/m^2] the curve, and what is read off under each control: by a device of one of the
+    ``stiffnesses`` [N/m], else of load and displacement."""
+    controls = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)
+    results = [
+        with_solved_points(result, *stiffnesses) for result in analyse(solution, works, slopes, modulus_factor, request)
+    ]
+    return [(result, [_lost(result, each) for each in behaviours(result.curve, controls)]) for result in results]
+
+
+def _lost(result: Analysis, behaviour: Behaviour) -> Lost:
+    """What is read off a curve under one control; half-widths of its pull-off point, None where there is none."""
+    above_atoms = _above_atoms(behaviour, result)
+    if isinstance(above_atoms.pull_off, Unknown):
+        return above_atoms, None
+    return above_atoms, error_of_point(result.curve, above_atoms.pull_off, above_atoms.stiffness)
+
+
+def _above_atoms(behaviour: Behaviour, result: Analysis) -> Behaviour:
+    """The behaviour without what would happen at radii below atoms."""
+    point = resolved(behaviour.pull_off, result.curve, behaviour.stiffness, result.solution.record.z0)
+    if point is behaviour.pull_off or not isinstance(point, Unknown):
+        return behaviour
+    return replace(behaviour, critical=(), pull_off=point, jump_in=TINY, energy_lost=TINY, separation=TINY)
 
 
 def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:

@@ -97,41 +97,35 @@ def left_out(problem: Problem, expected: Expectation, works: Sequence[float], z0
     the ``works`` of adhesion [J/m^2]; ``z0``: range of its forces [m], None where the case includes one."""
     body = unbounded(replace(problem, specimen=replace(problem.specimen, relaxation=None)))
     works = [w for w in works if w > 0]
-    omissions = [*_neighbours(Comparison(body, expected, works), problem.specimen.radius is not None)]
+    omissions = [*_neighbours(Neighbours(body, expected, works), problem.specimen.radius is not None)]
     omissions += [_slip(body, expected, works), *_range(body, expected, z0), *_strains(body, expected)]
     omissions += _weight(body, expected)
     return sorted(omissions, key=lambda one: -abs(one.largest[1]) if one.largest else 1.0)
 
 
 @dataclass(frozen=True)
-class Comparison:
+class Neighbours:
     """A ``body`` and its neighbours at the depth that is ``expected``, with ``works`` of adhesion [J/m^2]."""
 
     body: Problem
     expected: Expectation
     works: Sequence[float]
 
-    def with_(self, name: str, key: str, included: bool = False, **otherwise: Any) -> LeftOut:
+    def with_(self, name: str, key: str, **otherwise: Any) -> LeftOut:
         """The body with ``otherwise`` in place of its fields."""
+        loading = Loading("depth", self.expected.delta, DENSE, "log")
+        method = Layered(TUNING.accuracy)
         try:
-            other = self._solved(replace(self.body, **otherwise))
+            other = again(self.body, method=method, longest=PATIENCE, loading=loading, **otherwise).series
         except JkrError as error:
-            reason = Unknown(str(error))
-            return LeftOut(name, key, reason, reason, {}, included)
-        return self.over(name, key, self.expected.series, other, included)
+            return LeftOut(name, key, Unknown(str(error)), Unknown(str(error)))
+        return self.over(name, key, self.expected.series, other)
 
-    def over(self, name: str, key: str, plain: Series, other: Series, included: bool = False) -> LeftOut:
+    def over(self, name: str, key: str, plain: Series, other: Series) -> LeftOut:
         """One series of the neighbour over one of the body; both reach the depth."""
         depth = float(plain.delta[-1])
         load, S = (new / old - 1 for new, old in zip(_at(other, depth), _at(plain, depth), strict=True))
-        pulls = {w: _pull_off(plain, other, w) for w in self.works}
-        return LeftOut(name, key, load, S, pulls, included)
-
-    def _solved(self, problem: Problem) -> Series:
-        """Up to the depth, with its radius."""
-        loading = Loading("depth", self.expected.delta, DENSE, "log")
-        method = Layered(TUNING.accuracy)
-        return again(replace(problem, loading=loading), method=method, longest=PATIENCE).series
+        return LeftOut(name, key, load, S, {w: _pull_off(plain, other, w) for w in self.works})
 
 
 def _at(series: Series, depth: float) -> tuple[float, float]:
@@ -151,56 +145,55 @@ def _pull_off(plain: Series, other: Series, w: float) -> Estimate:
     return ratio if isinstance(ratio, Unknown) else ratio - 1
 
 
-def _neighbours(comparison: Comparison, sides: bool) -> Iterator[LeftOut]:
+def _neighbours(neighbours: Neighbours, sides: bool) -> Iterator[LeftOut]:
     """The things for which a neighbouring body is solved; ``sides``: whether the specimen has any."""
-    specimen, indenter = comparison.body.specimen, comparison.body.indenter
+    specimen, indenter = neighbours.body.specimen, neighbours.body.indenter
     glass = show(GLASS.E, "modulus")
     if specimen.layers:
-        yield _half_space(comparison)
+        yield _half_space(neighbours)
     if isinstance(indenter, Paraboloid):
         sphere = Sphere(indenter.R, indenter.material)
-        yield comparison.with_("exact sphere", 'indenter.shape = "sphere"', indenter=sphere)
+        yield neighbours.with_("exact sphere", 'indenter.shape = "sphere"', indenter=sphere)
     if indenter.material is None and not specimen.surface_tension:
         elastic = replace(indenter, material=GLASS)  # type: ignore[type-var]
-        yield comparison.with_(f"elastic indenter, {glass}", "indenter.E and nu", indenter=elastic)
+        yield neighbours.with_(f"elastic indenter, {glass}", "indenter.E and nu", indenter=elastic)
     if isinstance(specimen.base, Rigid) and specimen.base.bonded and not sides:
         based = replace(specimen, base=HalfSpace(GLASS))
-        yield comparison.with_(f"elastic base, {glass}", "specimen.half_space", specimen=based)
+        yield neighbours.with_(f"elastic base, {glass}", "specimen.half_space", specimen=based)
     if not specimen.surface_tension:
-        yield _tension(comparison)
+        yield _tension(neighbours)
 
 
-def _half_space(comparison: Comparison) -> LeftOut:
+def _half_space(neighbours: Neighbours) -> LeftOut:
     """The top material alone in place of the layers, as a half-space formula has it."""
-    other = alone(comparison.body)
-    formula = comparison.with_("half-space formula, no layers", "", True, specimen=other.specimen, sticks=False)
+    other = alone(neighbours.body)
+    formula = neighbours.with_("half-space formula, no layers", "", specimen=other.specimen, sticks=False)
     pulls: dict[float, Estimate] = {}
-    for w, point, _ in comparison.expected.adhesion:
+    for w, point, _ in neighbours.expected.adhesion:
         if w > 0:
             there = half_space_pull_off(other, w, LOAD_CONTROL)
             known = isinstance(there, CriticalPoint) and isinstance(point, CriticalPoint)
             pulls[w] = there.P / point.P - 1 if known else Unknown("no pull-off by formula")  # type: ignore[union-attr]
-    return replace(formula, pull_off=pulls)
+    return replace(formula, pull_off=pulls, included=True)
 
 
-def _tension(comparison: Comparison) -> LeftOut:
+def _tension(neighbours: Neighbours) -> LeftOut:
     """A surface tension, of a rigid indenter and without friction: no other is derived. A very slight one changes all
     in proportion."""
-    body, Ups = comparison.body, TUNING.tension
+    body, Ups = neighbours.body, TUNING.tension
     name, key = f"surface tension {show(Ups, 'tension')}", f'specimen.surface_tension = "{show(Ups, "tension")}"'
     rigid = replace(body, indenter=replace(body.indenter, material=None), sticks=False)  # type: ignore[type-var]
     failed = Unknown("")
     for slight in TUNING.slight:
-        trial = max(Ups, slight * comparison.expected.a * rigid.E_star / 2)
+        trial = max(Ups, slight * neighbours.expected.a * rigid.E_star / 2)
         try:
-            plain, tense = _tense(rigid, comparison.expected.a, trial)
+            plain, tense = _tense(rigid, neighbours.expected.a, trial)
         except JkrError as error:
             failed = Unknown(str(error))
             continue
-        omission, share = comparison.over(name, key, plain, tense), Ups / trial
-        pulls = {w: _if_no_wetting(w, change) for w, change in omission.pull_off.items()}
-        shares = {w: _part(share, change) for w, change in pulls.items()}
-        return replace(omission, load=_part(share, omission.load), S=_part(share, omission.S), pull_off=shares)
+        omission, share = neighbours.over(name, key, plain, tense), Ups / trial
+        pulls = {w: _part(share, _if_no_wetting(w, change)) for w, change in omission.pull_off.items()}
+        return replace(omission, load=_part(share, omission.load), S=_part(share, omission.S), pull_off=pulls)
     return LeftOut(name, key, failed, failed)
 
 

@@ -86,13 +86,13 @@ class Map:
         """The values of all axes; InputError where one is unknown or outside its range."""
         if unknown := [name for name in axes if name not in self.axes]:
             raise InputError(f'{self.name} map: has no axis "{unknown[0]}" (axes: {", ".join(self.axes)})')
-        return {name: self._read(name, axis, axes.get(name)) for name, axis in self.axes.items()}
-
-    def _read(self, name: str, axis: Axis, values: Any) -> Any:
-        try:
-            return axis.values(values)
-        except ValueError as error:
-            raise InputError(f"{self.name} map: {name} {error}") from None
+        values = {}
+        for name, axis in self.axes.items():
+            try:
+                values[name] = axis.values(axes.get(name))
+            except ValueError as error:
+                raise InputError(f"{self.name} map: {name} {error}") from None
+        return values
 
     def forecast(self, **axes: Any) -> float:
         """CPU seconds that the map over the ``axes`` takes."""

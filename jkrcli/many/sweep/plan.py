@@ -48,23 +48,23 @@ class Recipe:
 
 @dataclass(frozen=True)
 class Plan:
-    """All cases of a sweep: the product of its ``axes``, the last one running fastest; ``units`` of their keys."""
+    """All cases of a sweep: the product of its ``axes``, the last one running fastest."""
 
     source: str
     title: str
     recipe: Recipe
     axes: tuple[Axis, ...]
-    units: Mapping[str, str]
 
     @property
     def keys(self) -> tuple[str, ...]:
         """All keys that vary."""
         return tuple(key for axis in self.axes for key in axis.keys)
 
-    @property
+    @cached_property
     def key_columns(self) -> tuple[str, ...]:
         """The names of their columns: the key and its SI unit."""
-        return tuple(key + (f"_{self.units[key]}" if self.units[key] else "") for key in self.keys)
+        tables, folder = self.recipe.tables, self.recipe.folder
+        return tuple(f"{key}_{unit_of(tables, key, x, folder)}".removesuffix("_") for key, x in self.values(0).items())
 
     @property
     def count(self) -> int:
@@ -140,13 +140,7 @@ def load_plan(path: Path) -> Plan:
         raise InputError(
             f"{source}: the quantities asked for need a work of adhesion: vary adhesion.w, or set it in the base case"
         )
-    tables = _self_contained(tables, first, axes)
-    units = {
-        key: unit_of(tables, key, value, folder)
-        for axis in axes
-        for key, value in zip(axis.keys, axis.rows[0], strict=True)
-    }
-    plan = Plan(source, model.title, Recipe(tables, wanted, folder), axes, units)
+    plan = Plan(source, model.title, Recipe(_self_contained(tables, first, axes), wanted, folder), axes)
     if plan.count > MOST_CASES:
         raise InputError(f"{source}: makes {plan.count:,} cases, at most {MOST_CASES:,} are allowed in one sweep")
     if (cells := plan.count * len(wanted.columns)) > MOST_CELLS:

@@ -17,7 +17,7 @@ import numpy as np
 from ... import __version__
 from ...adhesion import CONTROLS, LIMITS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, regime
 from ...base import DRAWN, SI, UNITS, Array, Unknown, scale, units
-from ...beside import Analysis, error_of_point, nonadhesive
+from ...beside import Analysis, analysis, nonadhesive
 from ...data import Curve
 
 WORKS = 9  # works of adhesion at which the page knows the errors of its pull-off points
@@ -94,7 +94,7 @@ def _point_errors(curve: AdhesiveCurve, tension: float) -> dict[str, list[float 
 
 def _point_error(curve: AdhesiveCurve, stiffness: float) -> float | None:
     point = curve.pull_off(stiffness)
-    errors = error_of_point(curve, point, stiffness) if isinstance(point, CriticalPoint) else Unknown("")
+    errors = analysis.error_of_point(curve, point, stiffness) if isinstance(point, CriticalPoint) else Unknown("")
     return None if isinstance(errors, Unknown) or not isinstance(point, CriticalPoint) else errors["P"] / abs(point.P)
 
 

@@ -19,11 +19,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, TypeAlias
 
-from . import allowance
+from . import allowance, locks
 from .errors import InputError, JkrError, nearest, writable
 from .interrupts import Waiting
 from .iteration import MOST_STEPS
-from .locks import taken
 
 
 @dataclass(frozen=True)
@@ -263,7 +262,7 @@ def _stage(folder: Path, stages: Stages) -> Path:
         stage = folder / f"{MARK}{secrets.token_hex(8)}"
         with Waiting():
             lock = stage.with_suffix(LOCK).open("xb")
-            if taken(lock) is not False and stage.with_suffix(LOCK).exists():  # else another's ``_tidy`` was faster
+            if locks.taken(lock) is not False and stage.with_suffix(LOCK).exists():  # else a ``_tidy`` was faster
                 stages[folder] = stage, lock
                 (stage / WHOLE / NEW).mkdir(parents=True)
                 (stage / PART).mkdir()
@@ -283,7 +282,7 @@ def _tidy(folder: Path) -> None:
     """Remove what processes that are no more were writing, once for every folder written to."""
     for path in folder.glob(f"{MARK}*{LOCK}"):
         with contextlib.suppress(OSError), path.open("r+b") as lock:
-            is_free = taken(lock)
+            is_free = locks.taken(lock)
             day = 86_400  # s, after which, where there are no locks, nobody is taken to be writing
             if is_free or (is_free is None and time.time() - path.stat().st_mtime > day):
                 _drop({folder: (path.with_suffix(""), lock)})

@@ -13,10 +13,9 @@ from typing import Any
 import h5py
 import numpy as np
 
-from . import allowance
+from . import allowance, locks
 from .arrays import Array
 from .errors import InputError, writable
-from .locks import taken
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 SEAL = "sha256"  # attribute of a group: the digest of everything else in it
@@ -200,7 +199,7 @@ def _is_being_written(path: Path) -> bool:
     """Whether another program holds the lock that HDF5 takes to write."""
     try:
         with path.open("rb") as file:
-            return taken(file, shared=True) is False
+            return locks.taken(file, shared=True) is False
     except OSError:
         return False
 

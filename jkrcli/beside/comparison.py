@@ -10,8 +10,7 @@ import numpy as np
 from ..adhesion import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Slopes, transform
 from ..base import ROUNDED, Array, Estimate, Unknown, zeros_between
 from ..bodies import HalfSpace, Indenter, Problem, Specimen, Sphere
-from ..formulas.griffith import shift
-from ..formulas.half_space import adhesive_half_space
+from ..formulas import griffith, half_space
 from ..series import Series
 from .sticking import OUTSIDE
 
@@ -115,7 +114,7 @@ def _formula(problem: Problem, w: float, a: Array) -> tuple[Array, Array]:
     """delta [m] and P [N] of the closed form at radii ``a`` [m] of any shape."""
     pair = problem.indenter.half_space(a, problem.E_star)
     assert pair is not None
-    return adhesive_half_space(a, *pair, problem.E_star, w)
+    return half_space.adhesive_half_space(a, *pair, problem.E_star, w)
 
 
 def _load_difference(series: Series, problem: Problem) -> float:
@@ -143,7 +142,7 @@ def _curve_distance(computed: AdhesiveCurve, problem: Problem, unit: CriticalPoi
     Where its displacement nearly vanishes (f = B r^1.5), a tenth of the shift t = sqrt(2 pi w a/E*) is the unit.
     """
     indenter = problem.indenter
-    moved = shift(computed.w, unit.a, 2 * problem.E_star)
+    moved = griffith.shift(computed.w, unit.a, 2 * problem.E_star)
     units = CriticalPoint(unit.a, max(abs(unit.delta), 0.1 * moved), unit.P)
     ends = (indenter.a0, indenter.r_max * (1 - 1e-12))
     return curve_distance(

@@ -10,8 +10,7 @@ from ..adhesion import Range, RangeRequest, stable_radius
 from ..base import ROUNDED, ROWS, Array, InputError, show
 from ..bodies import Problem
 from ..case import Case
-from ..methods.layered.fields import profile as solve_profile
-from ..methods.layered.layered import unbounded
+from ..methods.layered import fields, layered
 from ..series import Solution
 from .analysis import analyse
 
@@ -27,7 +26,7 @@ def profile_columns(solution: Solution, a: float, w: float, request: RangeReques
     body, by finite elements where the surfaces stick, on the body itself with adhesion of finite range."""
     if request:
         return _attracted(solution, a, request.law(w))
-    return _stuck(solution, a, w) if solution.problem.sticks else _columns(unbounded(solution.problem), a, w)
+    return _stuck(solution, a, w) if solution.problem.sticks else _columns(layered.unbounded(solution.problem), a, w)
 
 
 def _attracted(solution: Solution, a: float, law: Range) -> dict[str, Array]:
@@ -87,7 +86,7 @@ def _columns(problem: Problem, a: float, w: float) -> dict[str, Array]:
     outside = a * (1 + 2 * np.linspace(0, 1, ROWS + 1)[1:] ** 2)
     outside = outside[outside <= problem.indenter.r_max]
     r = np.concatenate([inside, outside])
-    surface = solve_profile(problem, a, w, inside, r)
+    surface = fields.profile(problem, a, w, inside, r)
     return {
         "r_m": r,
         "pressure_Pa": np.concatenate([surface.pressure, 0 * outside]),

@@ -15,9 +15,7 @@ import numpy as np
 from ..base import Array, Estimate, JkrError, Unknown, show
 from ..bodies import Problem
 from ..methods.guards import QUICK
-from ..methods.layered.layered import unbounded
-from ..methods.layered.stack import LayeredContact
-from ..methods.layered.stuck import StuckLayeredContact, unable
+from ..methods.layered import layered, stack, stuck
 from ..series import Series, Solution
 
 
@@ -76,10 +74,10 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
     """Effect on ``problem`` at the contact radius ``largest`` [m], or why it is not known."""
     if problem.specimen.surface_tension:
         return Unknown("effect of no slip unknown: it is not derived with surface tension")
-    body = unbounded(problem)
-    if reason := unable(body.indenter, body.specimen):
+    body = layered.unbounded(problem)
+    if reason := stuck.unable(body.indenter, body.specimen):
         return Unknown(f"effect of no slip unknown: {reason}")
-    pair = LayeredContact(body.indenter, body.specimen), StuckLayeredContact(body.indenter, body.specimen)
+    pair = stack.LayeredContact(body.indenter, body.specimen), stuck.StuckLayeredContact(body.indenter, body.specimen)
     if largest > QUICK * pair[1].scale:
         return Unknown(f"effect of no slip not computed at a contact radius of {largest:.3g} m")
     a0 = body.indenter.a0
@@ -99,7 +97,7 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
     return StickingEffect(largest, load, float(sticking.S[last] / sliding.S[last]), pull_off, at_depth)
 
 
-def _series(contact: LayeredContact | StuckLayeredContact, radii: Array) -> Series:
+def _series(contact: stack.LayeredContact | stuck.StuckLayeredContact, radii: Array) -> Series:
     result: Any = contact.solved(radii, contact.plan(radii, TUNING.accuracy))  # type: ignore[arg-type]
     return Series(radii, result.delta, result.P, result.S, result.dS, a0=contact.indenter.a0)
 

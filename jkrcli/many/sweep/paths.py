@@ -40,12 +40,12 @@ def _assign(tables: Tables, key: str, value: Any) -> None:
     *parents, last = parse(key)
     here: Any = tables
     for i, part in enumerate([*parents, last]):
-        if isinstance(part, int) and not (isinstance(here, list | tuple) and part < len(here)):
-            size = len(here) if isinstance(here, list | tuple) else 0
-            raise InputError(f"{key}: the base case has {size} entries there, numbered from 0")
+        is_list = isinstance(here, list | tuple)
+        if isinstance(part, int) and not (is_list and part < len(here)):
+            raise InputError(f"{key}: the base case has {len(here) if is_list else 0} entries there, numbered from 0")
         if isinstance(part, str) and not isinstance(here, dict):
             listed = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in parents[:i]).removeprefix(".")
-            remedy = f"a list, its entries are {listed}[0], [1], ..." if isinstance(here, list | tuple) else "no table"
+            remedy = f"a list, its entries are {listed}[0], [1], ..." if is_list else "no table"
             raise InputError(f'{key}: has no "{part}": {listed} is {remedy}')
         if i == len(parents):
             here[part] = value

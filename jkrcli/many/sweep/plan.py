@@ -15,8 +15,7 @@ from typing import Any, TypeAlias
 from ... import __version__
 from ...adhesion.slopes import checked_rule
 from ...base import MOST_CELLS, InputError
-from ...case import Case, CaseModel, model_of
-from ...case.sweep import MOST_CASES, SweepModel, load_sweep
+from ...case import Case, CaseModel, model_of, sweep
 from ...data.text_table import MOST_COLUMNS
 from ..cache import at_unit_modulus
 from .axes import Axis, W, resolve
@@ -132,7 +131,7 @@ def _firm(keys: Sequence[str], row: Sequence[Any], cut: bool) -> list[Any]:
 
 def load_plan(path: Path) -> Plan:
     """The plan of the sweep file at ``path``; InputError with a line per mistake."""
-    model, tables, folder = load_sweep(path)
+    model, tables, folder = sweep.load_sweep(path)
     source = str(path)
     wanted = _wanted(model, source)
     axes, first = resolve(model, tables, folder, source)
@@ -141,8 +140,8 @@ def load_plan(path: Path) -> Plan:
             f"{source}: the quantities asked for need a work of adhesion: vary adhesion.w, or set it in the base case"
         )
     plan = Plan(source, model.title, Recipe(_self_contained(tables, first, axes), wanted, folder), axes)
-    if plan.count > MOST_CASES:
-        raise InputError(f"{source}: makes {plan.count:,} cases, at most {MOST_CASES:,} are allowed in one sweep")
+    if plan.count > sweep.MOST_CASES:
+        raise InputError(f"{source}: makes {plan.count:,} cases, at most {sweep.MOST_CASES:,} are allowed in one sweep")
     if (cells := plan.count * len(wanted.columns)) > MOST_CELLS:
         raise InputError(
             f"{source}: makes {plan.count:,} cases of {len(wanted.columns):,} columns, {cells:,} cells, at most "
@@ -151,7 +150,7 @@ def load_plan(path: Path) -> Plan:
     return plan
 
 
-def _wanted(model: SweepModel, source: str) -> Wanted:
+def _wanted(model: sweep.SweepModel, source: str) -> Wanted:
     outputs = model.outputs
     columns = len(ALONG) * len(outputs.radii) + len(POINT) * len(outputs.stiffness)
     if columns > MOST_COLUMNS:

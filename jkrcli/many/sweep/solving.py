@@ -56,18 +56,16 @@ def solve_group(recipe: Recipe, folder: Path | None, cases: Cases) -> list[Row]:
 def _solved(body: Problem, model: CaseModel, folder: Path | None) -> Solution:
     """The solution by the case's method; where "auto" has the choice and a method fails, by the next one."""
     build = partial(method_of, model)
-    choice = least(body, model)
-    while True:
+    choice: Choice | None = least(body, model)
+    while choice is not None:
         try:
             return solved(body, choice.method, folder)
         except JkrError as error:
             if model.method != "auto":
                 raise
-            options = choice.options or choose(body, "auto", build).options
-            following = replace(choice, options=options).after_failure(error, build)
-            if following is None:
-                raise
-            choice = following
+            failure, options = error, choice.options or choose(body, "auto", build).options
+            choice = replace(choice, options=options).after_failure(error, build)
+    raise failure
 
 
 def least(body: Problem, model: CaseModel) -> Choice:

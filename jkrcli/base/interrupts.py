@@ -86,16 +86,11 @@ def _if_lost(lost: sys.UnraisableHookArgs) -> None:
 def _once_more() -> None:
     from threading import Timer
 
-    timer = Timer(0.01, _send)
+    # os.kill wakes the main thread too, be it in a library; on Windows it ends the process
+    sent = (os.kill, (os.getpid(), signal.SIGINT)) if HAS_MASKS else (signal.raise_signal, (signal.SIGINT,))
+    timer = Timer(0.01, *sent)
     timer.daemon = True  # a process that ends meanwhile is not held up
     timer.start()
-
-
-def _send() -> None:
-    if HAS_MASKS:
-        os.kill(os.getpid(), signal.SIGINT)  # wakes the main thread too, be it in a library
-    else:
-        signal.raise_signal(signal.SIGINT)  # on Windows to kill is to end
 
 
 def ignore() -> None:

@@ -149,9 +149,7 @@ class Analysis:
         sentences = [*relaxes, *self.solution.warnings, *flags, *self.validity.warnings, *doubts]
         sentences += [*yielding(self.problem, self.curve), *outside]
         difference = None if self.comparison is None else known(self.comparison.pull_off)
-        budget = self.budget
-        parts = (budget.discretisation, budget.truncation, budget.radius, budget.smoothing)
-        stated = max(2 * sum(part for part in parts if not isinstance(part, Unknown)), 1e-6)
+        stated = max(2 * sum(part for part in vars(self.budget).values() if not isinstance(part, Unknown)), 1e-6)
         point, half_widths = self.pull_off["load"], self.pull_off_errors.get("load")
         if isinstance(point, CriticalPoint) and half_widths is not None and not isinstance(half_widths, Unknown):
             stated = max(stated, SURE * half_widths["P"] / abs(point.P))

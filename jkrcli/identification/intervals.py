@@ -17,6 +17,7 @@ import numpy as np
 
 from ..base import NOTICEABLE, SAME, TINY, TOGETHER, Array, InputError, Pool, in_order
 from .answer import FittedValue
+from .fit.statistics import covariance, t_quantile
 from .least_squares import Least, State
 from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, Parameter, Unknowns
 
@@ -26,7 +27,7 @@ class IntervalTuning:
     """How intervals are computed."""
 
     step: float = 1e-6  # theory: of unknowns, for central differences: of smooth meanings round-off leaves 1e-10
-
+    exact: float = 1e-24  # theory: variance of residuals over their standard deviations that round-off leaves
     begin: float = 0.1  # choice: of a log, where a profile begins while no error is known
 
 
@@ -53,10 +54,11 @@ class Intervals:
 
     @classmethod
     def of(
-        cls, unknowns: Unknowns, least: Least, covariance: Array | None, t: float, level: float,
-        confidence: str = "covariance", E_star: float | None = None,
+        cls, unknowns: Unknowns, least: Least, level: float, confidence: str = "covariance",
+        E_star: float | None = None, variance: float | None = None,
     ) -> Intervals:  # fmt: skip
-        """Of the first ``unknowns`` of a search, and of what a factor of all moduli makes of ``E_star`` [Pa]."""
+        """Of the first ``unknowns`` of a search whose residuals have a known ``variance``, or that which they show, and
+        of what a factor of all moduli makes of ``E_star`` [Pa]."""
         if confidence not in get_args(Followed):
             raise InputError(f"fit: --confidence {confidence}: is for curves each for itself: leave it out")
         follow = () if E_star is None else (Parameter(ALIAS, True, scale=LOG, quantity="modulus", follows=True),)
@@ -65,7 +67,9 @@ class Intervals:
             values = unknowns.meaning(x)
             return values if E_star is None else values | {ALIAS: values["modulus"] + math.log(E_star)}
 
-        return cls(least, (*unknowns.parameters, *follow), meaning, covariance, t, level, confidence == "profile")
+        variance = max(least.variance, TUNING.exact) if variance is None else variance
+        own, t = covariance(least.state.jacobian, variance), t_quantile(level, least.dof)
+        return cls(least, (*unknowns.parameters, *follow), meaning, own, t, level, confidence == "profile")
 
     @cached_property
     def here(self) -> Mapping[str, float]:

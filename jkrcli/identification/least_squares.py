@@ -152,10 +152,6 @@ class LeastSquares:
         low, high = self.bounds
         return Least(self, x, state, state.cost, (x <= low) | (x >= high), steps, ended)
 
-    def through(self, change: Callable[[State], State]) -> LeastSquares:
-        """The same with all states changed."""
-        return replace(self, model=lambda x: change(self.model(x)))
-
     def holding(self, outcome: Outcome, value: float, weight: float) -> LeastSquares:
         """The same with one more row, that pulls an ``outcome`` to a ``value``."""
 
@@ -180,6 +176,16 @@ class Least:
     at_bound: Array
     steps: int
     ended: bool
+
+    @property
+    def dof(self) -> int:
+        """Degrees of freedom."""
+        return max(self.state.residuals.size - self.x.size, 1)
+
+    @property
+    def variance(self) -> float:
+        """Of the residuals."""
+        return 2 * self.cost / self.dof
 
     def profile(self, outcome: Outcome, step: float, limit: float) -> float | None:
         """The value of an ``outcome`` at which the least cost with it constrained is ``limit`` higher, where a
@@ -212,10 +218,11 @@ class Least:
     def sample(self, change: Callable[[State], State], cost: float) -> Array | None:
         """The unknowns of the least where all states are changed, from a first step by Gauss and Newton, to ``cost``
         relatively; None where no search reaches it."""
-        here = change(self.state)
+        here, model = change(self.state), self.problem.model
         near = self.x - np.linalg.lstsq(here.jacobian, here.residuals, rcond=None)[0]
         with contextlib.suppress(JkrError):
-            return replace(self.problem.through(change), converged=cost, cost=cost).least(near).x
+            changed = replace(self.problem, model=lambda x: change(model(x)), converged=cost, cost=cost)
+            return changed.least(near).x
         return None
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +31,12 @@ def noise_of(column: Array) -> float:
     return max(third_differences(column), SAME * float(np.ptp(column)))
 
 
+def noise_about(off: Array, column: Array, taken: float, unit: float = 1.0) -> float:
+    """That of the readings of a column which are so many units ``off`` a model; unknowns have ``taken`` a share of
+    their squares."""
+    return max(math.sqrt(float(np.mean(off**2)) / (1 - taken)) * unit, SAME * float(np.ptp(column)))
+
+
 def check_over_time(curve: Curve, what: str) -> None:
     """Refuse a curve that holds no readings over time, ``what`` needs them."""
     if missing := [name for name in ("t", "delta", "P") if name not in curve.measured]:
@@ -48,19 +55,19 @@ def corners(t: Array, x: Array, noise: float) -> tuple[Array, Array]:
     ``t`` no more than ``noise``; as many as are worth it."""
     knots, sums = [0, t.size - 1], _Sums.of(t, x)
     while len(knots) < TUNING.most:
-        rest = x - _through(t, x, knots)[1]
+        rest = x - through(t, x, t[knots])[1]
         if np.sqrt(np.mean(rest**2)) < TUNING.straight * noise:
             break
         better = _settled(sums, sorted([*knots, _next(rest, knots)]))
         if sums.left(knots) - sums.left(better) < TUNING.worth * noise**2:
             break
         knots = better
-    return t[knots], _through(t, x, knots)[0]
+    return t[knots], through(t, x, t[knots])[0]
 
 
-def _through(t: Array, x: Array, knots: list[int]) -> tuple[Array, Array]:
-    """Places of the knots by least squares, and the pieces through them at all times."""
-    hats = np.stack([np.interp(t, t[knots], row) for row in np.eye(len(knots))], axis=1)
+def through(t: Array, x: Array, knots: Array) -> tuple[Array, Array]:
+    """Places at the times ``knots`` by least squares, and the straight pieces through them at all times."""
+    hats = np.stack([np.interp(t, knots, row) for row in np.eye(knots.size)], axis=1)
     places = np.linalg.lstsq(hats, x, rcond=None)[0]
     return places, hats @ places
 

@@ -20,12 +20,12 @@ from ..bodies import RELAXATIONS, Relaxation
 from ..data import Curve
 from ..data.record import TUNING as RECORDS
 from .answer import Answer
-from .fit import FittedBody, covariance, t_quantile
+from .fit import FittedBody
 from .fit.points import evenly
 from .intervals import Followed, Intervals
 from .least_squares import TUNING as FITS
 from .least_squares import Least, LeastSquares, State, by_differences
-from .motion import check_over_time, check_rising, corners, noise_of
+from .motion import check_over_time, check_rising, corners, noise_about, noise_of
 from .parameters import MODULUS, Nameable, Parameter, Unknowns, parameters_of
 from .relaxing_rows import averaged, base_line, followed, without_adhesion
 
@@ -310,11 +310,12 @@ class _Problem:
 
     def scatters(self, least: Least) -> tuple[float, float]:
         """The standard deviations of the readings about the model."""
-        rows, off = self.record.t.size, least.state.residuals
-        share = 1 - least.x.size / off.size
-        imposed, response = (math.sqrt(float(np.mean(part**2)) / share) for part in (off[:rows], off[-rows:]))
-        low = [SAME * float(np.ptp(column)) for column in (self.record.imposed, self.record.response)]
-        return max(imposed * self.record.sigma[0], low[0]), max(response * self.record.sigma[1], low[1])
+        record, off = self.record, least.state.residuals
+        imposed, response, taken = off[: record.t.size], off[-record.t.size :], least.x.size / off.size
+        return (
+            noise_about(imposed, record.imposed, taken, record.sigma[0]),
+            noise_about(response, record.response, taken, record.sigma[1]),
+        )
 
     def minimise(self, start: Array) -> Least:
         return LeastSquares(self.state, self._bounds(start), TUNING.converged).least(start)
@@ -412,13 +413,12 @@ class _Problem:
     # ------------------------------------------------------------------ the answer
     def result(self, least: Least, E_star: float) -> RelaxationFit:
         settings, record, unknowns = self.settings, self.record, self.unknowns
-        dof = max(least.state.residuals.size - least.x.size, 1)
-        whole, t = covariance(least.state.jacobian, 2 * least.cost / dof), t_quantile(settings.level, dof)
-        intervals = Intervals.of(unknowns, least, whole, t, settings.level, settings.confidence, E_star)
+        intervals = Intervals.of(unknowns, least, settings.level, settings.confidence, E_star)
         imposed, response = self.model(least.x)
         squares = np.sum(((response - record.response) / record.noise[1]) ** 2)
         fit = RelaxationFit(
-            estimates=intervals.estimates(), free=unknowns.names, covariance=unknowns.covariance(whole), dof=dof,
+            estimates=intervals.estimates(), free=unknowns.names, dof=least.dof,
+            covariance=unknowns.covariance(intervals.covariance),
             relaxation=settings.relaxation(unknowns.values(least.x)), record=record,
             imposed=imposed, response=response, settings=settings,
             scatter=math.sqrt(float(squares) / max(record.t.size - len(unknowns.free), 1)),

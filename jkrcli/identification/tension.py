@@ -27,7 +27,6 @@ from ..methods.radii import DENSE
 from .answer import Answer, FittedValue, word
 from .fit.body import for_each
 from .fit.points import TUNING as ROWS
-from .fit.statistics import covariance, t_quantile
 from .intervals import Intervals
 from .least_squares import Least, LeastSquares, State, by_differences
 from .parameters import ALIAS, LINEAR, ONE_SIDED, Nameable, Parameter, Unknowns, parameters_of
@@ -267,26 +266,25 @@ class _Model:
 
 
 def _result(model: _Model, best: Least, radii: Sequence[float], level: float) -> TensionFit:
-    dof = max(best.state.residuals.size - best.x.size, 1)
-    variance = 2 * best.cost / dof
-    spread = covariance(best.state.jacobian, variance)
-    if spread is None:
+    several, unknowns = len(set(radii)) > 1, model.unknowns
+    intervals = Intervals.of(unknowns, best, level)
+    if (spread := intervals.covariance) is None:
         raise SolveError("fit of surface tension: the records do not determine the unknowns: --fix one of them")
-    several, unknowns, t = len(set(radii)) > 1, model.unknowns, t_quantile(level, dof)
-    intervals = Intervals.of(unknowns, best, spread, t, level)
     estimates = [_work(intervals, item) if item.name == "w" and item.free else item for item in intervals.estimates()]
     estimates[0] = replace(estimates[0], name=ALIAS)
     if TENSION in unknowns.names and not several:
         estimates[1] = replace(estimates[1], error=None, low=None, high=None)
     errors, m = np.sqrt(np.diag(spread)).tolist(), len(unknowns.free)
     zeros = [
-        Parameter(f"delta0:{record.name}", True, scale=LINEAR, quantity="length").estimate(x, error * record.depth, t)
+        Parameter(f"delta0:{record.name}", True, scale=LINEAR, quantity="length").estimate(
+            x, error * record.depth, intervals.t
+        )
         for record, x, error in zip(model.records, model.zeros(best.x).tolist(), errors[m:], strict=True)
     ]
     fit = TensionFit(
         estimates=(*estimates, *zeros), free=(*unknowns.names, *(item.name for item in zeros)),
-        covariance=spread, dof=dof, records=model.records, loads=tuple(model.loads(best.x)),
-        scatter=math.sqrt(variance) * float(np.mean([record.load for record in model.records])),
+        covariance=spread, dof=best.dof, records=model.records, loads=tuple(model.loads(best.x)),
+        scatter=math.sqrt(best.variance) * float(np.mean([record.load for record in model.records])),
     )  # fmt: skip
     fit = replace(fit, mixed={} if several else _mixed(fit))
     return replace(fit, warnings=(*_not_separated(fit, errors), *_steep(model.values(best.x))))

@@ -30,7 +30,7 @@ from .result import Fit
 from .search import robust, search
 from .settings import Settings
 from .statistics import TUNING as STATISTICS
-from .statistics import covariance, t_quantile
+from .statistics import covariance
 
 
 def shared_of(names: Iterable[str], own: Iterable[str], settings: Settings) -> tuple[str, ...]:
@@ -215,25 +215,24 @@ def joint_fit(
         raise InputError(f"fit: --shared: needs two records or more, got {len(curves)}")
     parts = tuple(part_of(body, curve, settings) for body, curve in zip(bodies, curves, strict=True))
     least = Joint(parts, tuple(shared)).search()
-    m, dof = len(shared), max(least.state.residuals.size - least.x.size, 1)
-    spread = covariance(least.state.jacobian, 1.0)
-    if spread is None or not least.ended:
-        raise InputError(f"fit: the records together do not determine {', '.join(shared)}: fix one of them (--fix)")
-    E_star = bodies[0].problem.E_star if "modulus" in shared else None
+    m, E_star = len(shared), bodies[0].problem.E_star
     common = Unknowns(tuple(Parameter(name, True) for name in shared))
-    t = t_quantile(settings.level, dof)
-    estimates = Intervals.of(common, least, spread, t, settings.level, settings.confidence, E_star).estimates()
+    following = E_star if "modulus" in shared else None
+    intervals = Intervals.of(common, least, settings.level, settings.confidence, following, 1.0)
+    if intervals.covariance is None or not least.ended:
+        raise InputError(f"fit: the records together do not determine {', '.join(shared)}: fix one of them (--fix)")
+    estimates = intervals.estimates()
     known = {item.name: item.value for item in estimates}
     fixed = tuple(Parameter(p.name, False, known[p.name]) if p.name in known else p for p in settings.parameters)
-    sharing = replace(settings, parameters=fixed, named=settings.named)
+    sharing = replace(settings, parameters=fixed)
     fits = tuple(_sharing(fit(body, curve, sharing), estimates) for body, curve in zip(bodies, curves, strict=True))
     rise = 2 * (least.cost - sum(part.least.cost / part.noise for part in parts))
     chance = float(chdtrc(m * (len(parts) - 1), max(rise, 0.0)))
-    alone = tuple(_alone(part, shared, bodies[0].problem.E_star) for part in parts)
+    alone = tuple(_alone(part, shared, E_star) for part in parts)
     warnings = *_warnings(estimates, chance), *(f"{one.where}: {line}" for one in fits for line in one.warnings)
     return JointFit(
-        estimates=estimates, free=tuple(shared), covariance=spread[:m, :m], dof=dof, warnings=warnings,
-        fits=fits, alone=alone, chance=chance,
+        estimates=estimates, free=tuple(shared), covariance=intervals.covariance[:m, :m], dof=least.dof,
+        warnings=warnings, fits=fits, alone=alone, chance=chance,
     )  # fmt: skip
 
 

@@ -14,20 +14,21 @@ from typing import Any
 
 import numpy as np
 
-from ...adhesion import RATE_LAWS, Nonadhesive, RateLaw, rate_parameters
+from ...adhesion import RATE_LAWS, RateLaw, rate_parameters
 from ...base import NOTICEABLE, SAME, Array, InputError, JkrError, Ranged, SolveError, Unknown, did_you_mean, show
 from ...data import Curve
 from ..answer import Answer
-from ..fit import FittedBody, Settings, covariance, fit, t_quantile
+from ..fit import FittedBody, Settings, fit
 from ..fit.points import evenly
 from ..intervals import Followed, Intervals
 from ..least_squares import TUNING as FITS
 from ..least_squares import Least, LeastSquares, State
+from ..motion import noise_about
 from ..parameters import MODULUS, Nameable, Parameter, Unknowns, parameters_of
 from ..work import WorkAlong, work_along
 from .prediction import BESIDE, Prediction, predict
 from .record import RateRecord, rate_record, recovered
-from .through import ENDS, law_of, law_ranges, law_through, log_rates, receding
+from .through import ENDS, LawThrough, law_of, law_ranges, law_through, receding
 from .through import TUNING as POINTS
 
 
@@ -74,30 +75,20 @@ class RateFit(Answer):
     zero: float
     scatter: float
     speeds: tuple[float, float]
-    evaluations: int
     settings: RateSettings
 
     def band(self, v: Array) -> tuple[Array, Array, Array]:
         """w [J/m^2] at the speeds ``v`` [m/s], and the ends of its confidence band."""
-        w = self.law.work(self.w0, v)
-        names = ["w0", *rate_parameters(self.settings.law)]
-        chosen = [self.free.index(name) for name in names if name in self.free]
-        if self.covariance is None or not chosen:
-            return w, w, w
-        rates = log_rates(self.law, self.w0, v)[[name in self.free for name in names]]
-        inner = self.covariance[np.ix_(chosen, chosen)]
-        spread = t_quantile(self.settings.level, self.dof) * np.sqrt(np.einsum("pn,pq,qn->n", rates, inner, rates))
-        return w, w * np.exp(-spread), w * np.exp(spread)
+        names = tuple(name for name in ("w0", *vars(self.law)) if name in self.free)
+        chosen = [self.free.index(name) for name in names]
+        inner = None if self.covariance is None else self.covariance[np.ix_(chosen, chosen)]
+        return LawThrough(self.law, self.w0, names, inner, self.speeds, self.dof).band(v, self.settings.level)
 
 
 def rate_settings(
-    body: FittedBody,
-    law: str,
-    free: Iterable[str] = (),
-    fix: Iterable[tuple[str, str]] = (),
-    start: Iterable[tuple[str, str]] = (),
-    **options: Any,
-) -> RateSettings:
+    body: FittedBody, law: str, free: Iterable[str] = (), fix: Iterable[tuple[str, str]] = (),
+    start: Iterable[tuple[str, str]] = (), **options: Any,
+) -> RateSettings:  # fmt: skip
     """Settings from what a user types: free are the modulus, w0, the law's parameters and delta0, but for what ``fix``
     names, and what ``free`` adds (P0)."""
     if law not in RATE_LAWS:
@@ -125,7 +116,7 @@ def rate_fit(body: FittedBody, curves: Sequence[Curve], settings: RateSettings) 
         if least is not None and (best is None or least.cost < best.cost):
             best = least
         usual = 1 + TUNING.good / math.sqrt(2 * coarse.size)
-        if best is not None and coarse.scatter(best) < usual and not best.at_bound.any():
+        if best is not None and math.sqrt(best.variance) < usual and not best.at_bound.any():
             break
     least = None if best is None else problem.minimise(best.x)
     if least is not None:
@@ -158,9 +149,17 @@ class _Problem:
         first = len(self.unknowns.free) + 3 * i
         return theta[first : first + 3]
 
-    def prediction(self, theta: Array, i: int) -> Prediction:
-        """What record ``i`` shows at its rows."""
-        return self._predicted(theta, i, self.records[i].t, False)
+    def predictions(self, theta: Array) -> tuple[Prediction, ...]:
+        """What each record shows at its rows."""
+        return tuple(self._predicted(theta, i, record.t, False) for i, record in enumerate(self.records))
+
+    def differences(self, theta: Array, predictions: Sequence[Prediction]) -> list[dict[str, Array]]:
+        """What the ``predictions`` differ from the columns of each record, by their names."""
+        zeros = {"P": self.unknowns.values(theta)["P0"], "a": 0.0}
+        return [
+            {name: getattr(prediction, name) + zeros[name] - read for name, read in record.columns.items()}
+            for record, prediction in zip(self.records, predictions, strict=True)
+        ]
 
     def _predicted(self, theta: Array, i: int, t: Array, onwards: bool) -> Prediction:
         values, (u, shift, tilt), record = self.unknowns.values(theta), self.own(theta, i), self.records[i]
@@ -172,25 +171,19 @@ class _Problem:
 
     def equations(self, theta: Array) -> State:
         """Residuals in standard deviations, and their derivatives by the unknowns."""
-        n, parts, rates = theta.size, [], []
+        n, parts, rates, predictions = theta.size, [], [], self.predictions(theta)
         common = np.flatnonzero([parameter.free for parameter in self.unknowns.parameters])
-        P0 = self.unknowns.values(theta)["P0"]
-        for i, record in enumerate(self.records):
-            prediction = self.prediction(theta, i)
+        each = zip(self.records, predictions, self.differences(theta, predictions), strict=True)
+        for i, (record, prediction, differences) in enumerate(each):
             first = common.size + 3 * i
-            for column, model, by in (("P", prediction.P + P0, prediction.dP), ("a", prediction.a, prediction.da)):
-                read = getattr(record, column)
-                if read is None:
-                    continue
-                sigma = record.sigma[column]
-                parts.append((model - read) / sigma)
-                matrix = np.zeros((read.size, n))
-                zero = np.ones(read.size) if column == "P" else np.zeros(read.size)
-                all_common = np.vstack([by[0], by[BESIDE + 1 :], -by[1], zero])
+            for name, off in differences.items():
+                parts.append(off / record.sigma[name])
+                by, matrix = getattr(prediction, f"d{name}"), np.zeros((off.size, n))
+                all_common = np.vstack([by[0], by[BESIDE + 1 :], -by[1], np.full(off.size, float(name == "P"))])
                 matrix[:, : common.size] = all_common[common].T
-                matrix[:, first] = by[BESIDE]
-                matrix[:, first + 1], matrix[:, first + 2] = by[1] * record.loose[0], by[2] * record.loose[1]
-                rates.append(matrix / sigma)
+                own = by[BESIDE], by[1] * record.loose[0], by[2] * record.loose[1]
+                matrix[:, first : first + 3] = np.stack(own, axis=1)
+                rates.append(matrix / record.sigma[name])
             parts.append(theta[first + 1 : first + 3])
             rates.append(np.eye(n)[first + 1 : first + 3])
         return State(np.concatenate(parts), partial(np.concatenate, rates))
@@ -203,40 +196,20 @@ class _Problem:
         except (JkrError, FloatingPointError, OverflowError, np.linalg.LinAlgError):
             return None
 
-    def scatter(self, least: Least) -> float:
-        """Standard deviation of the residuals over what they are weighed by."""
-        return math.sqrt(2 * least.cost / max(self.size - least.x.size + 2 * len(self.records), 1))
-
     @property
     def size(self) -> int:
         """Number of readings."""
         return sum(record.t.size * len(record.noise) for record in self.records)
 
-    def residuals(self, least: Least) -> list[dict[str, Array]]:
-        """What each record's columns differ from the prediction."""
-        parts = []
-        for i, record in enumerate(self.records):
-            prediction = self.prediction(least.x, i)
-            P = prediction.P + self.unknowns.values(least.x)["P0"] - record.P
-            parts.append({"P": P} | ({} if record.a is None else {"a": prediction.a - record.a}))
-        return parts
-
-    def misfit(self, least: Least) -> float:
-        """Standard deviation of the residuals over the noise from row to row."""
-        parts = zip(self.records, self.residuals(least), strict=True)
-        squares = sum(float(np.sum((part[name] / record.noise[name]) ** 2)) for record, part in parts for name in part)
-        return math.sqrt(squares / max(self.size - least.x.size + 2 * len(self.records), 1))
-
     def settled(self, least: Least) -> _Problem:
         """The problem with each record cut at its predicted loss of contact, as its last row is else chosen by its own
         noise, and weighed by its residuals, which show the noise better than the differences of neighbours."""
-        share = (least.x.size - 2 * len(self.records)) / self.size
-        records = []
-        for i, (record, part) in enumerate(zip(self.records, self.residuals(least), strict=True)):
+        taken, records = (least.x.size - 2 * len(self.records)) / self.size, []
+        parts = self.differences(least.x, self.predictions(least.x))
+        for i, (record, part) in enumerate(zip(self.records, parts, strict=True)):
             again = rate_record(record.curve, self.settings.segment, self._lost(least.x, i))
-            sigma = {name: math.sqrt(float(np.mean(values**2)) / (1 - share)) for name, values in part.items()}
-            smallest = {name: SAME * float(np.ptp(getattr(record, name))) for name in part}
-            records.append(replace(again, sigma={name: max(sigma[name], smallest[name]) for name in part}))
+            sigma = {name: noise_about(off, getattr(record, name), taken) for name, off in part.items()}
+            records.append(replace(again, sigma=sigma))
         return replace(self, records=tuple(records))
 
     def _lost(self, theta: Array, i: int) -> float | None:
@@ -286,13 +259,18 @@ class _Problem:
 
     def _from(self, values: Mapping[str, float], along: Sequence[WorkAlong]) -> Array:
         """The unknowns of common ``values``, SI, and the radii at the begins of the records; w ``along`` each."""
-        radii = (_radius(item, self.body.nonadhesive) for item in along)
+        least, most = self.body.nonadhesive.a[[0, -1]] * (1.01, 0.999)
+        radii = [np.clip(np.median(item.a[item.ok][: TUNING.first]), least, most) for item in along]
         return np.array([*self.unknowns.at(values), *(x for a in radii for x in (math.log(a), 0.0, 0.0))])
 
     def _along(self, values: Mapping[str, float]) -> list[WorkAlong]:
         """w along each record with the elastic part of ``values``; InputError where one has none."""
-        body = self.body.nonadhesive.scaled(values["modulus"])
-        return [_along(body, record, values["delta0"], values["P0"]) for record in self.records]
+        body, along = self.body.nonadhesive.scaled(values["modulus"]), []
+        for record in self.records:
+            part, rows = record.curve.rows(record.rows), record.t.size
+            moved = replace(part, delta=part.depth - values["delta0"], P=part.load - values["P0"])
+            along.append(work_along(body, moved, window=min(max(11, rows // 40) | 1, rows - 1 + rows % 2)))
+        return along
 
     def _elastic(self) -> Iterator[dict[str, float]]:
         """Modulus factors with delta0 and P0 of the slowest record, fitted as if its adhesion did not depend on speed:
@@ -329,33 +307,20 @@ class _Problem:
     def result(self, least: Least) -> RateFit:
         values, settings, unknowns = self.unknowns.values(least.x), self.settings, self.unknowns
         law, w0 = law_of(settings.law, values)
-        dof, scatter = max(least.state.residuals.size - least.x.size, 1), self.scatter(least)
-        whole, t = covariance(least.state.jacobian, max(scatter, 1e-12) ** 2), t_quantile(settings.level, dof)
         E_star = self.body.problem.E_star
-        intervals = Intervals.of(unknowns, least, whole, t, settings.level, settings.confidence, E_star)
-        predictions = tuple(self.prediction(least.x, i) for i in range(len(self.records)))
+        intervals = Intervals.of(unknowns, least, settings.level, settings.confidence, E_star)
+        predictions = self.predictions(least.x)
+        parts = zip(self.records, self.differences(least.x, predictions), strict=True)
+        squares = sum(float(np.sum((part[name] / record.noise[name]) ** 2)) for record, part in parts for name in part)
         moving = np.concatenate([item.speed[item.speed > 0] for item in predictions])
         low, high = map(float, np.quantile(moving, (0.05, 0.95))) if moving.size else (0.0, 0.0)
         fit = RateFit(
-            estimates=intervals.estimates(), free=unknowns.names, covariance=unknowns.covariance(whole), dof=dof,
-            law=law, w0=w0, records=self.records, predictions=predictions, zero=values["P0"],
-            scatter=self.misfit(least), speeds=(low, high), evaluations=least.steps, settings=settings,
+            estimates=intervals.estimates(), free=unknowns.names, dof=least.dof,
+            covariance=unknowns.covariance(intervals.covariance), law=law, w0=w0, records=self.records,
+            predictions=predictions, zero=values["P0"], scatter=math.sqrt(squares / least.dof), speeds=(low, high),
+            settings=settings,
         )  # fmt: skip
         return replace(fit, warnings=tuple(_warnings(fit)))
-
-
-def _along(body: Nonadhesive, record: RateRecord, delta0: float, P0: float) -> WorkAlong:
-    """w along the record with the zeros subtracted; InputError where there is none."""
-    part = record.curve.rows(record.rows)
-    moved = replace(part, delta=part.depth - delta0, P=part.load - P0)
-    window = max(11, record.t.size // 40) | 1
-    return work_along(body, moved, window=min(window, record.t.size - 1 + record.t.size % 2))
-
-
-def _radius(item: WorkAlong, body: Nonadhesive) -> float:
-    """The radius [m] at the begin of a record: the middle of its first rows that have one."""
-    radii = item.a[item.ok][: TUNING.first]
-    return float(np.clip(np.median(radii), body.a[0] * 1.01, body.a[-1] * 0.999))
 
 
 def _warnings(fit: RateFit) -> list[str]:

@@ -12,7 +12,7 @@ from ...data import Curve
 from ...data.record import TUNING as RECORDS
 from ..fit import third_differences
 from ..fit.points import evenly
-from ..motion import check_over_time, check_rising, noise_of
+from ..motion import check_over_time, check_rising, noise_of, through
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,11 @@ class RateRecord:
     loose: tuple[float, float]
     stiffness: float
     rows: Array
+
+    @property
+    def columns(self) -> dict[str, Array]:
+        """What was measured of load and radius, by name."""
+        return {"P": self.P} | ({} if self.a is None else {"a": self.a})
 
     @property
     def tilt(self) -> tuple[float, float]:
@@ -92,12 +97,12 @@ def rate_record(curve: Curve, segment: str | None, lost: float | None = None) ->
     chosen = _retraction(t, P, device, lost) if t.size >= RECORDS.least_rows else np.empty(0, dtype=int)
     if chosen.size < RECORDS.least_rows:
         raise InputError(f"{curve.where}: {chosen.size} rows of a retraction, at least {RECORDS.least_rows} are needed")
-    a = None if part.a is None else part.a[chosen]
-    read = {"P": P[chosen]} | ({} if a is None else {"a": a})
-    noise = {name: noise_of(column) for name, column in read.items()}
     base, loose = _motion(t[chosen], device[chosen])
-    stiffness = np.inf if curve.stiffness is None else curve.stiffness
-    return RateRecord(curve, t[chosen], P[chosen], a, noise, noise, base, loose, float(stiffness), numbers[chosen])
+    stiffness = np.inf if curve.stiffness is None else float(curve.stiffness)
+    a = None if part.a is None else part.a[chosen]
+    record = RateRecord(curve, t[chosen], P[chosen], a, {}, {}, base, loose, stiffness, numbers[chosen])
+    noise = {name: noise_of(column) for name, column in record.columns.items()}
+    return replace(record, noise=noise, sigma=noise)
 
 
 def _retraction(t: Array, P: Array, device: Array, lost: float | None) -> Array:
@@ -134,14 +139,12 @@ def _motion(t: Array, device: Array) -> tuple[tuple[Array, Array], tuple[float, 
     the readings about the motion."""
     middle, half = (t[0] + t[-1]) / 2, (t[-1] - t[0]) / 2
     z, least = (t - middle) / half, SAME * float(np.ptp(device))
-    line = np.polynomial.polynomial.polyfit(z, device, 1)
-    base = t[[0, -1]], np.polynomial.polynomial.polyval(np.array([-1.0, 1.0]), line)
-    noise = _rms(device - np.polynomial.polynomial.polyval(z, line), 2)
+    line = np.polynomial.Polynomial(np.polynomial.polynomial.polyfit(z, device, 1))
+    base, noise = (t[[0, -1]], line(np.array([-1.0, 1.0]))), _rms(device - line(z), 2)
     if noise > TUNING.straight * third_differences(device) + least:
         knots = np.linspace(t[0], t[-1], min(TUNING.knots, t.size // 4) + 1)
-        hats = np.stack([np.interp(t, knots, row) for row in np.eye(knots.size)], axis=1)
-        base = knots, np.linalg.lstsq(hats, device, rcond=None)[0]
-        noise = _rms(device - hats @ base[1], knots.size)
+        places, pieces = through(t, device, knots)
+        base, noise = (knots, places), _rms(device - pieces, knots.size)
     noise = max(noise, least)
     return base, (noise / np.sqrt(t.size), noise / np.sqrt(np.sum((z - z.mean()) ** 2)))
 

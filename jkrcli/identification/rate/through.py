@@ -43,8 +43,9 @@ ENDS = {"n": TUNING.laws}
 
 @dataclass(frozen=True, eq=False)
 class LawThrough:
-    """A ``law`` with its ``w0`` [J/m^2] through points of w over speed; ``names`` and the covariance of their logs
-    (None where the points do not separate them); ``speeds``: the range [m/s]; ``dof``: degrees of freedom."""
+    """A ``law`` with its ``w0`` [J/m^2] through points of w over speed; ``names`` of what is free of them, and the
+    covariance of their logs (None where the points do not separate them); ``speeds``: the range [m/s]; ``dof``: degrees
+    of freedom."""
 
     law: RateLaw
     w0: float
@@ -75,7 +76,7 @@ class LawThrough:
         w = self.law.work(self.w0, v)
         if self.inner is None:
             return w, w, w
-        rates = log_rates(self.law, self.w0, v)
+        rates = log_rates(self.law, self.w0, v)[[name in self.names for name in ("w0", *vars(self.law))]]
         variance = np.maximum(np.einsum("pn,pq,qn->n", rates, self.inner, rates), 0.0)  # of exact points: rounding
         spread = t_quantile(level, self.dof) * np.sqrt(variance)
         return w, w * np.exp(-spread), w * np.exp(spread)

@@ -184,9 +184,10 @@ class Unknowns:
         ends of their parameters; what comes behind them has none."""
         low, high = np.full((2, start.size), np.inf) * [[-1], [1]]
         for i, (parameter, unit) in enumerate(zip(self.free, self.scales, strict=True)):
-            by = reach if parameter.kind == "log" else np.inf
-            low[i] = max(_end(parameter, parameter.low) / unit, start[i] - by)
-            high[i] = min(_end(parameter, parameter.high) / unit, start[i] + by)
+            log = parameter.kind == "log"
+            by, ends = reach if log else np.inf, (parameter.low, parameter.high)
+            least, most = map(parameter.inner, ends) if log else ends
+            low[i], high[i] = max(least / unit, start[i] - by), min(most / unit, start[i] + by)
         return low, high
 
     def covariance(self, whole: Array | None) -> Array | None:
@@ -219,11 +220,6 @@ def parameters_of(
         else:
             parameters.append(Parameter(name, False, known[name], scale=scale, quantity=ranged.dimension))
     return tuple(parameters)
-
-
-def _end(parameter: Parameter, value: float) -> float:
-    """The unknown at the end of a range."""
-    return parameter.inner(value) if parameter.kind == "log" else value
 
 
 # ---------------------------------------------------------------------- what a user writes

@@ -7,7 +7,7 @@ that moves in straight pieces. So its noise has its part in the intervals.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -56,6 +56,7 @@ AS_READ = (
     "neither device nor load moved at constant rates: the displacement of the tip is used as read, its noise is not "
     "in the intervals"
 )
+FAILURES = (JkrError, FloatingPointError, OverflowError, ValueError)  # of a history far from any record
 ZEROS = {"delta0": Ranged("length"), "P0": Ranged("load"), "tilt": Ranged("stiffness")}  # added to what is read
 WEIGHT, TIME = Ranged("number", above=0, most=1), Ranged("time", above=0)
 
@@ -81,14 +82,12 @@ class RelaxationSettings:
 
     def relaxation(self, values: Mapping[str, float]) -> Relaxation:
         """The law with its parameters."""
-        parameters = {name: values[name] for name in _of_law(self.law, self.terms)}
-        if self.law != "prony":
-            plain: Relaxation = RELAXATIONS[self.law](**parameters)
-            return plain
-        pairs = [(parameters[f"weight{i}"], parameters[f"time{i}"]) for i in range(1, self.terms + 1)]
-        weights, times = zip(*pairs, strict=True)
-        several: Relaxation = RELAXATIONS["prony"](weights=weights, times=times)
-        return several
+        parameters: dict[str, Any] = {name: values[name] for name in _of_law(self.law, self.terms)}
+        if self.law == "prony":
+            own = tuple(parameters.values())
+            parameters = {"weights": own[::2], "times": own[1::2]}
+        law: Relaxation = RELAXATIONS[self.law](**parameters)
+        return law
 
 
 def _of_law(law: str, terms: int) -> dict[str, Ranged]:
@@ -180,30 +179,23 @@ def timed_record(curve: Curve) -> TimedRecord:
     if len(curve) < RECORDS.least_rows:
         raise InputError(f"{curve.where}: {len(curve)} rows, at least {RECORDS.least_rows} are needed")
     check_rising(curve.where, curve.time, np.arange(len(curve)))
-    curve = averaged(curve)
-    curve, flag = without_adhesion(curve, (noise_of(curve.device), noise_of(curve.load)))
-    flags: tuple[str, ...] = () if flag is None else (flag,)
-    motions = [_knots(curve.time, column) for column in (curve.device, curve.load)]
-    if min(pieces[0].size for pieces, _ in motions) > TUNING.pieces:
-        noise = noise_of(curve.depth), motions[1][1]
-        flags += (AS_READ,)
-        knots = followed(curve.time, curve.depth)
-        return TimedRecord(
-            curve, curve.time, curve.depth, curve.load, False, math.inf, knots, noise, noise, True, flags
-        )
-    loaded = motions[1][0][0].size < motions[0][0][0].size
-    order = (1, 0) if loaded else (0, 1)
-    columns = (curve.device, curve.load) if not loaded else (curve.load, curve.device)
-    noise = motions[order[0]][1], motions[order[1]][1]
-    stiffness = 0.0 if loaded else math.inf if curve.stiffness is None else float(curve.stiffness)
-    return TimedRecord(curve, curve.time, *columns, loaded, stiffness, motions[order[0]][0], noise, noise, flags=flags)
-
-
-def _knots(t: Array, column: Array) -> tuple[tuple[Array, Array], float]:
-    """Corners of a column over time, and its noise from row to row."""
-    noise = noise_of(column)
+    curve, flags = without_adhesion(averaged(curve))
+    t, device, load = curve.time, curve.device, curve.load
     some = evenly(t.size, TUNING.rows)
-    return corners(t[some], column[some], noise), noise
+    of_device, of_load = (corners(t[some], column[some], noise_of(column)) for column in (device, load))
+    read = min(of_load[0].size, of_device[0].size) > TUNING.pieces
+    loaded = not read and of_load[0].size < of_device[0].size
+    if read:
+        imposed, response, stiffness, knots = curve.depth, load, math.inf, followed(t, curve.depth)
+    elif loaded:
+        imposed, response, stiffness, knots = load, device, 0.0, of_load
+    else:
+        stiffness = math.inf if curve.stiffness is None else float(curve.stiffness)
+        imposed, response, knots = device, load, of_device
+    noise = noise_of(imposed), noise_of(response)
+    return TimedRecord(
+        curve, t, imposed, response, loaded, stiffness, knots, noise, noise, read, flags + read * (AS_READ,)
+    )
 
 
 def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> RelaxationFit:
@@ -218,22 +210,19 @@ def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings)
     least = problem.minimise(problem.start())
     problem = replace(problem, record=replace(problem.record, sigma=problem.scatters(least)))
     fit = problem.result(problem.minimise(least.x), body.problem.E_star)
-    flag = _fewer(body, fit)
-    return fit if flag is None else replace(fit, warnings=(*fit.warnings, flag))
+    return replace(fit, warnings=(*fit.warnings, *_fewer(body, fit)))
 
 
-def _fewer(body: FittedBody, fit: RelaxationFit) -> str | None:
-    """A warning where a term less of a Prony series does as well, by the information criterion of Bayes; else None."""
-    terms = fit.settings.terms - 1
+def _fewer(body: FittedBody, fit: RelaxationFit) -> Iterator[str]:
+    """A warning where a term less of a Prony series does as well, by the information criterion of Bayes."""
+    terms, rows = fit.settings.terms - 1, fit.record.t.size
     if fit.settings.law != "prony" or terms == 0:
-        return None
+        return
     fewer = relaxation_fit(body, fit.record.curve, replace(fit.settings, terms=terms))
-    rows = fit.record.t.size
     scores = [rows * math.log(np.sum((one.response - one.record.response) ** 2)) for one in (fit, fewer)]
     rise = scores[0] - scores[1] + (len(fit.free) - len(fewer.free)) * math.log(rows)
-    if rise < 0:
-        return None
-    return f"{terms} terms fit as well as {terms + 1} (BIC better by {rise:.2g}): take --terms {terms}"
+    if rise >= 0:
+        yield f"{terms} terms fit as well as {terms + 1} (BIC better by {rise:.2g}): take --terms {terms}"
 
 
 def _with_base_line(record: TimedRecord, settings: RelaxationSettings) -> RelaxationSettings:
@@ -303,7 +292,7 @@ class _Problem:
         record = self.record
         try:
             imposed, response = self.model(theta)
-        except (JkrError, FloatingPointError, OverflowError, ValueError):
+        except FAILURES:
             imposed, response = record.imposed + np.ptp(record.imposed), record.response + np.ptp(record.response)
         rest = (response - record.response) / record.sigma[1]
         return rest if record.read else np.concatenate([(imposed - record.imposed) / record.sigma[0], rest])
@@ -342,10 +331,9 @@ class _Problem:
         tip, candidates, reason = replace(self, record=self.record.by_tip), [], ""
         thin = replace(tip, record=tip.record.thinned())
         for values in tip._tried():  # of all rows: a quick press may lie between a few
-            theta = thin._from(values)
             try:
-                theta = thin._with_modulus(theta, values)
-            except (JkrError, FloatingPointError, OverflowError, ValueError) as error:
+                theta = thin._from_loads(values)
+            except FAILURES as error:
                 reason = f" ({error})"
                 continue
             candidates.append((float(np.sum(thin.residuals(theta) ** 2)), theta[: len(self.unknowns.free)], values))
@@ -360,16 +348,15 @@ class _Problem:
     def _tried(self) -> list[dict[str, float]]:
         """Values of the parameters to begin with, those that are fixed among them."""
         duration, fixed = float(np.ptp(self.record.t)), self.unknowns.fixed
-        laws: list[dict[str, float]] = []
+        n, times = self.settings.terms, [time * duration for time in TUNING.times]
         if self.settings.law == "power":
             laws = [{"exponent": x} for x in TUNING.exponents]
         elif self.settings.law == "prony":
-            n = self.settings.terms
-            for time in TUNING.times:
-                times = {f"time{i + 1}": time * duration * 8.0 ** (i - (n - 1)) for i in range(n)}
-                laws.append(times | {f"weight{i + 1}": 0.6 / n for i in range(n)})
+            spans = {f"time{i + 1}": 8.0 ** (i - (n - 1)) for i in range(n)}
+            weights = {f"weight{i + 1}": 0.6 / n for i in range(n)}
+            laws = [{name: time * span for name, span in spans.items()} | weights for time in times]
         else:
-            laws = [{"ratio": r, "time": time * duration} for r in TUNING.shares for time in TUNING.times]
+            laws = [{"ratio": r, "time": time} for r in TUNING.shares for time in times]
         own = {parameter.name: 1.0 for parameter in self.settings.parameters if parameter.name not in ZEROS}
         base = 0.0 if self.record.loaded else float(np.median(self.record.response[:3]))
         zeros = [{"delta0": zero, "P0": base, "tilt": 0.0} for zero in self._zeros()]
@@ -388,17 +375,17 @@ class _Problem:
         places = x / np.ptp(self.record.knots[1])
         return np.concatenate([self.unknowns.at(values), places, np.zeros(self.moving.size)])
 
-    def _with_modulus(self, theta: Array, values: Mapping[str, float]) -> Array:
-        """The unknowns with the modulus that brings the loads nearest; of a load, the depth where it is largest."""
+    def _from_loads(self, values: Mapping[str, float]) -> Array:
+        """The same with the modulus that brings the loads nearest; of a load, the depth where it is largest."""
+        theta, record = self._from(values), self.record
         if "modulus" in self.unknowns.fixed:
             return theta
-        record, i = self.record, self.unknowns.names.index("modulus")
-        theta = theta.copy()
         if record.loaded:
-            theta[i] = math.log(self._creep_modulus(values))
-            return theta
-        response, rest = self.model(theta)[1] - values["P0"], record.response - values["P0"]
-        theta[i] = math.log(max(float(np.sum(response * rest) / np.sum(response**2)), 1e-12))
+            modulus = self._creep_modulus(values)
+        else:
+            response, rest = self.model(theta)[1] - values["P0"], record.response - values["P0"]
+            modulus = max(float(np.sum(response * rest) / np.sum(response**2)), 1e-12)
+        theta[self.unknowns.names.index("modulus")] = math.log(modulus)
         return theta
 
     def _creep_modulus(self, values: Mapping[str, float]) -> float:

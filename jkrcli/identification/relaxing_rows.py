@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base import ROWS, TINY, Array, show
 from ..data import Curve
-from .motion import corners
+from .motion import corners, noise_of
 
 
 @dataclass(frozen=True)
@@ -35,20 +35,20 @@ def averaged(curve: Curve) -> Curve:
     return replace(curve, a=None, segment=None, **means)
 
 
-def without_adhesion(curve: Curve, noise: tuple[float, float]) -> tuple[Curve, str | None]:
-    """The rows up to a retraction that pulls, and a flag on it; ``noise`` of device and load."""
-    t, x = corners(curve.time, curve.device, noise[0])
+def without_adhesion(curve: Curve) -> tuple[Curve, tuple[str, ...]]:
+    """The rows up to a retraction that pulls, and a flag on it, if any."""
+    t, x = corners(curve.time, curve.device, noise_of(curve.device))
     slopes = np.diff(x) / np.diff(t)
     back = np.logical_and.accumulate(slopes[::-1] < -TUNING.falls * np.abs(slopes).max())
     begin = float(t[-1 - int(back.sum())])
     later = curve.time > begin
     pulls = float(np.min(curve.load[~later]) - np.min(curve.load[later], initial=math.inf))
-    if pulls < TUNING.apart * noise[1] or later.all():
-        return curve, None
+    if pulls < TUNING.apart * noise_of(curve.load) or later.all():
+        return curve, ()
     flag = (
         f"the retraction adheres, it pulls with {show(pulls, 'load')}: fitted without it, up to {show(begin, 'time')}"
     )
-    return curve.rows(~later), flag
+    return curve.rows(~later), (flag,)
 
 
 def base_line(P: Array, x: Array, noise: float) -> tuple[str, ...]:

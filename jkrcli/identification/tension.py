@@ -8,17 +8,16 @@ the contact radius; residuals are those of the load at the displacement that was
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import Any, cast
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
 from ..adhesion import LIMITS
 from ..base import SAME, Array, InputError, Ranged, SolveError, show
-from ..bodies import Loading, Problem
+from ..bodies import RADIUS, Loading, Problem, changed
 from ..data import Curve
 from ..formulas.griffith import shift
 from ..formulas.surface_tension import edge_angle
@@ -169,15 +168,11 @@ def tension_fit(
     of ``RANGES`` and the modulus (E* [Pa]) that are known. InputError where a record cannot be used, SolveError."""
     records = tuple(map(Record.of, curves))
     families = [
-        TenseFamily.of(_with_radius(problem, R), TUNING.beyond * record.depth)
+        TenseFamily.of(changed(problem, {RADIUS: R}), TUNING.beyond * record.depth)
         for R, record in zip(radii, records, strict=True)
     ]
     model = _Model(problem.E_star, records, families, fixed)
     return _result(model, model.best(), radii, level)
-
-
-def _with_radius(problem: Problem, R: float) -> Problem:
-    return replace(problem, indenter=replace(cast(Any, problem.indenter), R=R))
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,12 +207,12 @@ class _Model:
 
     def loads(self, x: Array) -> list[Array]:
         """Loads [N] of all records."""
-        values, loads = self.values(x), []
-        for record, family, zero in zip(self.records, self.families, self.zeros(x), strict=True):
-            kappa = float(np.clip(2 * values["surface_tension"] / values["modulus"], *family.lengths))
-            s = values["modulus"] / self.E_star
-            loads.append(family.loads(record.delta - zero, s, kappa, values["w"]))
-        return loads
+        values, each = self.values(x), zip(self.records, self.families, self.zeros(x), strict=True)
+        kappa, s = 2 * values[TENSION] / values["modulus"], values["modulus"] / self.E_star
+        return [
+            family.loads(record.delta - zero, s, float(np.clip(kappa, *family.lengths)), values["w"])
+            for record, family, zero in each
+        ]
 
     def residuals(self, x: Array) -> Array:
         """Loads less those read, in units of each record's largest."""
@@ -286,8 +281,9 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
         covariance=spread, dof=best.dof, records=model.records, loads=tuple(model.loads(best.x)),
         scatter=math.sqrt(best.variance) * float(np.mean([record.load for record in model.records])),
     )  # fmt: skip
-    fit = replace(fit, mixed={} if several else _mixed(fit))
-    return replace(fit, warnings=(*_not_separated(fit, errors), *_steep(model.values(best.x))))
+    mixed = {} if several else _mixed(fit)
+    warnings = *_not_separated(fit, mixed, errors), *_steep(model.values(best.x))
+    return replace(fit, mixed=mixed, warnings=warnings)
 
 
 def _work(intervals: Intervals, item: FittedValue) -> FittedValue:
@@ -313,23 +309,21 @@ def _mixed(fit: TensionFit) -> dict[str, float]:
     return {word(name): -c for c, name in others}
 
 
-def _not_separated(fit: TensionFit, errors: Sequence[float]) -> list[str]:
+def _not_separated(fit: TensionFit, mixed: Mapping[str, float], errors: Sequence[float]) -> Iterator[str]:
     """A warning that records of one radius do not separate the tension, and from what."""
-    if not fit.mixed:
-        return []
-    worst = " and ".join(f"{name} ({c:.3f})" for name, c in fit.mixed.items())
-    return [
-        f"records of one radius do not separate surface_tension from {worst} (correlation; "
-        f"standard error {errors[fit.free.index(TENSION)]:.0%} if the model were exact): give records of another "
-        "radius (--tip-radius), or --fix one of them"
-    ]
+    if mixed:
+        worst = " and ".join(f"{name} ({c:.3f})" for name, c in mixed.items())
+        yield (
+            f"records of one radius do not separate surface_tension from {worst} (correlation; "
+            f"standard error {errors[fit.free.index(TENSION)]:.0%} if the model were exact): give records of another "
+            "radius (--tip-radius), or --fix one of them"
+        )
 
 
-def _steep(values: Mapping[str, float]) -> list[str]:
+def _steep(values: Mapping[str, float]) -> Iterator[str]:
     w, tension = values["w"], values["surface_tension"]
-    if w <= 0 or edge_angle(w, tension) <= LIMITS.edge_angle:
-        return []
-    return [
-        f"theta = sqrt(2 w/Ups) = {edge_angle(w, tension):.3g} rad (w = {show(w, 'work')}) is above "
-        f"{LIMITS.edge_angle:g}: slopes are not small"
-    ]
+    if w > 0 and (theta := edge_angle(w, tension)) > LIMITS.edge_angle:
+        yield (
+            f"theta = sqrt(2 w/Ups) = {theta:.3g} rad (w = {show(w, 'work')}) is above {LIMITS.edge_angle:g}: slopes "
+            "are not small"
+        )

@@ -69,12 +69,9 @@ class WorkAlong:
 
 
 def work_along(
-    body: Nonadhesive,
-    curve: Curve,
-    use: tuple[str, str] | None = None,
-    noise: Mapping[str, float] | None = None,
+    body: Nonadhesive, curve: Curve, use: tuple[str, str] | None = None, noise: Mapping[str, float] | None = None,
     window: int = 11,
-) -> WorkAlong:
+) -> WorkAlong:  # fmt: skip
     """The work of adhesion at each row of ``curve`` on ``body``.
 
     ``use``: the pair of ``PAIRS`` to take [default: the first that was measured]. ``noise``: standard deviations of
@@ -286,23 +283,20 @@ def _gradients(
 ) -> tuple[dict[str, dict[str, Array]], dict[str, Array | None]]:
     """Derivatives of log w and of a: by the measured quantities, and by (delta_H, P_H, S, S') as arrays (4, n)."""
     (_, _, S, dS, t), rates = body.with_rates(a)
-    zero = np.zeros_like(a)
-    if used == ("a", "P"):
-        below = S * lag  # P_H - P
-        noise = {"a": 2 * (rates.P_H / below - rates.S / S - rates.t / t), "P": -2 / below}
-        return {"w": noise, "a": {}}, {"w": np.stack([zero, 2 / below, -2 / S, 1 / dS]), "a": None}
-    along = 2 * (rates.delta_H / lag - rates.t / t)  # d(log w)/da at constant delta
-    if used == ("a", "delta"):
-        return {"w": {"a": along, "delta": -2 / lag}, "a": {}}, {
-            "w": np.stack([2 / lag, zero, zero, 1 / dS]),
-            "a": None,
-        }
+    zero, below = np.zeros_like(a), S * lag  # P_H - P
+    if "delta" in used:  # d(log w)/da at constant readings; by one of them; by the functions
+        along, name, at_once = 2 * (rates.delta_H / lag - rates.t / t), "delta", -2 / lag
+        direct = np.stack([2 / lag, zero, zero, 1 / dS])
+    else:
+        along, name, at_once = 2 * (rates.P_H / below - rates.S / S - rates.t / t), "P", -2 / below
+        direct = np.stack([zero, 2 / below, -2 / S, 1 / dS])
+    if "a" in used:
+        return {"w": {"a": along, name: at_once}, "a": {}}, {"w": direct, "a": None}
     slope = dS * lag  # -F': a moves by (S d(delta) - dP)/slope
     of_a = {"delta": S / slope, "P": -1 / slope}
-    noise = {"delta": along * of_a["delta"] - 2 / lag, "P": along * of_a["P"]}
+    of_w = {"delta": along * of_a["delta"] + at_once, "P": along * of_a["P"]}
     by_fields = np.stack([-S / slope, 1 / slope, -lag / slope, zero])
-    of_w = along * by_fields + np.stack([2 / lag, zero, zero, 1 / dS])
-    return {"w": noise, "a": of_a}, {"w": of_w, "a": by_fields}
+    return {"w": of_w, "a": of_a}, {"w": along * by_fields + direct, "a": by_fields}
 
 
 # ---------------------------------------------------------------------- the speed of the edge

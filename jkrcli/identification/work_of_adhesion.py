@@ -11,13 +11,13 @@ from ..adhesion import FoundWork, Nonadhesive, point_error, work_from_pull_off
 from ..base import Estimate, InputError, Unknown, parse
 from ..beside import Analysis, adhesive, nonadhesive, with_solved_points
 from ..beside.again import method_behind
-from ..bodies import Loading, changed, checked_names, layer_names, nominal
+from ..bodies import RADIUS, Loading, changed, checked_names, layer_names, nominal
 from ..series import Solution
 from .fit.points import evenly
 from .intervals import changes_by
 
-FORCE, RADIUS, MODULI = "load", "R", "E"  # uncertain inputs beside "h", "nu" and those of single layers
-DIMENSIONS = {FORCE: "load", RADIUS: "length", MODULI: "modulus", "h": "length", "nu": "number"}
+FORCE, TIP, MODULI = "load", "R", "E"  # uncertain inputs beside "h", "nu" and those of single layers
+DIMENSIONS = {FORCE: "load", TIP: "length", MODULI: "modulus", "h": "length", "nu": "number"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,13 +54,9 @@ class _Inverse:
 
 
 def measured_work(
-    solution: Solution,
-    load: float,
-    stiffness: float,
-    slopes: str = "auto",
-    modulus_factor: float = 1.0,
+    solution: Solution, load: float, stiffness: float, slopes: str = "auto", modulus_factor: float = 1.0,
     uncertain: Iterable[tuple[str, str]] = (),
-) -> MeasuredWork:
+) -> MeasuredWork:  # fmt: skip
     """The work of adhesion behind the pull-off force ``load`` [N, > 0] measured by a device of ``stiffness`` [N/m].
 
     ``uncertain``: standard deviations of inputs by name, as text (``uncertain_inputs``). InputError names the file.
@@ -130,7 +126,7 @@ def _whole(solution: Solution, name: str) -> str:
     whole = f"{name}:{names[0]}" if name in ("h", "nu") and names else name
     layers = names[: len(solution.problem.specimen.layers)]
     own = [f"{quantity}:{layer}" for quantity in ("E", "nu") for layer in names] + [f"h:{layer}" for layer in layers]
-    radius = [RADIUS] if hasattr(solution.problem.indenter, "R") else []
+    radius = [TIP] if hasattr(solution.problem.indenter, "R") else []
     checked_names([whole], [FORCE, *radius, MODULI, *own], "pull-off")
     return whole
 
@@ -151,7 +147,7 @@ def _nominal(inverse: _Inverse, name: str) -> float:
     problem = inverse.solution.problem
     if name == FORCE:
         return inverse.load
-    if name == RADIUS:
+    if name == TIP:
         return float(cast(Any, problem.indenter).R)
     return problem.E_star if name == MODULI else nominal(problem.specimen, name)
 
@@ -170,10 +166,6 @@ def _moved(inverse: _Inverse, name: str, value: float) -> _Inverse:
         raise InputError(
             f"pull-off: {name} cannot be uncertain: the series was not solved here, only its load and E can"
         )
-    problem = solution.problem
-    if name == RADIUS:
-        moved = replace(problem, indenter=cast(Any, replace(cast(Any, problem.indenter), R=value)))
-    else:
-        moved = changed(problem, {name: value})
+    moved = changed(solution.problem, {RADIUS if name == TIP else name: value})
     again = method(replace(moved, loading=_radii(solution)))
     return replace(inverse, solution=again, body=nonadhesive(again))

@@ -18,7 +18,7 @@ from scipy.special import chdtrc
 from ...base import MOST_STEPS, ROUNDED, Array, InputError, did_you_mean
 from ...bodies import RADIUS
 from ...data import Curve, ForceCurve
-from ..answer import Answer, FittedValue
+from ..answer import Answer, FittedValue, word
 from ..intervals import Intervals
 from ..least_squares import Least, LeastSquares, State
 from ..parameters import ALIAS, LOG, Parameter, Unknowns
@@ -58,26 +58,22 @@ def with_radii(body: FittedBody, radii: Sequence[float], count: int) -> list[Fit
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A record's own ``least``, with the ``names`` of its unknowns; ``units`` of those that may be shared, by their
-    names; ``noise``: variance of its residuals that its covariance rests on; ``counted``: where works are counted in
-    moduli, the factor of these if it is known; 0 where they are not."""
+    """A record's own ``least``, with the ``names`` of its unknowns, of those that may be shared as all call them, and
+    their ``units``; ``noise``: variance of its residuals that its covariance rests on; ``counted``: where works are
+    counted in moduli, the factor of these if it is known; 0 where they are not."""
 
     where: str
     least: Least
     names: tuple[str, ...]
     units: Mapping[str, float]
     noise: float
-    renamed: Mapping[str, str]
     counted: float
 
     def place(self, name: str) -> int:
         """Where the shared parameter is among the unknowns."""
-        own = self.renamed.get(name, name)
-        if own not in self.names:
-            raise InputError(
-                f"{self.where}: does not determine {'E*' if name == 'modulus' else name}: it cannot be shared"
-            )
-        return self.names.index(own)
+        if name not in self.names:
+            raise InputError(f"{self.where}: does not determine {word(name)}: it cannot be shared")
+        return self.names.index(name)
 
     def unknowns(self, values: Mapping[str, float], own: Array) -> tuple[Array, dict[str, Array]]:
         """All unknowns by the shared ``values`` and its ``own``, and their derivatives by the shared ones."""
@@ -105,7 +101,7 @@ class Part:
 
     def modulus(self, x: Array) -> float:
         """The factor of all moduli that works are counted in."""
-        return math.exp(x[self.names.index("ln_s")]) if "ln_s" in self.names else self.counted
+        return math.exp(x[self.names.index("modulus")]) if "modulus" in self.names else self.counted
 
 
 def part_of(body: FittedBody, curve: Curve, settings: Settings) -> Part:
@@ -113,20 +109,20 @@ def part_of(body: FittedBody, curve: Curve, settings: Settings) -> Part:
     ready = prepared(body, curve, settings)
     if isinstance(ready, ForceCurve):
         whole = whole_fit(body, ready, settings)
-        last = whole.model.stretches[-1].kind
-        plain = covariance(whole.least.state.jacobian, 1.0)
-        return Part(curve.where, whole.least, whole.names, {}, _noise(whole.covariance, plain),
-                    {"modulus": "ln_s", "w": f"q:{last}"}, math.exp(whole.model.known.get("ln_s", 0.0)))  # fmt: skip
+        common = {"ln_s": "modulus", f"q:{whole.model.stretches[-1].kind}": "w"}
+        names = tuple(common.get(name, name) for name in whole.names)
+        noise, factor = _noise(whole.covariance, whole.least), math.exp(whole.model.known.get("ln_s", 0.0))
+        return Part(curve.where, whole.least, names, {}, noise, factor)
     minimum = robust(search(body, ready.points, ready.settings), ready.settings.loss)
     names = tuple(minimum.objective.parameters[i].name for i in minimum.objective.free)
     inner, scale = spread_of(minimum, ready.settings)[0], np.outer(minimum.units, minimum.units)
-    plain = covariance(minimum.least.state.jacobian, 1.0)
-    noise = _noise(None if inner is None else inner / scale, plain)
-    return Part(curve.where, minimum.least, names, dict(zip(names, minimum.units, strict=True)), noise, {}, 0.0)
+    noise = _noise(None if inner is None else inner / scale, minimum.least)
+    return Part(curve.where, minimum.least, names, dict(zip(names, minimum.units, strict=True)), noise, 0.0)
 
 
-def _noise(stated: Array | None, plain: Array | None) -> float:
+def _noise(stated: Array | None, least: Least) -> float:
     """The variance of residuals that a stated covariance rests on, by that of unit variance."""
+    plain = covariance(least.state.jacobian, 1.0)
     if stated is None or plain is None:
         raise InputError("a record does not determine its own unknowns: fix one of them (--fix)")
     return float(np.median(np.diag(stated) / np.diag(plain)))

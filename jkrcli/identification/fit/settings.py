@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -71,33 +71,32 @@ class Settings:
         named = {parameter.name for parameter in self.parameters}
         left_out = (Parameter(name, False, value) for name, value in AS_IN_THE_CASE.items() if name not in named)
         object.__setattr__(self, "parameters", (*self.parameters, *left_out))
+        for wrong in self._wrong():
+            raise InputError(f"fit: {wrong}")
+
+    def _wrong(self) -> Iterator[str]:
+        """What makes the settings none."""
         if not 0.5 <= self.level < 1:
-            raise InputError(f"fit: the confidence level must be between 0.5 and 1, got {self.level:g}")
+            yield f"the confidence level must be between 0.5 and 1, got {self.level:g}"
         for name, value in self.noise.items():
             if not (math.isfinite(value) and value > 0):
-                raise InputError(f"fit: the noise of {name} must be > 0, got {value:g}")
+                yield f"the noise of {name} must be > 0, got {value:g}"
         if self.seed < 0:
-            raise InputError(f"fit: the seed must be >= 0, got {self.seed}")
+            yield f"the seed must be >= 0, got {self.seed}"
         if not self.free:
-            raise InputError("fit: no parameter is free")
+            yield "no parameter is free"
         if not self.range_at_most > 0:
-            raise InputError(f"fit: the largest range of adhesion must be > 0, got {self.range_at_most:g} m")
+            yield f"the largest range of adhesion must be > 0, got {self.range_at_most:g} m"
         for item in self.parameters:
             if item.name in OF_TRAVEL and item.value is not None and not -1 < item.value < 1:
-                raise InputError(
-                    f"fit: {item.name} is a fraction of the travel, must be > -1 and < 1, got {item.value:g}"
-                )
+                yield f"{item.name} is a fraction of the travel, must be > -1 and < 1, got {item.value:g}"
         if self.range is not None:
-            self._check_range()
-
-    def _check_range(self) -> None:
-        if set(RANGES) <= self.named:
-            raise InputError("fit: range and stress are one quantity, stress = w/range: free or fix one of them")
-        if own := [p.name for p in self.free if p.of_body]:
-            raise InputError(f"fit: {own[0]} cannot be free together with a range of adhesion: fix {own[0]}")
-        w = self.parameter("w")
-        if w is not None and w.value == 0:
-            raise InputError("fit: adhesion of finite range needs w > 0: leave w free, or range and stress out")
+            if set(RANGES) <= self.named:
+                yield "range and stress are one quantity, stress = w/range: free or fix one of them"
+            if own := [p.name for p in self.free if p.of_body]:
+                yield f"{own[0]} cannot be free together with a range of adhesion: fix {own[0]}"
+            if self._known("w").value == 0:
+                yield "adhesion of finite range needs w > 0: leave w free, or range and stress out"
 
     @property
     def range(self) -> Parameter | None:
@@ -119,18 +118,22 @@ class Settings:
     @property
     def of_a_branch(self) -> Settings:
         """The same of one branch, whose edge moves all the time."""
-        return replace(self, parameters=tuple(p for p in self.parameters if p.name not in OF_A_CYCLE))
+        return self._without(OF_A_CYCLE)
 
     @property
     def of_the_approach(self) -> Settings:
         """From those of both directions those of the approach alone, whose w is that of the approach."""
         approach = replace(self._known("w_approach"), name="w")
-        return replace(self, parameters=(approach, *(p for p in self.of_a_branch.parameters if p.name != "w")))
+        return self._without(("w", *OF_A_CYCLE), approach)
 
     @property
     def without_range(self) -> Settings:
         """The same of JKR."""
-        return replace(self, parameters=tuple(p for p in self.parameters if p.name not in RANGES))
+        return self._without(RANGES)
+
+    def _without(self, names: Container[str], *first: Parameter) -> Settings:
+        """The same without some parameters, and with others ``first``."""
+        return replace(self, parameters=(*first, *(p for p in self.parameters if p.name not in names)))
 
     @property
     def free(self) -> tuple[Parameter, ...]:
@@ -146,13 +149,9 @@ class Settings:
 
 
 def settings_of(
-    body: FittedBody,
-    free: Iterable[str] = (),
-    fix: Iterable[tuple[str, str]] = (),
-    start: Iterable[tuple[str, str]] = (),
-    bound: Iterable[tuple[str, str]] = (),
-    **options: Any,
-) -> Settings:
+    body: FittedBody, free: Iterable[str] = (), fix: Iterable[tuple[str, str]] = (),
+    start: Iterable[tuple[str, str]] = (), bound: Iterable[tuple[str, str]] = (), **options: Any,
+) -> Settings:  # fmt: skip
     """The settings for ``body``; texts such as ("w", "50 mJ/m^2"), ("E:film", "1 MPa..1 GPa"); InputError names them.
 
     Free are the common modulus, w and delta0, but for those that ``fix`` names, and what ``free`` adds. Where that is

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,30 +33,25 @@ def robust_scale(residuals: Array) -> float:
     return float(np.median(np.abs(residuals))) / TUNING.normal_median
 
 
+# SciPy's losses at residuals z in units of the turn: rho by z^2, its psi = rho'/2 and psi' by z.
+LOSSES: Mapping[Loss, tuple[Callable[[Array], Array], ...]] = {
+    "linear": (lambda s: s, lambda z: z, np.ones_like),
+    "huber": (lambda s: np.where(s <= 1, s, 2 * np.sqrt(s) - 1), lambda z: np.clip(z, -1, 1),
+              lambda z: (np.abs(z) <= 1).astype(float)),
+    "soft_l1": (lambda s: 2 * (np.sqrt(1 + s) - 1), lambda z: z / np.sqrt(1 + z**2), lambda z: (1 + z**2) ** -1.5),
+    "cauchy": (np.log1p, lambda z: z / (1 + z**2), lambda z: (1 - z**2) / (1 + z**2) ** 2),
+}  # fmt: skip
+
+
 def influence(z: Array, loss: Loss) -> tuple[Array, Array]:
-    """psi and psi' of a loss at residuals ``z`` in units of its turn, as SciPy defines them."""
-    match loss:
-        case "huber":
-            inside = np.abs(z) <= 1
-            return np.where(inside, z, np.sign(z)), inside.astype(float)
-        case "soft_l1":
-            return z / np.sqrt(1 + z**2), (1 + z**2) ** -1.5
-        case "cauchy":
-            return z / (1 + z**2), (1 - z**2) / (1 + z**2) ** 2
-    return z, np.ones_like(z)
+    """psi and psi' of a loss at residuals ``z`` in units of its turn."""
+    _, psi, slope = LOSSES[loss]
+    return psi(z), slope(z)
 
 
 def costs(residuals: Array, loss: Loss, width: float) -> float:
     """Half the sum of the losses of ``residuals``, which turn at ``width``."""
-    z = (residuals / width) ** 2
-    match loss:
-        case "huber":
-            z = np.where(z <= 1, z, 2 * np.sqrt(z) - 1)
-        case "soft_l1":
-            z = 2 * (np.sqrt(1 + z) - 1)
-        case "cauchy":
-            z = np.log1p(z)
-    return 0.5 * width**2 * float(np.sum(z))
+    return 0.5 * width**2 * float(np.sum(LOSSES[loss][0]((residuals / width) ** 2)))
 
 
 def variance_factor(residuals: Array, dof: int, loss: Loss, width: float) -> float:

@@ -602,7 +602,7 @@ def work(
     """The work of adhesion along the curves of a ``measured`` file, as ``jkr work`` says it; ``options``: use ("a,P"),
     segment, noise {"P": 2e-9}, window."""
     from .base import executor
-    from .identification.work_of_files import along_file, evaluation_of
+    from .identification.work import along_file, evaluation_of
     from .report import Work
 
     solution, path, reading = _solution(solved, None), Path(measured), reading or Reading()

@@ -56,7 +56,7 @@ def work(
     """
     from ..base import executor
     from ..beside import nonadhesive
-    from ..identification.work_of_files import along_file, evaluation_of
+    from ..identification.work import along_file, evaluation_of
     from ..report import Work
     from .series import read_series, series_file, without_range
 

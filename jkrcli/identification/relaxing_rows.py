@@ -30,8 +30,8 @@ def averaged(curve: Curve) -> Curve:
     each = math.ceil(len(curve) / TUNING.most)
     if each == 1:
         return curve
-    rows = len(curve) // each
-    means = {name: getattr(curve, name)[: rows * each].reshape(rows, each).mean(axis=1) for name in ("t", "delta", "P")}
+    whole = slice(len(curve) // each * each)
+    means = {name: getattr(curve, name)[whole].reshape(-1, each).mean(axis=1) for name in ("t", "delta", "P")}
     return replace(curve, a=None, segment=None, **means)
 
 

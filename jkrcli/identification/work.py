@@ -10,14 +10,17 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.special import stdtrit
 
 from ..adhesion import TWO_SIDED_90, Nonadhesive, Parts
-from ..base import ROUNDED, Array, InputError, show
-from ..data import Curve
-from .fit import FittedBody, Settings
+from ..base import ROUNDED, SETTLED, TOGETHER, Array, InputError, Pool, completed, show
+from ..data import Curve, Reading, each, some
+from ..series import Solution
+from .fit import FittedBody, Settings, body_of, settings_of
 from .fit.record import receding
 
 PAIRS = (("a", "P"), ("a", "delta"), ("delta", "P"))  # the first needs no zero of the displacement
@@ -30,7 +33,6 @@ class WorkTuning:
     """Limits of the search for contact radii, and of speeds."""
 
     steps: int = 60  # theory: halvings of any bracket down to round-off
-    converged: float = 1e-13  # theory: relative step, a thousand times round-off
     least_window: int = 5  # theory: rows, a parabola and two more for its error
     # tuned on fits, by `make constants`: chance with which a cubic is not taken where a parabola does
     sure: float = 0.995
@@ -90,8 +92,10 @@ def work_along(
     w[rows] = (lag / shift) ** 2
     a = np.where(rows, a, 0.0)
     sigma = {name: (noise or {}).get(name, 0.0) for name in used}
-    half_widths = errors(body, used, a[rows], w[rows], lag, sigma)
-    spread = {name: _spread(rows, column) for name, column in half_widths.items()}
+    spread = {}
+    for name, column in errors(body, used, a[rows], w[rows], lag, sigma).items():
+        spread[name] = np.zeros(rows.size)
+        spread[name][rows] = column
     return WorkAlong(
         curve, used, a, w, state, spread.pop("w", None), spread.pop("a", None), spread, *_speed(curve, a, rows, window)
     )
@@ -118,12 +122,43 @@ class Evaluation:
     settings: Settings | None = None
 
     def __call__(self, curve: Curve) -> WorkAlong:
+        part = curve
         if self.fitted is not None and self.settings is not None:
-            moving = receding(self.fitted, curve, self.settings)
-            if moving is not curve:
-                return work_along(self.body, moving, self.use, self.noise, self.window)
-        part = curve if self.segment is None else curve.only(self.segment)
+            part = receding(self.fitted, curve, self.settings)
+        if part is curve and self.segment is not None:
+            part = curve.only(self.segment)
         return work_along(self.body, part, self.use, self.noise, self.window)
+
+
+def evaluation_of(
+    solution: Solution, unit: Nonadhesive, reading: Reading, modulus_factor: float = 1.0, use: str | None = None,
+    segment: str | None = None, noise: Mapping[str, float] | None = None, window: int = 11,
+) -> Evaluation:  # fmt: skip
+    """What gives w along any curve: on a ``solution`` with its functions ``unit``, moduli times ``modulus_factor``, by
+    the pair of quantities ``use`` ("a,P"); of raw records base line, zero points and rows are fitted first."""
+    check_window(window)
+    body, contact = body_of(solution), "as-is" if reading.zero else reading.contact
+    settings = settings_of(body, fix=[("modulus", f"{modulus_factor!r}")], contact=contact, segment=segment)
+    own = segment in (None, "approach", "retract")
+    pair: Any = None if use is None else tuple(use.split(","))
+    own_body = body if own else None
+    return Evaluation(unit.scaled(modulus_factor), pair, noise or {}, window, segment, own_body, settings)
+
+
+def along_file(path: Path, reading: Reading, evaluation: Evaluation, pool: Pool) -> tuple[list[WorkAlong], list[str]]:
+    """The curves of a file that have a work of adhesion, in its order, and why the others have none."""
+    outcomes: list[Any] = list(each(path, reading))
+    rows = [i for i, item in enumerate(outcomes) if not isinstance(item, InputError)]
+    for i, outcome in completed(pool, evaluation, [outcomes[row] for row in rows], path.name, TOGETHER):
+        outcomes[rows[i]] = outcome
+    for outcome in outcomes:
+        if isinstance(outcome, Exception) and not isinstance(outcome, InputError):
+            raise outcome
+    skipped = [line for outcome in outcomes if isinstance(outcome, InputError) for line in outcome.lines]
+    works = [outcome for outcome in outcomes if not isinstance(outcome, Exception)]
+    if not works:
+        raise InputError(some(skipped))
+    return works, skipped
 
 
 def _pair(curve: Curve, use: tuple[str, str] | None) -> tuple[str, str]:
@@ -168,13 +203,6 @@ def _refuse_none(body: Nonadhesive, curve: Curve, state: Array) -> None:
         f"{curve.where}: none of its {len(curve)} rows gives a work of adhesion: {', '.join(counts)}; are the zero "
         "points (--zero), signs (--flip), units and the modulus right?"
     )
-
-
-def _spread(rows: Array, values: Array) -> Array:
-    """``values`` of the chosen rows among all rows, 0 elsewhere."""
-    column = np.zeros(rows.size)
-    column[rows] = values
-    return column
 
 
 def _speed(curve: Curve, a: Array, ok: Array, window: int) -> tuple[Array | None, Array | None, Array | None, int]:
@@ -250,7 +278,7 @@ def _root(falling: Callable[[Array], tuple[Array, Array]], low: Array, high: Arr
         low, high = np.where(value > 0, a, low), np.where(value > 0, high, a)
         step = np.divide(value, fall, out=np.full_like(a, np.inf), where=fall > 0)
         new = np.where((a + step >= low) & (a + step <= high), a + step, (low + high) / 2)
-        done = np.abs(new - a) <= TUNING.converged * a
+        done = np.abs(new - a) <= SETTLED * a
         a = new
         if done.all():
             break

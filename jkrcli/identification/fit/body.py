@@ -129,10 +129,9 @@ class FittedBody:
         """
         body, near = self.with_values(values), {name: _nearby(value) for name, value in values.items()}
         base = self._solved(changed(self.problem, near))
-        others = [
-            self._solved(changed(self.problem, near | {name: near[name] * math.exp(TUNING.step)})) for name in varied
-        ]
-        return replace(body, family=body.family.with_rates([other.rate_from(base, TUNING.step) for other in others]))
+        moved = [changed(self.problem, near | {name: near[name] * math.exp(TUNING.step)}) for name in varied]
+        rates = [self._solved(problem).rate_from(base, TUNING.step) for problem in moved]
+        return replace(body, family=body.family.with_rates(rates))
 
     def on_surface(self, surface: str) -> FittedBody:
         """The same body whose surfaces are "sliding" or "sticking": solved anew by ``layered`` where they were not."""
@@ -178,9 +177,8 @@ class FittedBody:
         return replace(other, **known, **changes)
 
     def _solved(self, problem: Problem) -> Family:
-        return solved(
-            replace(unbounded(problem), loading=Loading.given("radius", tuple(self.series.a))), self.tolerance
-        )
+        at_radii = Loading.given("radius", tuple(self.series.a))
+        return solved(replace(unbounded(problem), loading=at_radii), self.tolerance)
 
 
 @lru_cache(maxsize=REMEMBERED)

@@ -30,7 +30,6 @@ class WarningThresholds:
 
 
 THRESHOLDS = WarningThresholds()
-PROFILE = "; --confidence profile follows how unevenly they trade, in ten times the time"
 
 
 def warnings_of(
@@ -71,16 +70,16 @@ def _separation(fit: Fit, at_bound: Sequence[str]) -> Iterator[str]:
     for one, two, sentence in fit.hardly_apart:
         pair = {one, two}
         if pair <= {"modulus", "w", *RANGES} or pair <= set(POSITIONS) or any(":" in name for name in pair):
-            more = PROFILE if pair & set(RANGES) else ""
+            profile = "; --confidence profile follows how unevenly they trade, in ten times the time"
+            more = profile if pair & set(RANGES) else ""
             yield f"{sentence}: fix one, or measure up to pull-off and to larger loads{more}"
     for name in fit.free:
         item = fit.estimate(name)
-        positive = item.dimension in ("work", "modulus") or name in ("modulus", "range")
         if name in RANGES and item.error is None:
             continue  # ``_beside_jkr`` has it
         if item.low == 0 and item.high is not None:
             yield f"{word(name)} is not significantly above 0: it is at most {show(item.high, item.dimension)}"
-        elif positive:
+        elif item.dimension in ("work", "modulus") or name in ("modulus", "range"):
             yield from fit.vague([name])
 
 
@@ -123,8 +122,7 @@ def _structured(fit: Fit) -> Iterator[str]:
     if fit.quality is None and structure.suspicious and _is_resolved(fit):
         yield (
             f"the residuals are structured (lag-1 autocorrelation {structure.lag1:.2f}, {structure.runs} runs where "
-            f"{structure.expected:.0f} are expected): check body, indenter and rows; "
-            "intervals are too narrow"
+            f"{structure.expected:.0f} are expected): check body, indenter and rows; intervals are too narrow"
         )
 
 
@@ -135,18 +133,16 @@ def _is_resolved(fit: Fit) -> bool:
 
 
 def _scatter(fit: Fit) -> Iterator[str]:
-    low, high = 1 / THRESHOLDS.scatter, THRESHOLDS.scatter
-    if fit.settings.noise and not low <= fit.scatter <= high:
-        more = "more" if fit.scatter > high else "less"
+    if fit.settings.noise and not 1 / THRESHOLDS.scatter <= fit.scatter <= THRESHOLDS.scatter:
+        more = "more" if fit.scatter > 1 else "less"
         yield f"the data scatter {fit.scatter:.2g} times as much as the given noise, {more} than it explains"
 
 
 def _bounds(fit: Fit, at_bound: Sequence[str]) -> Iterator[str]:
-    for name in at_bound:
-        item = fit.estimate(name)
-        has_its_own = name in RANGES and item.error is None
+    for item in map(fit.estimate, at_bound):
+        has_its_own = item.name in RANGES and item.error is None
         if (item.low != 0 or item.value > 0) and not has_its_own:
-            yield f"{word(name)} ends on its bound {show(item.value, item.dimension)}"
+            yield f"{word(item.name)} ends on its bound {show(item.value, item.dimension)}"
 
 
 def _pull_off(fit: Fit) -> Iterator[str]:
@@ -163,8 +159,7 @@ def _pull_off(fit: Fit) -> Iterator[str]:
 
 
 def _elastic_indenter(fit: Fit, body: FittedBody) -> Iterator[str]:
-    modulus = fit.settings.parameter("modulus")
-    problem = body.problem
+    modulus, problem = fit.settings.parameter("modulus"), body.problem
     if modulus is not None and modulus.free and problem.indenter.material is not None and problem.specimen.layers:
         yield "the indenter is elastic: its modulus was scaled together with those of the layers"
 
@@ -172,14 +167,13 @@ def _elastic_indenter(fit: Fit, body: FittedBody) -> Iterator[str]:
 def _validity(fit: Fit, body: FittedBody, family: Family) -> list[str]:
     """Sentences on a/R, delta/h and the Tabor number at the largest radius of the data."""
     problem, a = body.problem, float(np.max(fit.a))
-    (D, _, _, _), _, _ = family.at(np.array([np.log(a)]))
     free = (item.value for item in fit.estimates if item.name.startswith("h:") and item.free)
     top, depth = problem.specimen.top_thickness, problem.specimen.yielding_depth
     thickness = next(free, top)
     judged = judge(
-        a=a, delta=float(D[0]), E_star=fit.value("E_star"), w=fit.work.value if _adhesion(fit) else 0.0,
-        R=problem.indenter.tip_radius, h=thickness, depth=thickness if depth == top else depth,
-        L=problem.specimen.radius, z0=Record.z0 if fit.jkr is None else None, end_is_cut=False,
+        a=a, delta=float(family.at(np.log([a]))[0][0, 0]), E_star=fit.value("E_star"),
+        w=fit.work.value if _adhesion(fit) else 0.0, R=problem.indenter.tip_radius, h=thickness,
+        depth=thickness if depth == top else depth, L=problem.specimen.radius, z0=Record.z0 if fit.jkr is None else None, end_is_cut=False,
         tension=problem.specimen.surface_tension, profile=problem.indenter.noun,
     )  # fmt: skip
     return [line.replace(REMEDY, "fit with --free range (or stress)") for line in judged.warnings]

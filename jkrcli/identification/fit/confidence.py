@@ -69,11 +69,8 @@ def confidence_of(
     if isinstance(jkr, JKRBeside) and jkr.excess < 0.5 * t**2 * factor:
         here = objective.values(minimum.x)
         estimates = tuple(_and_none(_one_sided(item, intervals), jkr.values, here) for item in estimates)
-    if settings.uncertain:
-        changes = {name: _changes(minimum, settings, name, sigma) for name, sigma in settings.uncertain.items()}
-        estimates = tuple(
-            wider(item, {name: change[item.name] for name, change in changes.items()}, t) for item in estimates
-        )
+    changes = {name: _changes(minimum, settings, name, sigma) for name, sigma in settings.uncertain.items()}
+    estimates = tuple(wider(item, {name: by[item.name] for name, by in changes.items()}, t) for item in estimates)
     free = [objective.parameters[i].name for i in objective.free]
     return Confidence(estimates, intervals.covariance_of(free), intervals.sampled(free), math.sqrt(factor), dof)
 

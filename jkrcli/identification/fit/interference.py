@@ -84,15 +84,14 @@ def _free(curve: Curve, side: Direction, share: float) -> tuple[Array, Array]:
     z, off = (column[side.segment.rows][::order][:end] for column in (curve.device, curve.load))
     off = off - np.polynomial.Polynomial.fit(z, off, 1)(z)
     size = max(1, z.size // TUNING.blocks)
-    count = z.size // size
-    return z[: count * size].reshape(count, size).mean(axis=1), off[: count * size].reshape(count, size).mean(axis=1)
+    along, loads = (column[: z.size // size * size].reshape(-1, size).mean(axis=1) for column in (z, off))
+    return along, loads
 
 
 def _period(free: list[tuple[Array, Array]]) -> float | None:
     """The period that explains most, among those of which one or more lie in the free way; None where none explains
     more than chance does."""
-    way = max(float(np.ptp(z)) for z, _ in free)
-    count = max(z.size for z, _ in free)
+    way, count = max(float(np.ptp(z)) for z, _ in free), max(z.size for z, _ in free)
     size, total, rows = TUNING.finer * count, 0.0, 0
     power = np.zeros(size // 2 + 1)
     for z, off in free:

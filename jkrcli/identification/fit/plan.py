@@ -22,6 +22,7 @@ from ..parameters import Parameter
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING
 from .model import Distances, Readings
+from .points import COLUMNS
 from .result import Fit, Further
 
 WANTED = ("modulus", "w")
@@ -88,7 +89,7 @@ def _further(words: str, information: Array, fit: Fit) -> Further:
 
 def _information(body: FittedBody, fit: Fit, largest: float) -> Array:
     """Fisher information of modulus factor and w [SI] in a measurement on this ``body`` up to a load [N]."""
-    columns = tuple(name for name in ("a", "delta", "P") if name in fit.data)
+    columns = tuple(name for name in COLUMNS if name in fit.data)
     values = {item.name: item.value for item in fit.estimates} | dict.fromkeys(ZEROS, 0.0)
     both = "w_approach" in values and "w_approach" in fit.free
     own = [name for name in ZEROS if name in fit.free and not (name == "P0" and fit.quality)]  # of a base line
@@ -99,10 +100,10 @@ def _information(body: FittedBody, fit: Fit, largest: float) -> Array:
     known = [Parameter(n, False, values.get(n, 0.0)) for n in (*ZEROS, "compliance") if n not in names]
     parameters = (*free, *known)
     x = np.array([p.inner(values.get(p.name, 0.0)) for p in parameters])
-    parts = [Readings(body.family, parameters, x, columns, np.ones(len(columns)), None, edge) for edge in ways]
-    scales = _noise(fit, [part.along(u)[0] for part, u in zip(parts, ways.values(), strict=True)], columns)
-    J = np.concatenate([_rates(replace(part, scales=scales), u, len(free))
-                        for part, u in zip(parts, ways.values(), strict=True)])  # fmt: skip
+    parts = [(Readings(body.family, parameters, x, columns, np.ones(len(columns)), None, edge), u)
+             for edge, u in ways.items()]  # fmt: skip
+    scales = _noise(fit, [part.along(u)[0] for part, u in parts], columns)
+    J = np.concatenate([_rates(replace(part, scales=scales), u, len(free)) for part, u in parts])
     J[:, 0] /= values["modulus"]  # from its log
     size = np.linalg.norm(J, axis=0)
     whole = (J / size).T @ (J / size)
@@ -151,8 +152,7 @@ def _branch(body: FittedBody, s: float, w: float, largest: float) -> tuple[Fitte
     for _ in range(2):
         high = math.log(TUNING.widest * R) if R is not None and body.extensible else body.family.high
         u = np.linspace(min(body.family.low, high - 5), high, LOOKED_AT)
-        _, _, H, V = body.family.at(u)[0]
-        P = s * H - math.sqrt(w * s) * V
+        P = body.family.member({"modulus": s, "w": w}).along(u)[0][2]
         low = int(np.argmin(P))
         end = float(np.interp(largest, P[low:], u[low:]))
         if not body.extensible or end <= body.family.high:
@@ -162,9 +162,7 @@ def _branch(body: FittedBody, s: float, w: float, largest: float) -> tuple[Fitte
 
 
 def _delta(body: FittedBody, s: float, w: float, u: Array) -> Array:
-    D, T, _, _ = body.family.at(u)[0]
-    delta: Array = D - math.sqrt(w / s) * T
-    return delta
+    return body.family.member({"modulus": s, "w": w}).along(u)[0][1]
 
 
 def _even(body: FittedBody, s: float, w: float, ends: Sequence[float] | Array, rows: int) -> Array:

@@ -70,13 +70,9 @@ class Rivals:
     chance: float
     range: RangeRival | None = None
 
-    @property
-    def significant(self) -> bool:
-        return self.chance < TUNING.chance
-
     def warnings(self) -> Iterator[str]:
         """A sentence where a rival is significant."""
-        if self.significant:
+        if self.chance < TUNING.chance:
             parts = " or ".join(rival.words for rival in self.members)
             yield (
                 f"model rejected, p = {self.chance:.1g}, in favour of {parts} with the contact "
@@ -91,17 +87,13 @@ class Rivals:
         moves = {RIVALS[rival.name][0]: rival.moves for rival in self.members}
         moves |= {} if self.range is None else {RANGE: self.range.moves}
         modulus = next((item.value for item in estimates if item.name == "modulus"), 1.0)
-        extended = []
-        for item in estimates:
-            parts = {}
-            for name, by in moves.items() if item.error is not None else ():
-                move = by.get(item.name)
-                if move is None and item.dimension == "modulus":
-                    move = item.value * by.get("modulus", 0.0) / modulus
-                if move:
-                    parts[name] = move
-            extended.append(replace(item, model=parts or None))
-        return tuple(extended)
+
+        def part(item: FittedValue, by: Mapping[str, float]) -> float:
+            follows = item.value * by.get("modulus", 0.0) / modulus if item.dimension == "modulus" else 0.0
+            return 0.0 if item.error is None else by.get(item.name, follows)
+
+        parts = [{name: move for name, by in moves.items() if (move := part(item, by))} for item in estimates]
+        return tuple(replace(item, model=own or None) for item, own in zip(estimates, parts, strict=True))
 
 
 def rivals_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -> Rivals:

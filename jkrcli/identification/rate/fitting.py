@@ -6,6 +6,7 @@ two carry what the displacements' noise leaves of that motion, which bounds them
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -46,6 +47,7 @@ class RateFitTuning:
 
 
 TUNING = RateFitTuning()
+NO_START = "the fit over speed found no start from which it converges; fix n or v0, or check the units"
 
 
 @dataclass(frozen=True)
@@ -109,22 +111,19 @@ def rate_fit(body: FittedBody, curves: Sequence[Curve], settings: RateSettings) 
     InputError where the records do not allow it, SolveError where no search converges.
     """
     problem = _Problem(body, tuple(rate_record(curve, settings.segment) for curve in curves), settings)
-    coarse = problem.thinned()
-    best: Least | None = None
+    coarse, best = problem.thinned(), list[Least]()
+    usual = 1 + TUNING.good / math.sqrt(2 * coarse.size)
     for start in coarse.starts():
-        least = coarse.minimise(start, NOTICEABLE)  # what is below takes the whole records
-        if least is not None and (best is None or least.cost < best.cost):
-            best = least
-        usual = 1 + TUNING.good / math.sqrt(2 * coarse.size)
-        if best is not None and math.sqrt(best.variance) < usual and not best.at_bound.any():
+        with contextlib.suppress(SolveError):
+            least = coarse.minimise(start, NOTICEABLE)  # what is below takes the whole records
+            best = [min([*best, least], key=lambda one: one.cost)]
+        if best and math.sqrt(best[0].variance) < usual and not best[0].at_bound.any():
             break
-    least = None if best is None else problem.minimise(best.x)
-    if least is not None:
-        problem = problem.settled(least)
-        least = problem.minimise(least.x)
-    if least is None:
-        raise SolveError("the fit over speed found no start from which it converges; fix n or v0, or check the units")
-    return problem.result(least)
+    if not best:
+        raise SolveError(NO_START)
+    least = problem.minimise(best[0].x)
+    problem = problem.settled(least)
+    return problem.result(problem.minimise(least.x))
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,13 +187,13 @@ class _Problem:
             rates.append(np.eye(n)[first + 1 : first + 3])
         return State(np.concatenate(parts), partial(np.concatenate, rates))
 
-    def minimise(self, start: Array, cost: float = 0.0) -> Least | None:
-        """The least sum of squares from ``start`` on, to ``cost`` relatively; None where the way there fails."""
+    def minimise(self, start: Array, cost: float = 0.0) -> Least:
+        """The least sum of squares from ``start`` on, to ``cost`` relatively; SolveError where the way there fails."""
         try:
             bounds = self.unknowns.bounds(start, FITS.reach)
             return LeastSquares(self.equations, bounds, SAME, cost).least(start)
         except (JkrError, FloatingPointError, OverflowError, np.linalg.LinAlgError):
-            return None
+            raise SolveError(NO_START) from None
 
     @property
     def size(self) -> int:

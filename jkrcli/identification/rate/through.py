@@ -95,8 +95,7 @@ def law_of(name: str, values: Mapping[str, float]) -> tuple[RateLaw, float]:
 
 def log_rates(law: RateLaw, w0: float, v: Array) -> Array:
     """Derivatives of log w at the speeds ``v`` by the logs of (w0, parameters), shape (parameters, n)."""
-    kind, step = type(law), 1e-6
-    values = vars(law)
+    kind, values, step = type(law), vars(law), 1e-6
     rates = [np.log(law.work(w0 * (1 + step), v) / law.work(w0 * (1 - step), v))]
     for name in values:
         high, low = (kind(**(values | {name: values[name] * (1 + sign * step)})) for sign in (1, -1))
@@ -159,16 +158,14 @@ def _of_blocks(name: str, logs: Unknowns, v: Array, w: Array, sigma: Array, x: A
 def receding(along: Sequence[WorkAlong]) -> tuple[Array, Array, int, Array]:
     """Speeds [m/s] > 0 of receding edges that stand out of their error and w [J/m^2] there, of all curves that were
     timed; rows of their window, and half-widths of the speeds."""
-    speeds, works, errors, window = [np.empty(0)], [np.empty(0)], [np.empty(0)], 1
+    parts, window = [np.empty((3, 0))], 1
     for item in along:
-        if item.timed is None or item.speed is None or item.speed_err is None:
-            continue
-        rows = item.timed & (item.speed < -item.speed_err)
-        speeds.append(-item.speed[rows])
-        works.append(item.w[rows])
-        errors.append(item.speed_err[rows])
-        window = max(window, item.window)
-    return np.concatenate(speeds), np.concatenate(works), window, np.concatenate(errors)
+        if item.timed is not None and item.speed is not None and item.speed_err is not None:
+            rows = item.timed & (item.speed < -item.speed_err)
+            parts.append(np.stack([-item.speed, item.w, item.speed_err])[:, rows])
+            window = max(window, item.window)
+    speeds, works, errors = np.concatenate(parts, axis=1)
+    return speeds, works, window, errors
 
 
 def law_along(along: Sequence[WorkAlong]) -> LawThrough | Unknown | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import SAME, Array, InputError
+from ..base import MOST_STEPS, SAME, Array, InputError
 from ..data import Curve
 from .fit.points import third_differences
 
@@ -17,7 +17,7 @@ from .fit.points import third_differences
 class MotionTuning:
     """Limits of the search for corners."""
 
-    most: int = 12  # choice: corners, more than any program of ramps and waits has
+    most: int = 9  # choice: corners, ends among them: what has as many moves in no straight pieces
     worth: float = 30.0  # theory: of the sum of squares over the noise's; chance gives 20 in one of 1e3 records of 1e4
     tried: int = 64  # choice: rows of a piece where a corner is begun; it is then moved
     straight: float = 1.1  # choice: scatter over the noise up to which no corner is missing
@@ -113,7 +113,7 @@ def _next(rest: Array, knots: list[int]) -> int:
 def _settled(sums: _Sums, knots: list[int]) -> list[int]:
     """The knots moved, one after the other, each to the row between its neighbours that leaves least, until none
     moves."""
-    for _ in range(TUNING.most):
+    for _ in range(MOST_STEPS):
         before = list(knots)
         for i in range(1, len(knots) - 1):
             width = max((knots[i + 1] - knots[i - 1]) // 8, 1)

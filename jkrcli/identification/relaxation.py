@@ -25,8 +25,10 @@ from .fit.points import evenly
 from .intervals import Followed, Intervals
 from .least_squares import TUNING as FITS
 from .least_squares import Least, LeastSquares, State, by_differences
+from .motion import TUNING as MOTION
 from .motion import check_over_time, check_rising, corners, noise_about, noise_of
 from .parameters import MODULUS, Nameable, Parameter, Unknowns, parameters_of
+from .relaxing_rows import TUNING as ROWS
 from .relaxing_rows import averaged, base_line, followed, without_adhesion
 
 
@@ -34,7 +36,6 @@ from .relaxing_rows import averaged, base_line, followed, without_adhesion
 class RelaxationFitTuning:
     """How the least sum of squares is sought, and when it is doubted."""
 
-    pieces: int = 8  # choice: corners of device and load beyond which neither moves in straight pieces
     rows: int = 1_000  # choice: by which corners are sought
     some: int = 80  # choice: by which starts are compared
     times: tuple[float, ...] = (0.02, 0.06, 0.2, 0.6)  # choice: starts of a relaxation time, over the record's length
@@ -42,7 +43,6 @@ class RelaxationFitTuning:
     exponents: tuple[float, ...] = (0.05, 0.15, 0.4)  # choice: starts of an exponent
     depths: tuple[float, ...] = (0.0, 0.03, 0.1)  # choice: starts of the depth at which contact shows, over the range
     deeper: float = 1.5  # times the depth that shows, to which a body is solved; choice: contact begins before it shows
-    contact: float = 5.0  # theory: standard deviations of a load that shows contact
     shown: float = 0.01  # choice: of the range of the load, that does too; a tilted base line does not
     apart: float = 2.5  # theory: rows between two corners, within which no row shows when a step was
     step: float = 1e-6  # theory: of the unknowns, for derivatives: the root of what the histories err by
@@ -136,7 +136,7 @@ class TimedRecord:
     def shows(self) -> int:
         """The first row whose load shows contact."""
         load, noise = (self.imposed, self.noise[0]) if self.loaded else (self.response, self.noise[1])
-        least = max(TUNING.contact * noise, TUNING.shown * float(np.ptp(load)))
+        least = max(ROWS.apart * noise, TUNING.shown * float(np.ptp(load)))
         return int(np.argmax(load - np.median(load[:3]) > least))
 
     @property
@@ -183,7 +183,7 @@ def timed_record(curve: Curve) -> TimedRecord:
     t, device, load = curve.time, curve.device, curve.load
     some = evenly(t.size, TUNING.rows)
     of_device, of_load = (corners(t[some], column[some], noise_of(column)) for column in (device, load))
-    read = min(of_load[0].size, of_device[0].size) > TUNING.pieces
+    read = min(of_load[0].size, of_device[0].size) >= MOTION.most
     loaded = not read and of_load[0].size < of_device[0].size
     if read:
         imposed, response, stiffness, knots = curve.depth, load, math.inf, followed(t, curve.depth)

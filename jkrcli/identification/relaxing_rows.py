@@ -17,7 +17,7 @@ class RowsTuning:
     """Limits on rows."""
 
     most: int = 1_500  # choice: rows beyond which means of as few as possible are taken
-    apart: float = 5.0  # theory: standard deviations by which a load stands out
+    apart: float = 5.0  # theory: standard deviations by which a load stands out, as that of a contact does
     falls: float = 0.2  # choice: of the largest speed, at which a device goes back
     before: int = 5  # choice: rows before contact that make a base line
 

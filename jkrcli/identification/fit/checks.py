@@ -166,15 +166,14 @@ def _elastic_indenter(fit: Fit, body: FittedBody) -> Iterator[str]:
 
 def _validity(fit: Fit, body: FittedBody, family: Family) -> list[str]:
     """Sentences on a/R, delta/h and the Tabor number at the largest radius of the data."""
-    problem, a = body.problem, float(np.max(fit.a))
+    specimen, indenter, a = body.problem.specimen, body.problem.indenter, float(np.max(fit.a))
     free = (item.value for item in fit.estimates if item.name.startswith("h:") and item.free)
-    top, depth = problem.specimen.top_thickness, problem.specimen.yielding_depth
-    thickness = next(free, top)
+    h, depth = next(free, specimen.top_thickness), specimen.yielding_depth
     judged = judge(
         a=a, delta=float(family.at(np.log([a]))[0][0, 0]), E_star=fit.value("E_star"),
-        w=fit.work.value if _adhesion(fit) else 0.0, R=problem.indenter.tip_radius, h=thickness,
-        depth=thickness if depth == top else depth, L=problem.specimen.radius, z0=Record.z0 if fit.jkr is None else None, end_is_cut=False,
-        tension=problem.specimen.surface_tension, profile=problem.indenter.noun,
+        w=fit.work.value if _adhesion(fit) else 0.0, R=indenter.tip_radius, h=h,
+        depth=h if depth == specimen.top_thickness else depth, L=specimen.radius, end_is_cut=False,
+        z0=Record.z0 if fit.jkr is None else None, tension=specimen.surface_tension, profile=indenter.noun,
     )  # fmt: skip
     return [line.replace(REMEDY, "fit with --free range (or stress)") for line in judged.warnings]
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..base import MOST_STEPS, SAME, Array, InputError
 from ..data import Curve
-from .fit.points import third_differences
+from .fit import third_differences
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,7 @@ from ..bodies import RELAXATIONS, Relaxation
 from ..data import Curve
 from ..data.record import TUNING as RECORDS
 from .answer import Answer
-from .fit import FittedBody
-from .fit.points import evenly
+from .fit import FittedBody, evenly
 from .intervals import Followed, Intervals
 from .least_squares import TUNING as FITS
 from .least_squares import Least, LeastSquares, State, by_differences

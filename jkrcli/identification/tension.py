@@ -54,32 +54,6 @@ class TensionFitTuning:
 TUNING = TensionFitTuning()
 
 
-@dataclass(frozen=True, eq=False)
-class Record:
-    """The readings of one record: displacement [m] and load [N], with the ranges of both."""
-
-    name: str
-    delta: Array
-    P: Array
-
-    @classmethod
-    def of(cls, curve: Curve) -> Record:
-        """The readings of a ``curve``; InputError where it has too few."""
-        if curve.delta is None or curve.P is None:
-            raise InputError(f"{curve.where}: a fit of surface tension needs displacement and load (delta, P)")
-        if len(curve) < ROWS.least:
-            raise InputError(f"{curve.where}: {len(curve)} rows, a fit of surface tension needs {ROWS.least}")
-        return cls(curve.name, curve.delta, curve.P)
-
-    @property
-    def depth(self) -> float:
-        return float(np.ptp(self.delta))
-
-    @property
-    def load(self) -> float:
-        return float(np.ptp(self.P))
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TensionFit(Answer):
     """E_star, surface_tension, w and the zero points, ``covariance`` in the units of their search; ``scatter`` of the
@@ -87,7 +61,7 @@ class TensionFit(Answer):
     separate from the tension, with the correlation."""
 
     scatter: float
-    records: tuple[Record, ...]
+    records: tuple[Curve, ...]
     loads: tuple[Array, ...]
     mixed: Mapping[str, float] = field(default_factory=dict)
 
@@ -166,13 +140,22 @@ def tension_fit(
 ) -> TensionFit:
     """One fit of all ``curves``, each by an indenter of one of the ``radii`` [m]; ``fixed``: values of those
     of ``RANGES`` and the modulus (E* [Pa]) that are known. InputError where a record cannot be used, SolveError."""
-    records = tuple(map(Record.of, curves))
+    for curve in curves:
+        if curve.delta is None or curve.P is None:
+            raise InputError(f"{curve.where}: a fit of surface tension needs displacement and load (delta, P)")
+        if len(curve) < ROWS.least:
+            raise InputError(f"{curve.where}: {len(curve)} rows, a fit of surface tension needs {ROWS.least}")
     families = [
-        TenseFamily.of(changed(problem, {RADIUS: R}), TUNING.beyond * record.depth)
-        for R, record in zip(radii, records, strict=True)
+        TenseFamily.of(changed(problem, {RADIUS: R}), TUNING.beyond * _span(curve.depth))
+        for R, curve in zip(radii, curves, strict=True)
     ]
-    model = _Model(problem.E_star, records, families, fixed)
+    model = _Model(problem.E_star, tuple(curves), families, fixed)
     return _result(model, model.best(), radii, level)
+
+
+def _span(column: Array) -> float:
+    """The range of the readings of a record."""
+    return float(np.ptp(column))
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,43 +164,41 @@ class _Model:
     points in units of each record's range. ``length``: 2 Ups/E* [m], where the tension follows from the modulus."""
 
     E_star: float
-    records: tuple[Record, ...]
+    records: tuple[Curve, ...]
     families: list[TenseFamily]
     fixed: Mapping[str, float]
     length: float | None = None
 
     @cached_property
     def unknowns(self) -> Unknowns:
-        """Of all records together; w, which may be below 0, in load over radius of the first."""
-        names = [TENSION] if self.length is None else []
-        ranges = {"modulus": Ranged("modulus", above=0), **{name: RANGES[name] for name in names}, "w": Ranged("work")}
+        """Of all records together: w, which may be below 0, in load over radius of the first; then the zero of each."""
+        tension = {TENSION: RANGES[TENSION]} if self.length is None else {}
+        ranges = {"modulus": Ranged("modulus", above=0)} | tension | {"w": Ranged("work")}
+        units = {f"delta0:{i}": _span(record.depth) for i, record in enumerate(self.records)}
         radius = self.families[0].problem.indenter.tip_radius
         assert radius is not None
-        unit = self.records[0].load / (math.pi * radius)
-        return Unknowns(parameters_of(ranges, ranges.keys() - self.fixed.keys(), self.fixed), {"w": unit})
+        common = parameters_of(ranges, ranges.keys() - self.fixed.keys(), self.fixed)
+        zeros = (Parameter(name, True, scale=LINEAR, quantity="length") for name in units)
+        return Unknowns((*common, *zeros), {"w": _span(self.records[0].load) / (math.pi * radius), **units})
 
     def values(self, x: Array) -> dict[str, float]:
-        """Modulus and tension and w, SI."""
+        """Modulus and tension and w and the zeros, SI."""
         values = self.unknowns.values(x)
         return values if self.length is None else values | {TENSION: self.length * values["modulus"] / 2}
 
-    def zeros(self, x: Array) -> Array:
-        """Zero points [m] of the records."""
-        return x[len(self.unknowns.free) :] * np.array([record.depth for record in self.records])
-
     def loads(self, x: Array) -> list[Array]:
         """Loads [N] of all records."""
-        values, each = self.values(x), zip(self.records, self.families, self.zeros(x), strict=True)
+        values, each = self.values(x), zip(self.records, self.families, strict=True)
         kappa, s = 2 * values[TENSION] / values["modulus"], values["modulus"] / self.E_star
         return [
-            family.loads(record.delta - zero, s, float(np.clip(kappa, *family.lengths)), values["w"])
-            for record, family, zero in each
+            family.loads(record.depth - values[f"delta0:{i}"], s, np.clip(kappa, *family.lengths), values["w"])
+            for i, (record, family) in enumerate(each)
         ]
 
     def residuals(self, x: Array) -> Array:
         """Loads less those read, in units of each record's largest."""
         parts = zip(self.loads(x), self.records, strict=True)
-        return np.concatenate([(load - record.P) / record.load for load, record in parts])
+        return np.concatenate([(load - record.load) / _span(record.load) for load, record in parts])
 
     def state(self, x: Array) -> State:
         return by_differences(self.residuals, x, np.full(x.size, TUNING.step))
@@ -225,19 +206,14 @@ class _Model:
     def best(self) -> Least:
         """The least of all searches: with 2 Ups/E* held at each start first, which leaves one minimum, then from the
         best of these; from all starts where E* or the tension is known."""
-        low, high = self._lengths
-        starts: Sequence[tuple[float, Array | None]] = [(x, None) for x in np.geomspace(low, high, TUNING.starts)]
+        low, high = zip(*(family.lengths for family in self.families), strict=True)  # of 2 Ups/E* [m]
+        lengths = np.geomspace(max(low), min(high), TUNING.starts)
+        starts: Sequence[tuple[float, Array | None]] = [(x, None) for x in lengths]
         if {"modulus", TENSION} <= set(self.unknowns.names):
             searches = [(replace(self, length=start).search(start), start) for start, _ in starts]
             best = sorted(searches, key=lambda item: item[0].cost)[: TUNING.followed]
             starts = [(start, np.insert(least.x, 1, least.x[0] + math.log(start / 2))) for least, start in best]
         return min((self.search(*start) for start in starts), key=lambda least: least.cost)
-
-    @property
-    def _lengths(self) -> tuple[float, float]:
-        """2 Ups/E* [m], least and most, which all families know."""
-        low, high = zip(*(family.lengths for family in self.families), strict=True)
-        return max(low), min(high)
 
     def search(self, start: float, x: Array | None = None) -> Least:
         """Least squares from 2 Ups/E* = ``start`` [m], and from the unknowns ``x`` where they are known."""
@@ -250,14 +226,13 @@ class _Model:
 
     def _first(self, start: float) -> Array:
         """Unknowns to begin with: E* gives the first record its range of loads."""
-        record, family = self.records[0], self.families[0]
-        one = family.loads(np.array([record.depth]), 1.0, start, 0.0)
-        E = self.E_star * record.load / float(one[0])
+        depth, load = _span(self.records[0].depth), _span(self.records[0].load)
+        E = self.E_star * load / float(self.families[0].loads(np.array([depth]), 1.0, start, 0.0)[0])
         if TENSION in self.fixed:
             E = 2 * self.fixed[TENSION] / start
         tension = start * self.fixed.get("modulus", E) / 2
-        guess = {"modulus": E, TENSION: tension, "w": TUNING.work * self.unknowns.units["w"]}
-        return np.array([*self.unknowns.at(guess), *(np.min(r.delta) / r.depth for r in self.records)])
+        zeros = {f"delta0:{i}": float(np.min(record.depth)) for i, record in enumerate(self.records)}
+        return self.unknowns.at({"modulus": E, TENSION: tension, "w": TUNING.work * self.unknowns.units["w"], **zeros})
 
 
 def _result(model: _Model, best: Least, radii: Sequence[float], level: float) -> TensionFit:
@@ -269,20 +244,15 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
     estimates[0] = replace(estimates[0], name=ALIAS)
     if TENSION in unknowns.names and not several:
         estimates[1] = replace(estimates[1], error=None, low=None, high=None)
-    errors, m = np.sqrt(np.diag(spread)).tolist(), len(unknowns.free)
-    zeros = [
-        Parameter(f"delta0:{record.name}", True, scale=LINEAR, quantity="length").estimate(
-            x, error * record.depth, intervals.t
-        )
-        for record, x, error in zip(model.records, model.zeros(best.x).tolist(), errors[m:], strict=True)
-    ]
+    zeros = {f"delta0:{i}": f"delta0:{record.name}" for i, record in enumerate(model.records)}
     fit = TensionFit(
-        estimates=(*estimates, *zeros), free=(*unknowns.names, *(item.name for item in zeros)),
+        estimates=tuple(replace(item, name=zeros.get(item.name, item.name)) for item in estimates),
+        free=tuple(zeros.get(name, name) for name in unknowns.names),
         covariance=spread, dof=best.dof, records=model.records, loads=tuple(model.loads(best.x)),
-        scatter=math.sqrt(best.variance) * float(np.mean([record.load for record in model.records])),
+        scatter=math.sqrt(best.variance) * float(np.mean([_span(record.load) for record in model.records])),
     )  # fmt: skip
     mixed = {} if several else _mixed(fit)
-    warnings = *_not_separated(fit, mixed, errors), *_steep(model.values(best.x))
+    warnings = *_not_separated(fit, mixed, np.sqrt(np.diag(spread))), *_steep(model.values(best.x))
     return replace(fit, mixed=mixed, warnings=warnings)
 
 
@@ -309,7 +279,7 @@ def _mixed(fit: TensionFit) -> dict[str, float]:
     return {word(name): -c for c, name in others}
 
 
-def _not_separated(fit: TensionFit, mixed: Mapping[str, float], errors: Sequence[float]) -> Iterator[str]:
+def _not_separated(fit: TensionFit, mixed: Mapping[str, float], errors: Array) -> Iterator[str]:
     """A warning that records of one radius do not separate the tension, and from what."""
     if mixed:
         worst = " and ".join(f"{name} ({c:.3f})" for name, c in mixed.items())

@@ -20,8 +20,7 @@ from ..adhesion import TWO_SIDED_90, Nonadhesive, Parts
 from ..base import ROUNDED, SETTLED, TOGETHER, Array, InputError, Pool, completed, show
 from ..data import Curve, Reading, each, some
 from ..series import Solution
-from .fit import FittedBody, Settings, body_of, settings_of
-from .fit.record import receding
+from .fit import FittedBody, Settings, body_of, receding, settings_of
 
 PAIRS = (("a", "P"), ("a", "delta"), ("delta", "P"))  # the first needs no zero of the displacement
 # What a measured row is: usable, or why it is not.

@@ -13,7 +13,7 @@ from ..beside import Analysis, adhesive, nonadhesive, with_solved_points
 from ..beside.again import method_behind
 from ..bodies import RADIUS, Loading, changed, checked_names, layer_names, nominal
 from ..series import Solution
-from .fit.points import evenly
+from .fit import evenly
 from .intervals import changes_by
 
 FORCE, TIP, MODULI = "load", "R", "E"  # uncertain inputs beside "h", "nu" and those of single layers

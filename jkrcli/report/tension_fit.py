@@ -25,7 +25,7 @@ class TensionFitted(TensionFit, Result):
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
         """All rows of all records: readings and the fitted load."""
         return stacked([
-            {"curve": [record.name] * loads.size, "delta_m": record.delta.tolist(), "P_N": record.P.tolist(),
+            {"curve": [record.name] * loads.size, "delta_m": record.depth.tolist(), "P_N": record.load.tolist(),
              "P_fit_N": loads.tolist()} for record, loads in zip(self.records, self.loads, strict=True)
         ])  # fmt: skip
 
@@ -42,7 +42,7 @@ class TensionFitted(TensionFit, Result):
         }
 
     def words(self) -> list[str]:
-        rows = sum(record.P.size for record in self.records)
+        rows = sum(map(len, self.records))
         together = "1 record" if len(self.records) == 1 else f"{len(self.records)} records together"
         free = [item for item in self.estimates if item.free]
         mixed = f"; one radius does not separate the tension from {' and '.join(self.mixed)}" if self.mixed else ""

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...adhesion import FiniteRangeBody, Nonadhesive, RangeRequest, Slopes
 from ...adhesion.slopes.choice import slopes
-from ...base import NOTICEABLE, REMEMBERED, ROWS, InputError, JkrError, Refusal, SolveError, show
+from ...base import REMEMBERED, ROWS, SAME, UNSEEN, InputError, JkrError, Refusal, SolveError, show
 from ...beside import JKR, nonadhesive
 from ...bodies import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal
 from ...case import Case, load_case, solve, store
@@ -33,7 +33,6 @@ class ResolvingTuning:
 
     step: float = 1e-4  # theory: of logs of parameters, for derivatives: the square root of the solve's 1e-8
     rounded: float = 0.01  # choice: of the same logs; derivatives at rounded values are remembered
-    coarser: float = 100.0  # choice: factor of the tolerance where a body cannot be solved, on the way to the solution
     per_decade: int = 20  # choice: radii to which a body is solved, so that many curves share one solve
     points: int = 100  # choice: least radii of a series that is solved to another radius
     adheres: float = 1.2  # choice: of the contact radius without adhesion, what adhesion may make of it
@@ -197,12 +196,14 @@ def solved(problem: Problem, tolerance: float) -> Family:
 
     SolveError where it cannot be solved, with the reason.
     """
-    try:
-        series = Layered(tolerance)(problem).series
-    except JkrError as error:
-        if tolerance * TUNING.coarser < NOTICEABLE:
-            return solved(problem, tolerance * TUNING.coarser)
-        raise SolveError(f"the body could not be solved anew: {error}") from None
+    for coarser in sorted({tolerance, SAME, UNSEEN}):
+        try:
+            series = Layered(coarser)(problem).series
+            break
+        except JkrError as error:
+            reason = str(error)
+    else:
+        raise SolveError(f"the body could not be solved anew: {reason}")
     return Family.of(series, slopes(series, "exact"))
 
 

@@ -19,8 +19,7 @@ from ...adhesion import RATE_LAWS, RateLaw, rate_parameters
 from ...base import NOTICEABLE, SAME, Array, InputError, JkrError, Ranged, SolveError, Unknown, did_you_mean, show
 from ...data import Curve
 from ..answer import Answer
-from ..fit import FittedBody, Settings, fit
-from ..fit.points import evenly
+from ..fit import FittedBody, Settings, evenly, fit
 from ..intervals import Followed, Intervals
 from ..least_squares import TUNING as FITS
 from ..least_squares import Least, LeastSquares, State

@@ -10,8 +10,7 @@ from ...adhesion import Program
 from ...base import SAME, Array, InputError
 from ...data import Curve
 from ...data.record import TUNING as RECORDS
-from ..fit import third_differences
-from ..fit.points import evenly
+from ..fit import evenly, third_differences
 from ..motion import check_over_time, check_rising, noise_of, through
 
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from ...adhesion import RATE_LAWS, TWO_SIDED_90, RateLaw, rate_parameters
 from ...base import Array, Ranged, Unknown
-from ..fit import covariance, t_quantile
-from ..fit.statistics import larger, robust_scale
+from ..fit import covariance, larger, robust_scale, t_quantile
 from ..least_squares import Least, LeastSquares, State
 from ..parameters import Unknowns, parameters_of
 from ..work import WorkAlong

@@ -246,18 +246,15 @@ class _Problem:
     def unknowns(self) -> Unknowns:
         """Of the body and its zeros, which count in ranges of their columns."""
         curve = self.record.curve
-        x, P = float(np.ptp(curve.device)), float(np.ptp(curve.P if curve.P is not None else 1.0))
+        x, P = float(np.ptp(curve.device)), float(np.ptp(curve.load))
         return Unknowns(self.settings.parameters, {"delta0": x, "P0": P, "tilt": P / x})
 
     @cached_property
     def moving(self) -> Array:
         """Which corners may move in time: not the ends, and not those of a step between two rows."""
-        times = self.record.curve.t
-        assert times is not None
         if self.record.read:
             return np.array([], dtype=int)
-        t, spacing = self.record.knots[0], TUNING.apart * float(np.median(np.diff(times)))
-        gaps = np.diff(t) > spacing
+        gaps = np.diff(self.record.knots[0]) > TUNING.apart * float(np.median(np.diff(self.record.curve.time)))
         return np.flatnonzero(np.concatenate([[False], gaps[:-1] & gaps[1:], [False]]))
 
     def program(self, theta: Array) -> Program:
@@ -318,10 +315,9 @@ class _Problem:
     def _bounds(self, start: Array) -> tuple[Array, Array]:
         """Logs stay near their start, shares within 0 and 1, corners between their neighbours."""
         low, high = self.unknowns.bounds(start, FITS.reach)
-        t = self.record.knots[0] / np.ptp(self.record.knots[0])
-        first = start.size - self.moving.size
-        for i, k in enumerate(self.moving):
-            low[first + i], high[first + i] = (t[k - 1] - t[k]) / 2, (t[k + 1] - t[k]) / 2
+        t, k = self.record.knots[0] / np.ptp(self.record.knots[0]), self.moving
+        first = start.size - k.size
+        low[first:], high[first:] = (t[k - 1] - t[k]) / 2, (t[k + 1] - t[k]) / 2
         return low, high
 
     # ------------------------------------------------------------------ where to begin

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
 from ..adhesion import LIMITS
-from ..base import SAME, Array, InputError, Ranged, SolveError, show
+from ..base import NOTICEABLE, SAME, Array, InputError, Ranged, SolveError, show
 from ..bodies import RADIUS, Loading, Problem, changed
 from ..data import Curve
 from ..formulas.griffith import shift
@@ -39,8 +39,7 @@ class TensionFitTuning:
     """The tabulated family, and the search."""
 
     lengths: int = 14  # of 2 Ups/E*; choice: curves between them err by 1e-4
-    least: float = 1e-3  # of it over the largest contact radius; choice: less changes loads by 1e-3
-    most: float = 1e2  # choice: beyond, tension alone carries
+    most: float = 1e2  # of it over the largest contact radius; choice: beyond, tension alone carries
     smallest: float = 0.002  # of the largest, the least of them; choice: where a slight w lets the contact go
     beyond: float = 3.0  # times the range of the displacement, to which it reaches; choice: spare for w
     points: int = 800  # of a curve; choice: interpolated to 1e-5
@@ -103,7 +102,7 @@ def _tabulated(problem: Problem) -> TenseFamily:
     plain = replace(problem, specimen=replace(problem.specimen, surface_tension=0.0))
     largest = min(largest_radius(plain), 0.95 * problem.indenter.r_max)
     radii = largest * np.geomspace(TUNING.smallest, 1.0, DENSE)
-    lengths = largest * np.geomspace(TUNING.least, TUNING.most, TUNING.lengths)
+    lengths = largest * np.geomspace(NOTICEABLE, TUNING.most, TUNING.lengths)  # less changes loads by less
     at_radii = replace(problem, loading=Loading.given("radius", tuple(radii)))
     columns = []
     for kappa in lengths:

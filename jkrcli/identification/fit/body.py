@@ -141,23 +141,18 @@ class FittedBody:
                 "fit: --surface: a finite cylinder is not solved anew: give the series of a case with the other "
                 "specimen.surface"
             )
-        points = max(len(self.series), TUNING.points)
-        loading = Loading("radius", float(self.series.a[-1]), points, "radius")
-        other = replace(unbounded(self.problem), loading=loading, sticks=surface == "sticking")
-        return self._like(_reaching(other, self.tolerance), extensible=self.extensible)
+        other = self._reaching(float(self.series.a[-1]), sticks=surface == "sticking")
+        return replace(other, extensible=self.extensible)
 
     def to_radius(self, a: float) -> FittedBody:
         """The same problem solved by ``layered`` up to contact radius ``a`` [m] or little more, with as many points."""
-        points = max(len(self.series), TUNING.points)
         if a >= (end := self.problem.indenter.r_max):
             raise InputError(
                 f"the data ask for a contact radius of {show(a, 'length')}, beyond the indenter, which ends at "
                 f"{show(end, 'length')}: check the units of displacement and load, and the size of the indenter"
             )
         rounded = 10 ** (math.ceil(math.log10(a) * TUNING.per_decade) / TUNING.per_decade)
-        a = rounded if rounded < end else a
-        problem = replace(unbounded(self.problem), loading=Loading("radius", a, points, "radius"))
-        return self._like(_reaching(problem, self.tolerance))
+        return self._reaching(rounded if rounded < end else a)
 
     def to_depth(self, depth: float) -> FittedBody:
         """The same problem solved to the contact radius at a ``depth`` [m], where it may be; beyond the series it is
@@ -170,10 +165,11 @@ class FittedBody:
         a = a if tip.tip_radius is None or endless else min(a, TUNING.deep * tip.tip_radius)
         return self.to_radius(a) if self.extensible and a > self.series.a[-1] else self
 
-    def _like(self, other: FittedBody, **changes: Any) -> FittedBody:
-        """The ``other`` body as the user describes this one."""
-        known = {name: getattr(self, name) for name in ("moduli_known", "range_of_case", "no_range")}
-        return replace(other, **known, **changes)
+    def _reaching(self, a: float, **changes: Any) -> FittedBody:
+        """The body of a changed problem solved up to contact radius ``a`` [m], as the user describes this one."""
+        loading = Loading("radius", a, max(len(self.series), TUNING.points), "radius")
+        other = _exact(replace(unbounded(self.problem), loading=loading, **changes), self.tolerance)
+        return replace(other, **{name: getattr(self, name) for name in ("moduli_known", "range_of_case", "no_range")})
 
     def _solved(self, problem: Problem) -> Family:
         at_radii = Loading.given("radius", tuple(self.series.a))
@@ -181,7 +177,7 @@ class FittedBody:
 
 
 @lru_cache(maxsize=REMEMBERED)
-def _reaching(problem: Problem, tolerance: float) -> FittedBody:
+def _exact(problem: Problem, tolerance: float) -> FittedBody:
     series = Layered(tolerance)(problem).series
     return FittedBody.of(problem, series, slopes(series, "exact"), True)
 

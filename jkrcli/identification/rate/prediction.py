@@ -15,7 +15,7 @@ from ...adhesion import Nonadhesive, Program, RateContact, RateLaw
 from ...adhesion.edge import Edge
 from ...adhesion.path import REST
 from ...adhesion.rate.motion import Motion
-from ...base import LARGEST_SI, MOST_STEPS, TINY, Array
+from ...base import LARGEST_SI, MOST_STEPS, ROUNDED, TINY, Array
 from .through import log_rates
 
 
@@ -26,7 +26,6 @@ class PredictionTuning:
     tolerance: float = 1e-8  # choice: of the integrator, far below the noise of any record
     evaluations: int = 5_000  # choice: guard, ten times what a retraction takes; beyond it values are far off
     between: int = 4  # choice: nodes per step of the integrator; the steps of the derivatives err by 1e-4 with them
-    rests: float = 1e-9  # theory: of w0, below which round-off hides how v follows from G
     step: float = 1e-4  # theory: of log v, for the law's slope: the square root of what round-off leaves of it
 
 
@@ -107,7 +106,7 @@ def _linearised(
     lag_s = (here.P_H - state.lag * here.S) * give / c
     g_u = a * rate.dS / here.dS + 2 * lag_u / state.lag - 1  # of log G
     g_x = -2 / (c * state.lag)
-    moves = state.G > w0 * (1 + TUNING.rests)
+    moves = state.G > w0 * (1 + ROUNDED)  # below, round-off hides how v follows from G
     safe, step = np.where(moves, v, 1.0), TUNING.step
     slope = np.log(law.work(w0, safe * (1 + step)) / law.work(w0, safe * (1 - step))) / (2 * step)  # dlog w/dlog v
     by_G = np.where(moves, 1 / slope, 0.0)  # dlog v/dlog G

@@ -15,7 +15,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from ..base import NOTICEABLE, SAME, TINY, TOGETHER, Array, InputError, Pool, in_order
+from ..base import NOTICEABLE, SAME, TINY, TOGETHER, Array, InputError, JkrError, Pool, in_order
 from .answer import FittedValue
 from .fit.statistics import covariance, t_quantile
 from .least_squares import Least, State
@@ -197,7 +197,8 @@ def bootstrap(
     least: Least, change: Callable[[np.random.Generator], Callable[[State], State]], cost: float, count: int, seed: int,
     pool: Pool | None,
 ) -> Array:  # fmt: skip
-    """Unknowns of the least of ``count`` problems, each with its states changed at random (samples, unknowns)."""
+    """Unknowns of the least of ``count`` problems, each with its states changed at random, to ``cost`` relatively, from
+    a first step by Gauss and Newton; fewer where no search reaches it (samples, unknowns)."""
     samples = in_order(pool, partial(_sample, least, change, cost, seed), range(count), "bootstrap", TOGETHER)
     return np.array([x for x in samples if x is not None])
 
@@ -205,7 +206,12 @@ def bootstrap(
 def _sample(
     least: Least, change: Callable[[np.random.Generator], Callable[[State], State]], cost: float, seed: int, number: int
 ) -> Array | None:
-    return least.sample(change(np.random.default_rng([seed, number])), cost)
+    changed, model = change(np.random.default_rng([seed, number])), least.problem.model
+    here = changed(least.state)
+    near = least.x - np.linalg.lstsq(here.jacobian, here.residuals, rcond=None)[0]
+    with contextlib.suppress(JkrError):
+        return replace(least.problem, model=lambda x: changed(model(x)), converged=cost, cost=cost).least(near).x
+    return None
 
 
 # ---------------------------------------------------------------------- uncertain inputs, to first order

@@ -1,8 +1,8 @@
-"""The one search of all fits, and what follows from searching again: profiles and samples.
+"""The one search of all fits, and what follows from searching again: profiles.
 
 ``LeastSquares`` is what is minimised: a model, which gives its ``State`` at any unknowns, bounds and the loss, by a
 trust region: its own for squares, SciPy's ("trf") for robust losses. An interval by the profile holds what follows from
-the unknowns with one more row; samples search through changed rows.
+the unknowns with one more row.
 """
 
 from __future__ import annotations
@@ -213,16 +213,6 @@ class Least:
                 reached = outcome(near[0])[0]
                 if abs(reached - here) < k * abs(step) / 2:  # a bound holds it
                     return reached
-        return None
-
-    def sample(self, change: Callable[[State], State], cost: float) -> Array | None:
-        """The unknowns of the least where all states are changed, from a first step by Gauss and Newton, to ``cost``
-        relatively; None where no search reaches it."""
-        here, model = change(self.state), self.problem.model
-        near = self.x - np.linalg.lstsq(here.jacobian, here.residuals, rcond=None)[0]
-        with contextlib.suppress(JkrError):
-            changed = replace(self.problem, model=lambda x: change(model(x)), converged=cost, cost=cost)
-            return changed.least(near).x
         return None
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.special import stdtrit
 
-from ..adhesion import TWO_SIDED_90, Nonadhesive, Parts
+from ..adhesion import TWO_SIDED_90, Nonadhesive
 from ..base import ROUNDED, SETTLED, TOGETHER, Array, InputError, Pool, completed, show
 from ..data import Curve, Reading, each, some
 from ..series import Solution
@@ -82,8 +82,8 @@ def work_along(
     values = {name: getattr(curve, name) for name in used}
     a, state = _radii(body, values)
     rows = state == OK
-    here = body.parts(a[rows])
-    lag = _lag(here, {name: column[rows] for name, column in values.items()})
+    here, read = body.parts(a[rows]), {name: column[rows] for name, column in values.items()}
+    lag = here.delta_H - read["delta"] if "delta" in read else (here.P_H - read["P"]) / here.S  # delta_H - delta [m]
     state[np.flatnonzero(rows)[lag <= 0]] = NONE
     shift, lag, rows = here.t[lag > 0], lag[lag > 0], state == OK
     _refuse_none(body, curve, state)
@@ -175,11 +175,6 @@ def _radii(body: Nonadhesive, values: Mapping[str, Array]) -> tuple[Array, Array
         return contact_radius(body, values["delta"], values["P"])
     a, ends = values["a"], body.a[[0, -1]]
     return a.copy(), np.select([a < ends[0] * (1 - ROUNDED), a > ends[1] * (1 + ROUNDED)], [BELOW, ABOVE], OK)
-
-
-def _lag(here: Parts, values: Mapping[str, Array]) -> Array:
-    """delta_H - delta [m] at the rows' radii."""
-    return here.delta_H - values["delta"] if "delta" in values else (here.P_H - values["P"]) / here.S
 
 
 def _refuse_none(body: Nonadhesive, curve: Curve, state: Array) -> None:

@@ -236,8 +236,7 @@ def _alone(part: Part, shared: Sequence[str], E_star: float) -> dict[str, float]
     """The shared values by a record alone, E* for the modulus."""
     values = {name: part.value(name) for name in shared}
     values |= {name: math.exp(x) for name, x in values.items() if Parameter(name, True).kind == LOG}
-    modulus = {} if "modulus" not in values else {"E_star": values.pop("modulus") * E_star}
-    return modulus | values
+    return ({ALIAS: values.pop("modulus") * E_star} if "modulus" in values else {}) | values
 
 
 def _sharing(one: Fit, shared: Sequence[FittedValue]) -> Fit:

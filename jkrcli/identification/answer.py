@@ -72,18 +72,18 @@ class Answer:
 
     def correlated(self, one: str, two: str) -> float | None:
         """Correlation coefficient of two free parameters; None where there is none."""
-        matrix = self.correlation
-        if matrix is None or not {one, two} <= set(self.free):
+        if (matrix := self.correlation) is None or not {one, two} <= set(self.free):
             return None
         return float(matrix[self.free.index(one), self.free.index(two)])
 
     @property
     def hardly_apart(self) -> Iterator[tuple[str, str, str]]:
         """Pairs of free parameters that the data hardly separate, with a sentence on each."""
-        for one, two in itertools.combinations(self.free, 2):
-            coefficient = self.correlated(one, two)
-            if coefficient is not None and abs(coefficient) > TUNING.apart:
-                yield one, two, f"{word(one)} and {word(two)} are strongly correlated ({coefficient:.4f})"
+        if (matrix := self.correlation) is None:
+            return
+        for (i, one), (j, two) in itertools.combinations(enumerate(self.free), 2):
+            if abs(matrix[i, j]) > TUNING.apart:
+                yield one, two, f"{word(one)} and {word(two)} are strongly correlated ({matrix[i, j]:.4f})"
 
     def vague(self, names: Sequence[str]) -> Iterator[str]:
         """A sentence on each of these that is little more than its order."""

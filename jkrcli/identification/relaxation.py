@@ -186,15 +186,14 @@ def timed_record(curve: Curve) -> TimedRecord:
     loaded = not read and of_load[0].size < of_device[0].size
     if read:
         imposed, response, stiffness, knots = curve.depth, load, math.inf, followed(t, curve.depth)
+        flags += (AS_READ,)
     elif loaded:
         imposed, response, stiffness, knots = load, device, 0.0, of_load
     else:
         stiffness = math.inf if curve.stiffness is None else float(curve.stiffness)
         imposed, response, knots = device, load, of_device
     noise = noise_of(imposed), noise_of(response)
-    return TimedRecord(
-        curve, t, imposed, response, loaded, stiffness, knots, noise, noise, read, flags + read * (AS_READ,)
-    )
+    return TimedRecord(curve, t, imposed, response, loaded, stiffness, knots, noise, noise, read, flags)
 
 
 def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> RelaxationFit:

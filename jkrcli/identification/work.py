@@ -17,7 +17,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from ..adhesion import TWO_SIDED_90, Nonadhesive
-from ..base import ROUNDED, SETTLED, TOGETHER, Array, InputError, Pool, completed, show
+from ..base import MOST_STEPS, ROUNDED, SETTLED, TOGETHER, Array, InputError, Pool, completed, show
 from ..data import Curve, Reading, each, some
 from ..series import Solution
 from .fit import FittedBody, Settings, body_of, receding, settings_of
@@ -31,7 +31,6 @@ OK, NONE, BELOW, ABOVE = "ok", "no adhesion", "below the series", "above the ser
 class WorkTuning:
     """Limits of the search for contact radii, and of speeds."""
 
-    steps: int = 60  # theory: halvings of any bracket down to round-off
     least_window: int = 5  # theory: rows, a parabola and two more for its error
     # tuned on fits, by `make constants`: chance with which a cubic is not taken where a parabola does
     sure: float = 0.995
@@ -267,7 +266,7 @@ def _root(falling: Callable[[Array], tuple[Array, Array]], low: Array, high: Arr
     ``falling``: the function and minus its derivative.
     """
     a = (low + high) / 2
-    for _ in range(TUNING.steps):
+    for _ in range(MOST_STEPS):
         value, fall = falling(a)
         low, high = np.where(value > 0, a, low), np.where(value > 0, high, a)
         step = np.divide(value, fall, out=np.full_like(a, np.inf), where=fall > 0)

@@ -1,4 +1,5 @@
-"""Confidence of a fit to prepared readings: intervals as the settings want them, and the systematic part."""
+"""Confidence of a fit to prepared readings: intervals as the settings want them, the systematic part, and how much
+worse JKR describes the same rows beside adhesion of finite range."""
 
 from __future__ import annotations
 
@@ -9,16 +10,18 @@ from functools import partial
 
 import numpy as np
 
-from ...base import Array, Pool, Unknown
+from ...base import Array, JkrError, Pool, Unknown
 from ...bodies import changed
 from ..answer import FittedValue
 from ..intervals import Intervals, bootstrap, changes_by, wider
 from ..least_squares import State
 from ..parameters import LOG, Parameter, dimension_of
+from .body import FittedBody
 from .model import Objective
+from .points import Points
 from .result import JKRBeside
 from .search import TUNING as SEARCH
-from .search import Minimum, minimise
+from .search import Minimum, minimise, robust, search
 from .settings import RANGES, Settings
 from .statistics import covariance, covariance_of_uneven, larger, t_quantile, variance_factor
 
@@ -149,6 +152,23 @@ def _redrawn(shape: tuple[int, int], rng: np.random.Generator) -> Callable[[Stat
     rows = rng.integers(0, shape[1], shape[1])
     every = (np.arange(shape[0])[:, None] * shape[1] + rows).ravel()
     return lambda state: state.rows(every)
+
+
+# ---------------------------------------------------------------------- beside a range
+def jkr_beside(minimum: Minimum, body: FittedBody, points: Points, settings: Settings) -> JKRBeside | Unknown:
+    """The nearest curve of JKR to the rows of ``minimum``, in its scales; Unknown where none comes near."""
+    plain = settings.without_range
+    try:
+        near = search(body, points, plain)
+        objective = replace(near.objective, scales=minimum.objective.scales)
+        jkr = robust(minimise(objective, near.x), settings.loss)
+        jkr = minimise(objective, jkr.x, settings.loss, minimum.width).settled()  # the same turn of a robust loss
+    except JkrError as error:
+        return Unknown(str(error))
+    values = objective.values(jkr.x)
+    rms, with_range = (math.sqrt(float(np.mean(item.distances.residuals**2))) for item in (jkr, minimum))
+    E_star = values["modulus"] * body.problem.E_star
+    return JKRBeside(E_star, values["w"], rms, with_range, jkr.cost - minimum.cost, values)
 
 
 # ---------------------------------------------------------------------- uncertain inputs of the body, to first order

@@ -29,10 +29,9 @@ from ..answer import FittedValue
 from ..parameters import Parameter
 from .body import FittedBody, check_parameters
 from .checks import warnings_of
-from .confidence import confidence_of
+from .confidence import confidence_of, jkr_beside
 from .edges import ADVANCING, RECEDING, RESTING, RestingMember
 from .force_curve_fit import Neighbour
-from .jkr_beside import jkr_beside
 from .model import PathDistances
 from .points import Points, directed, points_of, points_of_cycle
 from .record import beside, differ, fit_record, reduced

@@ -75,19 +75,18 @@ class Part:
             raise InputError(f"{self.where}: does not determine {word(name)}: it cannot be shared")
         return self.names.index(name)
 
-    def unknowns(self, values: Mapping[str, float], own: Array) -> tuple[Array, dict[str, Array]]:
-        """All unknowns by the shared ``values`` and its ``own``, and their derivatives by the shared ones."""
-        places = {name: self.place(name) for name in values}
-        x, rates = np.zeros(len(self.names)), {name: np.zeros(len(self.names)) for name in values}
+    def unknowns(self, values: Mapping[str, float], own: Array) -> tuple[Array, Array]:
+        """All unknowns by the shared ``values`` and its ``own``, and their derivatives by the shared ones, (n, m)."""
+        x, rates = np.zeros(len(self.names)), np.zeros((len(self.names), len(values)))
         x[self.own(values)] = own
-        for name, i in places.items():
-            unit = self.units.get(name, 1.0)
-            x[i], rates[name][i] = values[name] / unit, 1 / unit
+        for k, (name, value) in enumerate(values.items()):
+            i, unit = self.place(name), self.units.get(name, 1.0)
+            x[i], rates[i, k] = value / unit, 1 / unit
         if self.counted and "w" in values:  # in the modulus
-            i, s = places["w"], self.modulus(x)
-            x[i], rates["w"][i] = x[i] / s, rates["w"][i] / s
+            i, s = self.place("w"), self.modulus(x)
+            x[i], rates[i] = x[i] / s, rates[i] / s
             if "modulus" in values:
-                rates["modulus"][i] = -x[i]
+                rates[i, list(values).index("modulus")] = -x[i]
         return x, rates
 
     def own(self, shared: Iterable[str]) -> Array:
@@ -147,7 +146,7 @@ class Joint:
             y, by = part.unknowns(values, x[first : first + own.size])
             state = part.least.problem.model(y)
             J = np.zeros((state.residuals.size, x.size))
-            J[:, :m] = state.jacobian @ np.stack([by[name] for name in self.shared], axis=1)
+            J[:, :m] = state.jacobian @ by
             J[:, first : first + own.size] = state.jacobian[:, own]
             scale, first = math.sqrt(part.noise), first + own.size
             residuals.append(state.residuals / scale)
@@ -156,15 +155,15 @@ class Joint:
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        ends = [[np.full(len(self.shared), sign * np.inf)] for sign in (-1, 1)]
-        for part, own in zip(self.parts, self.own, strict=True):
-            for end, bound in zip(ends, part.least.problem.bounds, strict=True):
-                end.append(bound[own])
+        each = list(zip([part.least.problem.bounds for part in self.parts], self.own, strict=True))
+        low, high = (
+            np.concatenate([np.full(len(self.shared), end), *(bounds[i][own] for bounds, own in each)])
+            for i, end in enumerate((-np.inf, np.inf))
+        )
         for i, name in enumerate(self.shared):
             if name != "modulus" and not any(part.counted for part in self.parts):
-                lows = [part.least.problem.bounds[0][part.place(name)] * part.units[name] for part in self.parts]
-                ends[0][0][i] = max(lows)
-        return np.concatenate(ends[0]), np.concatenate(ends[1])
+                low[i] = max(part.least.problem.bounds[0][part.place(name)] * part.units[name] for part in self.parts)
+        return low, high
 
     def search(self) -> Least:
         """From the mean of the shared unknowns by each record alone, weighted by their inverse variances."""

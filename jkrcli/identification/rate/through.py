@@ -29,8 +29,8 @@ class ThroughTuning:
     sure: float = 0.3
     # tuned on work along a record, by `make constants`: of weights by the errors of the speeds, which ask for the law
     rounds: int = 3
-    even: float = 0.01  # choice: guard, least weight of a point's error over the median
     blocks: int = 8  # choice: of neighbouring points that are left out in turn
+    even: float = 0.01  # choice: guard, least weight of a point's error over the median
     # tuned on work along a record, by `make constants`: standard deviations beyond which a point pulls less, as
     # outliers are usual
     turn: float = 1.5

@@ -6,7 +6,7 @@ from .lazy import lazily
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from .arrays import Array
+    from .arrays import Array, evenly
     from .clock import PATIENCE, SILENCE, StageClock, duration
     from .cubic import EvenCubic, PiecewiseCubic, PiecewiseQuintic, spline_slopes, zeros_between
     from .errors import InputError, JkrError, Refusal, SolveError, did_you_mean, first_line, positive, printable

@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 
 from ..adhesion import Nonadhesive, Program, RelaxingContact
-from ..base import SAME, Array, InputError, JkrError, Ranged, did_you_mean, ranges_of, show
+from ..base import SAME, Array, InputError, JkrError, Ranged, did_you_mean, evenly, ranges_of, show
 from ..bodies import RELAXATIONS, Relaxation
 from ..data import Curve
 from ..data.record import TUNING as RECORDS
 from .answer import Answer
-from .fit import FittedBody, evenly
+from .fit import FittedBody
 from .intervals import Followed, Intervals
 from .least_squares import TUNING as FITS
 from .least_squares import Least, LeastSquares, State, by_differences

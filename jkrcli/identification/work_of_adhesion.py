@@ -8,12 +8,11 @@ from dataclasses import dataclass, replace
 from typing import Any, cast
 
 from ..adhesion import FoundWork, Nonadhesive, point_error, work_from_pull_off
-from ..base import Estimate, InputError, Unknown, parse
+from ..base import Estimate, InputError, Unknown, evenly, parse
 from ..beside import Analysis, adhesive, nonadhesive, with_solved_points
 from ..beside.again import method_behind
 from ..bodies import RADIUS, Loading, changed, checked_names, layer_names, nominal
 from ..series import Solution
-from .fit import evenly
 from .intervals import changes_by
 
 FORCE, TIP, MODULI = "load", "R", "E"  # uncertain inputs beside "h", "nu" and those of single layers

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .fitting import Failure, fit, fit_all
     from .joint import JointFit, joint_fit, shared_of, with_radii
     from .plan import further, planned
-    from .points import evenly, third_differences
+    from .points import third_differences
     from .record import receding
     from .result import Fit, Further, JKRBeside
     from .settings import USUALLY_FREE, Loss, Settings, settings_of, uncertain_of

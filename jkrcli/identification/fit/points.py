@@ -263,11 +263,6 @@ def scatter(values: Mapping[str, Array], units: Mapping[str, float]) -> dict[str
     return {name: max(part, TUNING.balance * largest) * units[name] for name, part in relative.items()}
 
 
-def evenly(rows: int, most: int) -> Array:
-    """The numbers of at most ``most`` of so many ``rows``, evenly spread, the first and the last among them."""
-    return np.unique(np.linspace(0, rows - 1, min(rows, most)).astype(int))
-
-
 def third_differences(column: Array) -> float:
     """Standard deviation of the noise in a ``column`` (n,), in its unit: the median size of third differences, which
     for independent normal noise scatter sqrt(20) times as much; infinite below 5 rows."""

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import fdtrc
 
-from ...base import TINY, Array, SolveError
+from ...base import MOST_SOLVES, TINY, Array, SolveError
 from ..answer import FittedValue
 from .family import Drift
 from .range_rival import RangeRival, range_rival_of
@@ -33,7 +33,6 @@ class RivalTuning:
     likely: float = 0.5  # choice: standard deviation of the relative change along the record; w of polymers may double
     chance: float = 5e-3  # choice: at which data of the model itself show a rival
     changes: tuple[float, float] = (-0.7, 1.2)  # choice: guard, along the record; w and moduli stay above 0
-    steps: int = 4  # choice: guard, of Gauss and Newton
     close: float = 0.5  # theory: the last step, in standard errors; what remains is its square, a quarter
     fewest: int = 6  # choice: degrees of freedom; two of them go to the rivals
 
@@ -142,7 +141,7 @@ def _followed(minimum: Minimum, drift: Drift, close: float) -> dict[str, float]:
     logs = np.array([parameter.kind == "log" for parameter in objective.parameters])
     low, high = x - np.where(logs, SEARCH.reach, np.inf), x + np.where(logs, SEARCH.reach, np.inf)
     before = x
-    for _ in range(TUNING.steps):
+    for _ in range(MOST_SOLVES):
         try:
             there = objective.distances(x)
             jacobian = there.jacobian(free)

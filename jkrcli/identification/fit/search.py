@@ -16,14 +16,26 @@ from functools import partial
 
 import numpy as np
 
-from ...base import MOST_SOLVES, NOTICEABLE, ROUNDED, SETTLED, UNSEEN, Array, InputError, JkrError, SolveError, show
+from ...base import (
+    MOST_SOLVES,
+    NOTICEABLE,
+    ROUNDED,
+    SETTLED,
+    UNSEEN,
+    Array,
+    InputError,
+    JkrError,
+    SolveError,
+    evenly,
+    show,
+)
 from ..least_squares import Least, LeastSquares, State
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING, RestingMember
 from .family import Family
 from .model import Distances, Objective, PathDistances, Readings, arc
 from .points import TUNING as ROWS
-from .points import Points, evenly, scatter
+from .points import Points, scatter
 from .settings import RANGES, Loss, Settings
 from .statistics import TURNS, robust_scale
 

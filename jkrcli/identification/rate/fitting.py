@@ -16,10 +16,22 @@ from typing import Any
 import numpy as np
 
 from ...adhesion import RATE_LAWS, RateLaw, rate_parameters
-from ...base import NOTICEABLE, SAME, Array, InputError, JkrError, Ranged, SolveError, Unknown, did_you_mean, show
+from ...base import (
+    NOTICEABLE,
+    SAME,
+    Array,
+    InputError,
+    JkrError,
+    Ranged,
+    SolveError,
+    Unknown,
+    did_you_mean,
+    evenly,
+    show,
+)
 from ...data import Curve
 from ..answer import Answer
-from ..fit import FittedBody, Settings, evenly, fit
+from ..fit import FittedBody, Settings, fit
 from ..intervals import Followed, Intervals
 from ..least_squares import TUNING as FITS
 from ..least_squares import Least, LeastSquares, State

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...adhesion import Program
-from ...base import SAME, Array, InputError
+from ...base import SAME, Array, InputError, evenly
 from ...data import Curve
 from ...data.record import TUNING as RECORDS
-from ..fit import evenly, third_differences
+from ..fit import third_differences
 from ..motion import check_over_time, check_rising, noise_of, through
 
 

@@ -50,7 +50,7 @@ def _pressure(problem: Problem, a: float, delta: float, k: np.ndarray) -> np.nda
     contact = LayeredContact(problem.indenter, problem.specimen)
     result, _ = contact.refined(np.array([a]), 1e-10)
     kernel = contact.spectrum.kernel(2 * a)
-    phi = Density.of(kernel, contact.indenter, result, float(result.delta[0]) - delta, a)
+    phi = Density.of(kernel, result, float(result.delta[0]) - delta, a)
     x, w = np.polynomial.legendre.leggauss(300)
     t = a * np.sin(np.pi / 4 * (x + 1))
     return contact.E_star / 2 * np.cos(np.outer(k, t)) @ (w * np.pi / 4 * np.sqrt(a**2 - t**2) * phi(t))

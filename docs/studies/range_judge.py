@@ -74,7 +74,7 @@ def _finer(problem: Problem, curve: FiniteRangeCurve) -> Finer:
         panels = contact.attraction(reach, ACCURACY).basis.panels
         half = Quadrature(panels.order, float(np.diff(panels.edges).max()) / 2, 0)
         through = Panels.through(np.array([reach]), half, contact.indenter.a0)
-        matrix = contact.matrix(through, NODES_IN_K)
+        matrix = replace(contact, order=NODES_IN_K).matrix(through)
         return Finer(Attraction.of(contact.indenter, contact.E_star, through, matrix), ROUNDING)
     for tolerance in REFINED:
         try:

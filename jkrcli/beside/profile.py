@@ -32,7 +32,7 @@ def profile_columns(solution: Solution, a: float, w: float, request: RangeReques
 def _attracted(solution: Solution, a: float, law: Range) -> dict[str, Array]:
     """Pressure, displacement and gap out to 3 c under a tension of finite range; the tension is a negative pressure."""
     from ..adhesion import FiniteRangeBody
-    from ..methods.integral.annulus import attracted_surface
+    from ..methods.integral.attraction import attracted_surface
 
     body = FiniteRangeBody.of(solution).body
     problem, s = body.problem, 2 * law.stress / body.problem.E_star

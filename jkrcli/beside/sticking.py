@@ -14,7 +14,6 @@ import numpy as np
 
 from ..base import Array, Estimate, JkrError, Unknown, show
 from ..bodies import Problem
-from ..methods.guards import QUICK
 from ..methods.layered import layered, stack, stuck
 from ..series import Series, Solution
 
@@ -78,7 +77,7 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
     if reason := stuck.unable(body.indenter, body.specimen):
         return Unknown(f"effect of no slip unknown: {reason}")
     pair = stack.LayeredContact(body.indenter, body.specimen), stuck.StuckLayeredContact(body.indenter, body.specimen)
-    if largest > QUICK * pair[1].scale:
+    if largest > layered.QUICK * pair[1].scale:
         return Unknown(f"effect of no slip not computed at a contact radius of {largest:.3g} m")
     a0 = body.indenter.a0
     radii = a0 + (largest - a0) * np.append(np.geomspace(TUNING.smallest, 1.0, TUNING.radii), TUNING.beyond)

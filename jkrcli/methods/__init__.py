@@ -19,18 +19,7 @@ if TYPE_CHECKING:
     from .fem.method import FEM
     from .guards import LESS, Limits, admit
     from .layered.layered import Layered, largest_radius, unbounded
-    from .protocol import (
-        METHODS,
-        Descriptor,
-        Forecast,
-        InTable,
-        Method,
-        Place,
-        least_first,
-        method_class,
-        register,
-        without_tension,
-    )
+    from .protocol import METHODS, Descriptor, Forecast, Method, least_first, method_class, register
 
 __getattr__ = lazily(__name__, __file__)
 

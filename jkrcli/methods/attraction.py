@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -87,12 +87,14 @@ class AttractedBody:
         return self._wide.scale
 
     @cached_property
-    def _kernels(self) -> dict[float, tuple[Attraction, KernelContact | None, ErrorEstimates | None]]:
+    def _made(self) -> dict[str, tuple[float, Any]]:
         return {}
 
-    @cached_property
-    def _checks(self) -> dict[float, Attraction]:
-        return {}
+    def _latest(self, name: str, reach: float, make: Callable[[], Any]) -> Any:
+        """What ``make`` gave for this ``reach`` if it was the last one."""
+        if name not in self._made or self._made[name][0] != reach:
+            self._made[name] = reach, make()
+        return self._made[name][1]
 
     def attraction(self, reach: float) -> Attraction:
         """The bodies ready for any tension up to ``reach`` [m]."""
@@ -101,15 +103,9 @@ class AttractedBody:
     def check(self, reach: float) -> Attraction:
         """The attraction up to the radius ``reach`` [m] on other panels than those of ``attraction``, for an estimate
         of the error that they leave."""
-        if reach not in self._checks:
-            self._checks.clear()
-            cylinder, finer = self._kernel(reach)[1], self.tolerance * TUNING.checked
-            self._checks[reach] = (
-                self._wide.attraction(reach, finer, TUNING.other_order)
-                if cylinder is None
-                else cylinder.attraction(reach, finer)
-            )
-        return self._checks[reach]
+        cylinder, finer = self._kernel(reach)[1], self.tolerance * TUNING.checked
+        body = replace(self._wide, order=TUNING.other_order) if cylinder is None else cylinder
+        return self._latest("check", reach, lambda: body.attraction(reach, finer))
 
     def kernel_error(self, reach: float, radii: Array) -> Array:
         """Relative error that the kernel itself leaves in delta and P up to ``radii`` [m]: that of nonadhesive contact,
@@ -122,14 +118,13 @@ class AttractedBody:
         return largest
 
     def _kernel(self, reach: float) -> tuple[Attraction, KernelContact | None, ErrorEstimates | None]:
-        if reach not in self._kernels:
-            self._kernels.clear()
+        def made() -> tuple[Attraction, KernelContact | None, ErrorEstimates | None]:
             if self._cylinder is None:
-                self._kernels[reach] = self._wide.attraction(reach, self.tolerance), None, None
-            else:
-                contact, errors = _met(self._cylinder, reach)
-                self._kernels[reach] = contact.attraction(reach, self.tolerance), contact, errors
-        return self._kernels[reach]
+                return self._wide.attraction(reach, self.tolerance), None, None
+            contact, errors = _met(self._cylinder, reach)
+            return contact.attraction(reach, self.tolerance), contact, errors
+
+        return self._latest("kernel", reach, made)
 
     def seconds(self, a: float, s: float, gap: float) -> float:
         """CPU seconds, about, of the states up to the contact radius ``a`` [m] (see ``reach``), from the polynomials
@@ -169,9 +164,8 @@ class AttractedBody:
         raise Refusal(self._too_far(a))
 
     def _too_far(self, a: float) -> str:
-        end = "the end of the profile" if self.limit == self.problem.indenter.r_max * (1 - ROUNDED) else (
-            "the side of the cylinder"
-        )  # fmt: skip
+        at_end = self.limit == self.problem.indenter.r_max * (1 - ROUNDED)
+        end = "the end of the profile" if at_end else "the side of the cylinder"
         return (
             f"adhesion of finite range: around a contact of a = {show(a, 'length')} the surfaces attract each other "
             f"beyond {end} (at {show(self.limit, 'length')} the separation is still within the range): load less, or "

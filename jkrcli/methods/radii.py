@@ -18,9 +18,8 @@ Response = Callable[[Array], Array]  # increasing radii [m] -> delta_H [m] or P_
 Responses = Callable[[Quantity, float], Response]  # "depth" or "load", relative accuracy -> its response
 
 
-DENSE = (
-    60  # theory: radii in a geometric sequence, over four decades splines err by 5/384 (ln 1e4/59)^4 = 8e-6 of f''''
-)
+# theory: radii in a geometric sequence, over four decades splines err by 5/384 (ln 1e4/59)^4 = 8e-6 of f''''
+DENSE = 60
 ROOM = 1.05  # choice: over a radius, so that it lies within a solution
 ROUGH = 1e-5  # accuracy of the first part of every search; choice: what costs least
 
@@ -34,8 +33,9 @@ class SearchTuning:
     # Largest factor between trials, as a larger contact costs more:
     stride: float = 3.0  # choice: what costs least
     table: int = 48  # radii of the first response to all targets; choice: what costs least
-    # Times the accuracy, from where a Newton step leads well within it:
-    near: float = 30.0  # choice: what costs least
+    # Times the accuracy, from where a step leads within it; theory: a secant over ``probe`` errs by some 1 - probe of
+    # the slope, so that 30/50 of the accuracy are left
+    near: float = 30.0
     above_kink: int = 14  # theory: 1.95 from one to the next, where cubics follow a root to 1e-4
     nearest: float = 1e-4  # of the distance to the next row, the first of them; theory: its root is 1e-2
     farthest: float = 0.6  # the last; choice: half way
@@ -46,37 +46,86 @@ class SearchTuning:
 TUNING = SearchTuning()
 
 
-def radii_of_loading(
-    loading: Loading, indenter: Indenter, responses: Responses, start: float, accuracies: Sequence[float]
-) -> Array:
-    """All contact radii [m] that ``loading`` asks for, increasing.
+@dataclass(frozen=True)
+class Search:
+    """The contact radii that a ``loading`` asks for of an ``indenter`` on a body with the contact modulus ``E_star``
+    [Pa], whose layers act over the length ``scale`` [m].
 
-    ``responses`` of growing ``accuracies`` are followed one after the other; ``start``: a first radius [m].
+    ``responses`` of growing ``accuracies``, relative, are followed one after the other.
     """
-    if loading.spacing == "given" and loading.to == "radius":
-        for a in loading.values:
-            check_radius(indenter, a)
-        return np.array(loading.values)
-    largest = largest_of_loading(loading, indenter, responses, start, accuracies)
-    radii = _spaced(loading, indenter, responses, largest, accuracies)
-    return radii if loading.spacing == "given" else _with_kinks(radii, indenter)
 
+    loading: Loading
+    indenter: Indenter
+    E_star: float
+    responses: Responses
+    accuracies: Sequence[float]
+    scale: float = math.inf
 
-def _spaced(
-    loading: Loading, indenter: Indenter, responses: Responses, largest: float, accuracies: Sequence[float]
-) -> Array:
-    """The radii [m] of a ``loading`` up to the ``largest``, by its spacing."""
-    if loading.spacing == "radius":
-        return np.linspace(indenter.a0, largest, loading.points + 1)[1:]
-    if loading.spacing == "log":
-        return graded_radii(indenter.a0, largest, loading.points)
-    quantity: Quantity = loading.to
-    targets = np.array(loading.values)
-    if loading.spacing == "depth":
-        quantity = "depth"
-        deepest = float(responses(quantity, accuracies[-1])(np.array([largest]))[0])
-        targets = deepest * np.arange(1, loading.points + 1) / loading.points
-    return radii_for([(responses(quantity, e), e) for e in accuracies], targets, indenter, largest)
+    @property
+    def radii(self) -> Array:
+        """All contact radii [m], increasing."""
+        loading = self.loading
+        if loading.spacing == "given" and loading.to == "radius":
+            for a in loading.values:
+                check_radius(self.indenter, a)
+            return np.array(loading.values)
+        radii = self._spaced(self.largest)
+        return radii if loading.spacing == "given" else _with_kinks(radii, self.indenter)
+
+    @property
+    def largest(self) -> float:
+        """The contact radius [m] at which the loading ends: a rough search first, then ever more accurate ones."""
+        loading = self.loading
+        if loading.to == "radius":
+            check_radius(self.indenter, loading.maximum)
+            return loading.maximum
+        start = self._start
+        try:
+            for accuracy in self.accuracies:
+                response = self.responses(loading.to, accuracy)
+                start = radius_for(response, loading.maximum, self.indenter, start, accuracy)
+        except (Refusal, SolveError) as error:
+            raise Refusal(f"loading: a {loading.to} of {loading.goal} cannot be reached: {error}") from None
+        return start
+
+    @property
+    def _start(self) -> float:
+        """A first radius [m]: that of a half-space, F(a) = delta or about 4/3 E* a F(a) = P, but no more than twice the
+        length over which layers act."""
+        indenter, target, to = self.indenter, self.loading.maximum, self.loading.to
+        lengths = (self.scale, indenter.tip_radius, indenter.a0, indenter.r_max, target if to == "depth" else None)
+        start = next(length for length in (*lengths, 1.0) if length and math.isfinite(length))
+
+        def response(a: Array) -> Array:
+            return indenter.abel(a) if to == "depth" else 4 / 3 * self.E_star * a * indenter.abel(a)
+
+        try:
+            guess = radius_for(response, target, indenter, 1.5 * start, 0.1)
+        except Refusal:
+            guess = indenter.r_max / 2
+        return min(guess, max(2 * self.scale, 1.1 * indenter.a0))
+
+    def _spaced(self, largest: float) -> Array:
+        """The radii [m] up to the ``largest``, by the loading's spacing."""
+        loading, a0 = self.loading, self.indenter.a0
+        if loading.spacing == "radius":
+            return np.linspace(a0, largest, loading.points + 1)[1:]
+        if loading.spacing == "log":
+            return graded_radii(a0, largest, loading.points)
+        if loading.spacing == "depth":
+            deepest = float(self.responses("depth", self.accuracies[-1])(np.array([largest]))[0])
+            return self._at("depth", deepest * np.arange(1, loading.points + 1) / loading.points, largest)
+        return self._at(loading.to, np.array(loading.values), largest)
+
+    def _at(self, quantity: Quantity, targets: Array, largest: float) -> Array:
+        """Contact radii [m] for the increasing ``targets``, the last of which is reached at ``largest`` [m]."""
+        if targets.size == 1:
+            return np.array([largest])
+        a0, log_target = self.indenter.a0, np.log(targets)
+        log_v = np.log(_first_radii(self.responses(quantity, self.accuracies[0]), targets, self.indenter, largest))
+        for accuracy in self.accuracies:
+            log_v = _followed(self.responses(quantity, accuracy), log_v, log_target, a0, accuracy)
+        return np.hypot(a0, np.exp(log_v))
 
 
 def _with_kinks(radii: Array, indenter: Indenter) -> Array:
@@ -97,39 +146,6 @@ def graded_radii(a0: float, largest: float, points: int) -> Array:
     radii = np.hypot(a0, np.geomspace(1e-4 * v, v, points)) if points > 1 else np.array([largest])
     radii[-1] = largest
     return radii
-
-
-def largest_of_loading(
-    loading: Loading, indenter: Indenter, responses: Responses, start: float, accuracies: Sequence[float]
-) -> float:
-    """The contact radius [m] at which ``loading`` ends: a rough search first, then ever more accurate ones."""
-    if loading.to == "radius":
-        check_radius(indenter, loading.maximum)
-        return loading.maximum
-    try:
-        for accuracy in accuracies:
-            start = radius_for(responses(loading.to, accuracy), loading.maximum, indenter, start, accuracy)
-    except (Refusal, SolveError) as error:
-        raise Refusal(f"loading: a {loading.to} of {loading.goal} cannot be reached: {error}") from None
-    return start
-
-
-def half_space_guess(loading: Loading, indenter: Indenter, E_star: float, scale: float = math.inf) -> float:
-    """A first radius [m]: that of a half-space of modulus E* [Pa], F(a) = delta or about 4/3 E* a F(a) = P, but no
-    more than twice the length ``scale`` [m] over which layers act."""
-    target = loading.maximum
-
-    def response(a: Array) -> Array:
-        F = indenter.abel(a)
-        return F if loading.to == "depth" else 4 / 3 * E_star * a * F
-
-    lengths = (scale, indenter.tip_radius, indenter.a0, indenter.r_max, target if loading.to == "depth" else None)
-    start = next(length for length in (*lengths, 1.0) if length and math.isfinite(length))
-    try:
-        guess = radius_for(response, target, indenter, 1.5 * start, 0.1)
-    except Refusal:
-        guess = indenter.r_max / 2
-    return min(guess, max(2 * scale, 1.1 * indenter.a0))
 
 
 def check_radius(indenter: Indenter, a: float) -> None:
@@ -153,7 +169,7 @@ def radius_for(response: Response, target: float, indenter: Indenter, start: flo
     beyond the profile.
     """
     a0, end = indenter.a0, indenter.r_max * (1 - 1e-12)
-    low, high = 0.0, math.sqrt((end - a0) * (end + a0)) if math.isfinite(end) else math.inf
+    low, high = 0.0, _v(end, a0)
     v, tried_end = min(math.sqrt(max(start**2 - a0**2, 0.0)) or start, high / 2), False
     for _ in range(MOST_STEPS):
         values = response(np.hypot(a0, np.array([TUNING.probe * v, v])))
@@ -181,29 +197,15 @@ def radius_for(response: Response, target: float, indenter: Indenter, start: flo
     )
 
 
-def radii_for(stages: Sequence[tuple[Response, float]], targets: Array, indenter: Indenter, largest: float) -> Array:
-    """Contact radii [m] for the increasing ``targets``, the last of which is reached at ``largest`` [m].
-
-    ``stages``: the response with growing accuracy, and the relative accuracy to which each is followed.
-    """
-    a0 = indenter.a0
-    if targets.size == 1:
-        return np.array([largest])
-    log_target = np.log(targets)
-    log_v = np.log(_first_radii(stages[0][0], targets, indenter, largest))
-    for response, accuracy in stages:
-        log_v = _followed(response, log_v, log_target, a0, accuracy)
-    return np.hypot(a0, np.exp(log_v))
-
-
 def _first_radii(response: Response, targets: Array, indenter: Indenter, largest: float) -> Array:
     """Values of v at the targets from a table of the response between their ends."""
     a0, log_target = indenter.a0, np.log(targets)
     first = radius_for(response, float(targets[0]), indenter, math.hypot(a0, 0.3 * _v(largest, a0)), 0.1)
     v = np.geomspace(0.7 * _v(first, a0), _v(largest, a0), TUNING.table)
     table = np.log(v), np.log(response(np.hypot(a0, v)))
-    bracket = _bracketed(table, log_target)
-    log_v = bracket.within(_inverse(*table, log_target), bracket.secant)
+    low, high, secant, _ = _bracketed(table, log_target)
+    log_v = _inverse(*table, log_target)
+    log_v = np.where((low < log_v) & (log_v < high), log_v, secant)
     return np.append(np.exp(np.sort(log_v[:-1])), v[-1])
 
 
@@ -219,9 +221,9 @@ def _followed(response: Response, log_v: Array, log_target: Array, a0: float, ac
         if near[:-1].all():
             return np.append(np.sort(np.where(doubt < TUNING.doubtful, tangent, log_v)[:-1]), log_v[-1])
         known = _with(known, log_v, log_values)
-        bracket = _bracketed(known, log_target)
-        step = bracket.within(np.where(doubt < TUNING.doubtful, tangent, bracket.secant), bracket.middle)
-        step = np.where(near | (miss < before / 2), step, bracket.middle)
+        low, high, secant, middle = _bracketed(known, log_target)
+        step = np.where(doubt < TUNING.doubtful, tangent, secant)
+        step = np.where((low < step) & (step < high) & (near | (miss < before / 2)), step, middle)
         log_v = np.append(np.sort(step[:-1]), log_v[-1])  # the response wants them increasing
         before = miss
     count = log_target.size
@@ -243,22 +245,10 @@ def _doubt(log_v: Array, log_values: Array) -> Array:
     return np.clip(np.nan_to_num(inner, nan=1.0), 1 / TUNING.near, 1.0)
 
 
-@dataclass(frozen=True)
-class _Bracket:
-    """Known log v on both sides of each target, infinite where there is none; the ``secant`` between them, and a point
-    ``middle`` that narrows every bracket, half-way to the secant, so that it differs for each target."""
-
-    low: Array
-    high: Array
-    secant: Array
-    middle: Array
-
-    def within(self, proposal: Array, otherwise: Array) -> Array:
-        return np.where((self.low < proposal) & (proposal < self.high), proposal, otherwise)
-
-
-def _bracketed(known: tuple[Array, Array], log_target: Array) -> _Bracket:
-    """Brackets from points of which both coordinates increase."""
+def _bracketed(known: tuple[Array, Array], log_target: Array) -> tuple[Array, Array, Array, Array]:
+    """Of points whose coordinates log v and log response both increase: log v on both sides of each target, infinite
+    where there is none; the secant between them, and a point that narrows every bracket, half-way to the secant, so
+    that it differs for each target."""
     v, values = known
     above = np.searchsorted(values, log_target)
     low, high = np.append(-np.inf, v)[above], np.append(v, np.inf)[above]
@@ -267,7 +257,7 @@ def _bracketed(known: tuple[Array, Array], log_target: Array) -> _Bracket:
     part = np.clip((log_target - values[left]) / rise, 0, 1)
     beyond = math.log(TUNING.stride) * np.isinf(low)
     secant, middle = (v[left] + x * (v[right] - v[left]) - beyond for x in (part, 0.25 + 0.5 * part))
-    return _Bracket(low, high, secant, middle)
+    return low, high, secant, middle
 
 
 def _with(known: tuple[Array, Array], log_v: Array, log_values: Array) -> tuple[Array, Array]:

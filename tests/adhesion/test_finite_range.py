@@ -18,8 +18,7 @@ from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve
 from jkrcli.adhesion.law import Range
 from jkrcli.adhesion.stability import Jump, behaviour, branch, cycle
 from jkrcli.methods.attraction import AttractedBody
-from jkrcli.methods.integral.annulus import AttractedSurface, attracted_surface
-from jkrcli.methods.integral.attraction import Rims
+from jkrcli.methods.integral.attraction import AttractedSurface, Rims, attracted_surface
 from jkrcli.methods.integral.equation import DiscreteEquation
 from jkrcli.methods.integral.quadrature import Panels
 from jkrcli.methods.layered.stack import LayeredContact

@@ -14,7 +14,7 @@ from ...formulas import thin_layer
 from ...series import COLUMNS, ErrorBudget, Series, Solution
 from ..layered.layered import Layered, unbounded
 from ..protocol import Forecast, without_tension
-from ..radii import ROUGH, half_space_guess, radii_of_loading
+from ..radii import ROUGH, Search
 
 
 @dataclass(frozen=True)
@@ -77,13 +77,10 @@ def _series(problem: Problem, formula: Formula) -> Series:
 
 
 def _radii(problem: Problem, formula: Formula) -> Array:
-    column = {"depth": 0, "load": 1}
-    start = half_space_guess(problem.loading, problem.indenter, problem.E_star)
-
     def responses(quantity: str, accuracy: float) -> Callable[[Array], Array]:
-        return lambda a: formula.columns(a)[column[quantity]]
+        return lambda a: formula.columns(a)[{"depth": 0, "load": 1}[quantity]]
 
-    return radii_of_loading(problem.loading, problem.indenter, responses, start, (ROUGH, TUNING.round_off))
+    return Search(problem.loading, problem.indenter, problem.E_star, responses, (ROUGH, TUNING.round_off)).radii
 
 
 def _formula(problem: Problem) -> Formula:
@@ -165,10 +162,6 @@ def _leading_order(R: float, layer: Layer, base: Rigid) -> Formula:
     return Formula("thin compressible layer, leading order (Eq. 20)", winkler)
 
 
-def _at(problem: Problem, a: float) -> Problem:
-    return replace(unbounded(problem), loading=Loading.given("radius", (a,)))
-
-
 def _long(layered: Layered, problem: Problem) -> str | None:
     """Why the exact solution is no quick matter, None where it is."""
     try:
@@ -181,10 +174,9 @@ def _long(layered: Layered, problem: Problem) -> str | None:
 def _leading_order_error(problem: Problem, formula: Formula, radii: Array) -> float:
     """Largest relative difference of delta, P, S and S' to the exact layer solution at the increasing ``radii``, where
     that is no quick matter at the largest one below; SolveError where there is none."""
-    layered, worst = Layered(SAME), 0.0
-    for wanted in radii:
-        a = float(wanted)
-        while (reason := _long(layered, exactly := _at(problem, a))) is not None:
+    layered, wide, worst = Layered(SAME), unbounded(problem), 0.0
+    for a in radii.tolist():
+        while (reason := _long(layered, exactly := replace(wide, loading=Loading.given("radius", (a,))))) is not None:
             if worst > TUNING.worst:
                 return worst
             if a <= 2 * radii[0]:

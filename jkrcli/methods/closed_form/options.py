@@ -2,13 +2,6 @@
 
 from ..protocol import Descriptor, register
 
-register(
-    Descriptor(
-        "closed-form",
-        "Formulae for the half-space and for one thin layer, where they hold.",
-        "jkrcli.methods.closed_form.method:ClosedForm",
-        effort=10,
-        exact=True,
-        kernel=True,
-    )
-)
+SENTENCE = "Formulae for the half-space and for one thin layer, where they hold."
+SOLVER = "jkrcli.methods.closed_form.method:ClosedForm"
+register(Descriptor("closed-form", SENTENCE, SOLVER, 10, exact=True, kernel=True))

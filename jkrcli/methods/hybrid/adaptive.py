@@ -10,16 +10,7 @@ import numpy as np
 
 from ...base import MOST_SOLVES, NO_CLAIM, TINY, Array, Refusal, SolveError, duration, show
 from ...bodies import Graded, HalfSpace, Indenter, Specimen, contact_modulus
-from ..integral import (
-    Attraction,
-    DiscreteEquation,
-    EquationResult,
-    Panels,
-    Quadrature,
-    panels_for,
-    solve,
-    tolerance_remedy,
-)
+from .. import integral
 from ..layered.layered import GRADED
 from ..layered.stack import LayeredContact
 from .kernel import STEP, CorrectionCost, KernelLevels, PolynomialKernel, convergence, count_for
@@ -68,7 +59,6 @@ class HybridTuning:
     decayed: float = 0.05  # tuned on random bodies, by `make failures`
     # Refinement:
     lowest: int = 4  # degree; tuned on reference bodies, by `make tuning`
-    few: int = 300  # choice: unknowns of one element or two, of which one degree more costs nothing
     highest: int = 16  # degree; choice: rounding sets the limit beyond
     # Of the tolerance, to which parameters and cut are brought:
     share: float = 0.25  # tuned on reference bodies, by `make tuning`
@@ -102,38 +92,38 @@ class KernelContact:
     def scale(self) -> float:
         return self.kernel.scale
 
-    def plan(self, radii: Array, tolerance: float) -> Quadrature:
+    def plan(self, radii: Array, tolerance: float) -> integral.Quadrature:
         """A quadrature accurate to ``tolerance`` at the increasing ``radii`` [m]."""
-        return Quadrature.cheapest(radii, self.indenter.a0, self.scale, tolerance)
+        return integral.Quadrature.cheapest(radii, self.indenter.a0, self.scale, tolerance)
 
-    def solved(self, radii: Array, plan: Quadrature, inner: int = 20) -> EquationResult:
-        """Nonadhesive contact at the increasing ``radii`` [m]; ``inner``: nodes per panel in the integrals of F."""
-        panels = Panels.through(radii, plan, self.indenter.a0)
-        return solve(DiscreteEquation.of(self.matrix(panels), panels), self.indenter, self.E_star, inner)
+    def solved(self, radii: Array, plan: integral.Quadrature) -> integral.EquationResult:
+        """Nonadhesive contact at the increasing ``radii`` [m]."""
+        panels = integral.Panels.through(radii, plan, self.indenter.a0)
+        return integral.solve(self.matrix(panels), panels, self.indenter, self.E_star, plan.inner)
 
-    def matrix(self, panels: Panels) -> Array:
+    def matrix(self, panels: integral.Panels) -> Array:
         """K [1/m] at the places of the ``panels``."""
         return self.kernel.square(panels.places)
 
-    def attraction(self, reach: float, tolerance: float) -> Attraction:
+    def attraction(self, reach: float, tolerance: float) -> integral.Attraction:
         """The pair of bodies ready for adhesion of finite range up to ``reach`` <= ``limit`` [m]."""
         panels = self.attraction_panels(reach, tolerance)
-        return Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels))
+        return integral.Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels))
 
-    def attraction_panels(self, reach: float, tolerance: float) -> Panels:
+    def attraction_panels(self, reach: float, tolerance: float) -> integral.Panels:
         """The panels of ``attraction``; Refusal where they are too many."""
-        return panels_for(reach, self.indenter.a0, self.scale, tolerance, 1.0)
+        return integral.panels_for(reach, self.indenter.a0, self.scale, tolerance, 1.0)
 
-    def settled(self, radii: Array, tolerance: float) -> tuple[EquationResult, Array]:
+    def settled(self, radii: Array, tolerance: float) -> tuple[integral.EquationResult, Array]:
         """Contact at ``radii`` [m] by quadratures ever finer until they agree to the ``tolerance``, and the last change
         of the columns (4, radii), relative: a profile that ends close by is no polynomial."""
         plan = self.plan(radii, tolerance)
         result, change = self.solved(radii, plan), np.inf * np.ones((4, radii.size))
-        for step in range(1, MOST_SOLVES + 1):
+        for _ in range(MOST_SOLVES):
             if change.max() <= tolerance:
                 break
             plan = plan.finer()
-            before, result = result, self.solved(radii, plan, 20 + 8 * step)
+            before, result = result, self.solved(radii, plan)
             change = np.abs(before.columns / result.columns - 1)
         return result, change
 
@@ -153,18 +143,18 @@ class SideContact(KernelContact):
     def scale(self) -> float:
         return min(self.kernel.scale, self.wide.scale)
 
-    def plan(self, radii: Array, tolerance: float) -> Quadrature:
+    def plan(self, radii: Array, tolerance: float) -> integral.Quadrature:
         plan = self.wide.plan(radii, max(tolerance, TUNING.finest))
         return replace(plan, widest=plan.widest * min(self.kernel.scale / self.wide.scale, 1.0))
 
-    def solved(self, radii: Array, plan: Quadrature, inner: int = 20) -> EquationResult:
+    def solved(self, radii: Array, plan: integral.Quadrature) -> integral.EquationResult:
         self.wide.guard(radii, plan)
-        return super().solved(radii, plan, inner)
+        return super().solved(radii, plan)
 
-    def matrix(self, panels: Panels) -> Array:
+    def matrix(self, panels: integral.Panels) -> Array:
         return self.wide.matrix(panels) + super().matrix(panels)
 
-    def attraction_panels(self, reach: float, tolerance: float) -> Panels:
+    def attraction_panels(self, reach: float, tolerance: float) -> integral.Panels:
         return self.wide.attraction_panels(reach, tolerance)
 
 
@@ -364,7 +354,7 @@ class AdaptiveKernel:
             step = step.after(errors, self.attainable, levels.region)
             if step is not None and step.degree == tried.degree:
                 levels = self.levels(reach, step)
-        remedy = tolerance_remedy("hybrid", float(errors.total.max()))
+        remedy = integral.tolerance_remedy("hybrid", float(errors.total.max()))
         raise Refusal(
             f"hybrid: the estimated relative error is {errors.total.max():.1e} with elements of degree {tried.degree}, "
             f"above the tolerance {self.tolerance:.1e}; {remedy}ask for a smaller contact radius or use method "
@@ -372,10 +362,11 @@ class AdaptiveKernel:
         )
 
     def _first(self, levels: KernelLevels) -> int:
-        """The lowest degree that is judged, by the two below it: of few elements the lowest may be right by accident,
-        so that the next two differ by no more than it errs."""
+        """The lowest degree that is judged, by the two below it: of one element the lowest may be right by accident, so
+        that the next two differ by no more than it errs."""
         higher = TUNING.lowest + 2 * STEP
-        return higher if levels.cost(higher).unknowns <= TUNING.few else TUNING.lowest + STEP
+        is_one = levels.cost(higher).unknowns < 3 * (higher + 1) ** 2  # two unknowns a node and pressures; of two: 4
+        return higher if is_one else TUNING.lowest + STEP
 
     def _judge(self, contact: KernelContact, levels: KernelLevels, degree: int) -> ErrorEstimates:
         """Errors at some radii, from what lower levels, one polynomial less and the cut change."""
@@ -388,7 +379,9 @@ class AdaptiveKernel:
         kernels += [levels.cut(degree, nearer=not region.algebraic)] if region.cut_beside else []
         companions = Companions(contact, tuple(kernels), precise)
         last, before, waves, _, rounding, *cuts = np.abs(companions.changes(radii))
-        fastest, plausible = _fastest(region)
+        fastest, plausible = TUNING.fastest, TUNING.plausible
+        if region.corners:
+            fastest, plausible = TUNING.cornered, TUNING.plausible_cornered
         after_lowest = degree - 2 * STEP < TUNING.lowest
         fastest = min(fastest, TUNING.unproven) if after_lowest else fastest
         known = bool(np.isfinite(before).all())
@@ -419,11 +412,6 @@ def _falls(before: Array, last: Array, fastest: float) -> Array:
     before, last = (np.maximum.accumulate(changes.max(axis=0)) for changes in (before, last))
     falls: Array = np.clip(before / np.maximum(last, TINY) - 1, TUNING.slowest, fastest)
     return np.minimum(falls, falls[-1])
-
-
-def _fastest(region: Region) -> tuple[float, float]:
-    """The factors by which one step of the degree divides the error, at most, and what the step before changed."""
-    return (TUNING.cornered, TUNING.plausible_cornered) if region.corners else (TUNING.fastest, TUNING.plausible)
 
 
 def _left_by_cut(region: Region, change: Array) -> Array:

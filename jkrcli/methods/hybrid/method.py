@@ -10,16 +10,7 @@ from threadpoolctl import threadpool_limits
 from ...base import MOST_SOLVES, NO_CLAIM, ROUNDED, JkrError, Refusal, StageClock, show
 from ...bodies import Graded, HalfSpace, Problem, TransverselyIsotropic
 from ...series import ErrorBudget, Solution
-from ..integral import (
-    FLOPS_PER_SECOND,
-    EquationResult,
-    disc_warnings,
-    first_stiffness,
-    largest_for_contact,
-    radii_for_contact,
-    refuse_shrinking,
-    series_of,
-)
+from .. import integral
 from ..layered.layered import expected_radius
 from ..protocol import Forecast, without_tension
 from ..radii import check_radius
@@ -82,7 +73,7 @@ class Hybrid(HybridOptions):
         if levels.wide is not None:
             seconds += 0.8  # the kernel of the wide body; measured by `make bench`
         nodes = 2 * problem.loading.points  # at least
-        seconds += nodes**3 / 3 / FLOPS_PER_SECOND
+        seconds += nodes**3 / 3 / integral.FLOPS_PER_SECOND
         memory = 20 + last.memory_mib + 8 * 6 * nodes**2 / 2**20
         return Forecast(seconds, memory, body.attainable, f"about {float(f'{last.unknowns:.2g}'):.0f} unknowns")
 
@@ -102,7 +93,7 @@ class Hybrid(HybridOptions):
             with clock("kernel"):
                 contact, errors, levels, degree = body.accurate(reach)
             with clock("radii"):
-                radii = radii_for_contact(contact, problem.loading, max(NO_CLAIM * self.tolerance, 1e-12))
+                radii = integral.search(contact, problem.loading, max(NO_CLAIM * self.tolerance, 1e-12)).radii
             if radii[-1] <= contact.limit * (1 + ROUNDED):
                 break
             reach = self._further(problem, body, reach, float(radii[-1]))  # the first kernels had been too rough
@@ -110,20 +101,14 @@ class Hybrid(HybridOptions):
             raise Refusal(_no_radius(problem, reach))
         with clock("solve"):
             result, unsettled = contact.settled(radii, NO_CLAIM * self.tolerance)
-            S0 = first_stiffness(contact, NO_CLAIM * self.tolerance)
+            S0 = integral.first_stiffness(contact, NO_CLAIM * self.tolerance)
         with clock("full disc"):
-            refuse_shrinking(radii, result.delta)
-            warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), lambda _: contact.kernel)
-        return Solution(
-            problem,
-            series_of(result, errors.at(radii) + unsettled, problem.indenter.a0, S0),
-            ErrorBudget(float((errors.elements + errors.parameters).max()), float(errors.cut.max()), radius=0.0),
-            "hybrid",
-            facts=_facts(levels, degree, result),
-            timings=clock.seconds,
-            warnings=warnings,
-            companions=errors.companions,
-        ).widened()
+            integral.refuse_shrinking(radii, result.delta)
+            warnings = integral.disc_warnings(contact, problem.specimen, float(radii[-1]), lambda _: contact.kernel)
+        series = integral.series_of(result, errors.at(radii) + unsettled, problem.indenter.a0, S0)
+        budget = ErrorBudget(float((errors.elements + errors.parameters).max()), float(errors.cut.max()), radius=0.0)
+        told: dict[str, Any] = {"facts": _facts(levels, degree, result), "timings": clock.seconds, "warnings": warnings}
+        return Solution(problem, series, budget, "hybrid", **told, companions=errors.companions).widened()
 
     def _body(self, problem: Problem) -> AdaptiveKernel:
         return AdaptiveKernel(problem.indenter, problem.specimen, self.tolerance)
@@ -136,7 +121,7 @@ class Hybrid(HybridOptions):
             return expected
         reach = min(TUNING.room * expected, _end(problem, body))
         for _ in range(MOST_SOLVES):
-            largest = largest_for_contact(body.rough(reach), loading, REFINING.rough)
+            largest = integral.search(body.rough(reach), loading, REFINING.rough).largest
             if largest <= reach and (TUNING.spare * largest <= reach or reach == _end(problem, body)):
                 return min(TUNING.spare * largest, _end(problem, body))
             reach = self._further(problem, body, reach, largest)
@@ -204,7 +189,7 @@ def _too_much(problem: Problem) -> str:
     )
 
 
-def _facts(levels: KernelLevels, degree: int, result: EquationResult) -> dict[str, Any]:
+def _facts(levels: KernelLevels, degree: int, result: integral.EquationResult) -> dict[str, Any]:
     correction = levels.correction(degree)
     region = levels.region
     facts: dict[str, Any] = {

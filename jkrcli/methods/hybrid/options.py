@@ -19,13 +19,5 @@ class HybridOptions:
         check_ranges(self, "hybrid")
 
 
-register(
-    Descriptor(
-        "hybrid",
-        "The contact equation with a kernel that finite elements compute: cylinders and other smooth changes.",
-        "jkrcli.methods.hybrid.method:Hybrid",
-        effort=30,
-        options=HybridOptions,
-        kernel=True,
-    )
-)
+SENTENCE = "The contact equation with a kernel that finite elements compute: cylinders and other smooth changes."
+register(Descriptor("hybrid", SENTENCE, "jkrcli.methods.hybrid.method:Hybrid", 30, HybridOptions, kernel=True))

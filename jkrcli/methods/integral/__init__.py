@@ -14,18 +14,21 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .attraction import Attraction, Discs, Rims, panels_for, refuse_narrow
     from .disc import disc_warnings, refuse_shrinking
-    from .equation import ContactResult, DiscreteEquation, EquationResult, solve
+    from .equation import ContactResult, DiscreteEquation, EquationResult, panel_means, solve
     from .kernel import CosineKernel, FredholmKernel
-    from .pair import (
-        FLOPS_PER_SECOND,
-        InaccurateError,
-        first_stiffness,
-        largest_for_contact,
-        radii_for_contact,
-        series_of,
-        tolerance_remedy,
+    from .pair import FLOPS_PER_SECOND, InaccurateError, first_stiffness, search, series_of, tolerance_remedy
+    from .quadrature import (
+        EXACT,
+        Panels,
+        Quadrature,
+        crowded,
+        crowded_rule,
+        gauss,
+        phase_allowed,
+        rule,
+        split,
+        to_legendre,
     )
-    from .quadrature import Panels, Quadrature, crowded_rule, gauss, phase_allowed, rule, split, to_legendre
     from .stuck import StuckDisc, StuckKernel, ring_transforms
 
 __getattr__ = lazily(__name__, __file__)

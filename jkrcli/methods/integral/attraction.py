@@ -26,8 +26,10 @@ import numpy as np
 
 from ...base import MOST_STEPS, ROUNDED, SAME, SETTLED, Array, Refusal, SolveError, show
 from ...bodies import Indenter
+from .density import TUNING as DENSITY
+from .density import Density, pieces
 from .legendre import AbelMoments, LegendrePanels, angle, tension_moments
-from .quadrature import Panels, Quadrature, gauss, rule
+from .quadrature import Panels, Quadrature, gauss, rule, to_legendre
 
 
 @dataclass(frozen=True)
@@ -49,9 +51,10 @@ class AttractionTuning:
     narrowest: float = 1e-13  # theory: of c, the width of an annulus of which c - a still knows two digits
     # Search for the width of the annulus, in logarithms:
     power: float = 1.3  # theory: of the width, with which the separation grows: 1 to 2; of the first step
-    powers: tuple[float, float] = (0.3, 30.0)  # choice: those that are believed
     far: float = 1.5  # tuned on ranges, by `make constants`: longest step
-    least: float = 1e-3  # choice: smallest separation over the wanted one that is distinguished
+    # smallest separation over the wanted one that is distinguished; theory: below exp(-2 far) = 0.05 steps are as long
+    # as they may be
+    least: float = 1e-3
 
 
 TUNING = AttractionTuning()
@@ -130,7 +133,7 @@ class Discs:
         (rho, kappa), (edge, S), (z, Q) = tension_moments(self.basis, self.a, b), self.flat, self._profile
         (M_beta, M_F), M_rho = self._applied, self.applied(rho)
         delta = (z - s * (np.sum(self.ends * M_rho, axis=1) + np.sqrt(b * (2 * self.a + b)))) / edge
-        smooth = delta[:, None] * M_beta - M_F - _column(s) * M_rho
+        smooth = delta[:, None] * M_beta - M_F - np.reshape(s, (-1, 1)) * M_rho
         gap = self.abel.arcs(self.a, b) - delta * angle(b, self.a + b) - s * b + np.sum(kappa * smooth, axis=1)
         pulled = np.sum(self.beta * M_rho, axis=1) - self.abel.integral(rho)
         P = 2 * self.E_star * (delta * S - Q + s * pulled)
@@ -216,13 +219,8 @@ def _rising_root(excess: Callable[[Array], Array], first: Array, widest: Array) 
         there = excess(aimed)
         with np.errstate(invalid="ignore", divide="ignore"):
             secant = (there - here) / np.log(aimed / b)
-        usable = (secant > TUNING.powers[0]) & (secant < TUNING.powers[1])
-        power, b, here = np.where(usable, secant, power), aimed, there
+        power, b, here = np.where((secant > 0) & np.isfinite(secant), secant, power), aimed, there
     return b
-
-
-def _column(s: Array | float) -> Array | float:
-    return s[:, None] if isinstance(s, np.ndarray) else s
 
 
 def _first_width(discs: Discs, s: float, gap: float, reach: float) -> Array:
@@ -287,7 +285,9 @@ class Attraction:
         values = basis.local(x.reshape(a.size, -1), np.broadcast_to(panel[:, None], (a.size, basis.order)))
         w = w.reshape(a.size, -1)
         inside = np.einsum("nq,nqi,nqj->nij", w, values, values)
-        blocks = np.array([self._block(p) for p in range(basis.count)])[panel]
+        starts = range(0, basis.size, basis.order)
+        ends = [slice(start, start + basis.order) for start in starts]
+        blocks = np.array([M[end, end] for M, end in zip(self._schur, ends, strict=True)])[panel]
         partial = np.linalg.solve(np.eye(basis.order) + inside @ blocks, inside)
         width = np.sqrt(np.diff(basis.panels.edges))
         beta = np.zeros((a.size, basis.count, basis.order))
@@ -296,10 +296,6 @@ class Attraction:
         moments = self._abel.moments(a)
         own = (basis, self._abel, self.E_star, a, panel, self._schur, partial)
         return Discs(*own, beta.reshape(a.size, -1), moments, basis.at(a))
-
-    def _block(self, p: int) -> Array:
-        block = slice(p * self.basis.order, (p + 1) * self.basis.order)
-        return self._schur[p][block, block]
 
     def apart(self, c: Array, s: float, gap: float) -> Rims:
         """The states in which nothing touches and the surfaces attract within the radii ``c`` > 0 [m], nearer than
@@ -329,3 +325,51 @@ def panels_for(reach: float, a0: float, scale: float, tolerance: float, crowding
             "a smaller contact, or a larger stress (a shorter range)"
         )
     return Panels.through(end, plan, a0)
+
+
+# ---------------------------------------------------------------------- pressure and surface around a contact
+@dataclass(frozen=True, eq=False)
+class AttractedSurface:
+    """Pressure [Pa], compression positive, and gap [m] at the requested radii; ``own``: displacement of a half-space of
+    the modulus E* under that pressure [m].
+
+        p(r) = -(E*/2) int_r^a phi'(t)/sqrt(t^2 - r^2) dt - (2 sigma/pi) arccos sqrt((a^2 - r^2)/(c^2 - r^2)),   r < a
+
+    and p = -sigma in a < r < c: both parts are continuous at a.
+    """
+
+    rims: Rims
+    pressure: Array
+    gap: Array
+    own: Array
+
+
+def attracted_surface(
+    attraction: Attraction, a: float, stress: float, length: float, r: Array, scale: float
+) -> AttractedSurface:
+    """Fields at the radii ``r`` > 0 [m] of a contact of radius ``a`` [m] under a tension ``stress`` [Pa] up to the
+    separation ``length`` [m], on a body whose kernel varies over ``scale`` [m]."""
+    s = 2 * stress / attraction.E_star
+    discs = attraction.discs(np.array([a]))
+    rims = discs.equilibria(s, length, attraction.reach)
+    c = float(rims.c[0])
+    phi = _density(attraction.indenter, discs, rims, s, scale)
+    inside, beyond = r < a, r >= a
+    ratio = np.clip((a**2 - r[inside] ** 2) / (c**2 - r[inside] ** 2), 0.0, 1.0)
+    pressure = np.where(r < c, -stress, 0.0)
+    pressure[inside] = attraction.E_star / 2 * phi.pressures(0.0, r[inside])
+    pressure[inside] -= 2 * stress / math.pi * np.arccos(np.sqrt(ratio))
+    gap = np.zeros_like(r)
+    gap[beyond] = discs.separations(rims, s, r[None, beyond])[0]
+    own = np.array([phi.arc(0.0, min(a, float(x)), float(x)) for x in r])
+    outer = r[beyond]
+    own[beyond] -= 2 / math.pi * s * tension_arc(np.full_like(outer, a), np.full_like(outer, c), outer)
+    return AttractedSurface(rims, pressure, gap, own)
+
+
+def _density(indenter: Indenter, discs: Discs, rims: Rims, s: float, scale: float) -> Density:
+    """The density up to a, its smooth part on equal pieces."""
+    a, order = float(discs.a[0]), DENSITY.piece
+    edges, x = pieces(a, scale, order)
+    smooth = 2 / math.pi * (discs.basis.at(x) @ discs.smooth(rims, s)[0])
+    return Density(indenter, a, float(rims.delta[0]), edges, smooth.reshape(-1, order) @ to_legendre(order))

@@ -10,7 +10,7 @@ line is free of cancellation at the edge.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -21,7 +21,7 @@ from ...base import Array
 from ...bodies import Graded, Indenter, Specimen
 from .equation import EquationResult
 from .kernel import FredholmKernel
-from .quadrature import crowded_rule, gauss, rule, split, to_legendre
+from .quadrature import crowded, gauss, rule, split, to_legendre
 
 
 @dataclass(frozen=True)
@@ -52,36 +52,24 @@ class Density:
     coefficients: Array
 
     @classmethod
-    def of(
-        cls, kernel: FredholmKernel, indenter: Indenter, result: EquationResult, shift: float, reach: float
-    ) -> Density:
-        """Density at the last radius of ``result`` for the displacement delta_H - ``shift`` [m], up to ``reach``
+    def of(cls, kernel: FredholmKernel, result: EquationResult, shift: float, reach: float) -> Density:
+        """Density at the first radius of ``result`` for the displacement delta_H - ``shift`` [m], up to ``reach``
         [m]."""
-        return next(cls.each(kernel, indenter, result, [result.panels.radii.size - 1], shift, reach))
+        return next(cls.each(kernel, result, reach, shift))
 
     @classmethod
     def each(
-        cls,
-        kernel: FredholmKernel,
-        indenter: Indenter,
-        result: EquationResult,
-        which: Iterable[int],
-        shift: float,
-        reach: float,
-        order: int | None = None,
+        cls, kernel: FredholmKernel, result: EquationResult, reach: float, shift: float = 0.0, order: int = TUNING.piece
     ) -> Iterator[Density]:
-        """Densities at the radii of the numbers ``which``, from one evaluation of the kernel; ``order``: nodes on each
-        piece."""
-        order = order or TUNING.piece
+        """Densities at all radii, from one evaluation of the kernel; ``order``: nodes on each piece."""
         edges, x = pieces(reach, kernel.scale, order)
-        known = [(n, *result.density(n, shift)) for n in which]
-        sources = np.zeros((result.panels.x.size, len(known)))
-        for i, (_, t, weights, phi) in enumerate(known):
-            sources[: t.size, i] = 2 / math.pi * weights * phi
+        sources = np.zeros((result.panels.x.size, result.panels.radii.size))
+        for n in range(result.panels.radii.size):
+            t, weights, phi = result.density(n, shift)
+            sources[: t.size, n] = 2 / math.pi * weights * phi
         smooth = kernel.times(x, result.panels.x, sources)
-        for i, (n, *_) in enumerate(known):
-            a, delta = float(result.panels.radii[n]), float(result.delta[n]) - shift
-            yield cls(indenter, a, delta, edges, smooth[:, i].reshape(-1, order) @ to_legendre(order))
+        for a, delta, values in zip(result.panels.radii.tolist(), result.delta.tolist(), smooth.T, strict=True):
+            yield cls(result.indenter, a, delta - shift, edges, values.reshape(-1, order) @ to_legendre(order))
 
     def anchored(self) -> Density:
         """Density with phi(a) = 0 not only to rounding: that is what decides on the gap next to a nonadhesive edge."""
@@ -111,9 +99,8 @@ class Density:
         theta = angle(np.unique(np.concatenate([[lo], inner, [hi]])))
         pieces = np.maximum(np.ceil(np.diff(theta) / TUNING.widest), 1).astype(int)
         left, right = split(theta[:-1], theta[1:], pieces)
-        u, v = crowded_rule(self.coefficients.shape[1] + TUNING.more, 2)
-        width = (right - left)[:, None]
-        return np.ravel(left[:, None] + width * u), np.ravel(width * v)
+        x, w = crowded(left, right, self.coefficients.shape[1] + TUNING.more)
+        return x.ravel(), w.ravel()
 
     def arc(self, lo: float, hi: float, r: float) -> float:
         """Abel integral int_lo^hi phi(x)/sqrt(r^2 - x^2) dx [m] for hi <= r."""

@@ -64,9 +64,9 @@ def disc_warnings(
     except JkrError as error:
         return (f"it was not checked whether the contact is a full disc ({error})",)
     end = min(TUNING.places[-1] * largest, contact.indenter.r_max, contact.limit)
-    known, each = kernel(largest + end), range(radii.size)
-    for n, phi in enumerate(Density.each(known, contact.indenter, result, each, 0.0, end, EXACT)):
-        if words := _broken(phi.anchored(), contact.E_star / 2, float(result.P[n]), end):
+    densities = Density.each(kernel(largest + end), result, end, order=EXACT)
+    for phi, P in zip(densities, result.P.tolist(), strict=True):
+        if words := _broken(phi.anchored(), contact.E_star / 2, P, end):
             return (
                 f"at the contact radius {show(phi.a, 'length')} {words}: the contact without adhesion is not a full "
                 "disc there, the adhesive curve is right only where adhesion holds it together; load less, or see "

@@ -20,7 +20,7 @@ import numpy as np
 
 from ...base import Array, SolveError
 from ...bodies import Indenter
-from .quadrature import Panels, crowded_rule, rule
+from .quadrature import Panels, crowded, rule
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,11 +124,12 @@ class ContactResult:
 
 @dataclass(frozen=True, eq=False)
 class EquationResult(ContactResult):
-    """Contact at all radii of the ``equation``, with the right-hand side it was solved for.
+    """Contact of an ``indenter`` at all radii of the ``equation``, with the right-hand side it was solved for.
 
     ``F``: panel means of the Abel image at the nodes [m].
     """
 
+    indenter: Indenter
     equation: DiscreteEquation
     F: Array
 
@@ -139,12 +140,13 @@ class EquationResult(ContactResult):
         return self.panels.x[inside], self.panels.w[inside], phi
 
 
-def solve(equation: DiscreteEquation, indenter: Indenter, E_star: float, inner: int = 20) -> EquationResult:
-    """Nonadhesive contact of an ``indenter`` at all radii; ``inner``: Gauss nodes per panel in the integrals of F.
+def solve(K: Array, panels: Panels, indenter: Indenter, E_star: float, inner: int = 20) -> EquationResult:
+    """Nonadhesive contact of an ``indenter`` at all radii, from the kernel ``K`` [1/m] at the places of the ``panels``;
+    ``inner``: Gauss nodes per panel in the integrals of F.
 
-    Raises SolveError where S' is not positive: the nodes are too coarse.
+    Raises SolveError where the nodes are too coarse: the equation or S' is not positive.
     """
-    panels = equation.panels
+    equation = DiscreteEquation.of(K, panels)
     a, last = panels.radii, panels.stops - 1
     F = panel_means(indenter.abel, np.array(indenter.joints), panels.edges, panels.order, inner)
     sides, ends = np.array([np.ones_like(F), F]), np.array([np.ones_like(a), indenter.abel(a)])
@@ -155,7 +157,7 @@ def solve(equation: DiscreteEquation, indenter: Indenter, E_star: float, inner: 
     S, products = np.cumsum(y**2)[last], np.cumsum(y * z)[last]
     P, scale = delta * S - products, 2 * E_star
     rounding = rounding_error(panels, equation.largest, S)
-    return EquationResult(panels, delta, scale * P, scale * S, scale * y_edge**2, rounding, equation, F)
+    return EquationResult(panels, delta, scale * P, scale * S, scale * y_edge**2, rounding, indenter, equation, F)
 
 
 def panel_means(f: Callable[[Array], Array], cuts: Array, edges: Array, order: int, inner: int) -> Array:
@@ -169,9 +171,7 @@ def panel_means(f: Callable[[Array], Array], cuts: Array, edges: Array, order: i
     cuts = np.unique(np.concatenate([edges, cuts[cuts < edges[-1]]]))
     lo, hi = cuts[:-1], cuts[1:]
     owner = np.searchsorted(edges, lo, side="right") - 1
-    u, v = crowded_rule(inner, 2)
-    x = lo[:, None] + (hi - lo)[:, None] * u
-    w = (hi - lo)[:, None] * v
+    x, w = crowded(lo, hi, inner)
     width = np.diff(edges)
     local = np.clip(2 * (x - edges[owner][:, None]) / width[owner][:, None] - 1, -1, 1)
     moments = np.einsum("pq,pqn->pn", w * f(x), np.polynomial.legendre.legvander(local, order - 1))

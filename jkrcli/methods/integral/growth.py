@@ -28,7 +28,7 @@ from numpy.polynomial import legendre
 from ...base import ROUNDED, Array
 from ...bodies import Indenter
 from .density import TUNING as DENSITY
-from .quadrature import EXACT, crowded_rule, gauss, rule, split
+from .quadrature import EXACT, crowded, gauss, rule, split
 from .stuck import StuckDisc
 
 
@@ -119,11 +119,9 @@ class Pieces:
 
     def _over(self, indenter: Indenter, x: Array, piece: Array, inner: int, power: int) -> Array:
         """Integrals over b^power dF of the polynomials (m, count) from the beginning of their ``piece`` to ``x``."""
-        u, v = crowded_rule(inner, 2)
-        lo = self.edges[piece][:, None]
-        t = lo + (x[:, None] - lo) * u
-        weights = (x[:, None] - lo) * v * indenter.abel_slope(t) * t**power
-        return np.einsum("mi,mic->mc", weights, self.basis(t, np.broadcast_to(piece[:, None], t.shape)))
+        t, w = crowded(self.edges[piece], x, inner)
+        basis = self.basis(t, np.broadcast_to(piece[:, None], t.shape))
+        return np.einsum("mi,mic->mc", w * indenter.abel_slope(t) * t**power, basis)
 
 
 @dataclass(frozen=True, eq=False)

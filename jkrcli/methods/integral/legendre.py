@@ -15,7 +15,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ...base import Array
-from .quadrature import Panels, crowded_rule, rule
+from .quadrature import Panels, crowded, crowded_rule, rule
 
 Function = Callable[[Array], Array]
 
@@ -69,16 +69,6 @@ class LegendrePanels:
         np.add.at(total, (row, panel), values)
         return total.reshape(rows, self.size)
 
-    def pieces(self, lo: Array, hi: Array) -> tuple[Array, Array, Array, Array]:
-        """The intervals (lo, hi) cut at the panels: number of the interval, panel, and the ends [m] of every piece."""
-        first, last = self.panel_of(lo), np.maximum(self.panel_of(hi), self.panel_of(lo))
-        counts = last - first + 1
-        row = np.repeat(np.arange(lo.size), counts)
-        panel = np.arange(row.size) - np.repeat(np.cumsum(counts) - counts, counts) + first[row]
-        left = np.maximum(self.panels.edges[panel], lo[row])
-        right = np.minimum(np.where(panel == last[row], np.inf, self.panels.edges[panel + 1]), hi[row])
-        return row, panel, left, right
-
 
 @dataclass(frozen=True, eq=False)
 class AbelMoments:
@@ -115,10 +105,8 @@ class AbelMoments:
 
     def _over(self, panel: Array, lo: Array, hi: Array) -> Array:
         """Integrals of b F over intervals of one panel each, (intervals, order)."""
-        u, v = crowded_rule(self.inner, 2)
-        x = lo[:, None] + (hi - lo)[:, None] * u
-        weighted = (hi - lo)[:, None] * v * self.F(x)
-        return np.einsum("pn,pnq->pq", weighted, self.basis.local(x, np.broadcast_to(panel[:, None], x.shape)))
+        x, w = crowded(lo, hi, self.inner)
+        return np.einsum("pn,pnq->pq", w * self.F(x), self.basis.local(x, np.broadcast_to(panel[:, None], x.shape)))
 
     def integral(self, moments: Array) -> Array:
         """int_0^a F [m^2] from the ``moments``."""
@@ -127,19 +115,10 @@ class AbelMoments:
 
     def arcs(self, a: Array, b: Array) -> Array:
         """int_a^c F(x)/sqrt(c^2 - x^2) dx [m] for c = a + b, by x = c cos(psi)."""
-        c = a + b
-        first, last = np.searchsorted(self.kinks, a, side="right"), np.searchsorted(self.kinks, c)
-        counts = np.maximum(last - first, 0) + 1
-        row = np.repeat(np.arange(a.size), counts)
-        place = np.arange(row.size) - np.repeat(np.cumsum(counts) - counts, counts) + first[row]
-        begins = np.concatenate([[True], row[1:] != row[:-1]])
-        ends = np.append(begins[1:], True)
-        kinks = np.append(self.kinks, 0.0)
-        upper = np.where(begins, angle(b, c)[row], angle(c[row] - kinks[np.where(begins, -1, place - 1)], c[row]))
-        lower = np.where(ends, 0.0, angle(c[row] - kinks[np.where(ends, -1, place)], c[row]))
+        row, _, upper, lower = cut_angles(np.array([0.0, *self.kinks, np.inf]), a, b)
         u, v = crowded_rule(self.inner, 2)
         psi = upper[:, None] - (upper - lower)[:, None] * u
-        values = self.F(c[row][:, None] * np.cos(psi))
+        values = self.F((a + b)[row][:, None] * np.cos(psi))
         return np.bincount(row, (upper - lower) * (values @ v), a.size)
 
 
@@ -148,22 +127,29 @@ def angle(beyond: Array, c: Array) -> Array:
     return 2 * np.arcsin(np.sqrt(np.clip(beyond / (2 * c), 0.0, 1.0)))
 
 
+def cut_angles(edges: Array, a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
+    """The angles psi of x = c cos(psi) from a to c = a + b, cut at the ``edges``: number of the pair, interval between
+    edges, and the upper and the lower end [rad] of every piece."""
+    c = a + b
+    first, last = (np.clip(np.searchsorted(edges, x, side="right") - 1, 0, edges.size - 2) for x in (a, c))
+    counts = last - first + 1
+    row = np.repeat(np.arange(a.size), counts)
+    cell = np.arange(row.size) - np.repeat(np.cumsum(counts) - counts, counts) + first[row]
+    a, b, c = a[row], b[row], c[row]
+    left, right = np.maximum(edges[cell], a), np.minimum(np.where(cell == last[row], np.inf, edges[cell + 1]), c)
+    upper = angle(np.where(left == a, b, c - left), c)
+    return row, cell, upper, np.where(right == c, 0.0, angle(c - right, c))
+
+
 def tension_moments(basis: LegendrePanels, a: Array, b: Array) -> tuple[Array, Array]:
     """Integrals over (a, c = a + b) of all polynomials times sqrt(c^2 - t^2), and over it: two of (a.size, size)."""
     c = a + b
-    row, panel, left, right = basis.pieces(a, c)
-    beyond = np.where(left == a[row], b[row], c[row] - left)
-    upper = angle(beyond, c[row])
-    lower = np.where(right == c[row], 0.0, angle(c[row] - right, c[row]))
-    nodes, weights = rule(_order_for(basis.order, float(np.max(upper - lower))))
+    row, panel, upper, lower = cut_angles(basis.panels.edges, a, b)
+    widest = float(np.max(upper - lower))
+    nodes, weights = rule(basis.order // 2 + 5 + math.ceil(8 * widest))  # polynomials of cos(psi) to rounding
     half = (upper - lower)[:, None] / 2
     psi = (upper + lower)[:, None] / 2 + half * nodes
     values = basis.local(c[row][:, None] * np.cos(psi), np.broadcast_to(panel[:, None], psi.shape))
     over = np.einsum("pn,pnq->pq", half * weights, values)
     times = np.einsum("pn,pnq->pq", half * weights * (c[row][:, None] * np.sin(psi)) ** 2, values)
     return basis.scattered(row, panel, times, a.size), basis.scattered(row, panel, over, a.size)
-
-
-def _order_for(order: int, widest: float) -> int:
-    """Gauss nodes that integrate polynomials of cos(psi) over the ``widest`` angle to rounding."""
-    return order // 2 + 5 + math.ceil(8 * widest)

@@ -11,7 +11,7 @@ import numpy as np
 from ...base import Array, Refusal
 from ...bodies import Indenter, Loading, Quantity
 from ...series import Series
-from ..radii import ROUGH, Response, Responses, half_space_guess, largest_of_loading, radii_of_loading
+from ..radii import ROUGH, Response, Search
 from .equation import ContactResult
 
 COLUMNS = ("delta", "P", "S", "dS")
@@ -60,20 +60,10 @@ class InaccurateError(Refusal):
         return type(self), (self.lines, self.fixed)
 
 
-def radii_for_contact(contact: Contact, loading: Loading, accuracy: float) -> Array:
-    """All contact radii [m] that ``loading`` asks for; depths and loads are met to the relative ``accuracy``."""
-    return radii_of_loading(loading, contact.indenter, *_search(contact, loading, accuracy))
-
-
-def largest_for_contact(contact: Contact, loading: Loading, accuracy: float) -> float:
-    """The contact radius [m] at which ``loading`` ends."""
-    return largest_of_loading(loading, contact.indenter, *_search(contact, loading, accuracy))
-
-
-def _search(contact: Contact, loading: Loading, accuracy: float) -> tuple[Responses, float, tuple[float, float]]:
-    """Responses, a first radius [m] and the accuracies with which a search follows them."""
-    start = half_space_guess(loading, contact.indenter, contact.E_star, contact.scale)
-    return partial(response, contact), start, (max(ROUGH, accuracy), accuracy)
+def search(contact: Contact, loading: Loading, accuracy: float) -> Search:
+    """The search for the radii of a ``loading``; depths and loads are met to the relative ``accuracy``."""
+    accuracies = max(ROUGH, accuracy), accuracy
+    return Search(loading, contact.indenter, contact.E_star, partial(response, contact), accuracies, contact.scale)
 
 
 def response(contact: Contact, to: Quantity, accuracy: float) -> Response:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -61,6 +61,14 @@ def crowded_rule(order: int, power: int) -> tuple[Array, Array]:
     return u**power, power * u ** (power - 1) * v
 
 
+def crowded(lo: Array, hi: Array, order: int) -> tuple[Array, Array]:
+    """Nodes and weights (intervals, order) between ``lo`` and ``hi`` that crowd at ``lo``, where a function may begin
+    like a root."""
+    u, v = crowded_rule(order, 2)
+    width = (hi - lo)[:, None]
+    return lo[:, None] + width * u, width * v
+
+
 def gauss(lo: Array, hi: Array, nodes: Array, weights: Array) -> tuple[Array, Array]:
     """Nodes and weights of a composite rule on the panels (lo, hi) from one on [-1, 1], flat, panel by panel."""
     half = (hi - lo)[:, None] / 2
@@ -75,26 +83,23 @@ def split(lo: Array, hi: Array, pieces: Array) -> tuple[Array, Array]:
     return start + index * step, start + (index + 1) * step
 
 
-def gauss_constant(order: int) -> float:
-    """Constant C in the error C (k d)^(2 order) of Gauss quadrature of cos(kx) on a panel of width d, relative to d
-    [-]."""
-    return math.exp(4 * math.lgamma(order + 1) - 3 * math.lgamma(2 * order + 1)) / (2 * order + 1)
-
-
 def phase_allowed(order: int, error: Array | float) -> Array | float:
-    """The phase k d [rad] that ``order`` Gauss nodes integrate with a relative ``error``."""
-    return (error / gauss_constant(order)) ** (1 / (2 * order))
+    """The phase k d [rad] that ``order`` Gauss nodes integrate with a relative ``error``: C (k d)^(2 order) of cos(kx)
+    on a panel of the width d."""
+    C = math.exp(4 * math.lgamma(order + 1) - 3 * math.lgamma(2 * order + 1)) / (2 * order + 1)
+    return (error / C) ** (1 / (2 * order))
 
 
 @dataclass(frozen=True)
 class Quadrature:
     """A planned quadrature: ``order`` Gauss nodes on panels no wider than ``widest`` [m], ``nodes`` in all;
-    ``crowding``: cuts of the last panel before each radius."""
+    ``crowding``: cuts of the last panel before each radius; ``inner``: Gauss nodes per panel in the integrals of F."""
 
     order: int
     widest: float
     nodes: int
     crowding: int = 0
+    inner: int = 20
 
     @classmethod
     def cheapest(
@@ -123,15 +128,15 @@ class Quadrature:
 
     def finer(self) -> Quadrature:
         """Quadrature of one or two more nodes on the same panels: at least one order of magnitude more accurate."""
-        step = 1 if self.order <= 4 else 2
-        crowding = self.crowding + 1 if self.crowding else 0
-        return Quadrature(self.order + step, self.widest, self.nodes // self.order * (self.order + step), crowding)
+        order = self.order + (1 if self.order <= 4 else 2)
+        nodes, crowding = self.nodes // self.order * order, self.crowding + bool(self.crowding)
+        return replace(self, order=order, nodes=nodes, crowding=crowding, inner=self.inner + 8)
 
     def narrower(self) -> Quadrature:
         """Quadrature of narrower panels and the same order, more crowded: product integration loses accuracy at higher
         orders."""
-        nodes = math.ceil(self.nodes * TUNING.narrower)
-        return Quadrature(self.order, self.widest / TUNING.narrower, nodes, self.crowding + 1)
+        nodes, widest = math.ceil(self.nodes * TUNING.narrower), self.widest / TUNING.narrower
+        return replace(self, widest=widest, nodes=nodes, crowding=self.crowding + 1, inner=self.inner + 8)
 
 
 @dataclass(frozen=True, eq=False)

@@ -66,17 +66,13 @@ class StuckKernel:
             K[0, 1] = (cosine * zr) @ sine.T
             K[1, 0] = K[0, 1].T
         elif self.k.size:
-            C, Q = self._waves(x)
+            rho = np.outer(x, self.k)
+            C, Q = ring_transforms(self.beta, coulomb_waves(-self.eta, rho), coulomb_waves(self.eta, rho))
             for i in range(2):
                 left = C[i] * zz + Q[i] * zr, C[i] * zr + Q[i] * rr
                 for j in range(2):
                     K[i, j] = left[0] @ C[j].T + left[1] @ Q[j].T
         return K.transpose(2, 0, 3, 1).reshape(2 * n, 2 * n)
-
-    def _waves(self, x: Array) -> tuple[Pair, Pair]:
-        """C and Q of either density, at the nodes and wave numbers."""
-        rho = np.outer(x, self.k)
-        return ring_transforms(self.beta, coulomb_waves(-self.eta, rho), coulomb_waves(self.eta, rho))
 
 
 def ring_transforms(beta: float, minus: Pair, plus: Pair) -> tuple[Pair, Pair]:

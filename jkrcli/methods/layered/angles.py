@@ -64,9 +64,22 @@ class Angles:
     column: Array
 
     @classmethod
+    @lru_cache(maxsize=32)
     def of(cls, levels: int, cuts: int, order: int, points: int) -> Angles:
         """2^``cuts`` equal panels, the first of them halved up to 2^-``levels``; ``points`` near a singularity."""
-        return _angles(levels, max(cuts, 0), order, points)
+        whole = np.pi / 2
+        equal, halved = np.linspace(0, whole, 2**cuts + 1), whole * 0.5 ** np.arange(levels, cuts, -1.0)
+        edges = np.concatenate([[0.0], halved, equal[1:]])
+        tau, w = gauss(edges[:-1], edges[1:], *rule(order))
+        both = np.concatenate([edges, (np.pi - edges[::-1])[1:]])
+        lo, hi = both[:-1, None], both[1:, None]
+        near = np.maximum(np.maximum(lo - tau, tau - hi), 0) < TUNING.near * (hi - lo)
+        far = np.repeat(~near, order, axis=0).reshape(2, tau.size, tau.size)
+        apart = _apart(tau[:, None], tau[:, None] - tau)
+        across = np.add.outer(np.cos(tau), np.cos(tau))
+        plain, mirrored = far[0].T * w, far[1, ::-1].T * w
+        rest = _near(tau, both, near, order, points)
+        return cls(edges, order, tau, w, _edge(edges, tau, w, order), apart, across, plain, mirrored, *rest)
 
     @cached_property
     def nearest(self) -> float:
@@ -91,23 +104,6 @@ def _symmetric(values: Array, i: Array, j: Array) -> Array:
     full = np.empty((len(values), i[-1] + 1, i[-1] + 1))
     full[:, i, j] = full[:, j, i] = values
     return full
-
-
-@lru_cache(maxsize=32)
-def _angles(levels: int, cuts: int, order: int, points: int) -> Angles:
-    whole = np.pi / 2
-    equal, halved = np.linspace(0, whole, 2**cuts + 1), whole * 0.5 ** np.arange(levels, cuts, -1.0)
-    edges = np.concatenate([[0.0], halved, equal[1:]])
-    tau, w = gauss(edges[:-1], edges[1:], *rule(order))
-    both = np.concatenate([edges, (np.pi - edges[::-1])[1:]])
-    lo, hi = both[:-1, None], both[1:, None]
-    near = np.maximum(np.maximum(lo - tau, tau - hi), 0) < TUNING.near * (hi - lo)
-    far = np.repeat(~near, order, axis=0).reshape(2, tau.size, tau.size)
-    apart = _apart(tau[:, None], tau[:, None] - tau)
-    across = np.add.outer(np.cos(tau), np.cos(tau))
-    plain, mirrored = far[0].T * w, far[1, ::-1].T * w
-    rest = _near(tau, both, near, order, points)
-    return Angles(edges, order, tau, w, _edge(edges, tau, w, order), apart, across, plain, mirrored, *rest)
 
 
 def _apart(tau: Array, difference: Array) -> Array:

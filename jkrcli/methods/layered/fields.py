@@ -69,7 +69,7 @@ def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surf
     t = float(shift(w, a, float(result.dS[0])))
     reach = max(a, float(r_surface.max(initial=a)))
     kernel = contact.spectrum.kernel(a + reach)
-    phi = Density.of(kernel, contact.indenter, result, t, reach)
+    phi = Density.of(kernel, result, t, reach)
     if w == 0:
         phi = phi.anchored()
     edge = float(phi(np.array([a]))[0]) if w > 0 else 0.0
@@ -110,10 +110,6 @@ def _specimen_surface(phi: Density, problem: Problem, r: Array, gap: Array) -> A
     material = problem.indenter.material
     if material is None:
         return both
-    own = np.array([phi.arc(0.0, min(phi.a, float(x)), float(x)) if x > 0 else _axis(phi) for x in r])
+    on_axis = math.pi / 2 * float(phi(np.zeros(1))[0])  # the limit for r -> 0
+    own = np.array([phi.arc(0.0, min(phi.a, float(x)), float(x)) if x > 0 else on_axis for x in r])
     return both - problem.E_star / material.E_star * own
-
-
-def _axis(phi: Density) -> float:
-    """Limit of ``arc`` from 0 to r for r -> 0 [m]."""
-    return math.pi / 2 * float(phi(np.zeros(1))[0])

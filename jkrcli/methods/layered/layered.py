@@ -11,17 +11,7 @@ import numpy as np
 from ...base import Array, Refusal, StageClock
 from ...bodies import Loading, Problem, Specimen
 from ...series import ErrorBudget, Solution
-from ..guards import QUICK
-from ..integral import (
-    FLOPS_PER_SECOND,
-    ContactResult,
-    disc_warnings,
-    first_stiffness,
-    largest_for_contact,
-    radii_for_contact,
-    refuse_shrinking,
-    series_of,
-)
+from .. import integral
 from ..protocol import Forecast
 from .options import LayeredOptions
 from .spectrum import spectrum_seconds
@@ -31,6 +21,7 @@ from .tense import TUNING as TENSE
 from .tense import TenseContact
 
 SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met; choice: finer than any tolerance in use
+QUICK = 20.0  # choice: radius over the kernel's scale up to which a solve takes a fraction of a second
 SEARCHES = 4  # solves in which all radii of prescribed depths or loads are found; choice: for forecasts
 GRADED = 1e-5  # the least tolerance under a modulus that varies over depth; tuned on graded layers, by `make failures`
 SolvedContact = LayeredContact | StuckLayeredContact | TenseContact
@@ -72,7 +63,9 @@ class Layered(LayeredOptions):
         radii = np.linspace(problem.indenter.a0, largest_radius(problem), max(problem.loading.points, 1) + 1)[1:]
         plan: Any = contact.plan(radii, self.attainable(problem.specimen) / TUNING.margin)
         contact.guard(radii, plan)
-        seconds = spectrum_seconds(problem.specimen) + self._operations(contact, problem, radii) / FLOPS_PER_SECOND
+        seconds = (
+            spectrum_seconds(problem.specimen) + self._operations(contact, problem, radii) / integral.FLOPS_PER_SECOND
+        )
         memory = 8 * 6 * (plan.nodes + radii.size) ** 2 / 2**20
         return Forecast(seconds, 5 + memory, self.attainable(problem.specimen), f"{plan.nodes} nodes, no mesh")
 
@@ -97,22 +90,17 @@ class Layered(LayeredOptions):
             _ = contact.spectrum.panels  # now rather than at the first solve
         tolerance = self.attainable(problem.specimen)
         with clock("radii"):
-            radii = radii_for_contact(contact, problem.loading, max(SEARCH, 0.01 * tolerance))
+            radii = integral.search(contact, problem.loading, max(SEARCH, 0.01 * tolerance)).radii
         with clock("solve"):
             result, errors = contact.refined(radii, tolerance)
-            S0 = first_stiffness(contact, 1e-12)
+            S0 = integral.first_stiffness(contact, 1e-12)
         with clock("full disc"):
-            refuse_shrinking(radii, result.delta)
+            integral.refuse_shrinking(radii, result.delta)
             warnings = _disc_warnings(contact, problem.specimen, float(radii[-1]))
-        return Solution(
-            problem,
-            series_of(result, errors, problem.indenter.a0, S0),
-            ErrorBudget(discretisation=float(errors.max()), truncation=0.0, radius=0.0),
-            "layered",
-            facts=_facts(contact, result),
-            timings=clock.seconds,
-            warnings=warnings,
-        ).widened()
+        series = integral.series_of(result, errors, problem.indenter.a0, S0)
+        budget = ErrorBudget(discretisation=float(errors.max()), truncation=0.0, radius=0.0)
+        told: dict[str, Any] = {"facts": _facts(contact, result), "timings": clock.seconds, "warnings": warnings}
+        return Solution(problem, series, budget, "layered", **told).widened()
 
 
 def largest_radius(problem: Problem) -> float:
@@ -131,7 +119,7 @@ def _largest(problem: Problem) -> float:
 
 def expected_radius(contact: SolvedContact, loading: Loading, accuracy: float) -> float:
     """The contact radius [m] at which ``loading`` ends, extrapolated where it is many times the layers' length."""
-    return largest_for_contact(replace(contact, limit=QUICK * contact.scale), loading, accuracy)
+    return integral.search(replace(contact, limit=QUICK * contact.scale), loading, accuracy).largest
 
 
 def unbounded(problem: Problem) -> Problem:
@@ -142,18 +130,17 @@ def unbounded(problem: Problem) -> Problem:
 def _contact(problem: Problem) -> SolvedContact:
     kind: Any = StuckLayeredContact if problem.sticks else LayeredContact
     kind = TenseContact if problem.specimen.surface_tension else kind
-    contact: SolvedContact = kind(problem.indenter, problem.specimen)
-    return contact
+    return kind(problem.indenter, problem.specimen)
 
 
 def _disc_warnings(contact: SolvedContact, specimen: Specimen, largest: float) -> tuple[str, ...]:
     """What is wrong with the contact as a disc; one that sticks has been refused where it does not grow."""
     if isinstance(contact, StuckLayeredContact):
         return ()
-    return disc_warnings(contact, specimen, largest, contact.spectrum.kernel)
+    return integral.disc_warnings(contact, specimen, largest, contact.spectrum.kernel)
 
 
-def _facts(contact: SolvedContact, result: ContactResult) -> dict[str, float | int]:
+def _facts(contact: SolvedContact, result: integral.ContactResult) -> dict[str, float | int]:
     panels = result.panels
     facts: dict[str, float | int] = {"nodes": panels.x.size, "panels": panels.edges.size - 1, "order": panels.order}
     if contact.specimen.layers:

@@ -54,7 +54,9 @@ class MinorsTuning:
     steps: int = 5  # of the extrapolation; tuned on graded layers, by `make tuning`
     accuracy: float = 1e-10  # of g, judged by the last of them; tuned on graded layers, by `make tuning`
     fewest: int = 6  # sublayers in the first of them; tuned on graded layers, by `make tuning`
-    most: int = 96  # choice: more would take seconds
+    # theory: ``fewest`` doubled four times; the extrapolation is of order ten, so that these gain 2^40, and what is not
+    # as accurate by then is not smooth
+    most: int = 96
     steep: float = 6.0  # largest ratio of moduli in one piece; tuned on graded layers, by `make tuning`
 
 

@@ -19,15 +19,6 @@ class LayeredOptions:
         check_ranges(self, "layered")
 
 
-register(
-    Descriptor(
-        "layered",
-        "The exact contact equation of any stack of layers much wider than the contact; no mesh.",
-        "jkrcli.methods.layered.layered:Layered",
-        effort=20,
-        tension=True,
-        options=LayeredOptions,
-        exact=True,
-        kernel=True,
-    )
-)
+SENTENCE = "The exact contact equation of any stack of layers much wider than the contact; no mesh."
+SOLVER = "jkrcli.methods.layered.layered:Layered"
+register(Descriptor("layered", SENTENCE, SOLVER, 20, LayeredOptions, exact=True, kernel=True, tension=True))

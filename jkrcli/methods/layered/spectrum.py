@@ -56,19 +56,15 @@ def deviation(specimen: Specimen, k: Array, indenter: Elastic | None = None) -> 
         return np.zeros_like(k)
     top = specimen.surface
     factor = contact_modulus(top, indenter) / top.E_star
-    return (factor * _deviation_of_stack(specimen, _positive(specimen, k))).reshape(k.shape)
-
-
-def _positive(specimen: Specimen, k: Array) -> Array:
-    """Wave numbers ``k``, flat, with zero replaced by next to nothing: the minors over a frictionless base vanish at
-    zero itself."""
-    return np.maximum(np.ravel(k), 1e-30 / specimen.top_thickness)
+    positive = np.maximum(np.ravel(k), 1e-30 / specimen.top_thickness)  # minors over a sliding base vanish at 0 itself
+    return (factor * _deviation_of_stack(specimen, positive)).reshape(k.shape)
 
 
 def _deviation_of_stack(specimen: Specimen, k: Array) -> Array:
     top, nu = specimen.layers[0], specimen.surface.nu
     if not isinstance(top.material, Elastic):
-        return _excess(minors_of(specimen, k), _half_space(specimen))
+        half_space = 2 * shear_moduli(top)[0] / specimen.surface.E_star  # F_zz in units of 1/G at the surface
+        return _excess(minors_of(specimen, k), half_space)
     below = minors_below(specimen, k)
     y = k * top.thickness
     dev = np.empty_like(k)
@@ -76,11 +72,6 @@ def _deviation_of_stack(specimen: Specimen, k: Array) -> Array:
     dev[small] = _excess(through_isotropic(below[:, small], y[small], nu), 1 - nu)
     dev[~small] = _far(below[:, ~small], y[~small], nu)
     return dev
-
-
-def _half_space(specimen: Specimen) -> float:
-    """Compliance F_zz of a half-space of the material at the surface, in units of 1/G of that: 1 - nu if isotropic."""
-    return 2 * shear_moduli(specimen.layers[0])[0] / specimen.surface.E_star
 
 
 def _excess(m: Array, half_space: float) -> Array:
@@ -157,9 +148,8 @@ class LayeredSpectrum:
         """The length over which the kernel varies [m]: h for one layer, whose |g - 1| is 1e-6 at k h of 8 to 9."""
         if self.bandwidth(self.floor) == 0:
             return np.inf
-        if self.tail is not None:  # less accuracy is needed
-            return 5 / self.bandwidth(min(1e-3, 0.01 * float(np.max(np.abs(self.scan[1])))))
-        return 9 / self.bandwidth(min(1e-6, 0.01 * float(np.max(np.abs(self.scan[1])))))
+        waves, level = (9, 1e-6) if self.tail is None else (5, 1e-3)  # a tail needs less accuracy
+        return waves / self.bandwidth(min(level, 0.01 * float(np.max(np.abs(self.scan[1])))))
 
     @cached_property
     def panels(self) -> tuple[Array, Array, Array]:

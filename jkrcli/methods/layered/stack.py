@@ -4,29 +4,17 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ...base import NO_CLAIM, Array, Refusal, SolveError
 from ...bodies import Elastic, Indenter, Specimen, contact_modulus
-from ..integral import (
-    ContactResult,
-    DiscreteEquation,
-    EquationResult,
-    InaccurateError,
-    Panels,
-    Quadrature,
-    solve,
-    tolerance_remedy,
-)
+from .. import integral
 from .product import product_matrix
 from .spectrum import LayeredSpectrum
-
-if TYPE_CHECKING:
-    from ..integral import Attraction
 
 
 @dataclass(frozen=True)
@@ -52,10 +40,11 @@ TUNING = LayeredTuning()
 
 @dataclass(frozen=True, eq=False)
 class IndenterOnLayers(ABC):
-    """An indenter on a layered specimen, whatever their surfaces do to each other; ``what`` is solved. Errors are found
-    from a second discretisation that differs in every part."""
+    """An indenter on a layered specimen, whatever their surfaces do to each other; ``what`` is solved in how many
+    ``rows``."""
 
     what: ClassVar[str]
+    rows: ClassVar[str] = "rows"
     indenter: Indenter
     specimen: Specimen
     limit: float = math.inf  # the kernel is known at every radius; a search for forecasts need not go so far
@@ -80,61 +69,81 @@ class IndenterOnLayers(ABC):
         """The plan expected to be accurate to ``tolerance`` at the increasing ``radii`` [m]."""
 
     @abstractmethod
-    def solved(self, radii: Array, plan: Any) -> ContactResult:
+    def solved(self, radii: Array, plan: Any) -> integral.ContactResult:
         """Contact at the increasing ``radii`` [m]."""
 
-    def refined(self, radii: Array, tolerance: float) -> tuple[ContactResult, Array]:
+    def checking(self, radii: Array, plan: Any, tolerance: float) -> tuple[IndenterOnLayers, Any]:
+        """What solves at ``radii`` [m] by a discretisation that shares nothing with ``plan``, and its plan."""
+        return self, plan.finer()
+
+    def finer(self, plan: Any) -> Any:
+        """The next plan where ``plan`` was too coarse."""
+        return plan.finer()
+
+    def unresolved(self, plan: Any, failure: SolveError) -> Exception:
+        """What to raise where all plans up to ``plan`` were too coarse to solve the equation."""
+        return failure
+
+    def refined(self, radii: Array, tolerance: float) -> tuple[Any, Array]:
         """The result at ``radii`` and its estimated relative error at each, below ``tolerance``, from a second
-        discretisation that differs in every part; Refusal where refinement does not reach it."""
-        plan, best = self.plan(radii, tolerance / TUNING.margin), math.inf
-        some = checked(radii)
-        for step in range(1, TUNING.refinements + 1):
-            finer = plan.finer()
+        discretisation that differs in every part; it is done at some of the radii. Refusal where refinement does not
+        reach the tolerance."""
+        plan, some, best = self.plan(radii, tolerance / TUNING.margin), checked(radii), math.inf
+        failure = SolveError("contact equation: not solved")
+        other, check = self.checking(radii[some], plan, tolerance)
+        for _ in range(TUNING.refinements):
             try:
-                main, other = self.solved(radii, plan), self.solved(radii[some], finer)
-            except SolveError:
-                if math.isinf(best) and step == TUNING.refinements:
-                    raise
-            else:
-                errors = _errors(main, other, some) + tolerance * NO_CLAIM
+                main = self.solved(radii, plan)
+                if (rounding := float(main.rounding.max())) > tolerance:
+                    best = rounding
+                    break
+                errors = _errors(main, other.solved(radii[some], check), some) + tolerance * NO_CLAIM
                 best = min(best, float(errors.max()))
                 if best <= tolerance:
                     return main, errors
-            plan = finer
-        raise self._inaccurate(best, f"{plan.nodes} rows", tolerance)
-
-    def _inaccurate(self, error: float, rows: str, tolerance: float) -> InaccurateError:
-        """Refusal that names the least ``error`` found and what may help."""
-        smaller = "ask for a smaller contact radius"
-        missed = f"layered: the estimated relative error{self.what} is {error:.1e} with {rows}, above the tolerance "
-        missed += f"{tolerance:.1e}; "
-        return InaccurateError(f"{missed}{tolerance_remedy('layered', error)}{smaller}", f"{missed}{smaller}")
+            except SolveError as error:
+                failure = error
+            except Refusal:
+                if math.isinf(best):
+                    raise
+                break  # refined beyond the limits of the cost
+            plan, check = self.finer(plan), self.finer(check)
+        if math.isinf(best):
+            raise self.unresolved(plan, failure)
+        missed = f"layered: the estimated relative error{self.what} is {best:.1e} with {plan.nodes} {self.rows}, above "
+        missed, smaller = f"{missed}the tolerance {tolerance:.1e}; ", "ask for a smaller contact radius"
+        raise integral.InaccurateError(
+            f"{missed}{integral.tolerance_remedy('layered', best)}{smaller}", f"{missed}{smaller}"
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class LayeredContact(IndenterOnLayers):
-    """Surfaces that slide, solved at given radii; nothing is kept between calls except the spectrum."""
+    """Surfaces that slide, solved at given radii; nothing is kept between calls except the spectrum. ``order``: Gauss
+    nodes per panel in k."""
 
     what = ""
+    rows = "nodes"
+    order: int = 24
 
     @cached_property
     def spectrum(self) -> LayeredSpectrum:
         return _spectrum(self.specimen, self.indenter.material)
 
-    def plan(self, radii: Array, tolerance: float) -> Quadrature:
+    def plan(self, radii: Array, tolerance: float) -> integral.Quadrature:
         """The cheapest quadrature expected to be accurate to ``tolerance`` at the increasing ``radii`` [m]."""
         own = radii, self.indenter.a0, self.scale, tolerance
         tail = self.spectrum.tail
-        return Quadrature.cheapest(*own) if tail is None else Quadrature.crowded(*own, tail.strength)
+        return integral.Quadrature.cheapest(*own) if tail is None else integral.Quadrature.crowded(*own, tail.strength)
 
-    def flops(self, radii: Array, plan: Quadrature) -> float:
+    def flops(self, radii: Array, plan: integral.Quadrature) -> float:
         """Floating-point operations of one solve, about."""
         spectrum = self.spectrum
         waves = 200 + 0.7 * spectrum.bandwidth(spectrum.floor) * 2 * radii[-1]
         waves += 0 if spectrum.tail is None else TUNING.logarithm
         return float((plan.nodes + radii.size) ** 2 * waves + plan.nodes**3 / 3 + plan.nodes**2 * radii.size)
 
-    def guard(self, radii: Array, plan: Quadrature) -> None:
+    def guard(self, radii: Array, plan: integral.Quadrature) -> None:
         """Refuse what would take minutes or gigabytes."""
         if plan.nodes > TUNING.most_nodes or self.flops(radii, plan) > TUNING.most_flops:
             fewer = ", or fewer points" if TUNING.crowd * radii.size > plan.nodes else ""  # each begins a panel
@@ -144,73 +153,43 @@ class LayeredContact(IndenterOnLayers):
                 f"(limit {TUNING.most_nodes}); ask for a smaller contact{fewer}"
             )
 
-    def solved(self, radii: Array, plan: Quadrature, order: int = 24, inner: int = 20) -> EquationResult:
-        """Contact at the increasing ``radii`` [m]; ``order``: Gauss nodes per panel in k, ``inner``: per panel in the
-        integrals of F."""
+    def solved(self, radii: Array, plan: integral.Quadrature) -> integral.EquationResult:
+        """Contact at the increasing ``radii`` [m]."""
         self.guard(radii, plan)
-        panels = Panels.through(radii, plan, self.indenter.a0)
-        return solve(DiscreteEquation.of(self.matrix(panels, order), panels), self.indenter, self.E_star, inner)
+        panels = integral.Panels.through(radii, plan, self.indenter.a0)
+        return integral.solve(self.matrix(panels), panels, self.indenter, self.E_star, plan.inner)
 
-    def matrix(self, panels: Panels, order: int = 24) -> Array:
-        """K [1/m] at the places of the ``panels``; ``order``: Gauss nodes per panel in k."""
+    def matrix(self, panels: integral.Panels) -> Array:
+        """K [1/m] at the places of the ``panels``."""
         spectrum = self.spectrum
-        smooth = spectrum.kernel(2 * float(panels.edges[-1]), order).square(panels.places)
+        smooth = spectrum.kernel(2 * float(panels.edges[-1]), self.order).square(panels.places)
         return smooth if spectrum.tail is None else smooth + product_matrix(spectrum.tail.transform, panels)
 
-    def attraction(self, reach: float, tolerance: float, order: int = 24) -> Attraction:
-        """The pair of bodies ready for adhesion of finite range up to ``reach`` [m], K to the relative ``tolerance``;
-        ``order`` as in ``matrix``."""
-        from ..integral import Attraction
-
+    def attraction(self, reach: float, tolerance: float) -> integral.Attraction:
+        """The pair of bodies ready for adhesion of finite range up to ``reach`` [m], K to the relative
+        ``tolerance``."""
         panels = self.attraction_panels(reach, tolerance)
-        return Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels, order))
+        return integral.Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels))
 
-    def attraction_panels(self, reach: float, tolerance: float) -> Panels:
+    def attraction_panels(self, reach: float, tolerance: float) -> integral.Panels:
         """The panels of ``attraction``; Refusal where they are too many."""
-        from ..integral import panels_for
-
         crowding = 1.0 if self.spectrum.tail is None else TUNING.narrower * self.scale / self.spectrum.tail.finest
-        return panels_for(reach, self.indenter.a0, self.scale, tolerance, crowding)
+        return integral.panels_for(reach, self.indenter.a0, self.scale, tolerance, crowding)
 
-    def refined(self, radii: Array, tolerance: float) -> tuple[EquationResult, Array]:
-        """The result at ``radii`` and its estimated relative error at each, below ``tolerance``.
+    def checking(self, radii: Array, plan: Any, tolerance: float) -> tuple[LayeredContact, integral.Quadrature]:
+        """Shared is g(k) alone: other panels and nodes in x, few wide ones of high order, other nodes in k, other means
+        of F."""
+        check = self.plan(radii, tolerance / TUNING.margin**3).finer()
+        return replace(self, order=20), replace(check, inner=26)
 
-        The estimate is the difference from a second quadrature that shares nothing with the first but g(k): other
-        panels and nodes in x, other nodes in k, other means of F. It is done at some of the radii, where a few wide
-        panels of high order are cheap. Refusal where refinement does not reach the tolerance.
-        """
-        plan = self.plan(radii, tolerance / TUNING.margin)
-        some = checked(radii)
-        check = self.plan(radii[some], tolerance / TUNING.margin**3).finer()
-        best = math.inf
-        for step in range(TUNING.refinements):
-            try:
-                main = self._attempt(radii, plan, order=24, inner=20 + 8 * step)
-                if main is not None and (rounding := float(main.rounding.max())) > tolerance:
-                    best = rounding
-                    break
-                other = self._attempt(radii[some], check, order=20, inner=26 + 8 * step)
-            except Refusal:
-                if math.isinf(best):
-                    raise
-                break  # refined beyond the limits of the cost
-            if main is not None and other is not None:
-                errors = _errors(main, other, some) + tolerance * NO_CLAIM
-                best = min(best, float(errors.max()))
-                if best <= tolerance:
-                    return main, errors
-            plan, check = (p.finer() if self.spectrum.tail is None else p.narrower() for p in (plan, check))
-        if math.isinf(best):
-            missed = f"layered: {plan.nodes} nodes do not resolve the kernel, the error is not known; ask for "
-            raise InaccurateError(*(f"{missed}{more}a smaller contact radius" for more in ("more points or ", "")))
-        raise self._inaccurate(best, f"{plan.nodes} nodes", tolerance)
+    def finer(self, plan: integral.Quadrature) -> integral.Quadrature:
+        return plan.finer() if self.spectrum.tail is None else plan.narrower()
 
-    def _attempt(self, radii: Array, plan: Quadrature, order: int, inner: int) -> EquationResult | None:
-        """Result of ``solved``; None where the quadrature is too coarse for a positive definite matrix."""
-        try:
-            return self.solved(radii, plan, order, inner)
-        except SolveError:
-            return None
+    def unresolved(self, plan: integral.Quadrature, failure: SolveError) -> integral.InaccurateError:
+        missed = f"layered: {plan.nodes} nodes do not resolve the kernel, the error is not known; ask for "
+        return integral.InaccurateError(
+            *(f"{missed}{more}a smaller contact radius" for more in ("more points or ", ""))
+        )
 
 
 @lru_cache(maxsize=8)  # the radii of one body are often solved in several steps
@@ -218,7 +197,7 @@ def _spectrum(specimen: Specimen, indenter: Elastic | None) -> LayeredSpectrum:
     return LayeredSpectrum(specimen, indenter)
 
 
-def _errors(main: ContactResult, other: ContactResult, some: Array) -> Array:
+def _errors(main: integral.ContactResult, other: integral.ContactResult, some: Array) -> Array:
     """Relative error of any column at every radius: the largest difference, with a safety, and rounding."""
     seen = np.max(np.abs(other.columns / main.columns[:, some] - 1))
     return TUNING.safety * seen + main.rounding

@@ -14,9 +14,8 @@ import numpy as np
 
 from ...base import Array, Refusal
 from ...bodies import Graded, Indenter, Material, Specimen, TransverselyIsotropic
-from ..integral import ContactResult, Panels, Quadrature, StuckDisc, StuckKernel
+from ..integral import EXACT, ContactResult, Panels, Quadrature, StuckDisc, StuckKernel
 from ..integral.growth import Growth, Pieces
-from ..integral.quadrature import EXACT
 from .minors import Medium, minors_of, shear_moduli
 from .spectrum import LayeredSpectrum, resolved
 from .stack import TUNING as REFINING
@@ -45,13 +44,12 @@ TUNING = StuckTuning()
 
 @dataclass(frozen=True)
 class StuckPlan:
-    """``quadrature`` of the densities, ``widest`` piece [m] and ``points`` on each of the growth, ``inner`` nodes of
-    integrals over dF, ``order``: Gauss nodes on every panel in k."""
+    """``quadrature`` of the densities and of integrals over dF, ``widest`` piece [m] and ``points`` on each of the
+    growth, ``order``: Gauss nodes on every panel in k."""
 
     quadrature: Quadrature
     widest: float
     points: int
-    inner: int = EXACT
     order: int = 24
 
     @property
@@ -61,9 +59,8 @@ class StuckPlan:
 
     def finer(self) -> StuckPlan:
         """A plan that is more accurate in every part and shares no node with this one."""
-        order = 20 if self.order == 24 else 24
-        widest, points = self.widest * TUNING.narrower, self.points + 1
-        return StuckPlan(self.quadrature.finer(), widest, points, self.inner + 8, order)
+        widest, order = self.widest * TUNING.narrower, 20 if self.order == 24 else 24
+        return StuckPlan(self.quadrature.finer(), widest, self.points + 1, order)
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +156,7 @@ class StuckLayeredContact(IndenterOnLayers):
             return StuckPlan(Quadrature(points, widest, count), widest, points)
         nodes = self._pieces(float(radii[-1]), widest, points).nodes
         quadrature = Quadrature.cheapest(nodes, self.indenter.a0, self.scale, tolerance)
-        return StuckPlan(quadrature, widest, points)
+        return StuckPlan(replace(quadrature, inner=EXACT), widest, points)
 
     def _pieces(self, largest: float, widest: float, points: int) -> Pieces:
         return Pieces.of(self.indenter, largest, min(widest, largest), points)
@@ -192,7 +189,7 @@ class StuckLayeredContact(IndenterOnLayers):
         if pieces is None:  # the flat end itself
             nothing = np.zeros_like(radii)
             return ContactResult(panels, nothing, nothing, factor * disc.S, factor * disc.dS, disc.rounding)
-        growth = Growth(self.indenter, disc, pieces, plan.inner)
+        growth = Growth(self.indenter, disc, pieces, plan.quadrature.inner)
         S, dS = growth.stiffness(radii)
         worst = np.full_like(radii, disc.rounding.max())
         columns = growth.displacement(radii), factor * growth.load(radii), factor * S, factor * dS

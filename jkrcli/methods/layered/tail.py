@@ -84,7 +84,8 @@ class Tail:
 def surface_series(material: Graded, count: int) -> Array:
     """Coefficients c_0 = 1, c_1, ..., c_count [m^-n] of g ~ sum c_n/k^n at the top of a graded layer."""
     nu, size = material.nu, count + 1
-    rates = _logarithmic_slope(material.law.taylor(size + 1))
+    taylor = material.law.taylor(size + 1)
+    rates = divided(taylor[1:] * np.arange(1, taylor.size), taylor)  # E'/E
     F = [np.outer((1 - nu, 1 - nu, nu - 0.5), np.eye(1, size)[0])]  # rr, zz, rz as power series in z
     e, J = 2 / (1 - nu), np.array([[-4.0, 0, -2], [0, 0, 2], [1, -1, -2]])
     for n in range(count):
@@ -96,14 +97,12 @@ def surface_series(material: Graded, count: int) -> Array:
     return np.array([f[1, 0] for f in F]) / (1 - nu)
 
 
-def _logarithmic_slope(taylor: Array) -> Array:
-    """Power series of E'/E from that of E/E(0), one term less."""
-    size = taylor.size - 1
-    slope = taylor[1:] * np.arange(1, taylor.size)
-    rates = np.zeros(size)
-    for n in range(size):
-        rates[n] = slope[n] - taylor[1 : n + 1] @ rates[n - 1 :: -1][:n] if n else slope[0]
-    return rates
+def divided(series: Array, divisor: Array) -> Array:
+    """Quotient of two power series, as long as the first."""
+    quotient = np.zeros_like(series)
+    for n in range(series.size):
+        quotient[n] = (series[n] - divisor[1 : n + 1] @ quotient[:n][::-1]) / divisor[0]
+    return quotient
 
 
 def _product(a: Array, b: Array) -> Array:

@@ -22,21 +22,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from itertools import pairwise
 
 import numpy as np
 
 from ...base import Array, EvenCubic, Refusal, show
 from ...bodies import Graded, Specimen
 from ...formulas import surface_tension as formulas
-from ..integral import ContactResult, Panels, crowded_rule, phase_allowed
-from ..integral.equation import panel_means
+from .. import integral
 from .angles import Angles, Function
 from .product import logarithms
 from .spectrum import LayeredSpectrum, deviation, resolved
 from .stack import TUNING as REFINING
 from .stack import IndenterOnLayers
-from .tail import COUNT, Tail, regularised, surface_series
+from .tail import COUNT, Tail, divided, regularised, surface_series
 
 
 @dataclass(frozen=True)
@@ -84,8 +82,8 @@ class TensePlan:
 
     def finer(self) -> TensePlan:
         """A plan that is more accurate in every part and shares no node with this one."""
-        nodes = self.nodes // self.order * (self.order + 2)
-        return TensePlan(self.order + 2, self.widest * 0.9, self.accuracy / 10, nodes, self.extra + 1)
+        order, widest = self.order + 2, self.widest * 0.9
+        return TensePlan(order, widest, self.accuracy / 10, self.nodes // self.order * order, self.extra + 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,24 +139,17 @@ class TenseSpectrum(LayeredSpectrum):
         step = self.scale / TUNING.knots
         s = step * np.arange(-8, math.ceil(reach / step) + 9)
         kernel = self.kernel(float(s[-1]), order)
-        values = np.concatenate([np.cos(np.outer(part, kernel.k)) @ kernel.weights for part in _parts(s)])
+        parts = np.array_split(s, s.size // 256 + 1)
+        values = np.concatenate([np.cos(np.outer(part, kernel.k)) @ kernel.weights for part in parts])
         spline, finer = make_interp_spline(s, values, k=7), np.linspace(0.0, s[-8], TUNING.finer * (s.size - 16) + 1)
         both = [CubicSpline(finer, f).c for f in (spline(finer), finer * spline(finer, 1))]
         return EvenCubic(0.0, finer[1], np.stack(both, axis=1))
 
 
-def _parts(s: Array) -> list[Array]:
-    return np.array_split(s, s.size // 256 + 1)
-
-
 def _tense_series(c: Array, kappa: float) -> Array:
     """Coefficients [m^-n], n = 1, 2, ..., of (g - 1)/((1 + kappa g k)(1 + kappa k)) for g = sum c_n/k^n, n >= 0."""
     y = np.eye(1, c.size, 1)[0]
-    first, second = kappa * c + y, kappa * np.eye(1, c.size)[0] + y
-    quotient = np.append(c[1:], 0.0)
-    for divisor in (first, second):
-        for n in range(c.size):
-            quotient[n] = (quotient[n] - divisor[1 : n + 1] @ quotient[:n][::-1]) / divisor[0]
+    quotient = divided(divided(np.append(c[1:], 0.0), kappa * c + y), kappa * np.eye(1, c.size)[0] + y)
     return np.concatenate([[0.0, 0.0], quotient[:-1]])
 
 
@@ -181,7 +172,7 @@ class TenseContact(IndenterOnLayers):
         """The plan expected to be accurate to ``tolerance`` up to the last of the ``radii`` [m]."""
         order = TUNING.least_order + math.ceil(max(-math.log10(tolerance) - 4, 0))
         order = min(order, TUNING.most_order)
-        widest = float(phase_allowed(order, tolerance)) * self.scale / TUNING.frequency
+        widest = float(integral.phase_allowed(order, tolerance)) * self.scale / TUNING.frequency
         plan = TensePlan(order, widest, tolerance, 0)
         levels, cuts = self._panels(float(radii[-1]), plan)
         return TensePlan(order, widest, tolerance, order * (2**cuts + levels - cuts))
@@ -216,7 +207,7 @@ class TenseContact(IndenterOnLayers):
                 "points, or use method fem"
             )
 
-    def solved(self, radii: Array, plan: TensePlan) -> ContactResult:
+    def solved(self, radii: Array, plan: TensePlan) -> integral.ContactResult:
         """Contact at the increasing ``radii`` [m]."""
         self.guard(radii, plan)
         half_space = not self.specimen.layers
@@ -227,13 +218,13 @@ class TenseContact(IndenterOnLayers):
         if not slight.all():
             columns[:, ~slight] = self._first_kind(radii[~slight], plan)
         delta, P, S, dS = columns
-        return ContactResult(self._of_largest(radii, plan), delta, P, S, dS, np.zeros_like(radii))
+        return integral.ContactResult(self._of_largest(radii, plan), delta, P, S, dS, np.zeros_like(radii))
 
-    def _of_largest(self, radii: Array, plan: TensePlan) -> Panels:
+    def _of_largest(self, radii: Array, plan: TensePlan) -> integral.Panels:
         """The nodes at the largest radius, from the axis outwards."""
         a, grid = float(radii[-1]), self._angles(float(radii[-1]), plan)
         x, w = a * np.cos(grid.tau[::-1]), a * (np.sin(grid.tau) * grid.w)[::-1]
-        return Panels(a * np.cos(grid.edges[::-1]), grid.order, radii, x, w, np.searchsorted(x, radii))
+        return integral.Panels(a * np.cos(grid.edges[::-1]), grid.order, radii, x, w, np.searchsorted(x, radii))
 
     def _angles(self, a: float, plan: TensePlan) -> Angles:
         points = 5 * plan.order // 2 + math.ceil(TUNING.per_decade * max(math.log10(a / self.kappa), 0.0))
@@ -269,8 +260,8 @@ class TenseContact(IndenterOnLayers):
         joints = np.array([joint for joint in self.indenter.joints if joint < a])
         edges = math.pi / 2 - grid.edges[::-1]  # angles from the axis: F begins at its kinks
         cuts = edges, grid.order, TUNING.inner
-        F = panel_means(lambda x: self.indenter.abel(a * np.sin(x)), np.arcsin(joints / a), *cuts)
-        slope = panel_means(lambda x: self.indenter.abel_slope(a * np.sin(x)), np.arcsin(joints / a), *cuts)
+        F = integral.panel_means(lambda x: self.indenter.abel(a * np.sin(x)), np.arcsin(joints / a), *cuts)
+        slope = integral.panel_means(lambda x: self.indenter.abel_slope(a * np.sin(x)), np.arcsin(joints / a), *cuts)
         return np.array([F[::-1], a * np.cos(grid.tau) * slope[::-1]])
 
     def _slight(self, a: float) -> Array:
@@ -281,8 +272,8 @@ class TenseContact(IndenterOnLayers):
             delta_H = Q'/S'.
         """
         cuts = np.array([joint / a for joint in self.indenter.joints if joint < a])
-        edges = np.linspace(0.0, 1.0, 3)
-        u, w = (np.concatenate(parts) for parts in zip(*_pieces(np.union1d(edges, cuts)), strict=True))
+        cuts = np.union1d(np.linspace(0.0, 1.0, 3), cuts)
+        u, w = (part.ravel() for part in integral.crowded(cuts[:-1], cuts[1:], TUNING.inner))
         F, slope = self.indenter.abel(a * u), self.indenter.abel_slope(a * u)
         (F_a,), (slope_a,) = self.indenter.abel(np.array([a])), self.indenter.abel_slope(np.array([a]))
         ring, share = formulas.logarithm(np.array(a), self.kappa) + 1, self.kappa / math.pi
@@ -292,11 +283,6 @@ class TenseContact(IndenterOnLayers):
         dQ = 2 * self.E_star * (F_a + share * (ring * slope_a + F_a / a - inner[1]))
         delta = dQ / dS
         return np.array([delta, S * delta - Q, S, dS])
-
-
-def _pieces(cuts: Array) -> list[tuple[Array, Array]]:
-    u, v = crowded_rule(TUNING.inner, 2)
-    return [(lo + (hi - lo) * u, (hi - lo) * v) for lo, hi in pairwise(cuts)]
 
 
 @lru_cache(maxsize=8)

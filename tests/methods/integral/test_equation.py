@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -11,7 +13,7 @@ from jkrcli.base.errors import SolveError
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Rigid, Specimen
-from jkrcli.methods.integral.equation import DiscreteEquation, forward_substitution, panel_means, solve
+from jkrcli.methods.integral.equation import forward_substitution, panel_means, solve
 from jkrcli.methods.integral.quadrature import Panels, Quadrature, phase_allowed
 from jkrcli.methods.layered.spectrum import LayeredSpectrum, deviation, resolved
 from jkrcli.methods.layered.stack import LayeredContact, checked
@@ -136,13 +138,13 @@ def test_too_coarse_quadrature_is_reported() -> None:
     spectrum = LayeredSpectrum(INCOMPRESSIBLE)
     panels = Panels.through(np.array([20.0]), Quadrature(2, 5.0, 0))
     with pytest.raises(SolveError, match="nodes"):
-        solve(DiscreteEquation.of(spectrum.kernel(40.0).square(panels.places), panels), Paraboloid(100.0), 1.0)
+        solve(spectrum.kernel(40.0).square(panels.places), panels, Paraboloid(100.0), 1.0)
 
 
 def test_rounding_estimate_bounds_the_scatter() -> None:
     """Quadratures in k that agree but for rounding: thin incompressible layer, where it is amplified 2e4 times."""
     contact, radii = LayeredContact(Paraboloid(1000.0), INCOMPRESSIBLE), np.array([10.0, 50.0])
-    runs = [contact.solved(radii, Quadrature(10, 1.0, 0), order) for order in (20, 24, 32)]
+    runs = [replace(contact, order=order).solved(radii, Quadrature(10, 1.0, 0)) for order in (20, 24, 32)]
     for name in ("delta", "P", "S", "dS"):
         values = np.array([getattr(run, name) for run in runs])
         scatter = np.ptp(values, axis=0) / values[0]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from jkrcli.base.errors import InputError, JkrError, Refusal
+from jkrcli.base.errors import InputError, JkrError, Refusal, SolveError
 from jkrcli.bodies.grading import Linear
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic, Graded
@@ -18,6 +19,7 @@ from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Quantity, 
 from jkrcli.formulas.half_space import adhesive_half_space
 from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
 from jkrcli.methods.integral import pair
+from jkrcli.methods.integral.equation import EquationResult
 from jkrcli.methods.integral.pair import response
 from jkrcli.methods.integral.quadrature import Quadrature
 from jkrcli.methods.layered.layered import Layered, largest_radius, unbounded
@@ -389,7 +391,7 @@ def estimate_bounds_the_error(specimen: Specimen, log_a: float, points: int, d: 
         return
     assert errors.max() <= 1e-8
     plan = pair.plan(radii, 1e-8)
-    exact = pair.solved(radii, Quadrature(2 * found.panels.order, plan.widest, 0), order=48, inner=40)
+    exact = replace(pair, order=48).solved(radii, Quadrature(2 * found.panels.order, plan.widest, 0, inner=40))
     for name in ("delta", "P", "S", "dS"):
         true = np.abs(getattr(found, name) / getattr(exact, name) - 1)
         assert (true <= errors).all(), f"{name}: {np.max(true / errors):.3g} times the estimate"
@@ -460,10 +462,14 @@ def test_a_remedy_is_a_tolerance_above_the_one_missed_and_allowed(
 
 
 def test_rounding_is_no_error_where_the_check_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    attempt = LayeredContact._attempt
-    monkeypatch.setattr(
-        LayeredContact, "_attempt", lambda *args, order, inner: attempt(*args, order, inner) if order == 24 else None
-    )
+    solved = LayeredContact.solved
+
+    def failing(contact: LayeredContact, radii: np.ndarray, plan: Quadrature) -> EquationResult:
+        if contact.order != 24:
+            raise SolveError("the check fails")
+        return solved(contact, radii, plan)
+
+    monkeypatch.setattr(LayeredContact, "solved", failing)
     with pytest.raises(Refusal) as caught:
         at(bonded(0.5), Paraboloid(1000.0), 1.0)
     assert "do not resolve the kernel, the error is not known; ask for more points" in str(caught.value)

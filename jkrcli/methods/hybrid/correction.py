@@ -22,7 +22,6 @@ import numpy as np
 from ...base import AT_ONCE, Array
 from ...formulas.boussinesq import point_force
 from ..integral import rule
-from .halfspace import RingField
 from .lines import LineElements, extended, lines
 from .region import Moduli, Region
 from .system import Mesh
@@ -42,6 +41,57 @@ class CorrectionTuning:
 TUNING = CorrectionTuning()
 
 
+# ---------------------------------------------------------------------- the half-space
+@dataclass(frozen=True, eq=False)
+class RingField:
+    """Fields of a half-space under the pressures of the contact equation, one per parameter t: (t.size, points).
+
+    The pressure with the Hankel transform p_hat(k) = (E*/2) cos(k t) has, with z downwards, zeta = z + i t and
+    rho = sqrt(r^2 + zeta^2), Re rho > 0, a field of elementary functions, as int_0^inf e^(-k zeta) J0(k r) dk = 1/rho.
+    All lengths are in one unit, all stresses in units of E of the half-space.
+
+    ``u_r, u_z`` [1/length]; stresses ``s_rr, s_tt, s_zz, s_rz`` and the pressure ``p`` = -lambda div u, finite at
+    nu = 1/2 too [E/length^2]. ``u_z`` and z point into the half-space.
+    """
+
+    u_r: Array
+    u_z: Array
+    s_rr: Array
+    s_tt: Array
+    s_zz: Array
+    s_rz: Array
+    p: Array
+    nu: float
+
+    @classmethod
+    def at(cls, r: Array, z: Array, t: Array, nu: float) -> RingField:
+        """The fields of the parameters ``t`` at the points (``r``, ``z``) of equal shape, away from r = t, z = 0."""
+        zeta = z + 1j * t[:, None]
+        rho = np.sqrt(r**2 + zeta**2)
+        cube = 1 / rho**3
+        sheared = z * cube / rho**2
+        narrow = (1 - 2 * nu) / (rho * (rho + zeta))
+        loaded, twisted = (zeta * cube).real, ((2 * zeta**2 - r**2) * sheared).real
+        half = 0.5 / (1 - nu**2)  # E*/2
+        s_zz = -half * (loaded + twisted)
+        s_rr = -half * (loaded - twisted + (z * cube - narrow).real)
+        s_tt = -4 * half * (1 + nu) / 2 * loaded - s_rr - s_zz
+        s_rz = -half * (3 * r * zeta * sheared).real
+        u_r = -0.5 / (1 - nu) * r * (narrow - z * cube).real
+        u_z = 0.5 / (1 - nu) * (2 * (1 - nu) / rho + z * zeta * cube).real
+        return cls(u_r, u_z, s_rr, s_tt, s_zz, s_rz, 2 * nu * half * loaded, nu)
+
+    @property
+    def strains(self) -> tuple[Array, Array, Array, Array]:
+        """Strains rr, tt, zz and 2 rz [1/length^2], by Hooke's law for E = 1."""
+        nu = self.nu
+        shear = 0.5 / (1 + nu)
+        trace = nu / (1 + nu) * (self.s_rr + self.s_tt + self.s_zz)
+        rr, tt, zz = ((s - trace) / (2 * shear) for s in (self.s_rr, self.s_tt, self.s_zz))
+        return rr, tt, zz, self.s_rz / shear
+
+
+# ---------------------------------------------------------------------- the correction
 @dataclass(frozen=True, eq=False)
 class Correction:
     """Kernel ``K`` (t_i, t_j) [1/unit of length] and its error by ``rounding``; its ``asymmetry`` relative to its
@@ -77,7 +127,7 @@ def _solved(mesh: Mesh, t: Array, inner: float = 0.0) -> Correction:
     """Correction on one mesh; ``inner``: radius inside which D leaves out the top layer."""
     region = mesh.region
     loads = _Loads(mesh, t, inner)
-    data = loads.over_layers() + loads.on_base() + loads.on_side()
+    data = sum(loads.on_boundaries(), loads.over_layers())
     prescribed, far = loads.prescribed()
     F = loads.vector
     U = mesh.solve(-F, prescribed)
@@ -89,10 +139,8 @@ def _solved(mesh: Mesh, t: Array, inner: float = 0.0) -> Correction:
     K = J / pi_E_star
     # Entries of a stiff part that hardly deforms cancel, their rounding does not:
     rounding = np.finfo(float).eps * TUNING.rounding * np.abs(U).T @ (abs(mesh.stiffness) @ np.abs(U)) / pi_E_star
-    asymmetry = float(np.abs(K - K.T).max() / np.abs(K).max())
-    return Correction(
-        (K + K.T) / 2, rounding, asymmetry, int(mesh.free.size), mesh.r.degrees.size * mesh.z.degrees.size
-    )
+    asymmetry, elements = float(np.abs(K - K.T).max() / np.abs(K).max()), mesh.r.degrees.size * mesh.z.degrees.size
+    return Correction((K + K.T) / 2, rounding, asymmetry, int(mesh.free.size), elements)
 
 
 class _Loads:
@@ -107,11 +155,6 @@ class _Loads:
     def _field(self, r: Array, z: Array) -> RingField:
         return RingField.at(r, z, self.t, self.nu)
 
-    def _add(self, component: int, values: Array) -> None:
-        """Add nodal loads (t, z, r) of one component."""
-        n = self.mesh.nodes
-        self.vector[component * n : (component + 1) * n] += values.reshape(self.t.size, n).T
-
     def prescribed(self) -> tuple[Array, Array]:
         """Displacements w_t (n, t) of all unknowns, used where constrained, and the far field (n,) of the whole body
         there."""
@@ -122,16 +165,13 @@ class _Loads:
         field = self._field(r[outer], z[outer])
         far = np.zeros((2, *mesh.shape))
         far[:, outer] = self._far(r[outer], z[outer])
-        w = np.zeros((2, self.t.size, *mesh.shape))
-        w[:, :, outer] = far[:, None, outer] - np.stack([field.u_r, field.u_z])
-        w *= constrained[:, None]
-        far *= constrained
-        values = np.zeros((mesh.stiffness.shape[0], self.t.size))
-        values[: 2 * mesh.nodes] = np.moveaxis(w, 1, -1).reshape(2 * mesh.nodes, -1)
-        values[: mesh.nodes].reshape(*mesh.shape, -1)[:, 0] = 0.0
-        flat = np.zeros(values.shape[0])
-        flat[: 2 * mesh.nodes] = far.ravel()
-        return values, flat
+        w = np.zeros((2, *mesh.shape, self.t.size))
+        w[:, outer] = far[:, outer, None] - np.stack([field.u_r.T, field.u_z.T])
+        w *= constrained[..., None]
+        w[0, :, 0] = 0.0
+        rest = mesh.stiffness.shape[0] - 2 * mesh.nodes
+        flat = np.append((far * constrained).ravel(), np.zeros(rest))
+        return np.vstack([w.reshape(2 * mesh.nodes, -1), np.zeros((rest, self.t.size))]), flat
 
     def _far(self, r: Array, z: Array) -> Array:
         """Displacement (2, points) of the outer boundary under the total force pi E* of any pressure; 0 if fixed."""
@@ -142,42 +182,25 @@ class _Loads:
         force = np.pi / (1 - self.nu**2)
         return force * np.stack(point_force(r, z, E, region.far.nu))
 
-    def on_base(self) -> Array:
-        """Part of D on the base: tractions and displacements of the half-space."""
-        r, w = self.mesh.r.rule
-        z = np.full_like(r, self.mesh.region.depth)
-        return self._on(r, z, w, self.mesh.region.base, ("s_rz", "s_zz"), self.mesh.r.basis[0], np.s_[:, -1, :])
-
-    def on_side(self) -> Array:
-        """Part of D on the side."""
-        z, w = self.mesh.z.rule
-        r = np.full_like(z, self.mesh.region.width)
-        return self._on(r, z, w, self.mesh.region.side, ("s_rr", "s_rz"), self.mesh.z.basis[0], np.s_[:, :, -1])
-
-    def _on(
-        self,
-        r: Array,
-        z: Array,
-        w: Array,
-        constrained: tuple[bool, bool],
-        tractions: tuple[str, str],
-        basis: Array,
-        nodes: tuple[slice | int, ...],
-    ) -> Array:
-        """Part of D on a boundary at the points (r, z) with weights w: where a component is fixed, its displacement in
-        the tractions; where it is free, loads on the ``nodes`` and the tractions in the displacement."""
-        field, far = self._field(r, z), self._far(r, z)
-        total = np.zeros((self.t.size, self.t.size))
-        for i, u in enumerate((field.u_r, field.u_z)):
-            traction = 2 * np.pi * w * r * getattr(field, tractions[i])
-            if constrained[i]:
-                total += (u - far[i]) @ traction.T
-                continue
-            loads = np.zeros((self.t.size, *self.mesh.shape))
-            loads[nodes] = traction @ basis
-            self._add(i, loads)
-            total -= traction @ u.T
-        return total
+    def on_boundaries(self) -> Iterator[Array]:
+        """Parts of D on the base and on the side: where a component is fixed, its displacement in the tractions; where
+        it is free, loads on the nodes there and the tractions in the displacement."""
+        mesh, region = self.mesh, self.mesh.region
+        (r, w_r), (z, w_z) = mesh.r.rule, mesh.z.rule
+        base = (r, np.full_like(r, region.depth), w_r), region.base, ("s_rz", "s_zz"), mesh.r, np.s_[:, -1, :]
+        side = (np.full_like(z, region.width), z, w_z), region.side, ("s_rr", "s_rz"), mesh.z, np.s_[:, :, -1]
+        for (x, y, w), held, tractions, line, nodes in (base, side):
+            field, far, total = self._field(x, y), self._far(x, y), np.zeros((self.t.size, self.t.size))
+            for i, u in enumerate((field.u_r, field.u_z)):
+                traction = 2 * np.pi * w * x * getattr(field, tractions[i])
+                if held[i]:
+                    total += (u - far[i]) @ traction.T
+                    continue
+                loads = np.zeros((self.t.size, *mesh.shape))
+                loads[nodes] = traction @ line.basis[0]
+                self.vector[i * mesh.nodes : (i + 1) * mesh.nodes] += loads.reshape(self.t.size, mesh.nodes).T
+                total -= traction @ u.T
+            yield total
 
     def over_layers(self) -> Array:
         """Part of D by the stress of the half-space's strains in other materials; of a modulus that changes from the
@@ -185,17 +208,17 @@ class _Loads:
         mesh = self.mesh
         total = np.zeros((self.t.size, self.t.size))
         for slab in Patch.regular(mesh, self.inner).slabs(self.t.size):
-            *loads, work = slab.integrals(self.t, self.nu)
-            self._add_volume(np.arange(self.t.size), loads)
-            total -= work
+            total -= self._loaded_by(slab, np.arange(self.t.size))
         if self.inner:
-            for j in range(self.t.size):
-                *loads, _ = Patch.around(mesh, self.inner, float(self.t[j])).integrals(self.t[j : j + 1], self.nu)
-                self._add_volume(np.array([j]), loads)
+            for j, t in enumerate(self.t.tolist()):
+                self._loaded_by(Patch.around(mesh, self.inner, t), np.array([j]))
         return total
 
-    def _add_volume(self, columns: Array, loads: list[Array]) -> None:
-        self.vector[:, columns] += np.concatenate([part.reshape(columns.size, -1).T for part in loads])
+    def _loaded_by(self, patch: Patch, which: Array) -> Array:
+        """Add the loads of some of the t on a patch; the work there."""
+        *loads, work = patch.integrals(self.t[which], self.nu)
+        self.vector[:, which] += np.concatenate([part.reshape(which.size, -1).T for part in loads])
+        return work
 
 
 @dataclass(frozen=True, eq=False)

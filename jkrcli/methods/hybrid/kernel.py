@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -96,18 +97,12 @@ def count_for(region: Region, error: float) -> int:
     return max(3, math.ceil(min(math.log(1 / error) / max(falls, 1 / AT_ONCE), AT_ONCE)) + 1)
 
 
-@dataclass(frozen=True)
-class CorrectionCost:
+class CorrectionCost(NamedTuple):
     """CPU ``seconds``, peak ``memory_mib`` [MiB] and ``unknowns`` of one correction."""
 
     seconds: float
     memory_mib: float
     unknowns: int
-
-    def __add__(self, other: CorrectionCost) -> CorrectionCost:
-        """Cost of both, one after the other."""
-        memory, unknowns = max(self.memory_mib, other.memory_mib), max(self.unknowns, other.unknowns)
-        return CorrectionCost(self.seconds + other.seconds, memory, unknowns)
 
 
 def cost_of(region: Region, count: int, degree: int) -> CorrectionCost:
@@ -170,13 +165,12 @@ class KernelLevels:
 
     def cost(self, degree: int) -> CorrectionCost:
         """Cost of a level with its estimates of the error, the coarser levels left out."""
-        once = cost_of(self.region, self.count, degree)
-        if self.wide is not None:
-            once += cost_of(self.wide, self.count, degree)
+        costs = [cost_of(region, self.count, degree) for region in (self.region, self.wide) if region is not None]
         if self.region.cut_beside:
             below = _below(degree) if self.region.algebraic else degree
-            once += cost_of(self.region.nearer(), self.count, below)
-        return once
+            costs.append(cost_of(self.region.nearer(), self.count, below))
+        seconds, memory, unknowns = zip(*costs, strict=True)
+        return CorrectionCost(sum(seconds), max(memory), max(unknowns))
 
     def cut(self, degree: int, nearer: bool = False) -> PolynomialKernel:
         """K of the body after its first cut, or the second one."""

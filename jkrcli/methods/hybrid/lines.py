@@ -127,10 +127,10 @@ def _assembled(owner: Array, local: Array, degrees: Array, joined: Array, widths
 def lines(region: Region, degree: int) -> tuple[LineElements, LineElements]:
     """Elements of a ``degree`` along r and along z."""
     first = region.first
-    gap = region.width - region.reach if not region.cut_beside else np.inf
+    gap = region.width - 1 if not region.cut_beside else np.inf
 
     def radial(r: Array) -> Array:
-        return TUNING.length * np.minimum(first + _grown(r - region.reach, first), gap + region.width - r)
+        return TUNING.length * np.minimum(first + _grown(r - 1, first), gap + region.width - r)
 
     def vertical(z: Array) -> Array:
         return TUNING.length * np.minimum(first + _grown(z - first, first), gap + z)
@@ -150,7 +150,7 @@ def extended(r: LineElements, region: Region, degree: int) -> LineElements:
     end = float(r.edges[-1])
 
     def beyond(x: Array) -> Array:
-        return TUNING.length * (region.first + _grown(x - region.reach, region.first))
+        return TUNING.length * (region.first + _grown(x - 1, region.first))
 
     more = _partition([end, region.width], beyond, region.cut_beside)[1:]
     degrees = np.full(more.size, degree)
@@ -185,21 +185,18 @@ def _partition(stops: Iterable[float], size: Callable[[Array], Array], wide: boo
 
 def _graded(edges: Array, corners: list[tuple[float, int]], degree: int) -> LineElements:
     """Intervals next to every corner cut geometrically, with degrees that fall towards it."""
-    groups = [[(a, b, degree)] for a, b in itertools.pairwise(edges.tolist())]
+    pieces = [(a, b, degree) for a, b in itertools.pairwise(edges.tolist())]
     for corner, count in corners:
-        for i, (a, b) in enumerate(itertools.pairwise(edges.tolist())):
-            if count and corner in (a, b):
-                groups[i] = _cut(groups[i], corner, count)
-    pieces = list(itertools.chain(*groups))
+        pieces = [part for piece in pieces for part in _cut(piece, corner, count)]
     return LineElements(np.array([0.0, *(b for _, b, _ in pieces)]), np.array([p for *_, p in pieces]))
 
 
-def _cut(pieces: list[tuple[float, float, int]], corner: float, count: int) -> list[tuple[float, float, int]]:
-    """The piece next to ``corner`` cut ``count`` times, every time at ``TUNING.corner`` of the distance."""
-    nearest = pieces[0] if pieces[0][0] == corner else pieces[-1]
-    a, b, degree = nearest
+def _cut(piece: tuple[float, float, int], corner: float, count: int) -> list[tuple[float, float, int]]:
+    """A piece that ends at the ``corner`` cut ``count`` times, every time at ``TUNING.corner`` of the distance."""
+    a, b, degree = piece
+    if not count or corner not in (a, b):
+        return [piece]
     far = b if a == corner else a
     marks = [far, *(corner + (far - corner) * TUNING.corner**k for k in range(1, count + 1)), corner]
     degrees = [degree, *(min(degree, TUNING.corner_degree + k) for k in range(count - 1, -1, -1))]
-    cut = [(min(p, q), max(p, q), d) for (p, q), d in zip(itertools.pairwise(marks), degrees, strict=True)]
-    return sorted(cut + [piece for piece in pieces if piece is not nearest])
+    return sorted((min(p, q), max(p, q), d) for (p, q), d in zip(itertools.pairwise(marks), degrees, strict=True))

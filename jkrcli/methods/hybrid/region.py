@@ -39,7 +39,7 @@ class Region:
 
     ``base, side``: whether u_r and whether u_z are prescribed there; what is not is free. ``far``: the half-space that
     begins with the lowest layer, where there is one; base and side then move as under a point force on it. ``length``:
-    over which the field decays far away. ``reach``: the largest contact radius, about 1. ``cut_again``: whether this is
+    over which the field decays far away. ``cut_again``: whether this is
     what the second cut of an unbounded body leaves.
     """
 
@@ -52,7 +52,6 @@ class Region:
     unit: float
     cut_beside: bool
     length: float
-    reach: float = 1.0
     cut_again: bool = False
 
     @classmethod
@@ -122,7 +121,7 @@ class Region:
         """
         if not self.cut_beside or self.cut_again:
             return ()
-        inner = 0.0 if self.algebraic else self.reach
+        inner = 0.0 if self.algebraic else 1.0
         return (inner + (self.width - inner) / TUNING.shrink,)
 
     @property
@@ -222,4 +221,4 @@ def _size(specimen: Specimen, thick: list[float], error: float) -> tuple[float, 
 
 def nearest(region: Region) -> float:
     """Distance from the contact to the nearest place where the body ends or changes."""
-    return min(region.first, math.inf if region.cut_beside else region.width - region.reach)
+    return min(region.first, math.inf if region.cut_beside else region.width - 1.0)

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Rigid, Specimen
 from jkrcli.formulas.boussinesq import point_force
-from jkrcli.methods.hybrid.halfspace import RingField
+from jkrcli.methods.hybrid.correction import RingField
 from jkrcli.methods.hybrid.lines import TUNING, LineElements, lines
 from jkrcli.methods.hybrid.region import Region
 from jkrcli.methods.hybrid.system import Mesh

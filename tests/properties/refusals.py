@@ -211,7 +211,7 @@ KINDS = {
     "fem: tolerance with radii of vertices": kind(UNREACHED, {"method": "fem", "specimen": HALF_SPACE,
         "mesh": {"tolerance": 1e-3}, "contact": {"algorithm": "incremental"}},
         lambda said: {"mesh": {"tolerance": 1.5 * float(said[2])}}, LAYERED,
-        jkrcli__methods__fem__adapt__TUNING__finest=0.02),
+        jkrcli__methods__fem__method__TUNING__finest=0.02),
     # ------------------------------------------------------------ hybrid
     "hybrid: half-space": kind(
         "method hybrid: a homogeneous half-space needs no correction: use method closed-form or layered",

@@ -75,18 +75,11 @@ def cut_out(problem: Problem, reach: float, depth: float | None, width: float | 
             raise Refusal(
                 f"mesh.depth: the specimen ends at its rigid base, {specimen.thickness:g} m deep: leave it out"
             )
-    finite = specimen.radius is not None
-    return MeshedBody(
-        thicknesses=tuple(thicknesses),
-        materials=specimen.materials,
-        width=_width(specimen, reach, width, far),
-        bonded=bonded,
-        side=(specimen.side or "free") if finite else "free",
-        cut_below=isinstance(base, HalfSpace),
-        cut_beside=not finite,
-        completed=isinstance(base, HalfSpace) and depth is None and width is None,
-        tension=specimen.surface_tension,
-    )
+    cut_below, cut_beside = isinstance(base, HalfSpace), specimen.radius is None
+    completed = cut_below and depth is None and width is None
+    side: Side = "free" if cut_beside else specimen.side or "free"
+    own = tuple(thicknesses), specimen.materials, _width(specimen, reach, width, far), bonded, side
+    return MeshedBody(*own, cut_below, cut_beside, completed, specimen.surface_tension)
 
 
 def half_space_like(body: MeshedBody, reach: float) -> MeshedBody:
@@ -96,7 +89,7 @@ def half_space_like(body: MeshedBody, reach: float) -> MeshedBody:
     return MeshedBody((size,), (top,), size, True, "free", True, True, completed=True, tension=body.tension)
 
 
-def at_surface(material: Material) -> Material:
+def at_surface(material: Material) -> Elastic | TransverselyIsotropic:
     """The homogeneous material that the first touch of ``material`` feels."""
     return material if isinstance(material, TransverselyIsotropic) else material.surface
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -9,9 +10,8 @@ import numpy as np
 
 from ...base import ROUNDED, Array, Estimate, InputError, Unknown
 from ...series import Coarser, ErrorBudget, Series
-from .loading import power_interpolated, raw_series
 from .nested import Events, SurfaceContact, solve_depths
-from .run import MeshLevel, Run
+from .run import MeshLevel, Run, power_interpolated, raw_series
 
 
 @dataclass(frozen=True)
@@ -49,12 +49,11 @@ class Assessment:
     coarser: Coarser | None = None
 
 
-def assessed(
-    run: Run, coarse: MeshLevel, ratio: float, truncation: Estimate, coarsest: MeshLevel | None = None
-) -> Assessment:
+def assessed(run: Run, larger: Sequence[MeshLevel], ratio: float, truncation: Estimate) -> Assessment:
     """Relative errors of P at equal depth (discretisation) and of a (radius), by comparison with a level whose elements
-    are ``ratio`` times as large, and of that with one of elements as much larger once more, the ``coarsest``;
-    ``truncation``: as found by ``truncation_of``."""
+    are ``ratio`` times as large, the first of the ``larger``, and of that with one of elements as much larger once
+    more, where there is such; ``truncation``: as found by ``truncation_of``."""
+    coarse = larger[0]
     if coarse.touches.a.size < 4 or run.level.touches.a.size < 4:
         return Assessment(ErrorBudget(TOO_FEW, truncation, TOO_FEW))
     run, rows = _with_events(run)
@@ -62,23 +61,21 @@ def assessed(
     judged = delta >= TUNING.judged_depth * delta[-1]
     loads, radii = TUNING.loads / (ratio - 1), TUNING.radii / (ratio - 1)
     radii *= TUNING.tension if fine.model.body.tension else 1.0
-    if coarsest is not None and (coarsest.touches.a.size < 4 or not (coarsest.touches.valid and coarse.touches.valid)):
-        coarsest = None
-    there, radius = _on_coarse(run, coarse, radii, coarsest)
-    before = None if coarsest is None else _load_on(coarsest, run)
-    change = loads * _change(P, there, before, TUNING.plausible) / _fallen(P, there, before, judged)
-    load = _envelope(_at_least_decaying(change, a - fine.indenter.a0), delta)
-    budget = ErrorBudget(
-        discretisation=float(load[judged].max()),
-        truncation=truncation,
-        radius=radius if isinstance(radius, Unknown) else float(radius[judged].max()),
-    )
+    if not all(level.touches.valid and level.touches.a.size >= 4 for level in larger):
+        larger = [coarse]
+    there, radius = _on_coarse(run, larger, radii)
+    values = [P, there, *(_load_on(level, run) for level in larger[1:])]
+    change = loads * _change(values, TUNING.plausible) / _fallen(values, judged)
+    width = a - fine.indenter.a0  # errors fall by no more than its square, as those of a uniform mesh do
+    load = _envelope(np.maximum.accumulate(change * width**2) / width**2, delta)
+    worst = radius if isinstance(radius, Unknown) else float(radius[judged].max())
+    budget = ErrorBudget(discretisation=float(load[judged].max()), truncation=truncation, radius=worst)
     judged_from = float(delta[rows][judged[rows]][0])
     if isinstance(radius, Unknown) or isinstance(truncation, Unknown):
         return Assessment(budget, judged_from)
     errors = {"P": load + truncation, "a": radius} | _slopes(run, coarse, radii, radius)
     cut = truncation * float(np.sign(np.mean(there - P)))
-    other = _coarser([coarse] if coarsest is None else [coarse, coarsest], delta, ratio, cut)
+    other = _coarser(larger, delta, ratio, cut)
     return Assessment(budget, judged_from, {name: values[rows] for name, values in errors.items()}, other)
 
 
@@ -117,33 +114,35 @@ def _with_events(run: Run) -> tuple[Run, Array]:
     return replace(run, columns=tuple(merged[:, order])), np.flatnonzero(own[order])
 
 
-def _change(fine: Array, coarse: Array, coarsest: Array | None, plausible: float) -> Array:
+def _changes(values: Sequence[Array]) -> list[Array]:
+    """What larger elements change, relatively, from each mesh to the next."""
+    return [np.abs(coarser / finer - 1) for finer, coarser in itertools.pairwise(values)]
+
+
+def _change(values: Sequence[Array], plausible: float) -> Array:
     """What larger elements change, relatively, and at least a ``plausible`` part of what still larger ones do."""
-    change = np.abs(coarse / fine - 1)
-    return change if coarsest is None else np.maximum(change, np.abs(coarsest / coarse - 1) / plausible)
+    change, *before = _changes(values)
+    return np.max([change, *(other / plausible for other in before)], axis=0)
 
 
-def _fallen(fine: Array, coarse: Array, coarsest: Array | None, judged: Array) -> float:
+def _fallen(values: Sequence[Array], judged: Array) -> float:
     """What larger elements change over the error that is left, by the order that the ``judged`` rows show where it is
     least, in their mean or where they change most: 1 of first order, and where no third mesh tells it."""
-    if coarsest is None:
+    if len(values) < 3:
         return 1.0
-    change, before = (np.abs(b / a - 1)[judged] for a, b in ((fine, coarse), (coarse, coarsest)))
+    change, before = (changes[judged] for changes in _changes(values))
     if not change.any():
         return TUNING.fallen
     order = min(before.mean() / change.mean(), before[np.argmax(change)] / change.max()) - 1
     return float(np.clip(order, 1.0, TUNING.fallen))
 
 
-def _on_coarse(
-    run: Run, coarse: MeshLevel, caution: float, coarsest: MeshLevel | None
-) -> tuple[Array, Array | Unknown]:
-    """P [N] of the coarser mesh at the depths of the series, and the relative error of the radius."""
-    fine, (a, delta, _) = run.level, run.columns
+def _on_coarse(run: Run, larger: Sequence[MeshLevel], caution: float) -> tuple[Array, Array | Unknown]:
+    """P [N] of the first coarser mesh at the depths of the series, and the relative error of the radius."""
+    fine, coarse, (a, delta, _) = run.level, larger[0], run.columns
     if not (fine.touches.valid and coarse.touches.valid):
         return _without_disc(coarse, fine, a, delta, caution)
-    levels = [level.events for level in (fine, coarse, coarsest) if level is not None]
-    return _load_on(coarse, run), _radius(levels, a, delta, caution)
+    return _load_on(coarse, run), _radius([level.events for level in (fine, *larger)], a, delta, caution)
 
 
 def _load_on(level: MeshLevel, run: Run) -> Array:
@@ -154,12 +153,6 @@ def _load_on(level: MeshLevel, run: Run) -> Array:
         return there
     # a series of touches interpolates between them
     return np.where(delta < touches.delta[0], there, power_interpolated(touches.delta, touches.P, delta))
-
-
-def _at_least_decaying(errors: Array, width: Array) -> Array:
-    """Errors that nowhere fall below any before them decayed with the square of the contact's ``width`` [m], as those
-    of a uniform mesh do."""
-    return np.maximum.accumulate(errors * width**2) / width**2
 
 
 def _envelope(errors: Array, delta: Array) -> Array:
@@ -196,18 +189,14 @@ def _radius(levels: Sequence[Events], a: Array, delta: Array, caution: float) ->
     first, last = max(coarse.delta[0], events.delta[0]), min(coarse.delta[-1], events.delta[-1])
     if first >= last or delta[-1] < first:
         return Unknown("no radius common to the mesh and its coarser companion")
-    fine = _radius_at(events, delta)
+    fine = power_interpolated(events.delta, events.a, delta)
     samples = np.unique(np.clip(np.concatenate([delta, coarse.delta, events.delta]), first, last))
-    radii = [_radius_at(level, samples) for level in levels]
-    changes = _change(radii[0], radii[1], radii[2] if len(radii) > 2 else None, TUNING.plausible_radii)
-    changes = _envelope(np.maximum(caution * changes, TUNING.round_off), samples)
-    change = np.interp(delta, samples, changes) * np.maximum(_radius_at(events, np.array([first])) / fine, 1.0)
+    radii = [power_interpolated(level.delta, level.a, samples) for level in levels]
+    changes = np.maximum(caution * _change(radii, TUNING.plausible_radii), TUNING.round_off)
+    changes = _envelope(changes, samples)
+    at_first = power_interpolated(events.delta, events.a, np.array([first]))
+    change = np.interp(delta, samples, changes) * np.maximum(at_first / fine, 1.0)
     return _envelope(change + np.abs(a / fine - 1), delta)
-
-
-def _radius_at(events: Events, delta: Array) -> Array:
-    """Radii [m] at depths ``delta`` [m]: a monotone cubic in logarithms, a power law outside the events."""
-    return power_interpolated(events.delta, events.a, delta)
 
 
 def _slopes(run: Run, coarse: MeshLevel, caution: float, radius: Array) -> dict[str, Array]:

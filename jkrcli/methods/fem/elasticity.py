@@ -14,8 +14,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import wraps
-from typing import Any, Literal
+from functools import partial
+from typing import Any
 
 import numpy as np
 import skfem
@@ -23,9 +23,9 @@ from scipy.sparse import block_diag, bmat, csr_matrix
 
 from ...base import Array, Refusal
 from ...bodies import Elastic, Graded, Material, TransverselyIsotropic
+from .body import MeshedBody
 from .grid import Grid, sides
 
-Side = Literal["free", "roller", "clamped"]
 ELEMENTS = {  # of first order, second, ...
     "triangle": (skfem.ElementTriP1, skfem.ElementTriP2, skfem.ElementTriP3, skfem.ElementTriP4),
     "quadrilateral": (skfem.ElementQuad1, skfem.ElementQuad2),
@@ -34,17 +34,11 @@ GRADED_DEGREE = 2  # theory: what moduli that vary over an element add to the de
 
 
 # ---------------------------------------------------------------------- weak forms
-def ring(form: Callable[..., Any]) -> Callable[..., Any]:
+def ring(form: Callable[..., Any], kind: Any = skfem.BilinearForm) -> Any:
     """The form with the volume of a ring, 2 pi r dr dz, as its measure (on the surface the area 2 pi r dr)."""
-
-    @wraps(form)
-    def weighted(*fields: Any) -> Any:
-        return form(*fields) * 2 * np.pi * fields[-1].x[0]
-
-    return weighted
+    return kind(lambda *fields: form(*fields) * 2 * np.pi * fields[-1].x[0])
 
 
-@skfem.BilinearForm
 @ring
 def stiffness_rr(u: Any, v: Any, w: Any) -> Any:
     """Elastic energy C11 (rr rr + tt tt) + C12 (rr tt + tt rr) + C44 rz rz, of u_r with v_r."""
@@ -54,42 +48,36 @@ def stiffness_rr(u: Any, v: Any, w: Any) -> Any:
     return w["C11"] * same + w["C12"] * cross + w["C44"] * u.grad[1] * v.grad[1]
 
 
-@skfem.BilinearForm
 @ring
 def stiffness_rz(u: Any, v: Any, w: Any) -> Any:
     """Elastic energy C13 zz (rr + tt) + C44 rz rz, of u_z with v_r."""
     return w["C13"] * u.grad[1] * (v.grad[0] + v / w.x[0]) + w["C44"] * u.grad[0] * v.grad[1]
 
 
-@skfem.BilinearForm
 @ring
 def stiffness_zz(u: Any, v: Any, w: Any) -> Any:
     """Elastic energy C33 zz zz + C44 rz rz, of u_z with v_z."""
     return w["C33"] * u.grad[1] * v.grad[1] + w["C44"] * u.grad[0] * v.grad[0]
 
 
-@skfem.BilinearForm
 @ring
 def pressure_r(u: Any, q: Any, w: Any) -> Any:
     """Work of a pressure, -q (rr + tt), in a radial u."""
     return -q * (u.grad[0] + u / w.x[0])
 
 
-@skfem.BilinearForm
 @ring
 def pressure_z(u: Any, q: Any, w: Any) -> Any:
     """Work of a pressure, -q zz, in an axial u."""
     return -q * u.grad[1]
 
 
-@skfem.BilinearForm
 @ring
 def pressure_mass(p: Any, q: Any, w: Any) -> Any:
     """Energy of a pressure, p q/lambda."""
     return w["compressibility"] * p * q
 
 
-@skfem.BilinearForm
 @ring
 def mass(u: Any, v: Any, w: Any) -> Any:
     """Product u v."""
@@ -102,21 +90,18 @@ def force_r(v: Any, w: Any) -> Any:
     return (w["rr"] * v.grad[0] + w["rz"] * v.grad[1]) * 2 * np.pi * w.x[0] + w["tt"] * v * 2 * np.pi
 
 
-@skfem.LinearForm
-@ring
+@partial(ring, kind=skfem.LinearForm)
 def force_z(v: Any, w: Any) -> Any:
     """Virtual work sigma : eps(v) = s_zz zz + s_rz rz of an axial v."""
     return w["zz"] * v.grad[1] + w["rz"] * v.grad[0]
 
 
-@skfem.LinearForm
-@ring
+@partial(ring, kind=skfem.LinearForm)
 def measure(v: Any, w: Any) -> Any:
     """Integral of v: on the surface the area that belongs to each node."""
     return v
 
 
-@skfem.BilinearForm
 @ring
 def membrane(u: Any, v: Any, w: Any) -> Any:
     """Stiffness u_z-u_z of a surface of the tension 1 N/m: its energy is half of the tension times (du_z/dr)^2."""
@@ -169,22 +154,6 @@ class ElasticSystem:
         pairs = np.column_stack([self.normal[:count], self.surface[:count]])
         return pairs[np.column_stack([np.ones(count, dtype=bool), self.radii[:count] > 0])]
 
-    @property
-    def cell_nodes(self) -> Array:
-        """Nodes of every cell (m, k)."""
-        return self.basis.element_dofs.T
-
-    @property
-    def cell_centres(self) -> Array:
-        """Centres of the cells (m, 2) [m]."""
-        return self.grid.points[self.grid.cells].mean(axis=1)
-
-    @property
-    def neighbours(self) -> Array:
-        """Cells on both sides of every inner facet (2, f)."""
-        both = self.basis.mesh.f2t
-        return both[:, both[1] >= 0]
-
     def components(self, solution: Array) -> tuple[Array, Array]:
         """u_r and u_z of all nodes, or the forces along them."""
         N = len(self.nodes)
@@ -222,7 +191,7 @@ class ElasticSystem:
 
     def side_load(self, traction: Callable[[Array, Array], Array]) -> Array:
         """Consistent nodal loads [N], shape (nodes,), of one component of a ``traction(r, z)`` [Pa] on the side."""
-        return skfem.LinearForm(ring(lambda v, w: traction(*w.x) * v)).assemble(self.on_facets("side", 2 * self.order))
+        return ring(lambda v, w: traction(*w.x) * v, skfem.LinearForm).assemble(self.on_facets("side", 2 * self.order))
 
     def pressure(self, solution: Array, layer: int, basis: skfem.Basis) -> Array | float:
         """The pressure unknown [Pa] of a layer at the points of ``basis``; 0 where it has none."""
@@ -237,42 +206,25 @@ class ElasticSystem:
         return np.asarray(lower.interpolate(values))
 
 
-def assemble(
-    grid: Grid,
-    materials: Sequence[Material],
-    order: int,
-    *,
-    bonded: bool = True,
-    side: Side = "free",
-    mixed: Sequence[int] = (),
-    tension: float = 0.0,
-) -> ElasticSystem:
-    """The elastic system of ``grid``; ``materials[i]`` belongs to layer i; ``mixed``: layers with a pressure unknown.
+def assemble(grid: Grid, body: MeshedBody, order: int, mixed: Sequence[int] = ()) -> ElasticSystem:
+    """The elastic system of the ``grid`` of a ``body``; ``mixed``: layers with a pressure unknown.
 
-    The base is fixed (``bonded``) or slides (normal displacement fixed); u_r is 0 on the axis. ``tension`` [N/m] of the
-    whole surface.
+    The base is fixed (``bonded``) or slides (normal displacement fixed); u_r is 0 on the axis. The tension is that of
+    the whole surface.
     """
+    materials = body.materials
     basis = _basis(grid, order, 2 * order + (GRADED_DEGREE if any(isinstance(m, Graded) for m in materials) else 0))
     K, pressure_nodes = _stiffness(basis, grid, materials, tuple(mixed))
     surface = basis.get_dofs("surface").all()
     surface = surface[np.argsort(basis.doflocs[0, surface], kind="stable")]
     top = skfem.FacetBasis(basis.mesh, basis.elem, facets="surface", intorder=2 * order + 1)
-    if tension:
-        rest = K.shape[0] - 2 * basis.N
-        K = K + block_diag(
-            [csr_matrix((basis.N, basis.N)), tension * membrane.assemble(top), csr_matrix((rest, rest))], "csr"
-        )
-    return ElasticSystem(
-        grid=grid,
-        materials=materials,
-        mixed=tuple(mixed),
-        basis=basis,
-        K=K,
-        node_of=np.concatenate([np.arange(basis.N), np.arange(basis.N), pressure_nodes]),
-        free=np.setdiff1d(np.arange(K.shape[0]), _constrained(basis, bonded, side)),
-        surface=surface,
-        areas=measure.assemble(top)[surface],
-    )
+    if body.tension:
+        N, rest = basis.N, K.shape[0] - 2 * basis.N
+        K = K + block_diag([csr_matrix((N, N)), body.tension * membrane.assemble(top), csr_matrix((rest, rest))], "csr")
+    node_of = np.concatenate([np.arange(basis.N), np.arange(basis.N), pressure_nodes])
+    free = np.setdiff1d(np.arange(K.shape[0]), _constrained(basis, body))
+    areas = measure.assemble(top)[surface]
+    return ElasticSystem(grid, materials, tuple(mixed), basis, K, node_of, free, surface, areas)
 
 
 def _basis(grid: Grid, order: int, degree: int) -> skfem.Basis:
@@ -354,15 +306,9 @@ def stiffness_constants(material: Material, mixed: bool, depth: Array) -> Array:
     return np.multiply.outer([lame + 2 * G, lame, lame, lame + 2 * G, G], material.at(depth))
 
 
-def _constrained(basis: skfem.Basis, bonded: bool, side: Side) -> Array:
+def _constrained(basis: skfem.Basis, body: MeshedBody) -> Array:
     """Unknowns that the supports constrain to zero."""
     N = basis.N
     axis, base, rim = (basis.get_dofs(name).all() for name in ("axis", "base", "side"))
-    constrained = [axis, N + base]
-    if bonded:
-        constrained.append(base)
-    if side != "free":
-        constrained.append(rim)
-    if side == "clamped":
-        constrained.append(N + rim)
-    return np.unique(np.concatenate(constrained))
+    held = {"free": [], "roller": [rim], "clamped": [rim, N + rim]}[body.side]
+    return np.unique(np.concatenate([axis, N + base, *([base] if body.bonded else []), *held]))

@@ -135,20 +135,16 @@ def nested_dissection(cell_nodes: Array, centres: Array, neighbours: Array) -> A
 def _cell_codes(centres: Array, neighbours: Array) -> Array:
     """Path of every cell in the tree of halves, as a binary number with one digit per level."""
     m = len(centres)
-    by_axis = [np.argsort(values, kind="stable") for values in _directions(centres)]
+    r, z = centres.T
+    # split along them, along both diagonals, and in the polar coordinates of meshes that are graded towards the origin
+    along = r, z, r + z, r - z, np.hypot(r, z), np.arctan2(z, r)
+    by_axis = [np.argsort(values, kind="stable") for values in along]
     code = np.zeros(m, dtype=np.int64)
     groups = 1
     while m > TUNING.leaf * groups:
         code = 2 * code + _halves(code, groups, by_axis, neighbours)
         groups *= 2
     return code
-
-
-def _directions(centres: Array) -> list[Array]:
-    """What the cells may be split by: radius, depth, both diagonals, and the two polar coordinates of meshes that are
-    graded towards the origin."""
-    r, z = centres.T
-    return [r, z, r + z, r - z, np.hypot(r, z), np.arctan2(z, r)]
 
 
 def _halves(group: Array, groups: int, by_axis: list[Array], neighbours: Array) -> Array:

@@ -68,8 +68,9 @@ def _cross(a: Array, b: Array) -> Array:
 def make_grid(points: Array, cells: Array, interfaces: Array) -> Grid:
     """A checked grid from vertices and cells; ``interfaces``: depths (> 0) of the layer boundaries inside the body."""
     used, numbers = np.unique(cells, return_inverse=True)  # gmsh leaves points that belong to no cell
-    points = points[used]
-    cells = _counter_clockwise(points, numbers.reshape(cells.shape))
+    points, cells = points[used], numbers.reshape(cells.shape)
+    a, b, c = (points[cells[:, i]] for i in range(3))
+    cells = np.where((_cross(b - a, c - b) < 0)[:, None], cells[:, ::-1], cells)  # counter-clockwise
     materials = np.searchsorted(np.asarray(interfaces), -points[cells, 1].mean(axis=1))
     grid = Grid(points, cells, materials, _boundaries(points, cells))
     for array in (points, cells, materials):
@@ -79,19 +80,13 @@ def make_grid(points: Array, cells: Array, interfaces: Array) -> Grid:
     return grid
 
 
-def _counter_clockwise(points: Array, cells: Array) -> Array:
-    a, b, c = points[cells[:, 0]], points[cells[:, 1]], points[cells[:, 2]]
-    return np.where((_cross(b - a, c - b) < 0)[:, None], cells[:, ::-1], cells)
-
-
 def _boundaries(points: Array, cells: Array) -> dict[str, Array]:
     """Facets that belong to one cell only, named by the side of the rectangle they lie on."""
     pairs = np.sort(np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     _, first, count = np.unique(pairs[:, 0] * len(points) + pairs[:, 1], return_index=True, return_counts=True)
     outer = pairs[first[count == 1]]
-    on = {
-        name: ends.all(axis=1) for name, ends in sides(points[outer], points[:, 0].max(), -points[:, 1].min()).items()
-    }
+    (width, _), (_, depth) = points.max(axis=0), -points.min(axis=0)
+    on = {name: ends.all(axis=1) for name, ends in sides(points[outer], width, depth).items()}
     if sum(int(mask.sum()) for mask in on.values()) != len(outer):
         raise SolveError("mesh: the boundary of the mesh is not the boundary of the body (a crack or an overlap)")
     return {name: outer[mask] for name, mask in on.items()}

@@ -90,7 +90,9 @@ class Layout:
         interfaces = np.array([_rounded(depth) for depth in self.body.interfaces / self.unit])
         surface = self._surface_points(width)
         if self.element == "triangle":
-            made = triangles(surface, depth, interfaces, self.law.text(), self._strip(surface))
+            below = surface[: self._strip_width(surface)]
+            strip = Strip.below(below, _rounded(self._thickest), TUNING.rows, TUNING.height)
+            made = triangles(surface, depth, interfaces, self.law.text(), strip)
         else:
             made = make_grid(*self._quadrilaterals(surface, depth, interfaces), interfaces)
         return made.scaled(self.unit)
@@ -134,10 +136,6 @@ class Layout:
             return self.thickest
         layers = self.body.layers or [(0.0, self.body.depth)]
         return TUNING.share * layers[0][1] / self.unit
-
-    def _strip(self, surface: Array) -> Strip:
-        below = surface[: self._strip_width(surface)]
-        return Strip.below(below, _rounded(self._thickest), TUNING.rows, TUNING.height)
 
     def _quadrilaterals(self, surface: Array, depth: float, interfaces: Array) -> tuple[Array, Array]:
         """Vertices and cells of a tensor grid, or of rings around a smaller one."""
@@ -241,15 +239,10 @@ def zones_layout(body: MeshedBody, options: FEMOptions, reach: float, a0: float,
 
 def _law(body: MeshedBody, unit: float, reach: float, a0: float, growth: float) -> SizeLaw:
     """Size law of contact, layers and corners in units of ``unit`` [m]: out to ``reach`` units, round ``a0`` [m]."""
-    return SizeLaw(
-        reach=reach,
-        growth=growth,
-        far_growth=max(growth, min(2 * growth, TUNING.far_growth)),
-        far=TUNING.far,
-        a0=_rounded(a0 / unit),
-        layers=tuple(_layer_limits(body, unit, growth)),
-        corners=tuple(_corners(body, unit, growth)),
-    )
+    far_growth = max(growth, min(2 * growth, TUNING.far_growth))
+    law = SizeLaw(reach, growth, far_growth, TUNING.far, _rounded(a0 / unit))
+    layers, corners = tuple(_layer_limits(body, unit, growth)), tuple(_corners(body, unit, growth))
+    return replace(law, layers=layers, corners=corners)
 
 
 def _corners(body: MeshedBody, unit: float, growth: float) -> Iterator[tuple[float, float, float]]:

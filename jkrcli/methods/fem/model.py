@@ -10,12 +10,12 @@ import numpy as np
 from ...base import ROUNDED, Array, StageClock
 from ...bodies import Graded, Indenter, Material
 from .body import MeshedBody, at_surface, half_space_like
+from .edge import edge_rows
 from .elasticity import ElasticSystem, assemble
 from .far_field import missing_displacement
 from .layout import Layout
 from .nested import StuckContact, SurfaceContact
 from .options import Solver
-from .stuck_edge import EdgeRows
 from .surface import StiffnessFactor, Surface, condense, factorise
 
 
@@ -53,10 +53,6 @@ class Discretisation:
     solver: Solver = "auto"
     sticks: bool = False
 
-    @property
-    def body(self) -> MeshedBody:
-        return self.layout.body
-
     def coarser(self, factor: float) -> Discretisation:
         return replace(self, layout=self.layout.coarser(factor))
 
@@ -67,14 +63,10 @@ class Discretisation:
 
     def build(self, clock: StageClock) -> Model:
         """Mesh, assemble, factorise and condense."""
-        body = self.body
         with clock("mesh"):
             grid = self.layout.grid()
         with clock("assembly"):
-            system = assemble(
-                grid, body.materials, self.order,
-                bonded=body.bonded, side=body.side, mixed=self.mixed, tension=body.tension,
-            )  # fmt: skip
+            system = assemble(grid, self.layout.body, self.order, self.mixed)
         return self.condensed(system, clock)
 
     def condensed(self, system: ElasticSystem, clock: StageClock) -> Model:
@@ -85,14 +77,14 @@ class Discretisation:
             factor = factorise(system, last, self.solver)
         with clock("surface solves"):
             surface = condense(system, factor)
-            w = self._missing_displacement(system, factor, surface) if self.body.cut_below else 0.0
-        if self.body.completed:
+            w = self._missing_displacement(system, factor, surface) if self.layout.body.cut_below else 0.0
+        if self.layout.body.completed:
             surface = surface.shifted(w)
         return Model(self, system, factor, surface, w)
 
     def _missing_displacement(self, system: ElasticSystem, factor: StiffnessFactor, surface: Surface) -> float:
         """What the cut-out half-space lacks, under a uniform pressure on the candidates' disc [m/N]."""
-        below = self.body.materials[-1]
+        below = self.layout.body.materials[-1]
         assert not isinstance(below, Graded)  # it stands for a half-space, which is homogeneous
         forces = np.zeros(len(surface.C))
         forces[surface.normal] = -surface.areas / surface.areas.sum()
@@ -113,14 +105,14 @@ class Model:
 
     @property
     def body(self) -> MeshedBody:
-        return self.discretisation.body
+        return self.discretisation.layout.body
 
     def contact(self, indenter: Indenter) -> SurfaceContact:
         """The contact problem with ``indenter``."""
         heights = indenter.f(self.surface.radii)
         if not self.surface.sticks:
             return SurfaceContact(self.surface, heights)
-        rows = EdgeRows.of(self.half_space, at_surface(self.body.materials[0]))
+        rows = edge_rows(self.half_space, at_surface(self.body.materials[0]))
         return StuckContact(self.surface, heights, rows, indenter.a0)
 
     def with_roller(self) -> Model:

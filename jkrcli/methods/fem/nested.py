@@ -14,9 +14,9 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import nnls
 
 from ...base import MOST_STEPS, ROUNDED, Array, SolveError
-from .stuck_edge import EdgeRows
 from .surface import Surface
 
 
@@ -24,10 +24,10 @@ from .surface import Surface
 class SurfaceContact:
     """The contact problem on ``surface`` for profile heights ``f`` [m] at its nodes.
 
-    With C = L L^T, y = L^-1 1 and z = L^-1 f, the leading block k of L serves the contact set {0..k}: running sums
-    give the stiffness S_k of that set, the depth delta_k at which node k just touches with zero force, and the load
-    there, P_k = S_k delta_k - T_k. Where surfaces stick, a node has two rows: it is touched with the first of them, and
-    the set has both.
+    With C = L L^T, y = L^-1 e, e of a unit displacement downwards, and z = L^-1 f, the leading block k of L serves the
+    contact set {0..k}: running sums give the stiffness S_k of that set, the depth delta_k at which node k just touches
+    with zero force, and the load there, P_k = S_k delta_k - T_k. Where surfaces stick, a node has two rows: it is
+    touched with the first of them, and the set has both.
     """
 
     surface: Surface
@@ -86,15 +86,15 @@ class SurfaceContact:
 class StuckContact(SurfaceContact):
     """The contact problem on a ``surface`` whose points keep the radial displacement with which they were touched.
 
-    As for sliding surfaces, with two rows of L for each node: y = L^-1 e, e of a unit displacement downwards, and z =
-    L^-1 (f, -g) in turn, g the outward displacements. A node is touched where its normal force does not act yet, which
-    gives delta_k = z_k/y_k from its first row. Would it stick at that very moment, its second row were z = delta_k y
-    instead of g: the disc that grows node by node while stuck discs are pressed down, P = int S d(delta). But then the
-    edge of the shear would not be that of the pressure. Both are where the ``rows`` tell them to be (``EdgeRows``), and
-    z makes up for it to the second order of the spacing. ``flat``: radius of the flat end [m].
+    As for sliding surfaces, with two rows of L for each node: z = L^-1 (f, -g) in turn, g the outward displacements. A
+    node is touched where its normal force does not act yet, which gives delta_k = z_k/y_k from its first row. Would it
+    stick at that very moment, its second row were z = delta_k y instead of g: the disc that grows node by node while
+    stuck discs are pressed down, P = int S d(delta). But then the edge of the shear would not be that of the pressure.
+    Both are where the ``rows`` (n, 2, 2) tell them to be (``edge_rows``), and z makes up for it to the second order of
+    the spacing. ``flat``: radius of the flat end [m].
     """
 
-    rows: EdgeRows
+    rows: Array
     flat: float = 0.0
 
     @cached_property
@@ -106,7 +106,8 @@ class StuckContact(SurfaceContact):
     @cached_property
     def _ramps(self) -> Array:
         """What the rows of each node read of a field that begins to act there (n, 2) [m times y]."""
-        return self.rows.ramps(self.y[np.column_stack([self.surface.normal, self.surface.last])])
+        y = self.y[np.column_stack([self.surface.normal, self.surface.last])]
+        return np.einsum("nij,nj->ni", self.rows[: len(y)], y)
 
     @cached_property
     def edges(self) -> Array:
@@ -270,45 +271,34 @@ def _increment(contact: SurfaceContact, delta: float, active: Array) -> Incremen
         if np.array_equal(wanted, active):
             return _checked(contact, delta, p, gap, active)
         active = wanted
-    active = _pivoting(contact, delta)
+    active = _least_squares(contact, delta)
     return _checked(contact, delta, *_state(contact, delta, active), active)
 
 
 def _state(contact: SurfaceContact, delta: float, active: Array) -> tuple[Array, Array]:
-    """Forces with the ``active`` nodes in contact, and the gaps of all nodes."""
+    """Forces with the ``active`` nodes in contact, and the gaps of all nodes, round-off where they touch."""
     p = np.zeros_like(contact.f)
     if active.any():
         p[active] = _on(contact, active, delta - contact.f[active])
-    gap = contact.f - delta + contact.surface.C[:, active] @ p[active]
-    gap[active] = 0.0
-    return p, gap
+    return p, contact.f - delta + contact.surface.C[:, active] @ p[active]
 
 
 def _checked(contact: SurfaceContact, delta: float, p: Array, gap: Array, active: Array) -> Increment:
     largest = float(np.abs(p).max())
     negative_force = float(np.max(-p[contact.surface.exempt :], initial=0.0)) / largest if largest else 0.0
-    residual = contact.f - delta + contact.surface.C @ p
-    closed = float(np.abs(residual[active]).max(initial=0.0)) / delta
-    violation = max(negative_force, float(np.max(-gap, initial=0.0)) / delta, closed)
+    violation = max(negative_force, float(np.where(active, np.abs(gap), -gap).max(initial=0.0)) / delta)
     if violation > 10 * ROUNDED:
         raise SolveError(f"contact: conditions violated by {violation:.1e} (relative) at depth {delta:g} m")
     return Increment(delta, float(p.sum()), p, active, violation)
 
 
-def _pivoting(contact: SurfaceContact, delta: float) -> Array:
-    """Active set by single exchanges of the most violating node (Murty's least-index rule as the safeguard)."""
-    exempt = contact.surface.exempt
-    active = contact.f < delta
-    previous = np.inf
-    for step in range(100 * active.size):
-        p, gap = _state(contact, delta, active)
-        fault = np.where(active, -p / np.abs(p).max(), -gap / delta)
-        fault[:exempt] = 0.0
-        bad = np.flatnonzero(fault > ROUNDED)
-        if not bad.size:
-            return active
-        stuck = step > active.size and bad.size >= previous
-        i = bad[-1] if stuck else bad[np.argmax(fault[bad])]
-        active[i] = ~active[i]
-        previous = bad.size
-    raise SolveError(f"contact: no active set found at depth {delta:g} m")
+def _least_squares(contact: SurfaceContact, delta: float) -> Array:
+    """Active set by another way: the forces p >= 0 minimise |L^T p - L^-1 (delta - f)| (Lawson and Hanson 1974, Ch.
+    23); those of ``exempt`` nodes are differences of two."""
+    exempt, n = contact.surface.exempt, contact.f.size
+    matrix = np.column_stack([contact.L.T, -contact.L.T[:, :exempt]])
+    try:
+        p, _ = nnls(matrix, solve_triangular(contact.L, delta - contact.f, lower=True))
+    except RuntimeError:
+        raise SolveError(f"contact: no active set found at depth {delta:g} m") from None
+    return (p[:n] > 0) | ((np.arange(n) < exempt) & p.any())

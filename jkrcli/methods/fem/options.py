@@ -73,14 +73,5 @@ class FEMOptions:
         return self.growth if self.growth is not None else GROWTH[self.layout][self.order]
 
 
-register(
-    Descriptor(
-        "fem",
-        "Finite elements for stacks of isotropic layers, wide or of finite radius.",
-        "jkrcli.methods.fem.method:FEM",
-        effort=40,
-        options=FEMOptions,
-        table="mesh",
-        tension=True,
-    )
-)
+SENTENCE = "Finite elements for stacks of isotropic layers, wide or of finite radius."
+register(Descriptor("fem", SENTENCE, "jkrcli.methods.fem.method:FEM", 40, FEMOptions, "mesh", tension=True))

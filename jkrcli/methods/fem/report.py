@@ -11,10 +11,9 @@ from ...base import ROUNDED, StageClock
 from ...bodies.materials import INCOMPRESSIBLE
 from ...series import Series, Solution
 from .budget import Assessment
-from .loading import nodal_forces, pressures
 from .model import Model
 from .options import FEMOptions
-from .run import Run
+from .run import Run, nodal_forces, pressures
 
 
 def finished(options: FEMOptions, run: Run, judged: Assessment, clock: StageClock) -> Solution:
@@ -25,18 +24,10 @@ def finished(options: FEMOptions, run: Run, judged: Assessment, clock: StageCloc
             forces = nodal_forces(level.contact, level.touches, run.columns[1])
         else:
             forces = np.array([step.p for step in run.increments])
-        series = _series(run, judged)
-    return Solution(
-        problem=run.problem,
-        series=series,
-        raw=run.raw,
-        budget=judged.budget,
-        method="fem",
-        pressure=pressures(level.model.surface, forces),
-        facts=_facts(options, run, judged.judged_from),
-        timings=clock.seconds,
-        warnings=tuple(_warnings(options, run)),
-    ).widened()
+        series, pressure = _series(run, judged), pressures(level.model.surface, forces)
+    facts, warnings = _facts(options, run, judged.judged_from), tuple(_warnings(options, run))
+    found = run.problem, series, judged.budget, "fem", run.raw, pressure
+    return Solution(*found, facts, clock.seconds, warnings).widened()
 
 
 def _series(run: Run, judged: Assessment) -> Series:
@@ -45,8 +36,7 @@ def _series(run: Run, judged: Assessment) -> Series:
     a0, contact = run.problem.indenter.a0, run.level.contact
     flat = int(np.count_nonzero(contact.surface.radii <= a0 * (1 + ROUNDED)))
     S0 = float(contact.S[flat - 1]) if a0 > 0 else 0.0
-    slopes = run.level.slopes(a) if "dS" in judged.errors else None
-    S, dS = (None, None) if slopes is None else slopes
+    S, dS = (run.level.slopes(a) if "dS" in judged.errors else None) or (None, None)
     values = {"a": a, "P": P, "S": S, "dS": dS}
     errors = {name: error * values[name] for name, error in judged.errors.items()}
     return Series(a, delta, P, S, dS, errors=errors, a0=a0, S0=S0, coarser=judged.coarser)

@@ -145,7 +145,8 @@ def graded_points(start: float, stop: float, size: Callable[[Array], Array]) -> 
 
     The point density 1/size is integrated exactly for a size that is linear between samples.
     """
-    x = _samples(start, stop, size)
+    towards = np.geomspace(1e-7, 1, 201)  # either end
+    x = np.unique(start + (stop - start) * np.concatenate([np.linspace(0, 1, 201), towards, 1 - towards]).clip(0, 1))
     h = size(x)
     if not (h > 0).all():
         raise SolveError(f"mesh: element size {h.min():g} m between {start:g} and {stop:g} m")
@@ -166,13 +167,6 @@ def graded_points(start: float, stop: float, size: Callable[[Array], Array]) -> 
     growth = np.where(flat[i], 0.0, safe[i] * ahead)  # a long flat stretch would overflow the other branch
     inner = x[i] + h[i] * np.where(flat[i], ahead, np.expm1(growth) / safe[i])
     return np.concatenate([[start], inner, [stop]])
-
-
-def _samples(start: float, stop: float, size: Callable[[Array], Array]) -> Array:
-    """Where the size law is looked at: evenly, and evenly in the logarithm from either end."""
-    span = stop - start
-    fractions = np.concatenate([np.linspace(0, 1, 201), np.geomspace(1e-7, 1, 201), 1 - np.geomspace(1e-7, 1, 201)])
-    return np.unique(start + span * np.clip(fractions, 0, 1))
 
 
 @lru_cache(maxsize=32)  # every look at a method asks for it several times

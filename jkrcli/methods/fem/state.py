@@ -19,12 +19,12 @@ from scipy.linalg import cho_solve
 from ...base import ROUNDED, Array, InputError, Refusal, StageClock
 from ...bodies import Problem
 from .body import at_surface, cut_out
+from .edge import finest_spacing
 from .grid import Grid
 from .layout import scaled_layout
 from .method import FEM
 from .model import Discretisation, Model, pressure_layers
 from .stress import Stress, TractionLine
-from .stuck_edge import finest_spacing
 
 
 @dataclass(frozen=True)

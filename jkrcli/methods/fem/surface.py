@@ -123,7 +123,8 @@ class Surface:
 
 def factorise(system: ElasticSystem, last: Array, solver: Solver = "auto") -> StiffnessFactor:
     """Factorise with the unknowns ``last`` at the end, in their order."""
-    rank = nested_dissection(system.cell_nodes, system.cell_centres, system.neighbours)
+    facets, centres = system.basis.mesh.f2t, system.grid.points[system.grid.cells].mean(axis=1)
+    rank = nested_dissection(system.basis.element_dofs.T, centres, facets[:, facets[1] >= 0])
     inner = np.setdiff1d(system.free, last)
     order = np.concatenate([inner[np.argsort(_unknown_ranks(system, rank)[inner], kind="stable")], last])
     factor = sparse_factor(system.K[order][:, order].tocsc(), last.size, not system.mixed, solver)
@@ -136,8 +137,8 @@ def _unknown_ranks(system: ElasticSystem, rank: Array) -> Array:
     displacements = 2 * len(system.nodes)
     if ranks.size > displacements:
         latest = np.zeros_like(rank)
-        in_cell = np.broadcast_to(rank[system.cell_nodes].max(axis=1)[:, None], system.cell_nodes.shape)
-        np.maximum.at(latest, system.cell_nodes, in_cell)
+        nodes = system.basis.element_dofs
+        np.maximum.at(latest, nodes, np.broadcast_to(rank[nodes].max(axis=0), nodes.shape))
         ranks[displacements:] = 2 * latest[system.node_of[displacements:]] + 1
     return ranks
 

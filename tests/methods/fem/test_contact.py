@@ -60,6 +60,14 @@ def test_increments_find_the_one_solution_of_any_positive_definite_problem(seed)
 
 
 @pytest.mark.parametrize("order", [1, 2])
+def test_least_squares_find_the_contact_where_newton_s_method_does_not(models, order, monkeypatch):
+    contact, depths = models[order].contact(Paraboloid(10.0)), np.linspace(0.01, 0.09, 5)
+    loads = [step.P for step in solve_depths(contact, depths)]
+    monkeypatch.setattr("jkrcli.methods.fem.nested.MOST_STEPS", 0)
+    np.testing.assert_allclose([step.P for step in solve_depths(contact, depths)], loads, rtol=1e-10)  # measured: 1e-13
+
+
+@pytest.mark.parametrize("order", [1, 2])
 def test_nested_events_are_solutions_of_the_contact_problem(models, order):
     contact = models[order].contact(Paraboloid(10.0))
     events = nested_events(contact, 0.0, "radius", 1.0)

@@ -287,7 +287,7 @@ def test_contact_beyond_the_refined_zone_is_refused_with_the_value_to_give():
 
 
 def test_a_too_small_forecast_is_mended(monkeypatch):
-    monkeypatch.setattr("jkrcli.methods.fem.solve.largest_radius", lambda problem: 1e-5)
+    monkeypatch.setattr("jkrcli.methods.fem.run.largest_radius", lambda problem: 1e-5)
     P, _ = closed_form_errors(FEM(**QUICK)(PAPER), PAPER)
     assert np.abs(P).max() < 2e-4
 
@@ -459,7 +459,7 @@ def test_the_check_sees_a_layer_that_changes_its_volume():
     """The layer of the one before, in a solution that is wrong there by a millionth of the largest displacement."""
     body = MeshedBody((1.0, 0.5), (Elastic(1.0, 0.3), Elastic(1.0, 0.5)), 2.0, True, "free", False, False)
     grid = triangles(np.linspace(0, 2.0, 9), body.depth, body.interfaces, "0.3")
-    system = assemble(grid, body.materials, 2, mixed=(1,))
+    system = assemble(grid, body, 2, mixed=(1,))
     factor = factorise(system, system.normal[:5])
     loads = np.zeros(system.K.shape[0])
     loads[system.normal[2]] = -1.0

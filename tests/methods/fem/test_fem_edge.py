@@ -48,7 +48,7 @@ def test_body_and_calibration_share_their_surface(element):
     method = FEM(element=element, spacing=0.1, growth=0.3)
     reach = method.reach(LAYER)
     recipe = Discretisation(layout_for(method, LAYER, reach), 2, (), reach)
-    other = recipe.on_half_space(half_space_like(recipe.body, reach))
+    other = recipe.on_half_space(half_space_like(recipe.layout.body, reach))
     grids = [recipe.layout.grid(), other.layout.grid()]
     radii = [grid.surface_radii() for grid in grids]
     n = int(np.searchsorted(radii[0], reach * (1 + 1e-9)))

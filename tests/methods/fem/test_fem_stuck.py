@@ -17,7 +17,6 @@ from jkrcli.methods.fem.layout import scaled_layout
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.model import Discretisation
 from jkrcli.methods.fem.state import contact_state
-from jkrcli.methods.fem.stuck_edge import EdgeRows
 from jkrcli.methods.layered.layered import Layered
 
 PARABOLOID = Paraboloid(1000.0)
@@ -39,7 +38,7 @@ def contact(request):
 @pytest.fixture(scope="module")
 def at_touch(contact):
     """The same contact, each node of which sticks at the moment of its touch."""
-    return replace(contact, rows=EdgeRows(np.zeros_like(contact.rows.reading)))
+    return replace(contact, rows=np.zeros_like(contact.rows))
 
 
 def incremental(contact):

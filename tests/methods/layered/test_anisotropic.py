@@ -15,6 +15,7 @@ from jkrcli.bodies.materials import Elastic, TransverselyIsotropic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case import parse_case
 from jkrcli.formulas.half_space import hertz
+from jkrcli.methods.fem.body import MeshedBody
 from jkrcli.methods.fem.elasticity import assemble
 from jkrcli.methods.fem.far_field import Boussinesq, TransversePointForce
 from jkrcli.methods.fem.mesh import triangles
@@ -80,7 +81,9 @@ def test_constants_of_no_material(constants, line):
 @pytest.mark.parametrize("order", [1, 2])
 def test_the_element_with_isotropic_constants_is_the_isotropic_one(order):
     grid = triangles(np.array([0.0, 0.2, 0.7, 1.0, 1.6, 2.0]), 1.5, np.array([0.4]), "0.3+0.1*x")
-    one, other = (assemble(grid, [Elastic(1.0, 0.4), material], order).K for material in (ISOTROPIC, AS_FIVE))
+    layers = ((Elastic(1.0, 0.4), material) for material in (ISOTROPIC, AS_FIVE))
+    bodies = (MeshedBody((0.4, 1.1), two, 2.0, True, "free", cut_below=False, cut_beside=False) for two in layers)
+    one, other = (assemble(grid, body, order).K for body in bodies)
     assert abs(one - other).max() < 1e-14 * abs(one).max()
 
 

@@ -19,9 +19,9 @@ from ..base import MOST_STEPS, NOTICEABLE, ROUNDED, UNSEEN, Array, Refusal, show
 from ..bodies import HalfSpace, Problem, Specimen
 from .hybrid.options import HybridOptions
 from .integral import Attraction
-from .layered.layered import GRADED, unbounded
+from .layered.layered import unbounded
 from .layered.spectrum import spectrum_seconds
-from .layered.stack import LayeredContact
+from .layered.stack import GRADED, LayeredContact
 
 if TYPE_CHECKING:
     from .hybrid.adaptive import AdaptiveKernel, ErrorEstimates, KernelContact  # finite elements: of cylinders alone

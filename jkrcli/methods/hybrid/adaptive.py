@@ -11,8 +11,7 @@ import numpy as np
 from ...base import MOST_SOLVES, NO_CLAIM, TINY, Array, Refusal, SolveError, duration, show
 from ...bodies import Graded, HalfSpace, Indenter, Specimen, contact_modulus
 from .. import integral
-from ..layered.layered import GRADED
-from ..layered.stack import LayeredContact
+from ..layered.stack import GRADED, LayeredContact
 from .kernel import STEP, CorrectionCost, KernelLevels, PolynomialKernel, convergence, count_for
 from .region import Region, nearest
 

@@ -15,7 +15,7 @@ from .. import integral
 from ..protocol import Forecast
 from .options import LayeredOptions
 from .spectrum import spectrum_seconds
-from .stack import TUNING, LayeredContact, checked
+from .stack import GRADED, TUNING, LayeredContact, checked
 from .stuck import StuckLayeredContact, unable
 from .tense import TUNING as TENSE
 from .tense import TenseContact
@@ -23,7 +23,6 @@ from .tense import TenseContact
 SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met; choice: finer than any tolerance in use
 QUICK = 20.0  # choice: radius over the kernel's scale up to which a solve takes a fraction of a second
 SEARCHES = 4  # solves in which all radii of prescribed depths or loads are found; choice: for forecasts
-GRADED = 1e-5  # the least tolerance under a modulus that varies over depth; tuned on graded layers, by `make failures`
 SolvedContact = LayeredContact | StuckLayeredContact | TenseContact
 
 

@@ -24,40 +24,35 @@ PAUSE = "pause"
 class RecordTuning:
     """Where a departure counts; lengths are shares of the rows of a direction."""
 
-    agree: float = 0.5  # choice: of a spike, how far at most the lines on its two sides are apart
-    slight: float = 0.01  # choice: of the rows, spikes; of the way of a direction, what a pause within it moves
     normal: float = 1.4826  # theory: standard deviation over median deviation of normal noise
     # choice: of a direction, for a base line and a contact of a few rows each; as many steps on either side of a jump
     # have the usual size
     least_rows: int = 20
     block: float = 1 / 200  # tuned on records, by `make constants`: rows averaged in the search for slow deviations
-    far: float = 0.1  # choice: the part of a direction that is free if anything is
+    # choice: the part of a direction that is free if anything is; of the whole way, least of both ways that make two
+    # directions of one segment
+    far: float = 0.1
     inside: float = 0.8  # tuned on records, by `make constants`: of the free part found first, what surely is free
     sigmas: float = 6.0  # theory: 1e-9 of normal noise lies beyond, of rows and of what they leave a line by
     least: float = 0.005  # choice: of the range of the load, below which no departure counts
     run: int = 3  # tuned on records, by `make constants`: blocks in succession that must agree
-    # choice: of all rows, the range of the load, or the way next to the turning point: what is no direction, no jump,
-    # and no place of steps
+    # choice: of all rows, the range of the load, or the way: what is no direction, no jump, no motion, no place of
+    # steps, and how many rows may be spikes
     small: float = 0.02
+    half: float = 0.5  # theory: of a way, a step, the least load or what a line leaves: more is the larger part of it
     # choice: of the rows, least length of a tether; relative change of its load, beyond the error; no contact's is
     # below 0.1 by then
     tether: float = 0.05
     straight: float = 1.3  # choice: of the noise, what the line through them leaves at most
-    vague: float = 0.15  # choice: the largest error of that change
-    doubtful: float = 0.5  # choice: of the least load over the noise; tension between is neither a jump nor a step
-
-    back: float = 0.2  # choice: of the whole way, least of both ways that make two directions of one segment
     # tuned on records, by `make constants`: just below the half of a step in speed that smoothing leaves at its place
     still: float = 0.45
-
     smooth: int = 4  # choice: degree of a polynomial that follows the end of a contact and no kink
     beyond: float = 1.5  # choice: rows over those of the base line, through which the polynomial must go on
-    better: float = 0.5  # choice: of what the line leaves, what the polynomial may leave
     wavy: float = 0.03  # choice: of the range of the load, waviness of a base line that is flagged
-    rising: float = 5.0  # choice: of the largest load or tension over it, what a base line may rise on all of its way
-    steep: float = 0.2  # choice: of the largest load, what a tilt may make of it over the depth of contact
+    # choice: what a tilt may make of the largest load over the depth of contact, and the largest load or tension at
+    # least of what it makes over all of the base line
+    steep: float = 0.2
     wandering: float = 2.0  # theory: way over distance of a device that reverses once
-    opposed: float = 0.5  # theory: of the way: more of it goes the other way than the name says than along it
 
 
 TUNING = RecordTuning()
@@ -145,7 +140,7 @@ class Direction:
         the straight line of an edge at rest."""
         enough = self.base.rows >= TUNING.far * len(self.segment) and not self.base.curved
         rise, off = abs(self.base.tilt) * self.way * self.base.rows / len(self.segment), known(self.adhesion) or 0.0
-        level = rise <= TUNING.rising * max(self.largest, off)
+        level = TUNING.steep * rise <= max(self.largest, off)
         return enough and level and abs(self.base.tilt) * self.depth <= TUNING.steep * self.largest
 
     @property
@@ -203,8 +198,8 @@ def _spikes(P: Array) -> Array:
     off = np.minimum(np.abs(P[2:-2] - before), np.abs(P[2:-2] - after))
     least = max(TUNING.sigmas * _robust(P[2:-2] - before), TUNING.least * float(np.ptp(P)))
     between = (P[2:-2] - before) * (P[2:-2] - after) > 0
-    spikes = np.flatnonzero(between & (off > least) & (np.abs(before - after) < TUNING.agree * off)) + 2
-    return spikes if spikes.size <= TUNING.slight * P.size else spikes[:0]
+    spikes = np.flatnonzero(between & (off > least) & (np.abs(before - after) < TUNING.half * off)) + 2
+    return spikes if spikes.size <= TUNING.small * P.size else spikes[:0]
 
 
 def _named_segments(curve: Curve) -> list[Segment]:
@@ -222,8 +217,8 @@ def _named_segments(curve: Curve) -> list[Segment]:
         inside = _segments_by_motion(delta[part.rows]) if len(part) >= TUNING.least_rows else []
         moved = [item for item in inside if item.kind != PAUSE]
         ways = {item.kind: float(np.ptp(delta[part.rows][item.rows])) for item in inside}
-        both = len(moved) > 1 and min(ways[item.kind] for item in moved) > TUNING.back * float(np.ptp(delta))
-        stood = len(moved) == 1 and ways.get(PAUSE, math.inf) < TUNING.slight * ways[moved[0].kind]
+        both = len(moved) > 1 and min(ways[item.kind] for item in moved) > TUNING.far * float(np.ptp(delta))
+        stood = len(moved) == 1 and ways.get(PAUSE, math.inf) < TUNING.small * ways[moved[0].kind]
         if both or (stood and moved[0].kind == part.kind):
             parts += [Segment(item.kind, part.first + item.first, part.first + item.last) for item in inside]
         else:
@@ -317,8 +312,7 @@ def _end_of_free_part(x: Array, y: Array) -> int:
     end = max(_best_cut(x, y), 5)
     for _ in range(2):
         sure = max(round(TUNING.inside * end), 5)
-        line = np.polynomial.Polynomial.fit(x[:sure], y[:sure], 1) if np.ptp(x[:sure]) > 0 else None
-        off = y - (line(x) if line is not None else y[:sure].mean())
+        off = y - _polynomial(x[:sure], y[:sure], 1)(x)
         inner = _blocks(off[:sure], size)
         scatter = max(float(np.sqrt(np.mean(inner**2))), _robust(np.diff(y, 2)) / math.sqrt(6 * size))
         least = TUNING.least * float(np.ptp(y[: 2 * end]))
@@ -354,16 +348,13 @@ def _misfits(x: Array, y: Array, degree: int, rows: Array) -> Array:
 def _base_line(x: Array, y: Array, end: int) -> BaseLine:
     """The straight line through the first ``end`` rows."""
     at = float(x[end - 1])
-    if np.ptp(x[:end]) > 0:
-        tilt, offset = np.polyfit(x[:end] - at, y[:end], 1)
-    else:
-        tilt, offset = 0.0, y[:end].mean()
-    off = y[:end] - offset - tilt * (x[:end] - at)
+    line = _polynomial(x[:end] - at, y[:end], 1)
+    off = y[:end] - line(x[:end] - at)
     noise = _robust(np.diff(off, 2)) / math.sqrt(6) if end > 3 else 0.0
     size = max(1, min(end // 10, _block(x.size)))
     slow = float(np.mean(_blocks(off, size) ** 2)) - noise**2 / size
-    waviness = math.sqrt(max(slow, 0.0))
-    return BaseLine(float(offset), float(tilt), at, end, float(noise), waviness, _is_curved(x, y, end))
+    offset, tilt, waviness = float(line(0.0)), float(line.deriv()(0.0)), math.sqrt(max(slow, 0.0))
+    return BaseLine(offset, tilt, at, end, float(noise), waviness, _is_curved(x, y, end))
 
 
 def _is_curved(x: Array, y: Array, end: int) -> bool:
@@ -372,14 +363,18 @@ def _is_curved(x: Array, y: Array, end: int) -> bool:
     sure, whole = round(TUNING.inside * end), min(2 * end, x.size)
     if sure < 2 * (TUNING.smooth + 1) or whole < TUNING.beyond * end:
         return False
-    return _left(x[:whole], y[:whole], TUNING.smooth) < TUNING.better * _left(x[:sure], y[:sure], 1)
+    return _left(x[:whole], y[:whole], TUNING.smooth) < TUNING.half * _left(x[:sure], y[:sure], 1)
 
 
 def _left(x: Array, y: Array, degree: int) -> float:
     """Root mean square of what the polynomial of ``degree`` leaves."""
-    if np.ptp(x) == 0:
-        return float(np.std(y))
-    return float(np.sqrt(np.mean((np.polynomial.Polynomial.fit(x, y, degree)(x) - y) ** 2)))
+    return float(np.std(y - _polynomial(x, y, degree)(x)))
+
+
+def _polynomial(x: Array, y: Array, degree: int) -> np.polynomial.Polynomial:
+    """The polynomial of ``degree`` through rows; their mean where the device stands still."""
+    moved = np.ptp(x) > 0
+    return np.polynomial.Polynomial.fit(x, y, degree) if moved else np.polynomial.Polynomial([y.mean()])
 
 
 def _touch(x: Array, off: Array, base: BaseLine, end: int) -> tuple[int, float]:
@@ -408,7 +403,7 @@ def _jumps(off: Array, base: BaseLine) -> tuple[list[tuple[int, int]], list[tupl
     tension = -off / base.least if base.least else -np.sign(off)
     jump = fall & (tension[width:] > 1)
     within = rise & (np.minimum(tension[width:], tension[:-width]) > 1) & np.maximum.accumulate(jump)
-    return _runs(jump | within, width), _runs(fall & (tension[width:] < TUNING.doubtful) | rise & ~within, width)
+    return _runs(jump | within, width), _runs(fall & (tension[width:] < TUNING.half) | rise & ~within, width)
 
 
 def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
@@ -425,18 +420,15 @@ def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]])
     error = base.noise * math.sqrt(12 / count)
     scatter = float(np.std(part - part.mean() - change * along))
     level = abs(change) < TUNING.tether * tension + 2 * error and scatter < TUNING.straight * base.noise
-    if not level or error > TUNING.vague * tension:
+    size = _block(off.size)
+    away = np.abs(_blocks(inside + tension, size)) > TUNING.half * base.least
+    if not level or not away.any():
         return []
-    size, first = _block(off.size), falls[0][1] + 1
-    away = np.abs(_blocks(inside + tension, size)) > TUNING.doubtful * base.least
     left = int(np.argmax(away)) * size
-    end = first + left
-    return [(end - 1, end + size - 1)] if away.any() and not _goes_on(inside[: left + count], base) else []
-
-
-def _goes_on(off: Array, base: BaseLine) -> bool:
-    """Whether one polynomial passes through all rows, as through the largest tension of a contact where none ends."""
-    return _left(np.arange(off.size), off, TUNING.smooth) < TUNING.straight * base.noise
+    around, end = inside[: left + count], falls[0][1] + left
+    # one polynomial passes through the largest tension of a contact, where none ends
+    goes_on = _left(np.arange(around.size), around, TUNING.smooth) < TUNING.straight * base.noise
+    return [] if goes_on else [(end, end + size)]
 
 
 def _sudden(off: Array, base: BaseLine) -> tuple[Array, Array, int]:
@@ -446,12 +438,8 @@ def _sudden(off: Array, base: BaseLine) -> tuple[Array, Array, int]:
         return np.zeros(0, bool), np.zeros(0, bool), off.size
     step = off[width:] - off[:-width]
     least = max(TUNING.sigmas * math.sqrt(2) * base.noise, TUNING.small * float(np.ptp(off)))
-    fall, rise = np.zeros(step.size, bool), np.zeros(step.size, bool)
-    smallest, largest = _ends_of_medians(step[::width])
-    odd = np.flatnonzero((step < largest - least) | (step > smallest + least))
-    before, after = _usual(step, width, odd)
-    fall[odd], rise[odd] = step[odd] < np.minimum(before, after) - least, step[odd] > np.maximum(before, after) + least
-    return fall, rise, width
+    before, after = _usual(step, width)
+    return step < np.minimum(before, after) - least, step > np.maximum(before, after) + least, width
 
 
 def _first_fall(off: Array, base: BaseLine) -> int:
@@ -461,18 +449,12 @@ def _first_fall(off: Array, base: BaseLine) -> int:
     return min((first for first, _ in _runs(fall, width) if first >= TUNING.far * off.size), default=off.size)
 
 
-def _ends_of_medians(few: Array) -> tuple[float, float]:
-    """Between which all medians of ``TUNING.least_rows`` neighbours lie: half as many of all are beyond each end."""
-    k = min(TUNING.least_rows // 2, few.size) - 1
-    ends = np.partition(few, [k, few.size - 1 - k])
-    return float(min(ends[k], few[0], few[-1])), float(max(ends[few.size - 1 - k], few[0], few[-1]))
-
-
-def _usual(step: Array, width: int, chosen: Array) -> tuple[Array, Array]:
-    """The median of the steps over ``width`` rows just before each of the ``chosen``, and just after."""
-    n, (few, own) = TUNING.least_rows, np.unique(chosen // width, return_inverse=True)
+def _usual(step: Array, width: int) -> tuple[Array, Array]:
+    """The median of the steps over ``width`` rows just before each of them, and just after."""
+    n, every = TUNING.least_rows, np.arange(step.size) // width
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(step[::width], n + 1, mode="edge"), n)
-    return np.median(windows[few], axis=1)[own], np.median(windows[few + n + 3], axis=1)[own]
+    medians = np.sort(windows, axis=1)[:, (n - 1) // 2 : n // 2 + 1].mean(axis=1)  # half as long as np.median takes
+    return medians[every], medians[every + n + 3]
 
 
 def _runs(marked: Array, width: int) -> list[tuple[int, int]]:
@@ -499,11 +481,9 @@ def _missing(parts: Sequence[Segment], directions: Sequence[Direction]) -> Itera
     for kind, other in ((APPROACH, RETRACT), (RETRACT, APPROACH)):
         if kind in kinds:
             continue
+        lack = f"only {other} rows" if other in kinds else "neither approach nor retraction"
         few = sum(len(part) for part in parts if part.kind == kind)
-        if few:
-            yield f"no {kind}", f"{few} of its rows, at least {TUNING.least_rows} are needed"
-        else:
-            yield f"no {kind}", f"only {other} rows" if other in kinds else "neither approach nor retraction"
+        yield f"no {kind}", f"{few} of its rows, at least {TUNING.least_rows} are needed" if few else lack
 
 
 def _on_base_lines(curve: Curve, touched: Sequence[Direction]) -> Iterator[tuple[str, str]]:
@@ -559,7 +539,7 @@ def _goes_back(curve: Curve, item: Direction) -> bool:
     first, last = float(z[:ends].mean()), float(z[-ends:].mean())
     way = (last - first) * (1 if item.segment.kind == APPROACH else -1)
     returns = min(first, last) - float(z.min())
-    return max(-way, returns) > TUNING.opposed * float(np.ptp(z))
+    return max(-way, returns) > TUNING.half * float(np.ptp(z))
 
 
 def _pulls_deepest(curve: Curve, item: Direction) -> bool:

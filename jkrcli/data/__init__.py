@@ -7,23 +7,22 @@ from ..base.lazy import lazily
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .columns import NO_UNIT
-    from .measured import (
+    from .measured import each, from_columns, read, usable
+    from .measured.curve import (
         APPROACH,
+        ARBITRARY,
         AS_DEPTH,
         NOT_SUBTRACTED,
         OVERRULED,
         RETRACT,
-        SUBTRACTED_TWICE,
         Curve,
         Pixel,
         Reading,
-        each,
-        from_columns,
-        usable,
     )
     from .measured.saturation import saturation
+    from .measured.tip_position import SUBTRACTED_TWICE
     from .record import BaseLine, Direction, ForceCurve, examine
-    from .text_table import SEPARATORS, some
+    from .text_table import MOST_COLUMNS, SEPARATORS, some
     from .zero_points import with_zero_points
 
 __getattr__ = lazily(__name__, __file__)

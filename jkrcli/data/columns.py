@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Container, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
-from ..base import LARGEST_SI, REMEMBERED, SHOWN, Array, InputError, did_you_mean
-from .text_table import TextTable, unit_power
+from ..base import LARGEST_SI, REMEMBERED, Array, InputError
+from .text_table import TextTable
+from .titles import LONGEST, split_name, unit_power
 
-LONGEST = 200  # choice: characters of a cell or a line that names something; longer ones take long to look through
 NO_UNIT = " left out: it ends in no unit of "  # in a sentence on a column
 EXAMPLES = {"length": "um", "area": "um^2", "load": "mN", "time": "s"}
 
@@ -61,12 +61,7 @@ class Vocabulary:
         if name == "A":
             return "area"
         words = _words_of(name.lower().strip())
-        return next((key for key, names in self.names.items() if words & names), None)
-
-    @cached_property
-    def names(self) -> Mapping[str, frozenset[str]]:
-        """The names of columns by the keys of their quantities."""
-        return {key: frozenset(quantity.names) for key, quantity in self.quantities.items()}
+        return next((key for key, quantity in self.quantities.items() if words.intersection(quantity.names)), None)
 
     def named(self, table: TextTable, key: str) -> list[int]:
         """Columns whose name is one of those of ``key``."""
@@ -89,19 +84,20 @@ class Vocabulary:
         matches = self.named(table, key)
         if len(matches) > 1:
             units = [split_name(table.names[i])[1] for i in matches]
-            right = [i for i, unit in zip(matches, units, strict=True) if self._fits(key, unit)]
+            fits = [(unit_power(unit) or ("",))[0] == self.quantities[key].dimension for unit in units]
+            right = [i for i, is_right in zip(matches, fits, strict=True) if is_right]
             matches = right if len(right) == 1 and all(units) else matches
         if len(matches) == 1:
             return matches[0]
         reason = "no column is" if not matches else f"{len(matches)} columns are"
         raise InputError(
             f"{table.path}: {reason} recognised as the {self.meaning(key)}: say which, --column {key}=NAME "
-            f"({choice(table)})"
+            f"({table.choice})"
         )
 
     def in_si(self, table: TextTable, key: str, index: int, unit: str | None = None) -> Array:
         """The values of a column in SI, by ``unit`` or that of its header: 100 um is exactly 1e-4 m."""
-        values, power = numbers(table, index), self._power(table, key, index, unit)
+        values, power = table.numbers(index), self._power(table, key, index, unit)
         beyond = np.abs(values) > LARGEST_SI
         if beyond.any():
             line, value = table.lines[beyond][0], values[beyond][0]
@@ -110,14 +106,10 @@ class Vocabulary:
             )
         return values * 10.0**power if power > 0 else values / 10.0**-power
 
-    def _fits(self, key: str, unit: str) -> bool:
-        parsed = unit_power(unit)
-        return parsed is not None and parsed[0] == self.quantities[key].dimension
-
     def _power(self, table: TextTable, key: str, index: int, unit: str | None) -> int:
         dimension = self.quantities[key].dimension
         unit = unit or split_name(table.names[index])[1]
-        where = f"{table.path}: {numbered(table, index)} ({self.meaning(key)})"
+        where = f"{table.path}: {table.titled(index)} ({self.meaning(key)})"
         example = EXAMPLES[dimension]
         if not unit:
             raise InputError(f"{where} names no unit: give --unit {key}={example}, or write it into the header")
@@ -136,7 +128,7 @@ def with_units(
     for name, unit in units.items():
         if name in keys:
             continue
-        index = column_called(table, f"--unit {name}={unit}", name)
+        index = table.called(name, f"--unit {name}={unit}")
         names[index] = f"{split_name(table.names[index])[0]} [{unit}]"
         flags += overruled(table, index, unit)
     quantity_units = {name: unit for name, unit in units.items() if name in keys}
@@ -148,39 +140,7 @@ def overruled(table: TextTable, index: int, unit: str) -> list[str]:
     header_unit = split_name(table.names[index])[1]
     if header_unit in ("", unit):
         return []
-    return [f"{numbered(table, index)} read in {unit} as told, its header says {header_unit}"]
-
-
-def remarks(table: TextTable) -> list[str]:
-    """A sentence on the lines of words behind the last row, which are left out; none where there are none."""
-    if not table.remarks:
-        return []
-    lines = sorted(table.remarks)
-    where = f"line {lines[0]} is" if len(lines) == 1 else f"lines {lines[0]} to {lines[-1]} are"
-    return [f'{where} behind the last row and left out: "{table.remarks[lines[0]].strip()[:60]}"']
-
-
-def column_called(table: TextTable, key: str, name: str) -> int:
-    """The column that the user named or numbered (from 1)."""
-    titles = [split_name(title)[0] for title in table.names]
-    matches = [i for i, title in enumerate(table.names) if name in (title, titles[i])]
-    if len(matches) == 1:
-        return matches[0]
-    if name.isdigit() and 1 <= int(name) <= len(table.names):
-        return int(name) - 1
-    hint = did_you_mean(name, titles)
-    raise InputError(f'{table.path}: no single column "{name}" for {key}{hint} ({choice(table)})')
-
-
-def numbers(table: TextTable, index: int) -> Array:
-    """The numbers of a column; InputError where it holds words."""
-    if index in table.text:
-        rows = zip(table.lines, table.text[index], strict=True)
-        line, word = next(((line, word) for line, word in rows if word), (table.lines[0], ""))
-        where = f"{table.path}: {numbered(table, index)}"
-        raise InputError(f'{where} holds words, no numbers: line {line} has "{word[:60]}"')
-    values: Array = table.values[:, index]
-    return values
+    return [f"{table.titled(index)} read in {unit} as told, its header says {header_unit}"]
 
 
 def check_chosen(table: TextTable, chosen: Mapping[str, int]) -> None:
@@ -188,38 +148,7 @@ def check_chosen(table: TextTable, chosen: Mapping[str, int]) -> None:
     if chosen.keys() >= {"a", "area"}:
         raise InputError(f"{table.path}: give a column for the contact radius or for the contact area, not for both")
     if len(set(chosen.values())) < len(chosen):
-        raise InputError(f"{table.path}: one column cannot be two quantities, got {words(table, chosen)}")
-
-
-def numbered(table: TextTable, index: int) -> str:
-    """A column by number and name, for messages."""
-    return f'column {index + 1} "{table.names[index]}"'
-
-
-def choice(table: TextTable) -> str:
-    """The columns by number and name, for messages."""
-    listed = [f'{i} "{name}"' if name else str(i) for i, name in enumerate(table.names[:SHOWN], start=1)]
-    more = len(table.names) - len(listed)
-    return f"columns: {', '.join(listed)}" + (f" and {more:,} more" if more else "")
-
-
-def words(table: TextTable, chosen: Mapping[str, int]) -> str:
-    """The chosen columns, for messages and records."""
-    return ", ".join(f"{key} = column {i + 1}" + (f' "{table.names[i]}"' if table.names[i] else "")
-                     for key, i in sorted(chosen.items()))  # fmt: skip
-
-
-@lru_cache(maxsize=REMEMBERED)
-def split_name(title: str) -> tuple[str, str]:
-    """Name and unit of a header cell: "P (mN)", "P [mN]", "P / mN", "P_mN", "P in mN", "P mN"; "" where no unit is."""
-    title = title.strip()
-    if len(title) > LONGEST:
-        return title, ""
-    if match := re.match(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))\Z", title):
-        return match[1], (match[2] or match[3] or "").strip()
-    if (match := re.match(r"(.+?)(?:\s*[/,_]\s*|\s+(?:in\s+)?)([^/,_\s]+)\Z", title)) and unit_power(match[2]):
-        return match[1], match[2]
-    return title, ""
+        raise InputError(f"{table.path}: one column cannot be two quantities, got {table.listed(chosen)}")
 
 
 @lru_cache(maxsize=REMEMBERED)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..base import Array, InputError
-from .columns import split_name
-from .text_table import read_table, unit_power
+from .text_table import read_table
+from .titles import split_name, unit_power
 
 
 def read_program(path: Path, dimension: str) -> tuple[Array, Array]:

@@ -13,7 +13,7 @@ import numpy as np
 from ..base import LARGEST_SI, Array, InputError, Unknown
 from ..bodies import Indenter, Loading, Problem, Sphere
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus, is_series
-from .columns import CONTACT, Vocabulary, check_chosen, column_called, remarks, with_units, words
+from .columns import CONTACT, Vocabulary, check_chosen, with_units
 from .noisy_rows import is_noise, near_first_touch
 from .text_table import TextTable, read_table, some
 
@@ -96,7 +96,7 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
         budget=ErrorBudget(UNKNOWN, UNKNOWN, UNKNOWN),
         method="import",
         facts=_facts(table, chosen, reading, dropped) | {"order": "by the fit" if noisy else "of the rows"},
-        warnings=(*unit_flags, *remarks(table), *words, *departures(problem, raw)),
+        warnings=(*unit_flags, *table.left_out, *words, *departures(problem, raw)),
     )
 
 
@@ -145,7 +145,7 @@ def read_measured(path: Path, shift: float = 0.0) -> tuple[Array, Array]:
 # ---------------------------------------------------------------------- columns and units
 def _columns(table: TextTable, reading: SeriesReading) -> dict[str, int]:
     """Index of the column for each key: the one of ``reading``, else by its name; the radius goes before the area."""
-    named = {key: column_called(table, key, name) for key, name in reading.columns.items()}
+    named = {key: table.called(name, key) for key, name in reading.columns.items()}
     by_area = "area" in named or bool(NAMES.named(table, "area") and not NAMES.named(table, "a"))
     wanted = ("delta", "P", "area" if by_area and "a" not in named else "a")
     chosen = {key: named[key] if key in named else NAMES.guess(table, key) for key in wanted}
@@ -218,7 +218,7 @@ def _check_kept(path: Path, kept: RawSeries, dropped: int, indenter: Indenter) -
 def _facts(table: TextTable, chosen: Mapping[str, int], reading: SeriesReading, dropped: int) -> dict[str, Any]:
     return {
         "source": table.path.name,
-        "columns": words(table, chosen),
+        "columns": table.listed(chosen),
         "factors": ", ".join(f"{key} = {value:g}" for key, value in reading.factors.items()) or "none",
         "zero_m": reading.zero.get("delta", 0.0),
         "zero_N": reading.zero.get("P", 0.0),

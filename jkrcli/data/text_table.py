@@ -14,18 +14,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..base import AT_ONCE, LOOKED_AT, UNITS, Array, InputError, allowance, read_bytes
+from ..base import AT_ONCE, LOOKED_AT, SHOWN, Array, InputError, allowance, did_you_mean, read_bytes
+from .titles import split_name, unit_power
 
 BLANK = "blank"
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", BLANK: None}
-TIMES = {"s": 0, "ms": -3, "us": -6, "ns": -9}
-SPELLED = {  # units as instruments write them out, in the plural too
-    "sec": "s", "second": "s", "sekunde": "s", "msec": "ms", "millisecond": "ms", "millisekunde": "ms",
-    "metre": "m", "meter": "m", "millimetre": "mm", "millimeter": "mm", "micron": "um", "micrometre": "um",
-    "micrometer": "um", "mikrometer": "um", "nanometre": "nm", "nanometer": "nm", "angstrom": "Å",
-    "newton": "N", "millinewton": "mN", "micronewton": "uN", "mikronewton": "uN", "nanonewton": "nN",
-    "kilonewton": "kN",
-}  # fmt: skip
 COMMENTS = ("#", "%", "//", "**", "!")
 HEADINGS = ("columns:", "units:")  # before the names and units themselves, in comment heads
 OTHER_UNITS = ("", "-", "1", "V", "mV")
@@ -50,8 +43,6 @@ _ROW = re.compile(r"""\s*["']?[+-]?[.,]?\d""")  # a line that begins with a numb
 @dataclass(frozen=True)
 class TextTuning:
     """How much of a file shows how it is written."""
-
-    first: int = 2000  # choice: bytes, for the encoding
 
     gaps: float = 0.1  # choice: of the rows, that may lack a number
     comments: int = 10_000  # choice: lines at either end of a long head; between them nothing is named
@@ -137,20 +128,64 @@ class TextTable:
     remarks: Mapping[int, str] = field(default_factory=dict)
 
     def rows(self, chosen: Array) -> TextTable:
-        """The table at ``chosen`` rows alone (a mask)."""
+        """The table at ``chosen`` rows alone (a mask or numbers)."""
         text = {i: tuple(np.array(cells)[chosen].tolist()) for i, cells in self.text.items()}
         return replace(self, values=self.values[chosen], lines=self.lines[chosen], text=text)
+
+    def titled(self, index: int) -> str:
+        """A column by number and name, for messages."""
+        return f'column {index + 1} "{self.names[index]}"'
+
+    @property
+    def choice(self) -> str:
+        """The columns by number and name, for messages."""
+        listed = [f'{i} "{name}"' if name else str(i) for i, name in enumerate(self.names[:SHOWN], start=1)]
+        more = len(self.names) - len(listed)
+        return f"columns: {', '.join(listed)}" + (f" and {more:,} more" if more else "")
+
+    def listed(self, chosen: Mapping[str, int]) -> str:
+        """The ``chosen`` columns by their keys, for messages and records."""
+        titles = {key: f"column {i + 1}" + f' "{self.names[i]}"' * bool(self.names[i]) for key, i in chosen.items()}
+        return ", ".join(f"{key} = {title}" for key, title in sorted(titles.items()))
+
+    @property
+    def left_out(self) -> list[str]:
+        """A sentence on the lines of words behind the last row; none where there are none."""
+        if not self.remarks:
+            return []
+        first, last = min(self.remarks), max(self.remarks)
+        where = f"line {first} is" if first == last else f"lines {first} to {last} are"
+        return [f'{where} behind the last row and left out: "{self.remarks[first].strip()[:60]}"']
+
+    def called(self, name: str, option: str) -> int:
+        """The column that the user named or numbered (from 1) by an ``option``."""
+        titles = [split_name(title)[0] for title in self.names]
+        matches = [i for i, title in enumerate(self.names) if name in (title, titles[i])]
+        if len(matches) == 1:
+            return matches[0]
+        if name.isdigit() and 1 <= int(name) <= len(self.names):
+            return int(name) - 1
+        hint = did_you_mean(name, titles)
+        raise InputError(f'{self.path}: no single column "{name}" for {option}{hint} ({self.choice})')
+
+    def numbers(self, index: int) -> Array:
+        """The numbers of a column; InputError where it holds words."""
+        if index in self.text:
+            rows = zip(self.lines, self.text[index], strict=True)
+            line, word = next(((line, word) for line, word in rows if word), (self.lines[0], ""))
+            where = f"{self.path}: {self.titled(index)}"
+            raise InputError(f'{where} holds words, no numbers: line {line} has "{word[:60]}"')
+        values: Array = self.values[:, index]
+        return values
 
 
 def decoded(content: bytes) -> str:
     """The text in ``content``: UTF-8 or UTF-16, with a mark or without one, else Windows-1252, else Latin-1."""
-    sample = content[: TUNING.first]
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return content.decode("utf-16", errors="replace")
-    if len(sample) > 3 and not sample.startswith(codecs.BOM_UTF8):
-        for first, name in ((1, "utf-16-le"), (0, "utf-16-be")):  # of most letters one byte is zero, always the same
-            if sample[first::2].count(0) > len(sample) / 4 > 4 * sample[1 - first :: 2].count(0):
-                return content.decode(name, errors="replace")
+    for first, name in ((1, "utf-16-le"), (0, "utf-16-be")):  # of most letters one byte is zero, always the same
+        if content[first::2].count(0) > len(content) / 4 > 4 * content[1 - first :: 2].count(0):
+            return content.decode(name, errors="replace")
     for name in ("utf-8-sig", "cp1252"):
         with contextlib.suppress(UnicodeDecodeError):
             return content.decode(name)
@@ -180,36 +215,27 @@ def read_table(
     with allowance.reading(path, most, fenced=False) as allowed:
         whole = decoded(read_bytes(path, "table", most) if content is None else content)
         allowed.take_text(whole)
-        return _table(path, whole, separator, decimal, least, is_text, finite, is_note)
+        lines_of_file = _without_long_head(_lines(path, whole))
+        dialect, sample = _dialect(path, lines_of_file, separator, decimal, least, is_text)
+        lines, values = _rows(lines_of_file, dialect, least, gaps=not finite)
+        if decimal is None:
+            _refuse_doubtful(path, [(n, line) for n, line in sample if n >= lines[0]], dialect)
+        return _table(path, lines_of_file, dialect, lines, values, finite, is_note)
 
 
 def _table(
     path: Path,
-    whole: str,
-    separator: str | None,
-    decimal: str | None,
-    least: int,
-    is_text: Callable[[int, str], bool],
+    content: list[tuple[int, str]],
+    dialect: Dialect,
+    lines: Array,
+    values: Array,
     finite: bool,
     is_note: Callable[[str], bool],
 ) -> TextTable:
-    """The table in the text of a whole file."""
-    lines_of_file = _without_long_head(_lines(path, whole))
-    head, rest = lines_of_file[:LOOKED_AT], lines_of_file[LOOKED_AT:]
-    sample = head + rest[:: max(1, 2 * len(rest) // LOOKED_AT)]
-    dialect = _dialect(sample, separator, decimal, least, is_text)
-    if dialect is None and len(lines_of_file) > len(sample):
-        dialect = _dialect(lines_of_file, separator, decimal, least, is_text)
-    if dialect is None:
-        sheet = path.suffix.lower() in SHEETS
-        remedy = "save the sheet as CSV" if sheet else "give --separator and --decimal if they are unusual"
-        raise InputError(f"{path}: holds no row of at least {least} numbers; {remedy}")
-    lines, values = _rows(lines_of_file, dialect, least, gaps=not finite)
-    if decimal is None:
-        _refuse_doubtful(path, [(n, line) for n, line in sample if n >= lines[0]], dialect)
+    """The table of the ``lines`` that hold ``values``, and what stands before, between and behind them."""
     dialect = replace(dialect, text=frozenset(i for i in dialect.text if i < values.shape[1]))
-    begin = bisect_left(lines_of_file, (int(lines[0]), ""))
-    header, body = [line for _, line in lines_of_file[:begin]], lines_of_file[begin:]
+    body = _from(content, int(lines[0]))
+    header = [line for _, line in content[: len(content) - len(body)]]
     notes, remarks = dict[int, str](), dict[int, str]()
     if len(body) > lines.size:
         notes = _notes(body, header, set(lines.tolist()), is_note)
@@ -220,6 +246,11 @@ def _table(
     names = _names(header, dialect, values.shape[1], dialect.ends(body[0][1]))
     text = _texts(body, dialect, set(lines.tolist()))
     return TextTable(path, names, values, lines, dialect, text, tuple(header), notes, remarks)
+
+
+def _from(content: list[tuple[int, str]], first: int) -> list[tuple[int, str]]:
+    """The lines from the one numbered ``first`` on."""
+    return content[bisect_left(content, (first, "")) :]
 
 
 def _notes(
@@ -299,9 +330,7 @@ def _refuse_doubtful(path: Path, content: list[tuple[int, str]], dialect: Dialec
 
 def _rows(content: list[tuple[int, str]], dialect: Dialect, least: int, gaps: bool) -> tuple[Array, Array]:
     """Lines and values of all rows of numbers; ``gaps``: a few with words in place of some too, behind the first."""
-    first, row = next(_data(content, dialect, least))
-    body = content[bisect_left(content, (first, "")) :]
-    values = _regular(body, dialect, len(row))
+    body, values = _begun(content, dialect, least)
     if values is not None:
         return np.array([n for n, _ in body]), values
     rows = list(_data(body, dialect, least))
@@ -309,6 +338,23 @@ def _rows(content: list[tuple[int, str]], dialect: Dialect, least: int, gaps: bo
         more = list(_data(body, dialect, least, gaps=True))
         rows = more if len(more) - len(rows) <= TUNING.gaps * len(more) else rows
     return np.array([n for n, _ in rows]), np.array([row for _, row in rows])
+
+
+def _row_lines(content: list[tuple[int, str]], dialect: Dialect, least: int) -> list[int]:
+    """The lines that are rows of numbers: all behind the first one where numpy reads them."""
+    body, values = _begun(content, dialect, least)
+    regular = values is not None and np.isfinite(values).all()
+    return [n for n, _ in (body if regular else _data(body, dialect, least))]
+
+
+def _begun(content: list[tuple[int, str]], dialect: Dialect, least: int) -> tuple[list[tuple[int, str]], Array | None]:
+    """The lines from the first row of numbers on, and their values where numpy reads them."""
+    marked = dialect.decimal == "," and not (dialect.text or dialect.thousands)
+    likely = (item for item in content if not (marked and "." in item[1]))
+    for first, row in _data(likely, dialect, least):
+        body = _from(content, first)
+        return body, _regular(body, dialect, len(row))
+    return [], None
 
 
 def _regular(body: list[tuple[int, str]], dialect: Dialect, width: int) -> Array | None:
@@ -363,19 +409,34 @@ def _with_text(
 
 
 def _dialect(
+    path: Path,
     content: list[tuple[int, str]],
     separator: str | None,
     decimal: str | None,
     least: int,
     is_text: Callable[[int, str], bool],
-) -> Dialect | None:
-    """The way to read the lines that gives most rows of numbers."""
+) -> tuple[Dialect, list[tuple[int, str]]]:
+    """The way to read the lines that gives most rows of numbers, by a sample of them, and that."""
     dialects = [Dialect(s, d) for s in SEPARATORS for d in (".", ",") if (s, d) != ("comma", ",")]
     allowed = [d for d in dialects if separator in (None, d.separator) and decimal in (None, d.decimal)]
     if not allowed:
         raise InputError('separator "comma" and decimal "," exclude each other: say which one the comma is')
+    head, rest = content[:LOOKED_AT], content[LOOKED_AT:]
+    sample = head + rest[:: max(1, 2 * len(rest) // LOOKED_AT)]
+    for lines in (sample, content) if len(content) > len(sample) else (sample,):
+        if (dialect := _best(lines, allowed, least, is_text)) is not None:
+            return dialect, sample
+    sheet = path.suffix.lower() in SHEETS
+    remedy = "save the sheet as CSV" if sheet else "give --separator and --decimal if they are unusual"
+    raise InputError(f"{path}: holds no row of at least {least} numbers; {remedy}")
+
+
+def _best(
+    content: list[tuple[int, str]], dialects: list[Dialect], least: int, is_text: Callable[[int, str], bool]
+) -> Dialect | None:
+    """The one of the ``dialects``, with columns of words, that gives most rows of numbers; None where none does."""
     whole = "\n".join(line for _, line in content)
-    allowed = [d for d in allowed if (SEPARATORS[d.separator] or "") in whole]
+    allowed = [d for d in dialects if (SEPARATORS[d.separator] or "") in whole]
     if not allowed:
         return None
     plain = [_with_text(content, dialect, least, is_text) for dialect in allowed]
@@ -396,23 +457,9 @@ def _most_rows(content: list[tuple[int, str]], dialects: list[Dialect], least: i
     most = sizes.index(max(sizes))
     if not sizes[most]:
         return None, True
-    behind = content[bisect_left(content, (rows[most][0], "")) :]
+    behind = _from(content, rows[most][0])
     later = len(behind) if len(behind) == sizes[most] else sum(not _is_comment(line) for _, line in behind)
     return dialects[most], later > sizes[most]
-
-
-def _row_lines(content: list[tuple[int, str]], dialect: Dialect, least: int) -> list[int]:
-    """The lines that are rows of numbers: all behind the first one where numpy reads them."""
-    marked = dialect.decimal == "," and not (dialect.text or dialect.thousands)
-    likely = (item for item in content if not (marked and "." in item[1]))
-    first = next(_data(likely, dialect, least), None)
-    if first is None:
-        return []
-    body = content[bisect_left(content, (first[0], "")) :]
-    values = _regular(body, dialect, len(first[1]))
-    if values is not None and np.isfinite(values).all():
-        return [n for n, _ in body]
-    return [n for n, _ in _data(body, dialect, least)]
 
 
 def _with_words(content: list[tuple[int, str]], dialect: Dialect, least: int) -> Dialect:
@@ -511,18 +558,3 @@ def _header_cells(line: str, dialect: Dialect, width: int) -> list[str]:
 
 def _is_unit(cell: str) -> bool:
     return cell.strip("[]()") in OTHER_UNITS or unit_power(cell.strip("[]()")) is not None
-
-
-def unit_power(unit: str) -> tuple[str, int] | None:
-    """Dimension ("length", "area", "load" or "time") and power of ten of a unit; None where it is none of these."""
-    unit = unit.strip().replace("µ", "u").replace("μ", "u").replace("²", "^2").replace("**", "^")
-    unit = SPELLED.get(unit.lower().removesuffix("s"), SPELLED.get(unit.lower().removesuffix("n"), unit))
-    for dimension in ("length", "load"):
-        if unit in UNITS[dimension]:
-            return dimension, UNITS[dimension][unit]
-    if unit in TIMES:
-        return "time", TIMES[unit]
-    base = re.sub(r"\^?2\Z", "", unit)
-    if base != unit and base in UNITS["length"]:
-        return "area", 2 * UNITS["length"][base]
-    return None

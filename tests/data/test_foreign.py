@@ -16,9 +16,8 @@ from jkrcli.beside.analysis import analyse
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
-from jkrcli.data.columns import split_name
 from jkrcli.data.foreign import SeriesReading, radius_from_area, read_measured, read_series, surface_area
-from jkrcli.data.text_table import unit_power
+from jkrcli.data.titles import split_name, unit_power
 from jkrcli.formulas.half_space import hertz
 
 R, E_STAR = 1e-3, 2e6

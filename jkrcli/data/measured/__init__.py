@@ -12,24 +12,11 @@ import numpy as np
 
 from ...base import SHOWN, InputError, did_you_mean, hdf5
 from . import nanoscope
-from .curve import (
-    APPROACH,
-    AS_DEPTH,
-    LEAST_ROWS,
-    NOT_SUBTRACTED,
-    OVERRULED,
-    RETRACT,
-    Curve,
-    Pixel,
-    Reading,
-)
+from .curve import APPROACH, LEAST_ROWS, AsRead, Curve, Reading
 from .instruments import SEGMENTS
 from .tip_position import SUBTRACTED_TWICE, of_its_device, stiffness_of_noise
 
-__all__ = [
-    "APPROACH", "AS_DEPTH", "NOT_SUBTRACTED", "OVERRULED", "RETRACT", "SUBTRACTED_TWICE", "Curve", "Pixel", "Reading",
-    "each", "from_columns", "read", "usable",
-]  # fmt: skip
+__all__ = ["APPROACH", "SUBTRACTED_TWICE", "Curve", "Reading", "each", "from_columns", "read", "usable"]
 # Endings of force microscopes' files. Of .csv and .txt only the user knows: --format afm.
 AFM_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".ibw", ".h5", ".tab")
 
@@ -97,31 +84,38 @@ def _refuse_ours(path: Path) -> None:
         raise InputError(f"{path}: was written by jkr ({kind}), is no measurement")
 
 
-def _as_read(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, float | None]]:
+def _as_read(path: Path, reading: Reading) -> Iterator[AsRead]:
     """The curves by the reader of the format; of an unknown format by the second reader where the first fails."""
     _refuse_ours(path)
     if reading.format != "text" and nanoscope.knows(path):
-        yield from nanoscope.curves(path, reading)
-        return
+        return nanoscope.curves(path, reading)
     if reading.format == "text" or (reading.format == "auto" and not path.name.endswith(AFM_ENDINGS)):
-        from . import archive, text
+        return _text_first(path, reading)
+    return _afm_first(path, reading)
 
-        try:
-            yield from text.curves(path, reading)
-            return
-        except (text.UnknownColumnsError, archive.NoTablesError) as error:
-            if reading.format == "text" or reading.columns or reading.units:
-                raise
-            from . import afm
 
-            try:
-                if afm.takes_any_three_columns(path):
-                    raise error
-                loaded = afm.load(path, reading)
-            except afm.UnreadableError:
-                raise error from None
-            yield from afm.curves(path, reading, loaded)
-            return
+def _text_first(path: Path, reading: Reading) -> Iterator[AsRead]:
+    from . import archive, text
+
+    try:
+        yield from text.curves(path, reading)
+        return
+    except (text.UnknownColumnsError, archive.NoTablesError) as error:
+        if reading.format == "text" or reading.columns or reading.units:
+            raise
+        known = error
+    from . import afm
+
+    try:
+        loaded = None if afm.takes_any_three_columns(path) else afm.load(path, reading)
+    except afm.UnreadableError:
+        raise known from None
+    if loaded is None:
+        raise known
+    yield from afm.curves(path, reading, loaded)
+
+
+def _afm_first(path: Path, reading: Reading) -> Iterator[AsRead]:
     from . import afm
 
     try:
@@ -129,14 +123,16 @@ def _as_read(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError,
     except afm.UnreadableError as error:
         if reading.format == "afm" or path.suffix != ".tab":
             raise
-        from . import text
-
-        try:
-            yield from text.curves(path, reading)
-        except InputError:
-            raise error from None
+        known = error
+    else:
+        yield from afm.curves(path, reading, loaded)
         return
-    yield from afm.curves(path, reading, loaded)
+    from . import text
+
+    try:
+        yield from text.curves(path, reading)
+    except InputError:
+        raise known from None
 
 
 def _selected(curve: Curve, reading: Reading) -> Curve:

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...base import Array, InputError, allowance, first_line, installs, read_bytes
 from . import intact
-from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, Curve, Pixel, Reading, place
+from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, AsRead, Curve, Pixel, Reading, place
 
 HEIGHTS = ("height (measured)", "height (piezo)")  # the better first
 SEGMENTS = {0: APPROACH, 1: RETRACT}
@@ -30,9 +30,7 @@ class UnreadableError(InputError):
     """A file that afmformats does not know, or cannot read."""
 
 
-def curves(
-    path: Path, reading: Reading, loaded: tuple[list[Any], str] | None = None
-) -> Iterator[tuple[Curve | InputError, float | None]]:
+def curves(path: Path, reading: Reading, loaded: tuple[list[Any], str] | None = None) -> Iterator[AsRead]:
     """The curves of a file, over distance, of creep or of relaxation, with their spring constants [N/m]; each is loaded
     when its turn comes.
 

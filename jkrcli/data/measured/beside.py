@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...base import SAME, Array, InputError
-from ..columns import choice, split_name
-from ..text_table import TextTable, unit_power
+from ..text_table import TextTable
+from ..titles import split_name, unit_power
 from .curve import APPROACH, RETRACT
 from .instruments import DIRECTIONS, VOLTS
 
@@ -80,7 +80,7 @@ def _refuse_halves(table: TextTable, directed: Sets, quantity: QuantityOf) -> No
             owner, title = [*own, *((other, title) for title in outs if title not in ins)][0]
             raise InputError(
                 f"{table.path}: the columns of approach and retraction differ, only the {owner} has a column "
-                f'"{title}": {remedy} takes the {word} alone ({choice(table)})'
+                f'"{title}": {remedy} takes the {word} alone ({table.choice})'
             )
 
 
@@ -89,19 +89,17 @@ def _repeated(table: TextTable) -> Sets | None:
     known = set(table.names)
     bases = [re.sub(r"\.\d+\Z", "", title) for title in table.names]  # "Force (N).1": a second one of a data frame
     titles = [base if base in known else title for base, title in zip(bases, table.names, strict=True)]
-    times = Counter(titles)
+    times, places = Counter(titles), Counter[str]()
     sets: list[dict[str, int]] = []
     shared = []
-    places: Counter[str] = Counter()
     for i, title in enumerate(titles):
         if not title or times[title] == 1 or i in table.text:
             shared.append(i)
             continue
-        place = places[title]
-        places[title] += 1
-        if place == len(sets):
+        if places[title] == len(sets):
             sets.append({})
-        sets[place][title] = i
+        sets[places[title]][title] = i
+        places[title] += 1
     if len(sets) < 2:
         return None
     words = _line_above(table, [min(columns.values()) for columns in sets])
@@ -124,34 +122,39 @@ def _line_above(table: TextTable, starts: list[int]) -> list[str]:
 
 def _numbered(table: TextTable, quantity: QuantityOf) -> Sets | None:
     """Sets of columns by the number at the end of their names."""
-    sets: dict[str, dict[str, int]] = {}
-    shared = []
-    for i, title in enumerate(table.names):
+
+    def parts(title: str) -> tuple[str | None, str]:
         name, unit = split_name(title)
         match = re.match(r"(.*?\D)[\s_#.-]*(\d{1,4})\Z", name[-40:])
         rest = "" if match is None else match[1].rstrip(" _#.-") + (f" [{unit}]" if unit else "")
-        if match is None or i in table.text or quantity(rest) is None:
-            shared.append(i)
-        elif rest in sets.setdefault(match[2], {}):
-            return None
-        else:
-            sets[match[2]][rest] = i
-    return Sets("curve", sets, tuple(shared)) if len(sets) > 1 and min(map(len, sets.values())) > 1 else None
+        return (None if match is None or quantity(rest) is None else match[2]), rest
+
+    sets = _parted(table, "curve", parts)
+    return sets if sets and len(sets.columns) > 1 and min(map(len, sets.columns.values())) > 1 else None
 
 
 def _directed(table: TextTable) -> Sets | None:
-    """Sets of columns by the direction among the words of their names; None where one name comes twice."""
-    sets: dict[str, dict[str, int]] = {APPROACH: {}, RETRACT: {}}
+    """Sets of columns by the direction among the words of their names."""
+    sets = _parted(table, "segment", _direction)
+    if sets is None or len(sets.columns) < 2:
+        return None
+    return replace(sets, columns={kind: sets.columns[kind] for kind in (APPROACH, RETRACT)})
+
+
+def _parted(table: TextTable, key: str, parts: Callable[[str], tuple[str | None, str]]) -> Sets | None:
+    """Sets of columns by the word that is one of the ``parts`` of their names, beside what is left of these; None where
+    one name comes twice."""
+    sets: dict[str, dict[str, int]] = {}
     shared = []
     for i, title in enumerate(table.names):
-        kind, rest = _direction(title)
-        if kind is None or i in table.text:
+        word, rest = parts(title)
+        if word is None or i in table.text:
             shared.append(i)
-        elif rest in sets[kind]:
+        elif rest in sets.setdefault(word, {}):
             return None
         else:
-            sets[kind][rest] = i
-    return Sets("segment", sets, tuple(shared)) if all(sets.values()) else None
+            sets[word][rest] = i
+    return Sets(key, sets, tuple(shared))
 
 
 def _direction(title: str) -> tuple[str | None, str]:
@@ -170,20 +173,18 @@ def _direction(title: str) -> tuple[str | None, str]:
 def _stacked(table: TextTable, sets: Sets) -> TextTable:
     """The table with the sets one under the other, behind the shared columns and before the column of their words."""
     names = list(next(iter(sets.columns.values())))
-    parts, lines, words = [], [], []
     text: dict[int, list[str]] = {at: [] for at, i in enumerate(sets.shared) if i in table.text}
+    values, lines, words = [], [], []
     for word, columns in sets.columns.items():
         rows = np.flatnonzero(np.isfinite(table.values[:, list(columns.values())]).any(axis=1))
-        parts.append(table.values[rows][:, [*sets.shared, *(columns[name] for name in names)]])
+        values.append(table.values[rows][:, [*sets.shared, *(columns[name] for name in names)]])
         lines.append(table.lines[rows])
         words += [word] * rows.size
         for at, column in text.items():
-            cells = table.text[sets.shared[at]]
-            column += [cells[row] for row in rows]
-    values = np.vstack(parts)
+            column += np.array(table.text[sets.shared[at]])[rows].tolist()
     titles = (*(table.names[i] for i in sets.shared), *names, sets.key)
     stacked = {at: tuple(column) for at, column in text.items()} | {len(titles) - 1: tuple(words)}
-    return replace(table, names=titles, values=np.column_stack([values, np.zeros(len(values))]),
+    return replace(table, names=titles, values=np.column_stack([np.vstack(values), np.zeros(len(words))]),
                    lines=np.concatenate(lines), text=stacked)  # fmt: skip
 
 
@@ -209,12 +210,13 @@ def _in_order_of_time(table: TextTable, quantity: QuantityOf, flags: list[str]) 
     moved = order != np.arange(z.size)
     if not moved.any():
         return table, flags
-    text = {i: tuple(np.array(cells)[order].tolist()) for i, cells in table.text.items()}
     values = table.values[order]
     values[:, times] = table.values[:, times]
     name = "approach" if words[moved][0] == APPROACH else "retraction"
-    turned = replace(table, values=values, lines=table.lines[order], text=text)
-    return turned, [*flags, f"the rows of the {name} turned: they stand in the order of the position"]
+    return replace(table.rows(order), values=values), [
+        *flags,
+        f"the rows of the {name} turned: they stand in the order of the position",
+    ]
 
 
 def _without_copies(table: TextTable) -> tuple[TextTable, list[str]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -56,32 +56,28 @@ class Curve:
 
     def __post_init__(self) -> None:
         sizes = {}
-        for name in QUANTITIES:
-            values = getattr(self, name)
-            if values is not None:
-                object.__setattr__(self, name, array := self._checked(name, values))
-                sizes[name] = array.size
-        if not set(sizes) - {"t"}:
+        for name in (*self.measured, *(() if self.segment is None else ("segment",))):
+            array = self._checked(name, getattr(self, name))
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+            sizes[name] = array.size
+        if not self.measured or self.measured == ("t",):
             raise InputError(f"{self.where}: holds none of a, delta, P")
-        if self.segment is not None:
-            words = np.array(self.segment, dtype=str)
-            words.setflags(write=False)
-            object.__setattr__(self, "segment", words)
-            sizes["segment"] = words.size
         if len(set(sizes.values())) != 1:
             raise InputError(f"{self.where}: all columns must have the same length, got {sizes}")
 
     def _checked(self, name: str, values: Array) -> Array:
+        if name == "segment":
+            return np.array(values, dtype=str)
         array = np.array(values, dtype=float)
         if array.ndim != 1:
             raise InputError(f"{self.where}: {name} must be one-dimensional, got shape {array.shape}")
         if not np.isfinite(array).all():
             raise InputError(f"{self.where}: {name}[{int(np.argmin(np.isfinite(array)))}] is not finite")
-        array.setflags(write=False)
         return array
 
     def __len__(self) -> int:
-        return next(len(values) for name in QUANTITIES if (values := getattr(self, name)) is not None)
+        return len(getattr(self, self.measured[0]))
 
     @property
     def where(self) -> str:
@@ -122,11 +118,9 @@ class Curve:
 
     def rows(self, chosen: Array) -> Curve:
         """The curve at ``chosen`` rows alone (a mask or numbers)."""
-        columns: dict[str, Any] = {
-            name: None if getattr(self, name) is None else getattr(self, name)[chosen]
-            for name in (*QUANTITIES, "segment")
-        }
-        return replace(self, **columns)
+        columns = {name: getattr(self, name) for name in (*QUANTITIES, "segment")}
+        taken: dict[str, Any] = {name: None if column is None else column[chosen] for name, column in columns.items()}
+        return replace(self, **taken)
 
     def multiplied(self, factors: Mapping[str, float]) -> Curve:
         """The curve with its quantities multiplied; InputError names one that was not measured."""
@@ -146,6 +140,9 @@ class Curve:
     def segments(self) -> Iterator[str]:
         """The different words of ``segment``, in order of appearance."""
         yield from dict.fromkeys([] if self.segment is None else self.segment.tolist())
+
+
+AsRead: TypeAlias = tuple[Curve | InputError, float | None]  # with the stiffness of its device [N/m]
 
 
 def place(origin: Path, name: str) -> str:

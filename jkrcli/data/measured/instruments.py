@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base import Array
-from ..columns import LONGEST, split_name
-from ..text_table import TUNING, TextTable, unit_power
+from ..text_table import TUNING, TextTable
+from ..titles import LONGEST, split_name, unit_power
 from .curve import APPROACH, RETRACT
 
 VOLTS = {"V": 0, "mV": -3, "uV": -6}

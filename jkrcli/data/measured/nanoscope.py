@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from ...base import LARGEST_SI, Array, InputError, allowance, files, read_bytes
-from ..text_table import unit_power
-from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, Curve, Pixel, Reading, place
+from ..titles import unit_power
+from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, AsRead, Curve, Pixel, Reading, place
 from .instruments import toward
 
 WHAT = "Nanoscope file"
@@ -40,7 +40,7 @@ def knows(path: Path) -> bool:
         return BINARY in file.read(allowance.TUNING.little)
 
 
-def curves(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, float | None]]:
+def curves(path: Path, reading: Reading) -> Iterator[AsRead]:
     """The curves of the file with the spring constant of their lever [N/m]; ``delta`` is the position of the piezo
     toward the specimen."""
     reading.check_known_columns(path)

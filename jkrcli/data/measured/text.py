@@ -2,32 +2,21 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from ...base import SHOWN, Array, InputError
-from ..columns import (
-    CONTACT,
-    Quantity,
-    Vocabulary,
-    check_chosen,
-    choice,
-    column_called,
-    numbered,
-    numbers,
-    overruled,
-    remarks,
-    split_name,
-    with_units,
-    words,
-)
-from ..text_table import TUNING, TextTable, read_table, unit_power
-from . import archive
+from ..columns import CONTACT, Quantity, Vocabulary, check_chosen, overruled, with_units
+from ..text_table import TUNING, TextTable, read_table
+from ..titles import split_name, unit_power
+from . import archive, instruments
 from .beside import one_under_the_other
 from .curve import (
     APPROACH,
@@ -38,24 +27,12 @@ from .curve import (
     OVERRULED,
     QUANTITIES,
     RETRACT,
+    AsRead,
     Curve,
     Reading,
     place,
 )
-from .instruments import (
-    DEFLECTIONS,
-    DEPTHS,
-    SEGMENTS,
-    VOLTS,
-    Position,
-    constants,
-    deflection,
-    plain,
-    position_of,
-    positions,
-    segment_of,
-    toward,
-)
+from .instruments import DEFLECTIONS, SEGMENTS, VOLTS, plain
 
 WHOLE = ("seriestime", "series time")  # of a record whose segments have their own time too
 UNITS_OF = {"stiffness": "N/m", "sensitivity": "m/V"}
@@ -77,9 +54,7 @@ class UnknownColumnsError(InputError):
     """A table without enough columns of known names: another program may know the file."""
 
 
-def curves(
-    path: Path, reading: Reading, content: bytes | None = None
-) -> Iterator[tuple[Curve | InputError, float | None]]:
+def curves(path: Path, reading: Reading, content: bytes | None = None) -> Iterator[AsRead]:
     """The curves in the table at ``path`` (its ``content``, where that is at hand), or in the tables of a zip archive,
     with the stiffness of their device [N/m]; one that cannot be used comes as its error, the others follow.
 
@@ -98,35 +73,34 @@ def curves(
             yield error, None
 
 
-def _curves(
-    origin: Path, path: Path, stem: str, reading: Reading, content: bytes | None = None
-) -> Iterator[tuple[Curve | InputError, float | None]]:
+def _curves(origin: Path, path: Path, stem: str, reading: Reading, content: bytes | None) -> Iterator[AsRead]:
     """The curves of one table, named after ``stem``; ``path`` stands in messages."""
     table = read_table(
         path, reading.separator, reading.decimal, 2, _is_text(reading), finite=False, content=content,
-        is_note=lambda line: segment_of(line) is not None,
+        is_note=lambda line: instruments.segment_of(line) is not None,
     )  # fmt: skip
     as_read, units, unit_flags = with_units(_where(table, reading.where), reading.units, NAMES.numbers)
-    reading = replace(reading, units=units)
     table, layout_flags = _put_together(as_read, reading)
-    columns = Columns.of(table, reading)
-    columns = replace(columns, flags=(*layout_flags, *columns.flags, *unit_flags, *remarks(as_read)))
-    segments = None
-    if "segment" in columns.chosen:
-        columns = replace(columns, flags=(*columns.flags, *_on_segments(table, columns.chosen["segment"])))
-    segment_words = table.text[columns.chosen["segment"]] if "segment" in columns.chosen else _noted(table)
-    if segment_words:
-        segments = np.array([SEGMENTS.get(word.lower(), word) for word in _continued(segment_words)])
+    columns, choice_flags = _columns(table, replace(reading, units=units))
+    whole, value_flags = columns.in_si()
+    segments, segment_flags = _segments(table, columns.chosen.get("segment"))
+    flags = (*layout_flags, *choice_flags, *value_flags, *unit_flags, *as_read.left_out, *segment_flags)
     for name, recorded in _groups(table, columns.chosen, stem):
-        whole, left_out = _without_gaps(table, recorded, columns.values)
-        rows, turned = _in_time(whole, columns.values.get("t"), segments)
-        part = {key: column[rows] for key, column in columns.values.items()}
-        if segments is not None and _starts_anew(part.get("t"), segments[rows]):
-            del part["t"]
-        curve = _curve(table, origin, name, rows, part, None if segments is None else segments[rows])
-        if isinstance(curve, Curve):
-            curve = replace(columns, flags=(*columns.flags, *left_out, *turned)).with_sign(curve, reading)
-        yield curve, columns.stiffness
+        kept, left_out = _without_gaps(table, recorded, whole)
+        rows, turned = _in_time(kept, whole.get("t"), segments)
+        values = {key: column[rows] for key, column in whole.items()}
+        words = None if segments is None else segments[rows]
+        if words is not None and _starts_anew(values.get("t"), words):
+            del values["t"]
+        try:
+            _check(place(origin, name), name == table.path.stem, table.lines[rows], values)
+            if "area" in values:
+                values["a"] = np.sqrt(values.pop("area") / np.pi)
+            a, delta, P, t = map(values.get, QUANTITIES)
+            curve = Curve(name, a, delta, P, t, words, origin)
+            yield columns.with_sign(curve, (*flags, *left_out, *turned)), columns.stiffness
+        except InputError as error:
+            yield error, columns.stiffness
 
 
 def _where(table: TextTable, wanted: Mapping[str, str]) -> TextTable:
@@ -135,38 +109,37 @@ def _where(table: TextTable, wanted: Mapping[str, str]) -> TextTable:
     for name, value in wanted.items():
         if name in ("segment", "curve"):
             continue
-        index = column_called(table, f"--where {name}={value}", name)
-        cells = table.text[index] if index in table.text else [f"{number:g}" for number in table.values[:, index]]
+        index = table.called(name, f"--where {name}={value}")
+        cells = table.text.get(index) or [f"{number:g}" for number in table.values[:, index]]
         chosen = np.array([cell.lower() == value.lower() for cell in cells])
         if not chosen.any():
             there = ", ".join(list(dict.fromkeys(cells))[:SHOWN])
-            raise InputError(f'{table.path}: no row holds "{value}" in {numbered(table, index)} (it holds {there} ...)')
+            raise InputError(f'{table.path}: no row holds "{value}" in {table.titled(index)} (it holds {there} ...)')
         table = table.rows(chosen)
     return table
 
 
-def _on_segments(table: TextTable, index: int) -> list[str]:
-    """A sentence on what the words of a column of segments were taken for, where they are others."""
-    words = dict.fromkeys(word for word in table.text[index] if word)
-    if set(words) <= {APPROACH, RETRACT}:
-        return []
-    meant = [f'"{word}" is {SEGMENTS.get(word.lower(), "neither approach nor retract")}' for word in words]
-    return [f"segments from {numbered(table, index)}: {', '.join(meant[:SHOWN])}" + ", ..." * (len(meant) > SHOWN)]
-
-
-def _continued(words: Iterable[str]) -> list[str]:
-    """The words, for an empty one that of the row above: sheets write some only where they change."""
-    filled: list[str] = []
-    for word in words:
-        filled.append(word or (filled[-1] if filled else ""))
-    return filled
+def _segments(table: TextTable, index: int | None) -> tuple[Array | None, list[str]]:
+    """The segment of every row, by the column ``index`` or else by notes, None where neither names one; a sentence on
+    what the words of a column were taken for, where they are others."""
+    words = _noted(table) if index is None else table.text[index]
+    if not words:
+        return None, []
+    whole = itertools.accumulate(words, lambda above, word: word or above)  # sheets write some only where they change
+    segments = np.array([SEGMENTS.get(word.lower(), word) for word in whole])
+    others = dict.fromkeys(word for word in words if word)
+    if index is None or set(others) <= {APPROACH, RETRACT}:
+        return segments, []
+    meant = [f'"{word}" is {SEGMENTS.get(word.lower(), "neither approach nor retract")}' for word in others]
+    more = ", ..." * (len(meant) > SHOWN)
+    return segments, [f"segments from {table.titled(index)}: {', '.join(meant[:SHOWN])}{more}"]
 
 
 def _noted(table: TextTable) -> list[str]:
     """The word of every row by the lines before it, "# segment: extend" or "Retract" between the rows; none where they
     name none for the first row."""
     notes = [(0, line) for line in table.head] + sorted(table.notes.items())
-    marks = [(n, word) for n, line in notes if (word := segment_of(line))]
+    marks = [(n, word) for n, line in notes if (word := instruments.segment_of(line))]
     in_words = any(re.match(r"\W*(segment|direction)\W*", line, re.IGNORECASE) for line in table.head)
     if not marks or marks[0][0] > 0 or not (in_words or marks[-1][0] > 0):
         return []
@@ -218,163 +191,140 @@ def _put_together(table: TextTable, reading: Reading) -> tuple[TextTable, list[s
 def _quantity_of(title: str) -> str | None:
     """The key of the quantity that a header cell names: of prepared tables, else of an instrument's."""
     bent = "P" if plain(title) in DEFLECTIONS else None
-    return NAMES.key_of(title) or ("delta" if position_of(title) is not None else bent)
+    return NAMES.key_of(title) or ("delta" if instruments.position_of(title) is not None else bent)
 
 
 @dataclass(frozen=True)
 class Columns:
-    """The quantities of a table: ``values`` in SI by their keys, the index of the ``chosen`` columns, the kind of
-    ``position`` that the displacement is (None: as prepared), the ``stiffness`` [N/m] of its device, and ``flags``,
-    sentences on how it was read."""
+    """The quantities of a table, by the index of their ``chosen`` columns; ``in_head``: the constants of the device
+    that its head names."""
 
     table: TextTable
+    reading: Reading
+    in_head: Mapping[str, float]
     chosen: Mapping[str, int]
-    values: Mapping[str, Array]
-    position: Position | None
-    stiffness: float | None
-    flags: tuple[str, ...]
 
-    @classmethod
-    def of(cls, table: TextTable, reading: Reading) -> Columns:
-        in_head = constants(table.head)
-        stiffness = reading.stiffness or in_head.get("stiffness")
-        chosen, flags = _columns(table, reading, stiffness)
-        position = position_of(table.names[chosen["delta"]]) if "delta" in chosen else None
+    @cached_property
+    def position(self) -> instruments.Position | None:
+        """The kind of position that the displacement is; None: as prepared."""
+        return instruments.position_of(self.table.names[self.chosen["delta"]]) if "delta" in self.chosen else None
+
+    @property
+    def stiffness(self) -> float | None:
+        """The stiffness [N/m] of the device whose position the displacement is."""
+        if self.position is None:
+            return self.reading.stiffness
+        return self.reading.stiffness or self.in_head.get("stiffness") if self.position.device else None
+
+    @property
+    def unit_of_load(self) -> str:
+        in_header = split_name(self.table.names[self.chosen["P"]])[1] if "P" in self.chosen else ""
+        return self.reading.units.get("P") or in_header
+
+    @cached_property
+    def bent(self) -> tuple[str, int] | None:
+        """Whether the load's column is a deflection: "length" or "voltage" and its unit's power of ten, by the unit."""
+        if self.unit_of_load in VOLTS:
+            return "voltage", VOLTS[self.unit_of_load]
+        parsed = unit_power(self.unit_of_load)
+        if parsed is None or parsed[0] != "length" or NAMES.key_of(self.table.names[self.chosen["P"]]) == "P":
+            return None  # a force in metres is a mistake
+        return parsed
+
+    def in_si(self) -> tuple[dict[str, Array], list[str]]:
+        """The values of the quantities that are numbers, and sentences on how they were read."""
         values: dict[str, Array] = {}
-        for key, index in chosen.items():
-            if key not in NAMES.numbers:
-                continue
+        flags: list[str] = []
+        for key, index in self.chosen.items():
             if key == "P":
-                _refuse_unitless(table, index, reading)
-            if key == "P" and (power := _deflection_power(table, index, reading)) is not None:
-                values[key], flag = _load_of_deflection(table, index, power, reading, in_head)
-                flags.append(flag)
-            else:
-                values[key] = NAMES.in_si(table, key, index, reading.units.get(key))
-            if key != "delta":
-                values[key] = values[key] * reading.factors.get(key, 1.0)
-        _refuse_without_volts(table, chosen, reading)
-        flags += [flag for key, unit in reading.units.items() for flag in overruled(table, chosen[key], unit)]
-        if position is not None and position.device:
-            flags += _on_stiffness(reading, in_head, "P" in chosen)
-        elif position is not None:
-            stiffness = None
-        else:
-            stiffness = reading.stiffness
-            flags += [AS_DEPTH] if _may_be_the_device(table, chosen, reading, in_head) else []
-        return cls(table, chosen, values, position, stiffness, tuple(flags))
+                values[key], flags = self._load(index)
+            elif key in NAMES.numbers:
+                values[key] = NAMES.in_si(self.table, key, index, self.reading.units.get(key))
+            if key in values and key != "delta":
+                values[key] = values[key] * self.reading.factors.get(key, 1.0)
+        self._refuse_without_volts()
+        flags += [
+            flag for key, unit in self.reading.units.items() for flag in overruled(self.table, self.chosen[key], unit)
+        ]
+        return values, flags + self._on_stiffness()
 
-    def with_sign(self, curve: Curve, reading: Reading) -> Curve:
+    def _load(self, index: int) -> tuple[Array, list[str]]:
+        """The load [N], and the sentence that says so where it is that of a deflection."""
+        table, unit = self.table, self.unit_of_load
+        if plain(table.names[index]) in DEFLECTIONS and not unit:  # it may be one of volts, metres or newtons
+            name = split_name(table.names[index])[0]
+            raise InputError(f"{table.path}: {table.titled(index)} is a deflection and names no unit: give "
+                             f'--unit "{name}=nm", or V, or nN, or write it into the header')  # fmt: skip
+        if self.bent is None:
+            return NAMES.in_si(table, "P", index, self.reading.units.get("P")), []
+        factor, words = self._per_deflection(f"{table.titled(index)}", f"a deflection in {unit}")
+        return table.numbers(index) * 10.0 ** self.bent[1] * factor, [words]
+
+    def _per_deflection(self, title: str, kind: str) -> tuple[float, str]:
+        """The load of a deflection of 1 m or 1 V, and a sentence on the constants in it."""
+        wanted = ("sensitivity", "stiffness") if self.bent and self.bent[0] == "voltage" else ("stiffness",)
+        known = {name: getattr(self.reading, name) or self.in_head.get(name) for name in wanted}
+        options = " and ".join(f"--{name}" for name in wanted if known[name] is None)
+        if options and not self.reading.incomplete:
+            raise InputError(f"{self.table.path}: {title} is {kind}, no force: give {options}")
+        if known["stiffness"] == math.inf:
+            raise InputError(f"{self.table.path}: {title} is {kind}, and a rigid device has none: give its stiffness")
+        factor = math.prod(1.0 if value is None else value for value in known.values())
+        if options:
+            return factor, f"{title} is {kind}: loads in {ARBITRARY} {options}"
+        constants = ", ".join(f"{key} {value:g} {UNITS_OF[key]}" for key, value in known.items())
+        return factor, f"load from {title}, {kind}, with {constants}"
+
+    def _refuse_without_volts(self) -> None:
+        """Refuse a sensitivity that nothing is multiplied by."""
+        if self.reading.sensitivity is not None and (self.bent is None or self.bent[0] != "voltage"):
+            load = f"its load is {self.table.titled(self.chosen['P'])}" if "P" in self.chosen else "it holds no load"
+            raise InputError(f"{self.table.path}: --sensitivity makes a deflection of volts, and this file holds none, "
+                             f"{load}: leave it out, or give the unit: --unit P=V")  # fmt: skip
+
+    def _on_stiffness(self) -> list[str]:
+        """A sentence on the stiffness of a device: where it is from, or that it is missing or may be."""
+        of_user, of_head = self.reading.stiffness, self.in_head.get("stiffness")
+        if self.position is None:
+            return [AS_DEPTH] if self._may_be_the_device() else []
+        if not self.position.device:
+            return []
+        if of_user is None and of_head is None:
+            return [NOT_SUBTRACTED] if "P" in self.chosen else []
+        if of_user is None:
+            return [f"stiffness {of_head:g} N/m from the head of the file, its deflection is subtracted"]
+        if of_head is None or math.isclose(of_head, of_user, rel_tol=1e-6):
+            return []
+        told = "rigid" if of_user == math.inf else f"{of_user:g} N/m"
+        return [f"stiffness {told}{OVERRULED}{of_head:g} N/m"]
+
+    def _may_be_the_device(self) -> bool:
+        """Whether a displacement of no telling name stands beside a deflection, or under a head that names a
+        stiffness."""
+        if self.reading.stiffness is not None or not {"delta", "P"} <= self.chosen.keys():
+            return False
+        index = self.chosen["delta"]
+        hinted = "stiffness" in self.in_head and index not in NAMES.named(self.table, "delta")
+        telling = any(word in plain(self.table.names[index]) for word in instruments.DEPTHS)
+        return (self.bent is not None or hinted) and not telling
+
+    def with_sign(self, curve: Curve, flags: tuple[str, ...]) -> Curve:
         """The curve with its displacement toward the specimen by the name of its column, else by its load; as in
-        the file where the user turns it; with a flag."""
+        the file where the user turns it; with the ``flags`` and one on that."""
         if curve.delta is None:
             return curve
-        flags, sign = self.flags, 1
+        reading, sign = self.reading, 1
         if self.position is not None:
-            index = self.chosen["delta"]
             sign, reason = self.position.sign, f"{self.position.noun}, which grows away from the specimen"
             if sign == 0:
                 P = None if curve.P is None else curve.P * (-1.0 if "P" in reading.flip else 1.0)
-                sign = 1 if P is None or toward(curve.delta, P) else -1
+                sign = 1 if P is None or instruments.toward(curve.delta, P) else -1
                 reason = f"{self.position.noun}, at whose lower end the load is largest"
+            turned = f", its sign turned: {reason}" if sign < 0 else ", its sign as it is"
             if "delta" in reading.flip:
                 sign, turned = 1, ", its sign turned as told"
-            else:
-                turned = f", its sign turned: {reason}" if sign < 0 else ", its sign as it is"
-            flags = (f"displacement from {numbered(self.table, index)}{turned}", *flags)
+            flags = (f"displacement from {self.table.titled(self.chosen['delta'])}{turned}", *flags)
         return replace(curve, delta=sign * curve.delta * reading.factors.get("delta", 1.0), flags=flags)
-
-
-def _unit_of_load(table: TextTable, index: int, reading: Reading) -> str:
-    return reading.units.get("P") or split_name(table.names[index])[1]
-
-
-def _deflection_power(table: TextTable, index: int, reading: Reading) -> tuple[str, int] | None:
-    """Whether the load's column is a deflection: "length" or "voltage" and its unit's power of ten, by the unit."""
-    unit = _unit_of_load(table, index, reading)
-    if unit in VOLTS:
-        return "voltage", VOLTS[unit]
-    parsed = unit_power(unit)
-    named = NAMES.key_of(table.names[index]) == "P"  # a force in metres is a mistake
-    return parsed if parsed and parsed[0] == "length" and not named else None
-
-
-def _refuse_unitless(table: TextTable, index: int, reading: Reading) -> None:
-    """Refuse a deflection without a unit: it may be one of volts, metres or newtons."""
-    if plain(table.names[index]) in DEFLECTIONS and not _unit_of_load(table, index, reading):
-        name = split_name(table.names[index])[0]
-        raise InputError(f"{table.path}: {numbered(table, index)} is a deflection and names no unit: give "
-                         f'--unit "{name}=nm", or V, or nN, or write it into the header')  # fmt: skip
-
-
-def _refuse_without_volts(table: TextTable, chosen: Mapping[str, int], reading: Reading) -> None:
-    """Refuse a sensitivity that nothing is multiplied by."""
-    power = _deflection_power(table, chosen["P"], reading) if "P" in chosen else None
-    if reading.sensitivity is not None and (power is None or power[0] != "voltage"):
-        load = f"its load is {numbered(table, chosen['P'])}" if "P" in chosen else "it holds no load"
-        raise InputError(f"{table.path}: --sensitivity makes a deflection of volts, and this file holds none, {load}: "
-                         "leave it out, or give the unit: --unit P=V")  # fmt: skip
-
-
-def _load_of_deflection(
-    table: TextTable, index: int, unit: tuple[str, int], reading: Reading, in_head: Mapping[str, float]
-) -> tuple[Array, str]:
-    """The load [N] of a deflection in metres or volts, and the sentence that says so."""
-    wanted = ("sensitivity", "stiffness") if unit[0] == "voltage" else ("stiffness",)
-    known = {name: getattr(reading, name) or in_head.get(name) for name in wanted}
-    missing = [name for name in wanted if known[name] is None]
-    title, kind = numbered(table, index), f"a deflection in {_unit_of_load(table, index, reading)}"
-    options = " and ".join(f"--{name}" for name in missing)
-    if missing and not reading.incomplete:
-        raise InputError(f"{table.path}: {title} is {kind}, no force: give {options}")
-    if known["stiffness"] == math.inf:
-        raise InputError(f"{table.path}: {title} is {kind}, and a rigid device has none: give its stiffness")
-    factor = math.prod(1.0 if value is None else value for value in known.values())
-    load = numbers(table, index) * 10.0 ** unit[1] * factor
-    if missing:
-        return load, f"{title} is {kind}: loads in {ARBITRARY} {options}"
-    with_ = ", ".join(f"{key} {value:g} {UNITS_OF[key]}" for key, value in known.items())
-    return load, f"load from {title}, {kind}, with {with_}"
-
-
-def _on_stiffness(reading: Reading, in_head: Mapping[str, float], load: bool) -> list[str]:
-    """A sentence on the stiffness of a device: where it is from, or that it is missing."""
-    if reading.stiffness is not None:
-        of_head = in_head.get("stiffness", reading.stiffness)
-        return [] if math.isclose(of_head, reading.stiffness, rel_tol=1e-6) else \
-            [f"stiffness {_words(reading.stiffness)}{OVERRULED}{of_head:g} N/m"]  # fmt: skip
-    if "stiffness" in in_head:
-        return [f"stiffness {in_head['stiffness']:g} N/m from the head of the file, its deflection is subtracted"]
-    return [NOT_SUBTRACTED] if load else []
-
-
-def _may_be_the_device(
-    table: TextTable, chosen: Mapping[str, int], reading: Reading, in_head: Mapping[str, float]
-) -> bool:
-    """Whether a displacement of no telling name stands beside a deflection, or under a head that names a stiffness."""
-    if reading.stiffness is not None or not {"delta", "P"} <= chosen.keys():
-        return False
-    title = plain(table.names[chosen["delta"]])
-    bends = _deflection_power(table, chosen["P"], reading) is not None
-    known = chosen["delta"] in NAMES.named(table, "delta")
-    return (bends or ("stiffness" in in_head and not known)) and not any(word in title for word in DEPTHS)
-
-
-def _words(stiffness: float) -> str:
-    return "rigid" if stiffness == math.inf else f"{stiffness:g} N/m"
-
-
-def _curve(
-    table: TextTable, origin: Path, name: str, rows: Array, values: dict[str, Array], segment: Array | None
-) -> Curve | InputError:
-    try:
-        _check(place(origin, name), name == table.path.stem, table.lines[rows], values)
-        if "area" in values:
-            values["a"] = np.sqrt(values.pop("area") / np.pi)
-        a, delta, P, t = (values.get(quantity) for quantity in QUANTITIES)
-        return Curve(name, a, delta, P, t, segment, origin)
-    except InputError as error:
-        return error
 
 
 def _is_text(reading: Reading) -> Callable[[int, str], bool]:
@@ -388,48 +338,53 @@ def _is_text(reading: Reading) -> Callable[[int, str], bool]:
     return is_text
 
 
-def _columns(table: TextTable, reading: Reading, stiffness: float | None) -> tuple[dict[str, int], list[str]]:
-    """Index of the column of every quantity that is there: the user's, else by its name; flags on the choice."""
-    chosen = {key: column_called(table, key, name) for key, name in reading.columns.items()}
+def _columns(table: TextTable, reading: Reading) -> tuple[Columns, list[str]]:
+    """The column of every quantity that is there: the user's, else by its name; flags on the choice."""
+    in_head = instruments.constants(table.head)
+    chosen = {key: table.called(name, key) for key, name in reading.columns.items()}
     flags: list[str] = []
+    stiffness = reading.stiffness or in_head.get("stiffness")
     if "delta" not in chosen and (position := _displacement(table, set(chosen.values()), stiffness)):
         chosen["delta"], why = position
         flags += [why] if why else []
     for key in NAMES.quantities:
-        if key not in chosen and NAMES.named(table, key) and not (key == "area" and "a" in chosen):
-            whole = [i for i in NAMES.named(table, key) if plain(table.names[i]) in WHOLE]
+        if key not in chosen and (named := NAMES.named(table, key)) and not (key == "area" and "a" in chosen):
+            whole = [i for i in named if plain(table.names[i]) in WHOLE]
             chosen[key] = whole[0] if whole else NAMES.guess(table, key)
-    bent = deflection(table)
+    bent = instruments.deflection(table)
     if "P" not in chosen and bent is not None and bent not in chosen.values():
         chosen["P"] = bent
     check_chosen(table, chosen)
+    _refuse_incomplete(table, chosen, reading)
+    flags += [line for key in CONTACT if key not in chosen for line in NAMES.without_unit(table, key)]
+    return Columns(table, reading, in_head, chosen), flags
+
+
+def _refuse_incomplete(table: TextTable, chosen: Mapping[str, int], reading: Reading) -> None:
+    """Refuse words among numbers, too few columns, and what the user says of columns that are not there."""
     for key in chosen.keys() - set(NAMES.numbers):
         if chosen[key] not in table.text:
-            raise InputError(f"{table.path}: {numbered(table, chosen[key])} would hold words, but numbers stand above "
+            raise InputError(f"{table.path}: {table.titled(chosen[key])} would hold words, but numbers stand above "
                              "its title: remove what comes before")  # fmt: skip
-    if len(chosen.keys() & {"a", "area", "delta", "P"}) < 2:
-        recognised = words(table, chosen) or "none"
+    if len(chosen.keys() & CONTACT.keys()) < 2:
         question = (
             f"{table.path}: at least two of contact radius (or area), displacement and load are needed, recognised: "
-            f"{recognised}; say which columns they are, --column P=NAME ({choice(table)})"
+            f"{table.listed(chosen) or 'none'}; say which columns they are, --column P=NAME ({table.choice})"
         )
         if any(table.names):
             raise UnknownColumnsError(question)
         raise InputError(question + (BARE if len(table.names) == 3 else ""))  # afmformats takes any three for its own
-    flags += [line for key in CONTACT if key not in chosen for line in NAMES.without_unit(table, key)]
-    for option, entries in (("unit", reading.units), ("factor", reading.factors)):
-        for key in entries:
-            if key not in chosen:
-                value = entries[key] if option == "unit" else f"{entries[key]:g}"
-                raise InputError(f"{table.path}: --{option} {key}={value} has no column to belong to: give "
-                                 f"--column {key}=NAME ({choice(table)})")  # fmt: skip
-    return chosen, flags
+    factors = {key: f"{factor:g}" for key, factor in reading.factors.items()}
+    for option, entries in (("unit", reading.units), ("factor", factors)):
+        for key in (key for key in entries if key not in chosen):
+            raise InputError(f"{table.path}: --{option} {key}={entries[key]} has no column to belong to: give "
+                             f"--column {key}=NAME ({table.choice})")  # fmt: skip
 
 
 def _displacement(table: TextTable, taken: set[int], stiffness: float | None) -> tuple[int, str] | None:
     """The column of a position and, where there was a choice, why it was taken; None: the names of prepared tables."""
     prepared = NAMES.named(table, "delta")
-    candidates = [(i, kind) for i, kind in positions(table) if i not in taken and i not in prepared]
+    candidates = [(i, kind) for i, kind in instruments.positions(table) if i not in taken and i not in prepared]
     if not candidates or any(plain(table.names[i]) == "delta" for i in prepared):
         return None
     device = next((i for i, kind in candidates if kind.device), None)
@@ -439,8 +394,8 @@ def _displacement(table: TextTable, taken: set[int], stiffness: float | None) ->
     if stiffness == math.inf:
         return None if prepared else (tip, "")
     if stiffness is not None:
-        return device, f"the piezo position z was taken, not {numbered(table, tip)}: its stiffness is known"
-    why = f"the position of the tip was taken, not {numbered(table, device)}: the stiffness of the device is not known"
+        return device, f"the piezo position z was taken, not {table.titled(tip)}: its stiffness is known"
+    why = f"the position of the tip was taken, not {table.titled(device)}: the stiffness of the device is not known"
     return (NAMES.guess(table, "delta") if prepared else tip), why
 
 

@@ -1,0 +1,41 @@
+"""Header cells as programs and instruments write them: a name and a unit."""
+
+from __future__ import annotations
+
+import re
+from functools import lru_cache
+
+from ..base import REMEMBERED, UNITS
+
+LONGEST = 200  # choice: characters of a cell or a line that names something; longer ones take long to look through
+SPELLED = {  # units as instruments write them out, in the plural too
+    "sec": "s", "second": "s", "sekunde": "s", "msec": "ms", "millisecond": "ms", "millisekunde": "ms",
+    "metre": "m", "meter": "m", "millimetre": "mm", "millimeter": "mm", "micron": "um", "micrometre": "um",
+    "micrometer": "um", "mikrometer": "um", "nanometre": "nm", "nanometer": "nm", "angstrom": "Å",
+    "newton": "N", "millinewton": "mN", "micronewton": "uN", "mikronewton": "uN", "nanonewton": "nN",
+    "kilonewton": "kN",
+}  # fmt: skip
+
+
+@lru_cache(maxsize=REMEMBERED)
+def split_name(title: str) -> tuple[str, str]:
+    """Name and unit of a header cell: "P (mN)", "P [mN]", "P / mN", "P_mN", "P in mN", "P mN"; "" where no unit is."""
+    title = title.strip()
+    if len(title) > LONGEST:
+        return title, ""
+    if match := re.match(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))\Z", title):
+        return match[1], (match[2] or match[3] or "").strip()
+    if (match := re.match(r"(.+?)(?:\s*[/,_]\s*|\s+(?:in\s+)?)([^/,_\s]+)\Z", title)) and unit_power(match[2]):
+        return match[1], match[2]
+    return title, ""
+
+
+def unit_power(unit: str) -> tuple[str, int] | None:
+    """Dimension ("length", "area", "load" or "time") and power of ten of a unit; None where it is none of these."""
+    unit = unit.strip().replace("µ", "u").replace("μ", "u").replace("²", "^2").replace("**", "^")
+    unit = SPELLED.get(unit.lower().removesuffix("s"), SPELLED.get(unit.lower().removesuffix("n"), unit))
+    for dimension in ("length", "load", "time"):
+        if unit in UNITS[dimension]:
+            return dimension, UNITS[dimension][unit]
+    base = re.sub(r"\^?2\Z", "", unit)
+    return ("area", 2 * UNITS["length"][base]) if base != unit and base in UNITS["length"] else None

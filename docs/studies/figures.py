@@ -18,7 +18,7 @@ from jkrcli.base.units import scale, show
 from jkrcli.bodies.problem import Loading, Problem
 from jkrcli.case import load_case
 from jkrcli.case.numerics import method_of
-from jkrcli.data.foreign import read_measured
+from jkrcli.data.measured import read
 from jkrcli.formulas import half_space, thin_layer
 from jkrcli.many.study.converge import converge
 from jkrcli.many.study.converge_figure import COLORS, curves_panel, radius_panel
@@ -182,7 +182,8 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--measured", type=Path, help="points for fig8: displacement and load, with units")
     parser.add_argument("--shift", type=quantity("length"), default=0.0, help="added to the measured displacements")
     given = parser.parse_args(words)
-    points = None if given.measured is None else read_measured(given.measured, given.shift)
+    curves = [] if given.measured is None else read(given.measured)
+    points = next(((curve.depth + given.shift, curve.load) for curve in curves), None)
     output = output_of(given)
     files = {name: output.files(given.output / name, PICTURES) for name in given.only or FIGURES}
     for name, file in files.items():

@@ -17,7 +17,7 @@ from .columns import CONTACT, Vocabulary, check_chosen, with_units
 from .noisy_rows import is_noise, near_first_touch
 from .text_table import TextTable, read_table, some
 
-LEAST_ROWS = 5  # choice: of a series
+LEAST_ROWS = 5  # theory: of a series; leaving one of fewer out leaves no cubic for its slopes
 MOST_ROWS = 100_000  # theory: as many points as a case may ask for
 UNKNOWN = Unknown("unknown: made by another program")
 NAMES = Vocabulary({  # those of Abaqus histories and CalculiX results among them
@@ -65,9 +65,8 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     values = {key: _values(table, key, index, reading) for key, index in chosen.items()}
     lines = table.lines
     if beyond := [key for key, column in values.items() if np.abs(column).max() > LARGEST_SI]:
-        raise InputError(
-            f"{path}: {NAMES.meaning(beyond[0])} must be at most {LARGEST_SI:g} in SI units: is its unit right?"
-        )
+        meaning = NAMES.meaning(beyond[0])
+        raise InputError(f"{path}: {meaning} must be at most {LARGEST_SI:g} in SI units: is its unit right?")
     if lines.size > MOST_ROWS:
         raise InputError(f"{path}: holds {lines.size:,} rows, at most {MOST_ROWS:,} are imported: leave some out")
     if reading.sort:
@@ -75,20 +74,20 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
         values, lines = {key: column[order] for key, column in values.items()}, lines[order]
     size = "a" if "a" in values else "area"
     touching = values[size] > 0
-    wrong = _wrong(table.path, values, lines, touching)
+    wrong = _wrong(path, values, lines, touching)
     noisy = bool(wrong) and is_noise(*(values[name][touching] for name in (size, "delta", "P")))
     if wrong and not noisy:
         raise InputError(wrong)
     if "area" in values:
-        values["a"] = _radii(table.path, values.pop("area"), lines, indenter, reading.area)
+        values["a"] = _radii(path, values.pop("area"), lines, indenter, reading.area)
     raw = RawSeries(values["a"], values["delta"], values["P"], lines)
     if noisy:
-        raw, series, words = _by_fit(table.path, raw, problem)
+        raw, series, words = _by_fit(path, raw, problem)
         dropped = int(lines.size - raw.a.size)
     else:
         kept, dropped = filter_plateaus(raw)
-        _check_kept(table.path, kept, dropped, indenter)
-        series, words = Series(kept.a, kept.delta, kept.P, a0=indenter.a0, S0=_first_slope(indenter)), ()
+        _check_kept(path, kept, dropped, indenter)
+        series, words = _series(kept, indenter), ()
     return Solution(
         problem=replace(problem, loading=Loading("depth", float(raw.delta.max()), raw.delta.size, "depth")),
         series=series,
@@ -100,9 +99,9 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     )
 
 
-def _first_slope(indenter: Indenter) -> float | None:
-    """S at first touch [N/m], None where it is unknown."""
-    return None if indenter.a0 > 0 else 0.0
+def _series(rows: RawSeries, indenter: Indenter) -> Series:
+    """The rows as a series; S at first touch is known where the contact begins in a point."""
+    return Series(rows.a, rows.delta, rows.P, a0=indenter.a0, S0=None if indenter.a0 > 0 else 0.0)
 
 
 def _by_fit(path: Path, raw: RawSeries, problem: Problem) -> tuple[RawSeries, Series, tuple[str, ...]]:
@@ -119,27 +118,19 @@ def _by_fit(path: Path, raw: RawSeries, problem: Problem) -> tuple[RawSeries, Se
     touched = int(np.argmax(raw.a > indenter.a0))
     first = touched + near_first_touch(hidden[touched:])
     used = ~hidden & (np.arange(hidden.size) >= first)
-    kept = RawSeries(raw.a[used], raw.delta[used], raw.P[used], raw.rows[used])
+    kept = RawSeries(*(column[used] for column in (raw.a, raw.delta, raw.P, raw.rows)))
     _check_kept(path, kept, int(np.sum(~used)), indenter)
-    own = own_solution(problem, kept.a)
-    series, slopes = smoothed(kept, indenter.a0, _first_slope(indenter), own=own)
+    S0 = None if indenter.a0 > 0 else 0.0
+    series, slopes = smoothed(kept, indenter.a0, S0, own=own_solution(problem, kept.a))
     if is_series(kept):  # their scatter is read off the rows themselves, not off what was fitted to them
         inside = (kept.a >= series.a[0]) & (kept.a <= series.a[-1])
-        columns = kept.a[inside], kept.delta[inside], kept.P[inside]
-        series = Series(*columns, a0=indenter.a0, S0=_first_slope(indenter))
+        series = _series(RawSeries(kept.a[inside], kept.delta[inside], kept.P[inside]), indenter)
     lost = int(np.sum(raw.a[:first] > indenter.a0))
     words = [f"{lost} rows near first touch, where noise hides the contact, are left out"] if lost else []
     if alone := [str(row) for row in raw.rows[first:][hidden[first:]]]:
         what = f"{len(alone)} of {raw.a.size} rows left out, whose radius, displacement or load is not positive"
         words.append(f"{what}: {', '.join(some(alone))}")
     return kept, series, (*words, *slopes.flags)
-
-
-def read_measured(path: Path, shift: float = 0.0) -> tuple[Array, Array]:
-    """Displacement [m], ``shift`` [m] added, and load [N] of measured points; units in the header, signs kept."""
-    table = read_table(path, least=2)
-    delta, P = (_values(table, key, NAMES.guess(table, key), SeriesReading(sign="as-is")) for key in ("delta", "P"))
-    return delta + shift, P
 
 
 # ---------------------------------------------------------------------- columns and units
@@ -171,8 +162,7 @@ def _wrong(path: Path, values: Mapping[str, Array], lines: Array, touching: Arra
         there = f" (lines {', '.join(map(str, lines[touching]))})" if touching.any() else ""
         raise InputError(f"{path}: holds {touching.sum()} rows in contact{there}, at least {LEAST_ROWS} are needed")
     wrong = []
-    size = "a" if "a" in values else "area"
-    for key, rule in (("delta", "rise"), ("P", "rise"), (size, "not fall")):
+    for key, rule in (("delta", "rise"), ("P", "rise"), ("a" if "a" in values else "area", "not fall")):
         column, rows, meaning = values[key][touching], lines[touching], NAMES.meaning(key)
         if column[0] <= 0:
             wrong.append((rows[0], f"{meaning} must be positive in contact, got {column[0]:.6g} (SI)"))
@@ -234,11 +224,8 @@ def _radii(path: Path, area: Array, lines: Array, indenter: Indenter, kind: str)
     """Contact radii [m] from contact areas [m^2]; InputError with the line where the indenter has no such area."""
     if kind == "projected":
         return np.sqrt(np.maximum(area, 0) / math.pi)
-    limit = (
-        float(surface_area(np.array([indenter.r_max * (1 - 1e-12)]), indenter)[0])
-        if math.isfinite(indenter.r_max)
-        else math.inf
-    )
+    ends = math.isfinite(indenter.r_max)
+    limit = float(surface_area(np.array(indenter.r_max * (1 - 1e-12)), indenter)) if ends else math.inf
     beyond = area > limit
     if beyond.any():
         raise InputError(f"{path}: line {lines[beyond][0]}: contact area {area[beyond][0]:.6g} m^2 is larger than the "

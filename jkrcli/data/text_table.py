@@ -11,12 +11,15 @@ from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
 from ..base import AT_ONCE, LOOKED_AT, SHOWN, Array, InputError, allowance, did_you_mean, read_bytes
 from .titles import split_name, unit_power
 
+Lines: TypeAlias = list[tuple[int, str]]  # with their numbers, from 1
+IsText: TypeAlias = Callable[[int, str], bool]  # whether a column, of its index (from 0) and header cell, holds words
 BLANK = "blank"
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", BLANK: None}
 COMMENTS = ("#", "%", "//", "**", "!")
@@ -197,7 +200,7 @@ def read_table(
     separator: str | None = None,
     decimal: str | None = None,
     least: int = 3,
-    is_text: Callable[[int, str], bool] = lambda index, title: False,
+    is_text: IsText = lambda index, title: False,
     finite: bool = True,
     content: bytes | None = None,
     is_note: Callable[[str], bool] = lambda line: False,
@@ -225,7 +228,7 @@ def read_table(
 
 def _table(
     path: Path,
-    content: list[tuple[int, str]],
+    content: Lines,
     dialect: Dialect,
     lines: Array,
     values: Array,
@@ -236,40 +239,37 @@ def _table(
     dialect = replace(dialect, text=frozenset(i for i in dialect.text if i < values.shape[1]))
     body = _from(content, int(lines[0]))
     header = [line for _, line in content[: len(content) - len(body)]]
-    notes, remarks = dict[int, str](), dict[int, str]()
+    rows, notes, remarks = set(lines.tolist()), dict[int, str](), dict[int, str]()
     if len(body) > lines.size:
-        notes = _notes(body, header, set(lines.tolist()), is_note)
+        notes = _notes(body, header, rows, is_note)
         remarks = _remarks(body, header, int(lines[-1]), dialect)
     if len(body) > lines.size or finite:
         rest = [item for item in body if item[0] not in notes and item[0] not in remarks]
-        _check_rows(path, rest, dialect, lines, values, finite)
+        bad = set(lines[~np.isfinite(values).all(axis=1)].tolist()) if finite else set()
+        _check_rows(path, rest, dialect, values.shape[1], rows - bad, bad)
     names = _names(header, dialect, values.shape[1], dialect.ends(body[0][1]))
-    text = _texts(body, dialect, set(lines.tolist()))
+    cells = [dialect.cells(line) for n, line in body if n in rows] if dialect.text else []
+    text = {i: tuple(row[i] if i < len(row) else "" for row in cells) for i in dialect.text}  # "" at the end of a line
     return TextTable(path, names, values, lines, dialect, text, tuple(header), notes, remarks)
 
 
-def _from(content: list[tuple[int, str]], first: int) -> list[tuple[int, str]]:
+def _from(content: Lines, first: int) -> Lines:
     """The lines from the one numbered ``first`` on."""
     return content[bisect_left(content, (first, "")) :]
 
 
-def _notes(
-    content: list[tuple[int, str]], header: list[str], rows: set[int], is_note: Callable[[str], bool]
-) -> dict[int, str]:
+def _notes(content: Lines, header: list[str], rows: set[int], is_note: Callable[[str], bool]) -> dict[int, str]:
     """Comments and notes behind the first of the ``rows``, and lines of the header that come again behind a note."""
     notes: dict[int, str] = {}
-    again, known, first = False, set(header), min(rows)
+    again, known = False, set(header)
     for n, line in content:
-        if n in rows:
-            again = False
-        elif n > first:
-            again = is_note(line) or (again and line in known)
-            if again or _is_comment(line):
-                notes[n] = line
+        again = n not in rows and (is_note(line) or (again and line in known))
+        if again or (n not in rows and _is_comment(line)):
+            notes[n] = line
     return notes
 
 
-def _remarks(content: list[tuple[int, str]], header: list[str], last: int, dialect: Dialect) -> dict[int, str]:
+def _remarks(content: Lines, header: list[str], last: int, dialect: Dialect) -> dict[int, str]:
     """Lines behind the ``last`` row, all of which begin with a word, as no row does, and none of the header's."""
     behind = {n: line for n, line in content if n > last and not _is_comment(line) and any(dialect.cells(line))}
     begins = [dialect.cells(line)[0] for line in behind.values()]
@@ -277,24 +277,26 @@ def _remarks(content: list[tuple[int, str]], header: list[str], last: int, diale
     return behind if words and not any(line in header for line in behind.values()) else {}
 
 
-def _lines(path: Path, text: str) -> list[tuple[int, str]]:
-    """The lines that are not empty, by their numbers; InputError where a row holds more cells than any table has."""
+def _lines(path: Path, text: str) -> Lines:
+    """The lines that are not empty; InputError where a row holds more cells than any table has."""
     lines = text.splitlines()
-    if max(map(len, lines), default=0) <= MOST_COLUMNS:
-        return [(n, line) for n, line in enumerate(lines, start=1) if line and not line.isspace()]
-    numbered = []
-    for n, line in enumerate(lines, start=1):
-        if len(line) > MOST_COLUMNS:  # few cells stand in shorter ones
-            if not _ROW.match(line):
-                line = line if len(line) <= AT_ONCE else ""  # longer ones name no columns
-            elif _is_wide(line):
-                raise InputError(f"{path}: line {n} holds more than {MOST_COLUMNS:,} cells, the most that are read")
-        if line.strip():
-            numbered.append((n, line))
-    return numbered
+    if max(map(len, lines), default=0) > MOST_COLUMNS:  # few cells stand in shorter ones
+        lines = [_narrow(path, n, line) for n, line in enumerate(lines, start=1)]
+    return [(n, line) for n, line in enumerate(lines, start=1) if line and not line.isspace()]
 
 
-def _without_long_head(content: list[tuple[int, str]]) -> list[tuple[int, str]]:
+def _narrow(path: Path, n: int, line: str) -> str:
+    """A line that is no wide row, without those words that name no columns."""
+    if len(line) > AT_ONCE and not _ROW.match(line):
+        return ""
+    if len(line) > MOST_COLUMNS and _ROW.match(line):
+        marks = max(line.count(mark) for mark in SEPARATORS.values() if mark is not None)
+        if marks > MOST_COLUMNS or len(line.split(None, MOST_COLUMNS)) > MOST_COLUMNS:
+            raise InputError(f"{path}: line {n} holds more than {MOST_COLUMNS:,} cells, the most that are read")
+    return line
+
+
+def _without_long_head(content: Lines) -> Lines:
     """The lines without the midst of very many comments before the first other line."""
     comments = next((i for i, (_, line) in enumerate(content) if not _is_comment(line)), len(content))
     if comments <= 2 * TUNING.comments:
@@ -302,13 +304,7 @@ def _without_long_head(content: list[tuple[int, str]]) -> list[tuple[int, str]]:
     return content[: TUNING.comments] + content[comments - TUNING.comments :]
 
 
-def _is_wide(line: str) -> bool:
-    """Whether a row of numbers holds more than ``MOST_COLUMNS`` cells, whatever divides them."""
-    marks = max(line.count(mark) for mark in SEPARATORS.values() if mark is not None)
-    return marks > MOST_COLUMNS or len(line.split(None, MOST_COLUMNS)) > MOST_COLUMNS
-
-
-def _refuse_doubtful(path: Path, content: list[tuple[int, str]], dialect: Dialect) -> None:
+def _refuse_doubtful(path: Path, content: Lines, dialect: Dialect) -> None:
     """Refuse columns that hold both 950 and 1,000, never 1,02: the mark groups thousands, or three decimals follow."""
     if not _THREE.search("\n".join(line for _, line in content)):
         return
@@ -328,7 +324,7 @@ def _refuse_doubtful(path: Path, content: list[tuple[int, str]], dialect: Dialec
             )
 
 
-def _rows(content: list[tuple[int, str]], dialect: Dialect, least: int, gaps: bool) -> tuple[Array, Array]:
+def _rows(content: Lines, dialect: Dialect, least: int, gaps: bool) -> tuple[Array, Array]:
     """Lines and values of all rows of numbers; ``gaps``: a few with words in place of some too, behind the first."""
     body, values = _begun(content, dialect, least)
     if values is not None:
@@ -340,14 +336,14 @@ def _rows(content: list[tuple[int, str]], dialect: Dialect, least: int, gaps: bo
     return np.array([n for n, _ in rows]), np.array([row for _, row in rows])
 
 
-def _row_lines(content: list[tuple[int, str]], dialect: Dialect, least: int) -> list[int]:
+def _row_lines(content: Lines, dialect: Dialect, least: int) -> list[int]:
     """The lines that are rows of numbers: all behind the first one where numpy reads them."""
     body, values = _begun(content, dialect, least)
     regular = values is not None and np.isfinite(values).all()
     return [n for n, _ in (body if regular else _data(body, dialect, least))]
 
 
-def _begun(content: list[tuple[int, str]], dialect: Dialect, least: int) -> tuple[list[tuple[int, str]], Array | None]:
+def _begun(content: Lines, dialect: Dialect, least: int) -> tuple[Lines, Array | None]:
     """The lines from the first row of numbers on, and their values where numpy reads them."""
     marked = dialect.decimal == "," and not (dialect.text or dialect.thousands)
     likely = (item for item in content if not (marked and "." in item[1]))
@@ -357,7 +353,7 @@ def _begun(content: list[tuple[int, str]], dialect: Dialect, least: int) -> tupl
     return [], None
 
 
-def _regular(body: list[tuple[int, str]], dialect: Dialect, width: int) -> Array | None:
+def _regular(body: Lines, dialect: Dialect, width: int) -> Array | None:
     """The values by numpy's reader, ten times as fast; None where any line needs a closer look."""
     mark, lines = SEPARATORS[dialect.separator], [line for _, line in body]
     other = "." if dialect.decimal == "," else '"'  # beside a decimal comma a point is no part of a number
@@ -381,17 +377,7 @@ def _regular(body: list[tuple[int, str]], dialect: Dialect, width: int) -> Array
     return values
 
 
-def _texts(content: list[tuple[int, str]], dialect: Dialect, lines: set[int]) -> dict[int, tuple[str, ...]]:
-    """The cells of the columns of text, at the lines that hold rows; "" for an empty one at the end of a line."""
-    if not dialect.text:
-        return {}
-    rows = [dialect.cells(line) for n, line in content if n in lines]
-    return {index: tuple(row[index] if index < len(row) else "" for row in rows) for index in dialect.text}
-
-
-def _with_text(
-    content: list[tuple[int, str]], dialect: Dialect, least: int, is_text: Callable[[int, str], bool]
-) -> Dialect:
+def _with_text(content: Lines, dialect: Dialect, least: int, is_text: IsText) -> Dialect:
     """The dialect with the columns of text, by the first line that names one: before any row of numbers."""
     for _, line in content:
         if not dialect.divides(line):
@@ -410,12 +396,12 @@ def _with_text(
 
 def _dialect(
     path: Path,
-    content: list[tuple[int, str]],
+    content: Lines,
     separator: str | None,
     decimal: str | None,
     least: int,
-    is_text: Callable[[int, str], bool],
-) -> tuple[Dialect, list[tuple[int, str]]]:
+    is_text: IsText,
+) -> tuple[Dialect, Lines]:
     """The way to read the lines that gives most rows of numbers, by a sample of them, and that."""
     dialects = [Dialect(s, d) for s in SEPARATORS for d in (".", ",") if (s, d) != ("comma", ",")]
     allowed = [d for d in dialects if separator in (None, d.separator) and decimal in (None, d.decimal)]
@@ -431,9 +417,7 @@ def _dialect(
     raise InputError(f"{path}: holds no row of at least {least} numbers; {remedy}")
 
 
-def _best(
-    content: list[tuple[int, str]], dialects: list[Dialect], least: int, is_text: Callable[[int, str], bool]
-) -> Dialect | None:
+def _best(content: Lines, dialects: list[Dialect], least: int, is_text: IsText) -> Dialect | None:
     """The one of the ``dialects``, with columns of words, that gives most rows of numbers; None where none does."""
     whole = "\n".join(line for _, line in content)
     allowed = [d for d in dialects if (SEPARATORS[d.separator] or "") in whole]
@@ -449,7 +433,7 @@ def _best(
     return best
 
 
-def _most_rows(content: list[tuple[int, str]], dialects: list[Dialect], least: int) -> tuple[Dialect | None, bool]:
+def _most_rows(content: Lines, dialects: list[Dialect], least: int) -> tuple[Dialect | None, bool]:
     """The dialect that gives most rows of numbers, None where none gives any; whether it leaves lines behind its first
     row unread."""
     rows = [_row_lines(content, dialect, least) for dialect in dialects]
@@ -462,7 +446,7 @@ def _most_rows(content: list[tuple[int, str]], dialects: list[Dialect], least: i
     return dialects[most], later > sizes[most]
 
 
-def _with_words(content: list[tuple[int, str]], dialect: Dialect, least: int) -> Dialect:
+def _with_words(content: Lines, dialect: Dialect, least: int) -> Dialect:
     """The dialect with those columns as text that hold words, or nothing, in all rows of the later half and a number in
     none, beside ``least`` columns or more of others."""
     rows = [
@@ -494,23 +478,17 @@ def _data(
             yield n, row
 
 
-def _check_rows(
-    path: Path, content: list[tuple[int, str]], dialect: Dialect, lines: Array, values: Array, finite: bool
-) -> None:
-    """Refuse lines after the first row that are neither a row of (finite) numbers nor a comment."""
-    rows = set(lines.tolist())
-    width = values.shape[1]
-    words = f" and {len(dialect.text)} words" if dialect.text else ""
-    bad = set(lines[~np.isfinite(values).all(axis=1)].tolist()) if finite else set()
+def _check_rows(path: Path, content: Lines, dialect: Dialect, width: int, good: set[int], bad: set[int]) -> None:
+    """Refuse ``bad`` rows, whose numbers are not finite, and lines that are neither ``good`` rows nor comments."""
+    numbers = f"{width - len(dialect.text)} numbers" + f" and {len(dialect.text)} words" * bool(dialect.text)
     wrong = []
     for n, line in content:
         if n in bad:
             wrong.append(f'{path}: line {n} must hold finite numbers, got "{line.strip()[:60]}"{MEND}')
-        elif n > lines[0] and n not in rows and not _is_comment(line) and any(dialect.cells(line)):
-            expected = f"{width - len(dialect.text)} numbers{words}"
+        elif n not in good and not _is_comment(line) and any(dialect.cells(line)):
             alone = _LETTER.match(line.strip()) and not dialect.divides(line.strip())
             remedy = ": remove it, or put # before it" if alone else MEND
-            wrong.append(f'{path}: line {n} must hold {expected}, got "{line.strip()[:60]}"{remedy}')
+            wrong.append(f'{path}: line {n} must hold {numbers}, got "{line.strip()[:60]}"{remedy}')
     if wrong:
         raise InputError(some(wrong))
 
@@ -531,7 +509,7 @@ def _names(header: list[str], dialect: Dialect, width: int, more: bool) -> tuple
     ``more``: whether the rows end in a separator, behind which the header may name a column that holds nothing.
     """
     lines = [_header_cells(line, dialect, width) for line in header]
-    lines = [[*cells, ""] if len(cells) == width - 1 and dialect.ends(line) else cells
+    lines = [cells + [""] * (len(cells) == width - 1 and dialect.ends(line))
              for cells, line in zip(lines, header, strict=True)]  # fmt: skip
     if more and not any(len(cells) == width for cells in lines):
         lines = [cells[:width] if len(cells) == width + 1 else cells for cells in lines]

@@ -16,7 +16,7 @@ from jkrcli.beside.analysis import analyse
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
-from jkrcli.data.foreign import SeriesReading, radius_from_area, read_measured, read_series, surface_area
+from jkrcli.data.foreign import SeriesReading, radius_from_area, read_series, surface_area
 from jkrcli.data.titles import split_name, unit_power
 from jkrcli.formulas.half_space import hertz
 
@@ -140,14 +140,6 @@ def test_states_before_contact_leave_the_pull_off_force_that_of_jkr(tmp_path: Pa
 )  # fmt: skip
 def test_names_and_units_of_header_cells(title: str, parts: tuple[str, str]) -> None:
     assert split_name(title) == parts
-
-
-def test_measured_points_keep_sign_and_order_and_are_shifted(tmp_path: Path) -> None:
-    path = tmp_path / "m.csv"
-    path.write_text("displacement (um);load (mN)\n-5;-1,3\n30;2\n0;-1,2\n")
-    delta, P = read_measured(path, 2e-6)
-    np.testing.assert_allclose(delta, [-3e-6, 32e-6, 2e-6], rtol=1e-14)
-    np.testing.assert_allclose(P, [-1.3e-3, 2e-3, -1.2e-3], rtol=1e-14)
 
 
 # ---------------------------------------------------------------------- contact area

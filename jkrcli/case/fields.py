@@ -8,7 +8,7 @@ import operator
 import types
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Union, get_args, get_origin
+from typing import Annotated, Any, ClassVar, TypeVar, Union, get_args, get_origin
 
 from pydantic import (
     BaseModel,
@@ -25,6 +25,7 @@ from pydantic_core.core_schema import no_info_before_validator_function
 
 from ..base import InputError, Ranged, Registry, units
 
+Made = TypeVar("Made")
 NUMBER = "number"  # tag of what is no table
 
 
@@ -42,19 +43,19 @@ def findings(table: str = "") -> Iterator[None]:
         raise wrong(str(error).removeprefix(f"{table}: ")) from None
 
 
-def with_others(finding: str | None, data: Any, handler: Callable[[Any], Any]) -> Any:
+def with_others(finding: str | None, data: Any, handler: Callable[[Any], Made]) -> Made:
     """The table that ``handler`` makes of ``data``; a ``finding`` on its choice of keys is reported together with what
     else is wrong, unless an unknown key may be the reason."""
     if finding is None:
         return handler(data)
-    details = [InitErrorDetails(type=wrong(finding), input=data)]
+    items: list[Any] = []
     try:
         handler(data)
     except ValidationError as error:
         items = error.errors()
-        unknown = any(item["type"] == "extra_forbidden" and len(item["loc"]) == 1 for item in items)
-        details = [*([] if unknown else details), *map(_again, items)]
-    raise ValidationError.from_exception_data("table", details)
+    unknown = any(item["type"] == "extra_forbidden" and len(item["loc"]) == 1 for item in items)
+    own = [] if unknown else [InitErrorDetails(type=wrong(finding), input=data)]
+    raise ValidationError.from_exception_data("table", [*own, *map(_again, items)])
 
 
 def _again(item: Any) -> InitErrorDetails:

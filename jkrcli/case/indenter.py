@@ -51,8 +51,7 @@ class IndenterTable(BuiltTable):
 
     def build(self) -> Indenter:
         """The indenter of the table."""
-        material = None if self.E is None or self.nu is None else Elastic(self.E, self.nu)
-        indenter: Indenter = self.built(material)
+        indenter: Indenter = self.built(None if self.E is None or self.nu is None else Elastic(self.E, self.nu))
         return indenter
 
     @classmethod

@@ -13,18 +13,18 @@ from .laws import LawTable, ModulusOrLaw
 
 
 class _Part(Table):
-    def build(self) -> Any:
-        raise NotImplementedError
-
-    def material(self, thickness: float) -> Any:
-        """The material of a part of this ``thickness`` [m]."""
-        raise NotImplementedError
-
     @model_validator(mode="after")
     def _usable(self) -> Self:
         with findings():
             self.build()
         return self
+
+    def build(self) -> Layer | HalfSpace:
+        return HalfSpace(self.material(math.inf))
+
+    def material(self, thickness: float) -> Any:
+        """The material of a part of this ``thickness`` [m]."""
+        raise NotImplementedError
 
 
 class _Layer(_Part):
@@ -33,11 +33,6 @@ class _Layer(_Part):
 
     def build(self) -> Layer:
         return Layer(self.material(self.thickness), self.thickness, self.name)
-
-
-class _HalfSpace(_Part):
-    def build(self) -> HalfSpace:
-        return HalfSpace(self.material(math.inf))
 
 
 class IsotropicTable(_Part):
@@ -78,11 +73,8 @@ def _one_modulus(value: Any) -> Any:
     return value
 
 
-class HalfSpaceTable(_HalfSpace, IsotropicTable):
+class HalfSpaceTable(IsotropicTable):
     E: Annotated[Modulus, BeforeValidator(_one_modulus)]
-
-
-class TransverseHalfSpaceTable(_HalfSpace, TransverseTable): ...
 
 
 def _tag(value: Any) -> str:
@@ -91,4 +83,4 @@ def _tag(value: Any) -> str:
 
 
 AnyLayer = either(_tag, LayerTable, TransverseLayerTable)
-AnyHalfSpace = either(_tag, HalfSpaceTable, TransverseHalfSpaceTable)
+AnyHalfSpace = either(_tag, HalfSpaceTable, TransverseTable)

@@ -64,7 +64,7 @@ class SpecimenTable(Table):
     @model_validator(mode="wrap")
     @classmethod
     def _complete(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        return cast(Self, with_others(cls._finding(data) if isinstance(data, dict) else None, data, handler))
+        return with_others(cls._finding(data) if isinstance(data, dict) else None, data, handler)
 
     @staticmethod
     def _finding(keys: Mapping[str, Any]) -> str | None:
@@ -113,7 +113,7 @@ class LoadingTable(Table):
         alone = isinstance(data, dict) and all(isinstance(data[name], list) and len(data[name]) == 1 for name in goals)
         if alone and not {"points", "spacing"} & data.keys():
             data = data | {"points": 1}
-        return cast(Self, with_others(None if len(goals) == 1 else finding, data, handler))
+        return with_others(None if len(goals) == 1 else finding, data, handler)
 
     @model_validator(mode="after")
     def _usable(self) -> Self:
@@ -198,9 +198,9 @@ class AdhesionTable(Table):
         return self.w if self.capillary is None else (self.capillary.bridge[1],)
 
     @property
-    def stress_of_bridge(self) -> float | None:
-        """The tension of the bridge [Pa]."""
-        return None if self.capillary is None else self.capillary.bridge[0]
+    def tension(self) -> float | None:
+        """The stress given, or that of the bridge [Pa]."""
+        return self.stress if self.capillary is None else self.capillary.bridge[0]
 
 
 class RootTable(Table):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -34,15 +35,15 @@ KINDS = {  # what the file must hold, by pydantic's types of findings
 KeysAt = Callable[[tuple[str, ...]], list[str]]
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class Case:
     """A validated case: ``model`` holds the values in SI, ``source`` the file they came from, ``text`` what stands
     there where that is a series file, ``remarks`` what may not have been meant as it stands."""
 
-    def __init__(self, model: CaseModel, source: str, text: str = "", remarks: tuple[str, ...] = ()):
-        self.model = model
-        self.source = source
-        self.text = text
-        self.remarks = remarks
+    model: CaseModel
+    source: str
+    text: str = ""
+    remarks: tuple[str, ...] = ()
 
     def with_tolerance(self, tolerance: float, method: str) -> Case:
         """The case in which ``method`` has this relative error as its tolerance; "auto": every one that can be, as near

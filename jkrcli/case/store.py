@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 import platform
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -45,14 +45,22 @@ from .writing import case_of
 FORMAT, VERSION = "jkr-series", 2
 COARSER = ("coarser", "coarsest")  # groups of the series by larger and by still larger elements
 UNPROTECTED = 1  # the format without a digest
-NAMES = {"a": "a", "delta": "delta", "P": "P", "S": "S", "dS": "dS_da"}
-UNITS = {"a": "m", "delta": "m", "P": "N", "S": "N/m", "dS": "N/m^2"}
-WORDS = {
-    "a": "contact radius, undeformed configuration",
-    "delta": "displacement of the indenter, into the specimen positive",
-    "P": "load, compression positive",
-    "S": "slope dP/d(delta) of the nonadhesive contact",
-    "dS": "derivative dS/da",
+
+
+class Column(NamedTuple):
+    """What a column of a series is called in the file, its unit, and what it is."""
+
+    name: str
+    unit: str
+    words: str
+
+
+STORED = {
+    "a": Column("a", "m", "contact radius, undeformed configuration"),
+    "delta": Column("delta", "m", "displacement of the indenter, into the specimen positive"),
+    "P": Column("P", "N", "load, compression positive"),
+    "S": Column("S", "N/m", "slope dP/d(delta) of the nonadhesive contact"),
+    "dS": Column("dS_da", "N/m^2", "derivative dS/da"),
 }
 PACKAGES = {"numpy": "numpy", "scipy": "scipy", "gmsh": "gmsh", "scikit-fem": "skfem", "h5py": "h5py"}  # modules
 DOUBT = (
@@ -64,8 +72,8 @@ DOUBT = (
 def record_of(case: Case, path: Path = Record.path) -> Record:
     """What a solution of ``case`` keeps of it."""
     adhesion = case.model.adhesion
-    stress = adhesion.stress or adhesion.stress_of_bridge
-    return Record(case.model.title, adhesion.works, adhesion.z0, path, case, stress=stress, length=adhesion.range)
+    works, length = adhesion.works, adhesion.range
+    return Record(case.model.title, works, adhesion.z0, path, case, stress=adhesion.tension, length=length)
 
 
 def versions() -> dict[str, str]:
@@ -84,11 +92,14 @@ def write(path: Path, solution: Solution, command_line: str = "") -> None:
 def _tree(solution: Solution, command_line: str) -> Group:
     series, raw, pressure, record = solution.series, solution.raw, solution.pressure, solution.record
     first = {"a0_m": series.a0} | ({} if series.S0 is None else {"S0_N_per_m": series.S0})
-    budget = {name: _cell(value) for name, value in solution.budget.as_dict().items()}
+    budget = {
+        name: str(value) if isinstance(value, Unknown) else float(value)
+        for name, value in solution.budget.as_dict().items()
+    }
     text = (record.case or case_of(solution.problem)).to_toml(solution.method)
     members: dict[str, Group | Dataset] = {
         "case": Dataset(text),
-        "series": Group(first, _columns({name: getattr(series, name) for name in COLUMNS}, WORDS)),
+        "series": Group(first, _columns(series)),
         "errors": Group(budget, _errors(series)),
         "facts": Group(solution.facts),
         "timings_s": Group(solution.timings),
@@ -98,8 +109,7 @@ def _tree(solution: Solution, command_line: str) -> Group:
     members |= dict(_larger_elements(series))
     if raw is not None:
         rows = hdf5.column(np.asarray(raw.rows), "1", "number of the row")
-        columns = {name: getattr(raw, name) for name in ("a", "delta", "P")}
-        members["increments"] = Group({}, _columns(columns, WORDS) | {"row": rows})
+        members["increments"] = Group({}, _columns(raw) | {"row": rows})
     if pressure is not None:
         r = hdf5.column(pressure.r, "m", "radii of the contact nodes")
         p = hdf5.column(pressure.p, "Pa", "contact pressure, one row per increment")
@@ -114,32 +124,25 @@ def _larger_elements(series: Series) -> Iterator[tuple[str, Group]]:
         if series.coarser is None:
             return
         ratio, series = series.coarser.ratio, series.coarser.series
-        yield name, Group({"ratio": ratio}, _columns({name: getattr(series, name) for name in COLUMNS}, WORDS))
+        yield name, Group({"ratio": ratio}, _columns(series))
 
 
 def _errors(series: Series) -> dict[str, Group | Dataset]:
     """The errors of the columns, each with the quantity that is equal in the comparison with the truth."""
     at_radius = series.errors_at_radius
     equal = {name: "radius" if name in ("S", "dS") or not at_radius else "displacement" for name in COLUMNS}
-    words = {name: f"estimated absolute error of {NAMES[name]} at equal {equal[name]}" for name in COLUMNS}
-    others = {
-        f"{NAMES[name]}_at_equal_a": hdf5.column(
-            values, UNITS[name], f"estimated absolute error of {NAMES[name]} at equal radius"
-        )
-        for name, values in at_radius.items()
-    }
-    return _columns(series.errors, words) | others
+    errors = [(name, "", equal[name], values) for name, values in series.errors.items()]
+    errors += [(name, "_at_equal_a", "radius", values) for name, values in at_radius.items()]
+    columns: dict[str, Group | Dataset] = {}
+    for key, more, same, values in errors:
+        name, unit, _ = STORED[key]
+        columns[name + more] = hdf5.column(values, unit, f"estimated absolute error of {name} at equal {same}")
+    return columns
 
 
-def _columns(values: Mapping[str, Array | None], words: Mapping[str, str]) -> dict[str, Group | Dataset]:
-    return {
-        NAMES[name]: hdf5.column(array, UNITS[name], words[name]) for name, array in values.items() if array is not None
-    }
-
-
-def _cell(value: Any) -> float | str:
-    """A number, or the reason why there is none."""
-    return float(value) if isinstance(value, int | float) else str(value)
+def _columns(rows: Series | RawSeries) -> dict[str, Group | Dataset]:
+    there = {key: values for key in COLUMNS if (values := getattr(rows, key, None)) is not None}
+    return {STORED[key].name: hdf5.column(values, *STORED[key][1:]) for key, values in there.items()}
 
 
 # ---------------------------------------------------------------------- reading
@@ -270,16 +273,18 @@ class _Reader:
     def columns(self, group: str, required: Sequence[str] = ("a", "delta", "P")) -> dict[str, Array]:
         """The columns of the series in a ``group``, all of one length."""
         there = self.group(group).members
-        columns = {name: self.column(group, name) for name in COLUMNS if name in required or NAMES[name] in there}
+        columns = {
+            key: self.column(group, *STORED[key]) for key in COLUMNS if key in required or STORED[key].name in there
+        }
         sizes = {name: values.size for name, values in columns.items()}
         if len(set(sizes.values())) > 1:
             raise InputError(f"{self.path}: {group}: all columns must have the same length, got {sizes}")
         return columns
 
-    def column(self, group: str, name: str) -> Array:
-        values = self.numbers(group, NAMES[name], 1)
-        if (unit := str(self.dataset(group, NAMES[name]).attributes.get("unit", ""))) != UNITS[name]:
-            raise InputError(f'{self.path}: {group}/{NAMES[name]}: unit must be "{UNITS[name]}", got "{unit}"')
+    def column(self, group: str, name: str, unit: str, _: str) -> Array:
+        values = self.numbers(group, name, 1)
+        if (found := str(self.dataset(group, name).attributes.get("unit", ""))) != unit:
+            raise InputError(f'{self.path}: {group}/{name}: unit must be "{unit}", got "{found}"')
         return values
 
     def numbers(self, group: str, name: str, ndim: int, width: int = 1) -> Array:
@@ -311,10 +316,8 @@ class _Reader:
 
 
 def _estimate(value: Any) -> Estimate:
-    if isinstance(value, str) and value:
-        return Unknown(value)
     if value is None or isinstance(value, str):
-        return Unknown("not stated in the file")
+        return Unknown(value or "not stated in the file")
     number = _real(value)
     return number if np.isfinite(number) else Unknown(f"stated as {number} in the file")
 

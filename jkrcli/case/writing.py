@@ -7,16 +7,13 @@ from typing import Any
 from ..bodies import (
     LAWS,
     RELAXATIONS,
-    Elastic,
     Graded,
     HalfSpace,
     Layer,
     Loading,
     Material,
     Problem,
-    Rigid,
     Specimen,
-    TransverselyIsotropic,
 )
 from .reading import Case, model_of
 
@@ -32,24 +29,17 @@ def case_of(problem: Problem) -> Case:
 
 
 def _material(material: Material | None) -> dict[str, Any]:
-    match material:
-        case None:
-            return {}
-        case Elastic(E=E, nu=nu):
-            return {"E": E, "nu": nu}
-        case Graded(law=law, nu=nu):
-            return {"E": LAWS.keys_in_file(law), "nu": nu}
-        case TransverselyIsotropic():
-            return dict(vars(material))
+    if isinstance(material, Graded):
+        return {"E": LAWS.keys_in_file(material.law), "nu": material.nu}
+    return {} if material is None else dict(vars(material))
 
 
 def _specimen(specimen: Specimen) -> dict[str, Any]:
     tree: dict[str, Any] = {"layers": [_layer(layer) for layer in specimen.layers]}
-    match specimen.base:
-        case HalfSpace(material=material):
-            tree["half_space"] = _material(material)
-        case Rigid(bonded=bonded):
-            tree["base"] = "bonded" if bonded else "frictionless"
+    if isinstance(specimen.base, HalfSpace):
+        tree["half_space"] = _material(specimen.base.material)
+    else:
+        tree["base"] = "bonded" if specimen.base.bonded else "frictionless"
     if specimen.radius is not None:
         tree |= {"radius": specimen.radius, "side": specimen.side}
     if specimen.surface_tension:
@@ -64,8 +54,6 @@ def _layer(layer: Layer) -> dict[str, Any]:
 
 
 def _loading(loading: Loading) -> dict[str, Any]:
-    if loading.spacing == "given" and len(loading.values) > 1:
-        return {loading.to: loading.values}
-    if loading.spacing == "given":
-        return {loading.to: loading.maximum, "points": 1}
-    return {loading.to: loading.maximum, "points": loading.points, "spacing": loading.spacing}
+    if loading.spacing != "given":
+        return {loading.to: loading.maximum, "points": loading.points, "spacing": loading.spacing}
+    return {loading.to: loading.values} if len(loading.values) > 1 else {loading.to: loading.maximum, "points": 1}

@@ -128,7 +128,7 @@ class Table(BaseModel):
     @classmethod
     def allowed_keys(cls) -> list[str]:
         """The keys that a file may hold here."""
-        return list(cls.model_fields)
+        return [field.alias or name for name, field in cls.model_fields.items()]
 
 
 def either(tag_of: Callable[[Any], str], *kinds: Any) -> Any:

@@ -208,13 +208,14 @@ class RootTable(Table):
 
     @classmethod
     def keys_at(cls, path: tuple[str, ...]) -> list[str]:
-        """The keys allowed in the table at ``path`` (without list indices, with the tag of a shape or material)."""
+        """The keys allowed in the table at ``path`` (without list indices, with the tag of a shape or material); what
+        is neither key nor tag is the user's name for one of several alike."""
         tables: list[type[Table]] = [cls]
         for part in path:
             if part in tables[0].model_fields:
                 tables = list(_tables_in(tables[0].model_fields[part].annotation))
             else:
-                tables = [table for table in tables if part.strip("<>") == table.tag]
+                tables = [table for table in tables if part.strip("<>") == table.tag] or tables
         return list(dict.fromkeys(key for table in tables for key in table.allowed_keys()))
 
 

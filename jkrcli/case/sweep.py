@@ -125,15 +125,6 @@ class SweepModel(RootTable):
             raise wrong(f"makes {count:,} cases, at most {MOST_CASES:,} are allowed in one sweep")
         return self
 
-    @classmethod
-    def keys_at(cls, path: tuple[str, ...]) -> list[str]:
-        """The keys allowed in the table at ``path``."""
-        tables: dict[str, type[Table]] = {"axes": AxisTable, "outputs": OutputsTable, "samples": SamplesTable}
-        table = tables.get(path[0], cls) if path else cls
-        if path[:2] == ("samples", "of"):
-            table = DistributionTable
-        return [field.alias or name for name, field in table.model_fields.items()]
-
 
 def load_sweep(path: Path) -> tuple[SweepModel, dict[str, Any], Path]:
     """The sweep file at ``path``, the tables of its base case as they stand, and the folder for names in them."""

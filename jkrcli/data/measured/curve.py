@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
@@ -133,13 +133,12 @@ class Curve:
             raise InputError(f'{self.where}: names no segments, cannot take "{segment}" alone')
         chosen = self.segment == segment
         if not chosen.any():
-            names = ", ".join(dict.fromkeys(self.segment.tolist()))
-            raise InputError(f'{self.where}: has no rows of segment "{segment}" (segments: {names})')
+            raise InputError(f'{self.where}: has no rows of segment "{segment}" (segments: {", ".join(self.segments())})')
         return self.rows(chosen)
 
-    def segments(self) -> Iterator[str]:
+    def segments(self) -> tuple[str, ...]:
         """The different words of ``segment``, in order of appearance."""
-        yield from dict.fromkeys([] if self.segment is None else self.segment.tolist())
+        return () if self.segment is None else tuple(dict.fromkeys(self.segment.tolist()))
 
 
 AsRead: TypeAlias = tuple[Curve | InputError, float | None]  # with the stiffness of its device [N/m]

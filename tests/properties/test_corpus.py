@@ -70,7 +70,7 @@ def test_tables(path: Path, problem: Problem) -> None:
         elif reader == 4:
             foreign.read_series(path, problem, foreign.SeriesReading())
         else:
-            foreign.read_measured(path)
+            measured.read(path)
     except InputError as error:
         judged(error)
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...base import SHOWN, InputError, did_you_mean, hdf5
-from . import nanoscope
+from . import afm, archive, nanoscope, text
 from .curve import APPROACH, LEAST_ROWS, AsRead, Curve, Reading
 from .instruments import SEGMENTS
 from .tip_position import SUBTRACTED_TWICE, of_its_device, stiffness_of_noise
@@ -39,8 +39,6 @@ def from_columns(columns: Mapping[str, Any], reading: Reading | None = None, nam
     table = zip(*(array.tolist() for array in arrays.values()), strict=True)
     lines = [",".join(arrays), *(",".join(map(str, row)) for row in table)]
     reading = replace(reading or Reading(), separator="comma", decimal=".")
-    from . import text
-
     (curve, stiffness), *others = text.curves(Path(name), reading, "\n".join(lines).encode())
     if others or isinstance(curve, InputError):
         raise curve if isinstance(curve, InputError) else InputError(f"{name}: holds several curves, one is wanted")
@@ -91,48 +89,33 @@ def _as_read(path: Path, reading: Reading) -> Iterator[AsRead]:
         return nanoscope.curves(path, reading)
     if reading.format == "text" or (reading.format == "auto" and not path.name.endswith(AFM_ENDINGS)):
         return _text_first(path, reading)
-    return _afm_first(path, reading)
+    return _microscope_first(path, reading)
 
 
 def _text_first(path: Path, reading: Reading) -> Iterator[AsRead]:
-    from . import archive, text
-
     try:
         yield from text.curves(path, reading)
-        return
     except (text.UnknownColumnsError, archive.NoTablesError) as error:
-        if reading.format == "text" or reading.columns or reading.units:
+        if reading.format == "text" or reading.columns or reading.units or afm.takes_any_three_columns(path):
             raise
-        known = error
-    from . import afm
+        yield from _instead(afm.curves(path, reading), afm.UnreadableError, error)
 
+
+def _microscope_first(path: Path, reading: Reading) -> Iterator[AsRead]:
     try:
-        loaded = None if afm.takes_any_three_columns(path) else afm.load(path, reading)
-    except afm.UnreadableError:
-        raise known from None
-    if loaded is None:
-        raise known
-    yield from afm.curves(path, reading, loaded)
-
-
-def _afm_first(path: Path, reading: Reading) -> Iterator[AsRead]:
-    from . import afm
-
-    try:
-        loaded = afm.load(path, reading)
+        yield from afm.curves(path, reading)
     except afm.UnreadableError as error:
         if reading.format == "afm" or path.suffix != ".tab":
             raise
-        known = error
-    else:
-        yield from afm.curves(path, reading, loaded)
-        return
-    from . import text
+        yield from _instead(text.curves(path, reading), InputError, error)
 
+
+def _instead(curves: Iterator[AsRead], unknown: type[InputError], error: InputError) -> Iterator[AsRead]:
+    """The curves by a second reader; the ``error`` of the first one where that finds the file ``unknown``, too."""
     try:
-        yield from text.curves(path, reading)
-    except InputError:
-        raise known from None
+        yield from curves
+    except unknown:
+        raise error from None
 
 
 def _selected(curve: Curve, reading: Reading) -> Curve:

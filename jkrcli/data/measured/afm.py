@@ -30,15 +30,15 @@ class UnreadableError(InputError):
     """A file that afmformats does not know, or cannot read."""
 
 
-def curves(path: Path, reading: Reading, loaded: tuple[list[Any], str] | None = None) -> Iterator[AsRead]:
+def curves(path: Path, reading: Reading) -> Iterator[AsRead]:
     """The curves of a file, over distance, of creep or of relaxation, with their spring constants [N/m]; each is loaded
     when its turn comes.
 
     ``delta`` is minus the height, which grows away from the specimen, the deflection not yet subtracted; of files that
     hold the position of the tip itself it is minus that, and None stands for the spring constant.
     """
+    data_sets, lacks = _load(path, reading)
     reading.check_known_columns(path)
-    data_sets, lacks = loaded or load(path, reading)
     for data in data_sets:
         name = path.stem if len(data_sets) == 1 else str(data.enum)
         try:
@@ -71,7 +71,7 @@ def takes_any_three_columns(path: Path) -> bool:
         return path.suffix == ".txt" and bool(detect_txt(path))
 
 
-def load(path: Path, reading: Reading) -> tuple[list[Any], str]:
+def _load(path: Path, reading: Reading) -> tuple[list[Any], str]:
     """The data sets of a file, whose columns are read at their first use; what 1 stands in for, if anything."""
     try:
         import afmformats

@@ -133,7 +133,9 @@ class Curve:
             raise InputError(f'{self.where}: names no segments, cannot take "{segment}" alone')
         chosen = self.segment == segment
         if not chosen.any():
-            raise InputError(f'{self.where}: has no rows of segment "{segment}" (segments: {", ".join(self.segments())})')
+            raise InputError(
+                f'{self.where}: has no rows of segment "{segment}" (segments: {", ".join(self.segments())})'
+            )
         return self.rows(chosen)
 
     def segments(self) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -35,9 +36,7 @@ def knows(path: Path) -> bool:
     if not path.is_file():
         return False
     with files.opened(path, WHAT) as file:
-        if file.read(len(BEGINS)) != BEGINS:
-            return False
-        return BINARY in file.read(allowance.TUNING.little)
+        return file.read(len(BEGINS)) == BEGINS and BINARY in file.read(allowance.TUNING.little)
 
 
 def curves(path: Path, reading: Reading) -> Iterator[AsRead]:
@@ -47,7 +46,7 @@ def curves(path: Path, reading: Reading) -> Iterator[AsRead]:
     with allowance.reading(path, fenced=False) as allowed:
         content = read_bytes(path, WHAT)
         allowed.take(len(content))
-        file = File.parsed(path, content)
+        file = File(path, content)
         allowed.take(parts=file.count)
     stiffness, sensitivity, flags = file.calibration(reading)
     for number in range(file.count):
@@ -60,44 +59,54 @@ def curves(path: Path, reading: Reading) -> Iterator[AsRead]:
 
 @dataclass(frozen=True, eq=False)
 class File:
-    """A parsed file: its ``sections``, the counts of each channel by its name (curves, direction, rows), and how many
-    ``rows`` of approach and retraction are filled."""
+    """The parts of a file, from its ``content``: a head of sections, and the counts of channels."""
 
     path: Path
-    sections: Sequence[tuple[str, Section]]
-    channels: Mapping[str, tuple[Section, Array]]
-    rows: tuple[int, int]
+    content: bytes
 
-    @classmethod
-    def parsed(cls, path: Path, content: bytes) -> File:
-        head, end, _ = content.partition(BINARY)
+    @cached_property
+    def sections(self) -> Sequence[tuple[str, Section]]:
+        """Title and entries of each section of the head."""
+        head, end, _ = self.content.partition(BINARY)
         if ENDS not in head or not end:
-            raise InputError(f"{path}: is damaged or cut off: its head does not end: {AGAIN}")
-        sections = _sections(head.decode("cp1252", errors="replace"))
-        file = cls(path, sections, {}, (0, 0))
-        force_channels = [section for title, section in sections if title == CHANNEL]
-        if not force_channels:
-            raise InputError(f"{path}: is a Nanoscope file without force curves (it holds images)")
-        stride, rows = file._samples(force_channels[0])
+            raise InputError(f"{self.path}: is damaged or cut off: its head does not end: {AGAIN}")
+        return _sections(head.decode("cp1252", errors="replace"))
+
+    @cached_property
+    def channels(self) -> Mapping[str, tuple[Section, Array]]:
+        """Head and counts (curves, direction, rows) of each channel by its name."""
         channels: dict[str, tuple[Section, Array]] = {}
-        for section in force_channels:
-            channels.setdefault(_name(section), (section, file._counts(content, section, stride)))
+        for title, section in self.sections:
+            if title == CHANNEL:
+                channels.setdefault(_name(section), (section, self._counts(section)))
+        if not channels:
+            raise InputError(f"{self.path}: is a Nanoscope file without force curves (it holds images)")
         if DEFLECTION not in channels:
-            raise InputError(f"{path}: holds no deflection (channels: {', '.join(channels)})")
-        return cls(path, sections, channels, rows)
+            raise InputError(f"{self.path}: holds no deflection (channels: {', '.join(channels)})")
+        return channels
+
+    @cached_property
+    def samples(self) -> tuple[int, tuple[int, int]]:
+        """How many rows each direction has room for, and how many of approach and retraction are filled."""
+        numbers = [int(word) for word in re.findall(r"\d{1,9}", self._of(CHANNEL).get("samps/line", ""))]
+        retrace = re.findall(r"\d{1,9}", self._of("Ciao force list").get("samps/line, retrace", ""))
+        if not numbers or min(numbers) < 1:
+            raise InputError(f"{self.path}: is damaged: names no rows of its curves (Samps/line): {AGAIN}")
+        stride = max(numbers)
+        return stride, (numbers[-1], min(int(retrace[0]), stride) if retrace else numbers[-1])
 
     @property
     def count(self) -> int:
         """How many curves the file holds."""
-        return self.shape[0] * self.shape[1]
+        return len(self.channels[DEFLECTION][1])
 
-    @property
+    @cached_property
     def shape(self) -> tuple[int, int]:
         """Rows and columns of the map, of a file of one curve 1 and 1."""
         scan = self._of("Ciao scan list")
         if "volume" not in scan.get("operating mode", "").lower() and not self.is_capture:
             return 1, 1
-        return tuple(int(self._number(scan, key)) for key in ("lines", "samps/line"))  # type: ignore[return-value]
+        return int(self._number(scan, "lines")), int(self._number(scan, "samps/line"))
 
     @property
     def is_capture(self) -> bool:
@@ -149,7 +158,7 @@ class File:
             z, what = z if toward(z, P) else -z, "height sensor"
         else:
             z, what = self._ramp(), "ramp of the piezo"
-        return z, self._times(), self.rows[0], what
+        return z, self._times(), self.samples[1][0], what
 
     def _ramp(self) -> Array:
         """Positions [m] of a piezo that moves in equal steps, the rows of the file over its range."""
@@ -173,39 +182,34 @@ class File:
     def _times(self) -> Array | None:
         """Times [s] from the speed of the piezo, without pauses; None where the file names no speed."""
         force, (section, counts) = self._of("Ciao force list"), self.channels[DEFLECTION]
-        ramp = _last(section.get("ramp size", ""))
-        speeds = [_last(force.get(key, "")) for key in ("forward vel.", "reverse vel.")]
-        if not (ramp and all(entry and _is_size(entry[0]) for entry in (ramp, *speeds))):
+        ramp, *speeds = (
+            _last(entry)[0]
+            for entry in (section.get("ramp size", ""), force.get("forward vel.", ""), force.get("reverse vel.", ""))
+        )
+        if not all(map(_is_size, (ramp, *speeds))):
             return None
-        steps = np.repeat([ramp[0] / speed[0] / counts.shape[2] for speed in speeds if speed], self.rows)
+        steps = np.repeat([ramp / speed / counts.shape[2] for speed in speeds], self.samples[1])
         return np.cumsum(steps) - steps[0]
 
     def _in_order(self, halves: Array) -> Array:
         """Both directions one after the other as they were recorded, without rows that were not filled."""
-        approach, retract = self.rows
+        approach, retract = self.samples[1]
         return np.concatenate([halves[0, :approach][::-1], halves[1, :retract]])
 
-    def _samples(self, section: Section) -> tuple[int, tuple[int, int]]:
-        """How many rows each direction has room for, and how many of approach and retraction are filled."""
-        numbers = [int(word) for word in re.findall(r"\d{1,9}", section.get("samps/line", ""))]
-        retrace = re.findall(r"\d{1,9}", self._of("Ciao force list").get("samps/line, retrace", ""))
-        if not numbers or min(numbers) < 1:
-            raise InputError(f"{self.path}: is damaged: names no rows of its curves (Samps/line): {AGAIN}")
-        stride = max(numbers)
-        return stride, (numbers[-1], min(int(retrace[0]), stride) if retrace else numbers[-1])
-
-    def _counts(self, content: bytes, section: Section, stride: int) -> Array:
+    def _counts(self, section: Section) -> Array:
         """The counts of a channel (curves, direction, rows), as whole numbers of two or four bytes."""
+        stride, _ = self.samples
         at, size = (int(self._number(section, key)) for key in ("data offset", "data length"))
-        if at + size > len(content):
-            raise InputError(f"{self.path}: is cut off: holds {len(content):,} bytes of {at + size:,}: {AGAIN}")
-        each = 2 * stride * self.count
+        if at + size > len(self.content):
+            raise InputError(f"{self.path}: is cut off: holds {len(self.content):,} bytes of {at + size:,}: {AGAIN}")
+        count = math.prod(self.shape)
+        each = 2 * stride * count
         if each == 0 or size not in (2 * each, 4 * each):
             raise InputError(
-                f"{self.path}: is damaged or of a layout that is not read: {size:,} bytes for {self.count:,} curves of "
+                f"{self.path}: is damaged or of a layout that is not read: {size:,} bytes for {count:,} curves of "
                 f"2 x {stride:,} rows, 2 or 4 bytes each: export it as text"
             )
-        return np.frombuffer(content, f"<i{size // each}", size // (size // each), at).reshape(-1, 2, stride)
+        return np.frombuffer(self.content, f"<i{size // each}", each, at).reshape(-1, 2, stride)
 
     def _per_count(self, section: Section) -> float:
         """Volts of a count."""
@@ -223,18 +227,13 @@ class File:
         """A sensitivity [m/V]; some versions leave out its unit, nm/V; 0 where it is missing or one of other units."""
         entry = next((section[name.lower()] for _, section in self.sections if name.lower() in section), "")
         match = re.match(rf"V\s+({NUMBER})\s*(\S*)", entry)
-        unit = unit_power((match[2] or "nm/V").removesuffix("/V")) if match else None
-        fits = match and _is_size(float(match[1])) and unit and unit[0] == "length"
-        return float(match[1]) * 10.0 ** unit[1] if match and unit and fits else 0.0
+        fits = match and _is_size(float(match[1]))
+        return _metres(float(match[1]), (match[2] or "nm/V").removesuffix("/V")) if match and fits else 0.0
 
     def _size(self, entry: str, what: str) -> float:
         """A length [m]: volts with their sensitivity, "V [Sens. Zsens] (0.0067 V/LSB) 151.48 V", or nanometres."""
-        last, soft = _last(entry), re.search(r"\[(Sens\. [^\]]+)\]", entry)
-        if last and last[1] == "V" and soft:
-            size = last[0] * self._per_volt(soft[1])
-        else:
-            unit = unit_power(last[1]) if last else None
-            size = last[0] * 10.0 ** unit[1] if last and unit and unit[0] == "length" else 0.0
+        (number, unit), soft = _last(entry), re.search(r"\[(Sens\. [^\]]+)\]", entry)
+        size = number * self._per_volt(soft[1]) if unit == "V" and soft else _metres(number, unit)
         if not _is_size(size):
             raise InputError(f"{self.path}: names no {what}, and no height sensor was recorded: export it as text")
         return size
@@ -242,11 +241,11 @@ class File:
     def _pixel(self, number: int) -> Pixel | None:
         """The place of a curve in a map, centred on the scan."""
         lines, columns = self.shape
-        size = _last(self._of("Ciao scan list").get("scan size", ""))
-        unit = unit_power(size[1].replace("~", "u")) if size else None
-        if lines * columns == 1 or size is None or unit is None:
+        size, unit = _last(self._of("Ciao scan list").get("scan size", ""))
+        unit = unit.replace("~", "u")
+        if lines * columns == 1 or unit_power(unit) is None:
             return None
-        step = size[0] * 10.0 ** unit[1] / columns
+        step = _metres(size, unit) / columns
         row, column = divmod(number, columns)
         return Pixel(column, row, step * (column + 0.5 - columns / 2), step * (row + 0.5 - lines / 2))
 
@@ -290,10 +289,16 @@ def _is_size(number: float) -> bool:
     return 1 / LARGEST_SI < number < LARGEST_SI
 
 
-def _last(entry: str) -> tuple[float, str] | None:
-    """The last number of an entry and its unit, "" where it has none."""
+def _last(entry: str) -> tuple[float, str]:
+    """The last number of an entry, 0 where there is none, and its unit, "" where it has none."""
     match = re.search(rf"({NUMBER})\s*([^\s\d]*)\s*\Z", entry)
-    return (float(match[1]), match[2]) if match else None
+    return (float(match[1]), match[2]) if match else (0.0, "")
+
+
+def _metres(number: float, unit: str) -> float:
+    """A length [m]; 0 where the unit is of something else."""
+    dimension, power = unit_power(unit) or ("", 0)
+    return number * 10.0**power if dimension == "length" else 0.0
 
 
 def _volts(counts: Array, per_count: float) -> tuple[Array, tuple[str, ...]]:

@@ -59,7 +59,7 @@ from .case import Case, load_case, store
 from .case import parse_case as _parse_case
 from .case import solve as _solve
 from .data import Curve, Reading, from_columns
-from .data.measured import read as read_curves
+from .data import read as read_curves
 from .methods import Limits, Method
 from .report import AnyResult, Result, as_result
 from .series import Solution

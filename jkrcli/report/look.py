@@ -10,8 +10,7 @@ from typing import Any
 from ..base import InputError, Unknown, show
 from ..beside.reach import Rough, rough
 from ..bodies import Indenter
-from ..data import BaseLine, Direction, ForceCurve, examine, measured
-from ..data.measured.curve import ARBITRARY
+from ..data import ARBITRARY, BaseLine, Direction, ForceCurve, examine, measured
 from .output import SHOWN
 from .result import Figure, Result
 

@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from ...base import SHOWN, InputError, did_you_mean, hdf5
-from . import afm, archive, nanoscope, text
+from . import afm, archive, instruments, nanoscope, text
 from .curve import APPROACH, LEAST_ROWS, AsRead, Curve, Reading
-from .instruments import SEGMENTS
 from .tip_position import SUBTRACTED_TWICE, of_its_device, stiffness_of_noise
 
 __all__ = ["APPROACH", "SUBTRACTED_TWICE", "Curve", "Reading", "each", "from_columns", "read", "usable"]
@@ -122,7 +121,7 @@ def _selected(curve: Curve, reading: Reading) -> Curve:
     """The curve at the rows that ``reading`` asks for."""
     if "segment" in reading.where:
         word = reading.where["segment"]
-        curve = curve.only(SEGMENTS.get(word.lower(), word))
+        curve = curve.only(instruments.SEGMENTS.get(word.lower(), word))
     if reading.rows is None:
         return curve
     first, last = reading.rows

@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -43,8 +43,8 @@ def curves(path: Path, reading: Reading) -> Iterator[AsRead]:
         name = path.stem if len(data_sets) == 1 else str(data.enum)
         try:
             with _guarded(place(path, name)):
-                pair = _curve_and_stiffness(path, name, data, reading, lacks)
-            yield pair
+                as_read = _curve_and_stiffness(path, name, data, reading, lacks)
+            yield as_read
         except InputError as error:
             yield error, None
 
@@ -211,14 +211,13 @@ def _pixel(path: Path, data: Any) -> Pixel | None:
     """The place of a data set in a map, where its file holds it; Igor's in the note of the wave."""
     if path.suffix == ".ibw":
         note = dict(COUNTED.findall(read_bytes(path, intact.WHAT)))
-        if len(note) < len(IN_NOTE):
-            return None
-        column, row, x, y = (float(note[key]) for key in IN_NOTE)
-        return Pixel(int(column), int(row), x, y)
-    entries = [_metadata(data, key) for key in ("grid index x", "grid index y", "position x", "position y")]
+        entries: list[Any] = [float(note[key]) if key in note else None for key in IN_NOTE]
+    else:
+        entries = [_metadata(data, key) for key in ("grid index x", "grid index y", "position x", "position y")]
     if any(value is None or not math.isfinite(value) for value in entries):
         return None
-    return Pixel(int(entries[0]), int(entries[1]), float(entries[2]), float(entries[3]))
+    column, row, x, y = map(float, entries)
+    return Pixel(int(column), int(row), x, y)
 
 
 def _holds(data: Any, name: str) -> bool:
@@ -242,15 +241,12 @@ def _column(where: str, data: Any, name: str) -> Array:
 
 def _stiffness(curve: Curve, data: Any, reading: Reading) -> float | None:
     """The spring constant [N/m] of the file, or the user's where it has none: loads were computed with it."""
-    of_file = _metadata(data, "spring constant")
-    of_user = reading.stiffness
-    if reading.incomplete and of_user is None and of_file in (None, 1.0):
+    of_file, of_user = _metadata(data, "spring constant"), cast(Any, reading.stiffness)
+    if of_user is None and reading.incomplete and of_file in (None, 1.0):
         return None
-    if of_file is None and of_user is None:
+    if of_user is None and of_file is None:
         raise InputError(f"{curve.where}: names no spring constant: give --stiffness")
-    if of_file is not None and of_user is not None and not math.isclose(of_file, of_user, rel_tol=1e-6):
+    if None not in (of_file, of_user) and not math.isclose(of_file, of_user, rel_tol=1e-6):
         raise InputError(f"{curve.where}: names a spring constant of {of_file:g} N/m, with which its loads were "
                          f"computed: leave out --stiffness {of_user:g}")  # fmt: skip
-    stiffness = of_user if of_file is None else of_file
-    assert stiffness is not None
-    return float(stiffness)
+    return float(of_user if of_file is None else of_file)

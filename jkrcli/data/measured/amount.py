@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...base import InputError
+from ...base import LOOKED_AT, InputError
 from . import archive
 
-EACH = 400  # choice: rows that a table of an archive costs beside its own
 WIDE = 160.0  # bytes, from which on a row costs by its length; tuned on tables of 12 to 1000 columns, by `make guards`
 USUAL = 40.0  # choice: bytes of a row of files without lines, those of microscopes
 
@@ -22,8 +21,9 @@ def rows_expected(path: Path) -> float:
             return 0.0
         if path.suffix.lower() == ".zip":
             inside = archive.tables(path)
+            # each table costs as many rows beside its own as are looked at to see how it is written
             heads = archive.contents(path, inside, archive.PIECE)
-            return sum(_rows(item.file_size, head) + EACH for item, head in zip(inside, heads, strict=True))
+            return sum(_rows(item.file_size, head) + LOOKED_AT for item, head in zip(inside, heads, strict=True))
         if path.suffix.lower().startswith(".jpk"):
             return sum(item.file_size for item in archive.members(path)) / USUAL
         with path.open("rb") as file:

@@ -104,11 +104,17 @@ def positions(table: TextTable) -> list[tuple[int, Position]]:
 def deflection(table: TextTable) -> int | None:
     """The column of the cantilever's deflection, as a force rather than in metres, and so rather than in volts; None
     where there is none."""
-    candidates = [i for i, title in enumerate(table.names) if plain(title) in DEFLECTIONS]
-    order = {"load": 0, "length": 1}
-    known = [unit_power(split_name(table.names[i])[1]) for i in candidates]
-    ranks = [2 if unit is None else order.get(unit[0], 2) for unit in known]
-    return candidates[ranks.index(min(ranks))] if candidates else None
+
+    def rank(index: int) -> int:
+        dimension, _ = unit_power(split_name(table.names[index])[1]) or ("", 0)
+        return {"load": 0, "length": 1}.get(dimension, 2)
+
+    return min((i for i, title in enumerate(table.names) if is_deflection(title)), key=rank, default=None)
+
+
+def is_deflection(title: str) -> bool:
+    """Whether a header cell names the deflection of a cantilever."""
+    return plain(title) in DEFLECTIONS
 
 
 def toward(z: Array, P: Array) -> bool:
@@ -148,25 +154,22 @@ def constants(head: tuple[str, ...]) -> Mapping[str, float]:
         if "/" in number:
             unit, number = number, unit
         try:
-            value = float(number.strip('"').replace(",", ".")) * _ratio(unit)
+            value = float(number.strip('"').replace(",", "."))
+            kind, size = _kind(unit)
         except (ValueError, KeyError):
             continue
-        for key, names in (("stiffness", SPRING), ("sensitivity", SENSITIVITY)):
-            if plain(name) in names and _kind(unit) == key and value > 0 and float(number.replace(",", ".")) != 1:
-                values.setdefault(key, value)
+        names = {"stiffness": SPRING, "sensitivity": SENSITIVITY}.get(kind, ())
+        if plain(name) in names and value > 0 and value != 1:
+            values.setdefault(kind, value * size)
     return values
 
 
-def _kind(unit: str) -> str:
+def _kind(unit: str) -> tuple[str, float]:
+    """What a unit such as nN/nm is one of, "stiffness" or "sensitivity", "" of neither, and its size in SI; KeyError
+    where it is none."""
     above, below = unit.split("/")
-    return "stiffness" if above.endswith("N") and below.endswith("m") else \
-        "sensitivity" if above.endswith("m") and below.endswith("V") else ""  # fmt: skip
-
-
-def _ratio(unit: str) -> float:
-    """The size of a unit such as nN/nm in SI; KeyError where it is none."""
     powers = []
-    for part in unit.split("/"):
+    for part in (above, below):
         known = unit_power(part)
         powers.append(known[1] if known else VOLTS[part.replace("µ", "u").replace("μ", "u")])
-    return float(10.0 ** (powers[0] - powers[1]))
+    return {"Nm": "stiffness", "mV": "sensitivity"}.get(above[-1:] + below[-1:], ""), 10.0 ** (powers[0] - powers[1])

@@ -117,29 +117,32 @@ class File:
         """Spring constant [N/m] and sensitivity [m/V] of the user, else of the file, and flags on their origin."""
         section, _ = self.channels[DEFLECTION]
         spring = re.match(NUMBER, section.get("spring constant", ""))
-        of_file = {"stiffness": float(spring[0]) if spring else 0.0, "sensitivity": self._sensitivity(section)}
+        of_file = {
+            "stiffness": float(spring[0]) if spring else 0.0,
+            "sensitivity": self._per_volt(section.get("z scale", "")),
+        }
         if reading.stiffness == math.inf:
             raise InputError(f"{self.path}: is of a force microscope, whose lever bends: give its stiffness, not rigid")
         values, flags = [], []
         for key, size, unit in (("stiffness", 1.0, "N/m"), ("sensitivity", 1e-9, "nm/V")):
-            of_user = getattr(reading, key)
-            if of_user is None and not _is_size(of_file[key]):
-                if not reading.incomplete:
-                    raise InputError(f"{self.path}: names no {key}: give --{key}")
-                flags.append(f"the file lacks its {key}: {ARBITRARY} --{key}")
-                values.append(1.0)
-                continue
-            values.append(of_user or of_file[key])
-            source = "of the file" if of_user is None else f"as told, the file says {of_file[key] / size:g} {unit}"
-            flags.append(f"{key} {values[-1] / size:g} {unit} {source}")
+            of_user, there = getattr(reading, key), f"{of_file[key] / size:g} {unit}"
+            if of_user is not None:
+                value, flag = of_user, f"{key} {of_user / size:g} {unit} as told, the file says {there}"
+            elif _is_size(of_file[key]):
+                value, flag = of_file[key], f"{key} {there} of the file"
+            elif reading.incomplete:
+                value, flag = 1.0, f"the file lacks its {key}: {ARBITRARY} --{key}"
+            else:
+                raise InputError(f"{self.path}: names no {key}: give --{key}")
+            values.append(value)
+            flags.append(flag)
         return values[0], values[1], tuple(flags)
 
     def curve(self, name: str, number: int, per_volt: float, calibration: tuple[str, ...]) -> Curve:
         """The curve of one ``number``; ``per_volt`` [N/V]."""
         where = place(self.path, name)
-        section, counts = self.channels[DEFLECTION]
-        volts, finer = _volts(counts[number], self._per_count(section))
-        P = self._in_order(volts) * per_volt
+        volts, finer = self._volts(DEFLECTION, number)
+        P = volts * per_volt
         if P.size < LEAST_ROWS:
             raise InputError(f"{where}: holds {P.size} rows, at least {LEAST_ROWS} are needed")
         z, t, turn, what = self._motion(number, P)
@@ -152,9 +155,7 @@ class File:
         if self.is_capture:
             return self._oscillation(P.size)
         if SENSOR in self.channels:
-            section, counts = self.channels[SENSOR]
-            volts, _ = _volts(counts[number], self._per_count(section))
-            z = self._in_order(volts) * self._sensitivity(section)
+            z = self._volts(SENSOR, number)[0] * self._per_volt(self.channels[SENSOR][0].get("z scale", ""))
             z, what = z if toward(z, P) else -z, "height sensor"
         else:
             z, what = self._ramp(), "ramp of the piezo"
@@ -211,29 +212,32 @@ class File:
             )
         return np.frombuffer(self.content, f"<i{size // each}", each, at).reshape(-1, 2, stride)
 
-    def _per_count(self, section: Section) -> float:
-        """Volts of a count."""
+    def _volts(self, channel: str, number: int) -> tuple[Array, tuple[str, ...]]:
+        """The rows of a channel in volts. Some versions write whole counts shifted by a byte into four, which shows in
+        their last."""
+        section, counts = self.channels[channel]
         match = re.search(rf"\(({NUMBER}) V/LSB\)", section.get("z scale", ""))
         if match is None or not _is_size(float(match[1])):
             raise InputError(f"{self.path}: is damaged: names no scale of its {_name(section)}: {AGAIN}")
-        return float(match[1])
+        ends = counts[number] & 0xFF
+        shifted = counts.itemsize == 4 and bool(np.isin(ends, (0, 0xFF)).all()) and bool(counts[number].any())
+        volts = self._in_order(counts[number]) * (float(match[1]) / 256 if shifted else float(match[1]))
+        return volts, ("counts of four bytes, shifted by one, were read as such",) if shifted else ()
 
-    def _sensitivity(self, section: Section) -> float:
-        """Metres of a volt of a channel, by the sensitivity that its scale names; 0 where the head lacks it."""
-        match = re.search(r"\[(Sens\. [^\]]+)\]", section.get("z scale", ""))
-        return self._per_volt(match[1]) if match else 0.0
-
-    def _per_volt(self, name: str) -> float:
-        """A sensitivity [m/V]; some versions leave out its unit, nm/V; 0 where it is missing or one of other units."""
-        entry = next((section[name.lower()] for _, section in self.sections if name.lower() in section), "")
-        match = re.match(rf"V\s+({NUMBER})\s*(\S*)", entry)
+    def _per_volt(self, entry: str) -> float:
+        """The sensitivity [m/V] that an entry names, "V [Sens. Zsens] ..."; some versions leave out its unit, nm/V; 0
+        where the head lacks it, or has one of other units."""
+        soft = re.search(r"\[(Sens\. [^\]]+)\]", entry)
+        name = soft[1].lower() if soft else ""
+        value = next((section[name] for _, section in self.sections if name and name in section), "")
+        match = re.match(rf"V\s+({NUMBER})\s*(\S*)", value)
         fits = match and _is_size(float(match[1]))
         return _metres(float(match[1]), (match[2] or "nm/V").removesuffix("/V")) if match and fits else 0.0
 
     def _size(self, entry: str, what: str) -> float:
         """A length [m]: volts with their sensitivity, "V [Sens. Zsens] (0.0067 V/LSB) 151.48 V", or nanometres."""
-        (number, unit), soft = _last(entry), re.search(r"\[(Sens\. [^\]]+)\]", entry)
-        size = number * self._per_volt(soft[1]) if unit == "V" and soft else _metres(number, unit)
+        number, unit = _last(entry)
+        size = number * self._per_volt(entry) if unit == "V" else _metres(number, unit)
         if not _is_size(size):
             raise InputError(f"{self.path}: names no {what}, and no height sensor was recorded: export it as text")
         return size
@@ -299,10 +303,3 @@ def _metres(number: float, unit: str) -> float:
     """A length [m]; 0 where the unit is of something else."""
     dimension, power = unit_power(unit) or ("", 0)
     return number * 10.0**power if dimension == "length" else 0.0
-
-
-def _volts(counts: Array, per_count: float) -> tuple[Array, tuple[str, ...]]:
-    """The volts of counts. Some versions write whole counts shifted by a byte into four, which shows in their last."""
-    shifted = counts.dtype.itemsize == 4 and bool(np.isin(counts & 0xFF, (0, 0xFF)).all()) and bool(counts.any())
-    factor = per_count / 256 if shifted else per_count
-    return counts * factor, ("counts of four bytes, shifted by one, were read as such",) if shifted else ()

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base import Array, show
+from ...base import NOTICEABLE, Array, show
 from .curve import Curve
 
 
@@ -15,7 +15,6 @@ class SaturationTuning:
     """What no load of a contact does."""
 
     saturated: int = 5  # choice: rows in succession at the very same largest load that count
-    moved: float = 2e-3  # choice: of the way, how far the device must move on meanwhile
     levels: float = 10.0  # choice: of a converter, by which the load must have come there within as many rows
 
 
@@ -44,7 +43,7 @@ def _standing_still(P: Array, z: Array, end: float) -> int:
     count = int(last[i] - first[i])
     levels = np.diff(np.unique(P))
     moved = np.abs(z[first[i] : last[i]] - z[first[i]]).max()
-    if count < TUNING.saturated or count == P.size or moved < TUNING.moved * np.ptp(z):
+    if count < TUNING.saturated or count == P.size or moved < NOTICEABLE * np.ptp(z):
         return 0
     near = P[max(first[i] - count, 0) : last[i] + count]
     return count if float(np.ptp(near)) > TUNING.levels * float(levels.min()) else 0

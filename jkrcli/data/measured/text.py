@@ -32,7 +32,6 @@ from .curve import (
     Reading,
     place,
 )
-from .instruments import DEFLECTIONS, SEGMENTS, VOLTS, plain
 
 WHOLE = ("seriestime", "series time")  # of a record whose segments have their own time too
 UNITS_OF = {"stiffness": "N/m", "sensitivity": "m/V"}
@@ -126,11 +125,11 @@ def _segments(table: TextTable, index: int | None) -> tuple[Array | None, list[s
     if not words:
         return None, []
     whole = itertools.accumulate(words, lambda above, word: word or above)  # sheets write some only where they change
-    segments = np.array([SEGMENTS.get(word.lower(), word) for word in whole])
+    segments = np.array([instruments.SEGMENTS.get(word.lower(), word) for word in whole])
     others = dict.fromkeys(word for word in words if word)
     if index is None or set(others) <= {APPROACH, RETRACT}:
         return segments, []
-    meant = [f'"{word}" is {SEGMENTS.get(word.lower(), "neither approach nor retract")}' for word in others]
+    meant = [f'"{word}" is {instruments.SEGMENTS.get(word.lower(), "neither approach nor retract")}' for word in others]
     more = ", ..." * (len(meant) > SHOWN)
     return segments, [f"segments from {table.titled(index)}: {', '.join(meant[:SHOWN])}{more}"]
 
@@ -190,7 +189,7 @@ def _put_together(table: TextTable, reading: Reading) -> tuple[TextTable, list[s
 
 def _quantity_of(title: str) -> str | None:
     """The key of the quantity that a header cell names: of prepared tables, else of an instrument's."""
-    bent = "P" if plain(title) in DEFLECTIONS else None
+    bent = "P" if instruments.is_deflection(title) else None
     return NAMES.key_of(title) or ("delta" if instruments.position_of(title) is not None else bent)
 
 
@@ -224,8 +223,8 @@ class Columns:
     @cached_property
     def bent(self) -> tuple[str, int] | None:
         """Whether the load's column is a deflection: "length" or "voltage" and its unit's power of ten, by the unit."""
-        if self.unit_of_load in VOLTS:
-            return "voltage", VOLTS[self.unit_of_load]
+        if self.unit_of_load in instruments.VOLTS:
+            return "voltage", instruments.VOLTS[self.unit_of_load]
         parsed = unit_power(self.unit_of_load)
         if parsed is None or parsed[0] != "length" or NAMES.key_of(self.table.names[self.chosen["P"]]) == "P":
             return None  # a force in metres is a mistake
@@ -251,7 +250,7 @@ class Columns:
     def _load(self, index: int) -> tuple[Array, list[str]]:
         """The load [N], and the sentence that says so where it is that of a deflection."""
         table, unit = self.table, self.unit_of_load
-        if plain(table.names[index]) in DEFLECTIONS and not unit:  # it may be one of volts, metres or newtons
+        if instruments.is_deflection(table.names[index]) and not unit:  # it may be one of volts, metres or newtons
             name = split_name(table.names[index])[0]
             raise InputError(f"{table.path}: {table.titled(index)} is a deflection and names no unit: give "
                              f'--unit "{name}=nm", or V, or nN, or write it into the header')  # fmt: skip
@@ -305,7 +304,7 @@ class Columns:
             return False
         index = self.chosen["delta"]
         hinted = "stiffness" in self.in_head and index not in NAMES.named(self.table, "delta")
-        telling = any(word in plain(self.table.names[index]) for word in instruments.DEPTHS)
+        telling = any(word in instruments.plain(self.table.names[index]) for word in instruments.DEPTHS)
         return (self.bent is not None or hinted) and not telling
 
     def with_sign(self, curve: Curve, flags: tuple[str, ...]) -> Curve:
@@ -349,7 +348,7 @@ def _columns(table: TextTable, reading: Reading) -> tuple[Columns, list[str]]:
         flags += [why] if why else []
     for key in NAMES.quantities:
         if key not in chosen and (named := NAMES.named(table, key)) and not (key == "area" and "a" in chosen):
-            whole = [i for i in named if plain(table.names[i]) in WHOLE]
+            whole = [i for i in named if instruments.plain(table.names[i]) in WHOLE]
             chosen[key] = whole[0] if whole else NAMES.guess(table, key)
     bent = instruments.deflection(table)
     if "P" not in chosen and bent is not None and bent not in chosen.values():
@@ -385,7 +384,7 @@ def _displacement(table: TextTable, taken: set[int], stiffness: float | None) ->
     """The column of a position and, where there was a choice, why it was taken; None: the names of prepared tables."""
     prepared = NAMES.named(table, "delta")
     candidates = [(i, kind) for i, kind in instruments.positions(table) if i not in taken and i not in prepared]
-    if not candidates or any(plain(table.names[i]) == "delta" for i in prepared):
+    if not candidates or any(instruments.plain(table.names[i]) == "delta" for i in prepared):
         return None
     device = next((i for i, kind in candidates if kind.device), None)
     tip = prepared[0] if prepared else next((i for i, kind in candidates if not kind.device), None)

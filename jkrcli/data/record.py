@@ -47,7 +47,6 @@ class RecordTuning:
     # tuned on records, by `make constants`: just below the half of a step in speed that smoothing leaves at its place
     still: float = 0.45
     smooth: int = 4  # choice: degree of a polynomial that follows the end of a contact and no kink
-    beyond: float = 1.5  # choice: rows over those of the base line, through which the polynomial must go on
     wavy: float = 0.03  # choice: of the range of the load, waviness of a base line that is flagged
     # choice: what a tilt may make of the largest load over the depth of contact, and the largest load or tension at
     # least of what it makes over all of the base line
@@ -360,8 +359,8 @@ def _base_line(x: Array, y: Array, end: int) -> BaseLine:
 def _is_curved(x: Array, y: Array, end: int) -> bool:
     """Whether the first ``end`` rows go on smoothly in as many more: one polynomial through all of them leaves much
     less than the line through what surely would be free. Contact begins with a kink or a jump, which none follows."""
-    sure, whole = round(TUNING.inside * end), min(2 * end, x.size)
-    if sure < 2 * (TUNING.smooth + 1) or whole < TUNING.beyond * end:
+    sure, whole = round(TUNING.inside * end), 2 * end
+    if sure < 2 * (TUNING.smooth + 1) or whole > x.size:
         return False
     return _left(x[:whole], y[:whole], TUNING.smooth) < TUNING.half * _left(x[:sure], y[:sure], 1)
 

@@ -28,7 +28,7 @@ OTHER_UNITS = ("", "-", "1", "V", "mV")
 SHEETS = (".xls", ".xlsx", ".ods")  # endings of spreadsheets, which are no text
 MEND = ": correct it, or put # before it"
 WRONG_LINES_SHOWN = 5
-MOST_COLUMNS = 10_000  # choice: a map of 64 x 64 curves beside each other and more
+MOST_COLUMNS = 10_000  # choice: a map of 64 x 64 curves beside each other and more; as many lines at an end of a head
 
 _NUMBER = re.compile(r"[+-]?(\d+(?:[.]\d*)?|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)
 _THOUSANDS = {  # by the decimal mark: a number whose digits are grouped, always by the same mark
@@ -48,7 +48,6 @@ class TextTuning:
     """How much of a file shows how it is written."""
 
     gaps: float = 0.1  # choice: of the rows, that may lack a number
-    comments: int = 10_000  # choice: lines at either end of a long head; between them nothing is named
 
 
 TUNING = TextTuning()
@@ -299,9 +298,9 @@ def _narrow(path: Path, n: int, line: str) -> str:
 def _without_long_head(content: Lines) -> Lines:
     """The lines without the midst of very many comments before the first other line."""
     comments = next((i for i, (_, line) in enumerate(content) if not _is_comment(line)), len(content))
-    if comments <= 2 * TUNING.comments:
+    if comments <= 2 * MOST_COLUMNS:
         return content
-    return content[: TUNING.comments] + content[comments - TUNING.comments :]
+    return content[:MOST_COLUMNS] + content[comments - MOST_COLUMNS :]
 
 
 def _refuse_doubtful(path: Path, content: Lines, dialect: Dialect) -> None:
@@ -395,12 +394,7 @@ def _with_text(content: Lines, dialect: Dialect, least: int, is_text: IsText) ->
 
 
 def _dialect(
-    path: Path,
-    content: Lines,
-    separator: str | None,
-    decimal: str | None,
-    least: int,
-    is_text: IsText,
+    path: Path, content: Lines, separator: str | None, decimal: str | None, least: int, is_text: IsText
 ) -> tuple[Dialect, Lines]:
     """The way to read the lines that gives most rows of numbers, by a sample of them, and that."""
     dialects = [Dialect(s, d) for s in SEPARATORS for d in (".", ",") if (s, d) != ("comma", ",")]

@@ -21,8 +21,7 @@ from jkrcli.cli.voice import SILENCE
 from jkrcli.data import foreign, measured
 from jkrcli.data.measured import instruments
 from jkrcli.data.measured.amount import rows_expected
-from jkrcli.data.text_table import TUNING as TEXT
-from jkrcli.data.text_table import Dialect, read_table
+from jkrcli.data.text_table import MOST_COLUMNS, Dialect, read_table
 from jkrcli.many.sweep.plan import load_plan
 from jkrcli.many.sweep.quantities import Wanted
 from jkrcli.many.sweep.running import forecast
@@ -271,14 +270,14 @@ def test_a_radius_out_of_all_range_is_named_rather_than_fitted(wrong: float) -> 
 # ---------------------------------------------------------------------- read in linear time
 def test_of_a_very_long_head_of_comments_both_ends_are_read(tmp_path: Path) -> None:
     """Three million were asked one after the other for segments, constants and names, by every dialect."""
-    lines = [f"# remark {i}\n" for i in range(3 * TEXT.comments)]
+    lines = [f"# remark {i}\n" for i in range(3 * MOST_COLUMNS)]
     lines[0] = "# springConstant: 0.25\n"
     path = tmp_path / "x.txt"
     path.write_text("".join([*lines, "# delta (um)\tP (nN)\n", ROWS]))
     table = read_table(path, least=2)
     assert table.names == ("delta (um)", "P (nN)")
-    assert len(table.head) == 2 * TEXT.comments
-    assert table.lines[0] == 3 * TEXT.comments + 2
+    assert len(table.head) == 2 * MOST_COLUMNS
+    assert table.lines[0] == 3 * MOST_COLUMNS + 2
     assert instruments.constants(table.head) == {"stiffness": 0.25}
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base import Array
-from ..text_table import TUNING, TextTable
+from ..text_table import MOST_COLUMNS, TextTable
 from ..titles import LONGEST, split_name, unit_power
 from .curve import APPROACH, RETRACT
 
@@ -138,7 +138,7 @@ def segment_of(line: str) -> str | None:
 def constants(head: tuple[str, ...]) -> Mapping[str, float]:
     """Spring constant "stiffness" [N/m] and "sensitivity" [m/V] that the head of a file names; 1 stands for unknown."""
     values: dict[str, float] = {}
-    for whole in head[: TUNING.comments]:
+    for whole in head[:MOST_COLUMNS]:
         line = re.sub(r"\s+", lambda blank: "\t" if "\t" in blank[0] else " ", whole)
         if len(line) > LONGEST:
             continue

@@ -19,7 +19,9 @@ from .curve import AS_DEPTH, NOT_SUBTRACTED, Curve
 class TipPositionTuning:
     """When the noise of a displacement is that of the load."""
 
-    fewest: int = 100  # choice: rows; of fewer, chance may correlate two columns
+    # theory: rows; third differences are correlated, and leave so many as 100/2.3 apart: by chance the noise of two
+    # columns has the ``share`` at 4.7 standard deviations
+    fewest: int = 100
     share: float = 0.5  # theory: of the variance of delta: more of it follows P than does not
     usual: float = 4.0  # theory: medians, 2.7 standard deviations of normal noise: beyond is a jump or a turn
 

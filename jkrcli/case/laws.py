@@ -48,9 +48,7 @@ def _relaxation(value: Any) -> Any:
     return value
 
 
-def _tag_of_modulus(value: Any) -> str:
-    return str(value.get("law", "table")) if isinstance(value, dict) else NUMBER
-
-
-ModulusOrLaw = _any_law(LAWS, _modulus, _tag_of_modulus, Modulus)
+ModulusOrLaw = _any_law(
+    LAWS, _modulus, lambda value: str(value.get("law", "table")) if isinstance(value, dict) else NUMBER, Modulus
+)
 AnyRelaxation = _any_law(RELAXATIONS, _relaxation, lambda value: str(value["law"]))

@@ -16,7 +16,7 @@ NUMERAL = re.compile(r"0[xob][0-9a-fA-F_]+")  # TOML's own numbers with letters
 
 
 class UnquotedError(InputError):
-    """Values with a unit lack their quotes; ``quoted``: the text with them."""
+    """Values with a unit lack their quotes, one in each of the ``lines``; ``quoted``: the text with them."""
 
     def __init__(self, source: str, text: str):
         self.quoted = UNQUOTED.sub(_quoted, text)
@@ -30,8 +30,3 @@ class UnquotedError(InputError):
 
 def _quoted(match: re.Match[str]) -> str:
     return match[0] if NUMERAL.fullmatch(match["value"]) else f'{match["key"]} = "{match["value"]}"'
-
-
-def has_unquoted(text: str) -> bool:
-    """Whether a value with a unit lacks its quotes."""
-    return any(not NUMERAL.fullmatch(match["value"]) for match in UNQUOTED.finditer(text))

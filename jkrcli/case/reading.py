@@ -16,7 +16,7 @@ from ..base import InputError, did_you_mean, errors, ranges_of, read_bytes, unit
 from ..bodies import SHAPES
 from ..methods import METHODS
 from .models import CaseModel, RootTable, case_model, other_tables
-from .quotes import UnquotedError, has_unquoted
+from .quotes import UnquotedError
 
 Root = TypeVar("Root", bound=RootTable)
 MOST_BYTES = 16 << 20  # read at about 1 MiB/s
@@ -130,8 +130,8 @@ def parse_toml(content: bytes, source: str) -> dict[str, Any]:
     except RecursionError:
         raise InputError(f"{source}: is not valid TOML: brackets are nested too deeply") from None
     except tomllib.TOMLDecodeError as error:
-        if has_unquoted(text):
-            raise UnquotedError(source, text) from None
+        if (unquoted := UnquotedError(source, text)).lines:
+            raise unquoted from None
         raise InputError(f"{source}: is not valid TOML: {str(error)[0].lower()}{str(error)[1:]}") from None
     except ValueError:
         raise InputError(f"{source}: is not valid TOML: a number has thousands of digits") from None
@@ -193,10 +193,9 @@ def _sentence(item: Any, tree: dict[str, Any], keys_at: KeysAt) -> str:
         case "jkr":
             hint = _rigid(where) if value == "rigid" else ""
             return f"{where}: {item['msg']}{hint}" if where else item["msg"]
-        case "greater_than_equal":
-            return f"{where}: must be >= {context['ge']}, got {shown(value)}"
-        case "less_than_equal":
-            return f"{where}: must be <= {context['le']}, got {shown(value)}"
+        case "greater_than_equal" | "less_than_equal":
+            bound = f">= {context['ge']}" if "ge" in context else f"<= {context['le']}"
+            return f"{where}: must be {bound}, got {shown(value)}"
     wanted = next((f"must be {words}" for kinds, words in KINDS.items() if item["type"] in kinds), item["msg"])
     return f"{where}: {wanted}, got {shown(value)}"
 
@@ -222,10 +221,8 @@ def _path(loc: tuple[Any, ...], tree: dict[str, Any]) -> str:
                 continue  # a single value that stands for a list of one
             path += f"[{part}]"
             here = here[part] if part < len(here) else None
-        elif part in SHAPES and isinstance(here, dict) and here.get("shape") == part:
-            continue  # the tag of the shape, not a key
-        elif part.startswith("<"):
-            continue  # the tag of a material or law
+        elif part.startswith("<") or (part in SHAPES and isinstance(here, dict) and here.get("shape") == part):
+            continue  # the tag of a material, a law or a shape, not a key
         else:
             path += f".{part}" if path else str(part)
             here = here.get(part) if isinstance(here, dict) else None  # type: ignore[assignment]
@@ -243,8 +240,6 @@ def shown(value: Any) -> str:
         text = '"' + value.replace("\n", "\\n") + '"'
     elif isinstance(value, bool):
         text = str(value).lower()
-    elif isinstance(value, dict):
-        text = "a table"
     else:
-        text = str(value)
+        text = "a table" if isinstance(value, dict) else str(value)
     return text if len(text) <= 60 else text[:57] + "..."

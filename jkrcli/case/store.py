@@ -25,7 +25,6 @@ from ..base import (
     read_bytes,
     write_bytes,
 )
-from ..base.hdf5 import Dataset, Group
 from ..bodies import Problem
 from ..series import (
     COLUMNS,
@@ -89,7 +88,7 @@ def write(path: Path, solution: Solution, command_line: str = "") -> None:
     write_bytes(path, hdf5.image(_tree(solution, command_line)))
 
 
-def _tree(solution: Solution, command_line: str) -> Group:
+def _tree(solution: Solution, command_line: str) -> hdf5.Group:
     series, raw, pressure, record = solution.series, solution.raw, solution.pressure, solution.record
     first = {"a0_m": series.a0} | ({} if series.S0 is None else {"S0_N_per_m": series.S0})
     budget = {
@@ -97,50 +96,50 @@ def _tree(solution: Solution, command_line: str) -> Group:
         for name, value in solution.budget.as_dict().items()
     }
     text = (record.case or case_of(solution.problem)).to_toml(solution.method)
-    members: dict[str, Group | Dataset] = {
-        "case": Dataset(text),
-        "series": Group(first, _columns(series)),
-        "errors": Group(budget, _errors(series)),
-        "facts": Group(solution.facts),
-        "timings_s": Group(solution.timings),
-        "versions": Group(record.versions or versions()),
-        "warnings": Group({str(i): text for i, text in enumerate(solution.warnings)}),
+    members: dict[str, hdf5.Group | hdf5.Dataset] = {
+        "case": hdf5.Dataset(text),
+        "series": hdf5.Group(first, _columns(series)),
+        "errors": hdf5.Group(budget, _errors(series)),
+        "facts": hdf5.Group(solution.facts),
+        "timings_s": hdf5.Group(solution.timings),
+        "versions": hdf5.Group(record.versions or versions()),
+        "warnings": hdf5.Group({str(i): text for i, text in enumerate(solution.warnings)}),
     }
     members |= dict(_larger_elements(series))
     if raw is not None:
         rows = hdf5.column(np.asarray(raw.rows), "1", "number of the row")
-        members["increments"] = Group({}, _columns(raw) | {"row": rows})
+        members["increments"] = hdf5.Group({}, _columns(raw) | {"row": rows})
     if pressure is not None:
         r = hdf5.column(pressure.r, "m", "radii of the contact nodes")
         p = hdf5.column(pressure.p, "Pa", "contact pressure, one row per increment")
-        members["contact"] = hdf5.sealed(Group({}, {"r": r, "pressure": p}))
+        members["contact"] = hdf5.sealed(hdf5.Group({}, {"r": r, "pressure": p}))
     identity = {"format": FORMAT, "version": VERSION, "method": solution.method, "problem_key": solution.key}
-    return Group(identity | {"command_line": record.command_line or command_line}, members)
+    return hdf5.Group(identity | {"command_line": record.command_line or command_line}, members)
 
 
-def _larger_elements(series: Series) -> Iterator[tuple[str, Group]]:
+def _larger_elements(series: Series) -> Iterator[tuple[str, hdf5.Group]]:
     """The groups of the series by larger elements."""
     for name in COARSER:
         if series.coarser is None:
             return
         ratio, series = series.coarser.ratio, series.coarser.series
-        yield name, Group({"ratio": ratio}, _columns(series))
+        yield name, hdf5.Group({"ratio": ratio}, _columns(series))
 
 
-def _errors(series: Series) -> dict[str, Group | Dataset]:
+def _errors(series: Series) -> dict[str, hdf5.Group | hdf5.Dataset]:
     """The errors of the columns, each with the quantity that is equal in the comparison with the truth."""
     at_radius = series.errors_at_radius
     equal = {name: "radius" if name in ("S", "dS") or not at_radius else "displacement" for name in COLUMNS}
     errors = [(name, "", equal[name], values) for name, values in series.errors.items()]
     errors += [(name, "_at_equal_a", "radius", values) for name, values in at_radius.items()]
-    columns: dict[str, Group | Dataset] = {}
+    columns: dict[str, hdf5.Group | hdf5.Dataset] = {}
     for key, more, same, values in errors:
         name, unit, _ = STORED[key]
         columns[name + more] = hdf5.column(values, unit, f"estimated absolute error of {name} at equal {same}")
     return columns
 
 
-def _columns(rows: Series | RawSeries) -> dict[str, Group | Dataset]:
+def _columns(rows: Series | RawSeries) -> dict[str, hdf5.Group | hdf5.Dataset]:
     there = {key: values for key in COLUMNS if (values := getattr(rows, key, None)) is not None}
     return {STORED[key].name: hdf5.column(values, *STORED[key][1:]) for key, values in there.items()}
 
@@ -165,7 +164,7 @@ def read(path: str | Path, problem: Problem | None = None, with_pressure: bool =
         raise hdf5.unreadable(path, content) from None
 
 
-def _check(path: Path, root: Group, content: bytes) -> None:
+def _check(path: Path, root: hdf5.Group, content: bytes) -> None:
     """Refuse what is no series file of ours, of another release, or not as it was written."""
     kind, version = root.attributes.get("format", ""), root.attributes.get("version", 0)
     if kind != FORMAT:
@@ -179,7 +178,7 @@ def _check(path: Path, root: Group, content: bytes) -> None:
 class _Reader:
     """The parts of the file at ``path``, each checked."""
 
-    def __init__(self, path: Path, root: Group):
+    def __init__(self, path: Path, root: hdf5.Group):
         self.path, self.root = path, root
         self.sealed = root.attributes["version"] != UNPROTECTED
 
@@ -258,15 +257,15 @@ class _Reader:
             return {}
         return {key: _plain(self.path, f"{name}.{key}", value) for key, value in self.group(name).attributes.items()}
 
-    def group(self, name: str) -> Group:
+    def group(self, name: str) -> hdf5.Group:
         group = self.root.members.get(name)
-        if not isinstance(group, Group):
+        if not isinstance(group, hdf5.Group):
             raise InputError(f'{self.path}: group "{name}" is missing')
         return group
 
-    def dataset(self, group: str, name: str) -> Dataset:
+    def dataset(self, group: str, name: str) -> hdf5.Dataset:
         dataset = (self.group(group) if group else self.root).members.get(name)
-        if not isinstance(dataset, Dataset):
+        if not isinstance(dataset, hdf5.Dataset):
             raise InputError(f'{self.path}: dataset "{group}/{name}" is missing'.replace('"/', '"'))
         return dataset
 

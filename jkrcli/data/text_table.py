@@ -185,7 +185,8 @@ def decoded(content: bytes) -> str:
     """The text in ``content``: UTF-8 or UTF-16, with a mark or without one, else Windows-1252, else Latin-1."""
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return content.decode("utf-16", errors="replace")
-    for first, name in ((1, "utf-16-le"), (0, "utf-16-be")):  # of most letters one byte is zero, always the same
+    both = ((1, "utf-16-le"), (0, "utf-16-be")) if b"\0" in content else ()
+    for first, name in both:  # of most letters one byte is zero, always the same
         if content[first::2].count(0) > len(content) / 4 > 4 * content[1 - first :: 2].count(0):
             return content.decode(name, errors="replace")
     for name in ("utf-8-sig", "cp1252"):
@@ -238,11 +239,12 @@ def _table(
     dialect = replace(dialect, text=frozenset(i for i in dialect.text if i < values.shape[1]))
     body = _from(content, int(lines[0]))
     header = [line for _, line in content[: len(content) - len(body)]]
-    rows, notes, remarks = set(lines.tolist()), dict[int, str](), dict[int, str]()
-    if len(body) > lines.size:
+    notes, remarks, more = dict[int, str](), dict[int, str](), len(body) > lines.size
+    rows = set(lines.tolist() if more or finite or dialect.text else ())
+    if more:
         notes = _notes(body, header, rows, is_note)
         remarks = _remarks(body, header, int(lines[-1]), dialect)
-    if len(body) > lines.size or finite:
+    if more or finite:
         rest = [item for item in body if item[0] not in notes and item[0] not in remarks]
         bad = set(lines[~np.isfinite(values).all(axis=1)].tolist()) if finite else set()
         _check_rows(path, rest, dialect, values.shape[1], rows - bad, bad)

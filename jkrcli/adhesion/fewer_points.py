@@ -9,14 +9,13 @@ profiles the larger. The order of the table's own error says what is left.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..base import Array
 from ..bodies import Indenter
-from ..methods.integral import Attraction, Rims
 from .critical import Errors
 from .curve import Equilibrium
 from .device import position
@@ -37,22 +36,16 @@ TUNING = FewerPointsTuning()
 
 
 def error_by_points(
-    indenter: Indenter,
-    bodies: Sequence[Attraction],
-    states: Callable[[Attraction, Array], Rims],
-    point: Equilibrium,
-    stiffness: float,
-    end: float,
+    indenter: Indenter, columns: Callable[[Array], list[Array]], point: Equilibrium, stiffness: float, end: float
 ) -> Errors:
     """Half-widths of "delta" [m] and "P" [N] at a critical ``point`` under a device of ``stiffness`` [N/m].
 
-    ``bodies``: under the table ``indenter`` and under the profiles through fewer of its points; ``states``: those of
-    one of them at contact radii up to ``end`` [m].
+    ``columns``: delta and P, (2, n), at contact radii up to ``end`` [m], under the table ``indenter`` and under the
+    profiles through fewer of its points.
     """
     a, middle = _around(indenter, point.a, end), TUNING.radii
-    here, *others = (states(body, a) for body in bodies)
-    values = np.stack([here.delta, here.P])
-    changes = np.stack([[other.delta, other.P] - values for other in others])
+    values, *others = columns(a)
+    changes = np.stack(others) - values
     rates = np.gradient(np.asarray(position(changes[:, 0], changes[:, 1], stiffness)), a, axis=-1)
     near = slice(middle - TUNING.bend, middle + TUNING.bend + 1)
     x = a[near] - a[middle]

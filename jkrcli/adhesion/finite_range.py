@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
@@ -68,8 +68,6 @@ class FiniteRangeTuning:
 TUNING = FiniteRangeTuning()
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline  # when called: commands that need no finite range start sooner
-
-STATES = ("a", "c", "delta", "P", "gap")  # columns of Rims
 
 
 @dataclass(frozen=True, eq=False)
@@ -279,9 +277,8 @@ class FiniteRangeCurve(EquilibriumCurve):
     def _at_rows(self, rows: Array) -> FiniteRangeCurve:
         """The curve through some of its points in contact, and both ends."""
         rows = np.unique(np.concatenate([[0], rows, self._bends, [self.touching.c.size - 1]]))
-        touching = Rims(*(getattr(self.touching, name)[rows] for name in STATES))
         parts = Parts(*(column[rows] for column in self.parts))
-        return FiniteRangeCurve(self.law, self.problem, self.series, self.apart, touching, parts)
+        return FiniteRangeCurve(self.law, self.problem, self.series, self.apart, _some(self.touching, rows), parts)
 
     @cached_property
     def interpolation_error(self) -> Estimate:
@@ -362,6 +359,19 @@ def unable(problem: Problem, method: str) -> str | None:
 
 
 @dataclass(frozen=True, eq=False)
+class Pulled:
+    """A body under a tension, s = 2 sigma/E* [-], up to the separation ``gap`` [m], on some ``panels``."""
+
+    panels: Attraction
+    s: float
+    gap: float
+
+    def states(self, a: Array, near: Array | None = None) -> Rims:
+        """The states at contact radii ``a`` [m]; ``near``: radii c [m] from which they are sought."""
+        return self.panels.discs(a).equilibria(self.s, self.gap, self.panels.reach, near)
+
+
+@dataclass(frozen=True, eq=False)
 class FiniteRangeBody:
     """A solved body as curves of finite range need it: ``series``, and the body with its kernel."""
 
@@ -390,55 +400,55 @@ class FiniteRangeBody:
         controls = (*CONTROLS.values(), *devices)
         largest, s, gap = self.pulled(law)
         reach = self.body.reach(largest, s, gap)
-        attraction = self.body.attraction(reach)
-        whole = self._touching(attraction, s, gap)
+        pulled = Pulled(self.body.attraction(reach), s, gap)
+        whole = self._touching(pulled)
         refuse_narrow(whole)
         rims = _growing(whole)
-        if complete := rims.a[0] == 0:
-            apart = _with_begin(attraction.apart(np.linspace(0, rims.c[0], TUNING.apart + 1)[1:-1], s, gap), gap)
-        else:
-            apart = Rims(*(np.empty(0) for _ in STATES))
+        apart, begins = _some(rims, slice(0)), _begins(rims)
+        if rims.a[0] == 0:
+            between = np.linspace(0, rims.c[0], TUNING.apart + 1)[1:-1]
+            apart, begins = _with_begin(pulled.panels.apart(between, s, gap), gap), ()
         curve = FiniteRangeCurve(law, self.problem, self.series, apart, rims, _no_parts(rims), body=self)
         for _ in range(TUNING.rounds):
             near = _around_pull_off(curve, controls)
-            if not near.size:
+            rims = _merged(rims, pulled.states(near, curve.places_of(near))) if near.size else rims
+            if not near.size or np.min(np.diff(rims.c)) <= 0:
                 break
-            states = attraction.discs(near).equilibria(s, gap, attraction.reach, curve.places_of(near))
-            merged = _merged(rims, states)
-            if np.min(np.diff(merged.c)) <= 0:
-                break
-            rims = merged
             curve = replace(curve, touching=rims, parts=_no_parts(rims))
-        parts = Parts(*attraction.discs(rims.a).nonadhesive, np.zeros(rims.a.size))
-        curve = replace(curve, parts=parts)
-        doubts = _doubts(attraction, rims, s, gap) if complete else (*_begins(rims), *_doubts(attraction, rims, s, gap))
-        errors, of_profile = self._errors(curve, reach, s), self._of_profile(curve, reach, s)
+        rims = curve.touching
+        parts = Parts(*pulled.panels.discs(rims.a).nonadhesive, np.zeros(rims.a.size))
+        curve = replace(curve, parts=parts, doubts=(*begins, *_doubts(pulled, rims)))
+        return self._judged(curve, pulled, replace(pulled, panels=self.body.check(reach)), controls)
+
+    def _judged(
+        self, curve: FiniteRangeCurve, pulled: Pulled, other: Pulled, controls: Sequence[float]
+    ) -> FiniteRangeCurve:
+        """The ``curve`` with its errors, as far as states on ``other`` panels tell them."""
+        errors, of_profile = self._errors(curve, other), self._of_profile(curve, pulled)
         errors = {name: error + of_profile.get(name, 0.0) for name, error in errors.items()}
         points = list(_judged_points(curve, controls))
-        moved = self._moved(curve, attraction, reach, s, points)
-        by_points = self._by_points(curve, attraction, s, points) if of_profile else {}
-        return replace(
-            curve, half_widths=errors, of_profile=of_profile, moved=moved, by_points=by_points, doubts=doubts
-        )
+        moved = self._moved(curve, pulled, other, points)
+        by_points = self._by_points(curve, pulled, points) if of_profile else {}
+        return replace(curve, half_widths=errors, of_profile=of_profile, moved=moved, by_points=by_points)
 
-    def _touching(self, attraction: Attraction, s: float, gap: float) -> Rims:
+    def _touching(self, pulled: Pulled) -> Rims:
         """States in contact from a = 0 on: at the radii of the series, and at more of them where they are too far apart
         in arcosh sqrt(c/c0)."""
         from scipy.interpolate import PchipInterpolator
 
-        rims = attraction.discs(np.concatenate([[0.0], self.series.a])).equilibria(s, gap, attraction.reach)
+        rims = pulled.states(np.concatenate([[0.0], self.series.a]))
         if self.problem.indenter.kinks:
-            rows = self._rows(self._kinks(attraction, s, gap, rims))
-            rims = attraction.discs(rows).equilibria(s, gap, attraction.reach, np.interp(rows, rims.a, rims.c))
+            rows = self._rows(self._kinks(pulled, rims))
+            rims = pulled.states(rows, np.interp(rows, rims.a, rims.c))
         for _ in range(TUNING.rounds):
             v = np.arccosh(np.sqrt(np.maximum.accumulate(rims.c) / rims.c[0]))
             pieces = np.maximum(np.ceil(np.diff(v) / TUNING.spacing), 1).astype(int)
             if pieces.max() == 1:
                 break
             inner = [np.linspace(lo, hi, n + 1)[1:-1] for lo, hi, n in zip(v[:-1], v[1:], pieces, strict=True)]
-            more = PchipInterpolator(*_increasing(v, rims.a))(np.concatenate(inner))
-            near = np.interp(more, rims.a, rims.c)
-            rims = _merged(rims, attraction.discs(more).equilibria(s, gap, attraction.reach, near))
+            rising = np.append(True, np.diff(v) > 0)
+            more = PchipInterpolator(v[rising], rims.a[rising])(np.concatenate(inner))
+            rims = _merged(rims, pulled.states(more, np.interp(more, rims.a, rims.c)))
         return rims
 
     def _rows(self, bends: Array) -> Array:
@@ -451,7 +461,7 @@ class FiniteRangeBody:
             a = np.concatenate([a[away], bend - below * steps, [bend], bend + above * steps])
         return np.unique(a)
 
-    def _kinks(self, attraction: Attraction, s: float, gap: float, first: Rims) -> Array:
+    def _kinks(self, pulled: Pulled, first: Rims) -> Array:
         """Contact radii [m] at which the curve has kinks: those of the profile, and where the surfaces attract each
         other up to one; ``first``: states to begin with."""
         kinks = np.array(self.problem.indenter.kinks)
@@ -459,7 +469,7 @@ class FiniteRangeBody:
         row = np.searchsorted(first.c, reached)
 
         def beyond(a: Array) -> Array:
-            return attraction.discs(a).equilibria(s, gap, attraction.reach, reached).c / reached - 1
+            return pulled.states(a, reached).c / reached - 1
 
         around = zeros_between(beyond, first.a[row - 1], first.a[row], 0.0) if reached.size else reached
         return np.unique(np.concatenate([kinks[kinks < first.a[-1]], around]))
@@ -472,12 +482,12 @@ class FiniteRangeBody:
         errors: Array = np.maximum(softer, 1.0) * np.maximum(resolution(a), resolution(c))
         return errors
 
-    def _errors(self, curve: FiniteRangeCurve, reach: float, s: float) -> dict[str, Array]:
+    def _errors(self, curve: FiniteRangeCurve, on_other: Pulled) -> dict[str, Array]:
         """Half-widths of delta and P: the change on other panels at some of the points, and what the kernel leaves."""
         rims, parts = curve.touching, curve.parts
         some = checked(rims.a)
-        other = self.body.check(reach).discs(rims.a[some]).equilibria(s, curve.law.length, reach, rims.c[some])
-        kernel = self.body.kernel_error(reach, curve.places)
+        other = on_other.states(rims.a[some], rims.c[some])
+        kernel = self.body.kernel_error(on_other.panels.reach, curve.places)
         f = self.problem.indenter.f(curve.apart.c)
         touching = {"delta": (parts.delta_H, rims.delta), "P": (parts.P_H, rims.P)}
         free = {"delta": f + np.abs(f - curve.apart.delta), "P": np.abs(curve.apart.P)}
@@ -489,60 +499,59 @@ class FiniteRangeBody:
             errors[name] = relative * np.concatenate([free[name], unit])
         return errors
 
-    def _of_profile(self, curve: FiniteRangeCurve, reach: float, s: float) -> dict[str, Array]:
+    def _of_profile(self, curve: FiniteRangeCurve, pulled: Pulled) -> dict[str, Array]:
         """Half-widths of delta and P by a profile that is known at points only; none where it is known everywhere."""
         rims, S = curve.touching, curve.parts.S
         shift, slope = self._unresolved(rims.a, rims.c, S)
         if not shift.any():
             return {}
         apart, _ = self.problem.indenter.resolution(curve.apart.c)
-        by_gap, gap = self._by_gap(rims, reach, s), np.minimum(slope * (rims.c - rims.a), shift)
+        by_gap, gap = _by_gap(rims, pulled), np.minimum(slope * (rims.c - rims.a), shift)
         return {
             "delta": np.concatenate([apart, shift + by_gap["delta"] * gap]),
             "P": np.concatenate([np.zeros_like(apart), S * shift + by_gap["P"] * gap]),
         }
 
-    def _by_gap(self, rims: Rims, reach: float, s: float) -> dict[str, Array]:
-        """Derivatives of delta [-] and P [N/m] by the separation at the edge of the attraction, at the same contact
-        radii, without their sign."""
-        discs, step = self.body.attraction(reach).discs(rims.a), TUNING.solved
-        more, less = (discs.rims((rims.c - rims.a) * (1 + side * step), s) for side in (1, -1))
-        return {name: np.abs((getattr(more, name) - getattr(less, name)) / (more.gap - less.gap))
-                for name in ("delta", "P")}  # fmt: skip
-
     def _moved(
-        self, curve: FiniteRangeCurve, attraction: Attraction, reach: float, s: float,
-        points: Sequence[tuple[float, CriticalPoint]],
-    ) -> dict[float, float]:  # fmt: skip
+        self, curve: FiniteRangeCurve, pulled: Pulled, other: Pulled, points: Iterable[tuple[float, CriticalPoint]]
+    ) -> dict[float, float]:
         """Relative errors of the places at which contact is lost: other panels add a slope to what is stationary there,
         as states on both sides of each show, and so does what the kernel leaves."""
         moved = {}
         for stiffness, point in points:
             a = point.a * (1 + TUNING.slope * np.array([-1.0, 0.0, 1.0]))
-            ours, others = (
-                panels.discs(a).equilibria(s, curve.law.length, reach, curve.places_of(a))
-                for panels in (attraction, self.body.check(reach))
-            )
-            x, other = (np.asarray(position(states.delta, states.P, stiffness)) for states in (ours, others))
-            bend, added = x[0] - 2 * x[1] + x[2], np.max(np.abs(np.diff(other - x)))
+            states = (panels.states(a, curve.places_of(a)) for panels in (pulled, other))
+            x, off = (np.asarray(position(state.delta, state.P, stiffness)) for state in states)
+            bend, added = x[0] - 2 * x[1] + x[2], np.max(np.abs(np.diff(off - x)))
             if bend > 0:
-                kernel = float(self.body.kernel_error(reach, np.array([point.place]))[0])
+                kernel = float(self.body.kernel_error(pulled.panels.reach, np.array([point.place]))[0])
                 moved[stiffness] = TUNING.slope * TUNING.safety * float(added) / float(bend)
                 moved[stiffness] += kernel + TUNING.no_claim
         return moved
 
     def _by_points(
-        self, curve: FiniteRangeCurve, attraction: Attraction, s: float, points: Sequence[tuple[float, CriticalPoint]]
+        self, curve: FiniteRangeCurve, pulled: Pulled, points: Iterable[tuple[float, CriticalPoint]]
     ) -> dict[float, Errors]:
         """Errors where contact is lost, by a profile that is known at points only."""
-        indenter = self.problem.indenter
-        bodies = [attraction, *(replace(attraction, indenter=fewer) for fewer in indenter.thinned)]
+        indenter, end = self.problem.indenter, float(curve.touching.a[-1])
+        fewer = (replace(pulled.panels, indenter=thinned) for thinned in indenter.thinned)
+        bodies = [pulled, *(replace(pulled, panels=panels) for panels in fewer)]
 
-        def states(body: Attraction, a: Array) -> Rims:
-            return body.discs(a).equilibria(s, curve.law.length, body.reach, curve.places_of(a))
+        def columns(a: Array) -> list[Array]:
+            states = (body.states(a, curve.places_of(a)) for body in bodies)
+            return [np.stack([state.delta, state.P]) for state in states]
 
-        end = float(curve.touching.a[-1])
-        return {k: error_by_points(indenter, bodies, states, point, k, end) for k, point in points}
+        return {k: error_by_points(indenter, columns, point, k, end) for k, point in points}
+
+
+def _by_gap(rims: Rims, pulled: Pulled) -> dict[str, Array]:
+    """Derivatives of delta [-] and P [N/m] by the separation at the edge of the attraction, at the same contact radii,
+    without their sign."""
+    discs, step = pulled.panels.discs(rims.a), TUNING.solved
+    more, less = (discs.rims((rims.c - rims.a) * (1 + side * step), pulled.s) for side in (1, -1))
+    return {
+        name: np.abs((getattr(more, name) - getattr(less, name)) / (more.gap - less.gap)) for name in ("delta", "P")
+    }
 
 
 def _judged_points(curve: FiniteRangeCurve, controls: Sequence[float]) -> Iterator[tuple[float, CriticalPoint]]:
@@ -578,11 +587,11 @@ def _around_pull_off(curve: FiniteRangeCurve, controls: tuple[float, ...]) -> Ar
     return np.unique(radii)
 
 
-def _doubts(attraction: Attraction, rims: Rims, s: float, gap: float) -> tuple[str, ...]:
+def _doubts(pulled: Pulled, rims: Rims) -> tuple[str, ...]:
     """What speaks against some of the states, with the contact radius."""
     for n in np.unique(np.linspace(0, rims.a.size - 1, TUNING.looked_at).astype(int)):
-        one = Rims(*(getattr(rims, name)[n : n + 1] for name in STATES))
-        if words := attraction.discs(one.a).doubt(one, s, gap, attraction.reach):
+        one = _some(rims, slice(n, n + 1))
+        if words := pulled.panels.discs(one.a).doubt(one, pulled.s, pulled.gap, pulled.panels.reach):
             where = show(float(one.a[0]), "length")
             return (f"finite range: at the contact radius {where} {words}: the curve is doubtful there",)
     return ()
@@ -590,21 +599,21 @@ def _doubts(attraction: Attraction, rims: Rims, s: float, gap: float) -> tuple[s
 
 def _with_begin(apart: Rims, gap: float) -> Rims:
     """The states without contact with the first one, in which the free bodies come within the range ``gap`` [m]."""
-    first = {"a": 0.0, "c": 0.0, "delta": -gap, "P": 0.0, "gap": gap}
-    return Rims(**{name: np.concatenate([[value], getattr(apart, name)]) for name, value in first.items()})
+    return _joined(Rims(*np.array([[0.0], [0.0], [-gap], [0.0], [gap]])), apart)
+
+
+def _some(rims: Rims, rows: Array | slice) -> Rims:
+    return Rims(*(column[rows] for column in vars(rims).values()))
+
+
+def _joined(first: Rims, second: Rims) -> Rims:
+    return Rims(*map(np.concatenate, zip(vars(first).values(), vars(second).values(), strict=True)))
 
 
 def _merged(first: Rims, second: Rims) -> Rims:
     """The states of both by increasing contact radius."""
-    order = np.argsort(np.concatenate([first.a, second.a]))
-    columns = (np.concatenate([getattr(first, name), getattr(second, name)]) for name in STATES)
-    return Rims(*(column[order] for column in columns))
-
-
-def _increasing(v: Array, a: Array) -> tuple[Array, Array]:
-    """Points at which v rises."""
-    rising = np.concatenate([[True], np.diff(v) > 0])
-    return v[rising], a[rising]
+    both = _joined(first, second)
+    return _some(both, np.argsort(both.a))
 
 
 def _growing(rims: Rims) -> Rims:
@@ -623,7 +632,7 @@ def _growing(rims: Rims) -> Rims:
             "that it jumps up to the indenter, is not touched in a disc that grows; increase [loading] radius, or "
             "give another stress or range"
         )
-    return Rims(*(getattr(rims, name)[first:] for name in STATES))
+    return _some(rims, slice(first, None))
 
 
 def _begins(rims: Rims) -> tuple[str, ...]:

@@ -18,26 +18,18 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
-from ..base import ROUNDED, Array, InputError, Unknown, show, zeros_between
+from ..base import MOST_STEPS, ROUNDED, Array, InputError, Unknown, show, zeros_between
 from .curve import AdhesiveCurve, Equilibrium, EquilibriumCurve
 from .device import LOAD_CONTROL, control, position
 from .edge import Edge
 from .program import Program, Ramp
 
-
-@dataclass(frozen=True)
-class PathTuning:
-    """Round-off, and how long a path may become."""
-
-    rests: float = 1e-11  # theory: of positions, what round-off of times and radii leaves
-    restarts: int = 1_000  # choice: guard, pieces of one ramp
-
-
-TUNING = PathTuning()
+RESTS = 1e-11  # theory: of positions, what round-off of times and radii leaves
 ADVANCE, REST, RECEDE, FREE = "advance", "rest", "recede", "free"
 
 
 # ---------------------------------------------------------------------- what a path is made of
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Piece(ABC):
     """What the contact does on one ``ramp``, from ``first`` to ``last``: time [s] and place [m], 0 out of contact.
 
@@ -46,24 +38,22 @@ class Piece(ABC):
     [J] of the device, under load control of the load; ``dissipated``: - int G d(pi a^2) [J].
     """
 
-    if TYPE_CHECKING:  # fields of some, properties of others
+    phase: str
+    ramp: Ramp
+    ends: str = "ramp"
+    lands: float | None = None
+    if TYPE_CHECKING:
 
-        @property
-        def phase(self) -> str: ...
-        @property
-        def ramp(self) -> Ramp: ...
-        @property
-        def ends(self) -> str: ...
-        @property
-        def lands(self) -> float | None: ...
         @property
         def first(self) -> tuple[float, float]: ...
         @property
         def last(self) -> tuple[float, float]: ...
         @property
         def work(self) -> float: ...
-        @property
-        def dissipated(self) -> float: ...
+
+    @property
+    def dissipated(self) -> float:
+        return 0.0
 
     @property
     def parting(self) -> tuple[float, float]:
@@ -102,25 +92,17 @@ class Now(NamedTuple):
     stands: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Rest(Piece):
     """The edge rests at a ``place`` [m] between two times [s]: P, delta and x lie on one straight line. At the place 0
     there is no contact."""
 
     contact: Contact
-    ramp: Ramp
     place: float
     t: float
     t_end: float
     x: float
     x_end: float
-    ends = "ramp"
-    lands = None
-    dissipated = 0.0
-
-    @property
-    def phase(self) -> str:
-        return REST if self.place else FREE
 
     @property
     def first(self) -> tuple[float, float]:
@@ -167,12 +149,8 @@ class Follow(Piece):
 
     curve: EquilibriumCurve
     stiffness: float
-    phase: str
-    ramp: Ramp
     place: float
     end: float
-    ends: str = "ramp"
-    lands: float | None = None
 
     @cached_property
     def first(self) -> tuple[float, float]:
@@ -281,7 +259,7 @@ class AtOnce:
 
     def slack(self, place: float) -> float:
         """Round-off of the position there."""
-        return TUNING.rests * (abs(self.position(place)) + place * abs(self.rises(place)))
+        return RESTS * (abs(self.position(place)) + place * abs(self.rises(place)))
 
     def move(self, ramp: Ramp, now: Now) -> Follow | None:
         place = now.place if self.stands(now) else self.settled(now.place, now.x)
@@ -360,7 +338,7 @@ class AtOnce:
 
     def _piece(self, ramp: Ramp, place: float, end: float, ends: str = "ramp", lands: float | None = None) -> Follow:
         phase = ADVANCE if self.grows else RECEDE
-        return Follow(self.curve, self.stiffness, phase, ramp, place, end, ends, lands)
+        return Follow(self.curve, self.stiffness, place, end, phase=phase, ramp=ramp, ends=ends, lands=lands)
 
     def _beyond(self, place: float, other: float) -> bool:
         return other > place if self.grows else other < place
@@ -534,15 +512,12 @@ class Path:
         return control(self.contact.stiffness)
 
     def _jumps(self) -> Iterator[Jump]:
-        for one, two in zip(self.pieces[:-1], self.pieces[1:], strict=True):
-            gone = one.phase != FREE and two.phase == FREE
-            if gone or (abs(two.first[1] - one.last[1]) > ROUNDED * one.last[1]):
-                yield self._jump(one, None if gone else self.state(two, *two.first))
-        if self.ends == "lost":
-            yield self._jump(self.pieces[-1], None)
-
-    def _jump(self, piece: Piece, end: TimedState | None) -> Jump:
-        return Jump(self.state(piece, *piece.parting), end, piece.last[0])
+        after = (*self.pieces[1:], None) if self.ends == "lost" else self.pieces[1:]
+        for one, two in zip(self.pieces, after, strict=False):
+            gone = two is None or one.phase != FREE == two.phase
+            if two is None or gone or abs(two.first[1] - one.last[1]) > ROUNDED * one.last[1]:
+                end = None if two is None or gone else self.state(two, *two.first)
+                yield Jump(self.state(one, *one.parting), end, one.last[0])
 
     def state(self, piece: Piece, t: float, place: float) -> TimedState:
         """The state of a ``piece`` at the time ``t`` [s] and ``place`` [m]."""
@@ -597,7 +572,7 @@ def path(contact: Contact, program: Program, start: float = 0.0, stands: bool = 
 def _on_ramp(contact: Contact, ramp: Ramp, now: Now, program: Program) -> tuple[list[Piece], str]:
     """The pieces of one ramp, and how it ends: "program", "series", "jump", or "lost" where no contact forms anew."""
     now, pieces = now._replace(t=ramp.t, x=ramp.x), list[Piece]()
-    for _ in range(TUNING.restarts):
+    for _ in range(MOST_STEPS):
         piece = _next(contact, ramp, now)
         if piece is None:
             return pieces, "series"
@@ -607,13 +582,13 @@ def _on_ramp(contact: Contact, ramp: Ramp, now: Now, program: Program) -> tuple[
             return pieces, piece.ends
         if now.t >= ramp.t_end:
             return pieces, "program"
-    raise InputError(f"program: more than {TUNING.restarts} changes between rest and motion on one ramp")
+    raise InputError(f"program: more than {MOST_STEPS} changes between rest and motion on one ramp")
 
 
 def _after(ramp: Ramp, piece: Piece) -> Now:
     """The state behind a piece."""
     t, place = piece.last
-    if math.isfinite(ramp.t_end) and ramp.t_end - t <= TUNING.rests * (ramp.t_end - ramp.t):
+    if math.isfinite(ramp.t_end) and ramp.t_end - t <= RESTS * (ramp.t_end - ramp.t):
         t = ramp.t_end
     x = piece.x_end if isinstance(piece, Rest) else ramp.x_end if t >= ramp.t_end else float(ramp.at(t))
     place = 0.0 if piece.ends == "lost" else place if piece.lands is None else piece.lands
@@ -625,7 +600,7 @@ def _next(contact: Contact, ramp: Ramp, now: Now) -> Piece | None:
     if now.place == 0:
         return _form(contact, ramp, now)
     if ramp.is_step:
-        return Rest(contact, ramp, now.place, now.t, now.t, ramp.x, ramp.x_end)
+        return Rest(contact, now.place, now.t, now.t, ramp.x, ramp.x_end, phase=REST, ramp=ramp)
     if now.stands:
         return (contact.advance if ramp.rate > 0 else contact.recede).move(ramp, now)
     recedes, advances, slack = contact.limits(now.place)
@@ -638,7 +613,7 @@ def _next(contact: Contact, ramp: Ramp, now: Now) -> Piece | None:
     ends = max(ramp.when(target), now.t)
     if ends >= ramp.t_end:
         ends, target = ramp.t_end, ramp.x_end
-    return Rest(contact, ramp, now.place, now.t, ends, now.x, target)
+    return Rest(contact, now.place, now.t, ends, now.x, target, phase=REST, ramp=ramp)
 
 
 def _form(contact: Contact, ramp: Ramp, now: Now) -> Piece | None:
@@ -647,7 +622,7 @@ def _form(contact: Contact, ramp: Ramp, now: Now) -> Piece | None:
     if ramp.is_step or now.x < least or (now.x == least and ramp.rate <= 0):
         comes = ramp.rate > 0 and ramp.x_end > least and not ramp.is_step
         end = max(ramp.when(least), now.t) if comes else ramp.t_end
-        return Rest(contact, ramp, 0.0, now.t, end, now.x, least if comes else ramp.x_end)
+        return Rest(contact, 0.0, now.t, end, now.x, least if comes else ramp.x_end, phase=FREE, ramp=ramp)
     return contact.advance.move(ramp, now._replace(place=contact.advance.begins))
 
 

@@ -58,12 +58,15 @@ class Driven:
     receding: bool
 
     def speed(self, excess: float) -> float:
-        """da/dt [m/s] where G is ``w (1 + excess)``, 0 where the edge rests."""
-        if self.receding:
-            return -self.law.speed(self.w, self.w * excess) if excess > 0 else 0.0
-        if not excess < 0:
+        """da/dt [m/s] where G is ``w (1 + excess)``, within what numbers hold; 0 where the edge rests."""
+        if not (excess > 0 if self.receding else excess < 0):
             return 0.0
-        return self.law.speed(self.w, -self.w * excess / (1 + excess)) if excess > -1 else math.inf
+        beyond = self.w * excess if self.receding else -self.w * excess / (1 + excess) if excess > -1 else math.inf
+        try:
+            v = min(self.law.speed(self.w, beyond), TUNING.fastest)
+        except OverflowError:
+            v = TUNING.fastest
+        return -v if self.receding else v
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,18 +78,11 @@ class Motion(Piece):
     """
 
     edge: Edge
-    ramp: Ramp
     driven: Driven
     unit: float
     energy: float
     path: Callable[[Array], Array]
     nodes: Array
-    ends: str
-    lands = None
-
-    @property
-    def phase(self) -> str:
-        return RECEDE if self.driven.receding else ADVANCE
 
     @cached_property
     def steps(self) -> Array:
@@ -142,7 +138,7 @@ class Motion(Piece):
         low, high = self.nodes[[0, -1]]
         for _ in range(MOST_STEPS):
             times, radii = self._states(s)
-            rate = self._speed(times, radii) * self.unit / radii
+            rate = self.speeds(radii, self.edge.state(radii, self.ramp.at(times)).G) * self.unit / radii
             step = (tau - (times - self.ramp.t) / self.unit) * np.hypot(1, rate)
             s = np.clip(s + step, low, high)
             if np.max(np.abs(step), initial=0.0) < 1e-12 * (high - low):
@@ -172,15 +168,12 @@ class Motion(Piece):
         excess = self.path(s)[4] if self.driven.receding else state.G / self.driven.w - 1
         return here.S * self.ramp.rate - here.dS * state.lag * self._moving(excess)
 
-    def _speed(self, t: Array, a: Array) -> Array:
-        return self.speeds(a, self.edge.state(a, self.ramp.at(t)).G)
-
     def speeds(self, a: Array, G: Array) -> Array:
         """da/dt [m/s] at energy release rates ``G`` [J/m^2]."""
         return self._moving(G / self.driven.w - 1)
 
     def _moving(self, excess: Array) -> Array:
-        return np.array([_bounded(self.driven, e, TUNING.fastest) for e in excess.tolist()])
+        return np.array([self.driven.speed(e) for e in excess.tolist()])
 
     def _states(self, s: Array) -> tuple[Array, Array]:
         tau, u, *_ = self.path(s)
@@ -251,7 +244,8 @@ def move(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float, tolerance: 
     pressed = ramp.at(ramp.t + unit * solution.y[0, -1]) > 0  # a smaller contact outside the data remains
     names = ("ramp", "lost" if driven.receding and not pressed else "series", "rest")
     ends = next(name for name, times in zip(names, solution.t_events, strict=False) if len(times))
-    return Motion(edge, ramp, driven, unit, energy, solution.sol, solution.t, ends)
+    phase = RECEDE if driven.receding else ADVANCE
+    return Motion(edge, driven, unit, energy, solution.sol, solution.t, phase=phase, ramp=ramp, ends=ends)
 
 
 def _unfollowed(a: float) -> SolveError:
@@ -267,15 +261,7 @@ def _unit_of_time(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float) ->
         adhesive = edge.position_at(np.array(a), driven.w) - edge.position_at(np.array(a), 0.0)
         return float(abs(adhesive / ramp.rate))
     G = float(edge.state(np.array(a), np.array(ramp.x)).G)
-    return a / max(abs(_bounded(driven, G / driven.w - 1, TUNING.fastest)), a / TUNING.longest)
-
-
-def _bounded(driven: Driven, excess: float, most: float) -> float:
-    """The speed of the edge within what numbers hold."""
-    try:
-        return min(max(driven.speed(excess), -most), most)
-    except OverflowError:
-        return -most if driven.receding else most
+    return a / max(abs(driven.speed(G / driven.w - 1)), a / TUNING.longest)
 
 
 def _equations(
@@ -283,8 +269,7 @@ def _equations(
 ) -> Callable[..., list[float]]:
     """d/ds of t/T, log a, the works of device and edge over ``energy``, and the excess of a receding edge."""
     rate, x0, loaded, give = ramp.rate, ramp.x, edge.stiffness == LOAD_CONTROL, edge.give
-    fastest, w = TUNING.fastest, driven.w
-
+    w = driven.w
     count = itertools.count(1)
 
     def rates(_: float, y: Any) -> list[float]:
@@ -294,7 +279,7 @@ def _equations(
         a = math.exp(u)
         (_, P_H, S, dS, by_u, bend), lag, c, G = edge.at(u, x0 + rate * unit * tau)
         e = excess if driven.receding else G / w - 1
-        v = _bounded(driven, e, fastest) * unit
+        v = driven.speed(e) * unit
         size = math.hypot(1.0, v / a)
         P = P_H - S * lag
         moved = (lag * v * dS + rate * unit) / S if loaded else rate * unit  # of delta, or of the device

@@ -11,7 +11,7 @@ the average: d counts there over the two parts of Eq. 13.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -45,8 +45,8 @@ class CoarserTuning:
 TUNING = CoarserTuning()
 
 
-def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) -> Mapping[str, float] | None:
-    """90 % half-widths of "delta" [m] and "P" [N] at a critical ``point`` under a device of ``stiffness`` [N/m]; None
+def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) -> Array | None:
+    """90 % half-widths (2,) of delta [m] and P [N] at a critical ``point`` under a device of ``stiffness`` [N/m]; None
     where no larger elements tell them."""
     coarser, series = curve.series.coarser, curve.series
     others = () if coarser is None else _fitted_alike(curve.nonadhesive)
@@ -69,8 +69,7 @@ def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) ->
     wrong = np.hypot(of_value * relative * _sizes(curve, np.array(point.a)), of_place * along * moved)
     of_mesh = TUNING.left / (coarser.ratio - 1) * wrong
     shift, slope = _by_profile(curve, point.a)
-    errors = np.sqrt(of_mesh**2 + shift**2 + (along * float(position(slope[0], slope[1], stiffness)) / bend) ** 2)
-    return dict(zip(("delta", "P"), errors.tolist(), strict=True))
+    return np.sqrt(of_mesh**2 + shift**2 + (along * float(position(slope[0], slope[1], stiffness)) / bend) ** 2)
 
 
 def _by_profile(curve: AdhesiveCurve, a: float) -> tuple[Array, Array]:

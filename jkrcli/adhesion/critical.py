@@ -16,7 +16,7 @@ import numpy as np
 
 from ..base import SAME, UNSEEN, Array, InputError, Unknown
 from .coarser import error_by_mesh
-from .curve import NO_ADHESION, TUNING, AdhesiveCurve, CriticalPoint, transform
+from .curve import NO_ADHESION, TUNING, AdhesiveCurve, CriticalPoint, Equilibrium, transform
 from .device import position
 from .slopes import slopes_function
 
@@ -33,46 +33,41 @@ def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) ->
         return here
     if not curve.errors:
         return Unknown(f"unknown: {curve.slopes.error}")
+    rest = _beyond_gaps(curve, point, stiffness)
+    if isinstance(rest, Unknown):
+        return rest
+    return {name: float(here[name]) + more for name, more in zip(("delta", "P"), rest.tolist(), strict=True)}
+
+
+def _beyond_gaps(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array | Unknown:
+    """The part (2,) of the half-widths that lies not in what is interpolated between the points."""
     by_mesh = error_by_mesh(curve, point, stiffness)
     if by_mesh is not None:
-        scatter = _scatter(curve, point, stiffness) if curve.slopes.method == "exact" else {"delta": 0.0, "P": 0.0}
-        return {name: float(here[name]) + by_mesh[name] + scatter[name] for name in here}
-    joint = _joint(curve, point.a)
-    if joint is None:
-        moved: Errors | Unknown = _by_others(curve, point, stiffness)
-        at_radius = {name: float(value) for name, value in curve.error_at(np.array(point.a)).items()}
+        return by_mesh + _scatter(curve, point, stiffness) if curve.slopes.method == "exact" else by_mesh
+    further, at_radius = curve.nonadhesive.further, np.zeros(2)
+    nearest = None if further is None else int(np.argmin(np.abs(further.a - point.a)))
+    settled = further is None or abs(further.a[nearest] - point.a) <= SAME * (point.a - curve.series.a0)
+    joint = further.slopes.joint if further is not None and settled else None
+    if joint is not None:  # what was solved for the point counts
+        moved = _propagated(curve, point, stiffness, joint[nearest])
+    elif curve.slopes.joint is not None:
+        joint = curve.nonadhesive.between(curve.slopes.joint, np.array(point.a))
+        moved = _propagated(curve, point, stiffness, joint)
     else:
-        moved, at_radius = _propagated(curve, point, stiffness, joint), {"delta": 0.0, "P": 0.0}
-    if isinstance(moved, Unknown):
-        return moved
-    unsettled = _unsettled(curve, point)
-    return {name: float(here[name]) + at_radius[name] + moved[name] + unsettled[name] for name in here}
+        moved = _by_others(curve, point, stiffness)
+        at_radius = np.stack(list(curve.error_at(np.array(point.a)).values()))
+    if isinstance(moved, Unknown) or further is None or settled:
+        return moved if isinstance(moved, Unknown) else at_radius + moved
+    # where the search for a point that is solved has not settled on it, its last steps halve at best
+    return at_radius + moved + 2 * _off(curve.point(float(further.a[nearest])), point)
 
 
-def _unsettled(curve: AdhesiveCurve, point: CriticalPoint) -> dict[str, float]:
-    """What is left where the search for a point that is solved has not settled on it: its last steps halve at best."""
-    further = curve.nonadhesive.further
-    away = np.array([0.0]) if further is None else np.abs(further.a - point.a)
-    if further is None or np.min(away) <= SAME * (point.a - curve.series.a0):
-        return {"delta": 0.0, "P": 0.0}
-    there = curve.point(float(further.a[np.argmin(away)]))
-    return {name: 2 * abs(getattr(there, name) - getattr(point, name)) for name in ("delta", "P")}
+def _off(other: Equilibrium, point: Equilibrium) -> Array:
+    """How far delta and P of two states lie apart, (2,)."""
+    return np.abs([other.delta - point.delta, other.P - point.P])
 
 
-def _joint(curve: AdhesiveCurve, a: float) -> Array | None:
-    """Joint covariance (6, 6) of the columns and of their rates at the radius ``a`` [m]: what was solved for it counts
-    where there is such; None where none is known."""
-    further = curve.nonadhesive.further
-    if further is not None and further.slopes.joint is not None:
-        nearest = int(np.argmin(np.abs(further.a - a)))
-        if abs(further.a[nearest] - a) <= SAME * (a - curve.series.a0):
-            joint: Array = further.slopes.joint[nearest]
-            return joint
-    joint_of_rows = curve.slopes.joint
-    return None if joint_of_rows is None else curve.nonadhesive.between(joint_of_rows, np.array(a))
-
-
-def _propagated(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float, covariance: Array) -> Errors | Unknown:
+def _propagated(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float, covariance: Array) -> Array | Unknown:
     """First-order propagation of the joint ``covariance`` of the columns and of their rates."""
     slopes, a = curve.slopes, np.array(point.a)
     delta, P, delta_rate, P_rate = _gradients(curve, a)
@@ -83,8 +78,8 @@ def _propagated(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float, co
         return Unknown("unknown: the curve is flat there")
     place = -F * float(along[1] - along[0]) / rise
     rates = [float(rate) for rate in curve.rates(a)]
-    total = {"delta": delta + rates[0] * place, "P": P + rates[1] * place}
-    return {name: slopes.quantile * math.sqrt(max(g @ covariance @ g, 0.0)) for name, g in total.items()}
+    total = delta + rates[0] * place, P + rates[1] * place
+    return np.array([slopes.quantile * math.sqrt(max(g @ covariance @ g, 0.0)) for g in total])
 
 
 def _gradients(curve: AdhesiveCurve, a: Array) -> tuple[Array, Array, Array, Array]:
@@ -101,7 +96,7 @@ def _gradients(curve: AdhesiveCurve, a: Array) -> tuple[Array, Array, Array, Arr
     return delta, P, delta_rate, P_rate
 
 
-def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
+def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array | Unknown:
     """How far the point moves where every second row is left out: scatter from row to row moves it as much, a smooth
     rule eight times as much as it errs. The functions are interpolated each for itself, which shows the scatter: what
     belongs to one energy smooths it away, but not what neighbouring rows share. Smoothing splines do not see what rows
@@ -123,17 +118,14 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
         others.append((other, 1))
     if not others:
         return Unknown("unknown: with every second row left out the point lies outside the series")
-    scatter = _scatter(curve, point, stiffness) if slopes.method == "exact" and not smooth else {"delta": 0.0, "P": 0.0}
-    return {
-        name: max(abs(getattr(other, name) - getattr(point, name)) / factor for other, factor in others) + scatter[name]
-        for name in ("delta", "P")
-    }
+    moved: Array = np.max([_off(other, point) / factor for other, factor in others], axis=0)
+    return moved + _scatter(curve, point, stiffness) if slopes.method == "exact" and not smooth else moved
 
 
-def _scatter(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> dict[str, float]:
-    """How far delta and P lie off those of the ``point`` where a device may stand as low as there."""
-    there = zip(("delta", "P"), curve.at(_as_low(curve, point, stiffness)), strict=True)
-    return {name: float(np.max(np.abs(values - getattr(point, name)))) for name, values in there}
+def _scatter(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
+    """How far delta and P, (2,), lie off those of the ``point`` where a device may stand as low as there."""
+    there = np.stack(curve.at(_as_low(curve, point, stiffness)))
+    return np.abs(there - [[point.delta], [point.P]]).max(axis=1)
 
 
 def _as_low(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import MOST_SOLVES, Array, InputError, Unknown
+from ..base import MOST_SOLVES, Array, InputError, Unknown, zeros_between
 from .curve import CriticalPoint, Equilibrium, EquilibriumCurve
 from .device import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from .stability import behaviour
@@ -21,7 +21,6 @@ class DemTuning:
     fewest: int = 65  # tuned on contact laws, by `make constants`: rows to begin with, doubled until the law is met
     # tuned on contact laws, by `make constants`: of the interpolation, relative to the largest load or radius
     error: float = 1e-6
-    halvings: int = 60  # theory: of the interval of radii, to the last place of a number
 
 
 TUNING = DemTuning()
@@ -87,14 +86,10 @@ def interpolated(column: Array, x: Array) -> Array:
 
 
 def _branch(curve: EquilibriumCurve, tear_off: CriticalPoint, x: Array) -> tuple[Array, Array, Array]:
-    """delta, P and a of the stable branch at fractions ``x`` of sqrt(delta - delta_tear), by bisection."""
+    """delta, P and a of the stable branch at fractions ``x`` of sqrt(delta - delta_tear)."""
     first, last = tear_off.place, float(curve.places[-1])
     span = float(curve.at(np.array([last]))[0][0]) - tear_off.delta
     delta = tear_off.delta + span * x**2
-    low, high = np.full_like(x, first), np.full_like(x, last)
-    for _ in range(TUNING.halvings):
-        middle = (low + high) / 2
-        above = curve.at(middle)[0] > delta
-        low, high = np.where(above, low, middle), np.where(above, middle, high)
-    places = np.where(x == 0, first, high)
+    ends = np.full_like(x, first), np.full_like(x, last)
+    places = np.where(x == 0, first, zeros_between(lambda place: curve.at(place)[0] - delta, *ends, 0.0))
     return delta, curve.at(places)[1], curve.contact_radii(places)

@@ -16,7 +16,6 @@ import numpy as np
 
 from ..base import Array
 from ..bodies import Indenter
-from .critical import Errors
 from .curve import Equilibrium
 from .device import position
 
@@ -37,8 +36,8 @@ TUNING = FewerPointsTuning()
 
 def error_by_points(
     indenter: Indenter, columns: Callable[[Array], list[Array]], point: Equilibrium, stiffness: float, end: float
-) -> Errors:
-    """Half-widths of "delta" [m] and "P" [N] at a critical ``point`` under a device of ``stiffness`` [N/m].
+) -> Array:
+    """Half-widths (2,) of delta [m] and P [N] at a critical ``point`` under a device of ``stiffness`` [N/m].
 
     ``columns``: delta and P, (2, n), at contact radii up to ``end`` [m], under the table ``indenter`` and under the
     profiles through fewer of its points.
@@ -54,8 +53,7 @@ def error_by_points(
     of_F, of_slope, of_mean = indenter.left(np.array([point.a, point.place])).max(axis=1)
     moved = of_slope * _largest_mean(rates) / abs(bend)
     value = max(of_F, of_mean) * _largest_mean(changes)
-    errors = TUNING.left * np.hypot(value, along * moved)
-    return dict(zip(("delta", "P"), errors.tolist(), strict=True))
+    return TUNING.left * np.hypot(value, along * moved)
 
 
 def _largest_mean(changes: Array) -> Array:

@@ -21,14 +21,12 @@ from ..methods import METHODS, AttractedBody
 from ..methods.integral import Attraction, Rims, refuse_narrow
 from ..methods.layered.stack import checked
 from ..series import Series, Solution
-from .critical import Errors
 from .curve import TUNING as CURVE
 from .curve import CriticalPoint, Equilibrium, EquilibriumCurve
 from .device import CONTROLS, controlled, position
 from .fewer_points import error_by_points
 from .law import Range
-from .nonadhesive import Parts
-from .slopes.choice import slopes
+from .nonadhesive import Nonadhesive, Parts
 from .slopes.result import Slopes
 
 
@@ -39,11 +37,9 @@ class FiniteRangeTuning:
     # points without contact, even in c; tuned on curves, by `make constants`: delta is smooth there, its spline good to
     # 1e-9
     apart: int = 32
-    spacing: float = (
-        # largest step of arcosh sqrt(c/c0) from point to point; tuned on curves, by `make constants`: splines good to
-        # 1e-7 of the lowest load
-        0.08
-    )
+    # largest step of arcosh sqrt(c/c0) from point to point; tuned on curves, by `make constants`: splines good to 1e-7
+    # of the lowest load
+    spacing: float = 0.08
     degree: int = 5  # theory: of the splines through the points; errors fall with the power degree + 1 of the spacing
     halved: float = 16.0  # theory: halving the spacing divides the error by 64, by a fourth of it where it is uneven
     rounds: int = 3  # tuned on curves, by `make constants`: of inserting points where they are too far apart
@@ -93,7 +89,7 @@ class FiniteRangeCurve(EquilibriumCurve):
     half_widths: Mapping[str, Array] = field(default_factory=dict)
     of_profile: Mapping[str, Array] = field(default_factory=dict)
     moved: Mapping[float, float] = field(default_factory=dict)
-    by_points: Mapping[float, Errors] = field(default_factory=dict)
+    by_points: Mapping[float, Array] = field(default_factory=dict)
     doubts: tuple[str, ...] = ()
     body: FiniteRangeBody | None = None
     ranged: ClassVar[bool] = True
@@ -113,7 +109,7 @@ class FiniteRangeCurve(EquilibriumCurve):
     @cached_property
     def slopes(self) -> Slopes:
         """S and S' of the series."""
-        return slopes(self.series)
+        return Nonadhesive.of(self.series).slopes
 
     @property
     def columns(self) -> dict[str, Array]:
@@ -122,29 +118,29 @@ class FiniteRangeCurve(EquilibriumCurve):
         plain = dict(zip(("delta_H_m", "P_H_N", "S_N_per_m", "dS_da_N_per_m2"), rest, strict=True))
         return {"a_m": self.a, "delta_m": self.delta, "P_N": self.P} | plain | {"c_m": self.places}
 
-    def point_error(self, point: Equilibrium, stiffness: float) -> Errors:
+    def point_error(self, point: Equilibrium, stiffness: float) -> dict[str, float]:
         """Half-widths of "delta" [m] and "P" [N] at the lowest ``point`` under a device of a ``stiffness`` [N/m]: those
         of the curve there, of the place, by a profile at points, and what every second state changes. Where it is not
         known how far other panels move the place, it errs by about the same fraction as P, and at least by round-off,
         as a zero of a derivative."""
-        here, by_points = self.error_at(np.array(point.place)), self.by_points.get(stiffness, {})
-        for name in by_points:
-            here[name] = here[name] - np.interp(point.place, self.places, self.of_profile[name])
+        place, state = np.array(point.place), np.array([point.delta, point.P])
+        here = np.stack(list(self.error_at(place).values()))
+        by_points = self.by_points.get(stiffness)
+        if by_points is not None:
+            here = here - [np.interp(place, self.places, values) for values in self.of_profile.values()]
         halves = [[other for other in curve.critical(stiffness) if other.kind == "minimum"]
                   for curve in (self.thinned(0), self.thinned(1))]  # fmt: skip
         nearest = [min(half, key=lambda other: abs(other.place - point.place)) for half in halves if half]
-        unseen = 0.0 if stiffness in self.moved else float(here["P"]) / max(abs(point.P), TINY)
+        unseen = 0.0 if stiffness in self.moved else float(here[1]) / max(abs(point.P), TINY)
         if len(nearest) < len(halves):
             assert isinstance(self.interpolation_error, float)
             unseen += TUNING.halved * self.interpolation_error
         fraction = unseen + self.moved.get(stiffness, 0.0) + ROUNDED
-        rates = dict(zip(("delta", "P"), self._rates(np.array(point.place)), strict=True))
-        return {
-            name: float(here[name]) + by_points.get(name, 0.0)
-            + unseen * abs(getattr(point, name)) + fraction * point.place * abs(float(rate))
-            + max((abs(getattr(other, name) - getattr(point, name)) for other in nearest), default=0.0) / TUNING.halved
-            for name, rate in rates.items()
-        }  # fmt: skip
+        moved = fraction * point.place * np.abs(self._rates(place))
+        changed = np.max([np.abs([other.delta, other.P] - state) for other in nearest], axis=0, initial=0.0)
+        errors = here + (0.0 if by_points is None else by_points) + unseen * np.abs(state) + moved
+        errors = errors + changed / TUNING.halved
+        return dict(zip(("delta", "P"), errors.tolist(), strict=True))
 
     def with_solved_points(self, *devices: float) -> FiniteRangeCurve:
         """The curve with states at the pull-off points by ``devices`` of a stiffness [N/m], too."""
@@ -205,11 +201,9 @@ class FiniteRangeCurve(EquilibriumCurve):
     @property
     def _bends(self) -> Array:
         """Numbers of the states in contact at kinks of the profile, where splines end."""
-        near = [
-            np.abs(column[1:-1, None] / np.array(self.problem.indenter.kinks) - 1) < ROUNDED
-            for column in (self.touching.a, self.touching.c)
-        ]
-        return np.flatnonzero(np.any(near[0] | near[1], axis=1)) + 1
+        radii = np.stack([self.touching.a, self.touching.c])[:, 1:-1, None]
+        near = np.abs(radii / np.array(self.problem.indenter.kinks) - 1) < ROUNDED
+        return np.flatnonzero(near.any(axis=(0, 2))) + 1
 
     @cached_property
     def _spline(self) -> Broken:
@@ -408,13 +402,14 @@ class FiniteRangeBody:
         if rims.a[0] == 0:
             between = np.linspace(0, rims.c[0], TUNING.apart + 1)[1:-1]
             apart, begins = _with_begin(pulled.panels.apart(between, s, gap), gap), ()
-        curve = FiniteRangeCurve(law, self.problem, self.series, apart, rims, _no_parts(rims), body=self)
+        none = Parts(*5 * (rims.a[:0],))  # until the states are settled
+        curve = FiniteRangeCurve(law, self.problem, self.series, apart, rims, none, body=self)
         for _ in range(TUNING.rounds):
             near = _around_pull_off(curve, controls)
             rims = _merged(rims, pulled.states(near, curve.places_of(near))) if near.size else rims
             if not near.size or np.min(np.diff(rims.c)) <= 0:
                 break
-            curve = replace(curve, touching=rims, parts=_no_parts(rims))
+            curve = replace(curve, touching=rims)
         rims = curve.touching
         parts = Parts(*pulled.panels.discs(rims.a).nonadhesive, np.zeros(rims.a.size))
         curve = replace(curve, parts=parts, doubts=(*begins, *_doubts(pulled, rims)))
@@ -531,7 +526,7 @@ class FiniteRangeBody:
 
     def _by_points(
         self, curve: FiniteRangeCurve, pulled: Pulled, points: Iterable[tuple[float, CriticalPoint]]
-    ) -> dict[float, Errors]:
+    ) -> dict[float, Array]:
         """Errors where contact is lost, by a profile that is known at points only."""
         indenter, end = self.problem.indenter, float(curve.touching.a[-1])
         fewer = (replace(pulled.panels, indenter=thinned) for thinned in indenter.thinned)
@@ -563,10 +558,6 @@ def _judged_points(curve: FiniteRangeCurve, controls: Sequence[float]) -> Iterat
             continue
         if not any(abs(kink / r - 1) < 2 * TUNING.slope for kink in kinks for r in (point.a, point.place)):
             yield stiffness, point
-
-
-def _no_parts(rims: Rims) -> Parts:
-    return Parts(*(np.zeros(rims.a.size) for _ in Parts._fields))
 
 
 def _around_pull_off(curve: FiniteRangeCurve, controls: tuple[float, ...]) -> Array:

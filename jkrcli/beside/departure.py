@@ -87,8 +87,8 @@ def _smooth(gap: Array, rates: Array, x: Array) -> tuple[Array, Array] | None:
     columns = np.zeros((6, 2, n))
     columns[:3, 0], columns[3:, 1] = powers, powers
     parabola = np.linalg.lstsq(powers.T, gap.T, rcond=None)[0].T @ powers
-    scatter = estimate(x - x.max(), gap - parabola, rates[0], rates[1], 6.0, TUNING.floor)
-    whiten = whitener(scatter.variances, rates[0], rates[1])
+    variances, _ = estimate(x - x.max(), gap - parabola, rates[0], rates[1], 6.0, TUNING.floor)
+    whiten = whitener(variances, rates[0], rates[1])
     white, basis = (np.einsum("ijn,...jn->...in", whiten, values) for values in (gap, columns))
     rho = _correlation(np.einsum("ijn,jn->in", whiten, gap - parabola))
     target, design = _independent(white, rho).ravel(), _independent(basis, rho).reshape(6, -1)

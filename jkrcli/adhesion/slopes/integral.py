@@ -25,7 +25,7 @@ from .penalised import TUNING as PENALTIES
 from .penalised import PenalisedFit, Posterior, likeliest_correlation, minimise, posterior
 from .result import TUNING as ERRORS
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
-from .scatter import Scatter, correlation_length, estimate, floored, whitener
+from .scatter import correlation_length, estimate, floored, whitener
 
 TOO_FEW = "the correlation of neighbouring rows cannot be estimated from so few points"
 UNSETTLED = "the fit did not converge: a, delta and P contradict each other; look for outliers"
@@ -119,7 +119,7 @@ def smoothed(
 
 def _settle(raw: RawSeries, errors: Mapping[str, Array], a0: float, S0: float | None, own: Series | None) -> _Settled:
     """The fit of the columns (n,), in units of their largest values."""
-    data = _prepare(raw.a, raw.delta, raw.P, errors, a0)
+    data = _prepare(raw, errors, a0)
     shape = None if own is None else Shape.of(own, float(np.max(raw.a) - a0))
     return _fine_enough(data, None if S0 is None else S0 * float(np.max(raw.delta)) / float(np.max(raw.P)), shape)
 
@@ -137,7 +137,7 @@ def _slopes(
     delta_H, P_H, S, dS = values
     if errors:
         order = np.argsort(a)
-        there = {name: np.interp(wanted, a[order], np.asarray(errors[name])[order]) for name in errors}
+        there = {name: np.interp(wanted, a[order], errors[name][order]) for name in errors}
         if "P" in there:  # S and S' are those of the fit: P's errors, which vary as slowly, or the series' own if less
             of_P = {"S": there["P"] / P_H * S, "dS": there["P"] / P_H * dS}
             there |= {name: np.minimum(error, there.get(name, error)) for name, error in of_P.items()}
@@ -156,21 +156,11 @@ def _slopes(
             joint[:, 5, 5] += (2 * dS / wanted * of_radius) ** 2
         covariance += shared
     quantile = float(stdtrit(_freedom(fit), 0.95))
-    known = not settled.hidden
-    return Slopes(
-        S,
-        dS,
-        "integral",
-        shift_error(dS, covariance, quantile) if known else Unknown(TOO_FEW),
-        float(fit.lambdas[1]),
-        flags=tuple(_flags(settled, raw)),
-        delta=delta_H,
-        P=P_H,
-        covariance=covariance if known else None,
-        joint=joint if known else None,
-        quantile=quantile,
-        correlation=settled.correlation,
-    )
+    error = Unknown(TOO_FEW) if settled.hidden else shift_error(dS, covariance, quantile)
+    known = {} if settled.hidden else {"covariance": covariance, "joint": joint}
+    columns = {"delta": delta_H, "P": P_H, **known}
+    flags, rho = tuple(_flags(settled, raw)), settled.correlation
+    return Slopes(S, dS, "integral", error, float(fit.lambdas[1]), flags, quantile=quantile, correlation=rho, **columns)
 
 
 def _freedom(fit: PenalisedFit) -> float:
@@ -209,7 +199,7 @@ def _evaluate(settled: _Settled, x: Array, scales: Array) -> tuple[Array, Array,
     model, fit = settled.model, settled.fit
     basis, y = model.design(x), np.exp(x)[:, None]
     columns = model.columns(fit.c, model.interpolation(x), basis)
-    values = np.exp(np.stack([columns.log_delta, columns.log_P, columns.log_S, columns.log_dS]))
+    values = np.exp(columns.logs)
     jacobian = np.zeros((6, *columns.jacobian.shape[1:]))
     jacobian[:4] = columns.jacobian * values[:, :, None]
     jacobian[4, :, model.v] = np.exp(model.of_shape(x)[0] + basis @ fit.c[model.v])[:, None] * basis
@@ -223,8 +213,8 @@ def _evaluate(settled: _Settled, x: Array, scales: Array) -> tuple[Array, Array,
     return values * scales[:4, None], covariance, joint
 
 
-def _prepare(a: Array, delta: Array, P: Array, errors: Mapping[str, Array], a0: float) -> _Data:
-    a, delta, P = (np.asarray(values, dtype=float) for values in (a, delta, P))
+def _prepare(raw: RawSeries, errors: Mapping[str, Array], a0: float) -> _Data:
+    a, delta, P = raw.a, raw.delta, raw.P
     usable = (a > a0) & (delta > 0) & (P > 0)
     different = np.unique(a[usable]).size
     if different < TUNING.fewest:
@@ -239,9 +229,9 @@ def _prepare(a: Array, delta: Array, P: Array, errors: Mapping[str, Array], a0: 
             "positive: drop it"
         )
     stated = None
-    if any(np.any(np.asarray(errors[name]) > 0) for name in errors if name in ("a", "delta", "P")):
-        columns = (("a", a), ("delta", delta), ("P", P))
-        stated = np.stack([(np.asarray(errors.get(name, 0 * v)) / v / TWO_SIDED_90) ** 2 for name, v in columns])
+    columns = {"a": a, "delta": delta, "P": P}
+    if any(np.any(errors[name] > 0) for name in columns.keys() & errors):
+        stated = np.stack([(errors.get(name, 0 * v) / v / TWO_SIDED_90) ** 2 for name, v in columns.items()])
     y = a - a0
     _refuse_span(a, y)
     x, logs = np.log(y / np.max(y)), np.log([delta / np.max(delta), P / np.max(P)])
@@ -288,8 +278,7 @@ class _Task:
         """The fit with given relative variances of (a, delta, P), (3, n), the radius' slopes taken at ``start``."""
         columns = self.model.columns(start, self.at, self.basis)
         data = self.data
-        lever = data.mean(data.lever)
-        k, m = columns.rate_delta * lever, columns.rate_P * lever
+        k, m = columns.rates * data.mean(data.lever)
         whiten = whitener(data.mean(variances), k, m) * np.sqrt(data.counts)
 
         def residuals(c: Array) -> tuple[Array, Array]:
@@ -300,11 +289,11 @@ class _Task:
 
         return minimise(residuals, start, self.blocks, floor, lambdas, freeze, rho)
 
-    def scatter(self, fit: PenalisedFit) -> Scatter:
-        """The scatter of a, delta and P as the residuals of ``fit`` show it."""
+    def scatter(self, fit: PenalisedFit) -> tuple[Array, Array]:
+        """The scatter of a, delta and P as the residuals of ``fit`` show it: variances, outliers."""
         grid = self.model.on_grid(fit.c)
         columns = self.model.columns(fit.c, self.at, self.basis, grid)
-        k, m = (self.data.lever * self.data.spread(rate) for rate in (columns.rate_delta, columns.rate_P))
+        k, m = (self.data.lever * self.data.spread(rate) for rate in columns.rates)
         return estimate(self.data.x, self.difference(grid), k, m, fit.spent, TUNING.floor**2)
 
 
@@ -370,13 +359,12 @@ def _fit(task: _Task) -> _Settled:
         if stated is None and fit.phi <= floor:
             break
         if stated is None:
-            scatter = task.scatter(best or start)
-            variances, outliers = scatter.variances, scatter.outliers
+            variances, outliers = task.scatter(best or start)
         else:
             variances = stated
-        rho = likeliest_correlation(best, task.blocks) if best is not None and noisy and many else 0.0
+        rho = likeliest_correlation(best) if best is not None and noisy and many else 0.0
     fit = best or fit
-    known = posterior(fit, task.blocks, noisy, noisy and many)
+    known = posterior(fit, noisy, noisy and many)
     return _Settled(task.model, fit, known, data.order[outliers], noisy, not many)
 
 

@@ -13,8 +13,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.interpolate import BSpline, CubicSpline
 
 from ...base import Array
@@ -41,20 +43,12 @@ class SplineTuning:
 TUNING = SplineTuning()
 
 
-@dataclass(frozen=True, eq=False)
-class LogColumns:
-    """Logs of the columns at some radii and their derivatives with respect to all coefficients.
+class LogColumns(NamedTuple):
+    """``logs`` (4, m) of delta, P, S, S' at some radii, ``rates`` (2, m), the d/dx of the first two, and the
+    ``jacobian`` (4, m, p) of the logs with respect to all coefficients."""
 
-    ``log_delta, log_P, log_S, log_dS``: shape (m,); ``rate_delta, rate_P``: d log/dx, shape (m,);
-    ``jacobian``: shape (4, m, p), rows in the order of the logs.
-    """
-
-    log_delta: Array
-    log_P: Array
-    log_S: Array
-    log_dS: Array
-    rate_delta: Array
-    rate_P: Array
+    logs: Array
+    rates: Array
     jacobian: Array
 
 
@@ -115,7 +109,8 @@ class LogSplineModel:
         inner = (self.x[:-1, None] + self.step * (1 + GAUSS_X) / 2).ravel()
         self.inner_y = np.exp(inner)
         self.y = np.exp(self.x)
-        self.inner = self._inner_points()
+        panels = np.repeat(np.arange(self.x.size - 1), GAUSS_X.size)
+        self.inner = panels, *_hermite(np.tile((1 + GAUSS_X) / 2, self.x.size - 1), self.step)
         self.basis, self.inner_basis = self.design(self.x), self.design(inner)
         self.first_slope = self.design(self.x[:1], 1)[0]
         self.parameters = 2 * self.size + (S0 is None)
@@ -154,7 +149,8 @@ class LogSplineModel:
         known_v, known_u = (interpolate(at, *pair) for pair in zip(self.known, self.known_rates, strict=True))
         v, u = known_v + basis @ coefficients[self.v], known_u + basis @ coefficients[self.u]
         rate = np.exp(interpolate(at, self.x, np.ones_like(self.x)) + v)
-        return LogColumns(delta, P, S, u, rate / np.exp(delta), rate * np.exp(S - P), jacobian)
+        rates = np.stack([rate / np.exp(delta), rate * np.exp(S - P)])
+        return LogColumns(np.stack([delta, P, S, u]), rates, jacobian)
 
     def on_grid(self, c: Array) -> OnGrid:
         """Logs of delta, P, S on the grid with their d/dx, and the same two of the logs' Jacobians."""
@@ -196,11 +192,6 @@ class LogSplineModel:
         d_rate = d_S * gy[:, None] + S[:, None] * d_gy
         return _logs(delta, gy, d_delta, d_gy), _logs(P, S * gy, d_P, d_rate), log_S
 
-    def _inner_points(self) -> Points:
-        panels = self.x.size - 1
-        i = np.repeat(np.arange(panels), GAUSS_X.size)
-        return (i, *_hermite(np.tile((1 + GAUSS_X) / 2, panels), self.step))
-
     def _cumulate(self, integrand: Array) -> Array:
         """Integral over x from the first grid point to each: (inner points, ...) -> (grid, ...)."""
         out = np.zeros((self.x.size, *integrand.shape[1:]))
@@ -220,9 +211,7 @@ class LogSplineModel:
 
     def _shapes(self) -> Array:
         """B-spline coefficients, by columns, of 1, of x, and of shapes of unit roughness orthogonal in it."""
-        sites = np.array(
-            [self.knots[i + 1 : i + 1 + TUNING.degree].mean() for i in range(self.size)]
-        )  # Greville: they give x
+        sites = sliding_window_view(self.knots[1:-1], TUNING.degree).mean(axis=1)  # Greville: they give x
         rough, vectors = np.linalg.eigh(self._roughness())
         return np.column_stack([np.ones(self.size), sites, vectors[:, 2:] / np.sqrt(rough[2:])])
 

@@ -73,26 +73,34 @@ TUNING = PenaltyTuning()
 class PenalisedFit:
     """A penalised fit: coefficients ``c`` (p,) and what is left, residuals (rows, n), Jacobian (rows, n, p).
 
-    Both before neighbours are decorrelated by ``rho``. ``lambdas``: in units of the mean diagonal of J^T J. ``spent``:
-    the effective number of parameters. ``settled``: whether the steps became small. ``floored``: whether the residuals
-    show less than the least ``phi``.
+    Both before neighbours are decorrelated by ``rho``. ``lambdas`` of the ``blocks``: in units of the mean diagonal of
+    J^T J. ``spent``: the effective number of parameters. ``settled``: whether the steps became small. ``floored``:
+    whether the residuals show less than the least ``phi``.
     """
 
     c: Array
     residuals: Array
     jacobian: Array
+    blocks: Sequence[slice]
     rho: float
     phi: float
     phi_floor: float
     lambdas: Array
     spent: float
     settled: bool
-    floored: bool
+
+    @property
+    def floored(self) -> bool:
+        return self.phi <= self.phi_floor
 
     @property
     def independent(self) -> Array:
         """The residuals with the correlation ``rho`` of neighbours taken out, (rows, n)."""
         return decorrelated(self.residuals, self.rho)
+
+    def flat(self, rho: float) -> Linearised:
+        """Residuals and Jacobian with the correlation ``rho`` taken out."""
+        return _flat((self.residuals, self.jacobian), rho)
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +131,7 @@ def minimise(
     phi_floor: float,
     lambdas: Array,
     freeze: int,
-    rho: float = 0.0,
+    rho: float,
 ) -> PenalisedFit:
     """The fit from ``start``. ``residuals(c)``: (r, Jacobian of r); ``lambdas``: first guess.
 
@@ -143,8 +151,7 @@ def minimise(
             max(10 * damping, TUNING.damping) if taken < TUNING.poor_step else damping / 3 * (damping > TUNING.damping)
         )
     settled = moved < TUNING.stuck and (taken > 0 or linear.deviations < TUNING.stuck)
-    floored = linear.phi <= phi_floor
-    return PenalisedFit(c, *seen, rho, linear.phi, phi_floor, lambdas, linear.spent, settled, floored)
+    return PenalisedFit(c, *seen, blocks, rho, linear.phi, phi_floor, lambdas, linear.spent, settled)
 
 
 def _flat(seen: Linearised, rho: float) -> Linearised:
@@ -182,7 +189,7 @@ class _Guess:
     step: Array
 
 
-def posterior(fit: PenalisedFit, blocks: Sequence[slice], noise: bool, correlated: bool) -> Posterior:
+def posterior(fit: PenalisedFit, noise: bool, correlated: bool) -> Posterior:
     """What lambdas and, where ``correlated``, correlations the data leave possible, and the covariance over all.
 
     The prior is even in the size of a block's coefficients, 1/sqrt(lambda) (Gelman 2006); that of ``inner``, in
@@ -192,15 +199,14 @@ def posterior(fit: PenalisedFit, blocks: Sequence[slice], noise: bool, correlate
     spread = TUNING.spread[1::2] if correlated else TUNING.spread
     priors = np.full(rhos.size, (1 - TUNING.uncorrelated) / max(rhos.size - 1, 1))
     priors[0] = TUNING.uncorrelated if correlated else 1.0
-    seen = (fit.residuals, fit.jacobian)
-    best = [_at_best(fit, seen, blocks, float(rho)) for rho in rhos]
+    best = [_at_best(fit, float(rho)) for rho in rhos]
     heights = np.array([height for height, _ in best])
     guesses: list[_Guess] = []
     masses = np.full(rhos.size, -np.inf)
     for i, rho in enumerate(rhos):
         if heights[i] > heights.max() + math.log(TUNING.negligible):
             weight = _log_det(fit, rho) + math.log(priors[i])
-            of_rho = list(_guesses(fit, _flat(seen, rho), blocks, best[i][1], weight, spread))
+            of_rho = list(_guesses(fit, fit.flat(rho), best[i][1], weight, spread))
             masses[i] = np.logaddexp.reduce([guess.height for guess in of_rho])
             guesses += of_rho
     full = _mean_covariance(guesses, fit.phi, 1.0, 1.0)
@@ -208,11 +214,11 @@ def posterior(fit: PenalisedFit, blocks: Sequence[slice], noise: bool, correlate
     return Posterior(full, inner, float(rhos[np.argmax(masses)]), float(heights.max() - heights[0]))
 
 
-def likeliest_correlation(fit: PenalisedFit, blocks: Sequence[slice]) -> float:
+def likeliest_correlation(fit: PenalisedFit) -> float:
     """The correlation of neighbours, among every other up to 0.9, with the greatest likelihood: a fit that leaves more
     to it follows what drifts."""
     rhos = _possible(fit, TUNING.correlations[1:8:2])
-    heights = [_at_best(fit, (fit.residuals, fit.jacobian), blocks, rho)[0] for rho in rhos]
+    heights = [_at_best(fit, rho)[0] for rho in rhos]
     heights[0] += TUNING.worth
     return rhos[int(np.argmax(heights))]
 
@@ -232,34 +238,26 @@ def _log_det(fit: PenalisedFit, rho: float) -> float:
     return -rows * (n - 1) / 2 * math.log1p(-(rho**2))
 
 
-def _at_best(fit: PenalisedFit, seen: Linearised, blocks: Sequence[slice], rho: float) -> tuple[float, Array]:
+def _at_best(fit: PenalisedFit, rho: float) -> tuple[float, Array]:
     """Log of the restricted likelihood of ``rho`` at its best lambdas, and these times the scales of their blocks.
 
     Minus infinity where it is that of a step so long that the linearised problem says nothing of it.
     """
-    now = _flat(seen, rho)
-    if rho == fit.rho:
-        lambdas = fit.lambdas
-    else:
-        lambdas = _linear(now, fit.c, blocks, fit.lambdas, fit.phi_floor, 0.0, MOST_STEPS).lambdas
+    now, lambdas = fit.flat(rho), fit.lambdas
+    if rho != fit.rho:
+        lambdas = _linear(now, fit.c, fit.blocks, lambdas, fit.phi_floor, 0.0, MOST_STEPS).lambdas
     diagonal = np.einsum("mp,mp->p", now[1], now[1])
-    best = np.array([lam * diagonal[block].mean() for lam, block in zip(lambdas, blocks, strict=True)])
-    (guess,) = _guesses(fit, now, blocks, best, _log_det(fit, rho), (1.0,))
-    r, J = seen
-    there = np.sum((r + J @ guess.step) ** 2)
-    return guess.height if there <= TUNING.linear**2 * np.sum(r**2) else -math.inf, best
+    best = np.array([lam * diagonal[block].mean() for lam, block in zip(lambdas, fit.blocks, strict=True)])
+    (guess,) = _guesses(fit, now, best, _log_det(fit, rho), (1.0,))
+    there = np.sum((fit.residuals + fit.jacobian @ guess.step) ** 2)
+    return guess.height if there <= TUNING.linear**2 * np.sum(fit.residuals**2) else -math.inf, best
 
 
 def _guesses(
-    fit: PenalisedFit,
-    now: Linearised,
-    blocks: Sequence[slice],
-    best: Array,
-    log_prior: float,
-    spread: tuple[float, ...],
+    fit: PenalisedFit, now: Linearised, best: Array, log_prior: float, spread: tuple[float, ...]
 ) -> Iterator[_Guess]:
     """All lambdas about the best ones with their restricted likelihood: others are part of the error."""
-    (r, J), c = now, fit.c
+    (r, J), c, blocks = now, fit.c, fit.blocks
     normal, gradient = J.T @ J, J.T @ r
     ridge = 1e-15 * np.diag(normal).max()
     free = r.size - c.size + sum(c[block].size for block in blocks)

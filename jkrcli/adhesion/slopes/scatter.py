@@ -49,22 +49,14 @@ def whitener(variances: Array, k: Array, m: Array) -> Array:
     return out
 
 
-@dataclass(frozen=True, eq=False)
-class Scatter:
-    """Relative ``variances`` (3, n) of a, delta, P, the largest share being 1; ``outliers`` (n,): which points are."""
-
-    variances: Array
-    outliers: Array
-
-
-def estimate(x: Array, residuals: Array, k: Array, m: Array, spent: float, floor: float) -> Scatter:
-    """The scatter that ``residuals`` (2, n) of log delta and log P at ``x`` show.
+def estimate(x: Array, residuals: Array, k: Array, m: Array, spent: float, floor: float) -> tuple[Array, Array]:
+    """The scatter that ``residuals`` (2, n) of log delta and log P at ``x`` show: relative variances (3, n) of a,
+    delta, P, the largest share being 1, and which points (n,) are outliers.
 
     Three shares by moments, a power law of the radius by maximum likelihood, and less weight for points far out: those
     that chance does not bring count as one standard deviation off. Few points tell neither shares nor power.
     ``spent``: effective number of parameters of the fit; ``floor``: variance below which nothing is known.
     """
-    nothing = Scatter(np.ones((3, x.size)), np.zeros(x.size, dtype=bool))
     shares, size = np.ones((3, 1)), np.ones(x.size)
     inliers = np.ones(x.size, dtype=bool)
     for round_ in range(MOST_SOLVES):
@@ -73,7 +65,7 @@ def estimate(x: Array, residuals: Array, k: Array, m: Array, spent: float, floor
         white = np.einsum("ijn,jn->in", whitener(shares, k, m), residuals)
         squares = np.mean(white**2, axis=0)
         if not np.mean(squares[inliers]) > floor:
-            return nothing
+            return np.ones((3, x.size)), np.zeros(x.size, dtype=bool)
         if x.size >= TUNING.free:
             size = np.exp(_trend(x[inliers], squares[inliers]) * x)
         relative = squares / size
@@ -84,7 +76,7 @@ def estimate(x: Array, residuals: Array, k: Array, m: Array, spent: float, floor
             break
     distance = np.sqrt(relative / np.mean(relative[inliers]))
     far = np.where(inliers, np.maximum(1.0, distance / TUNING.outlier), distance)
-    return Scatter(shares * size * far**2, ~inliers)
+    return shares * size * far**2, ~inliers
 
 
 def _rare(free: float, n: int) -> float:

@@ -4,6 +4,5 @@ from __future__ import annotations
 
 from .. import Rule, register
 
-register(
-    Rule("exact", "The slopes that the series carries; nothing is smoothed.", "jkrcli.adhesion.slopes.exact:exact")
-)
+SENTENCE = "The slopes that the series carries; nothing is smoothed."
+register(Rule("exact", SENTENCE, "jkrcli.adhesion.slopes.exact:exact"))

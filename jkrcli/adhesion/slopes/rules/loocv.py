@@ -4,19 +4,6 @@ from __future__ import annotations
 
 from .. import Rule, register
 
-register(
-    Rule(
-        "loocv",
-        "Derivative of a spline P(delta), smoothed over a by leave-one-out cross-validation.",
-        "jkrcli.adhesion.slopes.loocv:loocv",
-        optimistic=True,
-    )
-)
-register(
-    Rule(
-        "gcv",
-        "Derivative of a spline P(delta), smoothed over a by generalised cross-validation.",
-        "jkrcli.adhesion.slopes.loocv:gcv",
-        optimistic=True,
-    )
-)
+for _name, _left_out in (("loocv", "leave-one-out"), ("gcv", "generalised")):
+    _sentence = f"Derivative of a spline P(delta), smoothed over a by {_left_out} cross-validation."
+    register(Rule(_name, _sentence, f"jkrcli.adhesion.slopes.loocv:{_name}", optimistic=True))

@@ -17,7 +17,7 @@ from relaxation_records import record  # type: ignore[import-not-found]
 
 import jkrcli as jkr
 from jkrcli.adhesion.nonadhesive import Nonadhesive
-from jkrcli.adhesion.relaxation.depths import Depths
+from jkrcli.adhesion.relaxation.path import Depths
 from jkrcli.base.errors import JkrError
 from jkrcli.identification.fit.body import FittedBody, body_of
 from jkrcli.identification.relaxation import relaxation_fit, relaxation_settings

@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from ..adhesion import Program, RelaxedHistory, RelaxingContact, limits_of
+from ..adhesion import Program, RelaxedHistory, RelaxingContact, control, limits_of
 from ..base import ROWS, UNSEEN, Array, InputError, Unknown, show
 from ..bodies import RELAXATIONS, Relaxation
 from .result import Figure, Result, Several, as_result
@@ -51,7 +51,7 @@ class CycledRelaxing(RelaxedHistory, Result):
     def figure(self) -> Figure:
         from .plots.rate import history_figure
 
-        return history_figure(self.columns, [], f"{self.control}, {self.contact.law}")
+        return history_figure(self.columns, [], f"{control(self.contact.stiffness)}, {self.contact.law}")
 
     def summary(self) -> dict[str, Any]:
         return {
@@ -73,7 +73,7 @@ class CycledRelaxing(RelaxedHistory, Result):
         peak, lost = self.peak, self.lost
         lines = [
             f"largest load {show(peak.P, 'load')} at {state_words(peak, 't delta a')}: {self.file}",
-            f"  {self.control}, no adhesion; {self.contact.law}",
+            f"  {control(self.contact.stiffness)}, no adhesion; {self.contact.law}",
             *(f"  at {state_words(one, 't')} {state_words(one)}" for one in self.corners if one.t > peak.t),
         ]
         ends = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost, 'time')}"

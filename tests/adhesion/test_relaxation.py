@@ -7,11 +7,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from jkrcli.adhesion.relaxation.depths import Depths
 from relaxing_rings import stepped
 
 import jkrcli as jkr
 from jkrcli.adhesion.program import Program
-from jkrcli.adhesion.relaxation.depths import Depths
 from jkrcli.adhesion.relaxation.driven import Drive
 from jkrcli.adhesion.relaxation.history import RelaxingContact
 from jkrcli.adhesion.relaxation.memory import moments

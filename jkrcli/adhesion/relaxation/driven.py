@@ -17,9 +17,8 @@ import numpy as np
 from ...base import MOST_STEPS, ROUNDED, SAME, SETTLED, Array, InputError, SolveError, show, zeros_between
 from ...bodies import Modes
 from ..device import LOAD_CONTROL, position
-from .depths import Depths
 from .memory import Steps, moments
-from .path import AGAIN, PLACES, POWERS, RelaxedPath
+from .path import AGAIN, PLACES, POWERS, Depths, RelaxedPath
 
 INNER = PLACES[1:]
 DEGREE = INNER.size
@@ -72,19 +71,13 @@ class Now(NamedTuple):
     of_load: Array
 
 
-Taken: TypeAlias = "list[tuple[Now, Run]]"  # steps that were taken, each one a run, with the state before it
+Taken: TypeAlias = list[tuple[Now, Run]]  # steps that were taken, each one a run, with the state before it
 
 
-class DeviceSteps(NamedTuple):
-    """Steps in a piece of a program: lengths ``h`` (n,) [s], and the device's positions ``x`` at their inner places
-    (6 n,)."""
-
-    h: Array
-    x: Array
-
-
+# Lengths (n,) [s] of steps in a piece of a program, and the device's positions at their inner places (6 n,)
+DeviceSteps: TypeAlias = tuple[Array, Array]
 # Steps, and polynomials (n, 7) of their fractions that are positive up to the end of what happens; None: not found
-Solver: TypeAlias = Callable[[Now, DeviceSteps], "tuple[Run, Array] | None"]
+Solver: TypeAlias = Callable[[Now, DeviceSteps], tuple[Run, Array] | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +160,7 @@ class Drive:
         """The steps up to where the contact stops to grow or comes to the depth ``deepest`` [m], the state there, the
         piece of the program, and whether it came to that before the end."""
         none = np.zeros(self.modes.rates.size)
-        taken, now = list[tuple[Now, Run]](), Now(float(self.t[0]), 0.0, 0.0, 0.0, none, none)
+        taken, now = Taken(), Now(float(self.t[0]), 0.0, 0.0, 0.0, none, none)
 
         def solver(now: Now, device: DeviceSteps) -> tuple[Run, Array] | None:
             run = self._grown(now, device)
@@ -275,11 +268,12 @@ class Drive:
         """Steps from the part ``begin`` of piece ``i`` to ``ends``."""
         h = np.diff(ends, prepend=begin)
         inner = (ends[:, None] - np.multiply.outer(h, 1 - INNER)).ravel()
-        return DeviceSteps(h * (self.t[i + 1] - self.t[i]), self.x[i] + (self.x[i + 1] - self.x[i]) * inner)
+        return h * (self.t[i + 1] - self.t[i]), self.x[i] + (self.x[i + 1] - self.x[i]) * inner
 
     def _grown(self, now: Now, device: DeviceSteps) -> Run | None:
         """Steps in which the contact grows; None where Newton's iteration does not find them."""
-        kernel, x = Kernel(self.modes, device.h), device.x
+        h, x = device
+        kernel = Kernel(self.modes, h)
         seen, by = kernel.seen(now.of_load) + kernel.matrix[:, 0] * now.load, kernel.matrix[:, 1:]
         log, loaded = self._guess(seen, by.sum(axis=1), x), self.stiffness == LOAD_CONTROL
         for _ in range(MOST_STEPS):
@@ -295,7 +289,7 @@ class Drive:
             return None
         depth = np.exp(log)
         whole = _places(now.depth, depth)
-        return Run(now.t + np.cumsum(device.h), whole, whole, _places(now.load, self.depths.loads(depth)))
+        return Run(now.t + np.cumsum(h), whole, whole, _places(now.load, self.depths.loads(depth)))
 
     def _guess(self, seen: Array, stiff: Array, x: Array) -> Array:
         """log depths to begin with: of an elastic contact ``stiff`` times as stiff, loaded in one step."""
@@ -354,7 +348,8 @@ class Falling:
 
     def steps(self, now: Now, device: DeviceSteps) -> tuple[Run, Array] | None:
         """Steps, and what is positive in them up to the loss of contact; None where they are not found."""
-        kernel, x = Kernel(self.drive.modes, device.h), device.x
+        h, x = device
+        kernel = Kernel(self.drive.modes, h)
         k, inverse = self.drive.stiffness, np.linalg.inv(kernel.matrix[:, 1:])
         seen = kernel.seen(now.of_depth) + kernel.matrix[:, 0] * now.depth
         contact, least = np.full(x.size, now.contact), self.drive.depths.least if k == LOAD_CONTROL else -math.inf
@@ -370,7 +365,7 @@ class Falling:
                 break
         else:
             return None
-        ends, whole = now.t + np.cumsum(device.h), _places(now.contact, contact)
+        ends, whole = now.t + np.cumsum(h), _places(now.contact, contact)
         self._check(ends, whole)
         left = np.ones_like(whole) if k == LOAD_CONTROL else whole @ POWERS  # a load is lost where it ends
         return Run(ends, _places(now.depth, delta), whole, np.zeros_like(whole)), left

@@ -24,24 +24,13 @@ from ...base import (
     zeros_between,
 )
 from ...bodies import Modes, Relaxation
-from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
+from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL, position
 from ..nonadhesive import Nonadhesive
 from ..path import TimedState
 from ..program import Program
-from .depths import Depths
 from .driven import TUNING as DRIVEN
 from .driven import Drive
-from .path import TUNING, RelaxedPath, depth_controlled
-
-
-@dataclass(frozen=True)
-class HistoryTuning:
-    """How turns and largest loads are computed."""
-
-    intervals: int = 100  # choice: of the way back at least, over which its work is integrated; leaves 1e-8
-
-
-HISTORY = HistoryTuning()
+from .path import TUNING, Depths, RelaxedPath, depth_controlled
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +134,8 @@ def _in_contact(t: Array, x: Array, loaded: bool) -> tuple[Array, Array]:
     if not pressed.size:
         raise InputError(f"program: never presses: its largest value is {np.max(x):g}, contact begins at 0")
     first = int(pressed[0])
-    t, x = _from(t, x, first)
+    begin = t[0] if first == 0 else t[first] - x[first] / (x[first] - x[first - 1]) * (t[first] - t[first - 1])
+    t, x = np.append(begin, t[first:]), np.append(0.0, x[first:])
     if loaded and (pulled := np.flatnonzero((x[1:] <= 0) & (x[:-1] > 0))).size:
         i = int(pulled[0])
         part = x[i] / (x[i] - x[i + 1])
@@ -153,12 +143,6 @@ def _in_contact(t: Array, x: Array, loaded: bool) -> tuple[Array, Array]:
     if not t[-1] > t[0]:
         raise InputError("program: must last longer than no time in contact")
     return t, x
-
-
-def _from(t: Array, x: Array, first: int) -> tuple[Array, Array]:
-    part = 1.0 if first == 0 else x[first] / (x[first] - x[first - 1])
-    begin = t[first] if first == 0 else t[first] - part * (t[first] - t[first - 1])
-    return np.append(begin, t[first:]), np.append(0.0, x[first:])
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,25 +168,21 @@ class RelaxedHistory:
         """Whether it grew up to the end of the series."""
         return self.path.deepest >= (1 - NOTICEABLE) * self.path.depths.most
 
-    @property
-    def control(self) -> str:
-        return control(self.contact.stiffness)
-
     @cached_property
     def peak(self) -> TimedState:
         """The state of the largest load, to a part of a program's piece."""
-        t = np.append(self._times(LOOKED_AT), self.turn)
-        a, delta, P = self.path.states(np.sort(t))
-        i = int(np.argmax(P))
-        return TimedState(a=float(a[i]), delta=float(delta[i]), P=float(P[i]), t=float(np.sort(t)[i]))
+        t = np.sort(np.append(self._times(LOOKED_AT), self.turn))
+        return max(self._timed(t), key=lambda state: state.P)
 
     @cached_property
     def corners(self) -> tuple[TimedState, ...]:
         """The states at the corners of the program while there is contact."""
         t = np.unique(self._pieces)
-        t = t[(t > self.path.begin) & (t < self.path.lost)]
-        rows = zip(*self.path.states(t), t, strict=True)
-        return tuple(TimedState(a=float(a), delta=float(d), P=float(P), t=float(when)) for a, d, P, when in rows)
+        return self._timed(t[(t > self.path.begin) & (t < self.path.lost)])
+
+    def _timed(self, t: Array) -> tuple[TimedState, ...]:
+        rows = np.stack([*self.path.states(t), t], axis=1).tolist()
+        return tuple(TimedState(a=a, delta=delta, P=P, t=when) for a, delta, P, when in rows)
 
     @cached_property
     def error(self) -> float:
@@ -227,7 +207,7 @@ class RelaxedHistory:
         y, weights = composite_gauss(places)
         P = path.load.integral(y.ravel(), path.load.times(y.ravel()))
         t = path.depth.t[turn:]
-        parts = 1 - np.geomspace(1.0, 1e-4, math.ceil(HISTORY.intervals / t.size))
+        parts = 1 - np.geomspace(1.0, 1e-4, math.ceil(TUNING.intervals / t.size))
         t = np.minimum(np.append(t[:-1, None] + np.diff(t)[:, None] * parts, t[-1]), path.lost)
         later, lasts = composite_gauss(np.unique(np.append(t, path.lost)))
         work = weights.ravel() * path.depth.rates(y.ravel())

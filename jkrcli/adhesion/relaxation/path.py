@@ -1,4 +1,5 @@
-"""The history of a contact that relaxes: it grows, shrinks, is lost."""
+"""The history of a contact that relaxes: it grows, shrinks, is lost. It is made of the nonadhesive contact over its
+depth."""
 
 from __future__ import annotations
 
@@ -8,9 +9,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base import SAME, Array, InputError, show, zeros_between
+from ...base import SAME, Array, InputError, PiecewiseCubic, show, zeros_between
 from ...bodies import Modes
-from .depths import Depths
+from ..nonadhesive import Nonadhesive
 from .memory import Steps
 
 
@@ -22,6 +23,8 @@ class PathTuning:
     ratio: float = 1.4  # theory: of depths from step to step; depth^1.5 is interpolated to 1e-11 of itself
     degree: int = 6  # theory: of the load over a step, see ``ratio``
     places: float = 1e-12  # theory: of a step, round-off
+    below: float = 60.0  # theory: of log depth below the first row, down to a depth of 1e-26 of that row's
+    intervals: int = 100  # choice: of the way back at least, over which its work is integrated; leaves 1e-8
 
 
 TUNING = PathTuning()
@@ -31,6 +34,50 @@ AGAIN = (
     "is loaded again before its dent recovers, which is not solved: retract without a stop, at a speed that does not "
     "fall, and end the program where contact is lost"
 )
+
+
+@dataclass(frozen=True, eq=False)
+class Depths:
+    """P_H, S and the radius of ``body`` over delta_H, with dP_H = S d(delta_H) between the rows too; below the first
+    row a power law of its slope."""
+
+    body: Nonadhesive
+
+    @cached_property
+    def curve(self) -> PiecewiseCubic:
+        """log P_H and log(a - a0) over log delta_H."""
+        z = self.body.logs.columns.x
+        values, slopes = (self.body.logs.columns(z, order) for order in (0, 1))
+        x, by_x = values[:, 0], np.stack([slopes[:, 1], np.ones_like(z)], 1) / slopes[:, :1]
+        y = np.stack([values[:, 1], z], 1)
+        ends = np.array([x[0] - TUNING.below]), y[:1] - TUNING.below * by_x[:1], by_x[:1]
+        return PiecewiseCubic(*(np.concatenate(pair) for pair in zip(ends, (x, y, by_x), strict=True)))
+
+    @property
+    def least(self) -> float:
+        return float(np.exp(self.curve.x[0]))
+
+    @property
+    def most(self) -> float:
+        """The depth [m] at the end of the series."""
+        return float(np.exp(self.curve.x[-1]))
+
+    def loads(self, depth: Array) -> Array:
+        """P_H [N] at depths >= 0 [m]."""
+        return np.where(depth > 0, np.exp(self.curve(self._log(depth))[..., 0]), 0.0)
+
+    def with_slopes(self, depth: Array) -> tuple[Array, Array]:
+        """P_H [N] and S [N/m] at depths > 0 [m]."""
+        x = self._log(depth)
+        P = np.exp(self.curve(x)[..., 0])
+        return P, P / np.exp(x) * self.curve(x, 1)[..., 0]
+
+    def radii(self, depth: Array) -> Array:
+        """Contact radii [m] at depths >= 0 [m]."""
+        return np.where(depth > 0, self.body.series.a0 + np.exp(self.curve(self._log(depth))[..., 1]), 0.0)
+
+    def _log(self, depth: Array) -> Array:
+        return np.log(np.maximum(depth, self.least))
 
 
 @dataclass(frozen=True, eq=False)

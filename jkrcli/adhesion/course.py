@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol
 
 from ..base import InputError, parse
 from .device import LOAD_CONTROL
-from .program import Program, dwell, there_and_back
+from .program import Program, there_and_back
 
 
 class Turning(Protocol):
@@ -71,9 +71,8 @@ class Course:
         x = contact.turning(self.to_load, self.to_depth, moves.there)
 
         def turned(x: float) -> Program:
-            if moves.dwell is None:
-                return there_and_back(x, moves.there, moves.back, moves.hold, contact.least)
-            return dwell(x, moves.there, moves.back, moves.dwell, moves.dwell_time, moves.hold, contact.least)
+            whole = there_and_back(x, moves.there, moves.back, moves.hold, contact.least)
+            return whole if moves.dwell is None else whole.dwelling(moves.dwell, moves.dwell_time)
 
         has_turn = self.to_load is not None or self.to_depth is not None
         return turned(x if has_turn else contact.within(turned, x))

@@ -79,6 +79,16 @@ class Program:
         """From ``x`` on at a ``rate``."""
         return cls(np.zeros(1), np.array([x]), rate)
 
+    def dwelling(self, x: float, lasts: float) -> Program:
+        """The same, but going on back only as far as ``x``, where the device stays for the time ``lasts`` [s]."""
+        turn, rate = float(self.x[-1]), self.rate or math.nan
+        if not x < turn:
+            raise InputError(f"program: the dwell must lie before the turn at {turn:g}, got {x:g}")
+        if not lasts > 0:
+            raise InputError(f"program: the dwell must last > 0 s, got {lasts:g}")
+        reached = float(self.t[-1]) + (x - turn) / rate
+        return Program(np.append(self.t, [reached, reached + lasts]), np.append(self.x, [x, x]))
+
     def highest(self, t: float) -> float:
         """The largest position after the time ``t`` [s]."""
         return math.inf if (self.rate or 0) > 0 else float(np.max(self.x[self.t > t], initial=-math.inf))
@@ -101,16 +111,3 @@ def there_and_back(turn: float, inwards: float, outwards: float, hold: float = 0
         raise InputError(f"program: the hold must last >= 0 s, got {hold:g}")
     reached = abs(turn - start) / inwards
     return Program(np.array([0.0, reached, reached + hold]), np.array([start, turn, turn]), -outwards)
-
-
-def dwell(
-    turn: float, inwards: float, outwards: float, x: float, lasts: float, hold: float = 0.0, start: float = 0.0
-) -> Program:
-    """There and back as far as ``x``, where the device stays for the time ``lasts`` [s]."""
-    whole = there_and_back(turn, inwards, outwards, hold, start)
-    if not x < turn:
-        raise InputError(f"program: the dwell must lie before the turn at {turn:g}, got {x:g}")
-    if not lasts > 0:
-        raise InputError(f"program: the dwell must last > 0 s, got {lasts:g}")
-    reached = float(whole.t[-1]) + (turn - x) / outwards
-    return Program(np.append(whole.t, [reached, reached + lasts]), np.append(whole.x, [x, x]))

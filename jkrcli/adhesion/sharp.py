@@ -34,21 +34,17 @@ def resolved(
     """A pull-off point under a device of ``stiffness`` [N/m], or Unknown where it lies at a radius below ``z0`` [m]."""
     if curve.ranged:  # its surfaces may attract each other without contact
         return point
-    a = point.a if isinstance(point, CriticalPoint) else _smallest(curve, stiffness, z0)
-    if a is None or a >= z0:
+    if isinstance(point, CriticalPoint):
+        small = point.a < z0
+    else:
+        small = curve.a[0] < TUNING.near * z0 and np.argmin(position(curve.delta, curve.P, stiffness)) == 0
+    if not small:
         return point
     return Unknown(
         f"contact would shrink below the interatomic spacing, z0 = {show(z0, 'length')}, before it is lost, where "
         'nothing is a continuum: give the radius that every real tip has (shape = "sphere", or a profile as "table"); '
         "of a tip so small that its Tabor number is below 0.1, forces of finite range pull off at about 2 pi w R"
     )
-
-
-def _smallest(curve: EquilibriumCurve, stiffness: float, z0: float) -> float | None:
-    """0 where pull-off lies below a series that ends near the distance of atoms; None elsewhere."""
-    lowest = int(np.argmin(position(curve.delta, curve.P, stiffness)))
-    near = lowest == 0 and curve.a[0] < TUNING.near * z0
-    return 0.0 if near else None
 
 
 def yielding(problem: Problem, curve: EquilibriumCurve) -> list[str]:

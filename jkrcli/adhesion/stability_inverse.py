@@ -12,15 +12,7 @@ from .curve import AdhesiveCurve, CriticalPoint
 from .device import LOAD_CONTROL, position
 from .nonadhesive import Nonadhesive
 
-
-@dataclass(frozen=True)
-class InverseTuning:
-    """The search for the work of adhesion."""
-
-    step: float = math.log(4.0)  # of log w, beyond what the radii of the series give; choice: time alone depends on it
-
-
-TUNING = InverseTuning()
+STEP = math.log(4.0)  # of log w, beyond what the radii of the series give; choice: time alone depends on it
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +68,7 @@ def work_from_pull_off(
         return log_w
 
     works = _stationary(body, stiffness)
-    low, high = widened(inside(works), -TUNING.step), widened(inside(works[::-1]), TUNING.step)
+    low, high = widened(inside(works), -STEP), widened(inside(works[::-1]), STEP)
     if not excess(low) <= 0 <= excess(high):
         raise InputError(_out_of_reach(load, force(low), force(high)))
     if low < high:

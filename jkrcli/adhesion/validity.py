@@ -36,6 +36,8 @@ class TheoryLimits:
 
 
 LIMITS = TheoryLimits()
+LARGEST, EDGE = "at the largest contact radius", "rad at the edge"
+STEEP = "theta = sqrt(2 w/Ups)"
 SMALL = 0.1  # choice: of what theories take as small: strains, zones at the edge, the contact in its mesh
 NO_TIP_RADIUS = Unknown("the indenter has no tip radius (pointed, flat or blunter than a parabola)")
 NO_TENSION = Unknown("no surface tension")
@@ -83,8 +85,8 @@ class Validity:
         return [
             *_above(self.a_over_R, LIMITS.a_over_R, "a/R", _strains(self)),
             *_above(self.delta_over_h, SMALL, "delta/h", "small strains no longer hold in the layer"),
-            *_steep(self.edge_angle),
-            *_cut_warning(self),
+            *_above(self.edge_angle, LIMITS.edge_angle, STEEP, "pull-off is one of small slopes of the surface", EDGE),
+            *(_above(self.a_over_L, SMALL, "a/L", "the cut of the mesh affects the result") if self.end_is_cut else ()),
             *_range_warning(self),
         ]
 
@@ -180,19 +182,16 @@ def regime(number: float) -> str:
 
 
 def _words(number: Estimate, effect: Estimate) -> str:
-    if not isinstance(effect, Unknown):
-        return (
-            "JKR holds"
-            if abs(effect) < LIMITS.effect
-            else f"at the range z0 the pull-off force differs by {effect:+.2%}"
-        )
-    return f"unknown: {number}" if isinstance(number, Unknown) else regime(number)
+    if isinstance(effect, Unknown):
+        return f"unknown: {number}" if isinstance(number, Unknown) else regime(number)
+    differs = f"at the range z0 the pull-off force differs by {effect:+.2%}"
+    return "JKR holds" if abs(effect) < LIMITS.effect else differs
 
 
-def _above(value: Estimate, limit: float, name: str, meaning: str) -> list[str]:
+def _above(value: Estimate, limit: float, name: str, meaning: str, where: str = LARGEST) -> list[str]:
     if isinstance(value, Unknown) or value <= limit * (1 + SAME):
         return []
-    return [f"{name} = {value:.3g} at the largest contact radius is above {limit:g}: {meaning}"]
+    return [f"{name} = {value:.3g} {where} is above {limit:g}: {meaning}"]
 
 
 def _strains(judged: Validity) -> str:
@@ -204,21 +203,6 @@ def _strains(judged: Validity) -> str:
         f"P at this depth is about {judged.strained:.1%} too large against a rubber at large strains (neo-Hookean "
         f"half-space){better if judged.sphere < judged.strained else ''}"
     )
-
-
-def _steep(angle: Estimate) -> list[str]:
-    if isinstance(angle, Unknown) or angle <= LIMITS.edge_angle:
-        return []
-    return [
-        f"theta = sqrt(2 w/Ups) = {angle:.3g} rad at the edge is above {LIMITS.edge_angle:g}: pull-off is one of small "
-        "slopes of the surface"
-    ]
-
-
-def _cut_warning(judged: Validity) -> list[str]:
-    if not judged.end_is_cut:
-        return []
-    return _above(judged.a_over_L, SMALL, "a/L", "the cut of the mesh affects the result")
 
 
 def _range_warning(judged: Validity) -> list[str]:

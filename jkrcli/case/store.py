@@ -113,7 +113,7 @@ def _tree(solution: Solution, command_line: str) -> hdf5.Group:
         r = hdf5.column(pressure.r, "m", "radii of the contact nodes")
         p = hdf5.column(pressure.p, "Pa", "contact pressure, one row per increment")
         members["contact"] = hdf5.sealed(hdf5.Group({}, {"r": r, "pressure": p}))
-    identity = {"format": FORMAT, "version": VERSION, "method": solution.method, "problem_key": solution.key}
+    identity = {"format": FORMAT, "version": VERSION, "method": solution.method, "problem_key": solution.problem.key}
     return hdf5.Group(identity | {"command_line": record.command_line or command_line}, members)
 
 

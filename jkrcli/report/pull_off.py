@@ -48,7 +48,7 @@ class PullOff(Result):
         }
 
     def words(self) -> list[str]:
-        result, points = self.result, {means.control: (means.pull_off, error) for means, error in self.lost}
+        result, points = self.result, {control(means.stiffness): (means.pull_off, error) for means, error in self.lost}
         lines = [*tables.lost_words(result, points), *_validity(result)]
         return lines + [line for means, error in self.lost for line in _control(means, error, _solved(result, means))]
 
@@ -107,7 +107,7 @@ def _solved(result: Analysis, behaviour: Behaviour) -> bool:
 def _control(behaviour: Behaviour, error: Errors | Unknown | None, solved: bool) -> list[str]:
     """Points, jumps and energies under one control; the pull-off point ``solved`` or read off between the rows."""
     between = "; interpolated" if not solved and error and not isinstance(error, Unknown) else ""
-    lines = [f"  {behaviour.control}", f"    pull-off            {_point(behaviour.pull_off)}{between}"]
+    lines = [f"  {control(behaviour.stiffness)}", f"    pull-off            {_point(behaviour.pull_off)}{between}"]
     if isinstance(error, Unknown):
         lines.append(f"    its error           {error}")
     others = [point for point in behaviour.critical if point != behaviour.pull_off]

@@ -31,7 +31,7 @@ def _as_dict(solution: Solution) -> dict[str, Any]:
     return {
         "file": str(solution.record.path),
         "method": solution.method,
-        "problem_key": solution.key,
+        "problem_key": solution.problem.key,
         "surface": solution.problem.surface,
         "command_line": solution.record.command_line,
         "rows": raw.a.size,

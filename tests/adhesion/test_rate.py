@@ -13,7 +13,7 @@ from stopwatch import takes_less_than
 
 from jkrcli.adhesion.curve import AdhesiveCurve
 from jkrcli.adhesion.nonadhesive import Nonadhesive
-from jkrcli.adhesion.program import Program, dwell, there_and_back
+from jkrcli.adhesion.program import Program, there_and_back
 from jkrcli.adhesion.rate.history import TUNING, History, RateContact
 from jkrcli.adhesion.rate.laws import RATE_LAWS, LogRate, PowerRate
 from jkrcli.adhesion.slopes.choice import slopes
@@ -246,14 +246,14 @@ def test_under_constant_load_contact_is_lost_after_a_while() -> None:
     contact = RateContact(half_space(), PowerRate(1.0, 0.6), 1.0, 0.5, 0.0)
     waits = []
     for load in (-5.0, -6.0):
-        history = contact.history(dwell(5.0, 1e3, 1e3, load, 1e4))
+        history = contact.history(there_and_back(5.0, 1e3, 1e3).dwelling(load, 1e4))
         assert history.ends == "lost"
         assert history.waited is not None
         waits.append(history.waited)
         assert history.pull_off.P == load
         assert history.pull_off.t == pytest.approx(5.0 * 1e-3 + (5 - load) * 1e-3, rel=1e-12)  # when it is reached
     assert 0 < waits[1] < waits[0]
-    stays = contact.history(dwell(5.0, 1e3, 1e3, -4.5, 1e4))  # less than 3/2 pi
+    stays = contact.history(there_and_back(5.0, 1e3, 1e3).dwelling(-4.5, 1e4))  # less than 3/2 pi
     assert stays.lost is None
     assert stays.waited is None
     assert isinstance(stays.error["lost"], Unknown)
@@ -262,7 +262,7 @@ def test_under_constant_load_contact_is_lost_after_a_while() -> None:
 def test_the_time_of_loss_under_constant_load_and_its_error() -> None:
     """While the load stands, t = int da/v(G(a)) is exact."""
     contact = RateContact(half_space(), PowerRate(1.0, 0.6), 1.0, 0.5, 0.0)
-    history = contact.history(dwell(5.0, 1e3, 1e3, -5.0, 1e4))
+    history = contact.history(there_and_back(5.0, 1e3, 1e3).dwelling(-5.0, 1e4))
     piece = history.pieces[-1]
 
     def slowness(u: float) -> float:
@@ -280,7 +280,7 @@ def test_the_time_of_loss_under_constant_load_and_its_error() -> None:
 def test_the_trace_ends_an_instant_before_contact_is_lost() -> None:
     """Under load the displacement of a contact that runs away grows without bound; that is no state of it."""
     contact = RateContact(half_space(), PowerRate(1.0, 0.6), 1.0, 0.5, 0.0)
-    history = contact.history(dwell(5.0, 1e3, 1e3, -5.0, 1e4))
+    history = contact.history(there_and_back(5.0, 1e3, 1e3).dwelling(-5.0, 1e4))
     table, lost = history.table(500), history.lost
     assert lost is not None
     assert table["a_m"][-1] == pytest.approx(lost.start.a)
@@ -336,8 +336,11 @@ def test_a_trace_of_ten_thousand_rows_is_quick() -> None:
         (lambda: there_and_back(1.0, 1.0, 0.0), "program: the speed of retraction must be > 0, got 0"),
         (lambda: there_and_back(1.0, -1.0, 1.0), "program: the speed of approach must be > 0, got -1"),
         (lambda: there_and_back(1.0, 1.0, 1.0, -2.0), "program: the hold must last >= 0 s, got -2"),
-        (lambda: dwell(1.0, 1.0, 1.0, 2.0, 1.0), "program: the dwell must lie before the turn at 1, got 2"),
-        (lambda: dwell(1.0, 1.0, 1.0, -2.0, 0.0), "program: the dwell must last > 0 s, got 0"),
+        (
+            lambda: there_and_back(1.0, 1.0, 1.0).dwelling(2.0, 1.0),
+            "program: the dwell must lie before the turn at 1, got 2",
+        ),
+        (lambda: there_and_back(1.0, 1.0, 1.0).dwelling(-2.0, 0.0), "program: the dwell must last > 0 s, got 0"),
         (
             lambda: RateContact(half_space(), PowerRate(1.0, 0.5), 1.0, 2.0),
             "the work of adhesion of the receding edge must be >= that of the advancing one, got 1 J/m^2 after 2 J/m^2",

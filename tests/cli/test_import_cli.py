@@ -82,7 +82,7 @@ def test_zero_is_told_as_elsewhere_or_as_a_length_alone(jkr, table: Path) -> Non
 def test_bodies_by_flags(jkr, table: Path) -> None:
     jkr("import", table, "--case", "my.toml", "-o", "case.h5")
     assert jkr("import", table, *BODY, "-o", "flags.h5").code == 0
-    assert store.read("flags.h5").key == store.read("case.h5").key
+    assert store.read("flags.h5").problem.key == store.read("case.h5").problem.key
     found = json.loads(jkr("import", table, *BODY, "--thickness", "1 mm", "--base", "frictionless", "--json").out)
     assert (found["file"], found["points"], found["method"]) == ("t.h5", 60, "import")
     model = parse_case(store.read("t.h5").record.toml.encode(), "t").model

@@ -14,14 +14,7 @@ NEGLECTED = (
 )
 
 
-@dataclass(frozen=True)
-class ZoneLimits:
-    """Sizes beyond which the edge is no line."""
-
-    atom: float = 1e-10  # theory: [m], below which there is no zone
-
-
-LIMITS = ZoneLimits()
+ATOM = 1e-10  # theory: [m], below which there is no zone
 
 
 @dataclass(frozen=True)
@@ -65,7 +58,7 @@ def zone(G: float, w0: float, E_star: float, a: float, h: float, stress: float |
         return Zone(none, none, none)
     sigma = stress if stress is not None else w0 / (z0 or math.inf)
     width = math.pi * E_star * G / (4 * sigma**2)
-    if width < LIMITS.atom:
+    if width < ATOM:
         small = Unknown(
             f"the attraction's stress, {show(sigma, 'modulus')}, gives {width:.1g} m, less than an atom: "
             "dissipation on so soft a body reaches further: give its own stress, --stress"

@@ -183,9 +183,7 @@ class RoundedFlat(Indenter):
         return np.maximum(np.asarray(r, dtype=float) - self.b, 0) / self.edge_radius
 
     def abel(self, x: Array) -> Array:
-        x = np.maximum(np.asarray(x, dtype=float), self.b)
-        tangent = np.sqrt((x - self.b) * (x + self.b)) / self.b
-        return x * self.b * half_space.tangent_minus_angle(tangent) / self.edge_radius
+        return self.half_space(np.maximum(np.asarray(x, dtype=float), self.b), 1.0)[0]
 
     def abel_slope(self, x: Array) -> Array:
         root = np.sqrt(np.maximum(x - self.b, 0) * (x + self.b))

@@ -7,7 +7,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from jkrcli.adhesion.relaxation.depths import Depths
 from relaxing_rings import stepped
 
 import jkrcli as jkr
@@ -15,7 +14,7 @@ from jkrcli.adhesion.program import Program
 from jkrcli.adhesion.relaxation.driven import Drive
 from jkrcli.adhesion.relaxation.history import RelaxingContact
 from jkrcli.adhesion.relaxation.memory import moments
-from jkrcli.adhesion.relaxation.path import RelaxedPath, depth_controlled
+from jkrcli.adhesion.relaxation.path import Depths, RelaxedPath, depth_controlled
 from jkrcli.base.arrays import Array
 from jkrcli.base.errors import InputError
 from jkrcli.beside.analysis import nonadhesive

@@ -13,8 +13,8 @@ from relaxation_records import record
 import jkrcli as jkr
 from jkrcli.adhesion.nonadhesive import Nonadhesive
 from jkrcli.adhesion.program import Program
-from jkrcli.adhesion.relaxation.depths import Depths
 from jkrcli.adhesion.relaxation.history import RelaxedHistory, RelaxingContact
+from jkrcli.adhesion.relaxation.path import Depths
 from jkrcli.base.arrays import Array
 from jkrcli.base.errors import InputError
 from jkrcli.data.measured import Curve

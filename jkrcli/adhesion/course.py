@@ -52,16 +52,14 @@ class Course:
     def moves(self, loaded: bool, called: Callable[[str], str] = str) -> Moves:
         """The fields in SI, under load control where ``loaded``; InputError that names one as it is ``called``."""
 
-        def quantity(name: str, dimension: str, least: float | None = None) -> float:
-            return _quantity(called(name), getattr(self, name), dimension, least)
-
         length, speed = ("load", "load rate") if loaded else ("length", "speed")
-        back = quantity("speed", speed)
-        there = back if self.speed_approach is None else quantity("speed_approach", speed)
-        hold = 0.0 if self.hold is None else quantity("hold", "time", least=0.0)
+        back = self._si("speed", called, speed)
+        there = back if self.speed_approach is None else self._si("speed_approach", called, speed)
+        hold = 0.0 if self.hold is None else self._si("hold", called, "time", least=0.0)
         if self.dwell is None:
             return Moves(there, back, hold)
-        return Moves(there, back, hold, quantity("dwell", length, least=-math.inf), quantity("dwell_time", "time"))
+        dwell = self._si("dwell", called, length, least=-math.inf)
+        return Moves(there, back, hold, dwell, self._si("dwell_time", called, "time"))
 
     def program(self, contact: Turning, called: Callable[[str], str] = str) -> Program:
         """What the device does to ``contact``; InputError that names the field as it is ``called``."""
@@ -77,14 +75,14 @@ class Course:
         has_turn = self.to_load is not None or self.to_depth is not None
         return turned(x if has_turn else contact.within(turned, x))
 
-
-def _quantity(name: str, entry: float | str, dimension: str, least: float | None) -> float:
-    """A number in SI, or text with its unit; > 0 where no ``least`` is given."""
-    try:
-        value = parse(entry, dimension) if isinstance(entry, str) else float(entry)
-    except ValueError as error:
-        raise InputError(f"{name}: {error}") from None
-    wrong = value <= 0 if least is None else value < least
-    if wrong or not math.isfinite(value):
-        raise InputError(f"{name}: must be {'> 0' if least is None else f'>= {least:g}'}, got {entry}")
-    return value
+    def _si(self, field: str, called: Callable[[str], str], dimension: str, least: float | None = None) -> float:
+        """A field in SI, of a number or text with its unit; > 0 where no ``least`` is given."""
+        entry, name = getattr(self, field), called(field)
+        try:
+            value = parse(entry, dimension) if isinstance(entry, str) else float(entry)
+        except ValueError as error:
+            raise InputError(f"{name}: {error}") from None
+        wrong = value <= 0 if least is None else value < least
+        if wrong or not math.isfinite(value):
+            raise InputError(f"{name}: must be {'> 0' if least is None else f'>= {least:g}'}, got {entry}")
+        return value

@@ -359,10 +359,9 @@ class States(NamedTuple):
 class Contact:
     """A contact in a device of ``stiffness`` [N/m], whose edge moves by two rules, ``advance`` and ``recede``."""
 
+    stiffness: float
     if TYPE_CHECKING:  # fields of some, properties of others
 
-        @property
-        def stiffness(self) -> float: ...
         @property
         def advance(self) -> EdgeRule: ...
         @property

@@ -70,7 +70,7 @@ class Linear(_Between):
         return self.top + (self.bottom - self.top) * np.asarray(depth, dtype=float) / self.depth
 
     def taylor(self, count: int) -> Array:
-        return _padded([1.0, (self.bottom / self.top - 1) / self.depth], count)
+        return np.append([1.0, (self.bottom / self.top - 1) / self.depth], np.zeros(count))[:count]
 
 
 @law("exponential")
@@ -153,11 +153,7 @@ class Tabulated(Law):
         return np.interp(np.asarray(depth, dtype=float), self.depths, self.moduli)
 
     def taylor(self, count: int) -> Array:
-        return _padded([1.0, (self.moduli[1] / self.moduli[0] - 1) / self.depths[1]], count)
+        return np.append([1.0, (self.moduli[1] / self.moduli[0] - 1) / self.depths[1]], np.zeros(count))[:count]
 
     def scaled(self, factor: float) -> Self:
         return replace(self, moduli=tuple(modulus * factor for modulus in self.moduli))
-
-
-def _padded(coefficients: list[float], count: int) -> Array:
-    return np.array((coefficients + [0.0] * count)[:count])

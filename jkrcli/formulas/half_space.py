@@ -21,7 +21,6 @@ def effective_radius(R_1: float, R_2: float) -> float:
 
 def hertz(a: Array, E_star: float, R: float) -> tuple[Array, Array]:
     """Paraboloid on a half-space (Eq. 2): delta_H [m] and P_H [N] at contact radius ``a`` [m]."""
-    a = np.asarray(a, dtype=float)
     return a**2 / R, 4 * E_star * a**3 / (3 * R)
 
 
@@ -30,7 +29,6 @@ def sneddon_sphere(a: Array, E_star: float, R: float) -> tuple[Array, Array]:
 
     P = E* [(R^2 + a^2) artanh(a/R) - a R]; a series where the difference would cancel.
     """
-    a = np.asarray(a, dtype=float)
     x = a / R
     closed = (1 + x**2) * np.arctanh(x) - x
     n = np.arange(1, 12)
@@ -40,7 +38,6 @@ def sneddon_sphere(a: Array, E_star: float, R: float) -> tuple[Array, Array]:
 
 def power_law(a: Array, E_star: float, B: float, d: float) -> tuple[Array, Array]:
     """f = B r^d on a half-space: delta_H = c_d B a^d [m], P_H = 2 E* c_d B a^(d+1) d/(d+1) [N]."""
-    a = np.asarray(a, dtype=float)
     with np.errstate(over="ignore"):  # infinite is what it is then, and what a search for a radius can tell
         delta = B * (abel_factor(d) * a**d)
     return delta, 2 * E_star * delta * a * d / (d + 1)
@@ -60,7 +57,6 @@ def rounded_flat(a: Array, E_star: float, b: float, edge_radius: float) -> tuple
 
     With s = sqrt(a^2 - b^2) the integral is [s^3/(3 edge_radius) + a F(a)]/2: a sum, which does not cancel.
     """
-    a = np.asarray(a, dtype=float)
     s = np.sqrt((a - b) * (a + b))
     delta = a * b * tangent_minus_angle(s / b) / edge_radius
     return delta, E_star * (s**3 / (3 * edge_radius) + a * delta)
@@ -71,7 +67,6 @@ def rounded_cone(a: Array, E_star: float, R: float, b: float) -> tuple[Array, Ar
 
     The sums of positive parts, with s = sqrt(a^2 - b^2) and a - s = b^2/(a + s), do not cancel.
     """
-    a = np.asarray(a, dtype=float)
     s, angle = beyond(a, b)
     least = np.minimum(a, b)
     rest = np.where(s > 0, least**2 / (a + s + (a == 0)), a)  # a - s
@@ -81,14 +76,13 @@ def rounded_cone(a: Array, E_star: float, R: float, b: float) -> tuple[Array, Ar
 
 def beyond(a: Array, b: float) -> tuple[Array, Array]:
     """sqrt(a^2 - b^2) [m] and arccos(b/a) of radii ``a`` beyond ``b`` [m]; 0 within."""
-    a = np.maximum(np.asarray(a, dtype=float), b)
+    a = np.maximum(a, b)
     s = np.sqrt((a - b) * (a + b))
     return s, np.arctan2(s, b)
 
 
 def tangent_minus_angle(u: Array) -> Array:
     """u - arctan(u) for u >= 0 [-], by u^3/3 - u^5/5 + ... where the difference would cancel."""
-    u = np.asarray(u, dtype=float)
     orders = np.arange(26)  # the first term left out is 2^-52/55 at u = 1/2
     square = np.minimum(u, 0.5) ** 2
     series = u**3 * np.polynomial.polynomial.polyval(square, (-1.0) ** orders / (2 * orders + 3))
@@ -97,20 +91,18 @@ def tangent_minus_angle(u: Array) -> Array:
 
 def jkr(a: Array, E_star: float, R: float, w: float) -> tuple[Array, Array]:
     """Classical JKR (Eq. 7 corrected): delta [m] and P [N] of a paraboloid on a half-space."""
-    a = np.asarray(a, dtype=float)
     delta, P = hertz(a, E_star, R)
     return delta - np.sqrt(2 * np.pi * w * a / E_star), P - np.sqrt(8 * np.pi * w * E_star * a**3)
 
 
 def jkr_dimensionless(a_bar: Array) -> tuple[Array, Array]:
     """Classical JKR in the units of Eq. 15 (Eq. 18 corrected): delta_bar and P_bar."""
-    a_bar = np.asarray(a_bar, dtype=float)
     return a_bar**2 - 2 / 3 * np.sqrt(6 * a_bar), a_bar**3 - np.sqrt(6 * a_bar**3)
 
 
 def adhesive_half_space(a: Array, delta_H: Array, P_H: Array, E_star: float, w: float) -> tuple[Array, Array]:
     """Adhesion with S = 2 E* a: delta [m] and P [N] of the indenter whose nonadhesive contact is delta_H, P_H."""
-    t = shift(w, np.asarray(a, dtype=float), 2 * E_star)
+    t = shift(w, a, 2 * E_star)
     return delta_H - t, P_H - 2 * E_star * a * t
 
 

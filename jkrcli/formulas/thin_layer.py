@@ -19,7 +19,6 @@ def foundation_modulus(E: float, nu: float, h: float) -> float:
 
 def thin_layer(a: Array, K: float, R: float) -> tuple[Array, Array]:
     """Thin-layer formula, compressible (Eq. 20): delta_H = a^2/(2R) [m], P_H = pi K a^4/(4R) [N]."""
-    a = np.asarray(a, dtype=float)
     return a**2 / (2 * R), np.pi * K * a**4 / (4 * R)
 
 
@@ -35,7 +34,6 @@ def thin_layer_dimensionless(a_bar: Array) -> tuple[Array, Array]:
 
 def thin_incompressible_layer(a: Array, G: float, h: float, R: float) -> tuple[Array, Array]:
     """Thin-layer limit at nu = 1/2: delta_H = a^2/(4R) [m], P_H = pi G a^6/(32 R h^3) [N]."""
-    a = np.asarray(a, dtype=float)
     return a**2 / (4 * R), np.pi * G * a**6 / (32 * R * h**3)
 
 

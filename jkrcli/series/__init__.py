@@ -45,19 +45,20 @@ class RawSeries:
     a: Array
     delta: Array
     P: Array
-    rows: Array | None = None
+    rows: Array = field(default_factory=lambda: np.empty(0, dtype=int))
 
     def __post_init__(self) -> None:
         _freeze(self, ("a", "delta", "P"))
-        rows = np.arange(1, self.a.size + 1) if self.rows is None else np.array(self.rows)
-        object.__setattr__(self, "rows", rows)
+        object.__setattr__(self, "rows", np.array(self.rows) if np.size(self.rows) else np.arange(1, self.a.size + 1))
 
     @property
     def touching(self) -> RawSeries:
         """The increments in contact: another program's table begins with the undeformed state."""
-        there = self.a > 0
-        assert self.rows is not None
-        return RawSeries(self.a[there], self.delta[there], self.P[there], self.rows[there])
+        return self.only(self.a > 0)
+
+    def only(self, chosen: Array) -> RawSeries:
+        """The ``chosen`` increments, a mask."""
+        return RawSeries(self.a[chosen], self.delta[chosen], self.P[chosen], self.rows[chosen])
 
 
 @dataclass(frozen=True, eq=False)
@@ -316,7 +317,5 @@ def filter_plateaus(raw: RawSeries) -> tuple[RawSeries, int]:
 
     Increments without contact (a <= 0) are dropped too. Returns the kept increments and how many were dropped.
     """
-    fresh = first_of_plateaus(raw.a)
-    assert raw.rows is not None
-    first_rows = RawSeries(raw.a[fresh], raw.delta[fresh], raw.P[fresh], raw.rows[fresh])
+    first_rows = raw.only(first_of_plateaus(raw.a))
     return first_rows, int(raw.a.size - first_rows.a.size)

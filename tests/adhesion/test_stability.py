@@ -13,7 +13,7 @@ from scipy.integrate import cumulative_simpson, quad
 from scipy.optimize import brentq
 
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
-from jkrcli.adhesion.device import position
+from jkrcli.adhesion.device import control, position
 from jkrcli.adhesion.path import QuasiStatic, grow, largest_stable, shrink
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.slopes.result import Slopes
@@ -27,7 +27,6 @@ from jkrcli.adhesion.stability import (
     behaviour,
     behaviours,
     branch,
-    control,
     cycle,
 )
 from jkrcli.base.unknown import Unknown

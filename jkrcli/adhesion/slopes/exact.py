@@ -16,6 +16,6 @@ def exact(series: Series) -> Slopes:
             "slopes: this series carries no exact S and dS/da; use the slopes 'integral' or 'loocv', or a method that "
             "gives them (closed-form, layered, hybrid; fem with edge correction and error estimate)"
         )
-    covariance = covariance_from_errors(series, series.S, series.dS)
+    covariance = covariance_from_errors(series.a, series.errors, series.dS)
     error = NOT_STATED if covariance is None else shift_error(series.dS, covariance, TWO_SIDED_90)
     return Slopes(series.S, series.dS, "exact", error=error, covariance=covariance)

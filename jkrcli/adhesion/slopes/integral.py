@@ -95,7 +95,7 @@ def integral(series: Series) -> Slopes:
     """S, S', and the smoothed delta_H and P_H, at the radii of ``series``; refused below 5 points."""
     raw = RawSeries(series.a, series.delta, series.P)
     settled = _settle(raw, series.errors, series.a0, series.S0, series.own)
-    return _slopes(settled, raw, series.errors, series.a0, series.S0, series.a)
+    return _slopes(settled, raw, series.errors, series.a0, series.a)
 
 
 def smoothed(
@@ -111,7 +111,7 @@ def smoothed(
     settled = _settle(raw, errors, a0, S0, own)
     inliers = np.delete(raw.a, settled.outliers)
     a = np.unique(raw.a[(raw.a >= inliers.min()) & (raw.a <= inliers.max())])
-    fitted = _slopes(settled, raw, errors, a0, S0, a)
+    fitted = _slopes(settled, raw, errors, a0, a)
     assert fitted.delta is not None
     assert fitted.P is not None
     return Series(a, fitted.delta, fitted.P, a0=a0, S0=S0, own=own), fitted
@@ -124,9 +124,7 @@ def _settle(raw: RawSeries, errors: Mapping[str, Array], a0: float, S0: float | 
     return _fine_enough(data, None if S0 is None else S0 * float(np.max(raw.delta)) / float(np.max(raw.P)), shape)
 
 
-def _slopes(
-    settled: _Settled, raw: RawSeries, errors: Mapping[str, Array], a0: float, S0: float | None, wanted: Array
-) -> Slopes:
+def _slopes(settled: _Settled, raw: RawSeries, errors: Mapping[str, Array], a0: float, wanted: Array) -> Slopes:
     """The slopes at the radii ``wanted`` (m,) from the ``settled`` fit of the columns (n,)."""
     a, fit = raw.a, settled.fit
     y_scale, delta_scale, P_scale = float(np.max(a) - a0), float(np.max(raw.delta)), float(np.max(raw.P))
@@ -143,9 +141,7 @@ def _slopes(
             there |= {name: np.minimum(error, there.get(name, error)) for name, error in of_P.items()}
         if "a" in there:
             there["a"] = TUNING.radii * there["a"]
-        stated = covariance_from_errors(
-            Series(wanted, delta_H, P_H, errors=there, a0=a0, S0=S0), S, dS, ERRORS.at_displacement
-        )
+        stated = covariance_from_errors(wanted, there, dS, ERRORS.at_displacement)
         assert stated is not None
         shared = max(0.0, 1 - fit.phi) * stated  # what the scatter does not show is shared by all points
         joint[:, :4, :4] += shared
@@ -176,7 +172,6 @@ def _flags(settled: _Settled, raw: RawSeries) -> Iterator[str]:
     """Sentences on what is wrong with the data."""
     if not settled.fit.settled:
         yield UNSETTLED
-    assert raw.rows is not None
     rows = [str(row) for row in np.sort(raw.rows[settled.outliers])]
     if rows:
         some = ", ".join(rows[:SHOWN]) + (", ..." if len(rows) > SHOWN else "")

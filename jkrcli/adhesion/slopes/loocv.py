@@ -140,5 +140,5 @@ def _covariance(series: Series, spline: SmoothingSpline, weights: Array, dS: Arr
     replicas = size * np.stack([delta - growth * a, P - S * growth * a, smooth, slope], axis=1)
     covariance = np.einsum("nip,njp->nij", replicas, replicas) / TUNING.probes
     covariance[:, 3, 3] += bias**2
-    of_errors = covariance_from_errors(series, spline.g[first:], dS)
+    of_errors = covariance_from_errors(series.a, series.errors, dS)
     return covariance if of_errors is None else covariance + of_errors

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from statistics import NormalDist
 from typing import TypeAlias
@@ -9,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from ...base import Array, Estimate
-from ...series import COLUMNS, Series
+from ...series import COLUMNS
 
 Signs: TypeAlias = tuple[int, int, int, int]
 TWO_SIDED_90 = NormalDist().inv_cdf(0.95)  # half-width of a 90 % interval in standard deviations
@@ -72,23 +73,25 @@ class Slopes:
         return None if self.covariance is None else self.quantile * np.sqrt(self.covariance[:, 3, 3])
 
 
-def covariance_from_errors(series: Series, S: Array, dS: Array, signs: Signs = TUNING.at_radius) -> Array | None:
-    """Covariance (n, 4, 4) of (delta_H, P_H, S, S') from the series' own errors, read as 90 % half-widths.
+def covariance_from_errors(
+    a: Array, errors: Mapping[str, Array], dS: Array, signs: Signs = TUNING.at_radius
+) -> Array | None:
+    """Covariance (n, 4, 4) of (delta_H, P_H, S, S') at radii ``a`` from a series' ``errors``, 90 % half-widths; None
+    where there are none.
 
     ``signs``: of what columns share. Errors of one body's compliance, as those of meshes and cuts mostly are, move S
     and S' up and delta down together and leave P, like a spring in series. An error of the radius acts on the curve
     through t = sqrt(4 pi w a/S'): a contact radius that is wrong by a fraction e makes S' = dS/da wrong by -e too, so t
     by e. It is carried as an error 2 e of S', which does the same.
     """
-    if not series.errors:
+    if not errors:
         return None
-    unknown = np.zeros(len(series))
-    sigma = {name: series.errors.get(name, unknown) / TWO_SIDED_90 for name in COLUMNS}
+    sigma = {name: errors.get(name, np.zeros(a.size)) / TWO_SIDED_90 for name in COLUMNS}
     rows = np.stack([sigma[name] for name in ("delta", "P", "S", "dS")], axis=1)
     together = TUNING.common * np.outer(signs, signs)
     np.fill_diagonal(together, 1.0)
     covariance = rows[:, :, None] * rows[:, None, :] * together
-    covariance[:, 3, 3] += (2 * dS * sigma["a"] / series.a) ** 2
+    covariance[:, 3, 3] += (2 * dS * sigma["a"] / a) ** 2
     return covariance
 
 

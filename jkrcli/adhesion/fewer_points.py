@@ -26,7 +26,9 @@ class FewerPointsTuning:
 
     left: float = 1.8  # of what the order leaves of a mean; tuned on tables, by `make range-bounds`
     radii: int = 6  # on either side; choice: some to an interval
-    nearest: float = 0.02  # of the radius, how far the outermost lie at least; choice: as for other panels
+    # of the radius, how far the outermost lie at least, and over which other panels tell how far a point moves; choice:
+    # the contact is still like it
+    nearest: float = 0.02
     farthest: float = 1.5  # and the factor by which at most; choice: the contact is still like it
     bend: int = 2  # on either side, through which the bend is that of a parabola; choice: with room for rounding
 

@@ -24,6 +24,7 @@ from ..series import Series, Solution
 from .curve import TUNING as CURVE
 from .curve import CriticalPoint, Equilibrium, EquilibriumCurve
 from .device import CONTROLS, controlled, position
+from .fewer_points import TUNING as POINTS
 from .fewer_points import error_by_points
 from .law import Range
 from .nonadhesive import Nonadhesive, Parts
@@ -54,7 +55,6 @@ class FiniteRangeTuning:
     close: tuple[float, ...] = (0.01, 0.02, 0.03, 0.045, 0.065, 0.1)  # choice: to where rows of a series lie
     # theory: of its radius; so near to a state the splines err by 1e-3 of what they do between states, 4e-10: rounding
     solved: float = 1e-4
-    slope: float = 0.02  # choice: of a pull-off's radius, over which other panels tell how far it moves
     # on the change of the second panels; tuned on curves, by `make constants`: as for series of `layered`
     safety: float = 4.0
     looked_at: int = 8  # contact radii at which separations are looked at; choice: for a warning
@@ -213,10 +213,6 @@ class FiniteRangeCurve(EquilibriumCurve):
         return Broken.through(v, columns, self._bends)
 
     @cached_property
-    def _slope(self) -> Broken:
-        return self._spline.derivative()
-
-    @cached_property
     def _pulled(self) -> BSpline:
         """f(c) - delta [m] without contact, over c."""
         from scipy.interpolate import make_interp_spline
@@ -238,7 +234,7 @@ class FiniteRangeCurve(EquilibriumCurve):
         free = self.problem.indenter.slope(safe) - pulled, -2 * math.pi * self.law.stress * c
         beyond = np.maximum(places / self._c0 - 1, ROUNDED)
         by_c = 1 / (2 * self._c0 * np.sqrt((1 + beyond) * beyond))
-        touching = np.moveaxis(self._slope(self._stretched(places)), -1, 0)[1:] * by_c
+        touching = np.moveaxis(self._spline(self._stretched(places), 1), -1, 0)[1:] * by_c
         inside = places > self._c0 * (1 + ROUNDED)
         delta, P = (np.where(inside, b, a) for a, b in zip(free, touching, strict=True))
         return delta, P
@@ -322,17 +318,15 @@ class Broken:
         splines = (make_interp_spline(x[part], y[part], min(TUNING.degree, x[part].size - 1)) for part in parts)
         return cls(x[bends], tuple(splines))
 
-    def __call__(self, x: Array) -> Array:
+    def __call__(self, x: Array, order: int = 0) -> Array:
+        """Values at ``x``, or derivatives."""
         x = np.asarray(x, dtype=float)
         part = np.searchsorted(self.breaks, x, side="right")
-        out: Array = self.splines[0](x)
+        out: Array = self.splines[0](x, order)
         for number, spline in enumerate(self.splines[1:], start=1):
             here = part == number
-            out[here] = spline(x[here])
+            out[here] = spline(x[here], order)
         return out
-
-    def derivative(self) -> Broken:
-        return Broken(self.breaks, tuple(spline.derivative() for spline in self.splines))
 
 
 def unable(problem: Problem, method: str) -> str | None:
@@ -514,13 +508,13 @@ class FiniteRangeBody:
         as states on both sides of each show, and so does what the kernel leaves."""
         moved = {}
         for stiffness, point in points:
-            a = point.a * (1 + TUNING.slope * np.array([-1.0, 0.0, 1.0]))
+            a = point.a * (1 + POINTS.nearest * np.array([-1.0, 0.0, 1.0]))
             states = (panels.states(a, curve.places_of(a)) for panels in (pulled, other))
             x, off = (np.asarray(position(state.delta, state.P, stiffness)) for state in states)
             bend, added = x[0] - 2 * x[1] + x[2], np.max(np.abs(np.diff(off - x)))
             if bend > 0:
                 kernel = float(self.body.kernel_error(pulled.panels.reach, np.array([point.place]))[0])
-                moved[stiffness] = TUNING.slope * TUNING.safety * float(added) / float(bend)
+                moved[stiffness] = POINTS.nearest * TUNING.safety * float(added) / float(bend)
                 moved[stiffness] += kernel + TUNING.no_claim
         return moved
 
@@ -554,9 +548,9 @@ def _judged_points(curve: FiniteRangeCurve, controls: Sequence[float]) -> Iterat
     kinks = np.array(curve.problem.indenter.kinks)
     for stiffness in controls:
         point = curve.pull_off(stiffness)
-        if not isinstance(point, CriticalPoint) or not 0 < point.a < curve.touching.a[-1] / (1 + TUNING.slope):
+        if not isinstance(point, CriticalPoint) or not 0 < point.a < curve.touching.a[-1] / (1 + POINTS.nearest):
             continue
-        if not any(abs(kink / r - 1) < 2 * TUNING.slope for kink in kinks for r in (point.a, point.place)):
+        if not any(abs(kink / r - 1) < 2 * POINTS.nearest for kink in kinks for r in (point.a, point.place)):
             yield stiffness, point
 
 

@@ -94,27 +94,18 @@ class Now(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Rest(Piece):
-    """The edge rests at a ``place`` [m] between two times [s]: P, delta and x lie on one straight line. At the place 0
-    there is no contact."""
+    """The edge rests at a place between two times: P, delta and x lie on one straight line. At the place 0 there is no
+    contact."""
 
     contact: Contact
-    place: float
-    t: float
-    t_end: float
+    first: tuple[float, float]
+    last: tuple[float, float]
     x: float
     x_end: float
 
     @property
-    def first(self) -> tuple[float, float]:
-        return self.t, self.place
-
-    @property
-    def last(self) -> tuple[float, float]:
-        return self.t_end, self.place
-
-    @property
     def _ends(self) -> States:
-        return self.contact.states(np.full(2, self.place), np.array([self.x, self.x_end]))
+        return self.contact.states(np.full(2, self.last[1]), np.array([self.x, self.x_end]))
 
     @property
     def work(self) -> float:
@@ -123,11 +114,10 @@ class Rest(Piece):
         return float((ends.P[0] + ends.P[1]) / 2 * (moved[1] - moved[0]))
 
     def rows(self, points: int) -> tuple[Array, Array]:
-        t = np.linspace(self.t, self.t_end, points)
-        return t, np.full(points, self.place)
+        return np.linspace(self.first[0], self.last[0], points), np.full(points, self.last[1])
 
     def at(self, t: Array) -> Array:
-        return np.full(t.shape, self.place)
+        return np.full(t.shape, self.last[1])
 
     def lowest(self) -> tuple[float, float]:
         return self.first if self.x < self.x_end else self.last
@@ -599,7 +589,8 @@ def _next(contact: Contact, ramp: Ramp, now: Now) -> Piece | None:
     if now.place == 0:
         return _form(contact, ramp, now)
     if ramp.is_step:
-        return Rest(contact, now.place, now.t, now.t, ramp.x, ramp.x_end, phase=REST, ramp=ramp)
+        here = now.t, now.place
+        return Rest(contact, here, here, ramp.x, ramp.x_end, phase=REST, ramp=ramp)
     if now.stands:
         return (contact.advance if ramp.rate > 0 else contact.recede).move(ramp, now)
     recedes, advances, slack = contact.limits(now.place)
@@ -612,7 +603,7 @@ def _next(contact: Contact, ramp: Ramp, now: Now) -> Piece | None:
     ends = max(ramp.when(target), now.t)
     if ends >= ramp.t_end:
         ends, target = ramp.t_end, ramp.x_end
-    return Rest(contact, now.place, now.t, ends, now.x, target, phase=REST, ramp=ramp)
+    return Rest(contact, (now.t, now.place), (ends, now.place), now.x, target, phase=REST, ramp=ramp)
 
 
 def _form(contact: Contact, ramp: Ramp, now: Now) -> Piece | None:
@@ -621,7 +612,8 @@ def _form(contact: Contact, ramp: Ramp, now: Now) -> Piece | None:
     if ramp.is_step or now.x < least or (now.x == least and ramp.rate <= 0):
         comes = ramp.rate > 0 and ramp.x_end > least and not ramp.is_step
         end = max(ramp.when(least), now.t) if comes else ramp.t_end
-        return Rest(contact, 0.0, now.t, end, now.x, least if comes else ramp.x_end, phase=FREE, ramp=ramp)
+        x = least if comes else ramp.x_end
+        return Rest(contact, (now.t, 0.0), (end, 0.0), now.x, x, phase=FREE, ramp=ramp)
     return contact.advance.move(ramp, now._replace(place=contact.advance.begins))
 
 

@@ -353,14 +353,15 @@ class Falling:
         k, inverse = self.drive.stiffness, np.linalg.inv(kernel.matrix[:, 1:])
         seen = kernel.seen(now.of_depth) + kernel.matrix[:, 0] * now.depth
         contact, least = np.full(x.size, now.contact), self.drive.depths.least if k == LOAD_CONTROL else -math.inf
+        top = self.grown.deepest
         for _ in range(MOST_STEPS):
             (depth, by_depth), (P, by_P) = self._integrals(contact, now.t + kernel.since)
             delta = inverse @ (depth - seen)
             rates = np.diag(by_P) if k == LOAD_CONTROL else inverse * by_depth + np.diag(by_P) / k
             missing = position(delta, P, k) - x
             change = np.linalg.solve(rates, missing)
-            contact = np.clip(contact - change, least, self.top)
-            still = np.abs(change) > TUNING.converged * self.top
+            contact = np.clip(contact - change, least, top)
+            still = np.abs(change) > TUNING.converged * top
             if not (still & (np.abs(missing) > SETTLED * self.drive.x.max())).any():
                 break
         else:
@@ -373,14 +374,9 @@ class Falling:
     def _check(self, ends: Array, contact: Array) -> None:
         """InputError where the contact grows again before it is lost."""
         there = np.logical_and.accumulate((contact >= 0).all(axis=1))
-        again = there & (np.diff(contact) > self.drive.grows * self.top).any(axis=1)
+        again = there & (np.diff(contact) > self.drive.grows * self.grown.deepest).any(axis=1)
         if again.any():
             raise InputError(f"program: at t = {show(float(ends[again][0]), 'time')} the contact {AGAIN}")
-
-    @cached_property
-    def top(self) -> float:
-        """The depth [m] at which the contact stopped to grow."""
-        return float(self.grown.depth.values(np.array([self.grown.last]))[0])
 
     def _integrals(self, contact: Array, now: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
         """int r d(delta) [m] and int r dP_H [N] up to where the contact grew through depths ``contact``, seen from the

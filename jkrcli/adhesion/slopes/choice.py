@@ -46,18 +46,17 @@ def _carried(series: Series) -> Slopes:
     if isinstance(exact.error, Unknown) or exact.error <= UNSEEN or "dS" not in series.errors:
         return replace(exact, reason="the series carries exact slopes")
     if series.a0 > 0:
-        return replace(exact, reason="the series carries slopes, and a smooth fit errs at the edge of the flat end")
-    if any(series.a[0] < bend < series.a[-1] for bend in series.bends):
-        return replace(exact, reason="the series carries slopes, and a smooth fit errs where the profile bends")
-    fitted = _integral_or_none(series)
-    if fitted is None or fitted.flags:
-        return replace(exact, reason="the series carries slopes, and 'integral' finds none that settle")
-    beyond = float(np.mean(np.abs(fitted.dS - exact.dS) > series.errors["dS"]))
-    if beyond > TUNING.few:
-        reason = f"the series carries slopes, and 'integral' leaves their stated error at {beyond:.0%} of the radii"
-        return replace(exact, reason=reason)
-    reason = f"smoother than the slopes that the series carries, within their stated error ({exact.error:.1g})"
-    return replace(fitted, reason=reason)
+        reason = "a smooth fit errs at the edge of the flat end"
+    elif any(series.a[0] < bend < series.a[-1] for bend in series.bends):
+        reason = "a smooth fit errs where the profile bends"
+    elif (fitted := _integral_or_none(series)) is None or fitted.flags:
+        reason = "'integral' finds none that settle"
+    elif (beyond := np.mean(np.abs(fitted.dS - exact.dS) > series.errors["dS"])) > TUNING.few:
+        reason = f"'integral' leaves their stated error at {beyond:.0%} of the radii"
+    else:
+        reason = f"smoother than the slopes that the series carries, within their stated error ({exact.error:.1g})"
+        return replace(fitted, reason=reason)
+    return replace(exact, reason=f"the series carries slopes, and {reason}")
 
 
 def smoothed(

@@ -330,7 +330,7 @@ def _fine_enough(data: _Data, S0: float | None, shape: Shape | None) -> _Settled
 
 def _explained(fit: PenalisedFit, data: _Data) -> bool:
     """Whether round-off, or the stated errors, explain the residuals."""
-    return fit.floored or (data.stated is not None and fit.phi <= 1)
+    return fit.phi <= fit.phi_floor or (data.stated is not None and fit.phi <= 1)
 
 
 def _fit(task: _Task) -> _Settled:

@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import lapack
 
-from ...base import MOST_STEPS, TINY, Array
+from ...base import MOST_STEPS, TINY, UNSEEN, Array
 
 Linearised = tuple[Array, Array]  # residuals (rows, n) and their Jacobian (rows, n, p)
 Residuals = Callable[[Array], Linearised]
@@ -44,7 +44,6 @@ class PenaltyTuning:
     most_prior: float = 10.0
     spread: tuple[float, ...] = tuple(4.0**n for n in range(-7, 3))  # about a lambda; choice: beyond, weights vanish
     bias: float = 0.2  # of the allowance for smoothing bias, in noise; tuned on noisy series, by `make noise-study`
-    negligible: float = 1e-4  # weight of a lambda or a correlation; choice: below, it does not show
     factor: float = 100.0  # most that an update changes a lambda by; tuned on noisy series, by `make tuning`
     settled: float = 0.02  # change of log(lambda); tuned on the same, by `make tuning`
     freeze: int = 25  # steps, after which the lambdas stay; tuned on the same, by `make tuning`
@@ -74,8 +73,8 @@ class PenalisedFit:
     """A penalised fit: coefficients ``c`` (p,) and what is left, residuals (rows, n), Jacobian (rows, n, p).
 
     Both before neighbours are decorrelated by ``rho``. ``lambdas`` of the ``blocks``: in units of the mean diagonal of
-    J^T J. ``spent``: the effective number of parameters. ``settled``: whether the steps became small. ``floored``:
-    whether the residuals show less than the least ``phi``.
+    J^T J. ``spent``: the effective number of parameters. ``settled``: whether the steps became small.
+    ``phi_floor``: the least ``phi``, of round-off.
     """
 
     c: Array
@@ -88,10 +87,6 @@ class PenalisedFit:
     lambdas: Array
     spent: float
     settled: bool
-
-    @property
-    def floored(self) -> bool:
-        return self.phi <= self.phi_floor
 
     @property
     def independent(self) -> Array:
@@ -204,7 +199,7 @@ def posterior(fit: PenalisedFit, noise: bool, correlated: bool) -> Posterior:
     guesses: list[_Guess] = []
     masses = np.full(rhos.size, -np.inf)
     for i, rho in enumerate(rhos):
-        if heights[i] > heights.max() + math.log(TUNING.negligible):
+        if heights[i] > heights.max() + math.log(UNSEEN):
             weight = _log_det(fit, rho) + math.log(priors[i])
             of_rho = list(_guesses(fit, fit.flat(rho), best[i][1], weight, spread))
             masses[i] = np.logaddexp.reduce([guess.height for guess in of_rho])
@@ -283,7 +278,7 @@ def _mean_covariance(guesses: Sequence[_Guess], phi: float, prior: float, bias: 
     weights = np.exp(heights - heights.max())
     V = np.zeros_like(guesses[0].factor)
     for weight, guess in zip(weights / weights.sum(), guesses, strict=True):
-        if weight > TUNING.negligible:
+        if weight > UNSEEN:
             posterior_V = _inverse(guess.factor)
             allowance = (1 - bias) * (posterior_V * guess.penalty) @ posterior_V if bias < 1 else 0.0
             V += weight * (guess.ratio * (posterior_V - allowance) + np.outer(guess.step, guess.step) / phi)

@@ -211,26 +211,18 @@ def _score(smoother: _Smoother, y: Array, weights: Array, criterion: Criterion) 
     """The criterion as a function of log(lambda); points of infinite weight do not count."""
     free = np.isfinite(weights)
 
-    def loocv(log_lambda: float) -> float:
-        factor = smoother.factor(math.exp(log_lambda))
-        left_out = smoother.times_q(smoother.gamma(factor, y)) / smoother.influence(factor)
-        return float(np.mean(weights[free] * left_out[free] ** 2))
-
-    def gcv(log_lambda: float) -> float:
-        factor = smoother.factor(math.exp(log_lambda))
-        residual = smoother.times_q(smoother.gamma(factor, y)) / weights
-        trace = np.mean((smoother.influence(factor) / weights)[free])
-        return float(np.mean(weights[free] * residual[free] ** 2) / trace**2)
-
-    chosen = loocv if criterion == "loocv" else gcv
-
-    def guarded(log_lambda: float) -> float:
+    def score(log_lambda: float) -> float:
         try:
-            return chosen(log_lambda)
+            factor = smoother.factor(math.exp(log_lambda))
         except LinAlgError:  # spacings so uneven that this much smoothing drowns in round-off: out of reach
             return math.inf
+        residual, influence = smoother.times_q(smoother.gamma(factor, y)), smoother.influence(factor)
+        if criterion == "loocv":
+            return float(np.mean(weights[free] * (residual / influence)[free] ** 2))
+        trace = np.mean((influence / weights)[free])
+        return float(np.mean(weights[free] * (residual / weights)[free] ** 2) / trace**2)
 
-    return guarded
+    return score
 
 
 def _minimise(score: Callable[[float], float]) -> float:

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from .rate.history import History, RateContact
     from .rate.laws import RATE_LAWS, LogRate, PowerRate, RateLaw, parameters_of, rate_law_of, rate_parameters
     from .relaxation.history import RelaxedHistory, RelaxingContact
-    from .relaxation.limits import limits_of
     from .sharp import resolved, yielding
     from .slopes.result import TWO_SIDED_90, Slopes
     from .stability import Behaviour, Cycle, behaviour, behaviours, branch, cycle, stable_radius, trace, turning_radius

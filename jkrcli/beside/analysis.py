@@ -35,7 +35,7 @@ from ..adhesion import (
 )
 from ..adhesion.slopes.choice import slopes, smoothed
 from ..base import LARGEST_SI, Estimate, InputError, Unknown, known
-from ..bodies import Problem, relaxing_words
+from ..bodies import Problem, relaxing
 from ..methods import Forecast
 from ..series import ErrorBudget, Series, Solution, is_series
 from .again import own_solution
@@ -145,7 +145,7 @@ class Analysis:
             flags += unresolved(self.problem.indenter, self.curve.a)
         doubts = getattr(self.curve, "doubts", ())
         law = self.problem.specimen.relaxation
-        relaxes = [] if law is None else [f"the specimen relaxes: {relaxing_words(law)}"]
+        relaxes = [] if law is None else [f"the specimen relaxes: {relaxing(law)}"]
         sentences = [*relaxes, *self.solution.warnings, *flags, *self.validity.warnings, *doubts]
         sentences += [*yielding(self.problem, self.curve), *outside]
         difference = None if self.comparison is None else known(self.comparison.pull_off)

@@ -21,6 +21,6 @@ if TYPE_CHECKING:
     from .materials import INCOMPRESSIBLE, Elastic, Graded, Material, TransverselyIsotropic, contact_modulus
     from .parts import RADIUS, changed, checked_names, layer_names, nominal
     from .problem import NO_FINITE_RANGE, HalfSpace, Layer, Loading, Problem, Quantity, Rigid, Side, Specimen
-    from .relaxation import RELAXATIONS, Modes, PowerRelaxation, Prony, Relaxation, StandardSolid, relaxing_words
+    from .relaxation import RELAXATIONS, Modes, PowerRelaxation, Prony, Relaxation, StandardSolid, limits_of, relaxing
 
 __getattr__ = lazily(__name__, __file__)

@@ -143,9 +143,20 @@ class Prony:
         return "prony, " + ", ".join(f"{weight:.4g} within {show(time, 'time')}" for weight, time in pairs)
 
 
-def relaxing_words(law: Relaxation) -> str:
+def relaxing(law: Relaxation) -> str:
     """The meaning of a result of constant moduli for a body that relaxes by ``law``."""
     if law.relaxed is None:
         return "the moduli here are those at the law's time; jkr cycle --speed follows them over time"
     slow = f", that of very slow cycles has {law.relaxed:.3g} of them" if law.relaxed > 0 else ""
     return f"this is the limit of very fast cycles, with the moduli at t = 0{slow}; jkr cycle --speed is between"
+
+
+def limits_of(law: Relaxation) -> dict[str, float]:
+    """The moduli over those at t = 0 in each limit in which adhesion on a body that relaxes is known, elastic in cycles
+    very fast and very slow, by its name; InputError for a law that has none."""
+    if law.relaxed is None:
+        raise InputError(
+            "cycle: a power law has neither an instant nor a relaxed modulus, between which adhesion is: take the law "
+            "sls or prony, or no adhesion, --w-approach 0"
+        )
+    return {"very fast": 1.0} | ({"very slow": law.relaxed} if law.relaxed > 0 else {})

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import click
 
-from ..adhesion import limits_of
 from ..base import InputError, show
 from ..beside import Analysis, analyse, with_solved_points
+from ..bodies import limits_of
 from ..methods import Limits
 from ..report import PICTURES, Cycled, CycledByProgram, CycledInLimits, Output, Result
 from ..series import Solution

@@ -8,9 +8,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from ..adhesion import Program, RelaxedHistory, RelaxingContact, control, limits_of
+from ..adhesion import Program, RelaxedHistory, RelaxingContact, control
 from ..base import ROWS, UNSEEN, Array, InputError, Unknown, show
-from ..bodies import RELAXATIONS, Relaxation
+from ..bodies import RELAXATIONS, Relaxation, limits_of
 from .result import Figure, Result, Several, as_result
 from .tables import device, energies, state_words, timed, with_unit
 

@@ -86,11 +86,12 @@ def rate_law_of(values: Mapping[str, Any], where: str = "rate") -> RateLaw:
             raise InputError(f'{where}: the law "{name}" has no parameter "{key}"{hint} (it has: {", ".join(allowed)})')
     if missing := [key for key in allowed if key not in entries]:
         raise InputError(f'{where}: the law "{name}" needs {", ".join(missing)} too, such as v0="1 um/s"')
-    try:
-        parameters = {key: _read(key, allowed[key], value) for key, value in entries.items()}
-    except ValueError as error:
-        raise InputError(f"{where}: {error}") from None
-    law: RateLaw = RATE_LAWS[name](**parameters)
+    for key, value in entries.items():
+        try:
+            entries[key] = allowed[key].read(value)
+        except ValueError as error:
+            raise InputError(f"{where}: {key}: {error}") from None
+    law: RateLaw = RATE_LAWS[name](**entries)
     return law
 
 
@@ -113,10 +114,3 @@ def parameters_of(law: RateLaw) -> tuple[str, dict[str, float]]:
     """The name of a law and the values of its parameters, SI."""
     values = RATE_LAWS.keys_in_file(law)
     return values.pop(RATE_LAWS.word), values
-
-
-def _read(key: str, ranged: Ranged, value: Any) -> float:
-    try:
-        return ranged.read(value)
-    except ValueError as error:
-        raise ValueError(f"{key}: {error}") from None

@@ -6,15 +6,14 @@ from ..base.lazy import lazily
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from .course import Course
     from .critical import Errors, point_error
     from .curve import AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, transform
     from .device import CONTROLS, DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
     from .finite_range import FiniteRangeBody, FiniteRangeCurve, unable
     from .law import Range, RangeRequest
     from .nonadhesive import Nonadhesive, Parts
-    from .path import Jump, TimedState
-    from .program import Program
+    from .path import REST, Jump, TimedState
+    from .program import Course, Program
     from .rate.history import History, RateContact
     from .rate.laws import RATE_LAWS, LogRate, PowerRate, RateLaw, parameters_of, rate_law_of, rate_parameters
     from .relaxation.history import RelaxedHistory, RelaxingContact

@@ -1,7 +1,8 @@
 """Where the assumptions of JKR theory hold: plain functions of SI numbers, so that a stored file can be judged too.
 
 Limits: Johnson and Greenwood, J. Colloid Interface Sci. 192 (1997) 326 (the adhesion map over the Tabor number);
-geometrically linear kinematics and the half-space profile need small a/R and delta/h.
+geometrically linear kinematics and the half-space profile need small a/R and delta/h; an edge whose speed matters is a
+line where the zone in which it dissipates is narrow.
 
 The Tabor number is that of a half-space. What a range of the forces changes on any other body is solved for
 (``range_effect``) and decides, where it is known.
@@ -32,6 +33,7 @@ class TheoryLimits:
     a_over_R: float = 0.3  # choice: strains and slopes of order a/R
     edge_angle: float = 0.5  # choice: [rad], small slopes of Young and Dupre's law: tan errs by 9 %
     steepest: float = 2.0  # theory: [rad], theta = 2 at w = 2 Ups, complete wetting: no angle beyond
+    atom: float = 1e-10  # theory: [m], below which there is no zone at the edge
     seen: int = 2  # theory: points per bend of a tabulated profile, with which slopes fitted through them see it
 
 
@@ -51,6 +53,10 @@ EXCESS = {
 NO_EXCESS = Unknown("large strains are known of spheres on half-spaces and layers as thick, up to a/R = 0.8")
 NOT_SOLVED = Unknown("adhesion of the range z0 was not solved for")
 NO_LAYER = Unknown("no layer: the specimen is a half-space")
+NEGLECTED = (
+    "the bulk is taken as elastic: all that is lost is lost at the edge; a bulk that relaxes as slowly as the contact "
+    "is held, inertia and the viscosity of the bulk are left out"
+)
 NO_RANGE, NO_ADHESION = Unknown("no equilibrium distance z0 given"), Unknown("no adhesion (w = 0)")
 
 
@@ -246,3 +252,54 @@ def unresolved(indenter: Indenter, a: np.ndarray) -> tuple[str, ...]:
         f"the {indenter.noun} bends at {bends} radii within the contact and the series has {a.size} points: slopes "
         "fitted through them miss what lies between; give more points, or take a method with exact slopes",
     )
+
+
+# ---------------------------------------------------------------------- adhesion that depends on speed
+@dataclass(frozen=True)
+class Zone:
+    """The dissipating zone at the edge: its ``width`` [m], and over the contact radius and the layer's thickness."""
+
+    width: Estimate
+    over_a: Estimate
+    over_h: Estimate
+
+    @property
+    def words(self) -> str:
+        """The width of the zone and its share of contact radius and layer in a line, or why it is unknown."""
+        if isinstance(self.width, Unknown):
+            return f"unknown: {self.width}"
+        shares = ((self.over_a, "the contact radius"), (self.over_h, "the layer's thickness"))
+        over_sizes = " and ".join(f"{share:.2g} of {name}" for share, name in shares if isinstance(share, float))
+        return f"{show(self.width, 'length', 2)}, {over_sizes}"
+
+    @property
+    def warnings(self) -> list[str]:
+        """A sentence for each ratio that is too large."""
+        return [
+            f"the dissipating zone at the edge is {value:.2g} of the {name}, more than {SMALL:g}: the theory "
+            "of a sharp edge does not hold"
+            for name, value in (("contact radius", self.over_a), ("layer's thickness", self.over_h))
+            if isinstance(value, float) and value > SMALL
+        ]
+
+
+def zone(G: float, w0: float, E_star: float, a: float, h: float, stress: float | None, z0: float | None) -> Zone:
+    """The zone at energy release rate ``G`` [J/m^2] and radius ``a`` [m]: Dugdale's, pi E* G/(4 sigma^2).
+
+    K^2 = 2 E* G at the edge of a rigid indenter's contact, and the zone pi K^2/(8 sigma^2) (Dugdale, J. Mech. Phys.
+    Solids 8 (1960) 100). ``stress``: the cohesive stress sigma [Pa], else that of ``w0`` over the range ``z0`` [m]; a
+    lower limit where the zone is one of slow bonds or of a viscous tip. ``h``: thickness [m], infinite for a
+    half-space.
+    """
+    if stress is None and z0 is None:
+        none = Unknown("no cohesive stress or range of adhesion is known: --stress")
+        return Zone(none, none, none)
+    sigma = stress if stress is not None else w0 / (z0 or math.inf)
+    width = math.pi * E_star * G / (4 * sigma**2)
+    if width < LIMITS.atom:
+        small = Unknown(
+            f"the attraction's stress, {show(sigma, 'modulus')}, gives {width:.1g} m, less than an atom: "
+            "dissipation on so soft a body reaches further: give its own stress, --stress"
+        )
+        return Zone(small, small, small)
+    return Zone(width, width / a, NO_LAYER if math.isinf(h) else width / h)

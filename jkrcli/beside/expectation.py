@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..adhesion import LOAD_CONTROL, CriticalPoint, Validity, judge, refuse_wetting, resolved, sizes, transform
-from ..adhesion.slopes.choice import slopes
 from ..base import PATIENCE, Refusal, Unknown
 from ..bodies import Loading, Problem
 from ..methods.layered.layered import Layered, unbounded
@@ -45,12 +44,11 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
         loading = Loading(loading.to, loading.maximum)
     body = replace(unbounded(problem), loading=replace(loading, points=max(loading.points, 100)))
     series = again(body, method=COARSE, longest=PATIENCE).series
-    exact_slopes = slopes(series, "exact")
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
     adhesion = []
     for w in works:
         refuse_wetting(w, body.specimen.surface_tension)
-        curve = transform(series, exact_slopes, w)
+        curve = transform(series, "exact", w)
         point = resolved(curve.pull_off(LOAD_CONTROL), curve, LOAD_CONTROL, z0)
         pulled: dict[str, Any] = {"effect_of_range": point}
         if isinstance(point, CriticalPoint):

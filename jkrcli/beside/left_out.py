@@ -15,7 +15,6 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ..adhesion import LOAD_CONTROL, CriticalPoint, judge, refuse_wetting, sizes, transform
-from ..adhesion.slopes.choice import slopes
 from ..base import PATIENCE, Estimate, JkrError, Unknown, show
 from ..bodies import INCOMPRESSIBLE, Elastic, HalfSpace, Loading, Paraboloid, Problem, Rigid, Sphere
 from ..formulas.gravity import over_hertz, over_jkr
@@ -251,7 +250,7 @@ def _load_at_range(body: Problem, expected: Expectation, z0: float, pulls: Mappi
         return 0.0 if known else next(iter(pulls.values()))
     w, series = max(known, key=lambda each: abs(known[each])), expected.series
     try:
-        plain, curve = transform(series, slopes(series, "exact"), w), ranged(body, series, w, z0)
+        plain, curve = transform(series, "exact", w), ranged(body, series, w, z0)
     except JkrError as error:
         return Unknown(str(error))
     last = int(np.flatnonzero(np.diff(curve.delta) <= 0).max(initial=-1)) + 1  # contact grows with depth from there on

@@ -115,10 +115,7 @@ class Specimen:
     @property
     def surface(self) -> Elastic:
         """What first touch feels: the material at the contact, or the isotropic one of the same E*."""
-        if self.layers:
-            return self.layers[0].material.surface
-        assert isinstance(self.base, HalfSpace)
-        return self.base.material.surface
+        return self.materials[0].surface
 
     @property
     def materials(self) -> tuple[Material, ...]:

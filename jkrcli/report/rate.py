@@ -18,7 +18,7 @@ from ..adhesion import (
     position,
     rate_parameters,
 )
-from ..adhesion.rate.validity import NEGLECTED, Zone, zone
+from ..adhesion.validity import NEGLECTED, Zone, zone
 from ..base import ROWS, SAME, UNSEEN, Array, InputError, SolveError, Unknown, known, show
 from ..beside import Analysis
 from ..identification.rate.through import LawThrough

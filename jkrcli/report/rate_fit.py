@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion.rate.validity import NEGLECTED
+from ..adhesion.validity import NEGLECTED
 from ..base import show
 from ..identification.rate.fitting import RateFit
 from .fit import brief, estimate_lines, estimate_summary

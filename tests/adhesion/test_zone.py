@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from jkrcli.adhesion.rate.validity import zone
+from jkrcli.adhesion.validity import zone
 from jkrcli.base.unknown import Unknown
 
 

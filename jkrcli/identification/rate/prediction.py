@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...adhesion import Nonadhesive, Program, RateContact, RateLaw
+from ...adhesion import REST, Nonadhesive, Program, RateContact, RateLaw
 from ...adhesion.edge import Edge
-from ...adhesion.path import REST
 from ...adhesion.rate.motion import Motion
 from ...base import LARGEST_SI, MOST_STEPS, ROUNDED, TINY, Array
 from .through import log_rates

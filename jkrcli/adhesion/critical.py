@@ -89,10 +89,10 @@ def _beyond_gaps(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -
     if isinstance(moved, Unknown) or further is None or settled:
         return moved if isinstance(moved, Unknown) else at_radius + moved
     # where the search for a point that is solved has not settled on it, its last steps halve at best
-    return at_radius + moved + 2 * _off(curve.point(float(further.a[nearest])), point)
+    return at_radius + moved + 2 * _distance(curve.point(float(further.a[nearest])), point)
 
 
-def _off(other: Equilibrium, point: Equilibrium) -> Array:
+def _distance(other: Equilibrium, point: Equilibrium) -> Array:
     """How far delta and P of two states lie apart, (2,)."""
     return np.abs([other.delta - point.delta, other.P - point.P])
 
@@ -148,7 +148,7 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
         others.append((other, 1))
     if not others:
         return Unknown("unknown: with every second row left out the point lies outside the series")
-    moved: Array = np.max([_off(other, point) / factor for other, factor in others], axis=0)
+    moved: Array = np.max([_distance(other, point) / factor for other, factor in others], axis=0)
     return moved + _scatter(curve, point, stiffness) if slopes.method == "exact" and not smooth else moved
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
+from scipy.optimize import brentq
 
-from ...base import LOOKED_AT, Array, Estimate, InputError, SolveError, Unknown, positive, show, zeros_between
+from ...base import LOOKED_AT, Array, Estimate, InputError, SolveError, Unknown, positive, show
 from ..curve import AdhesiveCurve
 from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from ..edge import Edge
@@ -202,8 +203,9 @@ class History(Path):
             t = piece.rows(LOOKED_AT)[0]
             met = np.flatnonzero(np.diff(np.sign(excess(piece, t))) > 0)
             if met.size and piece.phase == ADVANCE:
-                when = zeros_between(partial(excess, piece), t[met[:1]], t[met[:1] + 1], 0.0)
-                return float(piece.ramp.at(when[0]))
+                i = int(met[0])
+                when = brentq(lambda x, piece=piece: excess(piece, np.array([x]))[0], t[i], t[i + 1], rtol=1e-14)
+                return float(piece.ramp.at(when))
         return None
 
     @property

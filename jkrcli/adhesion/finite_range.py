@@ -213,6 +213,10 @@ class FiniteRangeCurve(EquilibriumCurve):
         return Broken.through(v, columns, self._bends)
 
     @cached_property
+    def _slope(self) -> Broken:
+        return self._spline.derivative()
+
+    @cached_property
     def _pulled(self) -> BSpline:
         """f(c) - delta [m] without contact, over c."""
         from scipy.interpolate import make_interp_spline
@@ -234,7 +238,7 @@ class FiniteRangeCurve(EquilibriumCurve):
         free = self.problem.indenter.slope(safe) - pulled, -2 * math.pi * self.law.stress * c
         beyond = np.maximum(places / self._c0 - 1, ROUNDED)
         by_c = 1 / (2 * self._c0 * np.sqrt((1 + beyond) * beyond))
-        touching = np.moveaxis(self._spline(self._stretched(places), 1), -1, 0)[1:] * by_c
+        touching = np.moveaxis(self._slope(self._stretched(places)), -1, 0)[1:] * by_c
         inside = places > self._c0 * (1 + ROUNDED)
         delta, P = (np.where(inside, b, a) for a, b in zip(free, touching, strict=True))
         return delta, P
@@ -318,15 +322,17 @@ class Broken:
         splines = (make_interp_spline(x[part], y[part], min(TUNING.degree, x[part].size - 1)) for part in parts)
         return cls(x[bends], tuple(splines))
 
-    def __call__(self, x: Array, order: int = 0) -> Array:
-        """Values at ``x``, or derivatives."""
+    def __call__(self, x: Array) -> Array:
         x = np.asarray(x, dtype=float)
         part = np.searchsorted(self.breaks, x, side="right")
-        out: Array = self.splines[0](x, order)
+        out: Array = self.splines[0](x)
         for number, spline in enumerate(self.splines[1:], start=1):
             here = part == number
-            out[here] = spline(x[here], order)
+            out[here] = spline(x[here])
         return out
+
+    def derivative(self) -> Broken:
+        return Broken(self.breaks, tuple(spline.derivative() for spline in self.splines))
 
 
 def unable(problem: Problem, method: str) -> str | None:
@@ -478,15 +484,12 @@ class FiniteRangeBody:
         other = on_other.states(rims.a[some], rims.c[some])
         kernel = self.body.kernel_error(on_other.panels.reach, curve.places)
         f = self.problem.indenter.f(curve.apart.c)
-        touching = {"delta": (parts.delta_H, rims.delta), "P": (parts.P_H, rims.P)}
-        free = {"delta": f + np.abs(f - curve.apart.delta), "P": np.abs(curve.apart.P)}
-        errors = {}
-        for name, (plain, here) in touching.items():
-            unit = plain + np.abs(plain - here)
-            seen = float(np.max(np.abs(getattr(other, name) - here[some]) / unit[some]))
-            relative = TUNING.safety * seen + TUNING.no_claim + kernel
-            errors[name] = relative * np.concatenate([free[name], unit])
-        return errors
+        plain, here = np.stack(parts[:2]), _columns(rims)
+        unit = plain + np.abs(plain - here)
+        seen = np.max(np.abs(_columns(other) - here[:, some]) / unit[:, some], axis=1, keepdims=True)
+        relative = TUNING.safety * seen + TUNING.no_claim + kernel
+        free = np.stack([f + np.abs(f - curve.apart.delta), np.abs(curve.apart.P)])
+        return dict(zip(("delta", "P"), relative * np.concatenate([free, unit], axis=1), strict=True))
 
     def _of_profile(self, curve: FiniteRangeCurve, pulled: Pulled) -> dict[str, Array]:
         """Half-widths of delta and P by a profile that is known at points only; none where it is known everywhere."""
@@ -495,11 +498,10 @@ class FiniteRangeBody:
         if not shift.any():
             return {}
         apart, _ = self.problem.indenter.resolution(curve.apart.c)
-        by_gap, gap = _by_gap(rims, pulled), np.minimum(slope * (rims.c - rims.a), shift)
-        return {
-            "delta": np.concatenate([apart, shift + by_gap["delta"] * gap]),
-            "P": np.concatenate([np.zeros_like(apart), S * shift + by_gap["P"] * gap]),
-        }
+        gap = np.minimum(slope * (rims.c - rims.a), shift)
+        touching = np.stack([shift, S * shift]) + _by_gap(rims, pulled) * gap
+        errors = np.concatenate([[apart, np.zeros_like(apart)], touching], axis=1)
+        return dict(zip(("delta", "P"), errors, strict=True))
 
     def _moved(
         self, curve: FiniteRangeCurve, pulled: Pulled, other: Pulled, points: Iterable[tuple[float, CriticalPoint]]
@@ -509,8 +511,8 @@ class FiniteRangeBody:
         moved = {}
         for stiffness, point in points:
             a = point.a * (1 + POINTS.nearest * np.array([-1.0, 0.0, 1.0]))
-            states = (panels.states(a, curve.places_of(a)) for panels in (pulled, other))
-            x, off = (np.asarray(position(state.delta, state.P, stiffness)) for state in states)
+            states = (_columns(panels.states(a, curve.places_of(a))) for panels in (pulled, other))
+            x, off = (np.asarray(position(*columns, stiffness)) for columns in states)
             bend, added = x[0] - 2 * x[1] + x[2], np.max(np.abs(np.diff(off - x)))
             if bend > 0:
                 kernel = float(self.body.kernel_error(pulled.panels.reach, np.array([point.place]))[0])
@@ -527,20 +529,22 @@ class FiniteRangeBody:
         bodies = [pulled, *(replace(pulled, panels=panels) for panels in fewer)]
 
         def columns(a: Array) -> list[Array]:
-            states = (body.states(a, curve.places_of(a)) for body in bodies)
-            return [np.stack([state.delta, state.P]) for state in states]
+            return [_columns(body.states(a, curve.places_of(a))) for body in bodies]
 
         return {k: error_by_points(indenter, columns, point, k, end) for k, point in points}
 
 
-def _by_gap(rims: Rims, pulled: Pulled) -> dict[str, Array]:
-    """Derivatives of delta [-] and P [N/m] by the separation at the edge of the attraction, at the same contact radii,
-    without their sign."""
+def _columns(rims: Rims) -> Array:
+    """delta and P, (2, n)."""
+    return np.stack([rims.delta, rims.P])
+
+
+def _by_gap(rims: Rims, pulled: Pulled) -> Array:
+    """Derivatives (2, n) of delta [-] and P [N/m] by the separation at the edge of the attraction, at the same contact
+    radii, without their sign."""
     discs, step = pulled.panels.discs(rims.a), TUNING.solved
     more, less = (discs.rims((rims.c - rims.a) * (1 + side * step), pulled.s) for side in (1, -1))
-    return {
-        name: np.abs((getattr(more, name) - getattr(less, name)) / (more.gap - less.gap)) for name in ("delta", "P")
-    }
+    return np.abs((_columns(more) - _columns(less)) / (more.gap - less.gap))
 
 
 def _judged_points(curve: FiniteRangeCurve, controls: Sequence[float]) -> Iterator[tuple[float, CriticalPoint]]:

@@ -512,7 +512,7 @@ class FiniteRangeBody:
         for stiffness, point in points:
             a = point.a * (1 + POINTS.nearest * np.array([-1.0, 0.0, 1.0]))
             states = (_columns(panels.states(a, curve.places_of(a))) for panels in (pulled, other))
-            x, off = (np.asarray(position(*columns, stiffness)) for columns in states)
+            x, off = (np.asarray(position(columns[0], columns[1], stiffness)) for columns in states)
             bend, added = x[0] - 2 * x[1] + x[2], np.max(np.abs(np.diff(off - x)))
             if bend > 0:
                 kernel = float(self.body.kernel_error(pulled.panels.reach, np.array([point.place]))[0])

@@ -8,17 +8,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..base import ROUNDED, Array, InputError
 from ..formulas.griffith import shift
-from ..series import Series
+from ..series import COLUMNS, Series
 from .between import Logs, Rows, between
 from .slopes.result import Slopes
-
-Columns = TypeVar("Columns", Series, Slopes)
 
 
 @dataclass(frozen=True)
@@ -133,7 +131,9 @@ class Nonadhesive:
     def at_rows(self, rows: Array) -> Nonadhesive:
         """The functions through the points ``rows`` alone, without errors."""
         known = None if self.log_rates is None else self.log_rates[rows]
-        return Nonadhesive(_at(self.series, rows), _at(self.slopes, rows), known, together=self.together)
+        series = replace(self.series, **_at(self.series, rows), errors={}, unresolved=None)
+        slopes = replace(self.slopes, **_at(self.slopes, rows), covariance=None, joint=None)
+        return Nonadhesive(series, slopes, known, together=self.together)
 
     @cached_property
     def knots(self) -> Nonadhesive:
@@ -188,11 +188,6 @@ class Nonadhesive:
         return between(rows) if self.together else rows.logs
 
 
-def _at(columns: Columns, rows: Array) -> Columns:
-    """The series or slopes at the points ``rows`` alone, without errors."""
-    names = ("a", "delta", "P", "S", "dS")
-    values = {name: getattr(columns, name)[rows] for name in names if getattr(columns, name, None) is not None}
-    blank: dict[str, Any] = (
-        {"errors": {}, "unresolved": None} if isinstance(columns, Series) else {"covariance": None, "joint": None}
-    )
-    return replace(columns, **values, **blank)
+def _at(columns: Series | Slopes, rows: Array) -> dict[str, Any]:
+    """The columns of a series, or of slopes, at the points ``rows`` alone."""
+    return {name: getattr(columns, name)[rows] for name in COLUMNS if getattr(columns, name, None) is not None}

@@ -25,36 +25,28 @@ def nominal(specimen: Specimen, name: str) -> float:
     quantity, _, layer = name.partition(":")
     names = layer_names(specimen)
     checked_names([layer], names)
-    if layer == BASE and isinstance(specimen.base, HalfSpace):
-        part: Layer | HalfSpace = specimen.base
-    else:
-        part = specimen.layers[names.index(layer)]
-    if quantity == "h":
-        if not isinstance(part, Layer):
-            raise InputError(f"{name}: a half-space has no thickness")
-        return part.thickness
-    return part.material.surface.E if quantity == "E" else part.material.surface.nu
+    part: Any = (*specimen.layers, specimen.base)[names.index(layer)]
+    if quantity != "h":
+        return float(getattr(part.material.surface, quantity))
+    if not isinstance(part, Layer):
+        raise InputError(f"{name}: a half-space has no thickness")
+    return part.thickness
 
 
 def changed(problem: Problem, values: Mapping[str, float]) -> Problem:
     """The problem with other moduli [Pa], thicknesses [m] and Poisson's ratios by name ("E:film": 2e6, ...), or another
     "radius" of the indenter [m]."""
-    specimen = problem.specimen
-    layers, base, names = list(specimen.layers), specimen.base, layer_names(specimen)
+    specimen, names = problem.specimen, layer_names(problem.specimen)
+    parts: list[Any] = [*specimen.layers, specimen.base]
     for name, value in values.items():
         quantity, _, layer = name.partition(":")
         if quantity == RADIUS:
             problem = replace(problem, indenter=replace(cast(Any, problem.indenter), R=value))
             continue
-        if layer == BASE and isinstance(base, HalfSpace):
-            base = HalfSpace(_with(base.material, quantity, value))
-            continue
         i = names.index(layer)
-        if quantity == "h":
-            layers[i] = replace(layers[i], thickness=value)
-        else:
-            layers[i] = replace(layers[i], material=_with(layers[i].material, quantity, value))
-    return replace(problem, specimen=replace(specimen, layers=tuple(layers), base=base))
+        changes = {"thickness": value} if quantity == "h" else {"material": _with(parts[i].material, quantity, value)}
+        parts[i] = replace(parts[i], **changes)
+    return replace(problem, specimen=replace(specimen, layers=tuple(parts[:-1]), base=parts[-1]))
 
 
 def _with(material: Any, quantity: str, value: float) -> Any:

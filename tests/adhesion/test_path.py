@@ -92,7 +92,7 @@ def test_up_and_down_and_up_again(stiffness: float) -> None:
     rests = [piece for piece in found.pieces if piece.phase == "rest"]
     for rest in rests:
         _, delta, P, G = found.states(rest, *rest.rows(3))
-        assert np.diff(P) == pytest.approx(2 * rest.place * np.diff(delta), rel=1e-9)  # S = 2 E* a
+        assert np.diff(P) == pytest.approx(2 * rest.last[1] * np.diff(delta), rel=1e-9)  # S = 2 E* a
         assert ((G > 0.5 - 1e-9) & (G < 1 + 1e-9)).all()
     assert phases == ["advance", "rest", "recede", "recede", "rest", "advance", "rest", "recede"]
     assert max(ends) == pytest.approx(4.0)

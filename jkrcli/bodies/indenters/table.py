@@ -55,12 +55,15 @@ class TableProfile(Indenter):
 
     def __post_init__(self) -> None:
         r, f = np.asarray(self.r, dtype=float), np.asarray(self.heights, dtype=float)
-        _check_table(r, f)
-        _check_bends(self.bends, r)
+        self._check(r, f)
         knots, pieces = _profile(r, f, np.searchsorted(r, self.bends))
         for name, array in (("knots", knots), ("pieces", pieces)):
             array.setflags(write=False)
             object.__setattr__(self, name, array)
+
+    def _check(self, r: Array, f: Array) -> None:
+        _check_table(r, f)
+        _check_bends(self.bends, r)
 
     @property
     def a0(self) -> float:
@@ -180,7 +183,7 @@ class TableProfile(Indenter):
         r, f = np.array(self.r), np.array(self.heights)
         fixed = [0, r.size - 1, *np.searchsorted(r, self.bends)]
         rows = [np.unique([*fixed, *range(first, r.size, 2)]) for first in (0, 1)]
-        return tuple(_of_points(r[row], f[row], self.bends) for row in rows if row.size < r.size)
+        return tuple(_Thinned(tuple(r[row]), tuple(f[row]), self.bends) for row in rows if row.size < r.size)
 
     def _sums(self, x: Array) -> tuple[Array, Array, Array, Array]:
         """The sums over all pieces of alpha times the change of arcsin(r/x), of beta times that of sqrt(x^2 - r^2) [m],
@@ -206,6 +209,12 @@ class TableProfile(Indenter):
         return tuple(columns.reshape(4, *x.shape))
 
 
+class _Thinned(TableProfile):
+    """A profile through some points of one that was checked, two at least."""
+
+    def _check(self, r: Array, f: Array) -> None: ...
+
+
 def _changes(of: TableProfile, others: Sequence[TableProfile], x: Array) -> Array:
     """How much the ``others`` differ at most in F [m], its slope [-] and the mean of F [m] up to each of the even radii
     ``x`` [m], (3, n)."""
@@ -220,16 +229,6 @@ def _changes(of: TableProfile, others: Sequence[TableProfile], x: Array) -> Arra
 def _most(changes: Array, first: int, last: int) -> Array:
     """The largest of the ``changes`` (3, n) between two radii; of the mean that at the second."""
     return np.append(changes[:2, first : last + 1].max(axis=1), changes[2, last])
-
-
-def _of_points(r: Array, f: Array, bends: tuple[float, ...]) -> TableProfile:
-    """A profile through two points or more."""
-    table = TableProfile.__new__(TableProfile)
-    knots, pieces = _profile(r, f, np.searchsorted(r, bends))
-    fields = {"r": tuple(r), "heights": tuple(f), "bends": bends, "material": None, "knots": knots, "pieces": pieces}
-    for name, value in fields.items():
-        object.__setattr__(table, name, value)
-    return table
 
 
 def _check_table(r: Array, f: Array) -> None:

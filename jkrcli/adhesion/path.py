@@ -2,9 +2,9 @@
 
 The contact is free, or its edge advances, rests, or recedes; it jumps where no stable state goes on. A device of
 stiffness k holds D = delta + P/k (load control: P). At fixed D the contact at radius a is stable where dD/da > 0, the
-energy release rate then falls as the contact shrinks (Maugis, J. Phys. D 18 (1985) 293). Two rules that can be
-exchanged say how the edge moves each way: in equilibrium with a curve, G = w_a or w_r, or of finite range (``AtOnce``),
-or at a speed (``rate/motion.py: ByLaw``). Between the two it rests: P over delta is a straight line of slope S.
+energy release rate then falls as the contact shrinks (Maugis, J. Phys. D 18 (1985) 293). A rule that can be exchanged
+says how the edge moves each way: in equilibrium with a curve, G = w_a or w_r, or of finite range (``EdgeRule``), or at
+a speed (``rate/motion.py: ByLaw``). Between the two it rests: P over delta is a straight line of slope S.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -201,38 +201,25 @@ class Follow(Piece):
 
 
 # ---------------------------------------------------------------------- how an edge moves
-class EdgeRule(Protocol):
-    """The edge rule of a contact one way: how it moves in a device.
-
-    ``equilibrium``: the rule of an edge that moves infinitely slowly; ``begins``: the place [m] from which a contact
-    forms.
-    """
-
-    @property
-    def equilibrium(self) -> AtOnce: ...
-    @property
-    def begins(self) -> float: ...
-    def move(self, ramp: Ramp, now: Now) -> Piece | None:
-        """What it does ``now``; None where that is not in the series."""
-
-
 @dataclass(frozen=True, eq=False)
-class AtOnce:
-    """An edge in equilibrium with ``curve`` whenever it moves: up a stable branch to its maximum of D, if the contact
-    ``grows``, else down to its minimum, and on from there by a jump at that D to the next stable radius."""
+class EdgeRule:
+    """How the edge of a contact moves one way in a device of ``stiffness`` [N/m]: in equilibrium with ``curve``
+    whenever it moves, up a stable branch to its maximum of D, if the contact ``grows``, else down to its minimum, and
+    on from there by a jump at that D to the next stable radius. A subclass moves otherwise."""
 
     curve: EquilibriumCurve
     stiffness: float
     grows: bool
 
     @property
-    def equilibrium(self) -> AtOnce:
-        return self
-
-    @property
     def begins(self) -> float:
         """Without adhesion contact begins at a point and the path at the first radius of the series."""
         return float(self.curve.places[0]) if self.curve.w == 0 else 0.0
+
+    @property
+    def forms(self) -> float:
+        """The place [m] from which a contact forms."""
+        return self.begins
 
     @property
     def free(self) -> float:
@@ -251,7 +238,8 @@ class AtOnce:
         """Round-off of the position there."""
         return RESTS * (abs(self.position(place)) + place * abs(self.rises(place)))
 
-    def move(self, ramp: Ramp, now: Now) -> Follow | None:
+    def move(self, ramp: Ramp, now: Now) -> Piece | None:
+        """What it does ``now``; None where that is not in the series."""
         place = now.place if self.stands(now) else self.settled(now.place, now.x)
         if place is None:
             return None
@@ -360,19 +348,19 @@ class Contact:
     @cached_property
     def edge(self) -> Edge | None:
         """What gives the states between equilibria; None where attraction has a range: there are none."""
-        curve = self.recede.equilibrium.curve
+        curve = self.recede.curve
         return Edge(curve.nonadhesive, self.stiffness) if isinstance(curve, AdhesiveCurve) else None
 
     @cached_property
     def least(self) -> float:
         """The device's position when contact begins: where the free bodies begin to attract each other, without
         adhesion that at the first radius."""
-        advance = self.advance.equilibrium
-        return advance.position(advance.begins) if advance.begins else advance.free
+        begins = self.advance.begins
+        return self.advance.position(begins) if begins else self.advance.free
 
     def states(self, places: Array, x: Array) -> States:
         """The states at ``places`` [m], 0 out of contact, and positions ``x`` of the device."""
-        curve, touching = self.recede.equilibrium.curve, places > 0
+        curve, touching = self.recede.curve, places > 0
         inside = np.where(touching, places, curve.places[0])
         if self.edge is None:
             delta, P, G = *curve.at(inside), np.full_like(inside, curve.w)
@@ -385,7 +373,7 @@ class Contact:
     def limits(self, place: float) -> tuple[float, float, float]:
         """The device's positions where the edge at ``place`` [m] begins to recede, and to advance, and their
         round-off."""
-        recede, advance = self.recede.equilibrium, self.advance.equilibrium
+        recede, advance = self.recede, self.advance
         return recede.position(place), advance.position(place), max(recede.slack(place), advance.slack(place))
 
 
@@ -405,12 +393,12 @@ class QuasiStatic(Contact):
             )
 
     @cached_property
-    def advance(self) -> AtOnce:
-        return AtOnce(self.advancing, self.stiffness, True)
+    def advance(self) -> EdgeRule:
+        return EdgeRule(self.advancing, self.stiffness, True)
 
     @cached_property
-    def recede(self) -> AtOnce:
-        return AtOnce(self.receding, self.stiffness, False)
+    def recede(self) -> EdgeRule:
+        return EdgeRule(self.receding, self.stiffness, False)
 
 
 # ---------------------------------------------------------------------- one piece after the other
@@ -537,7 +525,7 @@ class Path:
         sizes = [part[0].size for part in parts]
         phases = np.repeat([piece.phase for piece in self.pieces], sizes)
         columns |= {"G_J_per_m2": G, "phase": phases, "part": np.repeat(np.arange(len(parts)) + 1, sizes)}
-        return columns | ({"c_m": places} if self.contact.recede.equilibrium.curve.ranged else {})
+        return columns | ({"c_m": places} if self.contact.recede.curve.ranged else {})
 
 
 def path(contact: Contact, program: Program, start: float = 0.0, stands: bool = False) -> Path:
@@ -614,7 +602,7 @@ def _form(contact: Contact, ramp: Ramp, now: Now) -> Piece | None:
         end = max(ramp.when(least), now.t) if comes else ramp.t_end
         x = least if comes else ramp.x_end
         return Rest(contact, (now.t, 0.0), (end, 0.0), now.x, x, phase=FREE, ramp=ramp)
-    return contact.advance.move(ramp, now._replace(place=contact.advance.begins))
+    return contact.advance.move(ramp, now._replace(place=contact.advance.forms))
 
 
 # ---------------------------------------------------------------------- one way
@@ -635,6 +623,6 @@ def shrink(contact: QuasiStatic, begin: float) -> Path:
 def largest_stable(curve: EquilibriumCurve, stiffness: float) -> float | None:
     """The largest place [m] of the curve from which a device can retract; None where no branch in it is stable."""
     last = float(curve.places[-1])
-    if AtOnce(curve, stiffness, False).rises(last) > 0:
+    if EdgeRule(curve, stiffness, False).rises(last) > 0:
         return last
     return max((point.place for point in curve.critical(stiffness) if point.kind == "maximum"), default=None)

@@ -119,8 +119,8 @@ class CycledByProgram(Result):
         return {
             "file": str(self.file),
             **tables.device(trace.contact.stiffness),
-            "w_approach_J_per_m2": trace.contact.advance.equilibrium.curve.w,
-            "w_retract_J_per_m2": trace.contact.recede.equilibrium.curve.w,
+            "w_approach_J_per_m2": trace.contact.advance.curve.w,
+            "w_retract_J_per_m2": trace.contact.recede.curve.w,
             "jumps": list(map(tables.timed_jump, trace.jumps)),
             "contact_lost": trace.pieces[-1].ends == "lost" or trace.pieces[-1].phase == path.FREE,
             "work_of_device_J": trace.work,
@@ -128,7 +128,7 @@ class CycledByProgram(Result):
 
     def words(self) -> list[str]:
         trace = self.trace
-        works = (edge.equilibrium.curve.w for edge in (trace.contact.advance, trace.contact.recede))
+        works = (edge.curve.w for edge in (trace.contact.advance, trace.contact.recede))
         return [
             f"work of the device {trace.work:.4g} J: {self.file}",
             _device_words(trace.contact.stiffness, *works),

@@ -15,11 +15,11 @@ from ..curve import AdhesiveCurve
 from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from ..edge import Edge
 from ..nonadhesive import Nonadhesive
-from ..path import ADVANCE, FREE, RECEDE, REST, AtOnce, Contact, Jump, Path, Piece, TimedState, path
+from ..path import ADVANCE, FREE, RECEDE, REST, Contact, EdgeRule, Jump, Path, Piece, TimedState, path
 from ..program import Program
 from ..stability import UNBOUNDED, turning_radius
 from .laws import RateLaw
-from .motion import ByLaw, Driven, Motion
+from .motion import ByLaw, Motion
 
 
 @dataclass(frozen=True)
@@ -78,17 +78,17 @@ class RateContact(Contact):
         return AdhesiveCurve(self.body, self.w_advance)
 
     @cached_property
-    def advance(self) -> AtOnce | ByLaw:
-        at_once = AtOnce(self.advancing, self.stiffness, True)
-        return at_once if self.law_advance is None else self._by(self.law_advance, at_once)
+    def advance(self) -> EdgeRule:
+        if self.law_advance is None:
+            return EdgeRule(self.advancing, self.stiffness, True)
+        return self._by(self.law_advance, self.advancing, True)
 
     @cached_property
-    def recede(self) -> ByLaw:
-        return self._by(self.law, AtOnce(AdhesiveCurve(self.body, self.w0), self.stiffness, False))
+    def recede(self) -> EdgeRule:
+        return self._by(self.law, AdhesiveCurve(self.body, self.w0), False)
 
-    def _by(self, law: RateLaw, slowly: AtOnce) -> ByLaw:
-        driven = Driven(law, slowly.curve.w, not slowly.grows)
-        return ByLaw(self.edge, driven, slowly, self.tolerance, self.evaluations, self.slow)
+    def _by(self, law: RateLaw, curve: AdhesiveCurve, grows: bool) -> ByLaw:
+        return ByLaw(curve, self.stiffness, grows, self.edge, law, self.tolerance, self.evaluations, self.slow)
 
     def history(self, program: Program, start: float | None = None) -> History:
         """What happens under ``program``; ``start``: the radius [m] of a contact that is there already."""
@@ -110,7 +110,7 @@ class RateContact(Contact):
 
         if self.law_advance is None:
             place = turning_radius(self.advancing, self.stiffness, load=load, depth=depth)
-            return self.advance.equilibrium.position(place)
+            return self.advance.position(place)
         quantity, value = ("P", load) if depth is None else ("delta", depth)
         if value is None:
             raise InputError("cycle: an edge that advances by a law needs a turn: --to-load or --to-depth")

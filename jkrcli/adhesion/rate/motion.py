@@ -24,7 +24,7 @@ from scipy.optimize import brentq
 from ...base import MOST_STEPS, Array, SolveError
 from ..device import LOAD_CONTROL, position
 from ..edge import Edge
-from ..path import ADVANCE, RECEDE, AtOnce, Follow, Now, Piece
+from ..path import ADVANCE, RECEDE, EdgeRule, Follow, Now, Piece
 from ..program import Ramp
 from .laws import RateLaw
 
@@ -182,19 +182,22 @@ class Motion(Piece):
 
 
 @dataclass(frozen=True, eq=False)
-class ByLaw:
-    """An edge that moves by a law of its speed as ``driven``, in a device of ``stiffness`` of the ``edge``: infinitely
-    slowly in ``equilibrium``, from which it differs where the law's excess of w is more than ``slow``."""
+class ByLaw(EdgeRule):
+    """An edge that moves by a ``law`` of its speed: infinitely slowly in equilibrium, from which it differs where the
+    law's excess of w is more than ``slow``."""
 
     edge: Edge
-    driven: Driven
-    equilibrium: AtOnce
+    law: RateLaw
     tolerance: float
     evaluations: int
     slow: float
 
+    @cached_property
+    def driven(self) -> Driven:
+        return Driven(self.law, self.curve.w, not self.grows)
+
     @property
-    def begins(self) -> float:
+    def forms(self) -> float:
         return float(self.edge.body.a[0])
 
     def move(self, ramp: Ramp, now: Now) -> Motion | Follow:
@@ -205,21 +208,21 @@ class ByLaw:
 
     def _slowly(self, ramp: Ramp, now: Now) -> Follow | None:
         """How far the edge is in equilibrium; None: not at all."""
-        rule, a = self.equilibrium, now.place
-        if not (self.slow and ramp.rate and rule.stands(now)):
+        a = now.place
+        if not (self.slow and ramp.rate and self.stands(now)):
             return None
         if self._excess(ramp, np.array([a]))[0] > self.slow:
             return None
-        whole = rule.along(ramp, a)
+        whole = self.along(ramp, a)
         near = whole.end + (a - whole.end) * TUNING.nearer
         fast = np.flatnonzero(self._excess(ramp, near) > self.slow)
         return whole if not fast.size else replace(whole, end=float(near[fast[0]]), ends="fast", lands=None)
 
     def _excess(self, ramp: Ramp, a: Array) -> Array:
         """The excess of w over that at rest, at the speed of an edge in equilibrium at the radii ``a`` [m]."""
-        rises = position(*self.equilibrium.curve.rates(a), self.edge.stiffness)
+        rises = position(*self.curve.rates(a), self.stiffness)
         v = np.divide(abs(ramp.rate), rises, out=np.full_like(a, np.inf), where=rises > 0)
-        return np.asarray(self.driven.law.work(self.driven.w, v) / self.driven.w - 1)
+        return np.asarray(self.law.work(self.curve.w, v) / self.curve.w - 1)
 
 
 def move(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float, tolerance: float, most: int) -> Motion:

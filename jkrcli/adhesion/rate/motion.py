@@ -49,26 +49,6 @@ class MotionTuning:
 TUNING = MotionTuning()
 
 
-@dataclass(frozen=True)
-class Driven:
-    """The law by which the edge moves: ``law`` about the work of adhesion ``w`` [J/m^2], ``receding`` or advancing."""
-
-    law: RateLaw
-    w: float
-    receding: bool
-
-    def speed(self, excess: float) -> float:
-        """da/dt [m/s] where G is ``w (1 + excess)``, within what numbers hold; 0 where the edge rests."""
-        if not (excess > 0 if self.receding else excess < 0):
-            return 0.0
-        beyond = self.w * excess if self.receding else -self.w * excess / (1 + excess) if excess > -1 else math.inf
-        try:
-            v = min(self.law.speed(self.w, beyond), TUNING.fastest)
-        except OverflowError:
-            v = TUNING.fastest
-        return -v if self.receding else v
-
-
 @dataclass(frozen=True, eq=False)
 class Motion(Piece):
     """The path of the edge from one state until it rests, leaves the series or the ramp ends.
@@ -77,8 +57,7 @@ class Motion(Piece):
     excess G/w - 1; ``nodes``: the s of the integrator's steps; ``ends``: "ramp", "rest", "lost" or "series".
     """
 
-    edge: Edge
-    driven: Driven
+    rule: ByLaw
     unit: float
     energy: float
     path: Callable[[Array], Array]
@@ -138,7 +117,7 @@ class Motion(Piece):
         low, high = self.nodes[[0, -1]]
         for _ in range(MOST_STEPS):
             times, radii = self._states(s)
-            rate = self.speeds(radii, self.edge.state(radii, self.ramp.at(times)).G) * self.unit / radii
+            rate = self.speeds(radii, self.rule.edge.state(radii, self.ramp.at(times)).G) * self.unit / radii
             step = (tau - (times - self.ramp.t) / self.unit) * np.hypot(1, rate)
             s = np.clip(s + step, low, high)
             if np.max(np.abs(step), initial=0.0) < 1e-12 * (high - low):
@@ -147,7 +126,7 @@ class Motion(Piece):
 
     def lowest(self) -> tuple[float, float]:
         """Time [s] and radius [m] at the least load: at an end, or where dP/dt = 0 between two nodes."""
-        if self.edge.stiffness == LOAD_CONTROL:
+        if self.rule.stiffness == LOAD_CONTROL:
             return self.last if self.ramp.rate < 0 else self.first
 
         def slope(s: float) -> float:
@@ -157,27 +136,27 @@ class Motion(Piece):
         inner = [brentq(slope, self.nodes[i], self.nodes[i + 1], xtol=1e-12, rtol=1e-12)
                  for i in np.flatnonzero((signs[:-1] < 0) & (signs[1:] > 0))]  # fmt: skip
         times, radii = self._states(np.array([self.nodes[0], *inner, self.nodes[-1]]))
-        i = int(np.argmin(self.edge.state(radii, self.ramp.at(times)).P))
+        i = int(np.argmin(self.rule.edge.state(radii, self.ramp.at(times)).P))
         return float(times[i]), float(radii[i])
 
     def _load_rate(self, s: Array) -> Array:
         """(1 + S/k) dP/dt [N/s] = S dx/dt - S' L da/dt; of a receding edge by the excess that was followed, which has
         less round-off than the state's."""
         t, a = self._states(s)
-        here, state = self.edge.body.parts(a), self.edge.state(a, self.ramp.at(t))
-        excess = self.path(s)[4] if self.driven.receding else state.G / self.driven.w - 1
+        here, state = self.rule.edge.body.parts(a), self.rule.edge.state(a, self.ramp.at(t))
+        excess = state.G / self.rule.w - 1 if self.rule.grows else self.path(s)[4]
         return here.S * self.ramp.rate - here.dS * state.lag * self._moving(excess)
 
     def speeds(self, a: Array, G: Array) -> Array:
         """da/dt [m/s] at energy release rates ``G`` [J/m^2]."""
-        return self._moving(G / self.driven.w - 1)
+        return self._moving(G / self.rule.w - 1)
 
     def _moving(self, excess: Array) -> Array:
-        return np.array([self.driven.speed(e) for e in excess.tolist()])
+        return np.array([self.rule.speed(e) for e in excess.tolist()])
 
     def _states(self, s: Array) -> tuple[Array, Array]:
         tau, u, *_ = self.path(s)
-        ends = self.edge.body.a[[0, -1]]
+        ends = self.rule.edge.body.a[[0, -1]]
         return self.ramp.t + self.unit * tau, np.clip(np.exp(u), *ends)
 
 
@@ -193,18 +172,30 @@ class ByLaw(EdgeRule):
     slow: float
 
     @cached_property
-    def driven(self) -> Driven:
-        return Driven(self.law, self.curve.w, not self.grows)
+    def w(self) -> float:
+        """Work of adhesion [J/m^2] of an edge at rest."""
+        return self.curve.w
 
     @property
     def forms(self) -> float:
         return float(self.edge.body.a[0])
 
+    def speed(self, excess: float) -> float:
+        """da/dt [m/s] where G is ``w (1 + excess)``, within what numbers hold; 0 where the edge rests."""
+        if not (excess < 0 if self.grows else excess > 0):
+            return 0.0
+        beyond = self.w * excess if not self.grows else -self.w * excess / (1 + excess) if excess > -1 else math.inf
+        try:
+            v = min(self.law.speed(self.w, beyond), TUNING.fastest)
+        except OverflowError:
+            v = TUNING.fastest
+        return v if self.grows else -v
+
     def move(self, ramp: Ramp, now: Now) -> Motion | Follow:
         slowly = self._slowly(ramp, now)
         if slowly is not None:
             return slowly
-        return move(self.edge, ramp, self.driven, now.t, now.place, self.tolerance, self.evaluations)
+        return move(self, ramp, now.t, now.place)
 
     def _slowly(self, ramp: Ramp, now: Now) -> Follow | None:
         """How far the edge is in equilibrium; None: not at all."""
@@ -222,33 +213,33 @@ class ByLaw(EdgeRule):
         """The excess of w over that at rest, at the speed of an edge in equilibrium at the radii ``a`` [m]."""
         rises = position(*self.curve.rates(a), self.stiffness)
         v = np.divide(abs(ramp.rate), rises, out=np.full_like(a, np.inf), where=rises > 0)
-        return np.asarray(self.law.work(self.curve.w, v) / self.curve.w - 1)
+        return np.asarray(self.law.work(self.w, v) / self.w - 1)
 
 
-def move(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float, tolerance: float, most: int) -> Motion:
-    """The motion of the edge from radius ``a`` [m] at the time ``t`` [s] of a ``ramp`` on; ``tolerance``: relative, of
-    each step. SolveError where the integrator gives up, or takes more than ``most`` evaluations."""
-    unit = _unit_of_time(edge, ramp, driven, t, a)
-    energy = math.pi * a**2 * driven.w
-    rates = _equations(edge, ramp, driven, unit, energy, most)
-    excess = float(edge.state(np.array(a), np.array(ramp.x + ramp.rate * (t - ramp.t))).G) / driven.w - 1
+def move(rule: ByLaw, ramp: Ramp, t: float, a: float) -> Motion:
+    """The motion of the edge from radius ``a`` [m] at the time ``t`` [s] of a ``ramp`` on. SolveError where the
+    integrator gives up, or takes too many evaluations."""
+    unit, tolerance = _unit_of_time(rule, ramp, t, a), rule.tolerance
+    energy = math.pi * a**2 * rule.w
+    rates = _equations(rule, ramp, unit, energy)
+    excess = float(rule.edge.state(np.array(a), np.array(ramp.x + ramp.rate * (t - ramp.t))).G) / rule.w - 1
     start = [(t - ramp.t) / unit, math.log(a), 0.0, 0.0, excess]
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "lsoda", UserWarning)  # it gives up, reported below
         try:
             solution = solve_ivp(
                 rates, (0.0, TUNING.longest), start, method="LSODA", rtol=tolerance, atol=tolerance * TUNING.absolute,
-                dense_output=True, events=_events(edge, ramp, driven, unit),
+                dense_output=True, events=_events(rule, ramp, unit),
             )  # fmt: skip
         except OverflowError:  # a step that was tried left all numbers
             raise _unfollowed(a) from None
     if solution.status != 1:
         raise _unfollowed(math.exp(solution.y[1, -1]))
     pressed = ramp.at(ramp.t + unit * solution.y[0, -1]) > 0  # a smaller contact outside the data remains
-    names = ("ramp", "lost" if driven.receding and not pressed else "series", "rest")
+    names = ("ramp", "series" if rule.grows or pressed else "lost", "rest")
     ends = next(name for name, times in zip(names, solution.t_events, strict=False) if len(times))
-    phase = RECEDE if driven.receding else ADVANCE
-    return Motion(edge, driven, unit, energy, solution.sol, solution.t, phase=phase, ramp=ramp, ends=ends)
+    phase = ADVANCE if rule.grows else RECEDE
+    return Motion(rule, unit, energy, solution.sol, solution.t, phase=phase, ramp=ramp, ends=ends)
 
 
 def _unfollowed(a: float) -> SolveError:
@@ -258,36 +249,33 @@ def _unfollowed(a: float) -> SolveError:
     )
 
 
-def _unit_of_time(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float) -> float:
+def _unit_of_time(rule: ByLaw, ramp: Ramp, t: float, a: float) -> float:
     """T [s]: in which the device moves by the lag at G = w, or where it stands the edge by its radius."""
     if ramp.rate != 0:
-        adhesive = edge.position_at(np.array(a), driven.w) - edge.position_at(np.array(a), 0.0)
+        adhesive = rule.edge.position_at(np.array(a), rule.w) - rule.edge.position_at(np.array(a), 0.0)
         return float(abs(adhesive / ramp.rate))
-    G = float(edge.state(np.array(a), np.array(ramp.x)).G)
-    return a / max(abs(driven.speed(G / driven.w - 1)), a / TUNING.longest)
+    G = float(rule.edge.state(np.array(a), np.array(ramp.x)).G)
+    return a / max(abs(rule.speed(G / rule.w - 1)), a / TUNING.longest)
 
 
-def _equations(
-    edge: Edge, ramp: Ramp, driven: Driven, unit: float, energy: float, most: int
-) -> Callable[..., list[float]]:
+def _equations(rule: ByLaw, ramp: Ramp, unit: float, energy: float) -> Callable[..., list[float]]:
     """d/ds of t/T, log a, the works of device and edge over ``energy``, and the excess of a receding edge."""
-    rate, x0, loaded, give = ramp.rate, ramp.x, edge.stiffness == LOAD_CONTROL, edge.give
-    w = driven.w
+    rate, x0, loaded, edge, w = ramp.rate, ramp.x, rule.stiffness == LOAD_CONTROL, rule.edge, rule.w
+    give = edge.give
     count = itertools.count(1)
 
     def rates(_: float, y: Any) -> list[float]:
-        if next(count) > most:
+        if next(count) > rule.evaluations:
             raise _unfollowed(math.exp(float(y[1])))
         tau, u, _, _, excess = y.tolist()
         a = math.exp(u)
         (_, P_H, S, dS, by_u, bend), lag, c, G = edge.at(u, x0 + rate * unit * tau)
-        e = excess if driven.receding else G / w - 1
-        v = driven.speed(e) * unit
+        v = rule.speed(G / w - 1 if rule.grows else excess) * unit
         size = math.hypot(1.0, v / a)
         P = P_H - S * lag
         moved = (lag * v * dS + rate * unit) / S if loaded else rate * unit  # of delta, or of the device
         flows = [1 / size, v / a / size, P * moved / size / energy, -2 * math.pi * a * G * v / size / energy]
-        if not driven.receding:
+        if rule.grows:
             return [*flows, 0.0]
         d_lag = (by_u - lag * a * dS * (1 if loaded else give) / c) * v / a - rate * unit / c
         d_G = G * (bend - 1) * v / a + dS * lag / (2 * math.pi * a) * d_lag
@@ -297,9 +285,9 @@ def _equations(
     return rates
 
 
-def _events(edge: Edge, ramp: Ramp, driven: Driven, unit: float) -> list[Callable[..., float]]:
+def _events(rule: ByLaw, ramp: Ramp, unit: float) -> list[Callable[..., float]]:
     """What ends a motion: the end of the ramp, the end of the series, and rest where the device moves towards it."""
-    end = math.log(edge.body.a[0] if driven.receding else edge.body.a[-1])
+    end = math.log(rule.edge.body.a[-1 if rule.grows else 0])
     lasts = (ramp.t_end - ramp.t) / unit
 
     def over(_: float, y: Any) -> float:
@@ -309,12 +297,12 @@ def _events(edge: Edge, ramp: Ramp, driven: Driven, unit: float) -> list[Callabl
         return float(y[1]) - end
 
     def rests(_: float, y: Any) -> float:
-        return edge.at(float(y[1]), ramp.x + ramp.rate * unit * float(y[0]))[-1] - driven.w
+        return rule.edge.at(float(y[1]), ramp.x + ramp.rate * unit * float(y[0]))[-1] - rule.w
 
-    towards = ramp.rate > 0 if driven.receding else ramp.rate < 0
+    towards = ramp.rate < 0 if rule.grows else ramp.rate > 0
     events: list[Callable[..., float]] = [over, out, *([rests] if towards else [])]
     for event in events:
         event.terminal = True  # type: ignore[attr-defined]
     over.direction = 1  # type: ignore[attr-defined]
-    out.direction = rests.direction = -1 if driven.receding else 1  # type: ignore[attr-defined]
+    out.direction = rests.direction = 1 if rule.grows else -1  # type: ignore[attr-defined]
     return events

@@ -203,9 +203,9 @@ class Follow(Piece):
 # ---------------------------------------------------------------------- how an edge moves
 @dataclass(frozen=True, eq=False)
 class EdgeRule:
-    """How the edge of a contact moves one way in a device of ``stiffness`` [N/m]: in equilibrium with ``curve``
-    whenever it moves, up a stable branch to its maximum of D, if the contact ``grows``, else down to its minimum, and
-    on from there by a jump at that D to the next stable radius. A subclass moves otherwise."""
+    """The edge rule of a contact one way in a device of ``stiffness`` [N/m]: in equilibrium with ``curve`` whenever it
+    moves, up a stable branch to its maximum of D, if the contact ``grows``, else down to its minimum, and on from there
+    by a jump at that D to the next stable radius. A subclass moves otherwise."""
 
     curve: EquilibriumCurve
     stiffness: float

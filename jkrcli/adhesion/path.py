@@ -549,7 +549,7 @@ def path(contact: Contact, program: Program, start: float = 0.0, stands: bool = 
 def _on_ramp(contact: Contact, ramp: Ramp, now: Now, program: Program) -> tuple[list[Piece], str]:
     """The pieces of one ramp, and how it ends: "program", "series", "jump", or "lost" where no contact forms anew."""
     now, pieces = now._replace(t=ramp.t, x=ramp.x), list[Piece]()
-    for _ in range(MOST_STEPS):
+    for _ in range(most := 10 * MOST_STEPS):  # a wavy tip jumps at every wave
         piece = _next(contact, ramp, now)
         if piece is None:
             return pieces, "series"
@@ -559,7 +559,7 @@ def _on_ramp(contact: Contact, ramp: Ramp, now: Now, program: Program) -> tuple[
             return pieces, piece.ends
         if now.t >= ramp.t_end:
             return pieces, "program"
-    raise InputError(f"program: more than {MOST_STEPS} changes between rest and motion on one ramp")
+    raise InputError(f"program: more than {most} changes between rest and motion on one ramp")
 
 
 def _after(ramp: Ramp, piece: Piece) -> Now:

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from ...base import Array
-from ...data.measured.curve import APPROACH
+from ...data import APPROACH
 from .body import FittedBody
 from .device_path import grid
 from .family import Family

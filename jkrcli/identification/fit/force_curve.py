@@ -22,7 +22,7 @@ from functools import cached_property
 import numpy as np
 
 from ...base import Array
-from ...data.measured.curve import APPROACH
+from ...data import APPROACH
 from .coloured import Spectrum, in_time
 from .device_path import Changes, DeviceBranch, Rest, branch, on_grid, rest
 from .family import Family

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from ...base import MOST_SOLVES, SAME, Array, SolveError
-from ...data.measured.curve import APPROACH
+from ...data import APPROACH
 from ..least_squares import Least, LeastSquares, State
 from .coloured import Spectrum, Spread
 from .coloured import spread as covariance

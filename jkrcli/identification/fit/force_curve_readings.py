@@ -9,8 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ...base import ROWS, Array, known
-from ...data.measured.curve import APPROACH
-from ...data.record import BaseLine, Direction, ForceCurve
+from ...data import APPROACH, BaseLine, Direction, ForceCurve
 from .interference import Wave
 from .points import in_contact, third_differences
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...base import Array
-from ...data.measured.curve import APPROACH
+from ...data import APPROACH
 from .device_path import grid
 from .family import Family
 from .fitted_record import FittedRecord

@@ -19,7 +19,7 @@ from scipy.interpolate import CubicSpline
 from ...adhesion import Nonadhesive, Program, RelaxingContact
 from ...base import REMEMBERED, Array, InputError
 from ...bodies import Relaxation
-from ...data.measured.curve import APPROACH
+from ...data import APPROACH
 from .fitted_record import FittedRecord
 from .force_curve import ForceCurveModel, base_line
 from .force_curve_readings import DirectionReadings

@@ -9,10 +9,9 @@ import click
 from ..case import load_case, solve
 from ..many.bench import FEW, Bench
 from ..methods import METHODS, Limits
-from .options import limits_options
-from .output import give, json_option
+from .options import json_option, limits_options
 from .verb import verb
-from .voice import announce, note
+from .voice import announce, give, note
 
 
 @verb("case")

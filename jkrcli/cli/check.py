@@ -7,9 +7,9 @@ from pathlib import Path
 from ..case import load_case
 from ..methods import long_look
 from ..report import Check
-from .output import give, json_option
+from .options import json_option
 from .verb import verb
-from .voice import note
+from .voice import give, note
 
 
 @verb("case")

@@ -9,10 +9,10 @@ import click
 from ..base import InputError
 from ..report import PICTURES, Compared, Output, of_curves, of_solutions
 from .measured import begin_reading
-from .option_types import NumberRange
-from .output import give, output_options
+from .options import NumberRange, output_options
 from .series import read_files
 from .verb import verb
+from .voice import give
 
 COLUMNS = ("P", "a", "S", "dS")
 

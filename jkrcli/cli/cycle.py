@@ -15,11 +15,10 @@ from ..report import PICTURES, Cycled, CycledByProgram, CycledInLimits, Output, 
 from ..series import Solution
 from .cycle_rate import RateOptions, rate_options, read_program, run, run_relaxing
 from .measured import TUNING, begin_reading
-from .option_types import CONTROL, WORK
-from .options import CurveOptions, curve_options, limits_options
-from .output import give, into_folder, output_options
+from .options import CONTROL, WORK, CurveOptions, curve_options, into_folder, limits_options, output_options
 from .series import begin_curves, read_series, series_file, works_of
 from .verb import verb
+from .voice import give
 
 
 @verb("file")

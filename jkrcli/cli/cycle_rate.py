@@ -11,7 +11,7 @@ import click
 
 from ..adhesion import LOAD_CONTROL, Course
 from ..base import InputError
-from .option_types import LENGTH, LOAD, PairsType
+from .options import LENGTH, LOAD, PairsType
 from .verb import as_one, flag
 
 if TYPE_CHECKING:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from ..report.machine import Machine
-from .output import give, json_option
+from .options import json_option
 from .verb import verb
+from .voice import give
 
 
 @verb()

@@ -14,11 +14,10 @@ from ..methods import Limits
 from ..report import Output
 from ..report.explorer import Explored, page, payload, start_work
 from .measured import begin_reading, reading_options
-from .option_types import WORK
-from .options import limits_options, slopes_option
-from .output import ONE_FILE, give, into_file, output_options
+from .options import ONE_FILE, WORK, into_file, limits_options, output_options, slopes_option
 from .series import begin_curves, read_series, series_file, without_range
 from .verb import verb
+from .voice import give
 
 
 @verb("file [data...]")

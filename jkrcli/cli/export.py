@@ -11,11 +11,10 @@ from ..base import InputError, together, write_text
 from ..beside import analyse
 from ..methods import Limits
 from ..report import Output
-from .option_types import WORK
-from .options import limits_options, slopes_option
-from .output import give, into_folder, output_options
+from .options import WORK, into_folder, limits_options, output_options, slopes_option
 from .series import begin_curves, body_and_work
 from .verb import verb
+from .voice import give
 
 
 @verb("file")

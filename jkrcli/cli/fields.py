@@ -12,10 +12,10 @@ from ..beside import analyse
 from ..case import Case
 from ..report import COMPONENTS, PICTURES, Fields, Output
 from .mesh import MARKS
-from .options import State, state_options
-from .output import give, into_folder, output_options
+from .options import State, into_folder, output_options, state_options
 from .series import body_and_work
 from .verb import verb
+from .voice import give
 
 
 @verb("file")

@@ -12,8 +12,7 @@ from ..report import PICTURES, SHOWN, Files
 from .fit_together import FitRequest
 from .measured import TUNING
 from .options import Parallel, begin
-from .output import give
-from .voice import note, progress, say, warn
+from .voice import give, note, progress, say, warn
 
 if TYPE_CHECKING:
     from ..identification.fit import Failure, Fit, FittedBody, Settings

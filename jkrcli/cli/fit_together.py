@@ -1,4 +1,5 @@
-"""``jkr fit`` of all records together: what they share, a law of w over the edge's speed, a surface tension."""
+"""``jkr fit`` of records together: what they share, a law of w over the edge's speed, a surface tension; and of laws of
+relaxation."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..base import InputError, SolveError
 from ..report import Files, Output
 from .fit_idle import TENSION
-from .output import give
+from .voice import give, warn
 
 if TYPE_CHECKING:
     from ..data import Curve, Reading
@@ -57,6 +58,10 @@ class FitRequest:
                 result = as_result(kind, fit(), body=self.body_words, **more)
         except SolveError as error:
             raise InputError(f"{self.measured[0]}: {error}") from None
+        self.write(result)
+
+    def write(self, result: Result) -> None:
+        """The files of a ``result``, and what is said of it."""
         self.targets.write(result.columns, result.summary(), self.targets.draw(result.figure))
         give(result, self.output.json, f"  written {self.targets}")
 
@@ -99,3 +104,31 @@ def fit_tension(request: FitRequest) -> None:
     fixed = known_values(problem, request.names, request.options["fix"])
     curves, tips = request.curves(radii_of(problem, request.options["tip_radius"], len(request.measured)))
     request.conclude(TensionFitted, lambda: tension_fit(problem, curves, tips, fixed, level), level=level)
+
+
+def fit_relaxation(request: FitRequest) -> None:
+    """The modulus, a law of relaxation and zeros from records over time, each for itself; curves that cannot be used
+    are skipped and said."""
+    from ..base import one_thread
+    from ..data import some, usable
+    from ..identification.relaxation import relaxation_fit, relaxation_settings
+    from ..report import RelaxationFits
+
+    body, options = request.body, request.options
+    terms = {} if options["terms"] is None else {"terms": options["terms"]}
+    how = {name: options[name] for name in ("level", "confidence")} | terms
+    settings = relaxation_settings(options["relaxation"], options["fix"], request.names, body.problem.E_star, **how)
+    curves, skipped = usable(request.measured, request.reading)
+    fits = []
+    for curve in curves:
+        try:
+            part = curve if options["segment"] in (None, "both") else curve.only(options["segment"])
+            with one_thread():
+                fits.append(relaxation_fit(body, part, settings))
+        except InputError as error:
+            skipped += error.lines
+    if not fits:
+        raise InputError(some(skipped))
+    for line in skipped:
+        warn(f"skipped: {line}")
+    request.write(RelaxationFits(fits, request.body_words))

@@ -17,10 +17,9 @@ from ..report import Imported, Output
 from ..series import Solution
 from .body import Flags, body_options, case_of, named_flags
 from .measured import SEPARATED, begin_reading, reading_of
-from .option_types import LENGTH, ColumnUnitType, KeyNumberType, KeyValueType, ScaleType
-from .output import ONE_FILE, give, into_file, output_options
+from .options import LENGTH, ONE_FILE, ColumnUnitType, KeyNumberType, KeyValueType, ScaleType, into_file, output_options
 from .verb import as_one, verb
-from .voice import command_line
+from .voice import command_line, give
 
 KEYS = tuple(NAMES.quantities)
 SOME_LOADING = b"\n[loading]\ndepth = 1.0\n"  # stands in where a case has none: the table says how far it went

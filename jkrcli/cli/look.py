@@ -9,8 +9,9 @@ from ..data import Reading
 from ..report import PICTURES, Output, Results
 from .body import Flags, tip_of, tip_options
 from .measured import begin_reading, reading_options
-from .output import answer, files_beside, give, into_folder, output_options
+from .options import into_folder, output_options
 from .verb import verb
+from .voice import answer, give
 
 
 @verb("files...")
@@ -34,7 +35,7 @@ def look(files: tuple[Path, ...], flags: Flags, reading: Reading, output: Output
     from ..report import Look
 
     tip = tip_of("look", flags)
-    targets = files_beside(output, files, "look", PICTURES, files)
+    targets = output.each([output.beside(path, "-look") for path in files], PICTURES, files)
     begin_reading("look", files)
     results, pictures = [], list[str]()
     for path, target in zip(files, targets, strict=True):

@@ -12,7 +12,8 @@ import click
 from ..data import SEPARATORS, Reading
 from ..data.measured.text import NAMES
 from ..methods import Forecast, Limits
-from .option_types import (
+from .options import (
+    ANY,
     ROWS,
     SENSITIVITY,
     STIFFNESS,
@@ -21,8 +22,8 @@ from .option_types import (
     KeyValueType,
     NamedType,
     ScaleType,
+    begin,
 )
-from .options import ANY, begin
 from .verb import as_one
 
 

@@ -10,9 +10,9 @@ from ..case import fem_of, load_case
 from ..methods import Limits
 from ..methods.fem.mesh import write_msh, write_vtu
 from ..report import Meshed, Output
-from .options import begin, limits_options
-from .output import give, into_folder, output_options
+from .options import begin, into_folder, limits_options, output_options
 from .verb import verb
+from .voice import give
 
 # What tells jkr that it wrote a file, where the format keeps comments.
 MARKS = {".msh": f"$Comments\njkr {__version__}\n$EndComments\n", ".vtu": f"\n<!-- jkr {__version__} -->\n"}

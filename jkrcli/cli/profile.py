@@ -7,10 +7,10 @@ from pathlib import Path
 from ..beside import profile_columns, radius_under
 from ..methods import Limits
 from ..report import PICTURES, Output, Profile
-from .options import RangeOptions, State, limits_options, range_options, state_options
-from .output import give, into_folder, output_options
+from .options import RangeOptions, State, into_folder, limits_options, output_options, range_options, state_options
 from .series import begin_curves, body_and_work
 from .verb import verb
+from .voice import give
 
 
 @verb("file")

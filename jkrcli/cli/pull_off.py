@@ -16,11 +16,10 @@ from ..report.pull_off import MeasuredPullOff, PullOff
 from ..report.result import Result, Results
 from ..series import Solution
 from .body import Flags, body_options, by_flags, case_of
-from .option_types import CONTROL, LOAD, WORK, NamedType
-from .options import CurveOptions, curve_options, limits_options
-from .output import give, json_option
+from .options import CONTROL, LOAD, WORK, CurveOptions, NamedType, curve_options, json_option, limits_options
 from .series import begin_curves, read_files, without_range, works_of
 from .verb import verb
+from .voice import give
 
 SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of a measured force; choice: for forecasts
 

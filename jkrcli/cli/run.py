@@ -13,10 +13,9 @@ from ..beside import effect_facts, sticking_effect
 from ..case import load_case, solve, store
 from ..methods import METHODS, Limits
 from ..report import Output, Solved
-from .options import limits_options
-from .output import ONE_FILE, give, into_file, output_options
+from .options import ONE_FILE, into_file, limits_options, output_options
 from .verb import verb
-from .voice import command_line, detail, note
+from .voice import command_line, detail, give, note
 
 
 @verb("case")

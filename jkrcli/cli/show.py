@@ -11,10 +11,10 @@ from ..case import plain_toml
 from ..report import archive
 from ..report.shown import Shown
 from ..series import Solution
-from .output import give, json_option
+from .options import json_option
 from .series import announce_files, read_series, series_file
 from .verb import verb
-from .voice import warn
+from .voice import give, warn
 
 
 @verb("files...")

@@ -1,19 +1,19 @@
-"""``jkr study``: a verb for each map, made of its row, and the convergence of meshes."""
+"""``jkr study``: a verb for each map, made of its row, and the same case on a sequence of meshes."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
+from ..base import InputError, executor
 from ..many.study import MAPS
 from ..report import PICTURES, Output
-from .option_types import PairsType
-from .options import Parallel, parallel_options
-from .output import give, into_folder, output_options
-from .verb import LateGroup, Verb, several
-from .voice import progress
+from .options import WORK, PairsType, Parallel, into_folder, output_options, parallel_options
+from .verb import LateGroup, Verb, several, verb
+from .voice import give, progress
 
 if TYPE_CHECKING:
     from ..many.study.maps import Axis, Map
@@ -32,8 +32,6 @@ class Studies(LateGroup):
 
     def made(self, name: str) -> click.Command:
         if name == "converge":
-            from .study_converge import study_converge
-
             return study_converge
         from ..many.study.maps import map_of
 
@@ -61,8 +59,6 @@ def _command(row: Map) -> click.Command:
     @into_folder("Folder [default: .].", default=Path())
     @output_options(plots="Write the CSV only.", json="Print the table as JSON.")
     def study_map(output: Output, parallel: Parallel, **axes: Any) -> None:
-        from ..base import executor
-
         chosen = {name: value for name, value in axes.items() if value not in (None, ())}
         files = output.files(output.folder(Path()) / f"{row.name}-map", (".csv", *PICTURES))
         with executor(*parallel, progress, row.forecast(**chosen)) as pool:
@@ -84,3 +80,43 @@ def _option(name: str, axis: Axis) -> Any:
         kind = click.Choice(axis.allowed)
     shown = axis.shown or ", ".join(map(str, default))
     return click.option(f"--{name}", type=kind, multiple=axis.several, help=f"{axis.help}  [default: {shown}]".strip())
+
+
+@verb("case", "converge")
+@click.option("--levels", type=click.IntRange(2, 8), default=4, show_default=True, help="Meshes; the last: the case's.")
+@click.option("--contact", type=click.Choice(["nested", "incremental"]), help="Instead of the case's.")
+@click.option("--w", "work", type=WORK, help="Work of adhesion [default: the case's first].")
+@parallel_options
+@into_folder("Folder.", default=Path())
+@output_options(plots="Write CSV and JSON only.", json="Print as JSON.")
+def study_converge(
+    case: Path, levels: int, contact: str | None, work: float | None, parallel: Parallel, output: Output
+) -> None:
+    """Solve CASE by finite elements on meshes whose elements halve from one to the next (Appendix C).
+
+    For each: contact radius and load at the common depth, pull-off force, points kept, time; then the observed order
+    and the extrapolated value. Writes <case>-convergence.csv, .json, .png and .svg.
+
+    \b
+    jkr study converge cases/thin-layer.toml --levels 5
+    jkr study converge cases/halfspace.toml --contact incremental -o results
+    """
+    from ..case import load_case, method_of
+    from ..many.study.converge import converge
+    from ..methods import FEM
+
+    loaded = load_case(case)
+    w = work if work is not None else next(iter(loaded.model.adhesion.w), None)
+    if not w:
+        raise InputError(f"{case}: names no work of adhesion > 0: give --w")
+    folder = output.folder(Path())
+    files = output.files(folder / f"{case.stem}-convergence", (".csv", ".json", *PICTURES), [case])
+    method = method_of(loaded.model, "fem")
+    assert isinstance(method, FEM)
+    if contact is not None:
+        method = replace(method, contact=contact)  # type: ignore[arg-type]
+    problem = loaded.model.problem()
+    with executor(*parallel, progress, method.forecast(problem).seconds) as pool:
+        study = converge(problem, method, w, levels, pool=pool)
+    files.write(study.columns, study.summary(), files.draw(study.figure))
+    give(study, output.json, f"  written   {files}")

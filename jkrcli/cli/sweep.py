@@ -14,11 +14,9 @@ from ..many.sweep.result import STEM, Swept
 from ..many.sweep.running import Means, alone
 from ..many.sweep.running import sweep as carry_out
 from ..report import PICTURES, Files, Output
-from .option_types import NumberRange
-from .options import Parallel, parallel_options
-from .output import answer, give, into_folder, output_options
+from .options import NumberRange, Parallel, into_folder, output_options, parallel_options
 from .verb import verb
-from .voice import note, progress
+from .voice import answer, give, note, progress
 
 
 @verb("sweep")

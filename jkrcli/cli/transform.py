@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import click
@@ -13,12 +12,10 @@ from ..beside import analyse, effect_on, sticking_warnings
 from ..methods import Limits
 from ..report import PICTURES, Files, Output, Transformed, as_result, figure_of
 from ..report.scaling import own_scales, scales_of
-from .option_types import WORK, ScaleType
-from .options import CurveOptions, curve_options, limits_options
-from .output import answer, into_folder, output_options, refuse_doubles
+from .options import WORK, CurveOptions, ScaleType, curve_options, into_folder, limits_options, output_options
 from .series import begin_curves, read_files, works_of
 from .verb import verb
-from .voice import present, warn
+from .voice import answer, present, warn
 
 
 @verb("files...")
@@ -61,65 +58,48 @@ def transform(
     ranges = list(map(how.of, solutions))
     figures = output.plots and not together
     begin_curves("transform", solutions, wanted, ranges, limits, tables=True, figures=figures)
-    plans = _plans(files, wanted, ranges, how.modulus_factor, together, output)
-    summaries, lines, written, warnings = [], list[list[str]](), list[str](), list[str]()
-    for solution, plan in zip(solutions, plans, strict=True):
-        effect = effect_on(solution.scaled(how.modulus_factor), plan.works)
-        curves = analyse(solution, plan.works, how.slopes, how.modulus_factor, plan.range)
+    targets, pictures = _files(files, wanted, ranges, how.modulus_factor, together, output)
+    summaries, lines, warnings = [], list[list[str]](), list[str]()
+    for solution, works, ranged, places, picture in zip(solutions, wanted, ranges, targets, pictures, strict=True):
+        effect = effect_on(solution.scaled(how.modulus_factor), works)
         results = list[Transformed]()
-        for curve, target in zip(curves, plan.targets, strict=True):
+        for curve, target in zip(analyse(solution, works, how.slopes, how.modulus_factor, ranged), places, strict=True):
             scales = scales_of(curve.problem, curve.w, dimensionless) if dimensionless else users
-            result = as_result(Transformed, curve, scales=scales, effect=effect)
-            summaries.append(result.summary())
-            target.write(result.columns, summaries[-1], result.figure() if figures else None)
-            results.append(result)
-        if plan.picture is not None:
-            plan.picture.write(figure=figure_of(results))
-        warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
+            results.append(as_result(Transformed, curve, scales=scales, effect=effect))
+            summaries.append(results[-1].summary())
+            target.write(results[-1].columns, summaries[-1], results[-1].figure() if figures else None)
+        if picture is not None:
+            picture.write(figure=figure_of(results))
         lines += [result.words() for result in results]
-        written += map(str, plan.targets)
+        warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
         warnings += [f"{result.path}: {text}" for result in results for text in result.warnings if not output.json]
     if output.json:
         answer({"results": summaries})
     else:
+        written = [str(target) for places in targets for target in places]
         more = f" and {len(written) - 1:,} more like it" if len(written) > 1 else ""
-        pictures = ", ".join(str(plan.picture) for plan in plans if plan.picture is not None)
-        present(*lines, last=f"  written {written[0]}{more}{pictures and f', all in one picture: {pictures}'}")
+        all_w = ", ".join(str(picture) for picture in pictures if picture is not None)
+        present(*lines, last=f"  written {written[0]}{more}{all_w and f', all in one picture: {all_w}'}")
     for text in warnings:
         warn(text)
 
 
-@dataclass(frozen=True, eq=False)
-class _Plan:
-    """Curves of one file: its ``works`` of adhesion [J/m^2], their ``range``, what is written for each of the
-    works, and the ``picture`` of all of them together, if there is to be one."""
-
-    works: tuple[float, ...]
-    range: RangeRequest
-    targets: list[Files]
-    picture: Files | None
-
-
-def _plans(
+def _files(
     files: tuple[Path, ...], wanted: list[tuple[float, ...]], ranges: list[RangeRequest], modulus_factor: float,
     together: bool, output: Output,
-) -> list[_Plan]:  # fmt: skip
-    """What is written for each file; InputError before anything is solved, where it cannot be."""
+) -> tuple[list[list[Files]], list[Files | None]]:  # fmt: skip
+    """For each file what is written of each work of adhesion, and the picture of all of them, if there is to be one;
+    InputError before anything is solved, where it cannot be."""
     factor = "" if modulus_factor == 1 else f"-modulus{modulus_factor:g}"
-    begins = [(output.where or path.parent) / path.stem for path in files]
-    ends = [f"{ranged.suffix}{factor}" for ranged in ranges]
-    stems = [
-        [begin.with_name(f"{begin.name}-w{w:g}{end}") for w in works]
-        for begin, end, works in zip(begins, ends, wanted, strict=True)
+    places = [
+        (output.beside(path), works, f"{ranged.suffix}{factor}")
+        for path, works, ranged in zip(files, wanted, ranges, strict=True)
     ]
-    refuse_doubles([stem for some in stems for stem in some], "give each its own -o and w once")
-    output.folder(Path())
+    stems = [begin.with_name(f"{begin.name}-w{w:g}{end}") for begin, works, end in places for w in works]
     endings = (".csv", ".json") if together else (".csv", ".json", *PICTURES)
-    targets = [[output.files(stem, endings, files) for stem in some] for some in stems]
-    pictures: list[Files | None] = [None] * len(files)
-    if together and output.plots:
-        pictures = [
-            output.files(begin.with_name(f"{begin.name}-all-w{end}"), PICTURES, files)
-            for begin, end in zip(begins, ends, strict=True)
-        ]
-    return [_Plan(*each) for each in zip(wanted, ranges, targets, pictures, strict=True)]
+    each = iter(output.each(stems, endings, files, "give each its own -o and w once"))
+    pictures: list[Files | None] = [
+        output.files(begin.with_name(f"{begin.name}-all-w{end}"), PICTURES, files)
+        if together and output.plots else None for begin, _, end in places
+    ]  # fmt: skip
+    return [[next(each) for _ in works] for works in wanted], pictures

@@ -10,13 +10,17 @@ import shlex
 import shutil
 import sys
 import textwrap
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TextIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
-from ..base import SILENCE, duration, errors, printable
+from ..base import SILENCE, as_json, duration, errors, printable
+
+if TYPE_CHECKING:
+    from ..report import Result
 
 LEVEL, WARNED, ANNOUNCED = "jkr.level", "jkr.warned", "jkr.announced"
 QUIET, USUAL, VERBOSE = range(3)
@@ -159,3 +163,19 @@ def progress(label: str, total: int, seconds: float) -> Iterator[Callable[[bool]
 def command_line() -> str:
     """What was typed, as a shell would take it; bytes of names that are no text as escapes."""
     return errors.writable(shlex.join(click.get_current_context().find_root().obj))
+
+
+def answer(data: Mapping[str, Any]) -> None:
+    """A result for machines on stdout."""
+    click.echo(as_json(data), nl=False)
+
+
+def give(result: Result, json: bool, written: str = "", of: Path | None = None) -> None:
+    """A result on stdout, for machines or for people, these with what is ``written``; then its warnings, after the name
+    of the file that they are ``of``."""
+    if json:
+        answer(result.summary())
+    else:
+        present(*result.parts, last=written)
+    for line in result.warnings:
+        warn(f"{of}: {line}" if of else line)

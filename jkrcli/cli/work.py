@@ -10,11 +10,9 @@ import click
 from ..data import Reading
 from ..report import PICTURES, Output, Results
 from .measured import TUNING, begin_reading, reading_options
-from .option_types import WORKERS, ScaleType
-from .options import modulus_factor_option, slopes_option
-from .output import files_beside, give, into_folder, output_options
+from .options import WORKERS, ScaleType, into_folder, modulus_factor_option, output_options, slopes_option
 from .verb import verb
-from .voice import progress
+from .voice import give, progress
 
 
 @verb("series measured...")
@@ -60,7 +58,9 @@ def work(
     from ..report import Work
     from .series import read_series, series_file, without_range
 
-    targets = files_beside(output, measured, "work", (".csv", ".json", *PICTURES), (series, *measured))
+    targets = output.each(
+        [output.beside(path, "-work") for path in measured], (".csv", ".json", *PICTURES), (series, *measured)
+    )
     series = series_file(series)
     begin_reading("work", measured, per_row=TUNING.work_per_row)
     solution = read_series(series)

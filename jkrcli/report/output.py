@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from ..base import as_json, check_target, files, together, write_csv, write_text
+from ..base import InputError, as_json, check_target, files, together, write_csv, write_text
 from .result import Figure
 
 PICTURES = (".png", ".svg")
@@ -80,3 +80,23 @@ class Output:
         for ending in files.endings:
             check_target(files[ending], self.force, inputs)
         return files
+
+    def beside(self, path: Path, word: str = "") -> Path:
+        """The stem of files that belong to ``path``, with a ``word`` behind its own: beside it, or in the folder of
+        -o."""
+        return (self.where or path.parent) / f"{path.stem}{word}"
+
+    def each(
+        self,
+        stems: Sequence[Path],
+        endings: Iterable[str],
+        inputs: Iterable[Path],
+        remedy: str = "give each its own -o",
+    ) -> list[Files]:
+        """The ``files`` of each of several ``stems``; InputError, with a ``remedy``, where two would be the same."""
+        places = list(map(files.real, stems))
+        for i, stem in enumerate(stems):
+            if places[i] in places[:i]:
+                raise InputError(f"{stem}.csv: would be written twice; rename a file, or {remedy}")
+        self.folder(Path())
+        return [self.files(stem, endings, inputs) for stem in stems]

@@ -10,68 +10,26 @@ from __future__ import annotations
 from .base.lazy import lazily
 
 TYPE_CHECKING = False  # typing's own takes as long to import as all else here, and Ctrl-C is minded only after it
+# isort: off
 if TYPE_CHECKING:
     from .adhesion import LogRate, PowerRate, Program
     from .api import (
-        check,
-        compare,
-        cycle,
-        cycle_at_speed,
-        cycle_relaxing,
-        fit,
-        identify,
-        identify_joint,
-        identify_law,
-        identify_relaxation,
-        identify_tension,
-        load_case,
-        look,
-        measured_curves,
-        parse_case,
-        plan,
-        plot,
-        profile,
-        pull_off,
-        read,
-        save,
-        solve,
-        study_map,
-        summary,
-        table,
-        to_pandas,
-        transform,
-        work,
+        check, compare, cycle, cycle_at_speed, cycle_relaxing, fit, identify, identify_joint, identify_law,
+        identify_relaxation, identify_tension, load_case, look, measured_curves, parse_case, plan, plot,
+        profile, pull_off, read, save, solve, study_map, summary, table, to_pandas, transform, work,
     )  # fmt: skip
     from .base import InputError, JkrError, Refusal, Unknown
     from .bodies import (
-        Elastic,
-        EqualAreaCone,
-        Exponential,
-        Graded,
-        HalfSpace,
-        Layer,
-        Linear,
-        Loading,
-        Paraboloid,
-        Power,
-        PowerLaw,
-        PowerRelaxation,
-        Problem,
-        Prony,
-        Rigid,
-        RoundedCone,
-        RoundedFlat,
-        Specimen,
-        Sphere,
-        StandardSolid,
-        TableProfile,
-        Tabulated,
-        TransverselyIsotropic,
-    )
+        Elastic, EqualAreaCone, Exponential, Graded, HalfSpace, Layer, Linear, Loading, Paraboloid, Power,
+        PowerLaw, PowerRelaxation, Problem, Prony, Rigid, RoundedCone, RoundedFlat, Specimen, Sphere,
+        StandardSolid, TableProfile, Tabulated, TransverselyIsotropic,
+    )  # fmt: skip
     from .data import Reading
     from .methods import FEM, Layered, Limits
     from .methods.closed_form.method import ClosedForm
     from .methods.hybrid.method import Hybrid
+
+# isort: on
 
 __version__ = "0.2.0"
 __all__ = [

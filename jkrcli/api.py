@@ -49,19 +49,21 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
+from . import report
 from .adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, RangeRequest
 from .base import InputError, check_series_target, one_thread, parse
 from .beside import analyse, nonadhesive, with_solved_points
 from .bodies import Problem
-from .case import Case, load_case, store
+from .case import Case, store
+from .case import load_case as load_case
 from .case import parse_case as _parse_case
 from .case import solve as _solve
 from .data import Curve, Reading, from_columns
 from .data import read as read_curves
+from .identification import fit as fits
 from .methods import Limits, Method
-from .report import AnyResult, Result, as_result
 from .series import Solution
 
 if TYPE_CHECKING:
@@ -69,36 +71,13 @@ if TYPE_CHECKING:
 
     from .adhesion import Program, RateContact, RateLaw, RelaxingContact
     from .bodies import Indenter, Relaxation
-    from .identification.fit import Fit, FittedBody, Further
     from .many.study.maps import MapResult
-    from .report import (
-        Check,
-        Compared,
-        Cycled,
-        CycledAtSpeed,
-        CycledByProgram,
-        CycledInLimits,
-        CycledRelaxing,
-        Fitted,
-        JointFitted,
-        LawFit,
-        Look,
-        MeasuredPullOff,
-        Profile,
-        PullOff,
-        RelaxationFitted,
-        TensionFitted,
-        Transformed,
-        Work,
-    )
-    from .report.plots import Figure
 
-__all__ = [
-    "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "fit", "identify", "identify_joint",
-    "identify_law", "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case",
-    "plan", "plot", "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas",
-    "transform", "work",
-]  # fmt: skip
+Body: TypeAlias = Case | Problem | Solution | str | Path  # to be solved, or solved; or the file of either
+Number: TypeAlias = float | str  # in SI, or text with its unit
+OneCurve: TypeAlias = Curve | str | Path  # or the file that holds it
+AnyLaw: TypeAlias = "RateLaw | Mapping[str, Any]"  # or its keys
+Known: TypeAlias = Mapping[str, str] | None  # values of what is not fitted, standard deviations of inputs
 
 
 def parse_case(text: str, folder: str | Path = ".") -> Case:
@@ -137,15 +116,9 @@ def save(solved: Solution, path: str | Path, force: bool = False) -> Path:
 
 @one_thread()
 def transform(
-    solved: Solution | Case | Problem | str | Path,
-    w: float | str,
-    slopes: str = "auto",
-    modulus_factor: float = 1.0,
-    method: str | Method | None = None,
-    *,
-    stress: float | str | None = None,
-    length: float | str | None = None,
-) -> Transformed:
+    solved: Body, w: Number, slopes: str = "auto", modulus_factor: float = 1.0, method: str | Method | None = None, *,
+    stress: Number | None = None, length: Number | None = None,
+) -> report.Transformed:  # fmt: skip
     """The adhesive curve for the work of adhesion ``w`` [J/m^2], with pull-off, errors, validity and warnings.
 
     ``solved``: a solution or its file; a case, its file or a problem is solved first, by ``method``. ``w``: a number,
@@ -155,26 +128,16 @@ def transform(
     """
     solution = _solution(solved, method)
     ranged = _range(solution, stress, length)
-    from .report import Transformed
-
-    return as_result(Transformed, analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, ranged)[0])
+    curve = analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, ranged)[0]
+    return report.as_result(report.Transformed, curve)
 
 
 @one_thread()
 def cycle(
-    solved: Solution | Case | Problem | str | Path,
-    w: float | str,
-    *,
-    program: Program | None = None,
-    w_approach: float | str | None = None,
-    to_load: float | str | None = None,
-    to_depth: float | str | None = None,
-    stiffness: float | str = DISPLACEMENT_CONTROL,
-    slopes: str = "auto",
-    modulus_factor: float = 1.0,
-    stress: float | str | None = None,
-    length: float | str | None = None,
-) -> Cycled | CycledByProgram | CycledInLimits:
+    solved: Body, w: Number, *, program: Program | None = None, w_approach: Number | None = None,
+    to_load: Number | None = None, to_depth: Number | None = None, stiffness: Number = DISPLACEMENT_CONTROL,
+    slopes: str = "auto", modulus_factor: float = 1.0, stress: Number | None = None, length: Number | None = None,
+) -> report.Cycled | report.CycledByProgram | report.CycledInLimits:  # fmt: skip
     """What a device records that presses the bodies together and pulls them apart, however slowly.
 
     ``w`` on retraction [J/m^2], not smaller than ``w_approach`` (default: ``w``). The device of ``stiffness`` [N/m] (0:
@@ -182,49 +145,36 @@ def cycle(
     series; or it does what a ``program`` says, with turns anywhere. ``stress`` [Pa] or ``length`` [m]: adhesion of
     finite range, else what the case says. A specimen that relaxes is traced in its limits, very fast and very slow.
     """
-    from .report import Cycled, CycledByProgram
-
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
     works = [_number("w", value, "work") for value in (w if w_approach is None else w_approach, w)]
     ranged = _range(solution, stress, length)
     turn = _maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length")
 
-    def cycled(share: float) -> Cycled | CycledByProgram:
+    def cycled(share: float) -> report.Cycled | report.CycledByProgram:
         pair = analyse(solution, works, slopes, modulus_factor * share, ranged)
         curves = [with_solved_points(curve, k) for curve in pair]
-        return Cycled.of(curves, k, *turn) if program is None else CycledByProgram.of(curves, k, program)
+        return report.Cycled.of(curves, k, *turn) if program is None else report.CycledByProgram.of(curves, k, program)
 
     return _in_limits(solution, cycled)
 
 
-def _in_limits(solution: Solution, cycled: Callable[[float], AnyResult]) -> AnyResult | CycledInLimits:
+def _in_limits(
+    solution: Solution, cycled: Callable[[float], report.AnyResult]
+) -> report.AnyResult | report.CycledInLimits:
     """What was ``cycled`` on the moduli as they are; of a specimen that relaxes on those of both limits."""
     law = solution.problem.specimen.relaxation
     if law is None:
         return cycled(1.0)
-    from .report import CycledInLimits
-
-    return CycledInLimits.of(solution.record.path, law, cycled)
+    return report.CycledInLimits.of(solution.record.path, law, cycled)
 
 
 @one_thread()
 def cycle_at_speed(
-    solved: Solution | Case | Problem | str | Path,
-    w: float | str,
-    law: RateLaw | Mapping[str, Any],
-    speed: float | str | None = None,
-    *,
-    program: Program | None = None,
-    w_approach: float | str | None = None,
-    law_approach: RateLaw | Mapping[str, Any] | None = None,
-    speed_approach: float | str | None = None,
-    to_load: float | str | None = None,
-    to_depth: float | str | None = None,
-    hold: float | str = 0.0,
-    stiffness: float | str = DISPLACEMENT_CONTROL,
-    slopes: str = "auto",
-    stress: float | str | None = None,
-) -> CycledAtSpeed | CycledInLimits:
+    solved: Body, w: Number, law: AnyLaw, speed: Number | None = None, *,
+    program: Program | None = None, w_approach: Number | None = None, law_approach: AnyLaw | None = None,
+    speed_approach: Number | None = None, to_load: Number | None = None, to_depth: Number | None = None,
+    hold: Number = 0.0, stiffness: Number = DISPLACEMENT_CONTROL, slopes: str = "auto", stress: Number | None = None,
+) -> report.CycledAtSpeed | report.CycledInLimits:  # fmt: skip
     """What a device records over time while the work of adhesion depends on the speed of the contact's edge.
 
     ``w`` at rest on retraction [J/m^2] and its ``law``: PowerRate(v0=1e-6, n=0.6), LogRate, or their keys as of ``jkr
@@ -239,36 +189,27 @@ def cycle_at_speed(
     the contact leaves the series.
     """
     from .adhesion import RateContact
-    from .report import CycledAtSpeed
 
     w0, k = _number("w", w, "work"), _number("stiffness", stiffness, "stiffness")
     w_a = w0 if w_approach is None else _number("w_approach", w_approach, "work")
     inwards = None if law_approach is None else _law(law_approach)
     solution = _solution(solved, None)
 
-    def cycled(share: float) -> CycledAtSpeed:
+    def cycled(share: float) -> report.CycledAtSpeed:
         result = with_solved_points(analyse(solution, [w0], slopes, share)[0], k)
         contact = RateContact(result.jkr.nonadhesive, _law(law), w0, w_a, k, inwards)
         driven = _driven("cycle_at_speed", contact, program, speed, speed_approach, to_load, to_depth, hold)
-        return CycledAtSpeed.of(contact, driven, result, stress=_maybe("stress", stress, "modulus"))
+        return report.CycledAtSpeed.of(contact, driven, result, stress=_maybe("stress", stress, "modulus"))
 
     return _in_limits(solution, cycled)
 
 
 @one_thread()
 def cycle_relaxing(
-    solved: Solution | Case | Problem | str | Path,
-    relaxation: Relaxation | None = None,
-    speed: float | str | None = None,
-    *,
-    program: Program | None = None,
-    speed_approach: float | str | None = None,
-    to_load: float | str | None = None,
-    to_depth: float | str | None = None,
-    hold: float | str = 0.0,
-    stiffness: float | str = DISPLACEMENT_CONTROL,
-    slopes: str = "auto",
-) -> CycledRelaxing:
+    solved: Body, relaxation: Relaxation | None = None, speed: Number | None = None, *,
+    program: Program | None = None, speed_approach: Number | None = None, to_load: Number | None = None,
+    to_depth: Number | None = None, hold: Number = 0.0, stiffness: Number = DISPLACEMENT_CONTROL, slopes: str = "auto",
+) -> report.CycledRelaxing:  # fmt: skip
     """What a device records over time while the moduli of the specimen relax, without adhesion.
 
     ``relaxation``: StandardSolid(ratio=0.25, time=1.0), PowerRelaxation, Prony; default: that of the specimen. The
@@ -278,7 +219,6 @@ def cycle_relaxing(
     columns. Raises InputError where the contact leaves the series, or is loaded again onto its dent.
     """
     from .adhesion import RelaxingContact
-    from .report import CycledRelaxing
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
     law = relaxation or solution.problem.specimen.relaxation
@@ -289,12 +229,12 @@ def cycle_relaxing(
     relaxing = replace(solution.problem, specimen=replace(solution.problem.specimen, relaxation=law))  # may refuse
     contact = RelaxingContact(nonadhesive(replace(solution, problem=relaxing), slopes), law, k)
     driven = _driven("cycle_relaxing", contact, program, speed, speed_approach, to_load, to_depth, hold)
-    return CycledRelaxing.of(contact, driven, solution.record.path)
+    return report.CycledRelaxing.of(contact, driven, solution.record.path)
 
 
 def _driven(
-    verb: str, contact: RateContact | RelaxingContact, program: Program | None, speed: float | str | None,
-    speed_approach: float | str | None, to_load: float | str | None, to_depth: float | str | None, hold: float | str,
+    verb: str, contact: RateContact | RelaxingContact, program: Program | None, speed: Number | None,
+    speed_approach: Number | None, to_load: Number | None, to_depth: Number | None, hold: Number,
 ) -> Program:  # fmt: skip
     """The ``program``, or there and back at a speed."""
     from .adhesion import Course
@@ -308,30 +248,30 @@ def _driven(
     return Course(speed, speed_approach, *turn, hold).program(contact)
 
 
-def _range(solution: Solution, stress: float | str | None, length: float | str | None) -> RangeRequest:
+def _range(solution: Solution, stress: Number | None, length: Number | None) -> RangeRequest:
     """Adhesion of finite range by its tension or its length, in numbers or text."""
     return RangeRequest.of(solution.record, _maybe("stress", stress, "modulus"), _maybe("length", length, "length"))
 
 
-def _law(law: RateLaw | Mapping[str, Any]) -> RateLaw:
+def _law(law: AnyLaw) -> RateLaw:
     from .adhesion import rate_law_of
 
     return rate_law_of(law, "law") if isinstance(law, Mapping) else law
 
 
-def _solution(solved: Solution | Case | Problem | str | Path, method: str | Method | None) -> Solution:
+def _solution(solved: Body, method: str | Method | None) -> Solution:
     """The series of what is solved, or to be solved."""
     if isinstance(solved, Case | Problem) or (not isinstance(solved, Solution) and Path(solved).suffix == ".toml"):
         solved = solve(solved, method)
     return solved if isinstance(solved, Solution) else store.read(solved)
 
 
-def _maybe(name: str, value: float | str | None, dimension: str) -> float | None:
+def _maybe(name: str, value: Number | None, dimension: str) -> float | None:
     """The same where it is given."""
     return None if value is None else _number(name, value, dimension)
 
 
-def _number(name: str, value: float | str, dimension: str) -> float:
+def _number(name: str, value: Number, dimension: str) -> float:
     """A number in SI, or text with its unit."""
     try:
         return parse(value, dimension) if isinstance(value, str) else float(value)
@@ -340,19 +280,10 @@ def _number(name: str, value: float | str, dimension: str) -> float:
 
 
 def identify(
-    body: Case | Problem | Solution | str | Path,
-    measured: Curve | DataFrame | Mapping[str, Any] | str | Path | None = None,
-    free: Iterable[str] = (),
-    fix: Mapping[str, str] | None = None,
-    slopes: str = "auto",
-    *,
-    reading: Reading | None = None,
-    a: Any = None,
-    delta: Any = None,
-    P: Any = None,
-    t: Any = None,
-    **options: Any,
-) -> Fitted:
+    body: Body, measured: OneCurve | DataFrame | Mapping[str, Any] | None = None, free: Iterable[str] = (),
+    fix: Known = None, slopes: str = "auto", *, reading: Reading | None = None,
+    a: Any = None, delta: Any = None, P: Any = None, t: Any = None, **options: Any,
+) -> report.Fitted:  # fmt: skip
     """E*, w and the zero points that bring the adhesive curve of ``body`` nearest to one ``measured`` curve: of a file,
     a data frame with columns named as in a table ("delta_um", "P (nN)"), or arrays of ``a, delta, P, t`` [SI]. In these
     ``reading``, Reading(units={"P": "nN"}), tells units, signs and the device.
@@ -361,9 +292,6 @@ def identify(
     ``free``: more parameters ("P0", "E:film"); ``fix``: known ones, {"w": "50 mJ/m^2"}; ``options``: see
     jkrcli.identification.fit.Settings. Raises InputError where the data cannot be fitted.
     """
-    from .identification.fit import body_of, fit, settings_of
-    from .report import Fitted
-
     arrays = {"a": a, "delta": delta, "P": P, "t": t}
     named = {name: values for name, values in arrays.items() if values is not None}
     if (measured is None) == (not named):
@@ -372,124 +300,94 @@ def identify(
         options = {"contact": reading.contact} | options
         reading = replace(reading, contact="as-is")
     curve = _curve_of(named if measured is None else measured, reading)
-    source = body_of(body, slopes)
-    result = one_thread()(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
-    return as_result(Fitted, result, body=_named(body, source))
+    source = fits.body_of(body, slopes)
+    result = one_thread()(fits.fit)(source, curve, fits.settings_of(source, free, (fix or {}).items(), **options))
+    return report.as_result(report.Fitted, result, body=_named(body, source))
 
 
 fit = identify  # the verb's name
 
 
 def identify_joint(
-    body: Case | Problem | Solution | str | Path,
-    measured: Sequence[Curve | str | Path],
-    shared: Iterable[str] = ("E_star", "w"),
-    own: Iterable[str] = (),
-    tip_radii: Sequence[float | str] = (),
-    free: Iterable[str] = (),
-    fix: Mapping[str, str] | None = None,
-    slopes: str = "auto",
-    **options: Any,
-) -> JointFitted:
+    body: Body, measured: Sequence[OneCurve], shared: Iterable[str] = ("E_star", "w"), own: Iterable[str] = (),
+    tip_radii: Sequence[Number] = (), free: Iterable[str] = (), fix: Known = None, slopes: str = "auto", **options: Any,
+) -> report.JointFitted:  # fmt: skip
     """E*, w or whatever else all records ``measured`` share, from all of them together; the rest is each record's own.
 
     ``tip_radii`` [m]: of each, or one of all (default: the body's); ``free``, ``fix``, ``options`` as of ``identify``.
     Raises InputError where a record cannot be used, or the records do not tell what they share.
     """
-    from .identification.fit import body_of, joint_fit, settings_of, shared_of, with_radii
-    from .report import JointFitted
-
-    source = body_of(body, slopes)
+    source = fits.body_of(body, slopes)
     curves = [_curve_of(item, None) for item in measured]
-    settings = settings_of(source, free, (fix or {}).items(), **options)
-    bodies = with_radii(source, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
-    result = one_thread()(joint_fit)(bodies, curves, settings, shared_of(shared, own, settings))
-    return as_result(JointFitted, result, body=_named(body, source), level=settings.level)
+    settings = fits.settings_of(source, free, (fix or {}).items(), **options)
+    bodies = fits.with_radii(source, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
+    result = one_thread()(fits.joint_fit)(bodies, curves, settings, fits.shared_of(shared, own, settings))
+    return report.as_result(report.JointFitted, result, body=_named(body, source), level=settings.level)
 
 
-def plan(body: Case | Problem | Solution | str | Path, found: Fit, slopes: str = "auto") -> tuple[Further, ...]:
+def plan(body: Body, found: fits.Fit, slopes: str = "auto") -> tuple[fits.Further, ...]:
     """Which further measurement would narrow E* and w of a fit most: relative standard errors now and with the same
     measurement again, other largest loads, tip radii, thicknesses. InputError where the data do not tell both."""
-    from .identification.fit import body_of, further
 
-    return one_thread()(further)(body_of(body, slopes), found)
+    return one_thread()(fits.further)(fits.body_of(body, slopes), found)
 
 
 def identify_law(
-    body: Case | Problem | Solution | str | Path,
-    measured: Iterable[Curve | str | Path],
-    law: str = "power",
-    free: Iterable[str] = (),
-    fix: Mapping[str, str] | None = None,
-    slopes: str = "auto",
-    **options: Any,
-) -> LawFit:
+    body: Body, measured: Iterable[OneCurve], law: str = "power", free: Iterable[str] = (), fix: Known = None,
+    slopes: str = "auto", **options: Any,
+) -> report.LawFit:  # fmt: skip
     """w0, the parameters of a ``law`` over the edge's speed, E* and the zero point, from records with time together.
 
     ``measured``: curves of retractions at one or several speeds, or their files; ``free``: more parameters ("P0");
     ``fix``: known ones, {"n": "0.5"}; ``options``: start, level, confidence, segment as of ``jkr fit --law``. Raises
     InputError where the records cannot be fitted.
     """
-    from .identification.fit import body_of
     from .identification.rate.fitting import rate_fit, rate_settings
-    from .report import LawFit
 
-    source = body_of(body, slopes)
+    source = fits.body_of(body, slopes)
     start = options.pop("start", {}).items()
     settings = rate_settings(source, law, free, (fix or {}).items(), start, **options)
     curves = [curve for each in measured for curve in ([each] if isinstance(each, Curve) else measured_curves(each))]
-    return as_result(LawFit, one_thread()(rate_fit)(source, curves, settings), body=_named(body, source))
+    return report.as_result(report.LawFit, one_thread()(rate_fit)(source, curves, settings), body=_named(body, source))
 
 
 def identify_relaxation(
-    body: Case | Problem | Solution | str | Path,
-    measured: Curve | str | Path,
-    law: str = "sls",
-    fix: Mapping[str, str] | None = None,
-    slopes: str = "auto",
-    **options: Any,
-) -> RelaxationFitted:
+    body: Body, measured: OneCurve, law: str = "sls", fix: Known = None, slopes: str = "auto", **options: Any,
+) -> report.RelaxationFitted:  # fmt: skip
     """The modulus, the parameters of a ``law`` of relaxation and the zero point, from a record with time.
 
     ``measured``: one curve of t, delta, P, or its file; ``fix``: known ones, {"ratio": "0.3"}; ``options``: level,
     confidence, terms as of ``jkr fit --relaxation``. Raises InputError where the record cannot be fitted.
     """
-    from .identification.fit import body_of
     from .identification.relaxation import relaxation_fit, relaxation_settings
-    from .report import RelaxationFitted
 
-    source = body_of(body, slopes)
+    source = fits.body_of(body, slopes)
     curve = _curve_of(measured, None)
     result = one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, (fix or {}).items(), **options))
-    return as_result(RelaxationFitted, result, body=_named(body, source))
+    return report.as_result(report.RelaxationFitted, result, body=_named(body, source))
 
 
 def identify_tension(
-    body: Case | Problem | Solution | str | Path,
-    measured: Sequence[Curve | str | Path],
-    tip_radii: Sequence[float | str] = (),
-    fix: Mapping[str, str] | None = None,
+    body: Body, measured: Sequence[OneCurve], tip_radii: Sequence[Number] = (), fix: Known = None,
     level: float = 0.95,
-) -> TensionFitted:
+) -> report.TensionFitted:  # fmt: skip
     """Surface tension, E*, w and the zero points from records by tips of one or more radii on the same body, together.
 
     ``measured``: curves or their files; ``tip_radii`` [m]: of each, or one of all (default: the body's); ``fix``: known
     values, {"w": "1 mJ/m^2"}. Raises InputError where a record cannot be used.
     """
-    from .identification.fit import body_of
     from .identification.tension import TENSION, known_values, radii_of, tension_fit
-    from .report import TensionFitted
 
-    source = body_of(body)
+    source = fits.body_of(body)
     problem = source.problem
     curves = [_curve_of(item, None) for item in measured]
     radii = radii_of(problem, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
     known = known_values(problem, [] if TENSION in (fix or {}) else [TENSION], (fix or {}).items())
     result = one_thread()(tension_fit)(problem, curves, radii, known, level)
-    return as_result(TensionFitted, result, body=_named(body, source), level=level)
+    return report.as_result(report.TensionFitted, result, body=_named(body, source), level=level)
 
 
-def _named(body: Any, source: FittedBody) -> str:
+def _named(body: Any, source: fits.FittedBody) -> str:
     """What was fitted in words: its file, or the body."""
     return str(body) if isinstance(body, str | Path) else source.problem.words
 
@@ -513,37 +411,27 @@ def measured_curves(path: str | Path, **reading: Any) -> list[Curve]:
     return read_curves(Path(path), Reading(**reading))
 
 
-def check(case: Case | str | Path) -> Check:
+def check(case: Case | str | Path) -> report.Check:
     """Which method a case needs, what each would cost, and what to expect, as ``jkr check`` says it; nothing is
     solved."""
-    from .report import Check
-
     loaded = load_case(case) if isinstance(case, str | Path) else case
-    return one_thread()(Check.of)(Path(case) if isinstance(case, str | Path) else Path("case"), loaded)
+    return one_thread()(report.Check.of)(Path(case) if isinstance(case, str | Path) else Path("case"), loaded)
 
 
-def look(path: str | Path, tip: Indenter | None = None, **reading: Any) -> Look:
+def look(path: str | Path, tip: Indenter | None = None, **reading: Any) -> report.Look:
     """What a measured file holds, as ``jkr look`` says it: segments, base line, contact, jumps, adhesion; no body is
     needed. With a ``tip``, Sphere(5e-6), a rough modulus too. ``reading``: see jkrcli.data.measured.Reading."""
-    from .report import Look
-
-    return one_thread()(Look.at)(Path(path), Reading(**reading), tip)
+    return one_thread()(report.Look.at)(Path(path), Reading(**reading), tip)
 
 
 @one_thread()
 def profile(
-    solved: Solution | Case | Problem | str | Path,
-    a: float | str | None = None,
-    load: float | str | None = None,
-    w: float | str = 0.0,
-    *,
-    stress: float | str | None = None,
-    length: float | str | None = None,
-) -> Profile:
+    solved: Body, a: Number | None = None, load: Number | None = None, w: Number = 0.0, *,
+    stress: Number | None = None, length: Number | None = None,
+) -> report.Profile:  # fmt: skip
     """Pressure, displacement and gap around one contact, of radius ``a`` [m] or under a ``load`` [N], with the work of
     adhesion ``w`` [J/m^2] (default: none); ``stress`` and ``length`` as of ``transform``."""
     from .beside import profile_columns, radius_under
-    from .report import Profile
 
     if (a is None) == (load is None):
         raise InputError("profile: give exactly one of a and load")
@@ -554,28 +442,20 @@ def profile(
     else:
         assert a is not None
         radius = _number("a", a, "length")
-    return Profile(solution.record.path, radius, work, profile_columns(solution, radius, work, ranged))
+    return report.Profile(solution.record.path, radius, work, profile_columns(solution, radius, work, ranged))
 
 
 @one_thread()
 def pull_off(
-    solved: Solution | Case | Problem | str | Path,
-    w: float | str | None = None,
-    load: float | str | None = None,
-    stiffness: Sequence[float | str] = (),
-    slopes: str = "auto",
-    modulus_factor: float = 1.0,
-    *,
-    stress: float | str | None = None,
-    length: float | str | None = None,
-    uncertain: Mapping[str, str] | None = None,
-) -> PullOff | MeasuredPullOff:
+    solved: Body, w: Number | None = None, load: Number | None = None, stiffness: Sequence[Number] = (),
+    slopes: str = "auto", modulus_factor: float = 1.0, *, stress: Number | None = None, length: Number | None = None,
+    uncertain: Known = None,
+) -> report.PullOff | report.MeasuredPullOff:  # fmt: skip
     """Where contact is lost with the work of adhesion ``w`` [J/m^2] under load and displacement control or by devices
     of a ``stiffness`` [N/m]; or which w a measured pull-off ``load`` [N] means, its inputs
     ``uncertain``: {"R": "2%"}."""
     from .beside import where_lost
     from .identification.work_of_adhesion import measured_work
-    from .report import MeasuredPullOff, PullOff
 
     if (w is None) == (load is None):
         raise InputError("pull_off: give exactly one of w and load")
@@ -583,53 +463,41 @@ def pull_off(
     if load is not None:
         force, pairs = abs(_number("load", load, "load")), (uncertain or {}).items()
         under = (devices or [LOAD_CONTROL])[0]
-        return MeasuredPullOff(measured_work(solution, force, under, slopes, modulus_factor, pairs))
+        return report.MeasuredPullOff(measured_work(solution, force, under, slopes, modulus_factor, pairs))
     assert w is not None
     ranged = _range(solution, stress, length)
-    return PullOff(*where_lost(solution, [_number("w", w, "work")], devices, slopes, modulus_factor, ranged)[0])
+    return report.PullOff(*where_lost(solution, [_number("w", w, "work")], devices, slopes, modulus_factor, ranged)[0])
 
 
 @one_thread()
 def work(
-    solved: Solution | Case | Problem | str | Path,
-    measured: str | Path,
-    slopes: str = "auto",
-    modulus_factor: float = 1.0,
-    *,
-    reading: Reading | None = None,
-    **options: Any,
-) -> Work:
+    solved: Body, measured: str | Path, slopes: str = "auto", modulus_factor: float = 1.0, *,
+    reading: Reading | None = None, **options: Any,
+) -> report.Work:  # fmt: skip
     """The work of adhesion along the curves of a ``measured`` file, as ``jkr work`` says it; ``options``: use ("a,P"),
     segment, noise {"P": 2e-9}, window."""
     from .base import executor
     from .identification.work import along_file, evaluation_of
-    from .report import Work
 
     solution, path, reading = _solution(solved, None), Path(measured), reading or Reading()
     unit = nonadhesive(solution, slopes)
     evaluation = evaluation_of(solution, unit, reading, modulus_factor, **options)
     with executor(1) as pool:
-        return Work.of(path, *along_file(path, reading, evaluation, pool), solution, unit, modulus_factor)
+        return report.Work.of(path, *along_file(path, reading, evaluation, pool), solution, unit, modulus_factor)
 
 
 def compare(
-    first: Solution | Case | Problem | str | Path,
-    second: Solution | Case | Problem | str | Path,
-    rtol: float = 1e-3,
-    columns: Iterable[str] = (),
-    overlap: float = 0.9,
-) -> Compared:
+    first: Body, second: Body, rtol: float = 1e-3, columns: Iterable[str] = (), overlap: float = 0.9,
+) -> report.Compared:  # fmt: skip
     """How far two results of the same problem lie apart: series ("P" and "a" at equal displacement, "S" and "dS" at
     equal radius), or the CSV files of curves; they ``agree`` where no column that counts (default: P, of curves all)
     differs by more than ``rtol``. Raises InputError where less than ``overlap`` of their range is common."""
-    from .report import Compared, of_curves, of_solutions
-
     one, two = (Path(item) if isinstance(item, str | Path) else Path("solved") for item in (first, second))
     files = one, two
     if one.suffix == ".csv":
-        return Compared.of(files, of_curves(files), rtol, tuple(columns), overlap)
-    differences = of_solutions(files, _solution(first, None), _solution(second, None))
-    return Compared.of(files, differences, rtol, tuple(columns) or ("P",), overlap)
+        return report.Compared.of(files, report.of_curves(files), rtol, tuple(columns), overlap)
+    differences = report.of_solutions(files, _solution(first, None), _solution(second, None))
+    return report.Compared.of(files, differences, rtol, tuple(columns) or ("P",), overlap)
 
 
 def study_map(name: str, **axes: Any) -> MapResult:
@@ -640,17 +508,17 @@ def study_map(name: str, **axes: Any) -> MapResult:
     return one_thread()(map_of(name).over)(**axes)
 
 
-def table(curve: Result) -> Mapping[str, Any]:
+def table(curve: report.Result) -> Mapping[str, Any]:
     """The columns of a result's CSV file: names with units, one value per contact radius of a curve."""
     return curve.columns
 
 
-def to_pandas(curve: Result) -> DataFrame:
+def to_pandas(curve: report.Result) -> DataFrame:
     """The columns as a data frame (needs the optional package pandas)."""
     return curve.to_pandas()
 
 
-def plot(curve: Result, path: str | Path | None = None) -> Figure:
+def plot(curve: report.Result, path: str | Path | None = None) -> report.Figure:
     """The picture of a result, of a curve load over displacement and contact radius over load; also written to ``path``
     (.png, .svg, .pdf) where given."""
     from .report import plots
@@ -661,6 +529,6 @@ def plot(curve: Result, path: str | Path | None = None) -> Figure:
     return figure
 
 
-def summary(curve: Result) -> dict[str, Any]:
+def summary(curve: report.Result) -> dict[str, Any]:
     """What the result's JSON file says."""
     return curve.summary()

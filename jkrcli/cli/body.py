@@ -5,7 +5,8 @@ from __future__ import annotations
 import contextlib
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -23,16 +24,7 @@ if TYPE_CHECKING:
     from ..identification.fit import FittedBody
 
 
-@dataclass(frozen=True)
-class BodyTuning:
-    """Lengths of a body by flags."""
-
-    shallow: float = 0.2  # choice: of the tip radius, to which it is solved first; the data may ask for more
-    pointed: float = 5e-6  # choice: [m], in place of the radius of a tip that has none
-    large: float = 0.1  # choice: [m], from which on a bare number is remarked
-
-
-TUNING = BodyTuning()
+SHALLOW = 0.2  # choice: of the tip radius, to which a body is solved first; the data may ask for more
 Flags: TypeAlias = Mapping[str, str | None]  # by their names; None: not given
 FLAGS = ("shape", "radius", "half_angle", "modulus", "nu", "thickness", "base")
 SHAPES = {  # by flags, and which of them each needs
@@ -77,17 +69,14 @@ def by_flags(verb: str, body: Flags, files: Sequence[Path]) -> bool:
     return bool(named)
 
 
-def case_of(
-    verb: str, body: Flags, instead: str, loading: Mapping[str, Any], modulus: str | None = None,
-    **keys: Any,
-) -> Case:  # fmt: skip
-    """The case of a body by flags, with more ``keys`` of its own; the rest as of ``tables_of``. InputError names flags,
-    not the keys that they stand for."""
+def case_of(verb: str, body: Flags, instead: str, modulus: str | None = None, **keys: Any) -> Case:
+    """The case of a body by flags, with more ``keys`` of its own, "loading" among them; the rest as of ``tables_of``.
+    InputError names flags, not the keys that they stand for."""
     import tomli_w
 
     from ..case import parse_case
 
-    content = tomli_w.dumps(tables_of(verb, body, instead, loading, modulus) | keys).encode()
+    content = tomli_w.dumps(tables_of(verb, body, instead, modulus) | keys).encode()
     try:
         return parse_case(content, verb)
     except InputError as error:
@@ -99,13 +88,11 @@ def tip_of(verb: str, flags: Flags) -> Indenter | None:
     if not any(flags.values()):
         return None
     body = dict.fromkeys(FLAGS) | dict(flags) | {"modulus": "1 MPa", "nu": "0.5"}  # any: the tip is rigid
-    return case_of(verb, body, "", {"radius": 1.0}).model.problem().indenter
+    return case_of(verb, body, "", loading={"radius": 1.0}).model.problem().indenter
 
 
-def tables_of(
-    verb: str, body: Flags, instead: str, loading: Mapping[str, Any], modulus: str | None = None
-) -> dict[str, Any]:
-    """The tables of a case from flags; InputError names the missing flags, and what may be given ``instead``.
+def tables_of(verb: str, body: Flags, instead: str, modulus: str | None) -> dict[str, Any]:
+    """Indenter and specimen of a case from flags; InputError names missing flags, and what may be given ``instead``.
 
     ``modulus``: the specimen's where there is no flag for it; None: the flag is required.
     """
@@ -121,19 +108,19 @@ def tables_of(
         raise InputError(f"{verb}: {either}{', '.join(missing)} missing")
     if texts["base"] is not None and texts["thickness"] is None:
         raise InputError(f"{verb}: --base needs --thickness: a half-space has no base")
+    entries = {name: number_or_text(text) for name, text in texts.items()}
     for name in ("radius", "thickness"):
-        size = number_or_text(texts[name])
-        if isinstance(size, float) and size >= TUNING.large:
+        size = entries[name]
+        if isinstance(size, float) and size >= 0.1:  # larger than what is pressed
             warn(f"{flag(name)} {texts[name]} without a unit is {size:g} m: give its unit, {flag(name)} "
                  f'"{texts[name]} um"')  # fmt: skip
-    material = {"E": number_or_text(texts["modulus"]), "nu": number_or_text(texts["nu"])}
-    if texts["thickness"] is None:
-        specimen: dict[str, Any] = {"half_space": material}
-    else:
-        layer = material | {"thickness": number_or_text(texts["thickness"])}
+    material = {"E": entries["modulus"], "nu": entries["nu"]}
+    specimen: dict[str, Any] = {"half_space": material}
+    if entries["thickness"] is not None:
+        layer = material | {"thickness": entries["thickness"]}
         specimen = {"base": texts["base"] or "bonded", "layers": [layer]}
-    indenter = {"shape": shape} | {name: number_or_text(texts[name]) for name in sizes}
-    return {"indenter": indenter, "specimen": specimen, "loading": dict(loading)}
+    indenter = {"shape": shape} | {name: entries[name] for name in sizes}
+    return {"indenter": indenter, "specimen": specimen}
 
 
 def number_or_text(text: str | None) -> float | str | None:
@@ -170,9 +157,9 @@ def fitted_body(source: Path | Flags, slopes: str, limits: Limits) -> FittedBody
 
     if isinstance(source, Path):
         return body_of(source if source.suffix == ".toml" else read_series(source), slopes, limits)
-    request = "fit", source, "a case or series file"
-    radius = case_of(*request, {"radius": 1.0}, "1 MPa").model.problem().indenter.tip_radius
+    of_flags = partial(case_of, "fit", source, "a case or series file", "1 MPa")
+    radius = of_flags(loading={"radius": 1.0}).model.problem().indenter.tip_radius
     method = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
-    case = case_of(*request, {"radius": TUNING.shallow * (radius or TUNING.pointed)}, "1 MPa", method=method)
+    case = of_flags(loading={"radius": SHALLOW * (radius or 5e-6)}, method=method)
     body = body_of(case, slopes, limits)
     return replace(body, moduli_known=source["modulus"] is not None)

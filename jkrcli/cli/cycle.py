@@ -33,16 +33,9 @@ from .voice import give
 @into_folder()
 @output_options(plots="Write the CSV only.", json="Print the figures as JSON.")
 def cycle(
-    file: Path,
-    w_approach: float | None,
-    w_retract: float | None,
-    stiffness: float,
-    points: int,
-    how: CurveOptions,
-    rates: RateOptions,
-    limits: Limits,
-    output: Output,
-) -> None:
+    file: Path, w_approach: float | None, w_retract: float | None, stiffness: float, points: int, how: CurveOptions,
+    rates: RateOptions, limits: Limits, output: Output,
+) -> None:  # fmt: skip
     """Trace what a device records that presses the bodies of FILE, a case or a series, together and pulls them apart
     again.
 

@@ -28,14 +28,9 @@ from .voice import give
 @limits_options
 @output_options(force=ONE_FILE, json="Print what was written as JSON.")
 def explore(
-    file: Path,
-    data: tuple[Path, ...],
-    work: float | None,
-    slopes: str,
-    reading: Reading,
-    limits: Limits,
+    file: Path, data: tuple[Path, ...], work: float | None, slopes: str, reading: Reading, limits: Limits,
     output: Output,
-) -> None:
+) -> None:  # fmt: skip
     """Make one self-contained page with sliders from FILE, a case or a series, with measured DATA (CSV) drawn over the
     curve.
 

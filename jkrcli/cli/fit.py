@@ -112,16 +112,9 @@ OPTIONS = several(
 @verb("body [measured...]")
 @OPTIONS
 def fit(
-    body: Path,
-    measured: tuple[Path, ...],
-    flags: Flags,
-    reading: Reading,
-    slopes: str,
-    parallel: Parallel,
-    limits: Limits,
-    output: Output,
-    **options: Any,
-) -> None:
+    body: Path, measured: tuple[Path, ...], flags: Flags, reading: Reading, slopes: str, parallel: Parallel,
+    limits: Limits, output: Output, **options: Any,
+) -> None:  # fmt: skip
     """Find E*, w and the zero points that bring the adhesive curves of BODY nearest to each MEASURED curve.
 
     BODY: a case or series file; or the body by flags (--radius, --nu, --thickness ...: its modulus is not needed), then

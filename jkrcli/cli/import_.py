@@ -83,7 +83,7 @@ def _case(path: Path | None, body: Flags) -> Case:
     """The case of a file that may lack a loading, or one made of the flags of indenter and specimen."""
     names = named_flags(body)
     if path is None:
-        return case_of("import", body, "--case", {"depth": 1.0})
+        return case_of("import", body, "--case", loading={"depth": 1.0})
     if names:
         raise InputError(f"import: {names.split(', ')[0]} belongs to an import without --case; {path} says it already")
     content = read_bytes(path, "case file")

@@ -38,16 +38,9 @@ SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of 
 @limits_options
 @json_option
 def pull_off(
-    files: tuple[Path, ...],
-    works: tuple[float, ...],
-    stiffnesses: tuple[float, ...],
-    force: float | None,
-    uncertain: tuple[tuple[str, str], ...],
-    how: CurveOptions,
-    limits: Limits,
-    flags: Flags,
-    as_json: bool,
-) -> None:
+    files: tuple[Path, ...], works: tuple[float, ...], stiffnesses: tuple[float, ...], force: float | None,
+    uncertain: tuple[tuple[str, str], ...], how: CurveOptions, limits: Limits, flags: Flags, as_json: bool,
+) -> None:  # fmt: skip
     """Say where contact is lost in each FILE, a case or a series, or on the body by flags (--radius, --E, --nu,
     --thickness ...): under load control, displacement control, devices of a stiffness.
 
@@ -114,7 +107,7 @@ def _by_flags(
     """The body by flags, solved as far as the question needs; no file is written."""
     from ..beside.reach import solved_for, solved_for_force
 
-    problem = case_of("pull-off", flags, "a case or series file", {"radius": 1.0}).model.problem()
+    problem = case_of("pull-off", flags, "a case or series file", loading={"radius": 1.0}).model.problem()
     if force is not None:
         solution = solved_for_force(problem, abs(force), stiffnesses, how.slopes, how.modulus_factor)
     elif works and not (w := max(works)) > 0:

@@ -123,16 +123,9 @@ def without_range(record: Record, verb: str) -> None:
 
 
 def begin_curves(
-    verb: str,
-    solutions: Sequence[Solution],
-    works: Sequence[Sequence[float]],
-    ranges: Sequence[RangeRequest],
-    limits: Limits,
-    tables: bool = False,
-    figures: bool = False,
-    devices: int = 0,
-    beside: float = 0.0,
-) -> None:
+    verb: str, solutions: Sequence[Solution], works: Sequence[Sequence[float]], ranges: Sequence[RangeRequest],
+    limits: Limits, tables: bool = False, figures: bool = False, devices: int = 0, beside: float = 0.0,
+) -> None:  # fmt: skip
     """Say what the curves of a ``verb`` will cost together, read off for so many ``devices``, and what takes so many
     CPU seconds ``beside``, where that is much; Refusal beyond the ``limits``."""
     from ..beside import forecast

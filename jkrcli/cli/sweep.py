@@ -28,14 +28,9 @@ from .voice import answer, give, note, progress
 @click.option("--show-case", type=click.IntRange(min=0), metavar="CASE", help="Print this case as a case file.")
 @output_options(plots="Draw nothing.", json="Print the summary (or the row) as JSON.")
 def sweep(
-    sweep: Path,
-    output: Output,
-    parallel: Parallel,
-    hours: float,
-    retry_failed: bool,
-    only: int | None,
+    sweep: Path, output: Output, parallel: Parallel, hours: float, retry_failed: bool, only: int | None,
     show_case: int | None,
-) -> None:
+) -> None:  # fmt: skip
     """Solve all cases that SWEEP (TOML) makes of a base case; a table with a row per case: CSV, HDF5, Parquet.
 
     Draws forces (else the first results) over the longest axis, a line per value of the next: table.png, .svg. Run

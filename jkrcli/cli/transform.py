@@ -29,15 +29,9 @@ from .voice import answer, present, warn
 @limits_options
 @output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
 def transform(
-    files: tuple[Path, ...],
-    works: tuple[float, ...],
-    how: CurveOptions,
-    dimensionless: str | None,
-    own: tuple[tuple[str, float], ...],
-    together: bool,
-    limits: Limits,
-    output: Output,
-) -> None:
+    files: tuple[Path, ...], works: tuple[float, ...], how: CurveOptions, dimensionless: str | None,
+    own: tuple[tuple[str, float], ...], together: bool, limits: Limits, output: Output,
+) -> None:  # fmt: skip
     """Apply the explicit JKR transformation (Eq. 13) to each FILE, a case or a series, for each work of adhesion.
 
     With --stress or --range adhesion of finite range is solved for in its place (a constant tension up to a separation,

@@ -11,9 +11,10 @@ from typing import Any, ClassVar
 
 import click
 
-from .voice import TUNING, level_options
+from .voice import level_options
 
 ALL = "jkr.help_all"
+LINES = 80  # of the help of a verb: two screens
 Command = Callable[..., Any]
 Options = Callable[[Command], Command]  # one or several, as a decorator
 
@@ -83,7 +84,7 @@ class Verb(click.Command):
         ctx.meta[ALL] = True
         whole = super().get_help(ctx)
         ctx.meta[ALL] = wanted
-        return whole if wanted or whole.count("\n") < TUNING.help else super().get_help(ctx)
+        return whole if wanted or whole.count("\n") < LINES else super().get_help(ctx)
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         rows: dict[str, list[tuple[str, str]]] = {title: [] for title in ("Options", *GROUPS)}

@@ -11,7 +11,6 @@ import shutil
 import sys
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -24,17 +23,6 @@ if TYPE_CHECKING:
 
 LEVEL, WARNED, ANNOUNCED = "jkr.level", "jkr.warned", "jkr.announced"
 QUIET, USUAL, VERBOSE = range(3)
-
-
-@dataclass(frozen=True)
-class VoiceTuning:
-    """How much is printed, and how wide."""
-
-    help: int = 80  # choice: lines, of 80 columns, of a verb's help: two screens
-    anew: float = 2.0  # choice: factor of what was announced from which on more is announced anew
-
-
-TUNING = VoiceTuning()
 
 
 def level_options(quiet: bool) -> list[click.Option]:
@@ -133,10 +121,10 @@ def announce(what: str, seconds: float) -> None:
 
 
 def forewarn(words: str, seconds: float) -> None:
-    """A note on what will take so many CPU ``seconds``, unless the command has told of about as many."""
+    """A note on what will take so many CPU ``seconds``, unless the command has told of half as many or more."""
     ctx = click.get_current_context(silent=True)
     meta: dict[str, float] = {} if ctx is None else ctx.meta
-    if seconds > TUNING.anew * meta.get(ANNOUNCED, -1.0):
+    if seconds > 2 * meta.get(ANNOUNCED, -1.0):
         meta[ANNOUNCED] = seconds
         note(words)
 

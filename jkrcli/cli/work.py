@@ -28,15 +28,9 @@ from .voice import give, progress
 @click.option("--workers", type=WORKERS, default=1, show_default=True, help="Local processes.")
 @output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
 def work(
-    series: Path,
-    measured: tuple[Path, ...],
-    modulus_factor: float,
-    slopes: str,
-    reading: Reading,
-    workers: int,
-    output: Output,
-    **options: Any,
-) -> None:
+    series: Path, measured: tuple[Path, ...], modulus_factor: float, slopes: str, reading: Reading, workers: int,
+    output: Output, **options: Any,
+) -> None:  # fmt: skip
     """The work of adhesion along each MEASURED file, on the body of the SERIES file.
 
     At each measured point w = S' (delta_H - delta)^2/(4 pi a), the energy release rate of the contact's edge: from a

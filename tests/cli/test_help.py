@@ -21,7 +21,7 @@ from jkrcli.cli import GROUPS, VERBS, VOICED
 from jkrcli.cli import jkr as root
 from jkrcli.cli.study import STUDIES
 from jkrcli.cli.verb import GROUPS as OPTIONS
-from jkrcli.cli.voice import TUNING
+from jkrcli.cli.verb import LINES
 from jkrcli.report import machine
 
 BIN = Path(sys.executable).parent
@@ -65,13 +65,13 @@ def test_help_fits_two_screens(jkr: Callable, monkeypatch: pytest.MonkeyPatch, w
     """Two screens of 40 lines and 80 columns; all options of a longer one by --help-all."""
     monkeypatch.setenv("COLUMNS", "80")
     lines = jkr(*words, "--help").out.splitlines()
-    assert len(lines) <= TUNING.help
+    assert len(lines) <= LINES
     assert [line for line in lines if len(line) > 80] == []
     if any("--help-all" in line for line in lines):
         named = set(re.findall(r"--[a-zA-Z-]+", "\n".join(lines)))
         whole = jkr(*words, "--help-all").out
         assert named - {"--help-all"} <= set(re.findall(r"--[a-zA-Z-]+", whole))
-        assert len(whole.splitlines()) > TUNING.help
+        assert len(whole.splitlines()) > LINES
 
 
 @pytest.mark.parametrize("verb", VERBS)

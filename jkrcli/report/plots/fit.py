@@ -12,7 +12,6 @@ from .looks import BLACK, BLUE, GREEN, LABELS, LARGER, MIDDLE, ORANGE, SKY, WIDE
 
 AXES = {"delta,P": ("delta", "P"), "a,P": ("P", "a"), "a,delta": ("delta", "a"), "a,delta,P": ("delta", "P")}
 MARKS = {"a": (GREEN, "s"), "delta": (BLUE, "^"), "P": (ORANGE, "o")}
-BESIDE = 0.6  # choice: width of the rows out of contact, beside the others, in largest contact radii
 
 
 def fit_figure(fit: Fit) -> Figure:
@@ -57,8 +56,8 @@ def _broken(values: Array, a: Array) -> Array:
 
 def _residuals(axes: Axes, fit: Fit) -> None:
     factor, label = axis_of("a", fit.a)
-    free, places = fit.a == 0, fit.a / factor
-    places[free] = places.max() * BESIDE * (np.linspace(-1, 0, int(free.sum()) + 1)[:-1])
+    free, places, beside = fit.a == 0, fit.a / factor, 0.6  # width of the rows out of contact, in largest radii
+    places[free] = places.max() * beside * (np.linspace(-1, 0, int(free.sum()) + 1)[:-1])
     alone = "normal distance" if fit.quality is None else LABELS["P"]  # of raw records all scatter is in the load
     names = [alone] if fit.residuals.shape[0] == 1 else [LABELS[name] for name in fit.data]
     marks = [MARKS["delta"]] if len(names) == 1 else [MARKS[name] for name in fit.data]
@@ -68,9 +67,8 @@ def _residuals(axes: Axes, fit: Fit) -> None:
     if free.any():
         axes.axvline(0, color="0.6", lw=0.8)
         axes.set_xticks([tick for tick in axes.get_xticks() if 0 <= tick <= places.max() * 1.05])
-        middle = BESIDE / (1 + BESIDE) / 2
-        axes.annotate("base line", (middle, 1.0), xycoords="axes fraction", ha="center", va="bottom",
-                      size=7, color="0.4")  # fmt: skip
+        middle = beside / (1 + beside) / 2
+        axes.annotate("base line", (middle, 1.0), None, "axes fraction", ha="center", va="bottom", size=7, color="0.4")
     axes.set(xlabel=label, ylabel="residual / standard deviation")
 
 

@@ -17,7 +17,6 @@ from .looks import COLORS, MIDDLE, NARROW, WIDE
 if TYPE_CHECKING:
     from matplotlib.contour import ContourSet
 
-NEAR = 0.01  # choice: of a limit, within which it is drawn to hold
 MU = r"$\sigma\,(R / E^{*2} w)^{1/3}$"  # words of an axis
 LINES = ("-", "--", ":", "-.")
 LETTER = 0.0135  # choice: width of a letter of the words beside lines, in shares of the axes
@@ -133,15 +132,15 @@ def _filled(axes: Axes, rows: Mapping[str, Array], levels: Array) -> ContourSet:
     long = np.maximum.accumulate(long, axis=1)
     for values, style, words in ((short, "--", "JKR to 1 %"), (long, ":", "long range to 1 %")):
         edged = [withStroke(linewidth=2.4, foreground="0.2")]  # white on any ground, that of the legend too
-        line = axes.contour(mu, q, values, levels=[NEAR], colors="white", linestyles=style, linewidths=1.2)
+        line = axes.contour(mu, q, values, levels=[0.01], colors="white", linestyles=style, linewidths=1.2)
         line.set(path_effects=edged)
         axes.plot([], [], style, color="white", lw=1.2, path_effects=edged, label=words)
-    excess = np.nan_to_num(force / np.maximum(sharp, 2) - 1)
-    if excess.max() > NEAR / 10:
-        axes.contour(mu, q, excess, levels=[NEAR / 10], colors=COLORS[1], linewidths=1.6)
+    excess, seen = np.nan_to_num(force / np.maximum(sharp, 2) - 1), 0.001
+    if excess.max() > seen:
+        axes.contour(mu, q, excess, levels=[seen], colors=COLORS[1], linewidths=1.6)
         axes.plot([], [], "-", color=COLORS[1], lw=1.6, label="above both limits")
         ridge = excess.argmax(axis=1)
-        there = excess[np.arange(q.size), ridge] > NEAR / 10
+        there = excess[np.arange(q.size), ridge] > seen
         axes.plot(mu[ridge][there], q[there], "o", color=COLORS[1], ms=3, label="largest excess")
     _log_axes(axes)
     return drawn

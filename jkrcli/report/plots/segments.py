@@ -13,7 +13,7 @@ from ...data import Direction, ForceCurve
 from . import Axes, Figure, enlarged, panelled
 from .looks import BLACK, BLUE, LARGER, ORANGE, PURPLE, WIDE, unit_of
 
-LETTERS = 84  # choice: of a line as wide as the figure
+LETTERS = round(WIDE * 72 / 6)  # of a line as wide as the figure; theory: one of 9 points is 6 wide, with its gap
 LOOKS, GREY = {"approach": (BLUE, 2.0), "retract": (ORANGE, 0.9)}, "0.6"  # the last drawn the thinnest
 
 

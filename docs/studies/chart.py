@@ -17,7 +17,7 @@ from jkrcli.base.table import as_json
 from jkrcli.base.unknown import known
 from jkrcli.case import Case, load_case
 from jkrcli.methods import METHODS
-from jkrcli.report.output import PICTURES
+from jkrcli.report import PICTURES
 from jkrcli.report.plots import Axes, Figure, drawing, legend_below, log_ends, log_ticks
 from jkrcli.report.plots.looks import BLACK, BLUE, GREEN, ORANGE, PURPLE, WIDE, pretty
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from jkrcli.base.table import as_json
 from jkrcli.methods import METHODS
-from jkrcli.report.output import PICTURES
+from jkrcli.report import PICTURES
 from jkrcli.report.plots import Axes, Figure, drawing
 from jkrcli.report.plots.looks import BLACK, BLUE, GREEN, ORANGE, PURPLE
 

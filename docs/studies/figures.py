@@ -24,7 +24,7 @@ from jkrcli.many.study.converge import converge
 from jkrcli.many.study.converge_figure import COLORS, curves_panel, radius_panel
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.layered.layered import Layered
-from jkrcli.report.output import PICTURES
+from jkrcli.report import PICTURES
 from jkrcli.report.plots import Figure
 from jkrcli.report.plots.looks import BLACK, BLUE, GREEN, ORANGE, pretty
 from jkrcli.report.plots.study import Line, Panel, panels_figure

@@ -9,7 +9,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from jkrcli.report.output import PICTURES
+from jkrcli.report import PICTURES
 from jkrcli.report.plots import Figure, drawing, legend_below
 from jkrcli.report.plots.looks import BLUE, NARROW, ORANGE, WIDE
 

@@ -18,7 +18,7 @@ from jkrcli.base.arrays import Array
 from jkrcli.data.measured.curve import APPROACH
 from jkrcli.identification.fit import Fit
 from jkrcli.identification.fit.force_curve_fit import ForceCurveFit
-from jkrcli.report.output import PICTURES
+from jkrcli.report import PICTURES
 from jkrcli.report.plots import Axes, Figure, drawing, few_ticks
 from jkrcli.report.plots.looks import BLUE, ORANGE, WIDE
 

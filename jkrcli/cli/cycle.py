@@ -73,7 +73,7 @@ def cycle(
     stem = output.folder(file.parent) / f"{file.stem}-cycle{ranged.suffix}"
     named = [stem.with_name("-".join([stem.name, *name.split()])) for name in names]
     targets = [output.files(one, (".csv", *PICTURES), [file]) for one in named]
-    begin_curves("cycle", [solution], [works], [ranged], limits)
+    begin_curves("cycle", [solution], [works], limits, [ranged])
 
     def cycled(share: float = 1.0) -> Result:
         curves = analyse(solution, works, how.slopes, how.modulus_factor * share, ranged)

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import click
 
-from ..adhesion import RangeRequest
 from ..base import InputError, together, write_text
 from ..beside import analyse
 from ..methods import Limits
@@ -41,7 +40,7 @@ def export(file: Path, dem: bool, work: float | None, slopes: str, limits: Limit
     if w == 0:
         raise InputError(f"{file}: a contact without adhesion needs no table of what holds it: give --w")
     targets = output.files(output.folder(file.parent) / f"{file.stem}-dem", (".h", ".csv"), [file])
-    begin_curves("export", [solution], [(w,)], [RangeRequest()], limits)
+    begin_curves("export", [solution], [(w,)], limits)
     from ..report import Exported
 
     law = Exported.of(analyse(solution, [w], slopes)[0])

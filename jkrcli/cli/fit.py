@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..adhesion import RATE_LAWS
-from ..base import InputError, beside
-from ..base.files import TUNING as FILES
+from ..base import InputError, beside, files
 from ..bodies import RELAXATIONS
 from ..data import Reading
 from ..methods import Limits
@@ -185,7 +184,7 @@ def _targets(body_file: Path, timed: bool, inputs: tuple[Path, ...], output: Out
     """What is written, but for pictures of curves, whose names are known when they are read."""
     endings = (".csv", ".json", *PICTURES) if timed else (".csv", ".json", ".h5")
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", endings, inputs)
-    for longest in [] if timed else beside(targets.stem, ["x" * FILES.letters[0]]):
+    for longest in [] if timed else beside(targets.stem, ["x" * files.TUNING.letters[0]]):
         output.files(longest, PICTURES, inputs)
     return targets
 

@@ -40,7 +40,7 @@ def profile(file: Path, state: State, attraction: RangeOptions, limits: Limits, 
     targets = output.files(stem, (".csv", *PICTURES), [file])
     if radius is None:
         assert state.load is not None
-        begin_curves("profile", [solution], [(w,)], [ranged], limits)
+        begin_curves("profile", [solution], [(w,)], limits, [ranged])
         radius = radius_under(solution, state.load, w, ranged)
     result = Profile(file, radius, w, profile_columns(solution, radius, w, ranged))
     targets.write(result.columns, figure=result.figure())

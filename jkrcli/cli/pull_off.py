@@ -8,12 +8,11 @@ from pathlib import Path
 
 import click
 
-from ..adhesion import LOAD_CONTROL, RangeRequest
+from ..adhesion import LOAD_CONTROL
 from ..base import InputError
 from ..beside import effect_on, sticking_warnings, where_lost
-from ..methods.guards import Limits
-from ..report.pull_off import MeasuredPullOff, PullOff
-from ..report.result import Result, Results
+from ..methods import Limits
+from ..report import MeasuredPullOff, PullOff, Result, Results
 from ..series import Solution
 from .body import Flags, body_options, by_flags, case_of
 from .options import CONTROL, LOAD, WORK, CurveOptions, NamedType, curve_options, json_option, limits_options
@@ -73,7 +72,7 @@ def pull_off(
         return
     ranges = list(map(how.of, solutions))
     wanted = [works or works_of(solution) for solution in solutions]
-    begin_curves("pull-off", solutions, wanted, ranges, limits, devices=len(stiffnesses))
+    begin_curves("pull-off", solutions, wanted, limits, ranges, devices=len(stiffnesses))
     curves = [one for solution, some, ranged in zip(solutions, wanted, ranges, strict=True)
              for one in where_lost(solution, some, stiffnesses, how.slopes, how.modulus_factor, ranged)]  # fmt: skip
     give(Results([PullOff(*one) for one in curves]), as_json)
@@ -91,7 +90,7 @@ def _means(
         without_range(solution.record, "pull-off: --load")
     seconds = len(controls) * sum(seconds_of_inputs(solution, names) for solution in solutions)
     tried = [SEARCHED * len(controls) * (1 + 2 * len(names))] * len(solutions)
-    begin_curves("pull-off --load", solutions, tried, [RangeRequest()] * len(solutions), limits, beside=seconds)
+    begin_curves("pull-off --load", solutions, tried, limits, beside=seconds)
     results, warnings = list[Result](), list[str]()
     for solution in solutions:
         means = [measured_work(solution, force, one, how.slopes, how.modulus_factor, uncertain) for one in controls]

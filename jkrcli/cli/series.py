@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from .. import __version__
+from ..adhesion import RangeRequest
 from ..base import InputError, check_series_target
 from ..case import Case, load_case, other_tables, store
 from ..methods import Forecast, Limits
 from ..series import Record, Solution
 from .options import begin
 from .voice import announce, command_line, note, warn
-
-if TYPE_CHECKING:
-    from ..adhesion import RangeRequest
 
 PER_FILE = 0.012  # CPU seconds to read a series; tuned on 300 files, by `make guards`
 IMPORTED = "jkr import"  # how the command line of a series begins that no case gives again
@@ -123,13 +120,16 @@ def without_range(record: Record, verb: str) -> None:
 
 
 def begin_curves(
-    verb: str, solutions: Sequence[Solution], works: Sequence[Sequence[float]], ranges: Sequence[RangeRequest],
-    limits: Limits, tables: bool = False, figures: bool = False, devices: int = 0, beside: float = 0.0,
+    verb: str, solutions: Sequence[Solution], works: Sequence[Sequence[float]], limits: Limits,
+    ranges: Sequence[RangeRequest] = (), tables: bool = False, figures: bool = False, devices: int = 0,
+    beside: float = 0.0,
 ) -> None:  # fmt: skip
-    """Say what the curves of a ``verb`` will cost together, read off for so many ``devices``, and what takes so many
-    CPU seconds ``beside``, where that is much; Refusal beyond the ``limits``."""
+    """Say what the curves of a ``verb`` will cost together, with the ``ranges`` of adhesion of each solution (default:
+    none), read off for so many ``devices``, and what takes so many CPU seconds ``beside``, where that is much; Refusal
+    beyond the ``limits``."""
     from ..beside import forecast
 
+    ranges = ranges or [RangeRequest()] * len(solutions)
     costs = [forecast(*each, tables, figures, devices) for each in zip(solutions, works, ranges, strict=True)]
     total = Forecast(beside + sum(cost.seconds for cost in costs), max(cost.memory_mib for cost in costs), 0.0)
     rows = sum(solution.increments.a.size for solution in solutions)

@@ -51,7 +51,7 @@ def transform(
     wanted = [works or works_of(solution) for solution in solutions]
     ranges = list(map(how.of, solutions))
     figures = output.plots and not together
-    begin_curves("transform", solutions, wanted, ranges, limits, tables=True, figures=figures)
+    begin_curves("transform", solutions, wanted, limits, ranges, tables=True, figures=figures)
     targets, pictures = _files(files, wanted, ranges, how.modulus_factor, together, output)
     summaries, lines, warnings = [], list[list[str]](), list[str]()
     for solution, works, ranged, places, picture in zip(solutions, wanted, ranges, targets, pictures, strict=True):

@@ -10,21 +10,18 @@ if TYPE_CHECKING:
     from .compare import Compared, of_curves, of_solutions
     from .cycle import Cycled, CycledByProgram
     from .dem import Exported
-    from .fields import COMPONENTS, Fields
+    from .fields import COMPONENTS, Fields, Profile
     from .fit import Fits, Fitted, plan_table, rivals_table
-    from .joint_fit import JointFitted
+    from .joint_fit import JointFitted, TensionFitted
     from .look import Look
     from .mesh import Meshed
-    from .output import PICTURES, SHOWN, Files, Output
-    from .profile import Profile
     from .pull_off import MeasuredPullOff, PullOff
     from .rate import CycledAtSpeed
     from .rate_fit import LawFit
     from .relaxation import CycledInLimits, CycledRelaxing
     from .relaxation_fit import RelaxationFits, RelaxationFitted
-    from .result import AnyResult, Figure, Result, Results, as_result
+    from .result import PICTURES, SHOWN, AnyResult, Figure, Files, Output, Result, Results, as_result
     from .solved import Imported, Solved
-    from .tension_fit import TensionFitted
     from .transform import Transformed, figure_of
     from .work import Work
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from .. import __version__
 from ..base import Array, InputError, as_json, hdf5, read_bytes, write_bytes
-from .output import SHOWN
+from .result import SHOWN
 
 FITS, SWEEP_TABLE = FORMATS = ("jkr-fit", "jkr-sweep-table")
 VERSION = 3

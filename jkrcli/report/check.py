@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from ..adhesion import CriticalPoint, unable
-from ..base import Estimate, Refusal, Unknown, show, units
+from ..base import NOTICEABLE, Estimate, Refusal, Unknown, show, units
 from ..beside.expectation import Expectation, expect
 from ..beside.left_out import LeftOut, left_out
 from ..bodies import Problem
 from ..case import Case, CaseModel, method_of
 from ..methods.choose import Choice, Option, choose, survey
 from . import tables
-from .left_out import table, worst
 from .result import Result
 
 SIZES = {"a/R": "a_over_R", "a/h": "a_over_h", "delta/h": "delta_over_h"}
@@ -61,10 +60,10 @@ class Check(Result):
             f"  body      {self.problem.words}",
             *self._reaches(),
             *self._relaxes(),
-            *worst(self.left_out),
+            *_worst(self.left_out),
             "  methods   cost and numerical error of each:",
             *options,
-            *table(self.left_out),
+            *_table(self.left_out),
         ]
 
     @property
@@ -154,3 +153,32 @@ def _pull_off(point: CriticalPoint | Unknown) -> str:
 
 def _ratio(value: Estimate) -> str:
     return f"none ({value})" if isinstance(value, Unknown) else f"{value:.3g}"
+
+
+def _worst(rows: Sequence[LeftOut]) -> Iterator[str]:
+    """The three things left out that change most, with what of."""
+    known = [(one.name, one.largest) for one in rows if not one.included and one.largest is not None]
+    changes = [f"{name} ({quantity} {_percent(change)})" for name, (quantity, change) in known
+            if abs(change) >= NOTICEABLE][:3]  # fmt: skip
+    if known:
+        yield f"  left out  {', '.join(changes) or f'nothing that changes a result by {NOTICEABLE:.1%}'}"
+
+
+def _table(rows: Sequence[LeftOut]) -> Iterator[str]:
+    """Every thing with its changes, and its key or why nothing is known of it."""
+    if rows:
+        yield f"  {'what each thing left out would change':<37}     load        S  pull-off  included by"
+    for one in rows:
+        cells = "".join(f"{_percent(change):>9}" for change in one.changes.values())
+        why = "" if one.largest else f"({one.load})"
+        yield f"    {one.name:<35}{cells}   {why or one.key}".rstrip()
+
+
+def _percent(change: Estimate) -> str:
+    """``+63%``, ``-4.4%``, ``+0.02%``; a dash where it is not known."""
+    if isinstance(change, Unknown):
+        return "-"
+    if not round(change, 4):
+        return "0"
+    digits = sum(abs(change) < limit for limit in (0.1, 0.01))  # two of them are shown
+    return f"{change:+.{digits}%}"

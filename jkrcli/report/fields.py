@@ -1,8 +1,8 @@
-"""Displacement and stress in the body at one state as a result."""
+"""One state of a contact as a result: pressure and shape of its surface, displacement and stress in the body."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,19 +10,39 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..adhesion import stable_radius
-from ..base import Array, show
+from ..base import Array, lists, show
 from ..beside import Analysis
 from .result import Figure, Result
 from .tables import state_words
 
 if TYPE_CHECKING:
-    from ..bodies import Problem
     from ..methods import FEM
     from ..methods.fem.state import ContactState
 
 COMPONENTS = ("zz", "rr", "tt", "rz", "mises")
 COLUMNS = {"r": "r_m", "zz": "sigma_zz_Pa", "rz": "sigma_rz_Pa", "zz_error": "sigma_zz_err_Pa",
            "rz_error": "sigma_rz_err_Pa", "area": "ring_area_m2"}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Profile(Result):
+    """Pressure, displacement and gap over r around a contact of radius ``a`` [m] with ``w`` [J/m^2]."""
+
+    path: Path
+    a: float
+    w: float
+    columns: Mapping[str, Array]
+
+    def summary(self) -> dict[str, Any]:
+        return {"file": str(self.path), "a_m": self.a, "w_J_per_m2": self.w, **lists(self.columns)}
+
+    def words(self) -> list[str]:
+        return [f"a = {show(self.a, 'length')}, w = {show(self.w, 'work')}: {self.path}"]
+
+    def figure(self) -> Figure:
+        from .plots.body import profile_figure
+
+        return profile_figure(self.columns, self.a, self.w)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +66,7 @@ class Fields(Result):
             assert load is not None
             a = stable_radius(curve.curve, load)
         delta, P = (float(value) for value in curve.curve.at(np.array(a)))
-        state = contact_state(method, curve.problem, a, delta, _surface(curve.problem, a, curve.w))
+        state = contact_state(method, curve.problem, a, delta, _surface(curve, a))
         return cls(curve, P if load is None else load, state, component)  # but for round-off
 
     @property
@@ -108,11 +128,12 @@ class Fields(Result):
             file.write(mark)
 
 
-def _surface(problem: Problem, a: float, w: float) -> Callable[[Array], Array] | None:
+def _surface(curve: Analysis, a: float) -> Callable[[Array], Array] | None:
     """What an elastic indenter leaves of the displacement on a layered body, from the pressures of method layered; None
     where it is rigid, or acts by the modulus alone."""
     from ..methods.layered.fields import profile
 
+    problem = curve.problem
     if problem.indenter.material is None or problem.specimen.is_half_space:
         return None
-    return lambda r: profile(problem, a, w, r_surface=r).displacement
+    return lambda r: profile(problem, a, curve.w, r_surface=r).displacement

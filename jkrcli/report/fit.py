@@ -17,8 +17,7 @@ from ..identification.fit.record_rivals import OF_RIVALS
 from ..identification.fit.record_scores import FittedRival, Score
 from ..identification.fit.rivals import RANGE
 from . import archive
-from .output import SHOWN
-from .result import Figure, Result, Several
+from .result import SHOWN, Figure, Result, Several
 from .tables import DIMENSIONS, by_columns, with_unit
 
 FORMAT, VERSION = archive.FITS, 1  # of the summary

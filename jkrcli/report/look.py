@@ -11,8 +11,7 @@ from ..base import InputError, Unknown, show
 from ..beside.reach import Rough, rough
 from ..bodies import Indenter
 from ..data import ARBITRARY, BaseLine, Direction, ForceCurve, examine, measured
-from .output import SHOWN
-from .result import Figure, Result
+from .result import SHOWN, Figure, Result
 
 NO_BASE_LINE = Unknown("there is no base line")
 NAMES = {"a": "contact radius", "delta": "displacement", "P": "load", "t": "time"}

@@ -10,7 +10,6 @@ from typing import Any
 from ..adhesion import end_of_body, judge, sizes
 from ..base import Array, Estimate, Unknown, accuracy, units
 from ..beside import StickingEffect, effect_as_json, sticking_warnings
-from ..bodies import Problem
 from ..methods import Choice
 from ..series import COLUMNS, Series, Solution
 from .result import Result
@@ -57,7 +56,7 @@ class Solved(SeriesFile):
         problem = self.solution.problem
         return [
             *missed(self.tolerance, self.solution.budget.total), *self.remarks, *self.solution.warnings,
-            *_geometry(problem, self.solution), *sticking_warnings(problem, self.sticking),
+            *_geometry(self.solution), *sticking_warnings(problem, self.sticking),
         ]  # fmt: skip
 
     def summary(self) -> dict[str, Any]:
@@ -120,9 +119,9 @@ def missed(tolerance: float | None, error: Estimate) -> list[str]:
     return [f"--tolerance: {tolerance:g} was asked for, and the error is {words}"]
 
 
-def _geometry(problem: Problem, solution: Solution) -> list[str]:
+def _geometry(solution: Solution) -> list[str]:
     """Warnings that need no work of adhesion: a/R, delta/h, a/L, and too few points to go on with."""
-    series = solution.series
+    series, problem = solution.series, solution.problem
     judged = judge(
         a=float(series.a[-1]),
         delta=float(series.delta[-1]),

@@ -18,9 +18,8 @@ from ..data import saturation, some
 from ..identification.rate.through import LawThrough, law_along
 from ..identification.work import ABOVE, BELOW, NONE, OK, WorkAlong, typical
 from ..series import Solution
-from .output import SHOWN
 from .rate import through_summary, through_words
-from .result import Figure, Result
+from .result import SHOWN, Figure, Result
 from .tables import stacked
 
 FORMAT, VERSION = "jkr-work", 1

@@ -206,7 +206,7 @@ import os, random, signal, sys, time
 from pathlib import Path
 from jkrcli.base import files
 from jkrcli.cli import call
-from jkrcli.report import output
+from jkrcli.report import Files
 
 FILES = [Path("y-w0.02" + ending) for ending in (".csv", ".json", ".png", ".svg")]
 READING, WRITING = os.pipe()
@@ -228,7 +228,7 @@ def begin(old, phase):
     process = os.fork()
     if not process:
         if phase == "write":
-            output.Files.write = told(output.Files.write)
+            Files.write = told(Files.write)
         else:
             files._commit = told(files._commit)
         os._exit(call(["transform", "y.h5", "--w", "0.02", "--force", "-q"]))

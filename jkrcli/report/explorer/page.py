@@ -1,4 +1,5 @@
-"""The page as one text: template, style, scripts, plotting library and data, with nothing left to load."""
+"""The page as one text: template, style, scripts, plotting library and data, with nothing left to load; and what was
+written of it, in words and as JSON."""
 
 from __future__ import annotations
 
@@ -6,12 +7,15 @@ import html
 import json
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from importlib import resources
 from operator import attrgetter
+from pathlib import Path
 from typing import Any
 
 from ... import __version__
 from ...base import InputError, installs
+from ..result import Result
 
 SCRIPTS = ("curve.js", "controls.js", "plots.js", "page.js")
 
@@ -44,3 +48,32 @@ def _library() -> str:
 def _safe(text: str) -> str:
     """JSON that cannot end the element it stands in."""
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+
+
+@dataclass(frozen=True)
+class Explored(Result):
+    """The ``page`` of the series in ``file``, of so many ``rows``, that begins with ``w`` [J/m^2], and what was laid
+    over it."""
+
+    file: Path
+    page: Path
+    w: float
+    rows: int
+    curves: int
+    measured_rows: int
+
+    @property
+    def size(self) -> int:
+        """Bytes of the page."""
+        return self.page.stat().st_size
+
+    def summary(self) -> dict[str, Any]:
+        written = {"file": str(self.file), "page": str(self.page), "bytes": self.size, "w_J_per_m2": self.w}
+        return written | {"measured_curves": self.curves, "measured_points": self.measured_rows}
+
+    def words(self) -> list[str]:
+        overlaid = f", {self.measured_rows} measured points in {self.curves} curves" if self.curves else ""
+        return [
+            f"{self.rows} points{overlaid}: {self.file}",
+            f"  written {self.page} ({self.size / 1e6:.1f} MB): open it in a browser",
+        ]

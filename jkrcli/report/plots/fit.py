@@ -1,4 +1,5 @@
-"""Figures of a fit: the curve over its data, the residuals along it, the joint confidence region of E* and w."""
+"""Figures of a fit: the curve over its data, the residuals along it, the joint confidence region of E* and w; and
+of records fitted together, all of them from their own zeros, each with the curve that they share."""
 
 from __future__ import annotations
 
@@ -6,9 +7,9 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from ...base import Array
-from ...identification.fit import Fit, rise
+from ...identification.fit import Fit, JointFit, rise
 from . import Axes, Figure, enlarged, panelled
-from .looks import BLACK, BLUE, GREEN, LABELS, LARGER, MIDDLE, ORANGE, SKY, WIDE, axis_of
+from .looks import BLACK, BLUE, COLORS, GREEN, LABELS, LARGER, MIDDLE, ORANGE, SKY, WIDE, axis_of, pretty
 
 AXES = {"delta,P": ("delta", "P"), "a,P": ("P", "a"), "a,delta": ("delta", "a"), "a,delta,P": ("delta", "P")}
 MARKS = {"a": (GREEN, "s"), "delta": (BLUE, "^"), "P": (ORANGE, "o")}
@@ -29,7 +30,7 @@ def _curve(axes: Axes, fit: Fit) -> None:
     x, y = AXES[",".join(fit.data)]
     units, labels = zip(*(axis_of(name, fit.data[name]) for name in (x, y)), strict=True)
     measured = [fit.data[name] / unit for name, unit in zip((x, y), units, strict=True)]
-    near = near_rows(fit)
+    near = _near_rows(fit)
     line = [_broken(fit.line[name][near] / unit, fit.line["a"][near])
             for name, unit in zip((x, y), units, strict=True)]  # fmt: skip
     places = [axes]
@@ -44,7 +45,7 @@ def _curve(axes: Axes, fit: Fit) -> None:
     axes.set(xlabel=labels[0], ylabel=labels[1])
 
 
-def near_rows(fit: Fit) -> Array:
+def _near_rows(fit: Fit) -> Array:
     """Where the fitted line runs along the rows, not far beyond them."""
     return np.asarray(fit.line["a"] <= 1.02 * fit.a.max())
 
@@ -99,3 +100,29 @@ def _ellipse(covariance: Array, radius: float) -> tuple[Array, Array]:
     root = np.linalg.cholesky(covariance / np.outer(size, size) + 1e-14 * np.eye(2))
     x, y = radius * size[:, None] * (root @ np.stack([np.cos(angle), np.sin(angle)]))
     return x, y
+
+
+def joint_figure(joint: JointFit) -> Figure:
+    """All records over their fitted curves."""
+    x, y = AXES[",".join(joint.fits[0].data)]
+    together = [one for one in joint.fits if {x, y} <= set(one.data)]
+    factors, labels = zip(*(
+        axis_of(name, *(np.ptp(one.data[name][one.a > 0]) for one in together)) for name in (x, y)
+    ), strict=True)  # fmt: skip
+    with panelled(MIDDLE, 2.8, legend=4) as (figure, [axes]):
+        for i, one in enumerate(together):
+            zeros = [_zero(one, name) for name in (x, y)]
+            near = [one.data[name][one.a > 0] for name in (x, y)]
+            touching = (one.line["a"] > 0) & _near_rows(one)
+            line = [np.where(touching, one.line[name], np.nan) for name in (x, y)]
+            read, curve = ([(v - o) / f for v, o, f in zip(p, zeros, factors, strict=True)] for p in (near, line))
+            axes.plot(*read, "o", color=COLORS[i % len(COLORS)], ms=3, mfc="none", label=pretty(one.name))
+            axes.plot(*curve, "-", color=BLACK, lw=1.0, label="fitted" if one is together[-1] else None)
+        axes.set(xlabel=labels[0], ylabel=labels[1])
+        return figure
+
+
+def _zero(one: Fit, name: str) -> float:
+    """The zero point of a column [SI]."""
+    zeros = [item.value for item in one.estimates if item.name == {"delta": "delta0", "P": "P0"}.get(name)]
+    return zeros[0] if zeros else 0.0

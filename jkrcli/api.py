@@ -493,11 +493,8 @@ def compare(
     equal radius), or the CSV files of curves; they ``agree`` where no column that counts (default: P, of curves all)
     differs by more than ``rtol``. Raises InputError where less than ``overlap`` of their range is common."""
     one, two = (Path(item) if isinstance(item, str | Path) else Path("solved") for item in (first, second))
-    files = one, two
-    if one.suffix == ".csv":
-        return report.Compared.of(files, report.of_curves(files), rtol, tuple(columns), overlap)
-    differences = report.of_solutions(files, _solution(first, None), _solution(second, None))
-    return report.Compared.of(files, differences, rtol, tuple(columns) or ("P",), overlap)
+    both = (first, second)
+    return report.Compared.of((one, two), lambda: [_solution(item, None) for item in both], rtol, columns, overlap)
 
 
 def study_map(name: str, **axes: Any) -> MapResult:

@@ -8,21 +8,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import click
 
+from .. import bodies, case
 from ..base import InputError, errors
+from ..identification import fit as fits
 from ..methods import Limits
 from .verb import as_one
 from .verb import flag as option
 from .voice import warn
-
-if TYPE_CHECKING:
-    from ..bodies import Indenter
-    from ..case import Case
-    from ..identification.fit import FittedBody
-
 
 SHALLOW = 0.2  # choice: of the tip radius, to which a body is solved first; the data may ask for more
 Flags: TypeAlias = Mapping[str, str | None]  # by their names; None: not given
@@ -69,21 +65,19 @@ def by_flags(verb: str, body: Flags, files: Sequence[Path]) -> bool:
     return bool(named)
 
 
-def case_of(verb: str, body: Flags, instead: str, modulus: str | None = None, **keys: Any) -> Case:
+def case_of(verb: str, body: Flags, instead: str, modulus: str | None = None, **keys: Any) -> case.Case:
     """The case of a body by flags, with more ``keys`` of its own, "loading" among them; the rest as of ``tables_of``.
     InputError names flags, not the keys that they stand for."""
     import tomli_w
 
-    from ..case import parse_case
-
     content = tomli_w.dumps(tables_of(verb, body, instead, modulus) | keys).encode()
     try:
-        return parse_case(content, verb)
+        return case.parse_case(content, verb)
     except InputError as error:
         raise InputError([KEYS.sub(lambda key: flag(FLAG_OF[key[1]]), line, count=1) for line in error.lines]) from None
 
 
-def tip_of(verb: str, flags: Flags) -> Indenter | None:
+def tip_of(verb: str, flags: Flags) -> bodies.Indenter | None:
     """The tip of the ``tip_options``; None where none is given."""
     if not any(flags.values()):
         return None
@@ -150,16 +144,14 @@ def _is_body(path: Path) -> bool:
     return hdf5.kind(path) == store.FORMAT
 
 
-def fitted_body(source: Path | Flags, slopes: str, limits: Limits) -> FittedBody:
+def fitted_body(source: Path | Flags, slopes: str, limits: Limits) -> fits.FittedBody:
     """The body of a file, or of flags: there a modulus that is not told is 1 MPa, which no result depends on."""
-    from ..identification.fit import body_of
     from .series import read_series
 
     if isinstance(source, Path):
-        return body_of(source if source.suffix == ".toml" else read_series(source), slopes, limits)
+        return fits.body_of(source if source.suffix == ".toml" else read_series(source), slopes, limits)
     of_flags = partial(case_of, "fit", source, "a case or series file", "1 MPa")
     radius = of_flags(loading={"radius": 1.0}).model.problem().indenter.tip_radius
     method = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
-    case = of_flags(loading={"radius": SHALLOW * (radius or 5e-6)}, method=method)
-    body = body_of(case, slopes, limits)
-    return replace(body, moduli_known=source["modulus"] is not None)
+    shallow = of_flags(loading={"radius": SHALLOW * (radius or 5e-6)}, method=method)
+    return replace(fits.body_of(shallow, slopes, limits), moduli_known=source["modulus"] is not None)

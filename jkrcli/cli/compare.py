@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from ..base import InputError
-from ..report import PICTURES, Compared, Output, of_curves, of_solutions
+from ..report import PICTURES, Compared, Output
 from .measured import begin_reading
 from .options import NumberRange, output_options
 from .series import read_files
@@ -43,11 +43,7 @@ def compare(
     files = first, second
     if first.suffix == ".csv":
         begin_reading("compare", files)
-        differences = of_curves(files)
-    else:
-        differences = of_solutions(files, *read_files("compare", files)[1])
-        columns = columns or ("P",)
-    result = Compared.of(files, differences, rtol, columns, overlap)
+    result = Compared.of(files, lambda: read_files("compare", files)[1], rtol, columns, overlap)
     give(result, output.json)
     if plot is not None:
         from ..report import plots

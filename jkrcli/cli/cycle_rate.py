@@ -5,21 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
-from ..adhesion import LOAD_CONTROL, Course
+from .. import adhesion, beside, bodies, report
 from ..base import InputError
 from .options import LENGTH, LOAD, PairsType
 from .verb import as_one, flag
-
-if TYPE_CHECKING:
-    from ..adhesion import Program, RateContact, RelaxingContact
-    from ..beside import Analysis
-    from ..bodies import Relaxation
-    from ..report import CycledAtSpeed, CycledRelaxing
-
 
 ALONE = ("speed", "speed_approach", "hold", "dwell", "dwell_time")  # what a program says by itself
 
@@ -71,7 +63,7 @@ class RateOptions:
                 "and very slow cycles alone, which do not depend on time: leave it out, or give --w-approach 0"
             )
 
-    def program_of(self, contact: RateContact | RelaxingContact) -> Program:
+    def program_of(self, contact: adhesion.RateContact | adhesion.RelaxingContact) -> adhesion.Program:
         """What the device does, of the table or of the speeds."""
         if self.program is not None:
             return read_program(self.program, contact.stiffness)
@@ -80,11 +72,11 @@ class RateOptions:
     def refuse_wrong(self, stiffness: float) -> None:
         """InputError where a speed, time or place is none, before anything is solved."""
         if self.speed is not None:
-            self._course.moves(stiffness == LOAD_CONTROL, flag)
+            self._course.moves(stiffness == adhesion.LOAD_CONTROL, flag)
 
     @property
-    def _course(self) -> Course:
-        return Course(**{name: getattr(self, name) for name in ("to_load", "to_depth", *ALONE)})
+    def _course(self) -> adhesion.Course:
+        return adhesion.Course(**{name: getattr(self, name) for name in ("to_load", "to_depth", *ALONE)})
 
 
 rate_options = as_one(
@@ -106,34 +98,30 @@ rate_options = as_one(
 )  # fmt: skip
 
 
-def run(curves: Sequence[Analysis], stiffness: float, points: int, rates: RateOptions) -> CycledAtSpeed:
+def run(curves: Sequence[beside.Analysis], stiffness: float, points: int, rates: RateOptions) -> report.CycledAtSpeed:
     """What happens over time; ``curves``: those of approach and of retraction."""
-    from ..adhesion import RateContact, rate_law_of
-    from ..report import CycledAtSpeed
-
     inwards, outwards = curves
-    law = rate_law_of(rates.rate or {}, "--rate")
-    advance = None if rates.rate_advance is None else rate_law_of(rates.rate_advance, "--rate-advance")
-    contact = RateContact(outwards.jkr.nonadhesive, law, outwards.w, inwards.w, stiffness, advance)
-    return CycledAtSpeed.of(contact, rates.program_of(contact), outwards, stress=rates.stress, points=points)
+    law = adhesion.rate_law_of(rates.rate or {}, "--rate")
+    advance = None if rates.rate_advance is None else adhesion.rate_law_of(rates.rate_advance, "--rate-advance")
+    contact = adhesion.RateContact(outwards.jkr.nonadhesive, law, outwards.w, inwards.w, stiffness, advance)
+    return report.CycledAtSpeed.of(contact, rates.program_of(contact), outwards, stress=rates.stress, points=points)
 
 
-def run_relaxing(body: Analysis, law: Relaxation, stiffness: float, points: int, rates: RateOptions) -> CycledRelaxing:
+def run_relaxing(
+    body: beside.Analysis, law: bodies.Relaxation, stiffness: float, points: int, rates: RateOptions
+) -> report.CycledRelaxing:
     """What happens over time to a body that relaxes, without adhesion."""
-    from ..adhesion import RelaxingContact
-    from ..report import CycledRelaxing
-
     if rates.rate is not None:
         raise InputError("cycle: --rate needs adhesion: give --w-approach, or leave it out")
     if rates.speed is None and rates.program is None:
         raise InputError('cycle: the specimen relaxes: say what the device does, --speed "10 um/s" or --program TABLE')
-    contact = RelaxingContact(body.jkr.nonadhesive, law, stiffness)
-    return CycledRelaxing.of(contact, rates.program_of(contact), body.path, points)
+    contact = adhesion.RelaxingContact(body.jkr.nonadhesive, law, stiffness)
+    return report.CycledRelaxing.of(contact, rates.program_of(contact), body.path, points)
 
 
-def read_program(path: Path, stiffness: float) -> Program:
+def read_program(path: Path, stiffness: float) -> adhesion.Program:
     """What the table at ``path`` says that a device of ``stiffness`` [N/m] does."""
-    from ..adhesion import Program
     from ..data import device_program
 
-    return Program(*device_program.read_program(path, "load" if stiffness == LOAD_CONTROL else "length"))
+    dimension = "load" if stiffness == adhesion.LOAD_CONTROL else "length"
+    return adhesion.Program(*device_program.read_program(path, dimension))

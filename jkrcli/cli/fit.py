@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -13,6 +13,7 @@ from ..adhesion import RATE_LAWS
 from ..base import InputError, beside, files
 from ..bodies import RELAXATIONS
 from ..data import Reading
+from ..identification import fit as fits
 from ..methods import Limits
 from ..report import PICTURES, SHOWN, Files, Output
 from .body import Flags, body_and_measured, body_options, fitted_body
@@ -33,9 +34,6 @@ from .options import (
     slopes_option,
 )
 from .verb import several, verb
-
-if TYPE_CHECKING:
-    from ..identification.fit import Settings
 
 SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}
 HOW = ("segment", "base_line", "branch", "loss", "confidence", "model", "level", "samples", "seed")
@@ -173,9 +171,7 @@ def _kind(options: Mapping[str, Any]) -> str:
 
 def _names(options: Mapping[str, Any]) -> list[str]:
     """The parameters that are free beside the usual ones, those that records share or have each among them."""
-    from ..identification.fit import ALIAS, USUALLY_FREE
-
-    known = (*USUALLY_FREE, ALIAS, *dict(options["fix"]))
+    known = (*fits.USUALLY_FREE, fits.ALIAS, *dict(options["fix"]))
     own = [name for name in _flat((*options["shared"], *options["own"])) if name not in known]
     return [*_flat(options["free"]), *own]
 
@@ -189,17 +185,15 @@ def _targets(body_file: Path, timed: bool, inputs: tuple[Path, ...], output: Out
     return targets
 
 
-def _settings(request: FitRequest, contact: str) -> Settings:
+def _settings(request: FitRequest, contact: str) -> fits.Settings:
     """What is fitted and how; uncertain inputs are known only when the parameters are."""
-    from ..identification.fit import settings_of, uncertain_of
-
     options = request.options
     free = (request.body, request.names, options["fix"], options["start"], options["bound"])
     how = {name: options[name] for name in HOW} | {"noise": dict(options["noise"]), "contact": contact}
-    settings = settings_of(*free, **how)
+    settings = fits.settings_of(*free, **how)
     if not options["uncertain"]:
         return settings
-    return settings_of(*free, uncertain=uncertain_of(request.body, options["uncertain"], settings), **how)
+    return fits.settings_of(*free, uncertain=fits.uncertain_of(request.body, options["uncertain"], settings), **how)
 
 
 def _flat(groups: Iterable[Sequence[str]]) -> list[str]:

@@ -4,61 +4,56 @@ from __future__ import annotations
 
 import contextlib
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TypeAlias
 
-from ..base import InputError, beside, together
+from .. import data, report
+from ..base import InputError, beside, executor, together
+from ..identification import fit as fits
 from ..methods import Forecast, Limits
-from ..report import PICTURES, SHOWN, Files
+from ..report import PICTURES, SHOWN
 from .fit_together import FitRequest
 from .measured import TUNING
 from .options import Parallel, begin
 from .voice import give, note, progress, say, warn
 
-if TYPE_CHECKING:
-    from ..identification.fit import Failure, Fit, FittedBody, Settings
-    from ..report import Fits
-
-    Pictures = list[tuple[Fit | Failure, Files]]
-
+Outcome: TypeAlias = "fits.Fit | fits.Failure"
+Pictures: TypeAlias = "list[tuple[Outcome, report.Files]]"
 FEWER = "fewer rows, curves or samples"
 
 
 def refits_of(confidence: str, samples: int, uncertain: int) -> int:
     """How often a curve is fitted anew for its intervals, and for as many ``uncertain`` inputs."""
-    fits = {"covariance": 0, "profile": TUNING.profiled, "bootstrap": samples}
-    return fits[confidence] + TUNING.carried * uncertain
+    anew = {"covariance": 0, "profile": TUNING.profiled, "bootstrap": samples}
+    return anew[confidence] + TUNING.carried * uncertain
 
 
 def fit_curves(
-    request: FitRequest, bodies: list[FittedBody], settings: Settings, refits: int, limits: Limits, parallel: Parallel
-) -> None:
+    request: FitRequest, bodies: list[fits.FittedBody], settings: fits.Settings, refits: int, limits: Limits,
+    parallel: Parallel,
+) -> None:  # fmt: skip
     """Each curve on each of the ``bodies``, which are one under different surfaces: table, archive and pictures."""
-    from ..base import executor
-    from ..data import usable
-    from ..identification.fit import Failure, Fit, fit_all, planned
     from ..identification.fit.friction import friction_warnings, preferences
-    from ..report import Fits, plan_table, rivals_table
 
     output = request.output
-    curves, reasons = usable(request.measured, request.reading)
+    curves, reasons = data.usable(request.measured, request.reading)
     each_curve = (TUNING.fit_per_curve + refits * (TUNING.refit + TUNING.refit_per_row * len(one)) for one in curves)
     seconds = sum(each_curve)
     begin(f"fit of {len(curves):,} curves", Forecast(len(bodies) * seconds, 0.0, 0.0), limits, FEWER)
     each = []
     for one in bodies:
         with executor(*parallel, progress, seconds) as pool:
-            each.append(fit_all(one, curves, settings, pool))
+            each.append(fits.fit_all(one, curves, settings, pool))
     outcomes = [item for items in each for item in items]
-    if request.options["rivals"] and not any(isinstance(item, Fit) and item.verdict for item in outcomes):
+    if request.options["rivals"] and not any(isinstance(item, fits.Fit) and item.verdict for item in outcomes):
         raise InputError("fit: --rivals is for raw records, which none of these was fitted as: leave it out")
     if request.options["plan"]:
-        outcomes = [planned(one, item) if isinstance(item, Fit) else item
+        outcomes = [fits.planned(one, item) if isinstance(item, fits.Fit) else item
                  for one, items in zip(bodies, each, strict=True) for item in items]  # fmt: skip
-    reasons += [line for item in each[0] if isinstance(item, Failure) for line in item.lines]
+    reasons += [line for item in each[0] if isinstance(item, fits.Failure) for line in item.lines]
     pictures = _pictures(request, each, bodies) if output.plots else []
     preferred = list(preferences(outcomes)) if len(bodies) > 1 else []
     friction = [] if len(bodies) > 1 else list(friction_warnings(request.body, outcomes))
-    result = Fits(outcomes, request.body_words, friction)
+    result = report.Fits(outcomes, request.body_words, friction)
     map_file = _write(request, result, reasons, pictures)
     for line in reasons:
         warn(f"skipped: {line}")
@@ -67,21 +62,20 @@ def fit_curves(
     scan = f", the map in {map_file}" if map_file else ""
     give(result, output.json, f"  written {request.targets}{drawn}{scan}{more}")
     for item in result.fits[:SHOWN] if not output.json else []:
-        if lines := [*(rivals_table(item) if request.options["rivals"] else []), *plan_table(item)]:
+        if lines := [*(report.rivals_table(item) if request.options["rivals"] else []), *report.plan_table(item)]:
             say("\n".join(lines))
     for line in preferred:
         (note if output.json else say)(line)
 
 
-def _write(request: FitRequest, result: Fits, reasons: list[str], pictures: Pictures) -> Files | None:
+def _write(request: FitRequest, result: report.Fits, reasons: list[str], pictures: Pictures) -> report.Files | None:
     """Write table, summary, archive and pictures; the files of the map, if there is one. InputError, when all that can
     be written is, where no curve could be used."""
-    from ..data import some
     from ..report.fit_archive import write
     from ..report.map import map_of
 
     if not result.outcomes:
-        raise InputError(some(reasons))
+        raise InputError(data.some(reasons))
     targets, output, summary = request.targets, request.output, result.summary()
     scan = map_of(result.outcomes) if output.plots else None
     of_map = None if scan is None else output.files(Path(f"{targets.stem}-map"), PICTURES, request.inputs)
@@ -95,47 +89,38 @@ def _write(request: FitRequest, result: Fits, reasons: list[str], pictures: Pict
 
             of_map.write(figure=map_figure(scan))
     if not result.fits:
-        raise InputError(some(reasons))
+        raise InputError(data.some(reasons))
     return of_map
 
 
-def _pictures(request: FitRequest, each: list[list[Fit | Failure]], bodies: list[FittedBody]) -> Pictures:
-    """Curves to draw, fitted or not, each with its files, named after the curve and, of several, the surface."""
-    named = [
-        (item, name if len(bodies) == 1 else f"{name}-{body.problem.surface}")
-        for items, body in zip(each, bodies, strict=True)
-        for item, name in _named(items)
-    ]
+def _pictures(request: FitRequest, each: list[list[Outcome]], bodies: list[fits.FittedBody]) -> Pictures:
+    """Curves to draw, fitted or not, each with its files, named after its file, itself where it is not alone, and, of
+    several, the surface; none where they are many."""
+    named: list[tuple[Outcome, str]] = []
+    for items, body in zip(each, bodies, strict=True):
+        shown = [item for item in items if isinstance(item, fits.Fit) or _is_drawn(item)]
+        for item in shown if len(shown) <= SHOWN else []:
+            file, name = (item.file, item.name) if isinstance(item, fits.Fit) else (item.curve.origin, item.curve.name)
+            words = [Path(file or "").stem, *[name] * (len(shown) > 1), *[body.problem.surface] * (len(bodies) > 1)]
+            named.append((item, "-".join(words)))
     stems = beside(request.targets.stem, [name for _, name in named])
-    files = [request.output.files(stem, PICTURES, request.inputs) for stem in stems]
-    return [(item, target) for (item, _), target in zip(named, files, strict=True)]
+    return [(item, request.output.files(stem, PICTURES, request.inputs))
+            for (item, _), stem in zip(named, stems, strict=True)]  # fmt: skip
 
 
-def _named(outcomes: list[Fit | Failure]) -> list[tuple[Fit | Failure, str]]:
-    """Curves that can be drawn, each with what its pictures are called after; none where they are many."""
-    from ..identification.fit import Failure
-
-    named: list[tuple[Fit | Failure, str, str]] = []
-    for item in outcomes:
-        if not isinstance(item, Failure):
-            named.append((item, Path(item.file).stem, item.name))
-        elif item.curve.delta is not None and item.curve.P is not None:
-            named.append((item, Path(item.curve.origin or "").stem, item.curve.name))
-    if len(named) > SHOWN:
-        return []
-    return [(item, stem if len(named) == 1 else f"{stem}-{name}") for item, stem, name in named]
+def _is_drawn(item: fits.Failure) -> bool:
+    """Whether there is something to draw of a curve that could not be fitted."""
+    return item.curve.delta is not None and item.curve.P is not None
 
 
 def _draw(drawn: Pictures) -> None:
     """The fitted curve over its data; of a curve that could not be fitted its record, if it can be taken apart."""
-    from ..data import examine
-    from ..identification.fit import Failure
     from ..report.plots.fit import fit_figure
     from ..report.plots.segments import record_figure
 
     for item, target in drawn:
-        if not isinstance(item, Failure):
+        if not isinstance(item, fits.Failure):
             target.write(figure=fit_figure(item))
             continue
         with contextlib.suppress(InputError):
-            target.write(figure=record_figure([examine(item.curve)]))
+            target.write(figure=record_figure([data.examine(item.curve)]))

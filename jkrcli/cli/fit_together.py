@@ -6,17 +6,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
-from ..base import InputError, SolveError
-from ..report import Files, Output
+from .. import data, report
+from ..base import InputError, SolveError, one_thread
+from ..identification import fit as fits
 from .fit_idle import TENSION
 from .voice import give, warn
-
-if TYPE_CHECKING:
-    from ..data import Curve, Reading
-    from ..identification.fit import FittedBody, Settings
-    from ..report import Result
 
 Beside = TypeVar("Beside")
 
@@ -26,67 +22,58 @@ class FitRequest:
     """What is fitted to what, how the files are read, and where it goes; ``names``: of what is free beside the usual;
     ``body_words``: the ``body`` in words; ``options``: of the fit, by name; ``inputs``: files not to write over."""
 
-    body: FittedBody
+    body: fits.FittedBody
     measured: Sequence[Path]
-    reading: Reading
+    reading: data.Reading
     names: Sequence[str]
     options: dict[str, Any]
-    targets: Files
+    targets: report.Files
     body_words: str
-    output: Output
+    output: report.Output
     inputs: Sequence[Path]
 
-    def curves(self, beside: Sequence[Beside]) -> tuple[list[Curve], list[Beside]]:
+    def curves(self, beside: Sequence[Beside]) -> tuple[list[data.Curve], list[Beside]]:
         """The curves in all files, each with what stands ``beside`` its file; InputError where one cannot be read."""
-        from ..data import each
-
         pairs = [(item, one) for path, one in zip(self.measured, beside, strict=True)
-                 for item in each(path, self.reading)]  # fmt: skip
+                 for item in data.each(path, self.reading)]  # fmt: skip
         for item, _ in pairs:
             if isinstance(item, InputError):
                 raise item
         return [item for item, _ in pairs if not isinstance(item, InputError)], [one for _, one in pairs]
 
-    def conclude(self, kind: type[Result], fit: Callable[[], Any], **more: Any) -> None:
+    def conclude(self, kind: type[report.Result], fit: Callable[[], Any], **more: Any) -> None:
         """One fit of all curves as a result of a ``kind``, with what is ``more``: its table, summary and, where it has
         one, picture."""
-        from ..base import one_thread
-        from ..report import as_result
-
         try:
             with one_thread():
-                result = as_result(kind, fit(), body=self.body_words, **more)
+                result = report.as_result(kind, fit(), body=self.body_words, **more)
         except SolveError as error:
             raise InputError(f"{self.measured[0]}: {error}") from None
         self.write(result)
 
-    def write(self, result: Result) -> None:
+    def write(self, result: report.Result) -> None:
         """The files of a ``result``, and what is said of it."""
         self.targets.write(result.columns, result.summary(), self.targets.draw(result.figure))
         give(result, self.output.json, f"  written {self.targets}")
 
 
-def fit_joint(request: FitRequest, settings: Settings) -> None:
+def fit_joint(request: FitRequest, settings: fits.Settings) -> None:
     """What all records have in common, from all of them together."""
-    from ..identification.fit import joint_fit, shared_of, with_radii
-    from ..report import JointFitted
-
     shared, own = ([name for group in request.options[kind] for name in group] for kind in ("shared", "own"))
-    names = shared_of(shared, own, settings)
-    curves, bodies = request.curves(with_radii(request.body, request.options["tip_radius"], len(request.measured)))
-    request.conclude(JointFitted, lambda: joint_fit(bodies, curves, settings, names), level=settings.level)
+    names = fits.shared_of(shared, own, settings)
+    curves, bodies = request.curves(fits.with_radii(request.body, request.options["tip_radius"], len(request.measured)))
+    request.conclude(report.JointFitted, lambda: fits.joint_fit(bodies, curves, settings, names), level=settings.level)
 
 
 def fit_law(request: FitRequest) -> None:
     """w0, the law's parameters, E* and zeros from records at one or several speeds."""
     from ..identification.rate.fitting import rate_fit, rate_settings
-    from ..report import LawFit
 
     law, fix, start = (request.options[name] for name in ("law", "fix", "start"))
     how = {name: request.options[name] for name in ("level", "segment", "confidence")}
     settings = rate_settings(request.body, law, request.names, fix, start, **how)
     curves, _ = request.curves(request.measured)
-    request.conclude(LawFit, lambda: rate_fit(request.body, curves, settings))
+    request.conclude(report.LawFit, lambda: rate_fit(request.body, curves, settings))
 
 
 def has_tension(request: FitRequest) -> bool:
@@ -98,37 +85,33 @@ def has_tension(request: FitRequest) -> bool:
 def fit_tension(request: FitRequest) -> None:
     """The surface tension, E*, w and zeros from records by tips of several radii."""
     from ..identification.tension import known_values, radii_of, tension_fit
-    from ..report import TensionFitted
 
     problem, level = request.body.problem, request.options["level"]
     fixed = known_values(problem, request.names, request.options["fix"])
     curves, tips = request.curves(radii_of(problem, request.options["tip_radius"], len(request.measured)))
-    request.conclude(TensionFitted, lambda: tension_fit(problem, curves, tips, fixed, level), level=level)
+    request.conclude(report.TensionFitted, lambda: tension_fit(problem, curves, tips, fixed, level), level=level)
 
 
 def fit_relaxation(request: FitRequest) -> None:
     """The modulus, a law of relaxation and zeros from records over time, each for itself; curves that cannot be used
     are skipped and said."""
-    from ..base import one_thread
-    from ..data import some, usable
     from ..identification.relaxation import relaxation_fit, relaxation_settings
-    from ..report import RelaxationFits
 
     body, options = request.body, request.options
     terms = {} if options["terms"] is None else {"terms": options["terms"]}
     how = {name: options[name] for name in ("level", "confidence")} | terms
     settings = relaxation_settings(options["relaxation"], options["fix"], request.names, body.problem.E_star, **how)
-    curves, skipped = usable(request.measured, request.reading)
-    fits = []
+    curves, skipped = data.usable(request.measured, request.reading)
+    done = []
     for curve in curves:
         try:
             part = curve if options["segment"] in (None, "both") else curve.only(options["segment"])
             with one_thread():
-                fits.append(relaxation_fit(body, part, settings))
+                done.append(relaxation_fit(body, part, settings))
         except InputError as error:
             skipped += error.lines
-    if not fits:
-        raise InputError(some(skipped))
+    if not done:
+        raise InputError(data.some(skipped))
     for line in skipped:
         warn(f"skipped: {line}")
-    request.write(RelaxationFits(fits, request.body_words))
+    request.write(report.RelaxationFits(done, request.body_words))

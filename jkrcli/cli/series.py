@@ -95,19 +95,15 @@ def works_of(solution: Solution, option: str = "--w") -> tuple[float, ...]:
 
 def body_and_work(verb: str, path: Path, work: float | None, ranged: bool = False) -> tuple[Path, Solution, float]:
     """The series file that is meant by ``path``, what it holds, and the ``work`` of adhesion [J/m^2] or the first that
-    its case names; Refusal by a ``verb`` that is not ``ranged``, see ``without_range``."""
+    its case names, 0, with a note, where it names none; Refusal by a ``verb`` that is not ``ranged``, see
+    ``without_range``."""
     file = series_file(path)
     solution = read_series(file)
     if not ranged:
         without_range(solution.record, verb)
-    return file, solution, _first_work(solution) if work is None else work
-
-
-def _first_work(solution: Solution) -> float:
-    """The first work of adhesion [J/m^2] that the case names; 0, with a note, where it names none."""
-    if not solution.record.w:
+    if work is None and not solution.record.w:
         note(f"{solution.record.path}: its case names no work of adhesion: the contact without adhesion, or give --w")
-    return (*solution.record.w, 0.0)[0]
+    return file, solution, (*solution.record.w, 0.0)[0] if work is None else work
 
 
 def without_range(record: Record, verb: str) -> None:

@@ -7,7 +7,7 @@ from ..base.lazy import lazily
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .check import Check
-    from .compare import Compared, of_curves, of_solutions
+    from .compare import Compared
     from .cycle import Cycled, CycledByProgram
     from .dem import Exported
     from .fields import COMPONENTS, Fields, Profile

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -28,12 +28,17 @@ class Compared(Result):
 
     @classmethod
     def of(
-        cls, files: Sequence[Path], differences: Sequence[Difference], rtol: float, counting: Iterable[str],
-        overlap: float,
+        cls, files: tuple[Path, Path], solutions: Callable[[], Sequence[Solution]], rtol: float,
+        counting: Iterable[str], overlap: float,
     ) -> Compared:  # fmt: skip
-        """InputError where a column is not in both, or where less than ``overlap`` of their range is; none named: all
-        count."""
-        counts = set(counting) or {one.column for one in differences}
+        """Two CSV ``files`` of adhesive curves, of which all columns count where none is named, or else the series that
+        ``solutions`` gives, of which P does. InputError where a column is not in both, or where less than ``overlap``
+        of their range is."""
+        if files[0].suffix == ".csv":
+            differences = curve_differences(*map(read_curve, files))
+            counts = set(counting) or {one.column for one in differences}
+        else:
+            differences, counts = _of_solutions(files, *solutions()), set(counting) or {"P"}
         if missing := counts - {one.column for one in differences}:
             raise InputError(f"compare: column {sorted(missing)[0]} is not in both files")
         for one in differences:
@@ -42,8 +47,7 @@ class Compared(Result):
                     f"compare: {files[0]} and {files[1]} share only {one.coverage:.0%} of their range of {one.over}; "
                     f"load both as far, or allow it with --overlap {one.coverage:.2f}"
                 )
-        first, second = files
-        return cls(first, second, differences, rtol, counts)
+        return cls(*files, differences, rtol, counts)
 
     @property
     def agree(self) -> bool:
@@ -83,14 +87,9 @@ class Compared(Result):
         return differences_figure(self.differences, self.rtol)
 
 
-def of_solutions(files: Sequence[Path], one: Solution, two: Solution) -> list[Difference]:
+def _of_solutions(files: tuple[Path, Path], one: Solution, two: Solution) -> list[Difference]:
     """Differences of two series of the same bodies; InputError where they are of others."""
     for name in ("indenter", "specimen"):
         if getattr(one.problem, name) != getattr(two.problem, name):
             raise InputError(f"{files[1]}: its {name} is not that of {files[0]}; compare results of the same problem")
     return series_differences(one.filtered, two.filtered)
-
-
-def of_curves(files: Sequence[Path]) -> list[Difference]:
-    """Differences of the columns that two CSV files of adhesive curves share."""
-    return curve_differences(*map(read_curve, files))

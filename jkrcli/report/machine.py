@@ -14,7 +14,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Literal
 
 from .. import __version__
-from ..base import installs
+from ..base import free_memory, installs
 from .result import Result
 
 REQUIRED = ("numpy", "scipy", "h5py", "click", "pydantic", "tomli-w", "matplotlib", "scikit-fem", "meshio",
@@ -71,25 +71,23 @@ class Machine(Result):
 def examine() -> Iterator[Finding]:
     """Everything that is worth looking at, in the order of a report."""
     yield Finding("Python", "ok", f"{platform.python_version()} on {platform.platform(terse=True)}")
-    for package in REQUIRED:
-        yield _package(package, "", Finding(package, "missing", "not installed", installs("")))
+    yield from map(_package, REQUIRED)
     yield _mesher()
-    for package, (extra, use) in OPTIONAL.items():
-        lacking = Finding(package, "optional", f"not installed ({use})", installs(extra))
-        yield _package(package, f" ({use})", lacking)
-    cholmod = _package("cvxopt", "", Finding("", "optional", "")).state == "ok"
-    solvers = "CHOLMOD (cvxopt), SuperLU (SciPy) for mixed elements" if cholmod else "SuperLU (SciPy)"
-    yield Finding("sparse factor", "ok", solvers)
+    extras = {package: _package(package, extra, f" ({use})") for package, (extra, use) in OPTIONAL.items()}
+    yield from extras.values()
+    cholmod = "CHOLMOD (cvxopt), SuperLU (SciPy) for mixed elements"
+    yield Finding("sparse factor", "ok", cholmod if extras["cvxopt"].state == "ok" else "SuperLU (SciPy)")
     yield _threads()
     yield _memory()
     yield _scratch()
 
 
-def _package(package: str, use: str, lacking: Finding) -> Finding:
+def _package(package: str, extra: str = "", use: str = "") -> Finding:
+    """A package; one of an ``extra`` is optional, with its ``use``."""
     try:
         return Finding(package, "ok", f"{version(package)}{use}")
     except PackageNotFoundError:
-        return lacking
+        return Finding(package, "optional" if extra else "missing", f"not installed{use}", installs(extra))
 
 
 def _mesher() -> Finding:
@@ -114,18 +112,16 @@ def _threads() -> Finding:
     return Finding("BLAS threads", "ok", f"{', '.join(pools) or 'unknown'} (jkr uses one, of {os.cpu_count()} cores)")
 
 
-def _memory(least: float = 1.0) -> Finding:
-    """What is free for a solve, ``least`` [GiB] of it asked for."""
-    from ..base import free_memory
-
+def _memory() -> Finding:
+    """What is free for a solve, one GiB of it asked for."""
     free = free_memory() / 1024
     words = "unknown" if math.isinf(free) else f"{free:.1f} GiB available"
     remedy = "large finite-element meshes will not fit: coarser meshes or another method"
-    return Finding("memory", "ok", words) if free >= least else Finding("memory", "optional", words, remedy)
+    return Finding("memory", "ok", words) if free >= 1 else Finding("memory", "optional", words, remedy)
 
 
-def _scratch(least: float = 0.5) -> Finding:
-    """The folder of temporary files, ``least`` [GiB] asked for."""
+def _scratch() -> Finding:
+    """The folder of temporary files, half a GiB asked for."""
     try:
         with tempfile.TemporaryFile():
             folder = tempfile.gettempdir()
@@ -133,5 +129,5 @@ def _scratch(least: float = 0.5) -> Finding:
     except OSError as error:
         reason = error.strerror or str(error)
         return Finding("temporary files", "missing", reason, "set TMPDIR to a folder that can be written")
-    lacking = () if free >= least else ("free some space",)
+    lacking = () if free >= 0.5 else ("free some space",)
     return Finding("temporary files", "optional" if lacking else "ok", f"{folder}, {free:.1f} GiB free", *lacking)

@@ -71,17 +71,17 @@ def fit_curves(
 def _write(request: FitRequest, result: report.Fits, reasons: list[str], pictures: Pictures) -> report.Files | None:
     """Write table, summary, archive and pictures; the files of the map, if there is one. InputError, when all that can
     be written is, where no curve could be used."""
-    from ..report.fit_archive import write
-    from ..report.map import map_of
+    from ..report import fit_archive
+    from ..report import map as scans
 
     if not result.outcomes:
         raise InputError(data.some(reasons))
     targets, output, summary = request.targets, request.output, result.summary()
-    scan = map_of(result.outcomes) if output.plots else None
+    scan = scans.map_of(result.outcomes) if output.plots else None
     of_map = None if scan is None else output.files(Path(f"{targets.stem}-map"), PICTURES, request.inputs)
     with together():
         targets.write(result.columns, summary)
-        write(targets[".h5"], result.outcomes, summary)
+        fit_archive.write(targets[".h5"], result.outcomes, summary)
         if pictures:
             _draw(pictures)
         if scan is not None and of_map is not None:

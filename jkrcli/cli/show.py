@@ -8,8 +8,7 @@ from typing import Any
 import click
 
 from ..case import plain_toml
-from ..report import archive
-from ..report.shown import Shown
+from ..report import archive, shown
 from ..series import Solution
 from .options import json_option
 from .series import announce_files, read_series, series_file
@@ -34,7 +33,7 @@ def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
     if case_only and not as_json:
         click.echo("\n".join(plain_toml(item.record.toml).rstrip() for item in items if isinstance(item, Solution)))
         return
-    give(Shown(items), as_json)
+    give(shown.Shown(items), as_json)
 
 
 def _content(path: Path, case_only: bool) -> Solution | dict[str, Any]:

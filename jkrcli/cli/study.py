@@ -16,7 +16,7 @@ from .verb import LateGroup, Verb, several, verb
 from .voice import give, progress
 
 if TYPE_CHECKING:
-    from ..many.study.maps import Axis, Map
+    from ..many.study import maps
 
 STUDIES = {f"{name}-map": words for name, words in MAPS.items()} | {
     "converge": "The same case on a sequence of meshes."
@@ -33,9 +33,9 @@ class Studies(LateGroup):
     def made(self, name: str) -> click.Command:
         if name == "converge":
             return study_converge
-        from ..many.study.maps import map_of
+        from ..many.study import maps
 
-        return _command(map_of(name.removesuffix("-map")))
+        return _command(maps.map_of(name.removesuffix("-map")))
 
     def unknown(self, name: str) -> str:
         if name in MAKE:
@@ -52,7 +52,7 @@ def study() -> None:
     """
 
 
-def _command(row: Map) -> click.Command:
+def _command(row: maps.Map) -> click.Command:
     """The verb of a map: an option for each axis."""
 
     @parallel_options
@@ -70,7 +70,7 @@ def _command(row: Map) -> click.Command:
     return click.command(f"{row.name}-map", cls=Verb, help=row.help)(options(study_map))
 
 
-def _option(name: str, axis: Axis) -> Any:
+def _option(name: str, axis: maps.Axis) -> Any:
     kind: Any = float if axis.read is None else str
     default = axis.default if axis.several else (axis.default,)
     if isinstance(axis.default, dict):
@@ -102,7 +102,7 @@ def study_converge(
     jkr study converge cases/halfspace.toml --contact incremental -o results
     """
     from ..case import load_case, method_of
-    from ..many.study.converge import converge
+    from ..many.study import converge
     from ..methods import FEM
 
     loaded = load_case(case)
@@ -117,6 +117,6 @@ def study_converge(
         method = replace(method, contact=contact)  # type: ignore[arg-type]
     problem = loaded.model.problem()
     with executor(*parallel, progress, method.forecast(problem).seconds) as pool:
-        study = converge(problem, method, w, levels, pool=pool)
+        study = converge.converge(problem, method, w, levels, pool=pool)
     files.write(study.columns, study.summary(), files.draw(study.figure))
     give(study, output.json, f"  written   {files}")

@@ -9,10 +9,9 @@ import click
 
 from ..base import InputError
 from ..case import plain_toml
-from ..many.sweep.plan import Plan, load_plan
-from ..many.sweep.result import STEM, Swept
-from ..many.sweep.running import Means, alone
-from ..many.sweep.running import sweep as carry_out
+from ..many.sweep import plan as plans
+from ..many.sweep import result as results
+from ..many.sweep import running
 from ..report import PICTURES, Files, Output
 from .options import NumberRange, Parallel, into_folder, output_options, parallel_options
 from .verb import verb
@@ -42,23 +41,23 @@ def sweep(
     jkr sweep my-sweep.toml --only 17
     jkr sweep my-sweep.toml --show-case 17 > case-17.toml
     """
-    plan = load_plan(sweep)
+    plan = plans.load_plan(sweep)
     if show_case is not None:
         click.echo(plain_toml(plan.case(_number(plan, show_case, "--show-case")).to_toml()), nl=False)
     elif only is not None:
-        row = alone(plan, _number(plan, only, "--only"))
+        row = running.alone(plan, _number(plan, only, "--only"))
         answer(row.summary()) if output.json else click.echo(str(row))
     else:
         folder = replace(output, where=output.where or Path(f"{sweep.stem}-results")).folder(Path())
-        pictures = output.files(folder / STEM, PICTURES)
-        means = Means(*parallel, hours, retry_failed, progress)
-        result = carry_out(plan, folder, means, output.force, note)
+        pictures = output.files(folder / results.STEM, PICTURES)
+        means = running.Means(*parallel, hours, retry_failed, progress)
+        result = running.sweep(plan, folder, means, output.force, note)
         if output.plots and _draw(result, pictures):
             result = replace(result, files=(*result.files, *(pictures[ending] for ending in PICTURES)))
         give(result, output.json, f"  written   {', '.join(map(str, result.files))}")
 
 
-def _draw(result: Swept, pictures: Files) -> bool:
+def _draw(result: results.Swept, pictures: Files) -> bool:
     """Whether the table has a picture; it is written."""
     from ..many.sweep.figure import sweep_figure
 
@@ -67,7 +66,7 @@ def _draw(result: Swept, pictures: Files) -> bool:
     return figure is not None
 
 
-def _number(plan: Plan, number: int, option: str) -> int:
+def _number(plan: plans.Plan, number: int, option: str) -> int:
     if number >= plan.count:
         raise InputError(f"{option}: the cases of {plan.source} are numbered 0 to {plan.count - 1}, got {number}")
     return number

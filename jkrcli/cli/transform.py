@@ -10,8 +10,7 @@ from ..adhesion import RangeRequest
 from ..base import InputError
 from ..beside import analyse, effect_on, sticking_warnings
 from ..methods import Limits
-from ..report import PICTURES, Files, Output, Transformed, as_result, figure_of
-from ..report.scaling import own_scales, scales_of
+from ..report import PICTURES, Files, Output, Transformed, as_result, figure_of, scaling
 from .options import WORK, CurveOptions, ScaleType, curve_options, into_folder, limits_options, output_options
 from .series import begin_curves, read_files, works_of
 from .verb import verb
@@ -46,7 +45,7 @@ def transform(
         raise InputError("transform: give either --dimensionless or --scale, got both")
     if together and dimensionless:
         raise InputError("transform: --together needs one unit for all w: give --scale instead of --dimensionless")
-    users = own_scales(dict(own)) if own else None
+    users = scaling.own_scales(dict(own)) if own else None
     files, solutions = read_files("transform", files)
     wanted = [works or works_of(solution) for solution in solutions]
     ranges = list(map(how.of, solutions))
@@ -58,7 +57,7 @@ def transform(
         effect = effect_on(solution.scaled(how.modulus_factor), works)
         results = list[Transformed]()
         for curve, target in zip(analyse(solution, works, how.slopes, how.modulus_factor, ranged), places, strict=True):
-            scales = scales_of(curve.problem, curve.w, dimensionless) if dimensionless else users
+            scales = scaling.scales_of(curve.problem, curve.w, dimensionless) if dimensionless else users
             results.append(as_result(Transformed, curve, scales=scales, effect=effect))
             summaries.append(results[-1].summary())
             target.write(results[-1].columns, summaries[-1], results[-1].figure() if figures else None)
@@ -91,7 +90,7 @@ def _files(
     ]
     stems = [begin.with_name(f"{begin.name}-w{w:g}{end}") for begin, works, end in places for w in works]
     endings = (".csv", ".json") if together else (".csv", ".json", *PICTURES)
-    each = iter(output.each(stems, endings, files, "give each its own -o and w once"))
+    each = iter(output.each(stems, endings, files, " and w once"))
     pictures: list[Files | None] = [
         output.files(begin.with_name(f"{begin.name}-all-w{end}"), PICTURES, files)
         if together and output.plots else None for begin, _, end in places

@@ -17,7 +17,7 @@ from .tables import state_words
 
 if TYPE_CHECKING:
     from ..methods import FEM
-    from ..methods.fem.state import ContactState
+    from ..methods.fem import state as states
 
 COMPONENTS = ("zz", "rr", "tt", "rz", "mises")
 COLUMNS = {"r": "r_m", "zz": "sigma_zz_Pa", "rz": "sigma_rz_Pa", "zz_error": "sigma_zz_err_Pa",
@@ -52,7 +52,7 @@ class Fields(Result):
 
     curve: Analysis
     P: float
-    state: ContactState
+    state: states.ContactState
     component: str = "zz"
 
     @classmethod
@@ -60,13 +60,13 @@ class Fields(Result):
         cls, curve: Analysis, method: FEM, *, a: float | None = None, load: float | None = None, component: str = "zz"
     ) -> Fields:
         """The state at the contact radius ``a`` [m], or at a ``load`` [N] on the stable branch."""
-        from ..methods.fem.state import contact_state
+        from ..methods.fem import state as states
 
         if a is None:
             assert load is not None
             a = stable_radius(curve.curve, load)
         delta, P = (float(value) for value in curve.curve.at(np.array(a)))
-        state = contact_state(method, curve.problem, a, delta, _surface(curve, a))
+        state = states.contact_state(method, curve.problem, a, delta, _surface(curve, a))
         return cls(curve, P if load is None else load, state, component)  # but for round-off
 
     @property
@@ -117,13 +117,13 @@ class Fields(Result):
 
     def write_vtu(self, target: Path, mark: str = "") -> None:
         """Displacement and stresses at all nodes for ParaView, with ``mark`` behind it."""
-        from ..methods.fem.mesh import write_vtu
+        from ..methods.fem import mesh
 
         state = self.state
         stress = zip(("rr", "tt", "zz", "rz"), state.stress, strict=True)
         data = {"displacement_m": np.column_stack([state.displacement, np.zeros(len(state.displacement))])}
         data |= {f"sigma_{name}_Pa": values for name, values in stress}
-        write_vtu(state.grid, target, data | {"von_mises_Pa": state.mises})
+        mesh.write_vtu(state.grid, target, data | {"von_mises_Pa": state.mises})
         with target.open("a") as file:
             file.write(mark)
 

@@ -12,10 +12,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from ..base import SI, scale, show
-from ..identification.fit import Failure, Fit, FittedValue, JKRBeside
-from ..identification.fit.record_rivals import OF_RIVALS
-from ..identification.fit.record_scores import FittedRival, Score
-from ..identification.fit.rivals import RANGE
+from ..identification.fit import Failure, Fit, FittedValue, JKRBeside, record_rivals, record_scores, rivals
 from . import archive
 from .result import SHOWN, Figure, Result, Several
 from .tables import DIMENSIONS, by_columns, with_unit
@@ -240,9 +237,9 @@ def verdict_words(item: Fit) -> list[str]:
         by = item.verdict.E_star
         change = by / item.value("E_star") - 1
         formula = [f"{item.verdict.formula} at the deepest row would give {show(by, 'modulus', 3)} ({change:+.0%})"]
-    rivals = item.verdict.rivals
-    rejected = f"; rejected for {' or '.join(rivals.families)}" if rivals.named else ""
-    judged = [] if rivals.named else ["the data ask for no other model"]
+    others = item.verdict.rivals
+    rejected = f"; rejected for {' or '.join(others.families)}" if others.named else ""
+    judged = [] if others.named else ["the data ask for no other model"]
     if tied := item.verdict.tied:
         rejected = f"; by {tied[0].name} ({parameter_words(tied[0])})"
         judged = ["JKR as described is rejected", *(f"{one.name} cannot be told from it" for one in tied[1:])]
@@ -273,9 +270,9 @@ def _with_parts(item: FittedValue, level: float) -> str:
     return " ".join([name, *errors])
 
 
-def parameter_words(one: FittedRival) -> str:
+def parameter_words(one: record_scores.FittedRival) -> str:
     """What else a rival in full tells, in words."""
-    values = (f"{name} {show(value, OF_RIVALS[name], 3)}" for name, value in one.quantities.items())
+    values = (f"{name} {show(value, record_rivals.OF_RIVALS[name], 3)}" for name, value in one.quantities.items())
     return ", ".join([*values, f"chi^2 {-one.falls:.3g}"])
 
 
@@ -321,16 +318,16 @@ def _verdict(item: Fit) -> dict[str, Any]:
     }}  # fmt: skip
 
 
-def _tried_summary(one: FittedRival) -> dict[str, Any]:
+def _tried_summary(one: record_scores.FittedRival) -> dict[str, Any]:
     """A rival in full: how much of the misfit it takes, what it makes of E* and w, and what else it tells."""
-    parameters = {with_unit(name, OF_RIVALS[name]): value for name, value in one.quantities.items()}
+    parameters = {with_unit(name, record_rivals.OF_RIVALS[name]): value for name, value in one.quantities.items()}
     return {
         "name": one.name, "family": one.family, "taken": one.taken, "chi2_falls": one.falls, "p": one.chance,
         "E_star_Pa": one.E_star, "w_J_per_m2": one.w, **parameters,
     }  # fmt: skip
 
 
-def _score_summary(one: Score) -> dict[str, Any]:
+def _score_summary(one: record_scores.Score) -> dict[str, Any]:
     """A rival: its amount, what the data say, and the relative moves of E* and w with what was found of it."""
     error = one.error if math.isfinite(one.error) else None
     return {
@@ -344,7 +341,7 @@ def _score_summary(one: Score) -> dict[str, Any]:
 def _range_words(item: Fit) -> list[str]:
     """A line on the longest range that the rows leave, where w rests on it more than on the noise."""
     w, left = item.work, item.range_left
-    part = (w.model or {}).get(RANGE, 0.0)
+    part = (w.model or {}).get(rivals.RANGE, 0.0)
     if left is None or w.low is None or w.high is None or part < w.high - w.low:
         return []
     moved = f"the data allow up to {show(left, 'length', 2)}, which would change w by {show(part, 'work', 2)}"

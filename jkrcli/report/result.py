@@ -161,17 +161,12 @@ class Output:
         -o."""
         return (self.where or path.parent) / f"{path.stem}{word}"
 
-    def each(
-        self,
-        stems: Sequence[Path],
-        endings: Iterable[str],
-        inputs: Iterable[Path],
-        remedy: str = "give each its own -o",
-    ) -> list[Files]:
-        """The ``files`` of each of several ``stems``; InputError, with a ``remedy``, where two would be the same."""
+    def each(self, stems: Sequence[Path], ends: Iterable[str], inputs: Iterable[Path], more: str = "") -> list[Files]:
+        """The ``files`` of each of several ``stems``; InputError, with ``more`` to its remedy, where two would be the
+        same."""
         places = list(map(files.real, stems))
         for i, stem in enumerate(stems):
             if places[i] in places[:i]:
-                raise InputError(f"{stem}.csv: would be written twice; rename a file, or {remedy}")
+                raise InputError(f"{stem}.csv: would be written twice; rename a file, or give each its own -o{more}")
         self.folder(Path())
-        return [self.files(stem, endings, inputs) for stem in stems]
+        return [self.files(stem, ends, inputs) for stem in stems]

@@ -30,9 +30,9 @@ class SeriesFile(Result):
 
     @property
     def columns(self) -> Mapping[str, Array]:  # type: ignore[override]
-        values = {name: getattr(self.solution.series, name) for name in COLUMNS}
-        units = dict(zip(COLUMNS, ("m", "m", "N", "N_per_m", "N_per_m2"), strict=True))
-        return {f"{name}_{units[name]}": column for name, column in values.items() if column is not None}
+        named = zip(COLUMNS, ("m", "m", "N", "N_per_m", "N_per_m2"), strict=True)
+        columns = {f"{name}_{unit}": getattr(self.solution.series, name) for name, unit in named}
+        return {name: column for name, column in columns.items() if column is not None}
 
     @property
     def _reached(self) -> str:

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..base import SI
 from ..identification.relaxation import RelaxationFit
 from .fit import brief, estimate_lines, estimate_summary
 from .relaxation import NEGLECTED, law_summary
 from .result import Figure, Several
-from .tables import by_columns, stiffness, with_unit
+from .tables import by_columns, stiffness
 
 FORMAT = "jkr-relaxation-fit"
 
@@ -75,7 +76,7 @@ class RelaxationFitted(RelaxationFit, _OfFits):
 def _values(fit: RelaxationFit) -> dict[str, float | None]:
     """The free parameters with their standard errors."""
     free = [item for item in fit.estimates if item.free and item.name != "modulus"]
-    named = ((with_unit(item.name, item.dimension), item) for item in free)
+    named = ((f"{item.name}_{SI[item.dimension]}".rstrip("_"), item) for item in free)
     return {key: value for name, item in named for key, value in ((name, item.value), (f"{name}_error", item.error))}
 
 

@@ -258,6 +258,11 @@ class Solution:
         return f"<Solution {self.record.path}: {a.size} rows by method {self.method}, a to {a[-1]:.4g} m>"
 
     @property
+    def key(self) -> str:
+        """Identity of the problem that was solved."""
+        return self.problem.key
+
+    @property
     def unresolved(self) -> Array:
         """Errors (2, n) of delta [m] and of its slope at the rows where the profile is known at points only: those of F
         at the surface, more as far as what lies below is softer, as of a spring in series."""

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
-from ..base import SILENCE, as_json, duration, errors, printable
+from ..base import SILENCE, duration, errors, printable
 
 if TYPE_CHECKING:
     from ..report import Result
@@ -155,6 +155,8 @@ def command_line() -> str:
 
 def answer(data: Mapping[str, Any]) -> None:
     """A result for machines on stdout."""
+    from ..base import as_json
+
     click.echo(as_json(data), nl=False)
 
 

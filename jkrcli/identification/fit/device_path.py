@@ -38,10 +38,14 @@ HERMITE = np.array([[1, 0, 0, -10, 15, -6], [0, 1, 0, -6, 8, -3], [0, 0, 0.5, -1
                     [0, 0, 0, 10, -15, 6], [0, 0, 0, -4, 7, -3], [0, 0, 0, 0.5, -1, 0.5]])  # fmt: skip
 
 
-@lru_cache(maxsize=REMEMBERED)
 def grid(family: Family) -> Array:
     """Logs of contact radii at which paths are tabulated; loads between them are good to 1e-7 of the largest."""
-    return np.linspace(family.low - TUNING.below, family.high + TUNING.beyond, LOOKED_AT)
+    return _between(family.low, family.high)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _between(low: float, high: float) -> Array:
+    return np.linspace(low - TUNING.below, high + TUNING.beyond, LOOKED_AT)
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -53,23 +57,19 @@ def on_grid(family: Family) -> tuple[Array, Array, Array]:
 @dataclass(frozen=True, eq=False)
 class Nodes:
     """The functions of a ``family`` at the nodes ``u`` of its grid, for paths of any moduli and any w on it: D, T, H, V
-    and two derivatives by u (4, 3, nodes); ``logs`` of them, derivatives by nodes (nodes, 3, 4); ``released``: V' T - V
-    T', by which loads change with q."""
+    and two derivatives by u (4, 3, nodes); ``released``: V' T - V T', by which loads change with q."""
 
     family: Family
     u: Array
     functions: Array
-    logs: Array
     released: Array
 
     @classmethod
     @lru_cache(maxsize=REMEMBERED)
     def of(cls, family: Family) -> Nodes:
-        u, (value, first, second) = grid(family), on_grid(family)
-        rate, step = first / value, float(u[1] - u[0])
-        logs = np.stack([np.log(value), step * rate, step**2 * (second / value - rate**2)])
-        (_, T, _, V), (_, dT, _, dV) = value, first
-        return cls(family, u, np.stack([value, first, second], axis=1), logs.transpose(2, 0, 1).copy(), dV * T - V * dT)
+        functions = np.stack(on_grid(family), axis=1)
+        (T, dT, _), (V, dV, _) = functions[1], functions[3]
+        return cls(family, grid(family), functions, dV * T - V * dT)
 
     def at(self, u: float) -> Array:
         """D, T, H, V and their derivatives at one place (3, 4), good to rounding."""
@@ -78,12 +78,15 @@ class Nodes:
         if not 0 <= i < self.u.size - 1:
             return np.stack(self.family.at(np.array([u])))[..., 0]
         x, per = place - i, (self.u.size - 1) / float(self.u[-1] - self.u[0])
+        value, first, second = self.functions[..., i : i + 2].transpose(1, 2, 0)
+        rate = first / value
+        logs = np.stack([np.log(value), rate / per, (second / value - rate**2) / per**2], axis=1)
         x2, x3, per2 = x * x, x * x * x, per * per
         powers = np.array([
             [1, x, x2, x3, x2 * x2, x2 * x3], [0, per, 2 * x * per, 3 * x2 * per, 4 * x3 * per, 5 * x2 * x2 * per],
             [0, 0, 2 * per2, 6 * x * per2, 12 * x2 * per2, 20 * x3 * per2],
         ])  # fmt: skip
-        functions: Array = powers @ (HERMITE.T @ self.logs[i : i + 2].reshape(6, 4))
+        functions: Array = powers @ (HERMITE.T @ logs.reshape(6, 4))
         functions[0] = np.exp(functions[0])
         functions[2] += functions[1] ** 2
         functions[1:] *= functions[0]

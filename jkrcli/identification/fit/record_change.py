@@ -227,6 +227,11 @@ class RivalModel(ForceCurveModel):
         return self.change.quantities(values)
 
     @cached_property
+    def _plain(self) -> ForceCurveModel:
+        """The model without the change."""
+        return ForceCurveModel(**_inputs(self))
+
+    @cached_property
     def _followed(self) -> dict[object, ForceCurveModel]:
         return {}
 
@@ -236,7 +241,7 @@ class RivalModel(ForceCurveModel):
         if key not in self._followed:
             if len(self._followed) >= REMEMBERED:
                 self._followed.clear()
-            self._followed[key] = self.change.followed(ForceCurveModel(**_inputs(self)), part, values)
+            self._followed[key] = self.change.followed(self._plain, part, values)
         return self._followed[key]
 
     def branch(self, part: DirectionReadings, values: Values) -> DeviceBranch:

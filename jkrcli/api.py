@@ -66,6 +66,12 @@ from .identification import fit as fits
 from .methods import Limits, Method
 from .series import Solution
 
+__all__ = [
+    "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "fit", "identify", "identify_joint",
+    "identify_law", "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case",
+    "plan", "plot", "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas",
+    "transform", "work",
+]  # fmt: skip
 if TYPE_CHECKING:
     from pandas import DataFrame
 

@@ -491,10 +491,10 @@ class Path:
     def _jumps(self) -> Iterator[Jump]:
         after = (*self.pieces[1:], None) if self.ends == "lost" else self.pieces[1:]
         for one, two in zip(self.pieces, after, strict=False):
-            gone = two is None or one.phase != FREE == two.phase
-            if two is None or gone or abs(two.first[1] - one.last[1]) > ROUNDED * one.last[1]:
-                end = None if two is None or gone else self.state(two, *two.first)
-                yield Jump(self.state(one, *one.parting), end, one.last[0])
+            if two is None or (two.phase == FREE and one.phase != FREE):
+                yield Jump(self.state(one, *one.parting), None, one.last[0])
+            elif abs(two.first[1] - one.last[1]) > ROUNDED * one.last[1]:
+                yield Jump(self.state(one, *one.parting), self.state(two, *two.first), one.last[0])
 
     def state(self, piece: Piece, t: float, place: float) -> TimedState:
         """The state of a ``piece`` at the time ``t`` [s] and ``place`` [m]."""
@@ -549,7 +549,8 @@ def path(contact: Contact, program: Program, start: float = 0.0, stands: bool = 
 def _on_ramp(contact: Contact, ramp: Ramp, now: Now, program: Program) -> tuple[list[Piece], str]:
     """The pieces of one ramp, and how it ends: "program", "series", "jump", or "lost" where no contact forms anew."""
     now, pieces = now._replace(t=ramp.t, x=ramp.x), list[Piece]()
-    for _ in range(most := 10 * MOST_STEPS):  # a wavy tip jumps at every wave
+    most = 10 * MOST_STEPS  # a wavy tip jumps at every wave
+    for _ in range(most):
         piece = _next(contact, ramp, now)
         if piece is None:
             return pieces, "series"

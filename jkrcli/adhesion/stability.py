@@ -14,7 +14,7 @@ import numpy as np
 
 from ..base import Array, Estimate, InputError, Unknown, show
 from .curve import NO_ADHESION, CriticalPoint, Equilibrium, EquilibriumCurve
-from .device import DISPLACEMENT_CONTROL, LOAD_CONTROL, position
+from .device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
 from .path import ADVANCE, RECEDE, REST, Jump, Path, QuasiStatic, grow, largest_stable, shrink
 
 STABLE, GRIPPED, UNSTABLE = "stable", "displacement-control", "unstable"
@@ -115,6 +115,11 @@ class Behaviour:
     energy_lost: Estimate
     separation: Estimate
     onset: float = 0.0
+
+    @property
+    def control(self) -> str:
+        """The control in words."""
+        return control(self.stiffness)
 
 
 def behaviours(curve: EquilibriumCurve, devices: Sequence[float]) -> list[Behaviour]:

@@ -257,7 +257,7 @@ class _Cluster(Pool):
         except ModuleNotFoundError:
             raise InputError(f"--scheduler: needs the optional package distributed: {installs('cluster')}") from None
         try:
-            self._client = Client(address, timeout=15, set_as_default=False)  # s that a user waits for a wrong address
+            self._client = Client(address, timeout=15, set_as_default=False)  # choice: s, until an address is wrong
         except (OSError, ValueError) as error:
             raise InputError(f'--scheduler: no Dask scheduler answers at "{address}" ({first_line(error)})') from None
         self._pool = self._client.get_executor(pure=False)

@@ -283,7 +283,7 @@ def _tidy(folder: Path) -> None:
     for path in folder.glob(f"{MARK}*{LOCK}"):
         with contextlib.suppress(OSError), path.open("r+b") as lock:
             is_free = locks.taken(lock)
-            day = 86_400  # s, after which, where there are no locks, nobody is taken to be writing
+            day = 86_400  # choice: s, after which, where there are no locks, nobody is taken to be writing
             if is_free or (is_free is None and time.time() - path.stat().st_mtime > day):
                 _drop({folder: (path.with_suffix(""), lock)})
 

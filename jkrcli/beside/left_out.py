@@ -33,8 +33,8 @@ class LeftOutTuning:
     """What is taken in where a case does not say how much of it there is, and how well that is solved."""
 
     tension: float = 30e-3  # choice: N/m, of gels and rubbers; water has 72, silicones have 20
-    glass: tuple[float, float] = (70e9, 0.22)  # theory: E [Pa] and nu of soda-lime glass, of lenses and slides
-    density: float = 1000.0  # theory: kg/m^3, of water, of which gels are made
+    glass: tuple[float, float] = (70e9, 0.22)  # choice: E [Pa] and nu of what is taken as rigid: soda-lime glass
+    density: float = 1000.0  # choice: kg/m^3, of a body whose density nobody says: of water
     of_strains: float = 4 / 3  # theory: change of S over that of P where this grows with the root of the depth
     # tuned on what cases leave out, by `make constants`: of the solutions; changes are printed to 1e-4
     accuracy: float = 1e-5

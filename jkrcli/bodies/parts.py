@@ -25,12 +25,17 @@ def nominal(specimen: Specimen, name: str) -> float:
     quantity, _, layer = name.partition(":")
     names = layer_names(specimen)
     checked_names([layer], names)
-    part: Any = (*specimen.layers, specimen.base)[names.index(layer)]
+    part: Any = (*specimen.layers, specimen.base)[_place(layer, names)]
     if quantity != "h":
         return float(getattr(part.material.surface, quantity))
     if not isinstance(part, Layer):
         raise InputError(f"{name}: a half-space has no thickness")
     return part.thickness
+
+
+def _place(name: str, names: Sequence[str]) -> int:
+    """The last that is called so: "base" is the half-space, whatever layers are called."""
+    return len(names) - 1 - names[::-1].index(name)
 
 
 def changed(problem: Problem, values: Mapping[str, float]) -> Problem:
@@ -43,7 +48,7 @@ def changed(problem: Problem, values: Mapping[str, float]) -> Problem:
         if quantity == RADIUS:
             problem = replace(problem, indenter=replace(cast(Any, problem.indenter), R=value))
             continue
-        i = names.index(layer)
+        i = _place(layer, names)
         changes = {"thickness": value} if quantity == "h" else {"material": _with(parts[i].material, quantity, value)}
         parts[i] = replace(parts[i], **changes)
     return replace(problem, specimen=replace(specimen, layers=tuple(parts[:-1]), base=parts[-1]))

@@ -105,7 +105,7 @@ def tables_of(verb: str, body: Flags, instead: str, modulus: str | None) -> dict
     entries = {name: number_or_text(text) for name, text in texts.items()}
     for name in ("radius", "thickness"):
         size = entries[name]
-        if isinstance(size, float) and size >= 0.1:  # larger than what is pressed
+        if isinstance(size, float) and size >= 0.1:  # choice: [m], larger than what is pressed
             warn(f"{flag(name)} {texts[name]} without a unit is {size:g} m: give its unit, {flag(name)} "
                  f'"{texts[name]} um"')  # fmt: skip
     material = {"E": entries["modulus"], "nu": entries["nu"]}
@@ -153,5 +153,6 @@ def fitted_body(source: Path | Flags, slopes: str, limits: Limits) -> fits.Fitte
     of_flags = partial(case_of, "fit", source, "a case or series file", "1 MPa")
     radius = of_flags(loading={"radius": 1.0}).model.problem().indenter.tip_radius
     method = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
-    shallow = of_flags(loading={"radius": SHALLOW * (radius or 5e-6)}, method=method)
+    radius = radius or 5e-6  # choice: [m], of a tip that has none
+    shallow = of_flags(loading={"radius": SHALLOW * radius}, method=method)
     return replace(fits.body_of(shallow, slopes, limits), moduli_known=source["modulus"] is not None)

@@ -24,7 +24,7 @@ from ...base import (
     zeros_between,
 )
 from ...bodies import Modes, Relaxation
-from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL, position
+from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
 from ..nonadhesive import Nonadhesive
 from ..path import TimedState
 from ..program import Program
@@ -152,6 +152,11 @@ class RelaxedHistory:
     contact: RelaxingContact
     program: Program
     path: RelaxedPath
+
+    @property
+    def control(self) -> str:
+        """The control in words."""
+        return control(self.contact.stiffness)
 
     @property
     def lost(self) -> float | None:

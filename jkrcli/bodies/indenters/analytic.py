@@ -46,13 +46,16 @@ class Sphere(_Round):
         return self.R
 
     def f(self, r: Array) -> Array:
+        r = np.asarray(r, dtype=float)
         inside = np.minimum(r, self.R)
         return np.where(r <= self.R, r**2 / (self.R + np.sqrt(self.R**2 - inside**2)), np.inf)
 
     def slope(self, r: Array) -> Array:
+        r = np.asarray(r, dtype=float)
         return r / np.sqrt(self.R**2 - r**2)
 
     def abel(self, x: Array) -> Array:
+        x = np.asarray(x, dtype=float)
         return x * np.arctanh(x / self.R)
 
     def abel_slope(self, x: Array) -> Array:
@@ -72,13 +75,13 @@ class Paraboloid(_Round):
         return {"shape": "paraboloid", "radius": self.R}
 
     def f(self, r: Array) -> Array:
-        return r**2 / (2 * self.R)
+        return np.asarray(r, dtype=float) ** 2 / (2 * self.R)
 
     def slope(self, r: Array) -> Array:
-        return r / self.R
+        return np.asarray(r, dtype=float) / self.R
 
     def abel(self, x: Array) -> Array:
-        return x**2 / self.R
+        return np.asarray(x, dtype=float) ** 2 / self.R
 
     def abel_slope(self, x: Array) -> Array:
         return 2 * x / self.R
@@ -123,14 +126,14 @@ class PowerLaw(Indenter):
         return f"cone of slope {self.B:.4g}" if self.d == 1 else f"profile {self.B:.4g} r^{self.d:g}"
 
     def f(self, r: Array) -> Array:
-        return self.B * r**self.d
+        return self.B * np.asarray(r, dtype=float) ** self.d
 
     def slope(self, r: Array) -> Array:
-        return self.B * self.d * r ** (self.d - 1)
+        return self.B * self.d * np.asarray(r, dtype=float) ** (self.d - 1)
 
     def abel(self, x: Array) -> Array:
         with np.errstate(over="ignore"):  # infinite is what it is then, and what a search for a radius can tell
-            return self.B * (half_space.abel_factor(self.d) * x**self.d)
+            return self.B * (half_space.abel_factor(self.d) * np.asarray(x, dtype=float) ** self.d)
 
     def abel_slope(self, x: Array) -> Array:
         return self.d * self.abel(x) / x
@@ -174,13 +177,15 @@ class RoundedFlat(Indenter):
         return f"flat end b = {show(self.b, 'length')} with edge radius {show(self.edge_radius, 'length')}"
 
     def f(self, r: Array) -> Array:
-        return np.maximum(r - self.b, 0) ** 2 / (2 * self.edge_radius)
+        return np.maximum(np.asarray(r, dtype=float) - self.b, 0) ** 2 / (2 * self.edge_radius)
 
     def slope(self, r: Array) -> Array:
-        return np.maximum(r - self.b, 0) / self.edge_radius
+        return np.maximum(np.asarray(r, dtype=float) - self.b, 0) / self.edge_radius
 
     def abel(self, x: Array) -> Array:
-        return self.half_space(np.maximum(x, self.b), 1.0)[0]
+        x = np.maximum(np.asarray(x, dtype=float), self.b)
+        tangent = np.sqrt((x - self.b) * (x + self.b)) / self.b
+        return x * self.b * half_space.tangent_minus_angle(tangent) / self.edge_radius
 
     def abel_slope(self, x: Array) -> Array:
         root = np.sqrt(np.maximum(x - self.b, 0) * (x + self.b))

@@ -52,16 +52,18 @@ class RoundedCone(Indenter):
         return f"rounded cone R = {show(self.R, 'length')}, half angle {math.degrees(self.half_angle):.4g} deg"
 
     def f(self, r: Array) -> Array:
+        r = np.asarray(r, dtype=float)
         inside = np.minimum(r, self.b)
         return (inside**2 / 2 + (r - inside) * self.b) / self.R
 
     def slope(self, r: Array) -> Array:
-        return np.minimum(r, self.b) / self.R
+        return np.minimum(np.asarray(r, dtype=float), self.b) / self.R
 
     def abel(self, x: Array) -> Array:
         return half_space.rounded_cone(x, 1.0, self.R, self.b)[0]
 
     def abel_slope(self, x: Array) -> Array:
+        x = np.asarray(x, dtype=float)
         root, angle = half_space.beyond(x, self.b)
         return (2 * (x - root) + self.b * angle) / self.R
 

@@ -192,7 +192,7 @@ def solved(problem: Problem, tolerance: float) -> Family:
 
     SolveError where it cannot be solved, with the reason.
     """
-    for coarser in sorted({tolerance, SAME, UNSEEN}):
+    for coarser in (tolerance, *(one for one in (SAME, UNSEEN) if one > tolerance)):
         try:
             series = Layered(coarser)(problem).series
             break

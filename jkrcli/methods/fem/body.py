@@ -79,7 +79,7 @@ def cut_out(problem: Problem, reach: float, depth: float | None, width: float | 
     completed = cut_below and depth is None and width is None
     side: Side = "free" if cut_beside else specimen.side or "free"
     own = tuple(thicknesses), specimen.materials, _width(specimen, reach, width, far), bonded, side
-    return MeshedBody(*own, cut_below, cut_beside, completed, specimen.surface_tension)
+    return MeshedBody(*own, cut_below, cut_beside, completed=completed, tension=specimen.surface_tension)
 
 
 def half_space_like(body: MeshedBody, reach: float) -> MeshedBody:

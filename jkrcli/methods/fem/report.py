@@ -26,8 +26,11 @@ def finished(options: FEMOptions, run: Run, judged: Assessment, clock: StageCloc
             forces = np.array([step.p for step in run.increments])
         series, pressure = _series(run, judged), pressures(level.model.surface, forces)
     facts, warnings = _facts(options, run, judged.judged_from), tuple(_warnings(options, run))
-    found = run.problem, series, judged.budget, "fem", run.raw, pressure
-    return Solution(*found, facts, clock.seconds, warnings).widened()
+    solution = Solution(
+        run.problem, series, judged.budget, "fem", run.raw, pressure,
+        facts=facts, timings=clock.seconds, warnings=warnings,
+    )  # fmt: skip
+    return solution.widened()
 
 
 def _series(run: Run, judged: Assessment) -> Series:

@@ -57,7 +57,7 @@ def _broken(values: Array, a: Array) -> Array:
 
 def _residuals(axes: Axes, fit: Fit) -> None:
     factor, label = axis_of("a", fit.a)
-    free, places, beside = fit.a == 0, fit.a / factor, 0.6  # width of the rows out of contact, in largest radii
+    free, places, beside = fit.a == 0, fit.a / factor, 0.6  # choice: width of the rows out of contact, in largest radii
     places[free] = places.max() * beside * (np.linspace(-1, 0, int(free.sum()) + 1)[:-1])
     alone = "normal distance" if fit.quality is None else LABELS["P"]  # of raw records all scatter is in the load
     names = [alone] if fit.residuals.shape[0] == 1 else [LABELS[name] for name in fit.data]

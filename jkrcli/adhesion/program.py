@@ -1,4 +1,5 @@
-"""What a device does over time: it moves to and fro, waits, steps; under load control the same of the load."""
+"""What a device does over time: it moves to and fro, waits, steps; under load control the same of the load. A course
+is the usual way there and back by turn, speeds and hold; on a contact it becomes a program."""
 
 from __future__ import annotations
 
@@ -114,7 +115,7 @@ def there_and_back(turn: float, inwards: float, outwards: float, hold: float = 0
     return Program(np.array([0.0, reached, reached + hold]), np.array([start, turn, turn]), -outwards)
 
 
-# ---------------------------------------------------------------------- as people say it
+# ---------------------------------------------------------------------- there and back
 class Turning(Protocol):
     """A contact in a device of ``stiffness`` [N/m]: where it begins, and where an approach comes to its turn."""
 

@@ -1,5 +1,5 @@
-"""How loud a verb is: results to stdout unless quiet, all of them and details when verbose, warnings to stderr always;
-lines are folded to the terminal's width."""
+"""What a verb prints, and how loud: results to stdout unless quiet, for people or as JSON, all of them and details when
+verbose, warnings to stderr always; lines are folded to the terminal's width."""
 
 from __future__ import annotations
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -61,7 +62,7 @@ class Search:
     accuracies: Sequence[float]
     scale: float = math.inf
 
-    @property
+    @cached_property
     def radii(self) -> Array:
         """All contact radii [m], increasing."""
         loading = self.loading
@@ -72,7 +73,7 @@ class Search:
         radii = self._spaced(self.largest)
         return radii if loading.spacing == "given" else _with_kinks(radii, self.indenter)
 
-    @property
+    @cached_property
     def largest(self) -> float:
         """The contact radius [m] at which the loading ends: a rough search first, then ever more accurate ones."""
         loading = self.loading

@@ -5,23 +5,20 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from ...base import MOST_SOLVES, Estimate, Refusal, StageClock, Unknown, one_thread
-from ...bodies import HalfSpace, Indenter, Problem
+from ...base import Refusal, StageClock, Unknown, one_thread
+from ...bodies import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
 from ..protocol import Forecast
-from .body import at_surface, half_space_like
-from .budget import TUNING as BUDGET
+from .body import at_surface
 from .budget import Assessment, assessed, truncation_of
+from .cost import forecast
 from .edge import finest_spacing
 from .grid import Grid
 from .layout import Layout, layout_for
-from .options import FEMOptions
+from .options import DOUBLED, FEMOptions
+from .refinement import adapted, first
 from .report import finished
-from .run import Run, expected_reach, mixed_layers, run
-
-DOUBLED = 2.0  # element sizes of the mesh for the error estimate; theory: estimates are of what doubling changes
+from .run import Run, expected_reach, run
 
 
 @dataclass(frozen=True)
@@ -109,7 +106,7 @@ class FEM(FEMOptions):
 
     def forecast(self, problem: Problem) -> Forecast:
         """Cost and error from the expected number of elements, by measured ones; of the first mesh to a tolerance."""
-        expected = _forecast(self, problem, self._first_layout(problem))
+        expected = forecast(self, problem, self._first_layout(problem))
         return expected if self.tolerance is None else replace(expected, error=self.tolerance)
 
     def __call__(self, problem: Problem) -> Solution:
@@ -136,168 +133,3 @@ class FEM(FEMOptions):
         with clock("error estimate"):
             larger = [solved.companion(ratio) for ratio in (DOUBLED, DOUBLED**2)]
             return assessed(solved, larger, DOUBLED, truncation_of(solved, larger[0]))
-
-
-# ---------------------------------------------------------------------- to a tolerance
-@dataclass(frozen=True)
-class RefinementTuning:
-    """Spacings from a tolerance, and from one mesh to the next.
-
-    The spacing of the first mesh is guessed from the tolerance. Every finer mesh is judged against the one before, so
-    that each is solved once; the first against a companion whose sizes are not doubled as for a single series: what a
-    smaller step changes tells the error more closely where meshes converge faster than to first order, which the
-    estimate assumes.
-    """
-
-    coarsest: float = 0.12  # spacing of the first mesh; tuned on the bodies of `make tuning`, by `make tuning`
-    finest: float = 5e-4  # of any; choice: more unknowns than machines have memory for
-    usual_spacing: float = 0.04  # theory: the default, whose usual error is
-    usual: float = 4e-4  # tuned on the bodies of `make failures`, by `make failures`
-    order: float = 1.7  # by which it falls with the spacing; tuned on the same, by `make failures`
-    aim: float = 0.6  # of the tolerance; tuned on the bodies of `make tuning`, by `make tuning`
-    least: float = 0.4  # by what the spacing may shrink at once; tuned on the same, by `make tuning`
-    most: float = 0.75  # and must; tuned on the same, by `make tuning`
-    steepest: float = 0.4  # growth; tuned on the same, by `make tuning`
-    companion: float = 2**0.5  # element sizes the first mesh is judged against; tuned on the same, by `make tuning`
-
-
-TUNING = RefinementTuning()
-
-
-def adapted(options: FEMOptions, problem: Problem, clock: StageClock) -> Solution:
-    """Solve ``problem`` to the tolerance; Refusal with the error reached where that is not possible."""
-    tolerance = options.tolerance
-    assert tolerance is not None
-    options = first(options, problem)
-    spacing, ratio = options.spacing, TUNING.companion
-    solved = run(options, problem, clock)
-    with clock("error estimate"):
-        coarse = solved.companion(ratio)
-        truncation = truncation_of(solved, coarse)
-    for _ in range(MOST_SOLVES):
-        with clock("error estimate"):
-            judged = assessed(solved, [coarse], ratio, truncation)
-        reached = judged.budget.series
-        if isinstance(reached, float) and reached <= tolerance:
-            return finished(sized(options, spacing), solved, judged, clock)
-        finer = spacing * _shrinkage(tolerance, reached, truncation)
-        if finer < _finest(problem) or (isinstance(truncation, float) and truncation >= tolerance):
-            break
-        coarse, ratio, spacing = solved.level, spacing / finer, finer
-        solved = _finer(sized(options, spacing), problem, clock, solved, _unreached(tolerance, reached, solved))
-    raise _unreached(tolerance, reached, solved)
-
-
-def first(options: FEMOptions, problem: Problem) -> FEMOptions:
-    """The options with the sizes of the first mesh: their own, or what the tolerance begins with."""
-    if options.tolerance is None:
-        return options
-    guess = TUNING.usual_spacing * (TUNING.aim * options.tolerance / TUNING.usual) ** (1 / TUNING.order)
-    spacing = max(min(TUNING.coarsest, guess), _finest(problem))
-    smallest = _smallest(options, problem.indenter, expected_reach(options, problem))
-    return sized(replace(options, smallest=smallest), spacing)
-
-
-def _finest(problem: Problem) -> float:
-    """Least spacing that the problem is solved with."""
-    follows = finest_spacing(at_surface(problem.specimen.materials[0])) if problem.sticks else 0.0
-    return max(TUNING.finest, follows)
-
-
-def _smallest(options: FEMOptions, indenter: Indenter, reach: float) -> float:
-    """Fraction of the reach down to which the spacing follows the radius: half the width at the least depth judged."""
-    width = np.geomspace(1e-4, 1, 400) * (reach - indenter.a0)
-    depths = indenter.abel(indenter.a0 + width)
-    judged = np.interp(np.log(BUDGET.judged_depth * depths[-1]), np.log(depths), np.log(width))
-    return min(options.smallest, 0.5 * float(np.exp(judged)) / (reach - indenter.a0))
-
-
-def sized(options: FEMOptions, spacing: float) -> FEMOptions:
-    """The options with elements in proportion to ``spacing``, as far as the growth may go."""
-    growth = min(options.growth_of_sizes * spacing / options.spacing, TUNING.steepest)
-    return replace(options, spacing=spacing, growth=growth)
-
-
-def _shrinkage(tolerance: float, reached: Estimate, truncation: Estimate) -> float:
-    """Factor by which the spacing is to shrink; what the truncation takes of the tolerance is lost."""
-    if isinstance(reached, Unknown) or isinstance(truncation, Unknown) or truncation >= tolerance:
-        return TUNING.least
-    wanted = (TUNING.aim * (tolerance - truncation) / (reached - truncation)) ** (1 / TUNING.order)
-    return min(max(wanted, TUNING.least), TUNING.most)
-
-
-def _finer(options: FEMOptions, problem: Problem, clock: StageClock, before: Run, unreached: Refusal) -> Run:
-    """The next mesh, for the contact radius found on the one before."""
-    try:
-        return run(options, problem, clock, before.level.model.discretisation.reach)
-    except Refusal as refusal:
-        raise Refusal([*unreached.lines, *refusal.lines]) from None
-
-
-def _unreached(tolerance: float, reached: Estimate, solved: Run) -> Refusal:
-    error = reached if isinstance(reached, Unknown) else f"the estimated error is {reached:.1e}"
-    unknowns = solved.level.model.system.free.size
-    return Refusal(
-        f"mesh.tolerance: {tolerance:g} is not reached: with {unknowns} unknowns {error}; ask for a larger one, leave "
-        "out mesh.depth and mesh.width, or use the method layered where it represents the body"
-    )
-
-
-# ---------------------------------------------------------------------- what a solve costs
-@dataclass(frozen=True)
-class ForecastTuning:
-    """Cost and accuracy as measured."""
-
-    start: float = 0.03  # CPU seconds of any model; tuned on the cases of `make bench`, by `make bench`
-    per_unknown: float = 2.5e-5  # and per unknown of a small one; tuned on the same, by `make bench`
-    large: float = 1e5  # unknowns, from which they grow like the power 3/2; tuned on the same, by `make bench`
-    per_row: float = 1.5e-4  # and per depth, load or radius of a list; tuned on lists of 1e5, by `make guards`
-    mib_per_row: float = 8e-3  # memory of one; tuned on the same, by `make guards`
-    mib: float = 100.0  # memory of any model; tuned on the same, by `make bench`
-    mib_per_unknown: float = 5e-3  # tuned on the same, by `make bench`
-    load: float = 3e-4  # error of the default spacing, second order; tuned on the bodies of `make chart`, by it
-    load_order: float = 2.3  # by which it falls; tuned on the same, by `make chart`
-    load_first: float = 1e-2  # error with first-order elements; tuned on the same, by `make chart`
-    radius: float = 6e-4  # error of calibrated radii; tuned on the same, by `make chart`
-
-
-COST_TUNING = ForecastTuning()
-
-
-def _forecast(options: FEMOptions, problem: Problem, layout: Layout) -> Forecast:
-    """Cost and error from the expected number of elements of ``layout``."""
-    per_cell = _unknowns_per_cell(options, bool(mixed_layers(options, problem)))
-    cells = layout.expected_cells()
-    seconds = _seconds(options, cells * per_cell)
-    elsewhere = options.edge_correction and options.contact == "nested" and not problem.specimen.is_half_space
-    if elsewhere:  # the edge correction needs a mesh of its own
-        half_space = half_space_like(layout.body, layout.law.reach * layout.unit)
-        seconds += _seconds(options, layout.on(half_space).expected_cells() * per_cell)
-    rows = len(problem.loading.values)
-    seconds += COST_TUNING.per_row * rows
-    memory = COST_TUNING.mib + cells * per_cell * COST_TUNING.mib_per_unknown + COST_TUNING.mib_per_row * rows
-    note = f"about {float(f'{cells:.2g}'):.0f} elements"
-    return Forecast(seconds, memory, _error(options, layout, elsewhere), note)
-
-
-def _seconds(options: FEMOptions, unknowns: float) -> float:
-    """CPU seconds to mesh, assemble, factorise and condense a model, and its companion for the error estimate."""
-    models = (unknowns, unknowns / DOUBLED**2) if options.estimate_error else (unknowns,)
-    return sum(COST_TUNING.start + COST_TUNING.per_unknown * n * (1 + (n / COST_TUNING.large) ** 0.5) for n in models)
-
-
-def _unknowns_per_cell(options: FEMOptions, mixed: bool) -> float:
-    """Unknowns per element of large meshes: a triangle has half a vertex, and two displacements per node."""
-    first_order = 1.0 if options.element == "triangle" else 2.0
-    return first_order * (1.0 if options.order == 1 else 4.2) * (1.1 if mixed else 1.0)
-
-
-def _error(options: FEMOptions, layout: Layout, calibrated: bool) -> float:
-    """Expected relative error of loads and radii together; zones leave no less than the default's, however small."""
-    spacing = layout.law.slope or layout.law.floor / layout.law.reach
-    coarseness = spacing / FEMOptions.spacing if options.layout == "scaled" else max(spacing / FEMOptions.spacing, 1.0)
-    rates = COST_TUNING
-    load = rates.load * coarseness**rates.load_order if options.order == 2 else rates.load_first * coarseness**2
-    if options.contact == "incremental" or not options.edge_correction:
-        return load + spacing
-    return load + (COST_TUNING.radius * coarseness if calibrated else 0.0)

@@ -10,6 +10,7 @@ from ..protocol import Descriptor, InTable, register
 
 Solver: TypeAlias = Literal["auto", "superlu", "cholmod"]
 GROWTH = {"scaled": {1: 0.05, 2: 0.15}, "zones": {1: 0.08, 2: 0.25}}  # chosen for equal errors by either order
+DOUBLED = 2.0  # element sizes of the mesh for the error estimate; theory: estimates are of what doubling changes
 Number: TypeAlias = Annotated[float, Ranged("number", above=0)]
 
 

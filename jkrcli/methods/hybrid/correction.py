@@ -9,7 +9,7 @@ work of the pressure of x in w_t into
     D(x, t) = int_held T_x . u_t - int_free T_t . u_x - int (C - C_contact) eps(u_t) : eps(u_x),       T: tractions
 
 which is stationary in w: an error e of the discrete fields enters as A(e, e) only. No surface values are read off, and
-nothing is taken near the contact.
+nothing is taken near the contact. ``RingField`` is the half-space's field u_t, of the pressure of one t.
 """
 
 from __future__ import annotations

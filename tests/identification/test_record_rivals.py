@@ -25,7 +25,7 @@ from jkrcli.identification.fit.fitted_record import FittedRecord, Known
 from jkrcli.identification.fit.record import _fitted, _model
 from jkrcli.identification.fit.record_change import AMOUNT, LITTLE, Change, ChangedFamily, RivalModel
 from jkrcli.identification.fit.record_change import TUNING as CHANGES
-from jkrcli.identification.fit.record_full import _of_amounts, bounded
+from jkrcli.identification.fit.record_full import _Amounts, _of_amounts, bounded
 from jkrcli.identification.fit.record_rival_adhesion import narrow_range, work_over_speed
 from jkrcli.identification.fit.record_rivals import RIVALS, Rival, columns
 from jkrcli.identification.fit.record_scores import DETECTED, EXCLUDED, UNDECIDED, Linearised, rivals_of_record
@@ -379,8 +379,9 @@ def test_ranges_beyond_the_interval_count_by_the_chord() -> None:
     score = next(one for one in rivals_of_record(at).scores if one.name == rival.name)
     effect = rival.effect(at)
     assert isinstance(effect, Change)
-    tried = {4.0: (0.0, 0.01, -0.02), 2.0: (6.0, 0.3, 0.1), 1.0: (7.0, 0.2, -0.4)}
-    found = _of_amounts(Linearised.of(at), score, effect, tried)
+    tried = _Amounts(Linearised.of(at), effect)
+    tried.moves.update({4.0: (0.0, 0.01, -0.02), 2.0: (6.0, 0.3, 0.1), 1.0: (7.0, 0.2, -0.4)})
+    found = _of_amounts(tried, score)
     assert found.known == 4
     assert found.moved(found.E_star) == pytest.approx(0.3 * 1.96 / math.sqrt(6), rel=1e-4)
     assert found.moved(found.w) == pytest.approx(0.4 * 1.96 / math.sqrt(7), rel=1e-4)

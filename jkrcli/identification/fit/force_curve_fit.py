@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -39,6 +40,7 @@ class ForceCurveFitTuning:
     fell: float = 1e-8  # theory: of chi^2 of 1e4 rows, its rise a hundredth of a standard error from the minimum
     unsure: float = 0.1  # choice: of the way in contact, the most that the place of a fold is taken to be uncertain by
     narrower: float = 2.0  # choice: factor between two estimates of it, below which they agree
+    corrected: int = 2  # choice: times that a neighbour's moduli are corrected, by a factor of e at most each
     near: float = 0.1  # choice: of chi^2, the fall still to be had a third of a standard error from its minimum
     evaluations: int = 80  # choice: steps after which the search gives up
 
@@ -286,17 +288,39 @@ class Neighbour:
         self.last: ForceCurveFit | None = None
 
     def start(self, model: ForceCurveModel) -> Array | None:
-        """Unknowns of a ``model`` with moduli and w of the last record, contact beginning as far from the outermost row
-        that is in contact for sure; None where it has others."""
+        """Unknowns of a ``model`` about as the last record's were: w in proportion to the tension, the contact lost at
+        the outermost row that is in contact for sure, moduli as the deepest one asks for; None where it has others."""
         last = self.last
         if last is None or last.names != model.names or model.positions or any(one.wave for one in model.stretches):
             return None
-        then, now = _outermost(last.model), _outermost(model)
-        if then is None or now is None:
+        outermost, part, before = _outermost(model), model.stretches[-1], last.model.stretches[-1]
+        if outermost is None:
             return None
-        values = {name: last.value(name) for name in last.names} | by_base_lines(model)
-        values["z0"] += now - then
-        return model.unknowns(values)
+        values = {**last.model.values(last.x), **by_base_lines(model)}
+        values = _times_q(values, part.tension / before.tension if before.tension > 0 else 1.0)
+        with contextlib.suppress(SolveError):  # no contact bears that
+            for _ in range(TUNING.corrected):
+                values["z0"] = outermost - model.branch(part, values).fold - part.spacing / 2
+                rise = _by_deepest_row(model, values) if "ln_s" in model.names else 0.0
+                values = {**_times_q(values, math.exp(-rise)), "ln_s": values["ln_s"] + rise}
+            return model.unknowns(values)
+        return None
+
+
+def _times_q(values: Mapping[str, float], factor: float) -> dict[str, float]:
+    """The unknowns with q of all stretches times a factor, and its roots."""
+    powers = {"q": 1.0, "r": 0.5}
+    return {name: value * factor ** powers.get(name.partition(":")[0], 0.0) for name, value in values.items()}
+
+
+def _by_deepest_row(model: ForceCurveModel, values: Mapping[str, float]) -> float:
+    """By how much ln s is to rise at equal w, so that the deepest row of the first direction is met, to first order."""
+    part, q = model.stretches[0], values[f"q:{model.stretches[0].kind}"]
+    deepest = int(np.argmax(part.z))
+    P, (by_s, by_q, _) = model.branch(part, values).at(part.z[[deepest]] - values["z0"], part.spacing / 2)
+    rate = float(by_s[0] - q * by_q[0])
+    rise = float(part.P[deepest] - part.line(part.z[deepest]) - P[0]) / rate if rate > 0 else 0.0
+    return min(max(rise, -1.0), 1.0)
 
 
 def _outermost(model: ForceCurveModel) -> float | None:

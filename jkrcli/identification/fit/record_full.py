@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -108,12 +108,10 @@ def _bounded(record: FittedRecord, score: Score) -> Score:
     change = _effect(record, score) if score.most > 0 or score.name in (RANGE.name, TENSION.name) else None
     if not isinstance(change, Change):
         return score
-    near = Linearised.of(record, off_folds(record))
-    if score.name == RANGE.name:
-        return _of_amounts(near, score, change, _along(near, change, _ranges(record, score, record.known.range)))
-    if score.name == TENSION.name:
-        return _of_tension(near, score, change)
-    return _at_most(Linearised.of(record), change, score)
+    if score.name not in (RANGE.name, TENSION.name):
+        return _at_most(Linearised.of(record), change, score)
+    tried = _Amounts(Linearised.of(record, off_folds(record)), change)
+    return _of_ranges(tried, score) if score.name == RANGE.name else _of_tension(tried, score)
 
 
 def _with_alike(best: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
@@ -134,21 +132,62 @@ def _at_most(near: Linearised, change: Change, score: Score) -> Score:
     return replace(score, E_star=E / score.most, w=w / score.most) if math.isfinite(E + w) else score
 
 
-def _of_tension(near: Linearised, score: Score, change: Change) -> Score:
+@dataclass(frozen=True, eq=False)
+class _Amounts:
+    """What the data say of those amounts of a ``change`` that were tried, ``near`` the fit without: by how much chi^2
+    and the logs of E* and w rise, None where the data exclude it for certain, by three standard errors, or where steps
+    do not settle; ``ends``: the unknowns of those that are left."""
+
+    near: Linearised
+    change: Change
+    moves: dict[float, Moves | None] = field(default_factory=dict)
+    ends: dict[float, Array] = field(default_factory=dict)
+
+    @property
+    def left(self) -> dict[float, Moves]:
+        """The moves at those that are left."""
+        return {amount: moves for amount, moves in self.moves.items() if moves is not None}
+
+    def at(self, amount: float) -> Moves | None:
+        """The moves at an amount, from where those below lead."""
+        model = _with_amount(self.near.record, self.change, amount)
+        end = _followed(self.near, model, SCORES.tied, TUNING.about, self._begin(amount))
+        moves = None if end is None else (end[0], *_moves(self.near, end[1]))
+        self.moves[amount] = None
+        if end is not None and moves is not None and moves[0] < SCORES.tied and np.isfinite(moves).all():
+            self.moves[amount], self.ends[amount] = moves, end[1]
+        return self.moves[amount]
+
+    def _begin(self, amount: float) -> Array:
+        """Unknowns at an amount on the straight line through the two below; as without, where none is left next to it:
+        another valley may begin there."""
+        points = [(0.0, self.near.x)]
+        for less in sorted(less for less in self.moves if less < amount):
+            points = [*points, (less, self.ends[less])] if less in self.ends else points[:1]
+        (first, x), (last, y) = points[-2:][0], points[-1]
+        return y + (y - x) * ((amount - last) / (last - first)) if last > first else y
+
+
+def _of_ranges(tried: _Amounts, score: Score) -> Score:
+    """The score with the moves at ranges up to the longest that there may be."""
+    for amount in sorted({*_ranges(tried.near.record, score)}):
+        tried.at(amount)
+    return _of_amounts(tried, score)
+
+
+def _of_tension(tried: _Amounts, score: Score) -> Score:
     """The same of surface tensions up to the largest that is known, or the usual one where the data lean to any: by
     more than can be chance."""
-    record, known = near.record, near.record.known.tension
-    most = amount_of_tension(record, known or TUNING.skinned)
-    tried: dict[float, Moves | None] = {}
-    least, leans = 0.0, False
+    record, known = tried.near.record, tried.near.record.known.tension
+    most, least, leans = amount_of_tension(record, known or TUNING.skinned), 0.0, False
     for amount in sorted({min(most, TUNING.skins[0]), *(amount for amount in TUNING.skins if amount < most)}):
-        tried[amount] = moves = _moves_at(near, change, amount)
+        moves = tried.at(amount)
         rises = moves is not None and moves[0] > least
         least = least if moves is None else min(least, moves[0])
         leans = bool(known) or -least > TUNING.leaning or _by_chance(record, -least)
-        if (moves is None and len(tried) > 1) or (rises and not leans):
+        if (moves is None and len(tried.moves) > 1) or (rises and not leans):
             break  # no larger one is left either, or takes more
-    return _of_amounts(near, score, change, tried) if leans else score
+    return _of_amounts(tried, score) if leans else score
 
 
 def _by_chance(record: FittedRecord, taken: float) -> bool:
@@ -156,26 +195,28 @@ def _by_chance(record: FittedRecord, taken: float) -> bool:
     return chance_of(record.fit, taken) < SCORES.chance / len(RIVALS)
 
 
-def _of_amounts(near: Linearised, score: Score, change: Change, tried: Mapping[float, Moves | None]) -> Score:
-    """The score with the largest moves at those amounts ``tried`` of a ``change`` that the data leave; it is detected
-    where one takes enough of the misfit. Those beyond the interval count by the chord to it, as moves may grow steeply
-    there."""
-    tried = _down_to_left(near, score, change, tried)
-    possible = {amount: moves for amount, moves in tried.items() if moves is not None}
-    left = [amount for amount, moves in possible.items() if moves[0] < score.quantile**2]
-    if not left:
+def _of_amounts(tried: _Amounts, score: Score) -> Score:
+    """The score with the largest moves at those amounts ``tried`` that the data leave, where they leave none, at
+    smaller ones, each half of the last; it is detected where one takes enough of the misfit. Those beyond the interval
+    count by the chord to it, as moves may grow steeply there."""
+    within, least = score.quantile**2, min(tried.moves)
+    for _ in range(MOST_STEPS):
+        if any(moves[0] < within for moves in tried.left.values()):
+            break
+        tried.at(least := least / 2)
+    else:
         return score
-    end = max(left)
-    beyond = min((amount for amount in tried if amount > end), default=0.0)
+    end = max(amount for amount, moves in tried.left.items() if moves[0] < within)
+    beyond = min((amount for amount in tried.moves if amount > end), default=0.0)
     for _ in range(TUNING.halves * (beyond > 0)):
         middle = math.sqrt(end * beyond)
-        if (moves := _moves_at(near, change, middle)) is not None:
-            possible[middle] = moves
-        end, beyond = (end, middle) if moves is None or moves[0] > score.quantile**2 else (middle, beyond)
+        moves = tried.at(middle)
+        end, beyond = (end, middle) if moves is None or moves[0] > within else (middle, beyond)
+    possible, record = tried.left, tried.near.record
     best = min(possible, key=lambda amount: possible[amount][0])
     taken = -possible[best][0]
-    chance = chance_of(near.record.fit, taken)
-    if _by_chance(near.record, taken):
+    chance = chance_of(record.fit, taken)
+    if _by_chance(record, taken):
         return replace(_moving(score, best, possible[best][1:]), amount=best, word=DETECTED, chance=chance, taken=taken)
     chords = [min(1.0, score.quantile / math.sqrt(max(moves[0], TINY))) * np.abs(moves[1:])
               for moves in possible.values()]  # fmt: skip
@@ -183,24 +224,10 @@ def _of_amounts(near: Linearised, score: Score, change: Change, tried: Mapping[f
     return replace(moving, amount=best * (taken > 0), chance=chance, taken=max(taken, 0.0))
 
 
-def _down_to_left(
-    near: Linearised, score: Score, change: Change, tried: Mapping[float, Moves | None]
-) -> dict[float, Moves | None]:
-    """Those ``tried``, and where the data leave none of them smaller ones, each half of the last, down to one that they
-    leave."""
-    tried, least = dict(tried), min(tried)
-    for _ in range(MOST_STEPS):
-        if any(moves is not None and moves[0] < score.quantile**2 for moves in tried.values()):
-            break
-        least /= 2
-        tried[least] = _moves_at(near, change, least)
-    return tried
-
-
-def _ranges(record: FittedRecord, score: Score, longest: float) -> list[float]:
-    """Amounts of ranges to try, from the ``longest`` [m] that there may be down to the one that is likely before the
-    data; where one step excludes all that are longer, up to what it leaves for certain."""
-    deep, shortest = neck(record), TUNING.ranges[-1] * neck(record)
+def _ranges(record: FittedRecord, score: Score) -> list[float]:
+    """Amounts of ranges to try, from the longest that there may be down to the one that is likely before the data;
+    where one step excludes all that are longer, up to what it leaves for certain."""
+    longest, deep, shortest = record.known.range, neck(record), TUNING.ranges[-1] * neck(record)
     certain = max(score.amount, 0.0) + TUNING.excluded * score.error
     if amount_of_range(record, shortest) > certain:
         return [min(score.known, certain)]
@@ -208,39 +235,6 @@ def _ranges(record: FittedRecord, score: Score, longest: float) -> list[float]:
     ranges = [*known, *(r * deep for r in (ADHESION.endless, *TUNING.ranges) if r * deep < longest)]
     amounts = [amount_of_range(record, z0) for z0 in ranges]
     return [*amounts, *[score.known] * (score.known < min(amounts, default=math.inf))]
-
-
-def _along(near: Linearised, change: Change, amounts: Iterable[float]) -> dict[float, Moves | None]:
-    """``_moves_at`` several ``amounts`` of a change, each from where a straight line through the two before leads."""
-    moves: dict[float, Moves | None] = {}
-    reached = [(0.0, near.x)]
-    for amount in sorted(amounts):
-        end = _at_amount(near, change, amount, _on_line(reached[-2:], amount))
-        moves[amount] = _left(near, end)
-        reached = [(0.0, near.x)] if end is None or moves[amount] is None else [*reached, (amount, end[1])]
-    return moves
-
-
-def _on_line(points: Sequence[tuple[float, Array]], amount: float) -> Array:
-    """Unknowns at an ``amount`` on the straight line through the last two ``points``, or as at the only one."""
-    (first, x), (last, y) = points[0], points[-1]
-    return y + (y - x) * ((amount - last) / (last - first)) if last > first else y
-
-
-def _moves_at(near: Linearised, change: Change, amount: float) -> Moves | None:
-    """By how much chi^2, and the logs of E* and w, rise with an amount of a change; None where the data exclude it for
-    certain, by three standard errors."""
-    return _left(near, _at_amount(near, change, amount, near.x))
-
-
-def _at_amount(near: Linearised, change: Change, amount: float, begin: Array) -> tuple[float, Array] | None:
-    return _followed(near, _with_amount(near.record, change, amount), SCORES.tied, TUNING.about, begin)
-
-
-def _left(near: Linearised, end: tuple[float, Array] | None) -> Moves | None:
-    """The moves at the ``end`` of the steps of a model, unless the data exclude them."""
-    moves = None if end is None else (end[0], *_moves(near, end[1]))
-    return moves if moves is not None and moves[0] < SCORES.tied and np.isfinite(moves).all() else None
 
 
 def _moves(near: Linearised, x: Array) -> tuple[float, float]:

@@ -50,8 +50,8 @@ class Fits(Several):
     def parts(self) -> list[list[str]]:
         if len(self.fits) == 1:
             return [words(self.fits[0])]
-        each = [[f"{item.where}: {line}" if i == 0 else line for i, line in enumerate(words(item))]
-                for item in self.fits[:SHOWN]]  # fmt: skip
+        each = [[f"{item.where}: {verdict}", *rest] for item in self.fits[:SHOWN]
+                for verdict, *rest in [words(item, once=True)]]  # fmt: skip
         return [[self._together()], *each] if len(self.fits) > 2 and len(_surfaces(self.fits)) == 1 else each
 
     def _together(self) -> str:
@@ -206,13 +206,13 @@ def estimate_summary(item: FittedValue) -> dict[str, Any]:
     return numbers
 
 
-def words(item: Fit) -> list[str]:
-    """A fit as lines of text: the verdict, what was free, and what follows from it."""
+def words(item: Fit, once: bool = False) -> list[str]:
+    """A fit as lines of text: the verdict (``once``: as ``brief``), what was free, and what follows from it."""
     out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
     status = f"{_status(item)}, " if item.quality is not None or item.flags else ""
     ways = f", {item.directions}" if item.directions else ""
     stuck = ", no slip" if item.surface == "sticking" else ""
-    lines = [*verdict_words(item), *_range_words(item)]
+    lines = [*verdict_words(item, once), *_range_words(item)]
     lines += [f"  {item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
     lines += estimate_lines(sorted(item.estimates, key=lambda one: one.name in ZERO_POINTS), item.settings.level)
     correlation = item.correlated("modulus", "w")
@@ -224,12 +224,12 @@ def words(item: Fit) -> list[str]:
     return lines
 
 
-def verdict_words(item: Fit) -> list[str]:
+def verdict_words(item: Fit, once: bool = False) -> list[str]:
     """E* and w with the parts of their errors; of raw records also whether the model is rejected, what a formula would
     give, and which rivals the parts by the model are from."""
     shown, formula = [item.estimate("E_star"), item.work], list[str]()
     doubts = [flag for flag in item.flags if not flag.endswith(VAGUE)]
-    verdict = brief(shown, item.settings.level)
+    verdict = brief(shown, item.settings.level, once)
     verdict += f"; doubtful: {', '.join(doubts)}" if doubts else ""
     if item.verdict is None:
         return [verdict]
@@ -249,16 +249,26 @@ def verdict_words(item: Fit) -> list[str]:
     return [verdict + rejected, *(f"  {'; '.join(lines)}" for lines in (formula, judged) if lines)]
 
 
-def brief(items: Sequence[FittedValue], level: float) -> str:
-    """Values with their statistical part, that of inputs, and that of the model, all half-widths at one ``level``."""
-    values = ", ".join(_with_parts(item, level) for item in items)
+def brief(items: Sequence[FittedValue], level: float, once: bool = False) -> str:
+    """Values with their statistical part, that of inputs, and that of the model, all half-widths at one ``level``;
+    ``once``: the kinds of several parts behind all values, where all have the same."""
+    parts = [_parts(item, level) for item in items]
+    kinds = list(parts[0]) if once and len(parts[0]) > 1 and len(set(map(tuple, parts))) == 1 else []
+    shown = ([f"± {size}" + f" ({kind})" * (not kinds) for kind, size in each.items()] for each in parts)
+    values = ", ".join(" ".join([_value(item), *errors]) for item, errors in zip(items, shown, strict=True))
+    values += f" ({', '.join(kinds)})" * bool(kinds)
     return values + f", at {100 * level:g} %" * any(item.error is not None for item in items)
 
 
-def _with_parts(item: FittedValue, level: float) -> str:
-    name = f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension, 4)}"
+def _value(item: FittedValue) -> str:
+    why = "" if item.error is not None else " (not determined by the data)" if item.free else " (held)"
+    return f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension, 4)}{why}"
+
+
+def _parts(item: FittedValue, level: float) -> dict[str, str]:
+    """The parts of the error by their kinds, in the unit of the value, those that are noticeable."""
     if item.error is None:
-        return f"{name} (not determined by the data)" if item.free else f"{name} (held)"
+        return {}
     half = item.error * float(ndtri((1 + level) / 2))
     if item.low is not None and item.high is not None:
         half = (item.high - item.low) / 2
@@ -266,8 +276,7 @@ def _with_parts(item: FittedValue, level: float) -> str:
     own = math.sqrt(half**2 - calibration**2)
     parts = {"statistical": own, "calibration": calibration, "model": math.hypot(*(item.model or {}).values())}
     unit, _ = scale(item.value, item.dimension)
-    errors = [f"± {float(f'{size / unit:.2g}'):g} ({kind})" for kind, size in parts.items() if size > NOTICEABLE * own]
-    return " ".join([name, *errors])
+    return {kind: f"{float(f'{size / unit:.2g}'):g}" for kind, size in parts.items() if size > NOTICEABLE * own}
 
 
 def parameter_words(one: record_scores.FittedRival) -> str:

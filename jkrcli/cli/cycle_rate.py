@@ -10,8 +10,8 @@ import click
 
 from .. import adhesion, beside, bodies, report
 from ..base import InputError
-from .options import LENGTH, LOAD, PairsType
-from .verb import as_one, flag
+from .options import LENGTH, LOAD, PAIRS
+from .verb import as_one, flag, typed
 
 ALONE = ("speed", "speed_approach", "hold", "dwell", "dwell_time")  # what a program says by itself
 
@@ -20,16 +20,22 @@ ALONE = ("speed", "speed_approach", "hold", "dwell", "dwell_time")  # what a pro
 class RateOptions:
     """What the command line says the device does, as text where it depends on the control; None: not given."""
 
-    to_load: float | None
-    to_depth: float | None
-    rate: Mapping[str, str] | None
-    rate_advance: Mapping[str, str] | None
-    speed: str | None
-    speed_approach: str | None
-    hold: str | None
-    dwell: str | None
-    dwell_time: str | None
-    program: Path | None
+    to_load: float | None = typed(
+        LOAD, "Turn at this load [default: at the end of the series, what creeps on included]."
+    )
+    to_depth: float | None = typed(LENGTH, "Turn at this displacement delta.")
+    rate: Mapping[str, str] | None = typed(
+        PAIRS, 'w0 (1 + (v/v0)^n) as the edge recedes: v0="1 um/s",n=0.6; law=log,v0=...,b="5 mJ/m^2": '
+        "w0 + b log(1 + v/v0). w0 is --w-retract.")  # fmt: skip
+    rate_advance: Mapping[str, str] | None = typed(PAIRS, "The same of an edge that advances [default: at once].")
+    speed: str | None = typed(str, 'Of the device, "10 um/s"; of the load under load control, "1 mN/s".')
+    speed_approach: str | None = typed(str, "The same on approach [default: --speed].")
+    hold: str | None = typed(str, 'Time to wait at the turn, "10 s".')
+    dwell: str | None = typed(str, "Go back as far as this position (load under load control) and stay there.")
+    dwell_time: str | None = typed(str, "How long to stay.")
+    program: Path | None = typed(  # noqa: RUF009  # a field
+        click.Path(path_type=Path), "Table t, x of the device instead: times [s] and positions (loads) between which "
+        "it moves evenly; equal times are steps.")  # fmt: skip
     stress: float | None = None
 
     def __post_init__(self) -> None:
@@ -79,23 +85,7 @@ class RateOptions:
         return adhesion.Course(**{name: getattr(self, name) for name in ("to_load", "to_depth", *ALONE)})
 
 
-rate_options = as_one(
-    "rates",
-    RateOptions,
-    click.option("--to-load", type=LOAD,
-                 help="Turn at this load [default: at the end of the series, what creeps on included]."),
-    click.option("--to-depth", type=LENGTH, help="Turn at this displacement delta."),
-    click.option("--rate", type=PairsType(), help='w0 (1 + (v/v0)^n) as the edge recedes: v0="1 um/s",n=0.6; '
-                 'law=log,v0=...,b="5 mJ/m^2": w0 + b log(1 + v/v0). w0 is --w-retract.'),
-    click.option("--rate-advance", type=PairsType(), help="The same of an edge that advances [default: at once]."),
-    click.option("--speed", help='Of the device, "10 um/s"; of the load under load control, "1 mN/s".'),
-    click.option("--speed-approach", help="The same on approach [default: --speed]."),
-    click.option("--hold", help='Time to wait at the turn, "10 s".'),
-    click.option("--dwell", help="Go back as far as this position (load under load control) and stay there."),
-    click.option("--dwell-time", help="How long to stay."),
-    click.option("--program", type=click.Path(path_type=Path), help="Table t, x of the device instead: times [s] "
-                 "and positions (loads) between which it moves evenly; equal times are steps."),
-)  # fmt: skip
+rate_options = as_one("rates", RateOptions)
 
 
 def run(curves: Sequence[beside.Analysis], stiffness: float, points: int, rates: RateOptions) -> report.CycledAtSpeed:

@@ -35,7 +35,7 @@ class ZeroType(ScaleType):
 reading_options = as_one(
     "reading",
     lambda **options: SeriesReading(**reading_of(options)),
-    click.option("--column", "columns", multiple=True, type=KeyValueType("NAME", KEYS),
+    click.option("--column", "columns", multiple=True, type=KeyValueType(KEYS),
                  help="Column name or number, delta=U2."),
     click.option("--unit", "units", multiple=True, type=ColumnUnitType(),
                  help="Unit, whatever the header says, P=mN; of a quantity or of a column by name or number."),

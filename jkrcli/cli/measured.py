@@ -12,18 +12,7 @@ import click
 from ..data import SEPARATORS, Reading
 from ..data.measured.text import NAMES
 from ..methods import Forecast, Limits
-from .options import (
-    ANY,
-    ROWS,
-    SENSITIVITY,
-    STIFFNESS,
-    ColumnUnitType,
-    KeyNumberType,
-    KeyValueType,
-    NamedType,
-    ScaleType,
-    begin,
-)
+from . import options
 from .verb import as_one
 
 
@@ -55,46 +44,46 @@ SEPARATED = (
 )
 
 
-def reading_of(options: dict[str, Any]) -> dict[str, Any]:
+def reading_of(values: dict[str, Any]) -> dict[str, Any]:
     """The values of the options of a reading, KEY=VALUE of several as one mapping."""
-    pairs = {"columns", "units", "factors", "zero", "where"} & set(options)
-    return options | {name: dict(options[name]) for name in pairs}
+    pairs = {"columns", "units", "factors", "zero", "where"} & set(values)
+    return values | {name: dict(values[name]) for name in pairs}
 
 
 reading_options = as_one(
     "reading",
-    lambda flip, **options: Reading(flip=frozenset(flip), **reading_of(options)),
-    click.option("--column", "columns", multiple=True, type=KeyValueType("NAME", KEYS),
+    lambda flip, **values: Reading(flip=frozenset(flip), **reading_of(values)),
+    click.option("--column", "columns", multiple=True, type=options.KeyValueType(KEYS),
                  help=f"Column name or number where the header does not tell; keys {', '.join(KEYS)}."),
-    click.option("--unit", "units", multiple=True, type=ColumnUnitType(),
+    click.option("--unit", "units", multiple=True, type=options.ColumnUnitType(),
                  help=f"Unit, whatever the header says, P=nN; keys {', '.join(NAMES.numbers)}, or the name or number "
                  "of a column, deflection=nm."),
-    click.option("--factor", "factors", multiple=True, type=KeyNumberType(NAMES.numbers),
+    click.option("--factor", "factors", multiple=True, type=options.KeyNumberType(NAMES.numbers),
                  help="Factor of a quantity, on top of its unit and sign, P=1000."),
     click.option("--flip", multiple=True, type=click.Choice(["delta", "P"]),
                  help="Turn the sign of the file, whatever its header says: of loads that count adhesion positive."),
-    click.option("--zero", multiple=True, type=ScaleType(("delta", "P")),
+    click.option("--zero", multiple=True, type=options.ScaleType(("delta", "P")),
                  help='Reading at the zero point, subtracted after the flip: delta="1.2 um".'),
     click.option("--contact", type=click.Choice(["auto", "fitted", "as-is", "estimate"]), default="auto",
                  show_default=True, help="Zero points: fitted together with the rest (base line, tilt, contact point; "
                  "auto: of raw records), as-is, or estimated before from the free part of the approach; of raw records "
                  "the same as fitted."),
-    click.option("--stiffness", type=STIFFNESS,
+    click.option("--stiffness", type=options.STIFFNESS,
                  help='The displacement is that of a device (piezo) of this stiffness: P/stiffness is subtracted; it '
                  'makes a force of a deflection. "rigid": nothing is to be subtracted.'),
-    click.option("--sensitivity", type=SENSITIVITY,
+    click.option("--sensitivity", type=options.SENSITIVITY,
                  help='Of a force microscope, "45 nm/V", where its file lacks it: makes a deflection of volts.'),
     click.option("--format", type=click.Choice(["auto", "text", "afm"]), default="auto", show_default=True,
                  help="auto: by content and ending; afm: .csv and .txt of microscopes (needs afmformats)."),
     *SEPARATED,
-    click.option("--rows", type=ROWS, help="Only these rows of each curve, from 1: 100..900."),
-    click.option("--where", multiple=True, type=NamedType(),
+    click.option("--rows", type=options.ROWS, help="Only these rows of each curve, from 1: 100..900."),
+    click.option("--where", multiple=True, type=options.NamedType(),
                  help="Only rows of a segment, of a curve or of one content of a column: segment=retract."),
 )  # fmt: skip
 
 
 def begin_reading(
-    verb: str, paths: Sequence[Path], limits: Limits = ANY, less: str = "fewer rows", *, per_row: float = 0.0,
+    verb: str, paths: Sequence[Path], limits: Limits = options.ANY, less: str = "fewer rows", *, per_row: float = 0.0,
     mib_per_row: float = 0.0, per_file: float = 0.0,
 ) -> None:  # fmt: skip
     """Say what it takes to read measured files, and to do what a ``verb`` does with each row and file [CPU s], where
@@ -104,4 +93,4 @@ def begin_reading(
     rows = sum(map(rows_expected, paths))
     seconds = (TUNING.per_row + per_row) * rows + per_file * len(paths)
     cost = Forecast(seconds, (TUNING.mib_per_row + mib_per_row) * rows, 0.0)
-    begin(f"{verb} of about {float(f'{rows:.1g}'):,.0f} rows", cost, limits, less)
+    options.begin(f"{verb} of about {float(f'{rows:.1g}'):,.0f} rows", cost, limits, less)

@@ -19,7 +19,7 @@ from ..base import InputError, units
 from ..methods import LESS, Forecast, Limits, admit
 from ..report import Output
 from ..series import Solution
-from .verb import Command, Options, as_one, several
+from .verb import Command, Options, as_one, several, typed
 from .voice import forewarn, warn
 
 if TYPE_CHECKING:
@@ -113,15 +113,20 @@ CONTROL = QuantityType("STIFFNESS", "stiffness", '> 0, or "load" for load contro
 class KeyValueType(ParsedType):
     """KEY=TEXT with one of ``keys``; ``what`` names the text in help."""
 
-    def __init__(self, what: str, keys: Sequence[str]):
-        self.name = f"KEY={what}"
-        self.keys = keys
+    what = "NAME"
+
+    def __init__(self, keys: Sequence[str]):
+        self.name, self.keys = f"KEY={self.what}", keys
 
     def parsed(self, text: str) -> Any:
         key, mark, value = text.partition("=")
         if not mark or key not in self.keys or not value:
             raise ValueError(f'must be KEY=VALUE with a key of {", ".join(self.keys)}, got "{text}"')
-        return key, value
+        return key, self.valued(key, value)
+
+    def valued(self, key: str, value: str) -> Any:
+        """What the ``value`` of a ``key`` stands for; ValueError with what it must be."""
+        return value
 
 
 class NamedType(ParsedType):
@@ -173,34 +178,33 @@ class RowsType(ParsedType):
         return int(first[:9]), int(last[:9])
 
 
-ROWS = RowsType()
+PAIRS, ROWS = PairsType(), RowsType()
 
 
 class ScaleType(KeyValueType):
     """KEY=VALUE with a key among a, delta, P: a length or a load."""
 
-    def __init__(self, keys: Sequence[str] = ("a", "delta", "P")):
-        super().__init__("VALUE", keys)
+    what = "VALUE"
 
-    def parsed(self, text: str) -> Any:
-        key, value = super().parsed(text)
-        return key, (LOAD if key == "P" else LENGTH).parsed(value)
+    def __init__(self, keys: Sequence[str] = ("a", "delta", "P")):
+        super().__init__(keys)
+
+    def valued(self, key: str, value: str) -> Any:
+        return (LOAD if key == "P" else LENGTH).parsed(value)
 
 
 class KeyNumberType(KeyValueType):
     """KEY=NUMBER, the number finite and not 0."""
 
-    def __init__(self, keys: Sequence[str]):
-        super().__init__("NUMBER", keys)
+    what = "NUMBER"
 
-    def parsed(self, text: str) -> Any:
-        key, value = super().parsed(text)
+    def valued(self, key: str, value: str) -> Any:
         number = 0.0
         with contextlib.suppress(ValueError):
             number = float(value)
         if not math.isfinite(number) or number == 0:
-            raise ValueError(f'must be KEY=NUMBER, finite and not 0, got "{text}"')
-        return key, number
+            raise ValueError(f'must be KEY=NUMBER, finite and not 0, got "{key}={value}"')
+        return number
 
 
 ANY = Limits(math.inf, math.inf)  # of verbs that have none
@@ -225,6 +229,10 @@ def begin(what: str, cost: Forecast, limits: Limits = ANY, less: str = LESS) -> 
 
 slopes_option = click.option("--slopes", type=click.Choice(["auto", *RULES]), default="auto", show_default=True,
                              help="How S and S' are found.")  # fmt: skip
+modulus_factor_option = click.option(
+    "--modulus-factor", type=FACTOR, default="1", show_default=True,
+    help="All moduli, and a surface tension, this many times the case's; nothing is solved anew.",
+)  # fmt: skip
 
 
 Parallel: TypeAlias = tuple[int | None, str | None]  # local processes, and the address of a Dask scheduler
@@ -240,8 +248,8 @@ parallel_options = as_one(
 class RangeOptions:
     """Adhesion of finite range: its tension [Pa] or its length [m]; None where it is the case's."""
 
-    stress: float | None
-    length: float | None
+    stress: float | None = typed(STRESS, 'Adhesion of finite range: its tension, "100 MPa" [default: the case\'s].')
+    length: float | None = typed(LENGTH_ABOVE_0, 'The same by its range, "0.3 nm".', "--range")
 
     def of(self, solution: Solution) -> RangeRequest:
         """The range for a ``solution``."""
@@ -260,9 +268,9 @@ class CurveOptions(RangeOptions):
 class State:
     """One state of a contact, by its ``radius`` [m] or ``load`` [N], and the ``work`` of adhesion [J/m^2]."""
 
-    radius: float | None
-    load: float | None
-    work: float | None
+    radius: float | None = typed(LENGTH, 'Contact radius, "2 um".', "--a")
+    load: float | None = typed(LOAD, 'Load, "-3 mN" (stable branch), compression positive.')
+    work: float | None = typed(WORK, "Work of adhesion; 0: nonadhesive [default: the case's first].", "--w")
 
     def refuse_wrong(self, verb: str) -> None:
         """InputError where not exactly one of radius and load is there."""
@@ -270,24 +278,9 @@ class State:
             raise InputError(f"{verb}: give exactly one of --a and --load")
 
 
-RANGE = (
-    click.option("--stress", type=STRESS,
-                 help='Adhesion of finite range: its tension, "100 MPa" [default: the case\'s].'),
-    click.option("--range", "length", type=LENGTH_ABOVE_0, help='The same by its range, "0.3 nm".'),
-)  # fmt: skip
-state_options = as_one(
-    "state",
-    State,
-    click.option("--a", "radius", type=LENGTH, help='Contact radius, "2 um".'),
-    click.option("--load", type=LOAD, help='Load, "-3 mN" (stable branch), compression positive.'),
-    click.option("--w", "work", type=WORK, help="Work of adhesion; 0: nonadhesive [default: the case's first]."),
-)
-modulus_factor_option = click.option(
-    "--modulus-factor", type=FACTOR, default="1", show_default=True,
-    help="All moduli, and a surface tension, this many times the case's; nothing is solved anew.",
-)  # fmt: skip
-range_options = as_one("attraction", RangeOptions, *RANGE)
-curve_options = as_one("how", CurveOptions, *RANGE, slopes_option, modulus_factor_option)
+state_options = as_one("state", State)
+range_options = as_one("attraction", RangeOptions)
+curve_options = as_one("how", CurveOptions, slopes_option, modulus_factor_option)
 
 
 ONE_FILE = "Replace an existing file that jkr did not write."  # help of --force

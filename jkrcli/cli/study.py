@@ -11,7 +11,7 @@ import click
 from ..base import InputError, executor
 from ..many.study import MAPS
 from ..report import PICTURES, Output
-from .options import WORK, PairsType, Parallel, into_folder, output_options, parallel_options
+from .options import PAIRS, WORK, Parallel, into_folder, output_options, parallel_options
 from .verb import LateGroup, Verb, several, verb
 from .voice import give, progress
 
@@ -74,7 +74,7 @@ def _option(name: str, axis: maps.Axis) -> Any:
     kind: Any = float if axis.read is None else str
     default = axis.default if axis.several else (axis.default,)
     if isinstance(axis.default, dict):
-        kind = PairsType()
+        kind = PAIRS
         default = [f"{key}={value}" for key, value in axis.default.items()]
     elif isinstance(axis.allowed, tuple):
         kind = click.Choice(axis.allowed)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Container, Mapping
+from dataclasses import field, fields, is_dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -48,7 +49,10 @@ def several(*options: Options) -> Options:
 
 
 def as_one(name: str, make: Callable[..., Any], *options: Options) -> Options:
-    """Options that a verb takes as one argument ``name``: what ``make`` makes of their values."""
+    """Options that a verb takes as one argument ``name``: what ``make`` makes of their values; of a dataclass those
+    fields that are ``typed`` before the others."""
+    if is_dataclass(make):
+        options = (*(one.metadata["option"](one.name) for one in fields(make) if one.metadata), *options)
 
     def unused() -> None: ...
 
@@ -64,6 +68,11 @@ def as_one(name: str, make: Callable[..., Any], *options: Options) -> Options:
         return several(*options)(taking)
 
     return decorate
+
+
+def typed(kind: Any, help: str, called: str = "") -> Any:
+    """A field of a dataclass that is typed as an option, ``called`` so where not as the field."""
+    return field(metadata={"option": lambda name: click.option(called or flag(name), name, type=kind, help=help)})
 
 
 def flag(name: str) -> str:

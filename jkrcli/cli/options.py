@@ -4,7 +4,6 @@ written, -o, --no-plots, --force and --json, as one argument."""
 from __future__ import annotations
 
 import contextlib
-import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -19,7 +18,7 @@ from ..base import InputError, units
 from ..methods import LESS, Forecast, Limits, admit
 from ..report import Output
 from ..series import Solution
-from .verb import Command, Options, as_one, several, typed
+from .verb import Options, as_one, typed
 from .voice import forewarn, warn
 
 if TYPE_CHECKING:
@@ -318,12 +317,7 @@ def output_options(
     helps = {"--no-plots": plots, "--force": force, "--json": json}
     flags = [click.option(flag, is_flag=True, help=words) for flag, words in helps.items() if words]
 
-    def decorate(command: Command) -> Command:
-        @functools.wraps(command)
-        def taking(*words: Any, force: bool, no_plots: bool = False, json: bool = False, **others: Any) -> Any:
-            output = Output(others.pop("output", None), force, not no_plots, json)
-            return command(*words, output=output, **others)
+    def made(force: bool, output: Path | None = None, no_plots: bool = False, json: bool = False) -> Output:
+        return Output(output, force, not no_plots, json)
 
-        return several(*flags)(taking)
-
-    return decorate
+    return as_one("output", made, *flags)

@@ -50,19 +50,19 @@ def several(*options: Options) -> Options:
 
 def as_one(name: str, make: Callable[..., Any], *options: Options) -> Options:
     """Options that a verb takes as one argument ``name``: what ``make`` makes of their values; of a dataclass those
-    fields that are ``typed`` before the others."""
+    fields that are ``typed`` before the others. An option of the same ``name`` is one of theirs, wherever it stands."""
     if is_dataclass(make):
         options = (*(one.metadata["option"](one.name) for one in fields(make) if one.metadata), *options)
 
     def unused() -> None: ...
 
     several(*options)(unused)
-    keys = [option.name for option in unused.__click_params__]  # type: ignore[attr-defined]
+    keys = {option.name for option in unused.__click_params__} | {name}  # type: ignore[attr-defined]
 
     def decorate(command: Command) -> Command:
         @functools.wraps(command)
         def taking(*words: Any, **others: Any) -> Any:
-            values = {key: others.pop(key) for key in keys}
+            values = {key: others.pop(key) for key in keys & others.keys()}
             return command(*words, **{name: make(**values)}, **others)
 
         return several(*options)(taking)

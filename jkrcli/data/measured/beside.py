@@ -90,25 +90,24 @@ def _repeated(table: TextTable) -> Sets | None:
     bases = [re.sub(r"\.\d+\Z", "", title) for title in table.names]  # "Force (N).1": a second one of a data frame
     titles = [base if base in known else title for base, title in zip(bases, table.names, strict=True)]
     times, places = Counter(titles), Counter[str]()
-    sets: list[dict[str, int]] = []
-    shared = []
-    for i, title in enumerate(titles):
-        if not title or times[title] == 1 or i in table.text:
-            shared.append(i)
-            continue
-        if places[title] == len(sets):
-            sets.append({})
-        sets[places[title]][title] = i
+
+    def parts(i: int) -> tuple[str | None, str]:
+        title = titles[i]
+        if not title or times[title] == 1:
+            return None, title
         places[title] += 1
-    if len(sets) < 2:
+        return str(places[title]), title
+
+    sets = _parted(table, "curve", parts)
+    if sets is None or len(sets.columns) < 2:
         return None
-    words = _line_above(table, [min(columns.values()) for columns in sets])
+    words = _line_above(table, [min(columns.values()) for columns in sets.columns.values()])
     if words and {word.lower() for word in words} <= DIRECTIONS.keys():
         words = [DIRECTIONS[word.lower()] for word in words]
-    if len(set(words)) < len(sets):
-        words = [str(i + 1) for i in range(len(sets))]
+    if len(set(words)) < len(sets.columns):
+        return sets
     key = "segment" if set(words) == {APPROACH, RETRACT} else "curve"
-    return Sets(key, dict(zip(words, sets, strict=True)), tuple(shared))
+    return replace(sets, key=key, columns=dict(zip(words, sets.columns.values(), strict=True)))
 
 
 def _line_above(table: TextTable, starts: list[int]) -> list[str]:
@@ -123,8 +122,8 @@ def _line_above(table: TextTable, starts: list[int]) -> list[str]:
 def _numbered(table: TextTable, quantity: QuantityOf) -> Sets | None:
     """Sets of columns by the number at the end of their names."""
 
-    def parts(title: str) -> tuple[str | None, str]:
-        name, unit = split_name(title)
+    def parts(i: int) -> tuple[str | None, str]:
+        name, unit = split_name(table.names[i])
         match = re.match(r"(.*?\D)[\s_#.-]*(\d{1,4})\Z", name[-40:])
         rest = "" if match is None else match[1].rstrip(" _#.-") + (f" [{unit}]" if unit else "")
         return (None if match is None or quantity(rest) is None else match[2]), rest
@@ -135,20 +134,20 @@ def _numbered(table: TextTable, quantity: QuantityOf) -> Sets | None:
 
 def _directed(table: TextTable) -> Sets | None:
     """Sets of columns by the direction among the words of their names."""
-    sets = _parted(table, "segment", _direction)
+    sets = _parted(table, "segment", lambda i: _direction(table.names[i]))
     if sets is None or len(sets.columns) < 2:
         return None
     return replace(sets, columns={kind: sets.columns[kind] for kind in (APPROACH, RETRACT)})
 
 
-def _parted(table: TextTable, key: str, parts: Callable[[str], tuple[str | None, str]]) -> Sets | None:
-    """Sets of columns by the word that is one of the ``parts`` of their names, beside what is left of these; None where
-    one name comes twice."""
+def _parted(table: TextTable, key: str, parts: Callable[[int], tuple[str | None, str]]) -> Sets | None:
+    """Sets of columns by the word that is one of the ``parts`` of the name of each, beside what is left of that; None
+    where one name comes twice."""
     sets: dict[str, dict[str, int]] = {}
     shared = []
-    for i, title in enumerate(table.names):
-        word, rest = parts(title)
-        if word is None or i in table.text:
+    for i in range(len(table.names)):
+        word, rest = (None, "") if i in table.text else parts(i)
+        if word is None:
             shared.append(i)
         elif rest in sets.setdefault(word, {}):
             return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Container, Mapping
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -11,9 +11,10 @@ import numpy as np
 
 from ..base import LARGEST_SI, REMEMBERED, Array, InputError
 from .text_table import TextTable
-from .titles import LONGEST, split_name, unit_power
+from .titles import LONGEST, WORDS, split_name, unit_power
 
 NO_UNIT = " left out: it ends in no unit of "  # in a sentence on a column
+CONTACT = tuple(WORDS["contact"])  # the keys of what every table of a contact may hold
 EXAMPLES = {"length": "um", "area": "um^2", "load": "mN", "time": "s"}
 
 
@@ -24,21 +25,7 @@ class Quantity:
 
     meaning: str
     dimension: str
-    names: tuple[str, ...]
-
-    def also(self, *names: str) -> Quantity:
-        """The quantity with more names."""
-        return replace(self, names=(*self.names, *names))
-
-
-CONTACT = {  # what every table of a contact may hold
-    "a": Quantity(
-        "contact radius", "length", ("a", "radius", "contact radius", "contact_radius", "contactradius", "r_c", "rc")
-    ),
-    "area": Quantity("contact area", "area", ("area", "contact area", "contact_area", "contactarea")),
-    "delta": Quantity("displacement", "length", ("delta", "displacement", "disp", "depth", "indentation", "d")),
-    "P": Quantity("load", "load", ("p", "load", "force", "f")),
-}
+    names: Sequence[str]
 
 
 @dataclass(frozen=True)
@@ -117,6 +104,13 @@ class Vocabulary:
         if parsed is None or parsed[0] != dimension:
             raise InputError(f'{where}: the unit must be one of {dimension}, such as {example}, got "{unit}"')
         return parsed[1]
+
+
+def vocabulary(kind: str) -> Vocabulary:
+    """The quantities of a ``kind`` of table, "measured" or "computed": those of a contact by more names, and others."""
+    also, more = WORDS[kind]["also"], WORDS[kind]["more"]
+    contact = {key: entry | {"names": entry["names"] + also.get(key, [])} for key, entry in WORDS["contact"].items()}
+    return Vocabulary({key: Quantity(**entry) for key, entry in (contact | more).items()})
 
 
 def with_units(

@@ -13,19 +13,14 @@ import numpy as np
 from ..base import LARGEST_SI, Array, InputError, Unknown
 from ..bodies import Indenter, Loading, Problem, Sphere
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus, is_series
-from .columns import CONTACT, Vocabulary, check_chosen, with_units
+from .columns import check_chosen, vocabulary, with_units
 from .noisy_rows import is_noise, near_first_touch
 from .text_table import TextTable, read_table, some
 
 LEAST_ROWS = 5  # theory: of a series; leaving one of fewer out leaves no cubic for its slopes
 MOST_ROWS = 100_000  # theory: as many points as a case may ask for
 UNKNOWN = Unknown("unknown: made by another program")
-NAMES = Vocabulary({  # those of Abaqus histories and CalculiX results among them
-    "a": CONTACT["a"].also("a_h"),
-    "area": CONTACT["area"].also("carea"),
-    "delta": CONTACT["delta"].also("delta_h", "u2", "uy", "uz", "u3", "vy"),
-    "P": CONTACT["P"].also("p_h", "rf2", "rf3", "cfn2", "cfnm", "cfn", "fy", "fz", "reaction"),
-})  # fmt: skip
+NAMES = vocabulary("computed")
 
 
 @dataclass(frozen=True)

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import re
+import tomllib
+from collections.abc import Mapping
 from functools import lru_cache
+from pathlib import Path
+from typing import Any
 
 from ..base import REMEMBERED, UNITS
 
 LONGEST = 200  # choice: characters of a cell or a line that names something; longer ones take long to look through
-SPELLED = {  # units as instruments write them out, in the plural too
-    "sec": "s", "second": "s", "sekunde": "s", "msec": "ms", "millisecond": "ms", "millisekunde": "ms",
-    "metre": "m", "meter": "m", "millimetre": "mm", "millimeter": "mm", "micron": "um", "micrometre": "um",
-    "micrometer": "um", "mikrometer": "um", "nanometre": "nm", "nanometer": "nm", "angstrom": "Å",
-    "newton": "N", "millinewton": "mN", "micronewton": "uN", "mikronewton": "uN", "nanonewton": "nN",
-    "kilonewton": "kN",
-}  # fmt: skip
+WORDS: Mapping[str, Any] = tomllib.loads(Path(__file__).with_name("words.toml").read_text(encoding="utf-8"))
+SPELLED: Mapping[str, str] = WORDS["units"]
 
 
 @lru_cache(maxsize=REMEMBERED)

@@ -4,40 +4,23 @@ head."""
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...base import Array
 from ..text_table import MOST_COLUMNS, TextTable
-from ..titles import LONGEST, split_name, unit_power
+from ..titles import LONGEST, WORDS, split_name, unit_power
 from .curve import APPROACH, RETRACT
 
 VOLTS = {"V": 0, "mV": -3, "uV": -6}
-DIRECTIONS = {
-    **dict.fromkeys((
-        "extend", "extension", "approach", "trace", "forward", "advance", "advancing", "ex", "ext", "loading", "hin",
-        "hinweg", "annäherung", "belastung", "aller", "chargement", "approche"), APPROACH),
-    **dict.fromkeys((
-        "retract", "retraction", "withdraw", "retrace", "backward", "receding", "rt", "ret", "unloading", "zurück",
-        "zurueck", "rück", "rückweg", "rückzug", "entlastung", "retour", "déchargement", "retrait"), RETRACT),
-}  # fmt: skip
-SEGMENTS = {  # of cells and notes: beside the directions what as a title is a load, and numbers
-    **DIRECTIONS,
-    **dict.fromkeys((
-        "load", "charge", "belasten", "eindringen", "annaeherung", "annähern", "0"), APPROACH),
-    **dict.fromkeys((
-        "unload", "décharge", "decharge", "dechargement", "entlasten", "rueckzug", "rueckweg", "zurückziehen", "1"),
-        RETRACT),
-}  # fmt: skip
-HOLDS = {"hold", "holding", "pause", "dwell", "halten", "haltezeit", "maintien", "palier"}  # between the directions
-# Words beside a direction:
-BESIDE = {"segment", "phase", "curve", "data", "part", "section", "kurve", "daten", "richtung"}
-
+DIRECTIONS, OTHERS = ({word: way for way in (APPROACH, RETRACT) for word in WORDS[kind][way]}
+                      for kind in ("directions", "cells"))  # fmt: skip
+SEGMENTS = DIRECTIONS | OTHERS  # of cells and notes
+HOLDS, BESIDE = WORDS["notes"]["holds"], WORDS["notes"]["beside"]
+DEPTHS, DEFLECTIONS, WHOLE = (WORDS["instruments"][name] for name in ("depths", "deflections", "whole"))
 NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
-SPRING = ("k", "spring constant", "force constant", "cantilever stiffness", "springconstant", "federkonstante")
-SENSITIVITY = ("sensitivity", "deflection sensitivity", "invols", "defl sens")
 
 
 @dataclass(frozen=True)
@@ -48,36 +31,10 @@ class Position:
     noun: str
     sign: int
     device: bool
-    names: tuple[str, ...]
+    names: Sequence[str]
 
 
-POSITIONS = (
-    Position("a height", -1, True, (
-        "height (measured)", "measured height", "measuredheight", "capacitivesensorheight", "straingaugeheight",
-        "height (measured & smoothed)", "height",
-        "piezo height", "height (piezo)", "smoothed measured height", "höhe")),
-    Position("a position of the piezo", 0, True, (
-        "height sensor",
-        "z sensor", "z sense", "zsensor", "zsnsr", "piezo", "piezo position", "z piezo", "z position", "zpos", "pos z",
-        "z scan", "z stage", "z",
-        "position", "raw", "calc ramp", "ramp", "piezo displacement", "piezoweg", "piezo weg", "piezohub")),
-    Position("a way of the device", 1, True, (
-        "weg", "traverse", "traversenweg", "standardweg", "verfahrweg", "crosshead", "extension", "stroke",
-        "axial displacement", "compressive displacement", "compressive extension")),
-    Position("a position of the crosshead", 0, True, (
-        "crosshead position", "position crosshead", "crosshead displacement", "machine position", "stage position",
-        "actuator position", "actuator displacement", "motor position", "traversenposition")),
-    Position("a penetration", 1, False, (
-        "eindringtiefe", "eindringung", "penetration", "penetration depth", "enfoncement")),
-    Position("a separation", -1, False, (
-        "tip sample separation", "tip position", "verticaltipposition", "separation", "sep", "tip sample distance",
-        "abstand")),
-)  # fmt: skip
-DEPTHS = ("indent", "depth", "delta", "tip", "eindring")  # parts of names of what no deflection is in
-DEFLECTIONS = (
-    "deflection", "cantilever", "cantilever deflection", "vertical deflection", "vdeflection", "defl", "deflv",
-    "deflvolts", "t b", "dfl", "auslenkung", "deflection error",
-)  # fmt: skip
+POSITIONS = tuple(Position(**entry) for entry in WORDS["positions"])
 
 
 def plain(title: str) -> str:
@@ -158,8 +115,7 @@ def constants(head: tuple[str, ...]) -> Mapping[str, float]:
             kind, size = _kind(unit)
         except (ValueError, KeyError):
             continue
-        names = {"stiffness": SPRING, "sensitivity": SENSITIVITY}.get(kind, ())
-        if plain(name) in names and value > 0 and value != 1:
+        if plain(name) in WORDS["constants"].get(kind, ()) and value > 0 and value != 1:
             values.setdefault(kind, value * size)
     return values
 

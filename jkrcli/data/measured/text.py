@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ...base import SHOWN, Array, InputError
-from ..columns import CONTACT, Quantity, Vocabulary, check_chosen, overruled, with_units
+from ..columns import CONTACT, check_chosen, overruled, vocabulary, with_units
 from ..text_table import TUNING, TextTable, read_table
 from ..titles import split_name, unit_power
 from . import archive, instruments
@@ -33,19 +33,9 @@ from .curve import (
     place,
 )
 
-WHOLE = ("seriestime", "series time")  # of a record whose segments have their own time too
 UNITS_OF = {"stiffness": "N/m", "sensitivity": "m/V"}
 
-NAMES = Vocabulary(CONTACT | {
-    "delta": CONTACT["delta"].also("indentation depth", "déplacement", "deplacement"),
-    "P": CONTACT["P"].also(
-        "normal force", "axial force", "kraft", "prüfkraft", "standardkraft", "normalkraft", "effort",
-        "charge", "force normale"),
-    "t": Quantity("time", "time", ("t", "time", "zeit", "prüfzeit", "elapsed time", "temps", *WHOLE)),
-    "segment": Quantity("segment", "", (
-        "segment", "phase", "direction", "richtung", "branch", "branche", "ast", "zweig", "abschnitt")),
-    "curve": Quantity("curve", "", ("curve", "curve number", "curve_number", "cycle", "zyklus")),
-})  # fmt: skip
+NAMES = vocabulary("measured")
 BARE = "; or --format afm, if a microscope's program wrote three columns without names"
 
 
@@ -348,7 +338,7 @@ def _columns(table: TextTable, reading: Reading) -> tuple[Columns, list[str]]:
         flags += [why] if why else []
     for key in NAMES.quantities:
         if key not in chosen and (named := NAMES.named(table, key)) and not (key == "area" and "a" in chosen):
-            whole = [i for i in named if instruments.plain(table.names[i]) in WHOLE]
+            whole = [i for i in named if instruments.plain(table.names[i]) in instruments.WHOLE]
             chosen[key] = whole[0] if whole else NAMES.guess(table, key)
     bent = instruments.deflection(table)
     if "P" not in chosen and bent is not None and bent not in chosen.values():
@@ -365,7 +355,7 @@ def _refuse_incomplete(table: TextTable, chosen: Mapping[str, int], reading: Rea
         if chosen[key] not in table.text:
             raise InputError(f"{table.path}: {table.titled(chosen[key])} would hold words, but numbers stand above "
                              "its title: remove what comes before")  # fmt: skip
-    if len(chosen.keys() & CONTACT.keys()) < 2:
+    if len(chosen.keys() & CONTACT) < 2:
         question = (
             f"{table.path}: at least two of contact radius (or area), displacement and load are needed, recognised: "
             f"{table.listed(chosen) or 'none'}; say which columns they are, --column P=NAME ({table.choice})"

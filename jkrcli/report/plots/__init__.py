@@ -28,26 +28,7 @@ with without_tables():
     from matplotlib.transforms import ScaledTranslation
 
 DPI = 300  # choice: of PNG files
-STYLE: dict[Any, Any] = {
-    "font.size": 9,
-    "axes.titlesize": 9,
-    "figure.titlesize": 9,
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
-    "legend.fontsize": 8,
-    "legend.title_fontsize": 8,
-    "legend.frameon": False,
-    "axes.grid": True,
-    "grid.color": "0.9",
-    "grid.linewidth": 0.6,
-    "axes.axisbelow": True,
-    "axes.formatter.limits": (-2, 4),  # powers of ten beyond these stand at the axis' end
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "lines.linewidth": 1.4,
-    "svg.hashsalt": "jkr",
-    "svg.fonttype": "none",  # text stays text: it can be searched, copied and set in another font
-}
+STYLE = dict(mpl.rc_params_from_file(Path(__file__).with_name("jkr.mplstyle"), use_default_template=False))
 Box: TypeAlias = tuple[float, float, float, float]  # left, bottom, width, height, of the axes
 
 

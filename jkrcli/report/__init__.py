@@ -12,12 +12,11 @@ if TYPE_CHECKING:
     from .dem import Exported
     from .fields import COMPONENTS, Fields, Profile
     from .fit import Fits, Fitted, plan_table, rivals_table
-    from .joint_fit import JointFitted, TensionFitted
+    from .fit_together import JointFitted, LawFit, TensionFitted
     from .look import Look
     from .mesh import Meshed
     from .pull_off import MeasuredPullOff, PullOff
     from .rate import CycledAtSpeed
-    from .rate_fit import LawFit
     from .relaxation import CycledInLimits, CycledRelaxing
     from .relaxation_fit import RelaxationFits, RelaxationFitted
     from .result import PICTURES, SHOWN, AnyResult, Figure, Files, Output, Result, Results, as_result

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from ..adhesion import CriticalPoint, unable
+from ..adhesion import unable
 from ..base import NOTICEABLE, Estimate, Refusal, Unknown, show, units
 from ..beside.expectation import Expectation, expect
 from ..beside.left_out import LeftOut, left_out
@@ -90,7 +90,8 @@ class Check(Result):
             regime = f": {judged.regime}" if not isinstance(judged.tabor, Unknown) else ""
             regime = regime if range_ == "" else "" if isinstance(range_, Unknown) else f"; {range_}"
             tabor = f"Tabor number {_ratio(judged.tabor)}{regime}"
-            yield f"  w = {show(w, 'work')}: pull-off (load control) {_pull_off(point)}; {tabor}"
+            lost = [point.reason] if isinstance(point, Unknown) else [tables.state_words(point, name) for name in "Pa"]
+            yield f"  w = {show(w, 'work')}: pull-off (load control) {' at '.join(lost)}; {tabor}"
         for *_, judged in expected.adhesion[-1:]:
             if known := tables.size_words(judged, SIZES):
                 yield f"  sizes     {', '.join(known)} at the largest contact radius"
@@ -134,21 +135,9 @@ def _option(option: Option) -> str:
 def _as_dict(expected: Expectation | Unknown) -> dict[str, Any]:
     if isinstance(expected, Unknown):
         return {"expectation": expected}
-    return {
-        "a_m": expected.a,
-        "delta_m": expected.delta,
-        "P_N": expected.P,
-        "half_space_error": expected.half_space_error,
-        "adhesion": [
-            {"w_J_per_m2": w, "pull_off": tables.point(p), "validity": vars(v)} for w, p, v in expected.adhesion
-        ],
-    }
-
-
-def _pull_off(point: CriticalPoint | Unknown) -> str:
-    if isinstance(point, Unknown):
-        return point.reason
-    return f"P = {show(point.P, 'load')} at a = {show(point.a, 'length')}"
+    adhesion = [{"w_J_per_m2": w, "pull_off": tables.point(p), "validity": vars(v)} for w, p, v in expected.adhesion]
+    sizes = tables.quantities(expected, "a delta P")
+    return sizes | {"half_space_error": expected.half_space_error, "adhesion": adhesion}
 
 
 def _ratio(value: Estimate) -> str:

@@ -1,4 +1,19 @@
-
+/* Written by jkr: adhesive contact of $body;
+   w = $w J/m^2. SI units; overlap and compressive force positive; the force of one contact.
+   TOUCH: after first contact; TEAR: contact lost under displacement control, as in a particle code whose
+   time step resolves it; LOAD: under load control. The interpolation is good to $error of the largest force and radius. */
+#ifndef JKR_CONTACT_H
+#define JKR_CONTACT_H
+#include <math.h>
+#define JKR_ROWS $rows
+#define JKR_VECTORS $vectors
+$numbers
+static const double jkr_force[JKR_ROWS] = {
+$forces };
+static const double jkr_radius[JKR_ROWS] = {
+$radii };
+static const double jkr_vector[JKR_VECTORS][3] = { /* delta, force, radius */
+$vector };
 /* The state at an overlap delta [m]; touching: whether the two were in contact before. Returns 1 in contact, 0 free,
    -1 beyond the table, where its last row stands in. */
 static inline int jkr_contact(double delta, int touching, double *force, double *radius)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from importlib import resources
+from string import Template
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,9 @@ from ..base import Array, InputError, show
 from ..beside import Analysis
 from ..formulas.half_space import jkr
 from .result import Result
-from .tables import state_words
+from .tables import quantities, state_words
 
-CODE = resources.files(__package__).joinpath("dem.c").read_text(encoding="utf-8")  # behind its tables
+CODE = Template(resources.files(__package__).joinpath("dem.c").read_text(encoding="utf-8"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,19 +50,11 @@ class Exported(Result):
         if law.load is not None:
             numbers |= {"DELTA_LOAD": law.load.delta, "FORCE_LOAD": law.load.P, "RADIUS_LOAD": law.load.a}
         vectors = ",\n".join("    { " + ", ".join(f"{float(cell)!r}" for cell in row) + " }" for row in law.vectors)
-        return "\n".join([
-            f"/* Written by jkr: adhesive contact of {result.problem.words.replace('*/', '* /')};",
-            f"   w = {result.w!r} J/m^2. SI units; overlap and compressive force positive; the force of one contact.",
-            "   TOUCH: after first contact; TEAR: contact lost under displacement control, as in a particle code whose",
-            "   time step resolves it; LOAD: under load control. The interpolation is good to "
-            f"{law.error:.1g} of the largest force and radius. */",
-            "#ifndef JKR_CONTACT_H", "#define JKR_CONTACT_H", "#include <math.h>",
-            f"#define JKR_ROWS {law.delta.size}", f"#define JKR_VECTORS {len(law.vectors)}",
-            *(f"#define JKR_{name} ({float(value)!r})" for name, value in numbers.items()),
-            *(f"static const double jkr_{name}[JKR_ROWS] = {{\n{_listed(column)} }};"
-              for name, column in (("force", law.P), ("radius", law.a))),
-            f"static const double jkr_vector[JKR_VECTORS][3] = {{ /* delta, force, radius */\n{vectors} }};",
-        ]) + CODE  # fmt: skip
+        return CODE.substitute(
+            body=result.problem.words.replace("*/", "* /"), w=repr(result.w), error=f"{law.error:.1g}",
+            rows=law.delta.size, forces=_listed(law.P), radii=_listed(law.a), vectors=len(law.vectors), vector=vectors,
+            numbers="\n".join(f"#define JKR_{name} ({float(value)!r})" for name, value in numbers.items()),
+        )  # fmt: skip
 
     @property
     def half_space(self) -> dict[str, tuple[float, float]]:
@@ -81,8 +74,7 @@ class Exported(Result):
     def summary(self) -> dict[str, Any]:
         law, result = self.law, self.result
         named = {"touch": law.jump_in, "tear_off": law.tear_off, "load_control": law.load}
-        points = {name: None if at is None else {"delta_m": at.delta, "P_N": at.P, "a_m": at.a}
-                  for name, at in named.items()}  # fmt: skip
+        points = {name: None if at is None else quantities(at, "delta P a") for name, at in named.items()}
         classical = {name: dict(zip(("delta_m", "P_N"), pair, strict=True)) for name, pair in self.half_space.items()}
         return {"file": str(result.path), "w_J_per_m2": result.w, "rows": law.delta.size, "error": law.error,
                 **points, "half_space": classical}  # fmt: skip

@@ -17,7 +17,6 @@ from . import archive
 from .result import SHOWN, Figure, Result, Several
 from .tables import DIMENSIONS, by_columns, with_unit
 
-FORMAT, VERSION = archive.FITS, 1  # of the summary
 ALWAYS = ("file", "curve", "status", "reason", "points")
 SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
 ZERO_POINTS = ("delta0", "P0", "tilt")  # told last
@@ -139,7 +138,12 @@ def _title(name: str, part: str, dimension: str) -> str:
 
 def summary(outcomes: Sequence[Fit | Failure], body: str) -> dict[str, Any]:
     """What stands in the JSON file: per curve everything but the rows themselves."""
-    return {"format": FORMAT, "version": VERSION, "body": body, "curves": [_summary(item) for item in outcomes]}
+    return identity(archive.FITS, body) | {"curves": [_summary(item) for item in outcomes]}
+
+
+def identity(format: str, body: str) -> dict[str, Any]:
+    """How the summary of a fit to a ``body`` in words begins."""
+    return {"format": format, "version": 1, "body": body}
 
 
 def _summary(item: Fit | Failure) -> dict[str, Any]:
@@ -155,9 +159,7 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
         "surface": item.surface,
         "status": _status(item),
         "estimates": {estimate.name: estimate_summary(estimate) for estimate in item.estimates},
-        "level": item.settings.level,
-        "confidence": item.settings.confidence,
-        "loss": item.settings.loss,
+        **{name: getattr(item.settings, name) for name in ("level", "confidence", "loss")},
         "free": list(item.free),
         "covariance": None if item.covariance is None else item.covariance.tolist(),
         "correlation": None if item.correlation is None else item.correlation.tolist(),

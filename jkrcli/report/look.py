@@ -10,8 +10,9 @@ from typing import Any
 from ..base import InputError, Unknown, show
 from ..beside.reach import Rough, rough
 from ..bodies import Indenter
-from ..data import ARBITRARY, BaseLine, Direction, ForceCurve, examine, measured
+from ..data import ARBITRARY, Direction, ForceCurve, examine, measured
 from .result import SHOWN, Figure, Result
+from .tables import quantities
 
 NO_BASE_LINE = Unknown("there is no base line")
 NAMES = {"a": "contact radius", "delta": "displacement", "P": "load", "t": "time"}
@@ -64,10 +65,10 @@ class Look(Result):
         """The rough numbers of a record as plain values, where there is a tip."""
         if self.tip is None:
             return {}
-        numbers = at_a_glance(record, self.tip)
-        if isinstance(numbers, Unknown):
-            return {"rough": None, "rough_unknown": numbers.reason}
-        return {"rough": {"E_star_Pa": numbers.E_star, "a_m": numbers.a, **_known("w_J_per_m2", numbers.w)}}
+        glance = at_a_glance(record, self.tip)
+        if isinstance(glance, Unknown):
+            return _known("rough", glance)
+        return {"rough": quantities(glance, "E_star a") | _known("w_J_per_m2", glance.w)}
 
     @property
     def warnings(self) -> Sequence[str]:
@@ -100,22 +101,11 @@ def _direction(item: Direction) -> dict[str, Any]:
         "rows": len(item.segment),
         **_known("touch_m", touch),
         "touch_err_m": None if isinstance(touch, Unknown) else item.touch_err,
-        "base_line": _base_line(item.base) if item.based else None,
+        "base_line": quantities(item.base, "offset tilt at rows noise waviness") if item.based else None,
         **_known("largest_load_N", item.largest if item.based else NO_BASE_LINE),
         **_known("adhesion_force_N", adhesion),
         "adhesion_at_m": None if isinstance(adhesion, Unknown) else item.adhesion_at,
-        "jumps": [{"row": jump.row + 1, "position_m": jump.position, "step_N": jump.step} for jump in item.jumps],
-    }
-
-
-def _base_line(base: BaseLine) -> dict[str, float]:
-    return {
-        "offset_N": base.offset,
-        "tilt_N_per_m": base.tilt,
-        "at_m": base.at,
-        "rows": base.rows,
-        "noise_N": base.noise,
-        "waviness_N": base.waviness,
+        "jumps": [{"row": jump.row + 1} | quantities(jump, "position step") for jump in item.jumps],
     }
 
 
@@ -137,11 +127,11 @@ def at_a_glance(record: ForceCurve, tip: Indenter) -> Rough | Unknown:
 
 
 def _glance(record: ForceCurve, tip: Indenter) -> str:
-    numbers = at_a_glance(record, tip)
-    if isinstance(numbers, Unknown):
-        return f"  no rough modulus: {numbers.reason}"
-    w = "" if isinstance(numbers.w, Unknown) else f", w = {show(numbers.w, 'work', 2)} (adhesion force)"
-    E_star, a = show(numbers.E_star, "modulus", 2), show(numbers.a, "length", 2)
+    glance = at_a_glance(record, tip)
+    if isinstance(glance, Unknown):
+        return f"  no rough modulus: {glance.reason}"
+    w = "" if isinstance(glance.w, Unknown) else f", w = {show(glance.w, 'work', 2)} (adhesion force)"
+    E_star, a = show(glance.E_star, "modulus", 2), show(glance.a, "length", 2)
     return f"  rough: E* = {E_star} (half-space without adhesion, largest load, a = {a}){w}"
 
 

@@ -8,12 +8,10 @@ from typing import Any
 
 from ..base import SI
 from ..identification.relaxation import RelaxationFit
-from .fit import brief, estimate_lines, estimate_summary
+from .fit import brief, estimate_lines, estimate_summary, identity
 from .relaxation import NEGLECTED, law_summary
 from .result import Figure, Several
 from .tables import by_columns, stiffness
-
-FORMAT = "jkr-relaxation-fit"
 
 
 class _OfFits(Several):
@@ -31,14 +29,8 @@ class _OfFits(Several):
         ])  # fmt: skip
 
     def summary(self) -> dict[str, Any]:
-        return {
-            "format": FORMAT,
-            "version": 1,
-            "body": self.body,
-            "level": self.fits[0].settings.level,
-            "fits": [_fit(fit) for fit in self.fits],
-            "neglected": NEGLECTED,
-        }
+        level, fits = self.fits[0].settings.level, [_fit(fit) for fit in self.fits]
+        return identity("jkr-relaxation-fit", self.body) | {"level": level, "fits": fits, "neglected": NEGLECTED}
 
     @property
     def parts(self) -> list[list[str]]:

@@ -10,27 +10,18 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion import (
-    CONTROLS,
-    DISPLACEMENT_CONTROL,
-    Behaviour,
-    Equilibrium,
-    EquilibriumCurve,
-    Errors,
-    Jump,
-    TimedState,
-    Validity,
-    behaviour,
-    branch,
-)
-from ..adhesion import control as control_name
+from .. import adhesion
 from ..base import SI, Array, Estimate, InputError, Unknown, accuracy, allowance, known, read_bytes, show
 from ..base import as_json as as_json
 from ..beside import Analysis
 
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
 WORD_COLUMNS = ("branch",)  # of a curve; all others are numbers
-DIMENSIONS = {"P": "load", "delta": "length", "a": "length", "t": "time"}  # of the numbers of a state
+DIMENSIONS = {  # of quantities by their names
+    **dict.fromkeys(("delta", "a", "c", "at", "position"), "length"),
+    **dict.fromkeys(("P", "offset", "noise", "waviness", "step"), "load"),
+    "t": "time", "w": "work", "E_star": "modulus", "speed": "speed", "tilt": "stiffness", "rows": "number",
+}  # fmt: skip
 
 
 def by_columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
@@ -39,8 +30,10 @@ def by_columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
 
 
 def stacked(tables: Sequence[Mapping[str, Iterable[Any]]]) -> dict[str, list[Any]]:
-    """Tables with the same columns below each other."""
-    return {name: [cell for table in tables for cell in table[name]] for name in tables[0]}
+    """Tables with the same columns, lists or arrays, below each other."""
+    plain = [{name: cells.tolist() if isinstance(cells, np.ndarray) else cells for name, cells in table.items()}
+             for table in tables]  # fmt: skip
+    return {name: [cell for table in plain for cell in table[name]] for name in tables[0]}
 
 
 def with_unit(name: str, dimension: str) -> str:
@@ -48,7 +41,12 @@ def with_unit(name: str, dimension: str) -> str:
     return f"{name}_{SI[dimension].replace('/', '_per_').replace('^', '')}".rstrip("_")
 
 
-def size_words(judged: Validity, sizes: Mapping[str, str]) -> list[str]:
+def quantities(source: Any, names: str) -> dict[str, Any]:
+    """The quantities of a ``source`` that are called ``names`` by their keys: ``P_N``, ``delta_m``, ``a_m``."""
+    return {with_unit(name, DIMENSIONS[name]): getattr(source, name) for name in names.split()}
+
+
+def size_words(judged: adhesion.Validity, sizes: Mapping[str, str]) -> list[str]:
     """``a/h = 0.3`` of each of the ``sizes``, by their names, that the body has."""
     values = ((name, getattr(judged, key)) for name, key in sizes.items())
     return [f"{name} = {value:.3g}" for name, value in values if isinstance(value, float)]
@@ -59,13 +57,13 @@ def state_words(state: Any, names: str = "P delta a") -> str:
     return ", ".join(f"{name} = {show(getattr(state, name), DIMENSIONS[name])}" for name in names.split())
 
 
-def curve_columns(curve: EquilibriumCurve) -> dict[str, Array]:
+def curve_columns(curve: adhesion.EquilibriumCurve) -> dict[str, Array]:
     """The columns of the CSV file by name; later versions may add columns after these."""
     columns = dict(curve.columns)
     attracted = {name: columns.pop(name) for name in ("c_m",) if name in columns}
     if curve.errors:
         columns |= {"P_err_N": curve.errors["P"], "delta_err_m": curve.errors["delta"]}
-    return columns | {"branch": branch(curve)} | attracted
+    return columns | {"branch": adhesion.branch(curve)} | attracted
 
 
 def read_curve(path: Path) -> dict[str, Array]:
@@ -161,7 +159,7 @@ def law_words(result: Analysis) -> str:
 
 
 def lost_words(
-    result: Analysis, points: Mapping[str, tuple[Equilibrium | Unknown, Errors | Unknown | None]]
+    result: Analysis, points: Mapping[str, tuple[adhesion.Equilibrium | Unknown, adhesion.Errors | Unknown | None]]
 ) -> list[str]:
     """The verdict on a curve: its pull-off force under each control, ``points`` with their half-widths; then the
     largest numerical error of these."""
@@ -179,15 +177,14 @@ def lost_words(
     return lines + ([f"  pull-off: {accuracy(max(errors))} (90 %)"] if errors else [])
 
 
-def point(state: Equilibrium | Unknown) -> dict[str, Any]:
+def point(state: adhesion.Equilibrium | Unknown) -> dict[str, Any]:
     """A critical point or state by its columns; all None with the reason where it lies outside the series."""
     if isinstance(state, Unknown):
         return {"P_N": None, "delta_m": None, "a_m": None, "reason": state.reason}
-    attracted = {} if state.c is None else {"c_m": state.c}
-    return {"P_N": state.P, "delta_m": state.delta, "a_m": state.a} | attracted
+    return quantities(state, "P delta a" if state.c is None else "P delta a c")
 
 
-def errors(half_widths: Errors | Unknown | None) -> dict[str, Any]:
+def errors(half_widths: adhesion.Errors | Unknown | None) -> dict[str, Any]:
     """The half-widths beside a point; None with the reason where they are unknown, nothing where there is no point."""
     if half_widths is None:
         return {}
@@ -203,10 +200,10 @@ def validity(result: Analysis) -> dict[str, Any]:
 
 def stability(result: Analysis) -> dict[str, Any]:
     """What the curve means under load and under displacement control."""
-    return {name: under_control(behaviour(result.curve, stiffness)) for name, stiffness in CONTROLS.items()}
+    return {name: under_control(adhesion.behaviour(result.curve, k)) for name, k in adhesion.CONTROLS.items()}
 
 
-def under_control(behaviour: Behaviour) -> dict[str, Any]:
+def under_control(behaviour: adhesion.Behaviour) -> dict[str, Any]:
     """Everything that is read off a curve under one control; a null with its reason where there is no number."""
     return {
         "critical_points": [{"kind": item.kind, **point(item)} for item in behaviour.critical],
@@ -217,29 +214,29 @@ def under_control(behaviour: Behaviour) -> dict[str, Any]:
     }
 
 
-def jump(event: Jump) -> dict[str, Any]:
+def jump(event: adhesion.Jump) -> dict[str, Any]:
     """A jump between two states; "to" is null where contact is lost."""
     return {"from": point(event.start), "to": None if event.end is None else point(event.end)}
 
 
-def timed(state: TimedState) -> dict[str, Any]:
+def timed(state: adhesion.TimedState) -> dict[str, Any]:
     """A state and its time."""
-    return point(state) | {"t_s": state.t}
+    return point(state) | quantities(state, "t")
 
 
-def timed_jump(event: Jump) -> dict[str, Any]:
+def timed_jump(event: adhesion.Jump) -> dict[str, Any]:
     """A jump and its time."""
-    return {"t_s": event.t, **jump(event)}
+    return quantities(event, "t") | jump(event)
 
 
 def device(k: float) -> dict[str, Any]:
     """The control that a device of stiffness ``k`` [N/m] exerts, and its stiffness."""
-    return {"control": control_name(k), "stiffness_N_per_m": stiffness(k)}
+    return {"control": adhesion.control(k), "stiffness_N_per_m": stiffness(k)}
 
 
 def stiffness(k: float) -> float | None:
     """The stiffness of a device [N/m]; None for a rigid one, as JSON has no infinity."""
-    return None if k == DISPLACEMENT_CONTROL else k
+    return None if k == adhesion.DISPLACEMENT_CONTROL else k
 
 
 def energies(**values: Estimate) -> dict[str, Any]:

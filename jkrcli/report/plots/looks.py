@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...base import Array, scale
+from ..tables import DIMENSIONS
 
 WIDE, MIDDLE, NARROW = 7.0, 4.8, 3.4  # two columns of a journal, one and a half, one [inch]: printed unscaled
 LARGER = 0.3  # choice: of the way of a record, below which its contact is drawn once more, larger
@@ -14,9 +15,6 @@ PURPLE, SKY = "#CC79A7", "#56B4E9"
 LABELS = {
     "delta": r"displacement $\delta$", "P": "load $P$", "a": "contact radius $a$", "t": "time $t$",
     "w": "work of adhesion $w$", "E_star": "$E^*$", "speed": "speed of the contact's edge $|da/dt|$",
-}  # fmt: skip
-DIMENSIONS = {
-    "delta": "length", "P": "load", "a": "length", "t": "time", "w": "work", "E_star": "modulus", "speed": "speed",
 }  # fmt: skip
 COLORS = (BLUE, ORANGE, GREEN, PURPLE, SKY, BLACK)
 

@@ -1,4 +1,5 @@
-"""Records fitted together as a table, as a summary and in words: what they share, or a surface tension."""
+"""Records fitted together as a table, as a summary and in words: what they share, a surface tension, or a law of w over
+the speed of the contact's edge."""
 
 from __future__ import annotations
 
@@ -7,13 +8,16 @@ from typing import Any
 
 import numpy as np
 
+from ..adhesion.validity import NEGLECTED
 from ..base import show
 from ..identification.fit import JointFit
+from ..identification.rate.fitting import RateFit
 from ..identification.tension import TensionFit
 from . import fit as each
-from .fit import DOUBTFUL, FITTED, brief, estimate_lines, estimate_summary, estimate_words
+from .fit import DOUBTFUL, FITTED, brief, estimate_lines, estimate_summary, estimate_words, identity
+from .rate import law_words
 from .result import Figure, Result
-from .tables import stacked
+from .tables import stacked, stiffness
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,10 +33,7 @@ class JointFitted(JointFit, Result):
         return each.columns(self.fits)
 
     def summary(self) -> dict[str, Any]:
-        return {
-            "format": "jkr-joint-fit",
-            "version": 1,
-            "body": self.body,
+        return identity("jkr-joint-fit", self.body) | {
             "shared": {item.name: estimate_summary(item) for item in self.shared},
             "correlation": np.asarray(self.correlation).tolist(),
             "chance": self.chance,
@@ -76,15 +77,12 @@ class TensionFitted(TensionFit, Result):
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
         """All rows of all records: readings and the fitted load."""
         return stacked([
-            {"curve": [record.name] * loads.size, "delta_m": record.depth.tolist(), "P_N": record.load.tolist(),
-             "P_fit_N": loads.tolist()} for record, loads in zip(self.records, self.loads, strict=True)
+            {"curve": [record.name] * loads.size, "delta_m": record.depth, "P_N": record.load, "P_fit_N": loads}
+            for record, loads in zip(self.records, self.loads, strict=True)
         ])  # fmt: skip
 
     def summary(self) -> dict[str, Any]:
-        return {
-            "format": "jkr-tension-fit",
-            "version": 1,
-            "body": self.body,
+        return identity("jkr-tension-fit", self.body) | {
             "estimates": {item.name: estimate_summary(item) for item in self.estimates},
             "free": list(self.free),
             "correlation": np.asarray(self.correlation).tolist(),
@@ -104,3 +102,59 @@ class TensionFitted(TensionFit, Result):
         known = [f"{item.name} = {show(item.value, item.dimension)}" for item in self.estimates if not item.free]
         lines += [f"  {item.name:<24} {estimate_words(item, self.level)}" for item in free]
         return lines + ([f"  fixed: {', '.join(known)}"] if known else [])
+
+
+@dataclass(frozen=True, eq=False)
+class LawFit(RateFit, Result):
+    """A common fit of records at several speeds as a result; ``body``: what was fitted, in words."""
+
+    body: str = ""
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        """All rows of all records: readings, prediction, and the edge's speed and radius."""
+        tables = []
+        measured = any(record.a is not None for record in self.records)
+        for record, prediction in zip(self.records, self.predictions, strict=True):
+            values = {"curve": [record.curve.name] * record.t.size, "t_s": record.t, "P_N": record.P,
+                      "P_fit_N": prediction.P + self.zero, "a_fit_m": prediction.a,
+                      "speed_m_per_s": np.where(prediction.speed > 0, -prediction.speed, 0.0)}  # fmt: skip
+            if measured:
+                values["a_m"] = np.full(record.t.size, np.nan) if record.a is None else record.a
+            tables.append(values)
+        return stacked(tables)
+
+    def summary(self) -> dict[str, Any]:
+        return identity("jkr-rate-fit", self.body) | {
+            "law": self.settings.law,
+            "free": list(self.free),
+            "level": self.settings.level,
+            "estimates": {item.name: estimate_summary(item) for item in self.estimates},
+            "records": [
+                {"curve": record.curve.where, "rows": record.t.size, "device_speed_m_per_s": record.speed,
+                 "stiffness_N_per_m": stiffness(record.stiffness),
+                 "noise_P_N": record.noise["P"]} for record in self.records
+            ],
+            "edge_speeds_m_per_s": list(self.speeds),
+            "scatter": self.scatter,
+            "degrees_of_freedom": self.dof,
+            "neglected": NEGLECTED,
+            "warnings": list(self.warnings),
+        }  # fmt: skip
+
+    def words(self) -> list[str]:
+        rows = sum(record.t.size for record in self.records)
+        speeds = " to ".join(show(v, "speed", 3) for v in self.speeds)
+        records = f"{len(self.records)} record{'s' if len(self.records) > 1 else ''}"
+        free = [item for item in self.estimates if item.free and item.name in ("E_star", "w0")]
+        return [
+            brief(free, self.settings.level),
+            f"  {records}, {rows} rows; {law_words(self.law)}; edge {speeds}",
+            *estimate_lines(self.estimates, self.settings.level),
+            f"  {'scatter':<12} {self.scatter:.3g} of the noise from row to row",
+        ]
+
+    def figure(self) -> Figure:
+        from .plots.rate import rate_fit_figure
+
+        return rate_fit_figure(self)

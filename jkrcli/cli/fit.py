@@ -16,23 +16,12 @@ from ..data import Reading
 from ..identification import fit as fits
 from ..methods import Limits
 from ..report import PICTURES, SHOWN, Files, Output
+from . import options
 from .body import Flags, body_and_measured, body_options, fitted_body
 from .fit_curves import FEWER, fit_curves, refits_of
 from .fit_idle import EACH, LAW, RELAXATION, SHARED, TENSION, refuse_idle, typed_options
 from .fit_together import FitRequest, fit_joint, fit_law, fit_relaxation, fit_tension, has_tension
 from .measured import TUNING, begin_reading, reading_options
-from .options import (
-    LENGTH_ABOVE_0,
-    NamedType,
-    Parallel,
-    ParsedType,
-    ScaleType,
-    into_folder,
-    limits_options,
-    output_options,
-    parallel_options,
-    slopes_option,
-)
 from .verb import several, verb
 
 SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}
@@ -40,7 +29,7 @@ HOW = ("segment", "base_line", "branch", "loss", "confidence", "model", "level",
 NO_RANGE = "has no adhesion of finite range: leave the case's adhesion.range, stress and capillary out"
 
 
-class NamesType(ParsedType):
+class NamesType(options.ParsedType):
     """One or several names, separated by commas."""
 
     name = "NAME,..."
@@ -55,10 +44,10 @@ OPTIONS = several(
     click.option("--free", multiple=True, type=NamesType(),
                  help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (of adhesion), drift, "
                  "hysteresis, creep (of a raw record's positions), surface_tension."),
-    click.option("--fix", multiple=True, type=NamedType(),
+    click.option("--fix", multiple=True, type=options.NAMED,
                  help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'),
-    click.option("--start", multiple=True, type=NamedType(), help="Starting value, beside those found in the data."),
-    click.option("--bound", multiple=True, type=NamedType(),
+    click.option("--start", multiple=True, type=options.NAMED, help="Starting value, beside those found in the data."),
+    click.option("--bound", multiple=True, type=options.NAMED,
                  help='Bounds, w="10 mJ/m^2..1 J/m^2"; one may be left out. '
                  'Of what is not fitted what is known: range="..10 nm", surface_tension="..30 mN/m".'),
     click.option("--law", type=click.Choice(list(RATE_LAWS)),
@@ -73,7 +62,7 @@ OPTIONS = several(
                  help="Of a raw record; sine: with optical interference."),
     click.option("--branch", type=click.Choice(["all", "compressive"]), default="all", show_default=True,
                  help="compressive: rows under compression only."),
-    click.option("--noise", multiple=True, type=ScaleType(),
+    click.option("--noise", multiple=True, type=options.SCALE,
                  help='Standard deviation of the readings, P="2 nN" [default: from the record].'),
     click.option("--loss", type=click.Choice(["linear", "soft_l1", "huber", "cauchy"]), default="linear",
                  show_default=True, help="Anything but linear is robust against outliers."),
@@ -91,26 +80,26 @@ OPTIONS = several(
                  help="Fit all records together: parameters that they share, E_star,w."),
     click.option("--own", multiple=True, type=NamesType(),
                  help="With --shared: those of each record, delta0,P0 [default: all other free ones]."),
-    click.option("--tip-radius", multiple=True, type=LENGTH_ABOVE_0,
+    click.option("--tip-radius", multiple=True, type=options.LENGTH_ABOVE_0,
                  help="With --shared or surface_tension: of each file, or of all [default: BODY's]."),
     click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
                  help="Of the body, instead of its own; both: under either, and what the data prefer."),
-    click.option("--uncertain", multiple=True, type=NamedType(),
+    click.option("--uncertain", multiple=True, type=options.NAMED,
                  help="Standard deviation of an input, carried on: radius=3%, stiffness=10%, thickness=5%."),
-    slopes_option,
+    options.slopes_option,
     reading_options,
-    limits_options,
-    parallel_options,
-    into_folder("Folder [default: BODY's]."),
-    output_options(plots=f"Draw nothing (else up to {SHOWN} curves are drawn).", json="Print the summary as JSON."),
+    options.limits_options,
+    options.parallel_options,
+    options.into_folder("Folder [default: BODY's]."),
+    options.output_options(f"Draw nothing (else up to {SHOWN} curves are drawn).", "Print the summary as JSON."),
 )  # fmt: skip
 
 
 @verb("body [measured...]")
 @OPTIONS
 def fit(
-    body: Path, measured: tuple[Path, ...], flags: Flags, reading: Reading, slopes: str, parallel: Parallel,
-    limits: Limits, output: Output, **options: Any,
+    body: Path, measured: tuple[Path, ...], flags: Flags, reading: Reading, slopes: str, parallel: options.Parallel,
+    limits: Limits, output: Output, **values: Any,
 ) -> None:  # fmt: skip
     """Find E*, w and the zero points that bring the adhesive curves of BODY nearest to each MEASURED curve.
 
@@ -131,19 +120,19 @@ def fit(
     """
     source, paths = body_and_measured(body, measured, flags)
     inputs = (body, *measured)
-    typed, kind = typed_options(), _kind(options)
+    typed, kind = typed_options(), _kind(values)
     if kind != EACH:
         refuse_idle(kind, typed)
     targets = _targets(body, kind != EACH, inputs, output)
-    refits = refits_of(options["confidence"], options["samples"], len(options["uncertain"]))
-    surfaces = SURFACES.get(options["surface"], ("",))
+    refits = refits_of(values["confidence"], values["samples"], len(values["uncertain"]))
+    surfaces = SURFACES.get(values["surface"], ("",))
     per_row, per_file = TUNING.fit_per_row + refits * TUNING.refit_per_row, refits * TUNING.refit
     begin_reading("fit", paths, limits, FEWER, per_row=len(surfaces) * per_row, per_file=len(surfaces) * per_file)
     fitted = fitted_body(source, slopes, limits)
     if kind in (LAW, RELAXATION) and fitted.range_of_case:
         raise InputError(f"fit: {kind} {NO_RANGE}")
     words = str(source) if isinstance(source, Path) else fitted.problem.words
-    request = FitRequest(fitted, paths, reading, _names(options), options, targets, words, output, inputs)
+    request = FitRequest(fitted, paths, reading, _names(values), values, targets, words, output, inputs)
     if kind in (EACH, SHARED):
         kind = TENSION if has_tension(request) else kind
         refuse_idle(kind, typed)
@@ -157,23 +146,23 @@ def fit(
     elif kind == SHARED:
         fit_joint(request, _settings(request, reading.contact))
     else:
-        bodies = [fitted.on_surface(one) for one in SURFACES[options["surface"] or fitted.problem.surface]]
+        bodies = [fitted.on_surface(one) for one in SURFACES[values["surface"] or fitted.problem.surface]]
         fit_curves(request, bodies, _settings(request, reading.contact), refits, limits, parallel)
 
 
-def _kind(options: Mapping[str, Any]) -> str:
+def _kind(values: Mapping[str, Any]) -> str:
     """The kind of fit by its options; that of a surface tension shows in the parameters."""
-    if options["relaxation"] is None and "relaxation" in _flat(options["free"]):
+    if values["relaxation"] is None and "relaxation" in _flat(values["free"]):
         raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
-    kinds = {RELAXATION: options["relaxation"], LAW: options["law"], SHARED: options["shared"]}
+    kinds = {RELAXATION: values["relaxation"], LAW: values["law"], SHARED: values["shared"]}
     return next((kind for kind, value in kinds.items() if value), EACH)
 
 
-def _names(options: Mapping[str, Any]) -> list[str]:
+def _names(values: Mapping[str, Any]) -> list[str]:
     """The parameters that are free beside the usual ones, those that records share or have each among them."""
-    known = (*fits.USUALLY_FREE, fits.ALIAS, *dict(options["fix"]))
-    own = [name for name in _flat((*options["shared"], *options["own"])) if name not in known]
-    return [*_flat(options["free"]), *own]
+    known = (*fits.USUALLY_FREE, fits.ALIAS, *dict(values["fix"]))
+    own = [name for name in _flat((*values["shared"], *values["own"])) if name not in known]
+    return [*_flat(values["free"]), *own]
 
 
 def _targets(body_file: Path, timed: bool, inputs: tuple[Path, ...], output: Output) -> Files:
@@ -187,13 +176,13 @@ def _targets(body_file: Path, timed: bool, inputs: tuple[Path, ...], output: Out
 
 def _settings(request: FitRequest, contact: str) -> fits.Settings:
     """What is fitted and how; uncertain inputs are known only when the parameters are."""
-    options = request.options
-    free = (request.body, request.names, options["fix"], options["start"], options["bound"])
-    how = {name: options[name] for name in HOW} | {"noise": dict(options["noise"]), "contact": contact}
+    values = request.options
+    free = (request.body, request.names, values["fix"], values["start"], values["bound"])
+    how = {name: values[name] for name in HOW} | {"noise": dict(values["noise"]), "contact": contact}
     settings = fits.settings_of(*free, **how)
-    if not options["uncertain"]:
+    if not values["uncertain"]:
         return settings
-    return fits.settings_of(*free, uncertain=fits.uncertain_of(request.body, options["uncertain"], settings), **how)
+    return fits.settings_of(*free, uncertain=fits.uncertain_of(request.body, values["uncertain"], settings), **how)
 
 
 def _flat(groups: Iterable[Sequence[str]]) -> list[str]:

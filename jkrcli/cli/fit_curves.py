@@ -98,7 +98,7 @@ def _pictures(request: FitRequest, each: list[list[Outcome]], bodies: list[fits.
     several, the surface; none where they are many."""
     named: list[tuple[Outcome, str]] = []
     for items, body in zip(each, bodies, strict=True):
-        shown = [item for item in items if isinstance(item, fits.Fit) or _is_drawn(item)]
+        shown = [item for item in items if isinstance(item, fits.Fit) or {"delta", "P"} <= set(item.curve.measured)]
         for item in shown if len(shown) <= SHOWN else []:
             file, name = (item.file, item.name) if isinstance(item, fits.Fit) else (item.curve.origin, item.curve.name)
             words = [Path(file or "").stem, *[name] * (len(shown) > 1), *[body.problem.surface] * (len(bodies) > 1)]
@@ -106,11 +106,6 @@ def _pictures(request: FitRequest, each: list[list[Outcome]], bodies: list[fits.
     stems = beside(request.targets.stem, [name for _, name in named])
     return [(item, request.output.files(stem, PICTURES, request.inputs))
             for (item, _), stem in zip(named, stems, strict=True)]  # fmt: skip
-
-
-def _is_drawn(item: fits.Failure) -> bool:
-    """Whether there is something to draw of a curve that could not be fitted."""
-    return item.curve.delta is not None and item.curve.P is not None
 
 
 def _draw(drawn: Pictures) -> None:

@@ -77,7 +77,7 @@ reading_options = as_one(
                  help="auto: by content and ending; afm: .csv and .txt of microscopes (needs afmformats)."),
     *SEPARATED,
     click.option("--rows", type=options.ROWS, help="Only these rows of each curve, from 1: 100..900."),
-    click.option("--where", multiple=True, type=options.NamedType(),
+    click.option("--where", multiple=True, type=options.NAMED,
                  help="Only rows of a segment, of a curve or of one content of a column: segment=retract."),
 )  # fmt: skip
 

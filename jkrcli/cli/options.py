@@ -177,7 +177,7 @@ class RowsType(ParsedType):
         return int(first[:9]), int(last[:9])
 
 
-PAIRS, ROWS = PairsType(), RowsType()
+NAMED, PAIRS, ROWS = NamedType(), PairsType(), RowsType()
 
 
 class ScaleType(KeyValueType):
@@ -190,6 +190,9 @@ class ScaleType(KeyValueType):
 
     def valued(self, key: str, value: str) -> Any:
         return (LOAD if key == "P" else LENGTH).parsed(value)
+
+
+SCALE = ScaleType()
 
 
 class KeyNumberType(KeyValueType):

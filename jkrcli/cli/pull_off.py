@@ -15,7 +15,7 @@ from ..methods import Limits
 from ..report import MeasuredPullOff, PullOff, Result, Results
 from ..series import Solution
 from .body import Flags, body_options, by_flags, case_of
-from .options import CONTROL, LOAD, WORK, CurveOptions, NamedType, curve_options, json_option, limits_options
+from .options import CONTROL, LOAD, NAMED, WORK, CurveOptions, curve_options, json_option, limits_options
 from .series import begin_curves, read_files, without_range, works_of
 from .verb import verb
 from .voice import give
@@ -30,7 +30,7 @@ SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of 
               help='Of the machine or cantilever, "0.2 N/m"; also "load" and "rigid" [default: these two].'
 )  # fmt: skip
 @click.option("--load", "force", type=LOAD, help='A measured pull-off force, "12 uN": which w does it mean?')
-@click.option("--uncertain", multiple=True, type=NamedType(),
+@click.option("--uncertain", multiple=True, type=NAMED,
               help="With --load: standard deviation of load, R, E, h, nu or E:LAYER, such as load=5%, h=1um."
 )  # fmt: skip
 @curve_options

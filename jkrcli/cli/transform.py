@@ -11,7 +11,7 @@ from ..base import InputError
 from ..beside import analyse, effect_on, sticking_warnings
 from ..methods import Limits
 from ..report import PICTURES, Files, Output, Transformed, as_result, figure_of, scaling
-from .options import WORK, CurveOptions, ScaleType, curve_options, into_folder, limits_options, output_options
+from .options import SCALE, WORK, CurveOptions, curve_options, into_folder, limits_options, output_options
 from .series import begin_curves, read_files, works_of
 from .verb import verb
 from .voice import answer, present, warn
@@ -22,7 +22,7 @@ from .voice import answer, present, warn
 @curve_options
 @into_folder()
 @click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]), help="Also in units of Eq. 15, 19.")
-@click.option("--scale", "own", multiple=True, type=ScaleType(),
+@click.option("--scale", "own", multiple=True, type=SCALE,
               help='Own units, one a --scale: a="1 um", delta=..., P=..., all three.')  # fmt: skip
 @click.option("--together", is_flag=True, help="One picture of all w, <stem>-all-w.png and .svg, instead of one each.")
 @limits_options

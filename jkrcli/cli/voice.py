@@ -11,6 +11,7 @@ import shutil
 import sys
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -31,20 +32,18 @@ def level_options(quiet: bool) -> list[click.Option]:
     if quiet:
         levels = {"quiet": (QUIET, "Print warnings and errors only, and JSON.")} | levels
     return [
-        click.Option([f"-{name[0]}", f"--{name}"], is_flag=True, expose_value=False, callback=_set(level), help=words)
+        click.Option(
+            [f"-{name[0]}", f"--{name}"], is_flag=True, expose_value=False, callback=partial(_set, level), help=words
+        )
         for name, (level, words) in levels.items()
     ]
 
 
-def _set(level: int) -> Any:
-    def callback(ctx: click.Context, param: click.Parameter, value: bool) -> None:
-        if not value:
-            return
-        if ctx.meta.get(LEVEL, level) != level:
-            raise click.UsageError("-q and -v exclude each other", ctx)
+def _set(level: int, ctx: click.Context, param: click.Parameter, value: bool) -> None:
+    if value and ctx.meta.get(LEVEL, level) != level:
+        raise click.UsageError("-q and -v exclude each other", ctx)
+    if value:
         ctx.meta[LEVEL] = level
-
-    return callback
 
 
 def _level() -> int:

@@ -10,7 +10,7 @@ import click
 from ..data import Reading
 from ..report import PICTURES, Output, Results
 from .measured import TUNING, begin_reading, reading_options
-from .options import WORKERS, ScaleType, into_folder, modulus_factor_option, output_options, slopes_option
+from .options import SCALE, WORKERS, into_folder, modulus_factor_option, output_options, slopes_option
 from .verb import verb
 from .voice import give, progress
 
@@ -19,7 +19,7 @@ from .voice import give, progress
 @click.option("--use", type=click.Choice(["a,P", "a,delta", "delta,P"]),
               help="What w follows from [default: the first of these that was measured].")  # fmt: skip
 @click.option("--segment", help='Rows of this segment only, "retract".')
-@click.option("--noise", multiple=True, type=ScaleType(), help='Standard deviation of a measured quantity, P="2 nN".')
+@click.option("--noise", multiple=True, type=SCALE, help='Standard deviation of a measured quantity, P="2 nN".')
 @click.option("--window", type=int, default=11, show_default=True, help="Rows for the speed da/dt: an odd number.")
 @modulus_factor_option
 @slopes_option

@@ -18,7 +18,8 @@ import numpy as np
 from ..base import AT_ONCE, LOOKED_AT, SHOWN, Array, InputError, allowance, did_you_mean, read_bytes
 from .titles import split_name, unit_power
 
-Lines: TypeAlias = list[tuple[int, str]]  # with their numbers, from 1
+Line: TypeAlias = tuple[int, str]  # with its number, from 1
+Lines: TypeAlias = list[Line]
 IsText: TypeAlias = Callable[[int, str], bool]  # whether a column, of its index (from 0) and header cell, holds words
 BLANK = "blank"
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", BLANK: None}
@@ -57,12 +58,13 @@ TUNING = TextTuning()
 class Dialect:
     """The way a table is written: the ``separator`` (a key of ``SEPARATORS``), the ``decimal`` mark, which columns
     (from 0) hold ``text``: their cells count as the number 0, and whether the digits before the decimal mark are
-    grouped in ``thousands``."""
+    grouped in ``thousands``; ``least``: numbers of a row."""
 
     separator: str
     decimal: str
     text: frozenset[int] = frozenset()
     thousands: bool = False
+    least: int = 3
 
     def cells(self, line: str) -> list[str]:
         """The cells of a line, without surrounding blanks; a separator at the end of the line ends no empty cell."""
@@ -220,7 +222,7 @@ def read_table(
         allowed.take_text(whole)
         lines_of_file = _without_long_head(_lines(path, whole))
         dialect, sample = _dialect(path, lines_of_file, separator, decimal, least, is_text)
-        lines, values = _rows(lines_of_file, dialect, least, gaps=not finite)
+        lines, values = _rows(lines_of_file, dialect, gaps=not finite)
         if decimal is None:
             _refuse_doubtful(path, [(n, line) for n, line in sample if n >= lines[0]], dialect)
         return _table(path, lines_of_file, dialect, lines, values, finite, is_note)
@@ -325,30 +327,30 @@ def _refuse_doubtful(path: Path, content: Lines, dialect: Dialect) -> None:
             )
 
 
-def _rows(content: Lines, dialect: Dialect, least: int, gaps: bool) -> tuple[Array, Array]:
+def _rows(content: Lines, dialect: Dialect, gaps: bool) -> tuple[Array, Array]:
     """Lines and values of all rows of numbers; ``gaps``: a few with words in place of some too, behind the first."""
-    body, values = _begun(content, dialect, least)
+    body, values = _begun(content, dialect)
     if values is not None:
         return np.array([n for n, _ in body]), values
-    rows = list(_data(body, dialect, least))
+    rows = list(_data(body, dialect))
     if gaps:
-        more = list(_data(body, dialect, least, gaps=True))
+        more = list(_data(body, dialect, gaps=True))
         rows = more if len(more) - len(rows) <= TUNING.gaps * len(more) else rows
     return np.array([n for n, _ in rows]), np.array([row for _, row in rows])
 
 
-def _row_lines(content: Lines, dialect: Dialect, least: int) -> list[int]:
+def _row_lines(content: Lines, dialect: Dialect) -> list[int]:
     """The lines that are rows of numbers: all behind the first one where numpy reads them."""
-    body, values = _begun(content, dialect, least)
+    body, values = _begun(content, dialect)
     regular = values is not None and np.isfinite(values).all()
-    return [n for n, _ in (body if regular else _data(body, dialect, least))]
+    return [n for n, _ in (body if regular else _data(body, dialect))]
 
 
-def _begun(content: Lines, dialect: Dialect, least: int) -> tuple[Lines, Array | None]:
+def _begun(content: Lines, dialect: Dialect) -> tuple[Lines, Array | None]:
     """The lines from the first row of numbers on, and their values where numpy reads them."""
     marked = dialect.decimal == "," and not (dialect.text or dialect.thousands)
     likely = (item for item in content if not (marked and "." in item[1]))
-    for first, row in _data(likely, dialect, least):
+    for first, row in _data(likely, dialect):
         body = _from(content, first)
         return body, _regular(body, dialect, len(row))
     return [], None
@@ -378,7 +380,7 @@ def _regular(body: Lines, dialect: Dialect, width: int) -> Array | None:
     return values
 
 
-def _with_text(content: Lines, dialect: Dialect, least: int, is_text: IsText) -> Dialect:
+def _with_text(content: Lines, dialect: Dialect, is_text: IsText) -> Dialect:
     """The dialect with the columns of text, by the first line that names one: before any row of numbers."""
     for _, line in content:
         if not dialect.divides(line):
@@ -386,11 +388,11 @@ def _with_text(content: Lines, dialect: Dialect, least: int, is_text: IsText) ->
         cells = _header_cells(line, dialect, 0)
         if _is_comment(line) and cells and cells[0].endswith(":"):  # "# segment: extend" is no header
             cells = cells[1:] if cells[0].lower() in HEADINGS else []
-        if len(cells) < least:
+        if len(cells) < dialect.least:
             continue
         if of_words := {i for i, cell in enumerate(cells) if is_text(i, cell)}:
             return replace(dialect, text=frozenset(of_words))
-        if all(_NUMBER.match(cell.replace(",", ".")) for cell in cells[:least]):
+        if all(_NUMBER.match(cell.replace(",", ".")) for cell in cells[: dialect.least]):
             break
     return dialect
 
@@ -399,40 +401,40 @@ def _dialect(
     path: Path, content: Lines, separator: str | None, decimal: str | None, least: int, is_text: IsText
 ) -> tuple[Dialect, Lines]:
     """The way to read the lines that gives most rows of numbers, by a sample of them, and that."""
-    dialects = [Dialect(s, d) for s in SEPARATORS for d in (".", ",") if (s, d) != ("comma", ",")]
+    dialects = [Dialect(s, d, least=least) for s in SEPARATORS for d in (".", ",") if (s, d) != ("comma", ",")]
     allowed = [d for d in dialects if separator in (None, d.separator) and decimal in (None, d.decimal)]
     if not allowed:
         raise InputError('separator "comma" and decimal "," exclude each other: say which one the comma is')
     head, rest = content[:LOOKED_AT], content[LOOKED_AT:]
     sample = head + rest[:: max(1, 2 * len(rest) // LOOKED_AT)]
     for lines in (sample, content) if len(content) > len(sample) else (sample,):
-        if (dialect := _best(lines, allowed, least, is_text)) is not None:
+        if (dialect := _best(lines, allowed, is_text)) is not None:
             return dialect, sample
     sheet = path.suffix.lower() in SHEETS
     remedy = "save the sheet as CSV" if sheet else "give --separator and --decimal if they are unusual"
     raise InputError(f"{path}: holds no row of at least {least} numbers; {remedy}")
 
 
-def _best(content: Lines, dialects: list[Dialect], least: int, is_text: IsText) -> Dialect | None:
+def _best(content: Lines, dialects: list[Dialect], is_text: IsText) -> Dialect | None:
     """The one of the ``dialects``, with columns of words, that gives most rows of numbers; None where none does."""
     whole = "\n".join(line for _, line in content)
     allowed = [d for d in dialects if (SEPARATORS[d.separator] or "") in whole]
     if not allowed:
         return None
-    plain = [_with_text(content, dialect, least, is_text) for dialect in allowed]
-    best, unread = _most_rows(content, plain, least)
+    plain = [_with_text(content, dialect, is_text) for dialect in allowed]
+    best, unread = _most_rows(content, plain)
     if unread:  # columns of words that nobody names, and grouped digits, are tried only where others leave lines over
-        wordy = plain + [_with_words(content, dialect, least) for dialect in allowed]
-        best, unread = _most_rows(content, wordy, least)
+        wordy = plain + [_with_words(content, dialect) for dialect in allowed]
+        best, unread = _most_rows(content, wordy)
     if unread:
-        best, _ = _most_rows(content, [*wordy, *(replace(dialect, thousands=True) for dialect in wordy)], least)
+        best, _ = _most_rows(content, [*wordy, *(replace(dialect, thousands=True) for dialect in wordy)])
     return best
 
 
-def _most_rows(content: Lines, dialects: list[Dialect], least: int) -> tuple[Dialect | None, bool]:
+def _most_rows(content: Lines, dialects: list[Dialect]) -> tuple[Dialect | None, bool]:
     """The dialect that gives most rows of numbers, None where none gives any; whether it leaves lines behind its first
     row unread."""
-    rows = [_row_lines(content, dialect, least) for dialect in dialects]
+    rows = [_row_lines(content, dialect) for dialect in dialects]
     sizes = [len(lines) for lines in rows]
     most = sizes.index(max(sizes))
     if not sizes[most]:
@@ -442,34 +444,32 @@ def _most_rows(content: Lines, dialects: list[Dialect], least: int) -> tuple[Dia
     return dialects[most], later > sizes[most]
 
 
-def _with_words(content: Lines, dialect: Dialect, least: int) -> Dialect:
+def _with_words(content: Lines, dialect: Dialect) -> Dialect:
     """The dialect with those columns as text that hold words, or nothing, in all rows of the later half and a number in
-    none, beside ``least`` columns or more of others."""
+    none, beside enough columns of others."""
     rows = [
         dialect.cells(line) + [""] * dialect.ends(line)
         for _, line in content
         if not _is_comment(line) and dialect.divides(line)
     ]
-    widths = [len(cells) for cells in rows if len(cells) > least]
+    widths = [len(cells) for cells in rows if len(cells) > dialect.least]
     width = max(widths, key=widths.count, default=0)
     whole = [cells for cells in rows if len(cells) == width]
     columns = [[cells[i] for cells in whole[len(whole) // 2 :]] for i in range(width)]
     of_words = [i for i, column in enumerate(columns) if any(column)
              and all(not cell or _WORD.match(cell) for cell in column)
              and not any(_NUMBER.match(cells[i].replace(",", ".")) for cells in whole)]  # fmt: skip
-    return replace(dialect, text=frozenset(of_words if width - len(of_words) >= least else ()))
+    return replace(dialect, text=frozenset(of_words if width - len(of_words) >= dialect.least else ()))
 
 
-def _data(
-    content: Iterable[tuple[int, str]], dialect: Dialect, least: int, gaps: bool = False
-) -> Iterator[tuple[int, list[float]]]:
-    """The rows of at least ``least`` numbers, all as wide as the first; ``gaps``: behind it also those of fewer."""
+def _data(content: Iterable[Line], dialect: Dialect, gaps: bool = False) -> Iterator[tuple[int, list[float]]]:
+    """The rows of enough numbers, all as wide as the first; ``gaps``: behind it also those of fewer."""
     width = 0
     for n, line in content:
         wide = gaps and width > 0
         row = dialect.numbers(line, width, wide) if dialect.divides(line) and not _is_comment(line) else None
         fits = row is not None and len(row) == (width or len(row))
-        if row is not None and fits and (wide or len(row) - sum(map(math.isnan, row)) >= least):
+        if row is not None and fits and (wide or len(row) - sum(map(math.isnan, row)) >= dialect.least):
             width = len(row)
             yield n, row
 

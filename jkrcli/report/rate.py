@@ -8,16 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion import (
-    LOAD_CONTROL,
-    History,
-    Program,
-    RateContact,
-    RateLaw,
-    parameters_of,
-    position,
-    rate_parameters,
-)
+from .. import adhesion
 from ..adhesion.validity import NEGLECTED, Zone, zone
 from ..base import ROWS, SAME, UNSEEN, Array, InputError, SolveError, Unknown, known, show
 from ..beside import Analysis
@@ -28,25 +19,25 @@ from .tables import device, state_words, timed, timed_jump, with_unit
 VAGUE = 1.0  # relative standard error, theory: one as large as the parameter does not tell it from zero
 
 
-def law_words(law: RateLaw) -> str:
+def law_words(law: adhesion.RateLaw) -> str:
     """The law and its parameters as people write them."""
-    name, values = parameters_of(law)
-    ranges = rate_parameters(name)
+    name, values = adhesion.parameters_of(law)
+    ranges = adhesion.rate_parameters(name)
     parameters = ", ".join(f"{key} = {show(value, ranges[key].dimension)}" for key, value in values.items())
     return f"{name} law, {parameters}"
 
 
-def law_summary(law: RateLaw | None) -> dict[str, Any] | None:
+def law_summary(law: adhesion.RateLaw | None) -> dict[str, Any] | None:
     """The law and its parameters, keys with their units."""
     if law is None:
         return None
-    name, values = parameters_of(law)
-    ranges = rate_parameters(name)
+    name, values = adhesion.parameters_of(law)
+    ranges = adhesion.rate_parameters(name)
     return {"law": name} | {with_unit(key, ranges[key].dimension): value for key, value in values.items()}
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class CycledAtSpeed(History, Result):
+class CycledAtSpeed(adhesion.History, Result):
     """A history as a result; ``body``: the curve of retraction, ``stress`` [Pa] in the zone at the edge,
     ``points``: rows of a piece."""
 
@@ -55,7 +46,7 @@ class CycledAtSpeed(History, Result):
     points: int = ROWS
 
     @classmethod
-    def of(cls, contact: RateContact, program: Program, body: Analysis, **options: Any) -> CycledAtSpeed:
+    def of(cls, contact: adhesion.RateContact, program: adhesion.Program, body: Analysis, **more: Any) -> CycledAtSpeed:
         """What happens to ``contact`` under ``program``; InputError where it leaves the series."""
         try:
             history = contact.history(program)
@@ -63,7 +54,7 @@ class CycledAtSpeed(History, Result):
             raise InputError(f"{body.path}: {error}") from None
         if history.out_of_series is not None:
             raise InputError(f"{body.path}: {history.out_of_series}")
-        return as_result(cls, history, body=body, **options)
+        return as_result(cls, history, body=body, **more)
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]
@@ -73,7 +64,7 @@ class CycledAtSpeed(History, Result):
     def zone(self) -> Zone:
         """The dissipating zone at pull-off."""
         pulled, contact, problem = self.pull_off, self.contact, self.body.problem
-        x = position(pulled.delta, pulled.P, contact.stiffness)
+        x = adhesion.position(pulled.delta, pulled.P, contact.stiffness)
         G = float(contact.states(np.array([pulled.a]), np.array([x])).G[0])
         z0 = self.body.solution.record.z0
         return zone(G, contact.w0, problem.E_star, pulled.a, problem.specimen.top_thickness, self.stress, z0)
@@ -136,7 +127,7 @@ class CycledAtSpeed(History, Result):
         ]  # fmt: skip
         end = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost.t, 'time')}"
         if lost is not None and self.waited is not None:
-            loaded = contact.stiffness == LOAD_CONTROL
+            loaded = contact.stiffness == adhesion.LOAD_CONTROL
             where = f"at {state_words(lost.start, 'P')}" if loaded else "with the device at rest"
             end += f", after {show(self.waited, 'time')} {where}"
         lines.append(f"  {end}; the contact stopped growing at t = {show(self.turn, 'time')}")

@@ -37,7 +37,7 @@ class _OfFits(Several):
         return list(map(_words, self.fits))
 
     def figure(self) -> Figure:
-        from .plots.relaxation import relaxation_fit_figure
+        from .plots.rate import relaxation_fit_figure
 
         return relaxation_fit_figure(self.fits)
 

@@ -100,10 +100,8 @@ def _band(axes: Axes, curve: EquilibriumCurve, units: Scales, x: str, y: str) ->
         return
     limits = [(curve.P + sign * curve.errors["P"]) / units.P for sign in (-1, 1)]
     style: dict[str, Any] = {"color": ORANGE, "alpha": 0.25, "lw": 0, "label": "90 % band of $P$"}
-    if y == "P":
-        axes.fill_between(*_xy(curve, units, x), *limits, **style)
-    else:
-        axes.fill_betweenx(*_xy(curve, units, y), *limits, **style)
+    along, fill = (x, axes.fill_between) if y == "P" else (y, axes.fill_betweenx)
+    fill(*_xy(curve, units, along), *limits, **style)
 
 
 def _by_stability(axes: Axes, result: Analysis, units: Scales, x: str, y: str) -> None:

@@ -1,4 +1,4 @@
-"""Figures of contacts whose adhesion depends on speed."""
+"""Figures of contacts over time: of a device's history, of adhesion that depends on speed, of bodies that relax."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from ...adhesion import Jump
 from ...base import Array, show
 from ...identification.rate.fitting import RateFit
+from ...identification.relaxation import RelaxationFit
 from . import Axes, Figure, log_ticks, panelled
 from .looks import BLACK, BLUE, COLORS, GREEN, ORANGE, WIDE, axis_of, pretty
 
@@ -80,3 +81,19 @@ def law_band(axes: Axes, v: Array, w: Array, low: Array, high: Array, colour: st
     axes.loglog(v / speed, w / work, color=colour, label=label)
     axes.set(xlabel=v_label, ylabel=w_label)
     log_ticks(axes.xaxis, axes.yaxis)
+
+
+def relaxation_fit_figure(fits: Sequence[RelaxationFit]) -> Figure:
+    """What each of the first records held and what that made, over time, readings and model."""
+    shown = fits[:6]
+    with panelled(WIDE, 2.8 * len(shown), 2 * len(shown), columns=2, legend=2) as (figure, axes):
+        for left, right, fit in zip(axes[::2], axes[1::2], shown, strict=True):
+            record, names = fit.record, ("P", "delta") if fit.record.loaded else ("delta", "P")
+            pairs = ((left, record.imposed, fit.imposed, names[0]), (right, record.response, fit.response, names[1]))
+            for place, read, model, name in pairs:
+                (time, t_label), (factor, label) = axis_of("t", record.t), axis_of(name, read)
+                place.plot(record.t / time, read / factor, ".", ms=2, color=BLUE, label="readings")
+                place.plot(record.t / time, model / factor, color=ORANGE, label="model")
+                place.set(xlabel=t_label, ylabel=label)
+            left.set_title(pretty(str(fit.relaxation)), fontsize=8)
+        return figure

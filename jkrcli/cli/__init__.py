@@ -65,18 +65,13 @@ GROUPS = {
     },
 }
 VERBS = {verb: text for group in GROUPS.values() for verb, text in group.items()}
-# Verbs whose result is a file, or an exit code: what they print can be left out. What the others print is the result.
-VOICED = frozenset({
-    "new", "run", "import", "mesh", "transform", "cycle", "profile", "fields", "export", "explore", "look", "fit",
-    "work", "compare", "sweep",
-})  # fmt: skip
 SILENT = frozenset({"completion", "study"})  # what one prints is a script, the other is a group
 
 
 class Verbs(LateGroup):
     """The verbs, each in a module of its own."""
 
-    titles, voiced, silent = GROUPS, VOICED, SILENT
+    titles, silent = GROUPS, SILENT
 
     def made(self, name: str) -> click.Command:
         attribute = name.replace("-", "_") + "_" * keyword.iskeyword(name)

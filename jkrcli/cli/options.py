@@ -258,7 +258,7 @@ class RangeOptions:
         return RangeRequest.of(solution.record, self.stress, self.length)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CurveOptions(RangeOptions):
     """How curves are made of a solution: adhesion of finite range, the rule for slopes, a factor of all moduli."""
 

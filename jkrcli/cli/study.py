@@ -28,7 +28,6 @@ class Studies(LateGroup):
     """The studies: of maps each is made of its row."""
 
     titles: ClassVar = {"Studies": STUDIES}
-    voiced = STUDIES
 
     def made(self, name: str) -> click.Command:
         if name == "converge":

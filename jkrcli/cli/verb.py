@@ -135,10 +135,9 @@ def verb(usage: str = "", name: str | None = None) -> Callable[[Command], click.
 
 class LateGroup(click.Group):
     """A group whose commands are imported, or made, when they are called; ``titles``: their names with a line each, by
-    the titles of the help's sections; ``voiced``: those that can be quiet, ``silent``: those that print no result."""
+    the titles of the help's sections; ``silent``: those that print no result. What writes files can be quiet."""
 
     titles: ClassVar[Mapping[str, Mapping[str, str]]]
-    voiced: ClassVar[Container[str]]
     silent: ClassVar[Container[str]] = ()
 
     def made(self, name: str) -> click.Command:
@@ -156,8 +155,9 @@ class LateGroup(click.Group):
         if name not in self.list_commands(ctx):
             return None
         command = self.made(name)
-        if name not in self.silent and not any("--verbose" in parameter.opts for parameter in command.params):
-            command.params += level_options(quiet=name in self.voiced)
+        options = {option for parameter in command.params for option in parameter.opts}
+        if name not in self.silent and "--verbose" not in options:
+            command.params += level_options(quiet="--force" in options)
         return command
 
     def resolve_command(

@@ -70,10 +70,9 @@ class Vocabulary:
         """The one column that is named like ``key``, or the one of several whose unit is one of its dimension."""
         matches = self.named(table, key)
         if len(matches) > 1:
-            units = [split_name(table.names[i])[1] for i in matches]
-            fits = [(unit_power(unit) or ("",))[0] == self.quantities[key].dimension for unit in units]
-            right = [i for i, is_right in zip(matches, fits, strict=True) if is_right]
-            matches = right if len(right) == 1 and all(units) else matches
+            units, wanted = {i: split_name(table.names[i])[1] for i in matches}, self.quantities[key].dimension
+            right = [i for i, unit in units.items() if (unit_power(unit) or ("",))[0] == wanted]
+            matches = right if len(right) == 1 and all(units.values()) else matches
         if len(matches) == 1:
             return matches[0]
         reason = "no column is" if not matches else f"{len(matches)} columns are"

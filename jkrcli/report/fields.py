@@ -13,7 +13,7 @@ from ..adhesion import stable_radius
 from ..base import Array, lists, show
 from ..beside import Analysis
 from .result import Figure, Result
-from .tables import state_words
+from .tables import quantities, state_words
 
 if TYPE_CHECKING:
     from ..methods import FEM
@@ -34,10 +34,10 @@ class Profile(Result):
     columns: Mapping[str, Array]
 
     def summary(self) -> dict[str, Any]:
-        return {"file": str(self.path), "a_m": self.a, "w_J_per_m2": self.w, **lists(self.columns)}
+        return {"file": str(self.path), **quantities(self, "a w"), **lists(self.columns)}
 
     def words(self) -> list[str]:
-        return [f"a = {show(self.a, 'length')}, w = {show(self.w, 'work')}: {self.path}"]
+        return [f"{state_words(self, 'a w')}: {self.path}"]
 
     def figure(self) -> Figure:
         from .plots.body import profile_figure
@@ -83,10 +83,9 @@ class Fields(Result):
         state = self.state
         return {
             "file": str(self.curve.path),
-            "a_m": state.a,
-            "w_J_per_m2": self.curve.w,
-            "delta_m": state.delta,
-            "P_N": state.P,
+            **quantities(state, "a"),
+            **quantities(self.curve, "w"),
+            **quantities(state, "delta P"),
             "P_series_N": self.P,
             "difference": abs(state.P - self.P) / state.lines["surface"].size,
             "elements": len(state.grid.cells),

@@ -15,7 +15,7 @@ from ..base import SI, scale, show
 from ..identification.fit import Failure, Fit, FittedValue, JKRBeside, record_rivals, record_scores, rivals
 from . import archive
 from .result import SHOWN, Figure, Result, Several
-from .tables import DIMENSIONS, by_columns, with_unit
+from .tables import DIMENSIONS, by_columns, quantities, with_unit
 
 ALWAYS = ("file", "curve", "status", "reason", "points")
 SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
@@ -189,7 +189,7 @@ def _beside(item: Fit) -> dict[str, Any]:
     jkr = item.jkr
     if not isinstance(jkr, JKRBeside):
         return {} if jkr is None else {"jkr": {"reason": str(jkr)}}
-    return {"jkr": {"E_star_Pa": jkr.E_star, "w_J_per_m2": jkr.w, "misfit": jkr.rms / jkr.rms_of_range}}
+    return {"jkr": quantities(jkr, "E_star w") | {"misfit": jkr.rms / jkr.rms_of_range}}
 
 
 def _status(item: Fit) -> str:
@@ -334,7 +334,7 @@ def _tried_summary(one: record_scores.FittedRival) -> dict[str, Any]:
     parameters = {with_unit(name, record_rivals.OF_RIVALS[name]): value for name, value in one.quantities.items()}
     return {
         "name": one.name, "family": one.family, "taken": one.taken, "chi2_falls": one.falls, "p": one.chance,
-        "E_star_Pa": one.E_star, "w_J_per_m2": one.w, **parameters,
+        **quantities(one, "E_star w"), **parameters,
     }  # fmt: skip
 
 

@@ -116,9 +116,11 @@ class LawFit(RateFit, Result):
         tables = []
         measured = any(record.a is not None for record in self.records)
         for record, prediction in zip(self.records, self.predictions, strict=True):
-            values = {"curve": [record.curve.name] * record.t.size, "t_s": record.t, "P_N": record.P,
-                      "P_fit_N": prediction.P + self.zero, "a_fit_m": prediction.a,
-                      "speed_m_per_s": np.where(prediction.speed > 0, -prediction.speed, 0.0)}  # fmt: skip
+            values: dict[str, Any] = {
+                "curve": [record.curve.name] * record.t.size, "t_s": record.t, "P_N": record.P,
+                "P_fit_N": prediction.P + self.zero, "a_fit_m": prediction.a,
+                "speed_m_per_s": np.where(prediction.speed > 0, -prediction.speed, 0.0),
+            }  # fmt: skip
             if measured:
                 values["a_m"] = np.full(record.t.size, np.nan) if record.a is None else record.a
             tables.append(values)

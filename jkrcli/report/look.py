@@ -15,7 +15,6 @@ from .result import SHOWN, Figure, Result
 from .tables import quantities
 
 NO_BASE_LINE = Unknown("there is no base line")
-NAMES = {"a": "contact radius", "delta": "displacement", "P": "load", "t": "time"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +137,7 @@ def _glance(record: ForceCurve, tip: Indenter) -> str:
 def words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
     """Lines for a reader: what the record is, then a line per direction and per flag; a rough modulus by a ``tip``."""
     curve = record.curve
-    columns = ", ".join(NAMES[name] for name in curve.measured)
+    columns = ", ".join(map(measured.text.NAMES.meaning, curve.measured))
     parts = ", ".join(f"{segment.kind} {len(segment)}" for segment in record.segments)
     parts += f", {record.rest} of neither" if record.rest else ""
     return [

@@ -35,7 +35,7 @@ class Transformed(Analysis, Result):
     def summary(self) -> dict[str, Any]:
         summary, scales = tables.summary(self) | {"sticking": effect_as_json(self.sticking)}, self.scales
         if scales is not None:
-            summary["scales"] = {"name": scales.name, "P_N": scales.P, "delta_m": scales.delta, "a_m": scales.a}
+            summary["scales"] = {"name": scales.name} | tables.quantities(scales, "P delta a")
         return summary
 
     def words(self) -> list[str]:

@@ -36,7 +36,7 @@ def _curve(axes: Axes, fit: Fit) -> None:
     places = [axes]
     touched = fit.a > 0
     if touched.any() and np.ptp(measured[0][touched]) < LARGER * np.ptp(measured[0]):
-        places.append(enlarged(axes, *measured, touched))
+        places.append(enlarged(axes, measured[0], measured[1], touched))
     for place in places:
         place.plot(*measured, "o", color=SKY, ms=3, mfc="none", label="measured")
         place.plot(*line, "-", color=BLACK, lw=1.0, label="fitted")

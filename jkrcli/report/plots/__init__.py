@@ -96,12 +96,11 @@ def few_ticks(axes: Axes, most: int) -> None:
         axis.set_label_coords(*place, transform=axes.transAxes + ScaledTranslation(*away, to_inches))
 
 
-def enlarged(axes: Axes, x: Array, y: Array, near: Array) -> Axes:
-    """An inset over the long free way of a record ``x, y``, with limits around the rows ``near`` its contact; under the
-    way where that lies in the upper half of the axis."""
-    level = 0.05 + 0.9 * (float(np.median(y[~near])) - y.min()) / np.ptp(y)
+def enlarged(axes: Axes, x: Array, y: Array, level: float) -> Axes:
+    """An inset over the long free way of a record, with limits around the points ``x, y`` of its contact; under the way
+    where that lies, at the ``level`` in shares of the axis, in the upper half."""
     bottom, top = (level + 0.1, 0.98) if level < 0.5 else (0.1, level - 0.06)
-    return inset(axes, (0.16, bottom, 0.5, top - bottom), x[near], y[near], 0.08, 6)
+    return inset(axes, (0.16, bottom, 0.5, top - bottom), x, y, 0.08, 6)
 
 
 def inset(axes: Axes, place: Box, x: Array, y: Array, margin: float, letters: float) -> Axes:

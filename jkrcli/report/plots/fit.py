@@ -36,7 +36,9 @@ def _curve(axes: Axes, fit: Fit) -> None:
     places = [axes]
     touched = fit.a > 0
     if touched.any() and np.ptp(measured[0][touched]) < LARGER * np.ptp(measured[0]):
-        places.append(enlarged(axes, measured[0], measured[1], touched))
+        across, up = measured
+        level = (float(np.median(up[~touched])) - up.min()) / np.ptp(up)
+        places.append(enlarged(axes, across[touched], up[touched], 0.05 + 0.9 * level))
     for place in places:
         place.plot(*measured, "o", color=SKY, ms=3, mfc="none", label="measured")
         place.plot(*line, "-", color=BLACK, lw=1.0, label="fitted")

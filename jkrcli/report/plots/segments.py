@@ -47,7 +47,8 @@ def _panel(axes: Axes, record: ForceCurve, x: float, y: float, letters: int) -> 
     near = _contact(record, z) if letters == LETTERS else None  # there is room in a panel of the whole width
     places = [axes]
     if near is not None:
-        places.append(enlarged(axes, z / x, curve.P / y, near))
+        level = (float(np.median(curve.P[~near])) - curve.P.min()) / np.ptp(curve.P)
+        places.append(enlarged(axes, z[near] / x, curve.P[near] / y, 0.05 + 0.9 * level))
     broken = _broken(record)
     for place in places:
         for segment in record.segments:

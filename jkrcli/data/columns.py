@@ -107,9 +107,9 @@ class Vocabulary:
 
 def vocabulary(kind: str) -> Vocabulary:
     """The quantities of a ``kind`` of table, "measured" or "computed": those of a contact by more names, and others."""
-    also, more = WORDS[kind]["also"], WORDS[kind]["more"]
-    contact = {key: entry | {"names": entry["names"] + also.get(key, [])} for key, entry in WORDS["contact"].items()}
-    return Vocabulary({key: Quantity(**entry) for key, entry in (contact | more).items()})
+    entries, also = WORDS["contact"] | WORDS[kind]["more"], WORDS[kind]["also"]
+    names = {key: [*entry["names"], *also.get(key, ())] for key, entry in entries.items()}
+    return Vocabulary({key: Quantity(**entry | {"names": names[key]}) for key, entry in entries.items()})
 
 
 def with_units(

@@ -19,7 +19,8 @@ DIRECTIONS, OTHERS = ({word: way for way in (APPROACH, RETRACT) for word in WORD
                       for kind in ("directions", "cells"))  # fmt: skip
 SEGMENTS = DIRECTIONS | OTHERS  # of cells and notes
 HOLDS, BESIDE = WORDS["notes"]["holds"], WORDS["notes"]["beside"]
-DEPTHS, DEFLECTIONS, WHOLE = (WORDS["instruments"][name] for name in ("depths", "deflections", "whole"))
+DEPTHS, DEFLECTIONS = WORDS["instruments"]["depths"], WORDS["instruments"]["deflections"]
+WHOLE = WORDS["measured"]["also"]["t"]  # times of a record whose segments have their own too
 NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
 
 

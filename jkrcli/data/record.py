@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base import Array, Estimate, InputError, Unknown, known, show
+from ..base import SAME, Array, Estimate, InputError, Unknown, known, show
 from .columns import NO_UNIT
 from .measured.curve import APPROACH, RETRACT, Curve
 from .measured.saturation import saturation
@@ -35,6 +35,7 @@ class RecordTuning:
     inside: float = 0.8  # tuned on records, by `make constants`: of the free part found first, what surely is free
     sigmas: float = 6.0  # theory: 1e-9 of normal noise lies beyond, of rows and of what they leave a line by
     least: float = 0.005  # choice: of the range of the load, below which no departure counts
+    whole: float = 0.1  # theory: off whole numbers, of steps between levels; a few that are none are so by chance
     run: int = 3  # tuned on records, by `make constants`: blocks in succession that must agree
     # choice: of all rows, the range of the load, or the way: what is no direction, no jump, no motion, no place of
     # steps, and how many rows may be spikes
@@ -79,7 +80,8 @@ class BaseLine:
     ``rows`` free rows.
 
     ``noise``: standard deviation of a row [N]; ``waviness``: of what is left of slow deviations from the line [N];
-    ``curved``: the rows are part of the curve that follows, not of a line.
+    ``curved``: the rows are part of the curve that follows, not of a line; ``rounding``: standard deviation [N] of
+    readings in steps of a converter, which is noise at least.
     """
 
     offset: float
@@ -89,6 +91,7 @@ class BaseLine:
     noise: float
     waviness: float
     curved: bool
+    rounding: float = 0.0
 
     def __call__(self, position: Array) -> Array:
         return self.offset + self.tilt * (position - self.at)
@@ -349,11 +352,24 @@ def _base_line(x: Array, y: Array, end: int) -> BaseLine:
     at = float(x[end - 1])
     line = _polynomial(x[:end] - at, y[:end], 1)
     off = y[:end] - line(x[:end] - at)
-    noise = _robust(np.diff(off, 2)) / math.sqrt(6) if end > 3 else 0.0
+    rounding = resolution(y) / math.sqrt(12)
+    noise = max(_robust(np.diff(off, 2)) / math.sqrt(6) if end > 3 else 0.0, rounding)
     size = max(1, min(end // 10, _block(x.size)))
     slow = float(np.mean(_blocks(off, size) ** 2)) - noise**2 / size
     offset, tilt, waviness = float(line(0.0)), float(line.deriv()(0.0)), math.sqrt(max(slow, 0.0))
-    return BaseLine(offset, tilt, at, end, float(noise), waviness, _is_curved(x, y, end))
+    return BaseLine(offset, tilt, at, end, float(noise), waviness, _is_curved(x, y, end), rounding)
+
+
+def resolution(y: Array) -> float:
+    """The step of readings that are whole numbers of steps; 0 where they are none, or none repeats."""
+    values = np.unique(y)
+    steps = np.diff(values)
+    steps = steps[steps > SAME * np.ptp(y)]  # conversion to other units parts equal ones by round-off
+    if not steps.size or 2 * steps.size > y.size:
+        return 0.0
+    step = float(np.median(steps[steps < 1.5 * steps.min()]))
+    whole = steps / step
+    return step if float(np.abs(whole - np.rint(whole)).max()) < TUNING.whole else 0.0
 
 
 def _is_curved(x: Array, y: Array, end: int) -> bool:

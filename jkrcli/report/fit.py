@@ -56,9 +56,11 @@ class Fits(Several):
     def _together(self) -> str:
         """How many curves were fitted, and the median and the ends of E* and w over them."""
         doubtful = sum(_status(item) == DOUBTFUL for item in self.fits)
-        values = [(name, [item.estimate(name) for item in self.fits]) for name in ("E_star", "w")]
         parts = []
-        for name, estimates in values:
+        for name in ("E_star", "w"):
+            estimates = [one for item in self.fits for one in item.estimates if one.name == name]
+            if not estimates:
+                continue
             sizes, dimension = [one.value for one in estimates], estimates[0].dimension
             middle, low, high = (show(float(size), dimension, 4) for size in np.percentile(sizes, (50, 0, 100)))
             parts.append(f"{SYMBOLS.get(name, name)} = {middle} (median; {low} to {high})")

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.fft import dct, idct
@@ -163,10 +163,10 @@ def frequencies(rows: int) -> Array:
     return np.arange(rows) / (2 * rows)
 
 
-def spread(off: Array, J: Array, free: Sequence[Array], weight: Spectrum) -> Spread:
+def spread(off: Array, J: Array, free: Sequence[Array], weight: Spectrum, rounding: float = 0.0) -> Spread:
     """The covariance of unknowns from residuals ``off`` and their derivatives ``J``, in the order of time, that were
     fitted with the ``weight`` of such noise; very large where the data do not determine an unknown. ``free``:
-    residuals of runs of rows out of contact."""
+    residuals of runs of rows out of contact; ``rounding``: variance of readings in steps of a converter, the least."""
     f = frequencies(off.size)
     own = weight(f)
     rows = waves(np.column_stack([J, off])) / np.sqrt(own)[:, None]
@@ -177,7 +177,7 @@ def spread(off: Array, J: Array, free: Sequence[Array], weight: Spectrum) -> Spr
     all_rows = Octaves.of(f, rows[:, -1] ** 2, np.sum(U**2, axis=1)).spectrum()
     every = all_rows(f) * own
     loose = sum(run.size for run in free)
-    seen = _of_base_lines(free) if loose >= TUNING.free else None
+    seen = _of_base_lines(free, rounding) if loose >= TUNING.free else None
     noise = Spectrum(float(np.mean(every))) if seen is None else seen.spectrum()
 
     def of(noise: Array | float) -> Array:
@@ -211,8 +211,9 @@ def _hidden(seen: Octaves, noise: Spectrum, every: Spectrum) -> Spectrum:
     return likely if seen.unlikely(likely) <= seen.unlikely(noise) else noise
 
 
-def _of_base_lines(runs: Sequence[Array]) -> Octaves:
-    """The residuals of runs of free rows, of each of which the fit has taken a straight line."""
+def _of_base_lines(runs: Sequence[Array], rounding: float) -> Octaves:
+    """The residuals of runs of free rows, of each of which the fit has taken a straight line, their variance not below
+    that of ``rounding``, which a line that stands still does not show."""
     parts = []
     for off in runs:
         line = np.linalg.qr(np.stack([np.ones(off.size), np.arange(off.size)], axis=1))[0]
@@ -220,7 +221,8 @@ def _of_base_lines(runs: Sequence[Array]) -> Octaves:
         parts.append((frequencies(off.size), waves(left) ** 2, np.sum(waves(line) ** 2, axis=1)))
     f, power, taken = (np.concatenate(items) for items in zip(*parts, strict=True))
     order = np.argsort(f, kind="stable")
-    return Octaves.of(f[order], power[order], taken[order])
+    octaves = Octaves.of(f[order], power[order], taken[order])
+    return replace(octaves, mean=np.maximum(octaves.mean, max(rounding, TINY)))
 
 
 @dataclass(frozen=True, eq=False)

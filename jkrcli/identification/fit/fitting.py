@@ -148,6 +148,8 @@ def fit(
         raise InputError([f"{line}{likely}" for line in lines]) from None
     except SolveError as error:
         raise SolveError(f"{curve.where}: {error}") from None
+    except (ArithmeticError, RuntimeWarning) as error:  # of one curve, which takes no others of a map with it
+        raise SolveError(f"{curve.where}: the numbers leave the range of arithmetic ({error})") from error
 
 
 @dataclass(frozen=True, eq=False)

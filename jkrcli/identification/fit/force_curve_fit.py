@@ -184,9 +184,10 @@ def _spread_at_folds(
     known to, nor than half of the way between two rows. White noise leaves it known to about that.
     """
     residuals, free = model.ordered(pull, weight), model.free(off)
+    rounding = max(part.line.rounding for part in model.stretches) ** 2
 
     def spread_by(J: Array) -> Spread:
-        return covariance(residuals, model.ordered(J, weight), free, weight)
+        return covariance(residuals, model.ordered(J, weight), free, weight, rounding)
 
     J = model.residuals(x, 0.0)[1]
     spread, first = spread_by(J), 0

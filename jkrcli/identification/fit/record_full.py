@@ -265,7 +265,7 @@ def _followed(
     the fit without, down to ``still`` standard errors, from ``begin`` on, else from that fit; None where they do not
     settle, or come to a contact that is nowhere stable, or chi^2 will not fall to about ``most``."""
     x, size, excess = near.x if begin is None else begin, math.inf, math.inf
-    with contextlib.suppress(SolveError, OverflowError):  # unknowns that no row determines may go anywhere
+    with contextlib.suppress(SolveError, ArithmeticError):  # unknowns that no row determines may go anywhere
         for _ in range(MOST_STEPS):
             step, left = near.step(model.off(x, 0.0))
             before, size, x, excess = size, near.size(step), x - step, left - near.left

@@ -228,7 +228,8 @@ def _noise_dofs(fit: ForceCurveFit, unit: Array) -> list[float]:
     edges = _octaves(len(unit))
     share = np.add.reduceat(unit**2, edges, axis=0)
     counts = np.maximum(np.diff(np.append(edges, len(unit))) * fit.spread.dof / len(unit), 1)
-    return (1 / (share**2 / counts[:, None]).sum(axis=0)).tolist()
+    share = np.maximum((share**2 / counts[:, None]).sum(axis=0), 1 / max(fit.spread.dof, 1.0))
+    return (1 / share).tolist()
 
 
 def _octaves(n: int) -> Array:

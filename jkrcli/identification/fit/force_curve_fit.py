@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -337,19 +338,40 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear", near: Array | None = 
     if near is not None and "turn" not in model.names:
         with contextlib.suppress(SolveError):
             fitted = fit(model, near, True, loss)
-            if fitted.ended and fitted.sigma <= TUNING.explained * model.noise:
+            if fitted.ended and _explains(fitted, model, TUNING.explained):
                 return fitted
     best: ForceCurveFit | SolveError = SolveError("no curve of this body resembles the record")
-    for x in starts_of(model):
+    for close, x in itertools.chain(((False, x) for x in starts_of(model)), ((True, x) for x in _of_each(model, loss))):
         try:
-            fitted = fit(model, x, loss=loss)
+            fitted = fit(model, x, close, loss)
         except SolveError as error:
             best = error if isinstance(best, SolveError) else best
             continue
         if isinstance(best, SolveError) or (not fitted.ended, fitted.sigma) < (not best.ended, best.sigma):
             best = fitted
-        if "turn" not in model.names and best.sigma <= TUNING.enough * model.noise:
+        if "turn" not in model.names and _explains(best, model, TUNING.enough):
             break
     if isinstance(best, SolveError):
         raise best
     return best
+
+
+def _explains(fitted: ForceCurveFit, model: ForceCurveModel, enough: float) -> bool:
+    """Whether a fit leaves no more than ``enough`` of the noise, with all unknowns of a ``model``: an edge that rests
+    throughout may be a valley beside that of one that recedes."""
+    return fitted.sigma <= enough * model.noise and fitted.names == model.names
+
+
+def _of_each(model: ForceCurveModel, loss: Loss) -> Iterator[Array]:
+    """Unknowns of several directions as fits of each alone have them, moduli and the zero as either does."""
+    if len(model.stretches) == 1:
+        return
+    alone: list[dict[str, float]] = []
+    for part in model.stretches:
+        with contextlib.suppress(SolveError):
+            one = nearest(replace(model, stretches=(part,)), loss)
+            values = one.model.values(one.x)
+            alone.append(values | {f"r:{part.kind}": math.sqrt(max(values[f"q:{part.kind}"], 0.0))})
+    if len(alone) == len(model.stretches):
+        together = {name: value for values in alone for name, value in values.items()}
+        yield from (model.unknowns({**together, **{n: v[n] for n in ("ln_s", "z0")}}) for v in alone)

@@ -604,3 +604,19 @@ def test_the_limit_of_a_root_below_0() -> None:
     assert (far.value, far.low, near.low) == (0.0, 0.0, 0.0)
     assert far.high == pytest.approx(1.645, rel=1e-3)
     assert near.high == pytest.approx(1.645**2, rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", [0, 2])
+def test_an_edge_that_seems_to_rest_throughout_is_compared_with_one_that_recedes(seed: int) -> None:
+    """A device a hundred times softer than the contact: where the edge never recedes, E* is half too high."""
+    E_star, w, w_approach = 151.9e3, 1.595e-3, 0.97e-3
+    device = Instrument(4.5e-3, 800, far=18e-6, largest=33e-9, noise=5e-11, offset=-1.35e-9)
+    columns = record(E_star, 5e-6, w_approach, w, device, seed)
+    z, P = columns["z"], columns["P"]
+    curve = Curve("soft", delta=z - P / device.k, P=P, stiffness=device.k, segment=columns["segment"])
+    found = fit(body(E_star, 3e-6), curve, usual())
+    assert not found.flags
+    for name, true in (("E_star", E_star), ("w", w), ("w_approach", w_approach)):
+        item = found.estimate(name)
+        assert item.error is not None
+        assert item.value == pytest.approx(true, abs=3 * item.error)

@@ -228,14 +228,21 @@ def _without_idle(model: ForceCurveModel, x: Array, weight: Spectrum) -> tuple[F
     values, last = model.values(x), model.stretches[-1]
     own = f"q:{last.kind}"
     adheres = own in model.names and last.touching.any() and (last.tension > 0 or not last.line.rows)
-    if adheres and (resting := model.rest(last, values)):
-        depth = model.depth(last, values)[last.touching]
-        most = resting.released(math.sqrt(max(values[own], 0.0)), float(depth.min())) ** 2  # its last row holds that
-        if _rests_throughout(model, x, own, most, weight):
-            idle |= np.array(model.names) == own
-            values[own] = most
+    most = held_by_last_row(model, values) if adheres else None
+    if most is not None and _rests_throughout(model, x, own, most, weight):
+        idle |= np.array(model.names) == own
+        values[own] = most
     known = {name: values[name] for name, no in zip(model.names, idle, strict=True) if no}
     return (replace(model, known={**model.known, **known}), x[~idle]) if known else (model, x)
+
+
+def held_by_last_row(model: ForceCurveModel, values: Mapping[str, float]) -> float | None:
+    """The q that the last row of an edge that rests throughout holds; None where it does not rest."""
+    last = model.stretches[-1]
+    if (resting := model.rest(last, values)) is None:
+        return None
+    lost = float(model.depth(last, values)[last.touching].min())
+    return resting.released(math.sqrt(max(values[f"q:{last.kind}"], 0.0)), lost) ** 2
 
 
 def _rests_throughout(model: ForceCurveModel, x: Array, own: str, most: float, weight: Spectrum) -> bool:

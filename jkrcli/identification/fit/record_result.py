@@ -17,7 +17,7 @@ from ..least_squares import State
 from ..parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, Parameter, dimension_of
 from .body import FittedBody
 from .checks import warnings_of
-from .force_curve_fit import ForceCurveFit, fit
+from .force_curve_fit import ForceCurveFit, fit, held_by_last_row
 from .interference import Wave
 from .record_flags import NAMES, judgement, sentences
 from .record_rivals import OF_RIVALS
@@ -75,7 +75,7 @@ def as_fit(
     fixed = {item.name for item in settings.parameters if not item.free and item.name in settings.named}
     intervals = _intervals(body, best, settings, values, fixed, t, pool)
     carried = _carried(body, best, settings, values)
-    plain = (_resting(item, best) for item in intervals.estimates())
+    plain = (_resting(item, best, t) for item in intervals.estimates())
     estimates = tuple(wider(item, {key: change[item.name] for key, change in carried.items()}, t) for item in plain)
     if not best.ended:
         estimates = tuple(replace(item, error=None, low=None, high=None) for item in estimates)
@@ -171,11 +171,25 @@ def _quantity(name: str, best: ForceCurveFit) -> Parameter:
     return Parameter(name, True, scale=scale, quantity=dimension, follows=dimension == "modulus")
 
 
-def _resting(item: FittedValue, best: ForceCurveFit) -> FittedValue:
-    """The estimate; w of an edge that rests throughout is a lower bound."""
+def _resting(item: FittedValue, best: ForceCurveFit, t: float) -> FittedValue:
+    """The estimate; w of an edge that rests throughout is a lower bound: what its last row holds, less ``t`` of its
+    standard errors."""
     if item.name != WORKS[RETRACT] or f"q:{RETRACT}" not in best.model.known:
         return item
-    return FittedValue(item.name, item.value, True, item.dimension, None, item.value)
+    low = max(item.value - t * _error_of_held(best), 0.0)
+    return FittedValue(item.name, item.value, True, item.dimension, None, low)
+
+
+def _error_of_held(best: ForceCurveFit) -> float:
+    """The standard error of the w that the last row of an edge that rests throughout holds, by those of the others."""
+
+    def held(x: Array) -> float:
+        values = best.model.values(x)
+        return math.exp(values["ln_s"]) * (held_by_last_row(best.model, values) or 0.0)
+
+    steps = np.diag([best.error(name) for name in best.names])
+    rates = np.array([(held(best.x + step) - held(best.x - step)) / (2 * step.sum() or 1.0) for step in steps])
+    return math.sqrt(max(float(rates @ best.covariance @ rates), 0.0))
 
 
 def _renewed(best: ForceCurveFit, rng: np.random.Generator) -> Callable[[State], State]:

@@ -238,12 +238,16 @@ def _ranges(record: FittedRecord, score: Score) -> list[float]:
 
 
 def _moves(near: Linearised, x: Array) -> tuple[float, float]:
-    """By how much the logs of E* and w differ at the unknowns ``x``."""
+    """By how much the logs of E* and w differ at the unknowns ``x``; where w falls its relative change, which has an
+    end: w may come to 0."""
     model = near.record.model
     here, there = (model.values(one) for one in (near.x, x))
-    old, new = (max(TINY, *(one[f"q:{part.kind}"] for part in model.stretches)) for one in (here, there))
     E = there["ln_s"] - here["ln_s"]
-    return E, E + math.log(new / old) if near.record.work else 0.0
+    if not near.record.work:
+        return E, 0.0
+    old, new = (max(0.0, *(one[f"q:{part.kind}"] for part in model.stretches)) for one in (here, there))
+    rise = (new * math.exp(E) - old) * math.exp(here["ln_s"]) / near.record.work
+    return E, math.log1p(rise) if rise > 0 else rise
 
 
 def _moving(score: Score, amount: float, moves: Sequence[float]) -> Score:

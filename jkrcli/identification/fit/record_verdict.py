@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 from ...base import ROUNDED, UNSEEN
 from ...bodies import Problem
+from ...data import APPROACH
 from ..answer import FittedValue
 from .body import FittedBody
 from .fitted_record import FittedRecord, Known
@@ -18,7 +19,8 @@ from .force_curve import ForceCurveModel, base_line
 from .force_curve_fit import ForceCurveFit
 from .record_full import RivalFit, bounded, fitted_in_full
 from .record_rivals import MEMORY
-from .record_scores import FittedRival, RecordRivals, Verdict, rivals_of_record
+from .record_scores import TUNING as SCORES
+from .record_scores import FittedRival, RecordRivals, Verdict, relative_errors, rivals_of_record
 from .result import Fit
 
 REJECTED, DIFFER = "model rejected", "directions differ"
@@ -40,7 +42,7 @@ def judged(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Fit:
     settings = result.settings
     record = FittedRecord(body, fit, Known(settings.range_at_most, settings.tension_at_most, settings.level))
     rivals = bounded(record, rivals_of_record(record))
-    new = {name: sentence for name, sentence in _flags(rivals) if name not in result.flags}
+    new = {name: sentence for name, sentence in _flags(rivals, fit) if name not in result.flags}
     estimates = tuple(_with_part(item, rivals) for item in result.estimates)
     warnings = tuple(f"{name}: {sentence}" for name, sentence in new.items())
     return replace(
@@ -104,8 +106,9 @@ def _by(change: float) -> str:
     return f"{change:+.1%}" if change < TUNING.tenfold else "more than tenfold"
 
 
-def _flags(rivals: RecordRivals) -> Iterator[tuple[str, str]]:
-    """Flags with a sentence each."""
+def _flags(rivals: RecordRivals, fit: ForceCurveFit) -> Iterator[tuple[str, str]]:
+    """Flags with a sentence each; a quantity whose interval is wider than what rivals may change it by tells so
+    itself."""
     if rivals.named:
         names = " or ".join(f"{one.name} (E* {_by(one.change(one.E_star))})" for one in rivals.named)
         apart = ", which one step cannot tell apart" if len(rivals.named) > 1 else ""
@@ -114,8 +117,10 @@ def _flags(rivals: RecordRivals) -> Iterator[tuple[str, str]]:
         compared = (one for one in rivals.scores if one.of_directions and one.family == MEMORY)
         amounts = ", ".join(f"{one.name} {one.amount:+.1%} ± {one.error:.1%} ({one.amount_is})" for one in compared)
         yield DIFFER, f"approach and retraction ask for {amounts}; {', '.join(rivals.families)} would explain it"
-    for quantity, symbol in (("E_star", "E*"), ("w", "w")):
-        if (worst := rivals.worst(quantity)) is not None and worst[1] > TUNING.large:
+    work = "w_approach" if fit.model.stretches[-1].kind == APPROACH else "w"
+    for quantity, symbol, error in zip(("E_star", "w"), ("E*", work), relative_errors(fit), strict=True):
+        worst = rivals.worst(quantity)
+        if worst is not None and worst[1] > max(TUNING.large, SCORES.normal * error):
             yield f"{symbol} not determined", f"{worst[0]} may change it by {worst[1]:.0%}"
 
 

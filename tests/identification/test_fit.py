@@ -65,7 +65,7 @@ def _counted(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
         return call
 
     monkeypatch.setattr(body_module, "Layered", lambda tolerance: counting("solves", Layered(tolerance)))
-    monkeypatch.setattr(model, "distances", counting("evaluations", model.distances))
+    monkeypatch.setattr(model, "foot_points", counting("evaluations", model.foot_points))
     body_module.solved.cache_clear()
     return counts
 
@@ -223,8 +223,8 @@ def test_other_intervals_agree_with_those_of_the_covariance(confidence: str, poi
 def test_samples_of_a_bootstrap_begin_where_they_nearly_end(monkeypatch: pytest.MonkeyPatch) -> None:
     """Seven evaluations each, 25 ms; and the same whoever works on them."""
     curve, calls = sphere(noise=0.01, seed=4), []
-    distances = model.distances
-    monkeypatch.setattr(model, "distances", lambda *words: calls.append(words) or distances(*words))
+    foot_points = model.foot_points
+    monkeypatch.setattr(model, "foot_points", lambda *words: calls.append(words) or foot_points(*words))
     plain = fit(half_space(), curve, usual())
     before = len(calls)
     some = fit(half_space(), curve, usual(confidence="bootstrap", samples=20))

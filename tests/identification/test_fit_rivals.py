@@ -170,10 +170,9 @@ def test_the_second_part_is_that_of_an_interval() -> None:
 @pytest.mark.parametrize("name", ["w", "modulus"])
 def test_derivatives_of_a_drifting_curve(name: str) -> None:
     """By u against central differences of the readings themselves."""
-    objective = usual().parameters
-    x = np.array([p.inner(p.value if p.value is not None else 0.1) for p in objective])
+    values = {p.name: 0.1 if p.value is None else p.value for p in usual().parameters}
     drift = Drift(name, 0.4, 0.5, A_C, A_END)
-    readings = Readings(half_space().family, objective, x, ("delta", "P"), np.array([DELTA_C, P_C]), drift)
+    readings = Readings(half_space().family, tuple(values), values, ("delta", "P"), np.array([DELTA_C, P_C]), drift)
     u, step = np.log(np.linspace(1.1 * A_C, 0.9 * A_END, 7)), 1e-5
     _, first, second = readings.along(u)
     above, below = readings.along(u + step), readings.along(u - step)

@@ -260,6 +260,3 @@ class AttractedMember:
         if self.by_range:
             return {"modulus": P - by_tension, "w": by_tension / self.w, "range": by_length - by_tension}
         return {"modulus": P - by_tension, "w": by_length / self.w, "stress": by_tension - by_length}
-
-    def own_rates(self, u: Array) -> Array:
-        return np.empty((0, 3, u.size))

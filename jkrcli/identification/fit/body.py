@@ -108,6 +108,14 @@ class FittedBody:
         layers = self.layer_names[: len(self.problem.specimen.layers)]
         return (*(f"E:{name}" for name in self.layer_names), *(f"h:{name}" for name in layers))
 
+    def moduli(self, s: float) -> dict[str, float]:
+        """E* and the moduli of all layers [Pa] by name, those of the problem times ``s``; of an indenter that is
+        elastic too, which is scaled with them, E* alone."""
+        problem = self.problem
+        materials = () if problem.indenter.material is not None else problem.specimen.materials
+        own = {f"E:{name}": s * one.surface.E for name, one in zip(self.layer_names, materials, strict=False)}
+        return {"E_star": s * problem.E_star, **own}
+
     def nominal(self, name: str) -> float:
         """The value of "E:layer" [Pa], "h:layer" [m], "nu:layer" or "radius" [m] in the problem."""
         if name == RADIUS:
@@ -128,9 +136,9 @@ class FittedBody:
         """
         body, near = self.with_values(values), {name: _nearby(value) for name, value in values.items()}
         base = self._solved(changed(self.problem, near))
-        moved = [changed(self.problem, near | {name: near[name] * math.exp(TUNING.step)}) for name in varied]
-        rates = [self._solved(problem).rate_from(base, TUNING.step) for problem in moved]
-        return replace(body, family=body.family.with_rates(rates))
+        moved = {name: changed(self.problem, near | {name: near[name] * math.exp(TUNING.step)}) for name in varied}
+        rates = {name: base.rate_to(self._solved(problem), TUNING.step) for name, problem in moved.items()}
+        return replace(body, family=replace(body.family, rates=rates))
 
     def on_surface(self, surface: str) -> FittedBody:
         """The same body whose surfaces are "sliding" or "sticking": solved anew by ``layered`` where they were not."""

@@ -63,7 +63,8 @@ def confidence_of(
     if settings.confidence == "bootstrap":
         change = partial(_redrawn, minimum.distances.residuals.shape)
         samples = bootstrap(minimum.least, change, SEARCH.converged_rough, settings.samples, settings.seed, pool)
-    own = None if inner is None else inner / np.outer(minimum.units, minimum.units)
+    units = objective.unknowns.scales
+    own = None if inner is None else inner / np.outer(units, units)
     intervals = Intervals(
         minimum.least, _quantities(minimum), partial(_meaning, minimum), own, t, settings.level,
         settings.confidence == "profile", factor, samples,
@@ -74,7 +75,7 @@ def confidence_of(
         estimates = tuple(_and_none(_one_sided(item, intervals), jkr.values, here) for item in estimates)
     changes = {name: _changes(minimum, settings, name, sigma) for name, sigma in settings.uncertain.items()}
     estimates = tuple(wider(item, {name: by[item.name] for name, by in changes.items()}, t) for item in estimates)
-    free = [objective.parameters[i].name for i in objective.free]
+    free = objective.unknowns.names
     return Confidence(estimates, intervals.covariance_of(free), intervals.sampled(free), math.sqrt(factor), dof)
 
 
@@ -88,8 +89,7 @@ def _quantities(minimum: Minimum) -> list[Parameter]:
 
 def _meaning(minimum: Minimum, y: Array) -> dict[str, float]:
     """What the unknowns of the search mean, on the scales of the quantities."""
-    objective, x = minimum.objective, minimum.x.copy()
-    x[objective.free] = y * minimum.units
+    objective, x = minimum.objective, minimum.objective.at(minimum.x, y)
     own = {p.name: float(v) for p, v in zip(objective.parameters, x, strict=True)}
     return own | {name: math.log(value) for name, value in _follows(objective, x).items()}
 
@@ -134,13 +134,9 @@ def spread_of(minimum: Minimum, settings: Settings) -> tuple[Array | None, float
 
 def _follows(objective: Objective, x: Array) -> dict[str, float]:
     """E* [Pa] and the moduli E of all layers [Pa] that are no parameters themselves, and tension [Pa] or range [m]."""
-    values, body = objective.values(x), objective.body
-    problem = changed(body.problem, {name: value for name, value in values.items() if ":" in name})
-    s = values.get("modulus", 1.0)
-    following = {"E_star": s * problem.E_star}
-    if problem.indenter.material is None:  # else its own modulus is scaled too, and none of the layers' follows
-        materials = problem.specimen.materials
-        following |= {f"E:{name}": s * m.surface.E for name, m in zip(body.layer_names, materials, strict=True)}
+    values = objective.values(x)
+    problem = changed(objective.body.problem, {name: value for name, value in values.items() if ":" in name})
+    following = replace(objective.body, problem=problem).moduli(values.get("modulus", 1.0))
     if objective.ranged:
         following |= {"stress": values["w"] / values["range"]} if "range" in values else {}
         following |= {"range": values["w"] / values["stress"]} if "stress" in values else {}

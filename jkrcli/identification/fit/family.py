@@ -1,14 +1,18 @@
 """The adhesive curves of one body for every modulus factor and every work of adhesion.
 
 With all moduli multiplied by s and work of adhesion w (Eq. 13)
-    delta = D(a) - sqrt(w/s) T(a)        P = s H(a) - sqrt(w s) V(a)
-D, H: delta_H and P_H of the series; T = sqrt(4 pi a/S'), V = S T: its adhesive parts at w = 1 J/m^2.
+    delta = D(a) - v T(a)        P = s (H(a) - v V(a))        v = sqrt(w/s)
+D, H: delta_H and P_H of the series; T = sqrt(4 pi a/S'), V = S T: its adhesive parts at w = 1 J/m^2. So where the edge
+moves. While the contact grows it advances with w_a, while it shrinks it recedes with w_r >= w_a; between the two it
+rests at the contact radius a_m of the turn, sqrt(w_a/s) <= v <= sqrt(w_r/s): on (delta, P) a straight line.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -19,6 +23,8 @@ from ...base import ROWS, Array
 from ...series import Series
 
 FUNCTIONS = 4  # D, T, H, V
+ADVANCING, RESTING, RECEDING = range(3)  # what the edge does at a row
+LOADS = np.array([[0.0], [0.0], [1.0], [1.0]])  # of these the parts of the load
 
 
 class Member(Protocol):
@@ -36,10 +42,7 @@ class Member(Protocol):
 
     def rates(self, u: Array) -> Mapping[str, Array]:
         """Derivatives (3, n) of the states by the log of the modulus factor "modulus", by "w", and by the log of what
-        else the curve depends on."""
-
-    def own_rates(self, u: Array) -> Array:
-        """Derivatives (parameters, 3, n) of the states by the logs of the body's own parameters that vary."""
+        else the curve depends on, the body's own parameters that vary among it."""
 
 
 class Members(Protocol):
@@ -58,13 +61,13 @@ class Family:
     """log D, log T, log H, log V over u = log a (a in m) with two derivatives; power laws beyond the ends.
 
     ``low, high``: log of the smallest and largest contact radius of the series. ``rates``: derivatives of the same four
-    logs by the body's own parameters, None where it has none that vary.
+    logs by those of the body's own parameters that vary, by name.
     """
 
     logs: PPoly
     low: float
     high: float
-    rates: PPoly | None = None
+    rates: Mapping[str, PPoly] | None = None
 
     @classmethod
     def of(cls, series: Series, slopes: Slopes) -> Family:
@@ -96,13 +99,9 @@ class Family:
         D, T, _, _ = self.at(np.array([self.high - np.log(2)]))[0][:, 0]
         return float((D / T) ** 2)
 
-    def rate_from(self, base: Family, step: float) -> Array:
-        """Coefficients of the change of the four logs from ``base`` on, per ``step`` of a parameter."""
-        return (self.logs.c[..., :FUNCTIONS] - base.logs.c[..., :FUNCTIONS]) / step
-
-    def with_rates(self, parts: list[Array]) -> Family:
-        """This family with its derivatives by parameters, as ``rate_from`` gives them."""
-        return Family(self.logs, self.low, self.high, PPoly(np.concatenate(parts, axis=2), self.logs.x))
+    def rate_to(self, moved: Family, step: float) -> PPoly:
+        """The change of the four logs towards a ``moved`` family, per ``step`` of a parameter."""
+        return PPoly((moved.logs.c - self.logs.c)[..., :FUNCTIONS] / step, self.logs.x)
 
     def at(self, u: Array) -> tuple[Array, Array, Array]:
         """(D, T, H, V) and their first and second derivatives by u, each of shape (4, n)."""
@@ -115,11 +114,9 @@ class Family:
         """The same at evenly spaced nodes."""
         return self.at(u)
 
-    def relative_rates(self, u: Array) -> Array:
-        """Derivatives of log (D, T, H, V) by the body's parameters, shape (parameters, 4, n)."""
-        if self.rates is None:
-            return np.empty((0, FUNCTIONS, u.size))
-        return self.rates(u).T.reshape(-1, FUNCTIONS, u.size)
+    def own_rates(self, u: Array) -> Mapping[str, Array]:
+        """Derivatives of log (D, T, H, V) (4, n) by the logs of the body's own parameters."""
+        return {name: rate(u).T for name, rate in (self.rates or {}).items()}
 
 
 @dataclass(frozen=True)
@@ -151,6 +148,21 @@ class Drift:
 DRIFTS = {"w": (0.0, 0.5, 0.0, 0.5), "modulus": (0.0, -0.5, 1.0, 0.5)}  # theory: powers of w and moduli in the family
 
 
+def states(a: Array | float, functions: Array, s: float, v: Array | float) -> Array:
+    """(a, delta, P) of functions (D, T, H, V), or derivatives of them: v = sqrt(w/s) where the edge moves."""
+    D, T, H, V = functions
+    delta = D - v * T
+    all_three = np.empty((3, *delta.shape))
+    all_three[0], all_three[1], all_three[2] = a, delta, s * (H - v * V)
+    return all_three
+
+
+def of_v(functions: Array, s: float, v: Array | float) -> Array:
+    """Derivatives of the ``states`` by the log of v."""
+    _, T, _, V = functions
+    return states(0.0, np.stack([0 * T, T, 0 * T, V]), s, v)
+
+
 @dataclass(frozen=True, eq=False)
 class JKRMember:
     """The curve of a ``family`` for the modulus factor ``s`` and the work of adhesion ``w`` [J/m^2], over u = log a;
@@ -161,10 +173,14 @@ class JKRMember:
     w: float
     drift: Drift | None
 
+    @property
+    def v(self) -> float:
+        return math.sqrt(self.w / self.s)
+
     def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
         whole = np.linspace(self.family.low - below_fold, self.family.high, ROWS)
         (D, T, _, _), _, _ = self.family.at(whole)
-        fold = whole[np.argmin(D - np.sqrt(self.w / self.s) * T)]
+        fold = whole[np.argmin(D - self.v * T)]
         below = fold - below_fold if least is None else min(fold - below_fold, np.log(least))
         return float(max(below, whole[0])), self.family.high + beyond_last
 
@@ -177,26 +193,54 @@ class JKRMember:
         """Nothing is refused: beyond the series power laws go on, and the search itself looks at where it ends."""
 
     def along(self, u: Array) -> tuple[Array, Array, Array]:
-        a, s, w = np.exp(u), self.s, self.w
-        first, second, third = (
-            np.stack([a, D - np.sqrt(w / s) * T, s * H - np.sqrt(w * s) * V]) for D, T, H, V in self.functions(u)
-        )
+        first, second, third = (states(np.exp(u), functions, self.s, self.v) for functions in self.functions(u))
         return first, second, third
 
     def rates(self, u: Array) -> Mapping[str, Array]:
-        _, T, H, V = self.functions(u)[0]
-        s, root, q, zero = self.s, np.sqrt(self.s), np.sqrt(self.w), np.zeros_like(u)
-        half = 1 / (2 * q) if q > 0 else 0.0  # a free w stays above 0
-        return {
-            "modulus": np.stack([zero, q / root * T / 2, s * H - q * root * V / 2]),
-            "w": np.stack([zero, -T / root * half, -root * V * half]),
-        }
+        here = self.functions(u)[0]
+        by_v, own = of_v(here, self.s, self.v), self.family.own_rates(u)
+        rates = {name: states(0.0, here * rate, self.s, self.v) for name, rate in own.items()}
+        by_w = by_v / (2 * self.w) if self.w > 0 else 0 * by_v  # a free w stays above 0
+        return rates | {"modulus": states(0.0, here * LOADS, self.s, self.v) - by_v / 2, "w": by_w}
 
-    def own_rates(self, u: Array) -> Array:
-        D, T, H, V = self.functions(u)[0]
-        s, root, q = self.s, np.sqrt(self.s), np.sqrt(self.w)
-        rD, rT, rH, rV = np.moveaxis(self.family.relative_rates(u), 1, 0)
-        return np.stack([np.zeros_like(rD), D * rD - q / root * T * rT, s * H * rH - q * root * V * rV], axis=1)
+
+@dataclass(frozen=True, eq=False)
+class RestingMember:
+    """The readings of an edge at rest at contact radius ``turn`` [m] for moduli times ``s``, over u = v/``unit``."""
+
+    family: Family
+    s: float
+    turn: float
+    drift: Drift | None
+
+    @cached_property
+    def functions(self) -> tuple[Array, Array]:
+        """(D, T, H, V) at the turn, and their derivatives by its log, (4, 1)."""
+        return JKRMember(self.family, self.s, 0.0, self.drift).functions(np.log([self.turn]))[:2]
+
+    @property
+    def unit(self) -> float:
+        """The v that shifts the contact by its own displacement."""
+        D, T, _, _ = self.functions[0][:, 0]
+        return float(D / T)
+
+    def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
+        return -1.0, 3.0  # several times what a stable edge holds
+
+    def refuse_beyond(self, a: float) -> None:
+        """Nothing is refused."""
+
+    def along(self, u: Array) -> tuple[Array, Array, Array]:
+        here = states(self.turn, self.functions[0], self.s, self.unit * u)
+        return here, np.broadcast_to(of_v(self.functions[0], self.s, self.unit), here.shape), np.zeros_like(here)
+
+    def rates(self, u: Array) -> Mapping[str, Array]:
+        here, by_turn = self.functions
+        changes = {name: here * rate for name, rate in self.family.own_rates(np.log([self.turn])).items()}
+        rates = {
+            name: states(0.0, by, self.s, self.unit * u) for name, by in (changes | {"modulus": here * LOADS}).items()
+        }
+        return rates | {"a_turn": states(self.turn, by_turn, self.s, self.unit * u)}
 
 
 def _extended(logs: CubicHermiteSpline) -> PPoly:

@@ -30,10 +30,9 @@ from ..parameters import Parameter
 from .body import FittedBody, check_parameters
 from .checks import warnings_of
 from .confidence import confidence_of, jkr_beside
-from .edges import ADVANCING, RECEDING, RESTING, RestingMember
+from .family import ADVANCING, RECEDING, RESTING, RestingMember
 from .force_curve_fit import Neighbour
-from .model import PathDistances
-from .points import Points, directed, points_of, points_of_cycle
+from .points import Points, directed, points_of
 from .record import beside, differ, fit_record, reduced
 from .record_flags import RESTS
 from .result import Fit
@@ -180,9 +179,7 @@ def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | F
     curve = with_zero_points(curve) if settings.contact == "estimate" else curve
     curve, zero = parted(curve, settings), settings.parameter("P0")
     level = 0.0 if zero is None or (curve is not original and zero.free) else None if zero.free else zero.value
-    kinds = set(curve.segments())
-    rows = partial(points_of_cycle, curve) if kinds & {APPROACH, RETRACT} else partial(points_of, curve)
-    points = rows(settings.segment, settings.branch, len(settings.free), level)
+    points = points_of(curve, settings.segment, settings.branch, len(settings.free), level)
     if unread := sorted(set(settings.noise) - set(points.values)):
         raise InputError(
             f"{curve.where}: --noise {unread[0]}: it was not measured, so this has no effect: leave it out"
@@ -206,7 +203,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None, 
     if settings.range is None and minimum.least.ended:
         rivals = rivals_of(minimum, confidence.scatter**2, confidence.dof, settings)
     flags: Mapping[str, str] = {} if curve.stiffness is None else flags_of(curve)
-    free = tuple(parameter.name for parameter in minimum.objective.parameters if parameter.free)
+    free = minimum.objective.unknowns.names
     estimates = _resting(minimum, rivals.with_parts(confidence.estimates))
     undetermined = any(item.name in free and item.low is None and item.high is None for item in estimates)
     distances = minimum.distances
@@ -256,7 +253,7 @@ def _apart(minimum: Minimum, scatter: float) -> bool:
     """Whether the rows of a cycle ask for another modulus on the way back than on the way in: by one step of Gauss and
     Newton with a modulus for each; ``scatter`` of the residuals."""
     objective, distances = minimum.objective, minimum.distances
-    names = [objective.parameters[i].name for i in objective.free]
+    names = objective.unknowns.names
     if "modulus" not in names:
         return False
     assert objective.points.edges is not None
@@ -279,7 +276,6 @@ def _resting(minimum: Minimum, estimates: tuple[FittedValue, ...]) -> tuple[Fitt
     edges = minimum.objective.points.edges
     if edges is None or RECEDING in edges:
         return estimates
-    assert isinstance(minimum.distances, PathDistances)
     modulus, part = minimum.objective.values(minimum.x)["modulus"], minimum.distances.at(RESTING)
     member = part.readings.member
     assert isinstance(member, RestingMember)

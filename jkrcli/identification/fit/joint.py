@@ -113,10 +113,10 @@ def part_of(body: FittedBody, curve: Curve, settings: Settings) -> Part:
         noise, factor = _noise(whole.covariance, whole.least), math.exp(whole.model.known.get("ln_s", 0.0))
         return Part(curve.where, whole.least, names, {}, noise, factor)
     minimum = robust(search(body, ready.points, ready.settings), ready.settings.loss)
-    names = tuple(minimum.objective.parameters[i].name for i in minimum.objective.free)
-    inner, scale = spread_of(minimum, ready.settings)[0], np.outer(minimum.units, minimum.units)
-    noise = _noise(None if inner is None else inner / scale, minimum.least)
-    return Part(curve.where, minimum.least, names, dict(zip(names, minimum.units, strict=True)), noise, 0.0)
+    names, units = minimum.objective.unknowns.names, minimum.objective.unknowns.scales
+    inner = spread_of(minimum, ready.settings)[0]
+    noise = _noise(None if inner is None else inner / np.outer(units, units), minimum.least)
+    return Part(curve.where, minimum.least, names, dict(zip(names, units.tolist(), strict=True)), noise, 0.0)
 
 
 def _noise(stated: Array | None, least: Least) -> float:

@@ -11,7 +11,7 @@ it leaves out the turning of the normal plane, which does not enter the gradient
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -19,10 +19,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...base import MOST_SOLVES, TINY, Array
-from ..parameters import Parameter
+from ..parameters import Parameter, Unknowns
 from .body import FittedBody
-from .edges import ADVANCING, RECEDING, RESTING, RestingMember
-from .family import Drift, Member, Members
+from .family import ADVANCING, RECEDING, RESTING, Drift, Member, Members, RestingMember
 from .points import Points
 from .settings import RANGES
 
@@ -45,24 +44,19 @@ TUNING = FootPointTuning()
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """The readings of one set of parameters; ``x``: the optimiser's unknowns in the order of ``parameters``.
+    """The readings at the ``values`` of the parameters, SI, whose ``names`` are in the optimiser's order.
 
     ``columns``: those of a, delta, P that are measured; each is divided by its scale in ``scales`` [m, m, N].
     ``drift``: of w or of the moduli along the record; ``edge``: what it does, as ``edges`` numbers it.
     """
 
     members: Members
-    parameters: tuple[Parameter, ...]
-    x: Array
+    names: Sequence[str]
+    values: Mapping[str, float]
     columns: tuple[str, ...]
     scales: Array
     drift: Drift | None = None
     edge: int = RECEDING
-
-    @cached_property
-    def values(self) -> dict[str, float]:
-        """The values of the parameters by name, SI."""
-        return {p.name: p.outer(float(x)) for p, x in zip(self.parameters, self.x, strict=True)}
 
     @cached_property
     def member(self) -> Member:
@@ -79,34 +73,27 @@ class Readings:
 
     def along(self, u: Array) -> tuple[Array, Array, Array]:
         """Scaled readings and their first and second derivatives by u, each of shape (columns, n)."""
-        values, rows = self.values, []
-        for order, (a, delta, P) in enumerate(self.member.along(u)):
-            delta0, P0 = (values["delta0"], values["P0"]) if order == 0 else (0.0, 0.0)
-            rows.append(self._scaled(a, delta0 + delta + values["compliance"] * P, P0 + P))
-        return rows[0], rows[1], rows[2]
+        value, first, second = self.member.along(u)
+        zeros = self.values["delta0"], self.values["P0"]
+        return self._read(value, *zeros), self._read(first), self._read(second)
 
     def by_parameters(self, u: Array) -> Array:
         """Derivatives of the scaled readings by the optimiser's unknowns, shape (parameters, columns, n)."""
         one, zero = np.ones_like(u), np.zeros_like(u)
-        compliance, of_body = self.values["compliance"], iter(self.member.own_rates(u))
-        through_machine = {
-            name: np.stack([a, delta + compliance * P, P]) for name, (a, delta, P) in self.member.rates(u).items()
-        }
+        rates = {name: self._read(by) for name, by in self.member.rates(u).items()}
         if self.edge == ADVANCING:
-            through_machine["w_approach"] = through_machine.pop("w")
-        rates = through_machine | {
-            "delta0": np.stack([zero, one, zero]),
-            "P0": np.stack([zero, zero, one]),
-            "compliance": np.stack([zero, self.member.along(u)[0][2], zero]),
+            rates["w_approach"] = rates.pop("w")
+        rates |= {
+            "delta0": self._scaled(zero, one, zero),
+            "P0": self._scaled(zero, zero, one),
+            "compliance": self._scaled(zero, self.member.along(u)[0][2], zero),
         }
-        derivatives = []
-        for parameter in self.parameters:
-            rows = rates.get(parameter.name, np.zeros((3, u.size)))
-            if parameter.of_body and parameter.free:
-                a, delta, P = next(of_body)
-                rows = np.stack([a, delta + compliance * P, P])
-            derivatives.append(self._scaled(*rows))
-        return np.stack(derivatives)
+        none = self._scaled(zero, zero, zero)
+        return np.stack([rates.get(name, none) for name in self.names])
+
+    def _read(self, states: Array, delta0: float = 0.0, P0: float = 0.0) -> Array:
+        a, delta, P = states
+        return self._scaled(a, delta0 + delta + self.values["compliance"] * P, P0 + P)
 
     def _scaled(self, a: Array, delta: Array, P: Array) -> Array:
         rows = {"a": a, "delta": delta, "P": P}
@@ -115,74 +102,68 @@ class Readings:
 
 # ---------------------------------------------------------------------- foot points
 @dataclass(frozen=True, eq=False)
-class Distances:
-    """Distances of n points: ``u`` log of the foot points' places, ``residuals`` (k, n), scaled.
+class FootPoints:
+    """Those of n points whose edge does the same, among all of the ``places``: ``u`` log of their places on the curve,
+    ``residuals`` (k, n), scaled.
 
     Two columns: k = 1, the signed normal distance; three: k = 3, the distance vector. ``tangent``: unit vectors along
     the curve at the foot points (columns, n).
     """
 
     readings: Readings
+    places: Array
     u: Array
     residuals: Array
     tangent: Array
 
     @property
     def a(self) -> Array:
-        """Contact radii of the foot points [m]."""
+        """Their contact radii [m]."""
         return self.readings.radii(self.u)
-
-    @property
-    def along(self) -> Array:
-        """The order of the points along the curve."""
-        return np.argsort(self.u)
 
     def line(self) -> dict[str, Array]:
         """The curve of the readings by column, and its contact radii "a", SI."""
         readings, u = self.readings, arc(self.readings)
         low, high = float(self.u.min()), float(self.u.max())
-        match readings.edge:
-            case edge if edge == ADVANCING:
-                u = np.append(u[u < high], high)
-            case edge if edge == RESTING:
-                u = np.array([low, high])
-            case _:
-                a, end = readings.radii(u), float(np.exp(readings.members.plain.high))
-                u = u[a <= max(end, float(self.a.max()))]
+        if readings.edge == ADVANCING:
+            u = np.append(u[u < high], high)
+        elif readings.edge == RESTING:
+            u = np.array([low, high])
+        else:
+            end = max(float(np.exp(readings.members.plain.high)), float(self.a.max()))
+            u = u[readings.radii(u) <= end]
         values = dict(zip(readings.columns, readings.along(u)[0] * readings.scales[:, None], strict=True))
         return {"a": readings.radii(u)} | values
 
-    def jacobian(self, chosen: Array) -> Array:
-        """Derivatives of all residuals by the ``chosen`` unknowns, shape (k n, chosen)."""
-        rates = self.readings.by_parameters(self.u)
+    def rates(self, chosen: Array) -> Array:
+        """Derivatives of the residuals by the ``chosen`` unknowns, shape (chosen, k, n)."""
+        rates = self.readings.by_parameters(self.u)[chosen]
         if len(self.readings.columns) == 2:
-            rows = -np.einsum("cn,pcn->pn", _normal(self.tangent), rates)[:, None]
-        else:
-            along = np.einsum("cn,pcn->pn", self.tangent, rates)
-            rows = -(rates - along[:, None] * self.tangent)
-        return rows[chosen].reshape(len(chosen), -1).T
+            return -np.einsum("cn,pcn->pn", _normal(self.tangent), rates)[:, None]
+        along = np.einsum("cn,pcn->pn", self.tangent, rates)
+        return -(rates - along[:, None] * self.tangent)
 
 
 @dataclass(frozen=True, eq=False)
-class PathDistances:
-    """Distances of the points of a cycle, each ``part`` of them from the curve that its edge is on; ``places``: of its
-    points among all. ``u``: log of their contact radii."""
+class Distances:
+    """Distances of all points, each of one of the ``parts`` from the curve that its edge is on."""
 
-    parts: tuple[Distances, ...]
-    places: tuple[Array, ...]
+    parts: tuple[FootPoints, ...]
 
     @property
     def readings(self) -> Readings:
         """Those of the edge that moves last."""
         return self.parts[-1].readings
 
-    def at(self, edge: int) -> Distances:
+    def at(self, edge: int) -> FootPoints:
         """Those of the points whose edge does this."""
         return next(part for part in self.parts if part.readings.edge == edge)
 
     def _together(self, columns: Sequence[Array]) -> Array:
         """Columns (..., n) of all points, in their order, from those of the parts."""
-        return np.concatenate(columns, axis=-1)[..., np.argsort(np.concatenate(self.places))]
+        if len(columns) == 1:
+            return columns[0]
+        return np.concatenate(columns, axis=-1)[..., np.argsort(np.concatenate([part.places for part in self.parts]))]
 
     @cached_property
     def residuals(self) -> Array:
@@ -190,33 +171,28 @@ class PathDistances:
 
     @cached_property
     def a(self) -> Array:
+        """Contact radii of the foot points [m]."""
         return self._together([part.a for part in self.parts])
-
-    @property
-    def u(self) -> Array:
-        return np.log(self.a)
 
     @property
     def along(self) -> Array:
         """The order of the points along the path."""
-        return np.concatenate([
-            place[np.argsort(-part.u if part.readings.edge == RECEDING else part.u)]
-            for part, place in zip(self.parts, self.places, strict=True)
-        ])  # fmt: skip
+        ways = (np.argsort(part.u)[:: -1 if part.readings.edge == RECEDING else 1] for part in self.parts)
+        return np.concatenate([part.places[way] for part, way in zip(self.parts, ways, strict=True)])
 
     def jacobian(self, chosen: Array) -> Array:
-        size = self.residuals.shape[0]
-        columns = [part.jacobian(chosen).T.reshape(len(chosen), size, -1) for part in self.parts]
-        return self._together(columns).reshape(len(chosen), -1).T
+        """Derivatives of all residuals by the ``chosen`` unknowns, shape (k n, chosen)."""
+        return self._together([part.rates(chosen) for part in self.parts]).reshape(len(chosen), -1).T
 
     def line(self) -> dict[str, Array]:
-        """The curve of the readings in one stroke, as ``Distances.line``."""
+        """The curve of the readings in one stroke, by column, and its contact radii "a", SI."""
         lines = [part.line() for part in self.parts]
         return {name: np.concatenate([line[name] for line in lines]) for name in lines[0]}
 
 
-def distances(readings: Readings, points: Array) -> Distances:
-    """Nearest points of the curve to the scaled measured ``points`` (columns, n)."""
+def foot_points(readings: Readings, points: Array, places: Array) -> FootPoints:
+    """Nearest points of the curve to the scaled measured ``points`` (columns, all) of the ``places``."""
+    points = points[:, places]
     radii = points[readings.columns.index("a")] * readings.scales[0] if "a" in readings.columns else None
     u = arc(readings, None if radii is None else float(radii.min()))
     u = u[cKDTree(readings.along(u)[0].T).query(points.T)[1]]  # of the nearest vertices
@@ -236,7 +212,7 @@ def distances(readings: Readings, points: Array) -> Distances:
     tangent, gap = first / speed, points - X
     if len(readings.columns) == 2:
         gap = np.einsum("cn,cn->n", _normal(tangent), gap)[None]
-    return Distances(readings, u, gap, tangent)
+    return FootPoints(readings, places, u, gap, tangent)
 
 
 def _normal(tangent: Array) -> Array:
@@ -279,24 +255,33 @@ class Objective:
         """All parameters by name at the unknowns ``x``, SI."""
         return {p.name: p.outer(float(v)) for p, v in zip(self.parameters, x, strict=True)}
 
-    def distances(self, x: Array, rated: bool = True) -> Distances | PathDistances:
-        """The distances at all unknowns ``x``; where layers vary the body is solved anew, without their derivatives
-        where not ``rated``."""
-        own = {name: value for name, value in self.values(x).items() if ":" in name}
-        varied = [p.name for p in self.parameters if p.of_body and p.free]
-        body = self.body.rated(own, varied) if rated and varied else self.body.with_values(own)
-        columns, edges = self.points.columns, self.points.edges
-        target = np.stack([self.points.values[name] for name in columns]) / self.scales[:, None]
-        readings = Readings(body.members(self.ranged), self.parameters, x, columns, self.scales, self.drift)
-        if edges is None:
-            return distances(readings, target)
-        places = {edge: np.flatnonzero(edges == edge) for edge in np.unique(edges)}
-        parts = [distances(replace(readings, edge=edge), target[:, place]) for edge, place in places.items()]
-        return PathDistances(tuple(parts), tuple(places.values()))
+    def at(self, x: Array, y: Array) -> Array:
+        """All unknowns ``x`` with the free ones as the search takes them, ``y``."""
+        x = x.copy()
+        x[self.free] = y * self.unknowns.scales
+        return x
 
-    def natural_units(self) -> dict[str, float]:
-        """Sizes of unknowns by the nonadhesive body at half of its largest radius: delta, P, and w that shifts it by
-        its own displacement."""
+    def readings(self, x: Array, rated: bool = True) -> Readings:
+        """The readings at all unknowns ``x``; where layers vary the body is solved anew, without their derivatives
+        where not ``rated``."""
+        values, varied = self.values(x), [p.name for p in self.parameters if p.of_body and p.free]
+        own = {name: value for name, value in values.items() if ":" in name}
+        body = self.body.rated(own, varied) if rated and varied else self.body.with_values(own)
+        return Readings(body.members(self.ranged), tuple(values), values, self.points.columns, self.scales, self.drift)
+
+    def distances(self, x: Array, rated: bool = True) -> Distances:
+        """The distances of the points from the ``readings``."""
+        readings, edges = self.readings(x, rated), self.points.edges
+        edges = np.full(len(self.points), RECEDING) if edges is None else edges
+        target = np.stack([self.points.values[name] for name in readings.columns]) / self.scales[:, None]
+        each = ((replace(readings, edge=edge), np.flatnonzero(edges == edge)) for edge in np.unique(edges))
+        return Distances(tuple(foot_points(part, target, places) for part, places in each))
+
+    @cached_property
+    def unknowns(self) -> Unknowns:
+        """Of the search, in units by the nonadhesive body at half of its largest radius: delta, P, and w that shifts
+        it by its own displacement."""
         family = self.body.family
         D, _, H, _ = family.at(np.array([family.high - math.log(2)]))[0][:, 0]
-        return {"w": family.natural_work, "w_approach": family.natural_work, "delta0": D, "P0": H, "compliance": D / H}
+        w = family.natural_work
+        return Unknowns(self.parameters, {"w": w, "w_approach": w, "delta0": D, "P0": H, "compliance": D / H})

@@ -18,10 +18,9 @@ import numpy as np
 from ...base import LOOKED_AT, UNSEEN, Array, InputError, JkrError, show
 from ...bodies import RADIUS
 from ...methods.radii import ROOM
-from ..parameters import Parameter
 from .body import FittedBody
-from .edges import ADVANCING, RECEDING, RESTING
-from .model import Distances, Readings
+from .family import ADVANCING, RECEDING, RESTING
+from .model import Distances, FootPoints, Readings
 from .points import COLUMNS
 from .result import Fit, Further
 
@@ -95,15 +94,12 @@ def _information(body: FittedBody, fit: Fit, largest: float) -> Array:
     own = [name for name in ZEROS if name in fit.free and not (name == "P0" and fit.quality)]  # of a base line
     body, ways = _ways(body, values, both, largest, int(np.count_nonzero(fit.a > 0)))
     values["a_turn"] = float(np.exp(ways[ADVANCING if both else RECEDING].max()))
-    names = [*WANTED, *own, *["w_approach", "a_turn"] * both]
-    free = [Parameter(name, True) for name in names]
-    known = [Parameter(n, False, values.get(n, 0.0)) for n in (*ZEROS, "compliance") if n not in names]
-    parameters = (*free, *known)
-    x = np.array([p.inner(values.get(p.name, 0.0)) for p in parameters])
-    parts = [(Readings(body.family, parameters, x, columns, np.ones(len(columns)), None, edge), u)
+    names, values = [*WANTED, *own, *["w_approach", "a_turn"] * both], {"compliance": 0.0} | values
+    parts = [(Readings(body.family, names, values, columns, np.ones(len(columns)), None, edge), u)
              for edge, u in ways.items()]  # fmt: skip
     scales = _noise(fit, [part.along(u)[0] for part, u in parts], columns)
-    J = np.concatenate([_rates(replace(part, scales=scales), u, len(free)) for part, u in parts])
+    feet = [_on_curve(replace(part, scales=scales), u) for part, u in parts]
+    J = np.concatenate([Distances((part,)).jacobian(np.arange(len(names))) for part in feet])
     J[:, 0] /= values["modulus"]  # from its log
     size = np.linalg.norm(J, axis=0)
     whole = (J / size).T @ (J / size)
@@ -120,11 +116,10 @@ def _noise(fit: Fit, rows: list[Array], columns: tuple[str, ...]) -> Array:
     return np.array([noise.get(name, least * spans[name]) for name in columns])
 
 
-def _rates(readings: Readings, u: Array, free: int) -> Array:
-    """Derivatives of the distances of rows that lie on the curve."""
+def _on_curve(readings: Readings, u: Array) -> FootPoints:
+    """Rows that lie on the curve."""
     first = readings.along(u)[1]
-    tangent = first / np.linalg.norm(first, axis=0)
-    return Distances(readings, u, np.zeros((1, u.size)), tangent).jacobian(np.arange(free))
+    return FootPoints(readings, np.arange(u.size), u, np.zeros((1, u.size)), first / np.linalg.norm(first, axis=0))
 
 
 def _ways(

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from ...base import Array, InputError
 from ...data import APPROACH, RETRACT, Curve
 from ...data.record import TUNING as RECORDS
-from .edges import ADVANCING, RECEDING
+from .family import ADVANCING, RECEDING
 from .settings import BranchName, SegmentName
 from .statistics import TUNING as STATISTICS
 
 COLUMNS = ("a", "delta", "P")
+EDGES: dict[SegmentName, int] = {"approach": ADVANCING, "retract": RECEDING}  # of directions
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,13 @@ class Points:
     def __len__(self) -> int:
         return self.rows.size
 
+    def joined(self, other: Points, left_out: tuple[str, ...]) -> Points:
+        """These rows and then those of another direction."""
+        both = ((getattr(part, name) for part in (self, other)) for name in ("rows", "edges"))
+        rows, edges = (np.concatenate(list(columns)) for columns in both)
+        values = {name: np.concatenate([column, other.values[name]]) for name, column in self.values.items()}
+        return Points(values, rows, left_out, other.baseline if self.baseline is None else self.baseline, edges)
+
     def at(self, chosen: Array) -> Points:
         """The ``chosen`` rows, a mask or numbers."""
         values = {name: column[chosen] for name, column in self.values.items()}
@@ -75,10 +84,12 @@ def points_of(
 ) -> Points:
     """The rows of ``curve`` to be fitted, in order of recording.
 
-    ``segment = None``: the retraction where the curve names one, else all rows. ``zero``: load reading of no load [N],
-    None: unknown. InputError in one line where too few rows are left for ``unknowns`` free parameters.
+    ``segment = None``: both directions where the curve names them, of one alone where the other holds too few rows;
+    else all. ``zero``: load reading of no load [N], None: unknown. InputError in one line where too few rows are left
+    for ``unknowns`` free parameters.
     """
-    points = _rows_of(curve, segment, branch, unknowns, zero)
+    of = partial(_rows_of, curve, branch=branch, unknowns=unknowns, zero=zero)
+    points = _of_a_cycle(curve, segment, of) if EDGES.keys() & curve.segments() else of(segment)
     _check_signs(curve, points.values)
     return points
 
@@ -110,36 +121,25 @@ def _rows_of(
     return Points(values, np.flatnonzero(chosen)[taken], words, baseline)
 
 
-def points_of_cycle(
-    curve: Curve, segment: SegmentName | None, branch: BranchName, unknowns: int, zero: float | None
-) -> Points:
-    """The rows of both directions of ``curve``, or of the wanted one, as ``points_of`` takes those of one; of one alone
-    where the other holds too few."""
+def _of_a_cycle(curve: Curve, segment: SegmentName | None, rows_of: Callable[[SegmentName], Points]) -> Points:
+    """The rows of both directions of ``curve``, or of the wanted one, as ``rows_of`` gives those of one."""
     parts: dict[str, Points] = {}
     reasons: list[str] = []
-    kinds: dict[SegmentName, int] = {"approach": ADVANCING, "retract": RECEDING}
-    for kind, edge in kinds.items():
+    for kind, edge in EDGES.items():
         if segment not in (None, "both", kind) or (segment != kind and kind not in curve.segments()):
             continue
         try:
-            part = _rows_of(curve, kind, branch, unknowns, zero)
+            part = rows_of(kind)
             parts[kind] = replace(part, edges=np.full(len(part), edge))
         except InputError as error:
             reasons += error.lines
     if not parts:
         raise InputError(reasons[0])
-    if len(parts) < 2:
-        (part,) = parts.values()
-        _check_signs(curve, part.values)
-        return replace(part, left_out=(*part.left_out, *(line.removeprefix(f"{curve.where}: ") for line in reasons)))
-    into, back = parts.values()
-    assert into.edges is not None
-    assert back.edges is not None
-    values = {name: np.concatenate([into.values[name], back.values[name]]) for name in into.values}
-    _check_signs(curve, values)
+    first, *others = parts.values()
+    if not others:
+        return replace(first, left_out=(*first.left_out, *(one.removeprefix(f"{curve.where}: ") for one in reasons)))
     words = [f"{name}: {words}" for name, part in parts.items() for words in part.left_out if "segments" not in words]
-    rows, edges = np.concatenate([into.rows, back.rows]), np.concatenate([into.edges, back.edges])
-    return Points(values, rows, tuple(words), back.baseline if into.baseline is None else into.baseline, edges)
+    return first.joined(others[0], tuple(words))
 
 
 def directed(curve: Curve) -> Curve:

@@ -42,7 +42,7 @@ def contact_radii(best: ForceCurveFit) -> Array:
 
 def outcome_of(best: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, float]:
     """What the unknowns ``x`` mean, SI."""
-    values, problem = best.model.values(x), body.problem
+    values = best.model.values(x)
     s = math.exp(values["ln_s"])
     last = best.model.stretches[-1]
     quantities = {"modulus": s}
@@ -58,11 +58,7 @@ def outcome_of(best: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, flo
     if last.wave is not None:
         quantities |= {"wave_period": wave.period, "wave_amplitude": math.hypot(wave.cos, wave.sin)}
     quantities |= best.model.further(values)
-    quantities["E_star"] = s * problem.E_star
-    if problem.indenter.material is None:
-        materials = problem.specimen.materials
-        quantities |= {f"E:{name}": s * m.surface.E for name, m in zip(body.layer_names, materials, strict=True)}
-    return quantities
+    return quantities | body.moduli(s)
 
 
 def as_fit(

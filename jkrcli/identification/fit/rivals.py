@@ -123,9 +123,8 @@ def _moves(minimum: Minimum, name: str, changes: tuple[float, ...], close: float
     """How far the values of the free parameters move, at most, where ``name`` changes along the record by any of
     ``changes``; ``close``: as in ``_followed``."""
     objective, before = minimum.objective, minimum.objective.values(minimum.x)
-    free = [objective.parameters[i].name for i in objective.free]
-    moves = dict.fromkeys(free, 0.0)
-    a = np.exp(minimum.distances.u)
+    moves = dict.fromkeys(objective.unknowns.names, 0.0)
+    a = minimum.distances.a
     for change in changes:
         drift = Drift(name, float(np.clip(change, *TUNING.changes)), RIVALS[name][1], float(a.min()), float(a.max()))
         after = _followed(minimum, drift, close)
@@ -155,7 +154,7 @@ def _followed(minimum: Minimum, drift: Drift, close: float) -> dict[str, float]:
         if np.linalg.norm(jacobian @ step) < close:
             break
     values = objective.values(x)
-    radii = np.exp(np.array([there.u.min(), there.u.max()]))  # the model's own, not those of before
+    radii = np.array([there.a.min(), there.a.max()])  # the model's own, not those of before
     values[drift.name] *= float(drift.factor(radii) @ (1 - drift.centre, drift.centre))
     return values
 
@@ -165,7 +164,7 @@ def _direction(minimum: Minimum, name: str) -> Array:
     index = [parameter.name for parameter in minimum.objective.parameters].index(name)
     parameter, x = minimum.objective.parameters[index], float(minimum.x[index])
     by_log = minimum.distances.jacobian(np.array([index]))[:, 0] * parameter.outer(x) / parameter.derivative(x)
-    a = np.exp(minimum.distances.u)
+    a = minimum.distances.a
     place = (a - a.min()) / max(float(np.ptp(a)), TINY) - RIVALS[parameter.name][1]
     return by_log * np.tile(place, by_log.size // place.size)
 

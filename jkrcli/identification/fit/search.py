@@ -31,9 +31,8 @@ from ...base import (
 )
 from ..least_squares import Least, LeastSquares, State
 from .body import FittedBody
-from .edges import ADVANCING, RECEDING, RESTING, RestingMember
-from .family import Family
-from .model import Distances, Objective, PathDistances, Readings, arc
+from .family import ADVANCING, RECEDING, RESTING, Family, RestingMember
+from .model import Distances, Objective, Readings, arc
 from .points import TUNING as ROWS
 from .points import Points, scatter
 from .settings import RANGES, Loss, Settings
@@ -101,33 +100,29 @@ TUNING = FitSearchTuning()
 class ScaledDistances(State):
     """The ``distances`` at some unknowns as the search takes them."""
 
-    distances: Distances | PathDistances
+    distances: Distances
 
 
-def _scaled(objective: Objective, begin: Array, units: Array, y: Array) -> ScaledDistances:
-    """The distances at the free unknowns ``y`` in ``units``, the others as in ``begin``."""
-    x = begin.copy()
-    x[objective.free] = y * units
-    distances = objective.distances(x)
-    return ScaledDistances(distances.residuals.ravel(), partial(_rates, distances, objective.free, units), distances)
+def _scaled(objective: Objective, begin: Array, y: Array) -> ScaledDistances:
+    """The distances at the free unknowns ``y``, the others as in ``begin``."""
+    distances = objective.distances(objective.at(begin, y))
+    return ScaledDistances(distances.residuals.ravel(), partial(_rates, objective, distances), distances)
 
 
-def _rates(distances: Distances | PathDistances, free: Array, units: Array) -> Array:
-    return distances.jacobian(free) * units
+def _rates(objective: Objective, distances: Distances) -> Array:
+    return distances.jacobian(objective.free) * objective.unknowns.scales
 
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """The point of least sum of losses of an ``objective``: ``x`` all unknowns, ``least``: that of the free ones, in
-    ``units``."""
+    """The point of least sum of losses of an ``objective``: ``x`` all unknowns, ``least``: that of the free ones."""
 
     objective: Objective
     x: Array
-    units: Array
     least: Least
 
     @property
-    def distances(self) -> Distances | PathDistances:
+    def distances(self) -> Distances:
         """The distances there."""
         assert isinstance(self.least.state, ScaledDistances)
         return self.least.state.distances
@@ -145,8 +140,8 @@ class Minimum:
     @property
     def at_bound(self) -> tuple[str, ...]:
         """Names of parameters that end on a bound."""
-        free = zip(self.objective.free, self.least.at_bound, strict=True)
-        return tuple(self.objective.parameters[i].name for i, on_bound in free if on_bound)
+        free = zip(self.objective.unknowns.names, self.least.at_bound, strict=True)
+        return tuple(name for name, on_bound in free if on_bound)
 
     def settled(self) -> Minimum:
         """This minimum; SolveError where its search did not end."""
@@ -162,23 +157,14 @@ def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: f
     whether it stops there is a matter of round-off: it is given up after so many evaluations, and the minimum is marked
     as one whose search did not end.
     """
-    free = objective.free
-    begin = np.array(start, dtype=float)
-    low, high = _bounds(objective, begin)
-    begin[free] = np.clip(begin, low, high)[free]
-    natural = objective.natural_units()
-    units = np.array([1.0 if p.kind == "log" else natural[p.name] for p in objective.parameters])[free]
-    bounds = low[free] / units, high[free] / units
-    splines = objective.ranged or any(objective.parameters[i].of_body for i in free)
+    begin, free, units = np.array(start, dtype=float), objective.free, objective.unknowns.scales
+    bounds = tuple(ends[free] / units for ends in _bounds(objective, begin))
+    splines = objective.ranged or any(parameter.of_body for parameter in objective.unknowns.free)
     close = ROUNDED if splines else SETTLED  # curves of layers and ranges are good to 1e-8 themselves
     close = close if loss == "linear" else max(close, TUNING.converged_rough)
-    problem = LeastSquares(
-        partial(_scaled, objective, begin, units), bounds, close, 0.0, TUNING.evaluations, loss, width
-    )
+    problem = LeastSquares(partial(_scaled, objective, begin), bounds, close, 0.0, TUNING.evaluations, loss, width)
     least = problem.least(_inside(begin[free] / units, *bounds))
-    x = begin.copy()
-    x[free] = least.x * units
-    return Minimum(objective, x, units, least)
+    return Minimum(objective, objective.at(begin, least.x), least)
 
 
 def robust(minimum: Minimum, loss: Loss) -> Minimum:
@@ -193,7 +179,7 @@ def _bounds(objective: Objective, start: Array) -> tuple[Array, Array]:
     """Bounds of the unknowns; logs stay near their start, those of layers around their nominal values, as far as the
     user's bounds let them."""
     low, high = [], []
-    units = objective.natural_units()
+    units = objective.unknowns.units
     for p, x in zip(objective.parameters, start, strict=True):
         least = p.inner(p.low) if p.kind != "linear" else p.low
         most = p.inner(p.high) if np.isfinite(p.high) else np.inf
@@ -454,7 +440,7 @@ def _assigned(objective: Objective, values: Mapping[str, float]) -> tuple[float,
     for edge in (RESTING, RECEDING):
         edges = points.edges.copy()
         edges[back] = edge
-        each.append(_along(objective, points, edges, x))
+        each.append(replace(objective, points=replace(points, edges=edges)).distances(x, rated=False))
     still, (off, moving) = each[0].at(RESTING), (np.sum(distances.residuals**2, axis=0)[back] for distances in each)
     assert isinstance(still.readings.member, RestingMember)
     end = math.sqrt(values["w"] / values["modulus"]) / still.readings.member.unit
@@ -462,13 +448,6 @@ def _assigned(objective: Objective, values: Mapping[str, float]) -> tuple[float,
     edges[back] = np.where(rests, RESTING, RECEDING)
     cost = float(np.sum(each[0].residuals ** 2) - np.sum(off) + np.sum(np.where(rests, off, moving)))
     return cost, replace(points, edges=edges), x
-
-
-def _along(objective: Objective, points: Points, edges: Array, x: Array) -> PathDistances:
-    """The distances of the points of a cycle with these ``edges``."""
-    distances = replace(objective, points=replace(points, edges=edges)).distances(x, rated=False)
-    assert isinstance(distances, PathDistances)
-    return distances
 
 
 def _without_idle(objective: Objective) -> Objective:
@@ -583,9 +562,10 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
     Starts are those from the data and, if any, the user's. InputError where all stay far.
     """
     unknowns = [_unknowns(settings, start) for start in tried[: TUNING.looked_at]]
-    sizes = _sizes(body, points, settings, tried[0], unknowns[0])
+    objective = Objective(body, settings.parameters, points, np.ones(len(points.columns)))
+    sizes = _sizes(objective.readings(unknowns[0], rated=False), points)
     scales = scatter(points.values, sizes) | dict(settings.noise)
-    objective = Objective(body, settings.parameters, points, np.array([scales[name] for name in points.columns]))
+    objective = replace(objective, scales=np.array([scales[name] for name in points.columns]))
     if any(p.value is not None for p in settings.free):
         nearest = zip(settings.parameters, unknowns[0], strict=True)
         unknowns.append(np.array([x if p.value is None else p.inner(p.value) for p, x in nearest]))
@@ -671,12 +651,8 @@ def _unknowns(settings: Settings, start: Start) -> Array:
     return np.array([p.inner(value) for p, value in zip(settings.parameters, values, strict=True)])
 
 
-def _sizes(body: FittedBody, points: Points, settings: Settings, start: Start, x: Array) -> dict[str, float]:
-    """The size of the start's curve on each axis: its pull-off, or a part of the data's range where that is larger."""
-    solved = body.with_values({p.name: start.values[p.name] for p in settings.parameters if p.of_body})
-    readings = Readings(
-        solved.members(settings.range is not None), settings.parameters, x, points.columns, np.ones(len(points.columns))
-    )
+def _sizes(readings: Readings, points: Points) -> dict[str, float]:
+    """The size of a start's curve on each axis: its pull-off, or a part of the data's range where that is larger."""
     offsets = {"delta": readings.values["delta0"], "P": readings.values["P0"]}
     curve = readings.along(arc(readings))[0]
     ranges = {name: float(np.ptp(points.values[name])) for name in points.columns}

@@ -8,7 +8,7 @@ the rate-dependent adhesion (Maugis and Barquins, J. Phys. D 11 (1978) 1989).
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from ..adhesion import TWO_SIDED_90, Nonadhesive
-from ..base import MOST_STEPS, ROUNDED, SETTLED, TOGETHER, Array, InputError, Pool, completed, show
+from ..base import ROUNDED, SETTLED, TOGETHER, Array, InputError, Pool, completed, show, zeros_between
 from ..data import Curve, Reading, each, some
 from ..series import Solution
 from .fit import FittedBody, Settings, body_of, receding, settings_of
@@ -227,7 +227,7 @@ def contact_radius(body: Nonadhesive, delta: Array, P: Array) -> tuple[Array, Ar
     end = nodes.size - 1
     low, high = nodes[np.maximum(last, 0)].copy(), nodes[np.minimum(last + 1, end)]
     top = (last == before) & (0 <= before) & (before < end)  # F may rise above 0 between two nodes
-    low[top] = _root(lambda a: (delta[top] - body.parts(a).delta_H, body.rates(a).delta_H), low[top], high[top])
+    low[top] = zeros_between(lambda a: body.parts(a).delta_H - delta[top], low[top], high[top], SETTLED * low[top])
     none = top & (_excess(body, low, delta, P)[0] < 0)
     below, above = last < 0, last == end
     for out, rows, node in ((below, below.copy(), nodes[0]), (above, above & (before < end), nodes[-1])):
@@ -236,7 +236,8 @@ def contact_radius(body: Nonadhesive, delta: Array, P: Array) -> tuple[Array, Ar
     state = np.select([none, below, above], [NONE, BELOW, ABOVE], OK)
     a = low  # the very ends, but for round-off
     between = (state == OK) & (0 <= last) & (last < end)
-    a[between] = _root(lambda a: _excess(body, a, delta[between], P[between]), low[between], high[between])
+    inside = low[between], high[between]
+    a[between] = zeros_between(lambda a: _excess(body, a, delta[between], P[between])[0], *inside, SETTLED * inside[0])
     return np.where(state == OK, a, 0.0), state
 
 
@@ -258,24 +259,6 @@ def _excess(body: Nonadhesive, a: Array, delta: Array, P: Array) -> tuple[Array,
     """F(a) [N] and -F'(a) [N/m]."""
     delta_H, P_H, S, dS, _ = body.parts(a)
     return P_H - P - S * (delta_H - delta), dS * (delta_H - delta)
-
-
-def _root(falling: Callable[[Array], tuple[Array, Array]], low: Array, high: Array) -> Array:
-    """The root of a falling function in each bracket: Newton's method, halving where that would leave the bracket.
-
-    ``falling``: the function and minus its derivative.
-    """
-    a = (low + high) / 2
-    for _ in range(MOST_STEPS):
-        value, fall = falling(a)
-        low, high = np.where(value > 0, a, low), np.where(value > 0, high, a)
-        step = np.divide(value, fall, out=np.full_like(a, np.inf), where=fall > 0)
-        new = np.where((a + step >= low) & (a + step <= high), a + step, (low + high) / 2)
-        done = np.abs(new - a) <= SETTLED * a
-        a = new
-        if done.all():
-            break
-    return a
 
 
 # ---------------------------------------------------------------------- errors, to first order

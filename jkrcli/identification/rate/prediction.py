@@ -14,7 +14,7 @@ import numpy as np
 from ...adhesion import REST, Nonadhesive, Program, RateContact, RateLaw
 from ...adhesion.edge import Edge
 from ...adhesion.rate.motion import Motion
-from ...base import LARGEST_SI, MOST_STEPS, ROUNDED, TINY, Array
+from ...base import LARGEST_SI, ROUNDED, Array, PiecewiseCubic, zeros_between
 from .through import log_rates
 
 
@@ -85,8 +85,8 @@ def _moving(
     v, growth, forcing = _linearised(edge, piece, law, w0, tilt, times, a)
     per_s = piece.unit / np.hypot(1.0, v * piece.unit / a)  # dt/ds
     along = _linear(s, growth * per_s, forcing * per_s, y)
-    at = _located(s, times, per_s, t)
-    u_rows = _hermite(s, u, -v / a * per_s, at)
+    at = _located(s, PiecewiseCubic(s, times, per_s), t)
+    u_rows = PiecewiseCubic(s, u, -v / a * per_s)(at)
     rates = np.stack([np.interp(at, s, row) for row in along])
     return u_rows, rates, along[:, -1], np.interp(at, s, v)
 
@@ -129,28 +129,11 @@ def _linear(s: Array, growth: Array, forcing: Array, y: Array) -> Array:
     return np.clip(np.nan_to_num(solution.T), -LARGEST_SI, LARGEST_SI)  # a path far from any record runs away
 
 
-def _located(s: Array, times: Array, per_s: Array, t: Array) -> Array:
-    """The s of the times ``t`` by Newton's method on cubics between the nodes."""
-    at = np.interp(t, times, s)
-    for _ in range(MOST_STEPS):
-        slope = np.interp(at, s, per_s)
-        step = (t - _hermite(s, times, per_s, at)) / np.maximum(slope, TINY)
-        width = np.maximum(s[-1] - s[0], TINY)
-        at = np.clip(at + np.clip(step, -0.1 * width, 0.1 * width), s[0], s[-1])
-        if np.max(np.abs(step), initial=0.0) < 1e-10 * width:
-            break
-    return at
-
-
-def _hermite(x: Array, y: Array, dy: Array, at: Array) -> Array:
-    """Cubics through values and slopes."""
-    i = np.clip(np.searchsorted(x, at, side="right") - 1, 0, x.size - 2)
-    h = np.maximum(x[i + 1] - x[i], TINY)
-    z = (at - x[i]) / h
-    rest = 1 - z
-    value = y[i] * (1 + 2 * z) * rest**2 + y[i + 1] * z**2 * (3 - 2 * z)
-    cubic: Array = value + h * z * rest * (dy[i] * rest - dy[i + 1] * z)
-    return cubic
+def _located(s: Array, times: PiecewiseCubic, t: Array) -> Array:
+    """The s, among the nodes ``s``, of the times ``t``."""
+    t = np.clip(t, *times(s[[0, -1]]))
+    after = np.clip(np.searchsorted(times(s), t), 1, s.size - 1)
+    return zeros_between(lambda at: times(at) - t, s[after - 1], s[after], 0.0)
 
 
 def _readings(edge: Edge, u: Array, rates: Array, x: Array, tilts: Array, speed: Array) -> Prediction:

@@ -179,15 +179,18 @@ class Unknowns:
         """The unknowns at ``values``, SI."""
         return np.array([parameter.inner(values[parameter.name]) for parameter in self.free]) / self.scales
 
-    def bounds(self, start: Array, reach: float) -> tuple[Array, Array]:
-        """Least and largest unknowns of a search from ``start`` on: logs stay within ``reach`` of it, all between the
-        ends of their parameters; what comes behind them has none."""
+    def bounds(
+        self, start: Array, reach: float, about: Mapping[str, tuple[float, float]] | None = None
+    ) -> tuple[Array, Array]:
+        """Least and largest unknowns of a search from ``start`` on: logs stay within ``reach`` of it, some ``about``
+        another place and with another reach, all between the ends of their parameters; what comes behind has none."""
         low, high = np.full((2, start.size), np.inf) * [[-1], [1]]
         for i, (parameter, unit) in enumerate(zip(self.free, self.scales, strict=True)):
-            log = parameter.kind == "log"
-            by, ends = reach if log else np.inf, (parameter.low, parameter.high)
-            least, most = map(parameter.inner, ends) if log else ends
-            low[i], high[i] = max(least / unit, start[i] - by), min(most / unit, start[i] + by)
+            log, ends = parameter.kind == "log", (parameter.low, parameter.high)
+            least, most = (end / unit for end in (map(parameter.inner, ends) if log else ends))
+            middle, by = (about or {}).get(parameter.name, (float(start[i]), reach if log else math.inf))
+            middle = min(max(middle, least), most)
+            low[i], high[i] = max(least, middle - by), min(most, middle + by)
         return low, high
 
     def covariance(self, whole: Array | None) -> Array | None:
@@ -223,6 +226,20 @@ def parameters_of(
 
 
 # ---------------------------------------------------------------------- what a user writes
+def check_law(name: str, laws: Mapping[str, object]) -> None:
+    """Refuse the name of a law that is none of these."""
+    if name not in laws:
+        raise InputError(f'fit: unknown law "{name}"{did_you_mean(name, laws)} (laws: {", ".join(laws)})')
+
+
+def read_value(name: str, ranged: Ranged, text: str) -> float:
+    """The value, SI, that a user writes for the parameter ``name``."""
+    try:
+        return ranged.read(text)
+    except ValueError as error:
+        raise InputError(f"fit: {name}: {error}") from None
+
+
 @dataclass(frozen=True)
 class Nameable:
     """What a user may name beside an ``option``: ``ranges`` by name; ``aliases``: other names of some of them, beside
@@ -250,10 +267,6 @@ class Nameable:
         """Values, SI, by the own names of the parameters, from names and texts."""
         values = {}
         for name, text in pairs:
-            own = self.own(name)
-            try:
-                value = self.allowed[name].read(text)
-            except ValueError as error:
-                raise InputError(f"fit: {name}: {error}") from None
+            own, value = self.own(name), read_value(name, self.allowed[name], text)
             values[own] = value / self.E_star if name == ALIAS else value
         return values

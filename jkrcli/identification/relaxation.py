@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..adhesion import Nonadhesive, Program, RelaxingContact
-from ..base import SAME, Array, InputError, JkrError, Ranged, did_you_mean, evenly, ranges_of, show
+from ..base import SAME, Array, InputError, JkrError, Ranged, evenly, ranges_of, show
 from ..bodies import RELAXATIONS, Relaxation
 from ..data import Curve
 from ..data.record import TUNING as RECORDS
@@ -26,7 +26,7 @@ from .least_squares import TUNING as FITS
 from .least_squares import Least, LeastSquares, State, by_differences
 from .motion import TUNING as MOTION
 from .motion import check_over_time, check_rising, corners, noise_about, noise_of
-from .parameters import MODULUS, Nameable, Parameter, Unknowns, parameters_of
+from .parameters import MODULUS, Nameable, Parameter, Unknowns, check_law, parameters_of
 from .relaxing_rows import TUNING as ROWS
 from .relaxing_rows import averaged, base_line, followed, without_adhesion
 
@@ -103,8 +103,7 @@ def relaxation_settings(
     """Settings from what a user types: free are the modulus, the law's parameters and delta0, but for what ``fix``
     names, and what ``free`` adds (P0, and tilt of the base line [N/m]); of a power law, whose modulus is that at its
     time, the time is fixed, 1 s by default. ``E_star`` of the body [Pa]."""
-    if law not in RELAXATIONS:
-        raise InputError(f'fit: unknown law "{law}"{did_you_mean(law, RELAXATIONS)} (laws: {", ".join(RELAXATIONS)})')
+    check_law(law, RELAXATIONS)
     own = _of_law(law, options.get("terms", 2))
     named = Nameable("--relaxation", MODULUS | own | ZEROS, E_star)
     fixed = ({"time": 1.0} if law == "power" else {}) | named.known(fix)

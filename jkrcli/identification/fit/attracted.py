@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 
 import numpy as np
@@ -62,6 +62,8 @@ class AttractedFamily:
     plain: Family
     body: AttractedBody
     resolution: Resolution = FINE
+    _ready: dict[float, tuple[Attraction, Discs]] = field(default_factory=dict)
+    _curves: dict[tuple[str, str], States] = field(default_factory=dict)
 
     @classmethod
     def of(cls, problem: Problem, plain: Family, resolution: Resolution = FINE) -> AttractedFamily:
@@ -81,10 +83,6 @@ class AttractedFamily:
         most = max(end, min(TUNING.beyond * end, TUNING.below_limit * self.body.limit))
         return np.append(0.0, np.geomspace(self.resolution.smallest * most, most, self.resolution.radii))
 
-    @cached_property
-    def _ready(self) -> dict[float, tuple[Attraction, Discs]]:
-        return {}
-
     def _discs(self, reach: float) -> tuple[Attraction, Discs]:
         if reach not in self._ready:
             attraction = self.body.attraction(reach)
@@ -102,10 +100,6 @@ class AttractedFamily:
                 break
             reach *= TUNING.reach
         return attraction, discs
-
-    @cached_property
-    def _curves(self) -> dict[tuple[str, str], States]:
-        return {}
 
     def states(self, s: float, gap: float) -> States:
         """The curve for the tension s = 2 sigma/E* up to the separation ``gap`` [m]; solved once for many fits that ask

@@ -159,8 +159,8 @@ def _pull_off(fit: Fit) -> Iterator[str]:
 
 
 def _elastic_indenter(fit: Fit, body: FittedBody) -> Iterator[str]:
-    modulus, problem = fit.settings.parameter("modulus"), body.problem
-    if modulus is not None and modulus.free and problem.indenter.material is not None and problem.specimen.layers:
+    modulus, problem = fit.settings.known("modulus"), body.problem
+    if modulus.free and problem.indenter.material is not None and problem.specimen.layers:
         yield "the indenter is elastic: its modulus was scaled together with those of the layers"
 
 

@@ -63,10 +63,8 @@ def confidence_of(
     if settings.confidence == "bootstrap":
         change = partial(_redrawn, minimum.distances.residuals.shape)
         samples = bootstrap(minimum.least, change, SEARCH.converged_rough, settings.samples, settings.seed, pool)
-    units = objective.unknowns.scales
-    own = None if inner is None else inner / np.outer(units, units)
     intervals = Intervals(
-        minimum.least, _quantities(minimum), partial(_meaning, minimum), own, t, settings.level,
+        minimum.least, _quantities(minimum), partial(_meaning, minimum), inner, t, settings.level,
         settings.confidence == "profile", factor, samples,
     )  # fmt: skip
     estimates = intervals.estimates()
@@ -118,15 +116,14 @@ def _and_none(item: FittedValue, jkr: Mapping[str, float], here: Mapping[str, fl
 
 
 def spread_of(minimum: Minimum, settings: Settings) -> tuple[Array | None, float, int]:
-    """The covariance of the free unknowns, the variance of the residuals, and their degrees of freedom."""
-    objective, free = minimum.objective, minimum.objective.free
-    residuals = minimum.distances.residuals
-    columns = len(objective.points.columns)
+    """The covariance of the unknowns of the search, the variance of the residuals, and their degrees of freedom."""
+    residuals, jacobian, free = minimum.distances.residuals, minimum.least.state.jacobian, minimum.least.x
+    measured = set(minimum.objective.points.columns)
+    columns = len(measured)
     dof = max(residuals.shape[1] * (columns - 1) - free.size, 1)  # a foot point takes one number from every point
     factor = variance_factor(residuals, dof, settings.loss, minimum.width)
-    jacobian = minimum.distances.jacobian(free)
     inner = covariance(jacobian, factor) if minimum.least.ended else None
-    even = set(objective.points.columns) <= settings.noise.keys()  # else that is more than a record of a sensor shows
+    even = measured <= settings.noise.keys()  # else that is more than a record of a sensor shows
     if settings.loss == "linear" and dof >= TUNING.few and not even:
         inner = larger(inner, covariance_of_uneven(jacobian, residuals))
     return inner, factor, dof
@@ -153,14 +150,16 @@ def _redrawn(shape: tuple[int, int], rng: np.random.Generator) -> Callable[[Stat
 # ---------------------------------------------------------------------- beside a range
 def jkr_beside(minimum: Minimum, body: FittedBody, points: Points, settings: Settings) -> JKRBeside | Unknown:
     """The nearest curve of JKR to the rows of ``minimum``, in its scales; Unknown where none comes near."""
-    plain = settings.without_range
+    plain = settings.without(RANGES)
     try:
         near = search(body, points, plain)
         objective = replace(near.objective, scales=minimum.objective.scales)
         jkr = robust(minimise(objective, near.x), settings.loss)
-        jkr = minimise(objective, jkr.x, settings.loss, minimum.width).settled()  # the same turn of a robust loss
+        jkr = minimise(objective, jkr.x, settings.loss, minimum.width)  # the same turn of a robust loss
     except JkrError as error:
         return Unknown(str(error))
+    if not jkr.least.ended:
+        return Unknown(f"the fit did not converge in {SEARCH.evaluations} steps")
     values = objective.values(jkr.x)
     rms, with_range = (math.sqrt(float(np.mean(item.distances.residuals**2))) for item in (jkr, minimum))
     E_star = values["modulus"] * body.problem.E_star

@@ -32,18 +32,17 @@ from .checks import warnings_of
 from .confidence import confidence_of, jkr_beside
 from .family import ADVANCING, RECEDING, RESTING, RestingMember
 from .force_curve_fit import Neighbour
-from .points import Points, directed, points_of
+from .points import EDGES, Points, directed, points_of
 from .record import beside, differ, fit_record, reduced
 from .record_flags import RESTS
 from .result import Fit
 from .rivals import Rivals, rivals_of
 from .search import Minimum, robust, search
-from .settings import CALIBRATED, TENSION, SegmentName, Settings
+from .settings import CALIBRATED, TENSION, Settings
 from .statistics import covariance, structure
 from .whole_record import beyond_the_record, whole_record
 
 OWN = {"w": "w_approach"}  # names of an approach alone
-DIRECTIONS: tuple[SegmentName, ...] = ("approach", "retract")
 WARNED = {  # flags of a curve that matter
     NOT_SUBTRACTED: "E* is that of contact and device in series: ",
     AS_DEPTH: "",
@@ -68,13 +67,18 @@ class Failure:
         return self.curve.pixel
 
 
-def flags_of(curve: Curve) -> Mapping[str, str]:
-    """What is wrong with a record, in a word or two, and a sentence on each; none where it is too short or no force
-    curve."""
+def _examined(curve: Curve) -> ForceCurve | None:
+    """The record taken apart; None where it is too short or no force curve."""
     try:
-        return examine(curve).flags
+        return examine(curve)
     except InputError:
-        return {}
+        return None
+
+
+def flags_of(curve: Curve) -> Mapping[str, str]:
+    """What is wrong with a record, in a word or two, and a sentence on each."""
+    record = _examined(curve)
+    return {} if record is None else record.flags
 
 
 def parted(curve: Curve, settings: Settings) -> Curve:
@@ -82,16 +86,11 @@ def parted(curve: Curve, settings: Settings) -> Curve:
     one of them is requested, or needed because it is the record of a device."""
     needed = settings.segment in (APPROACH, RETRACT) or (settings.segment is None and curve.stiffness is not None)
     curve = directed(curve)
-    if curve.segment is not None or not needed:
-        return curve
-    try:
-        segments = examine(curve).segments
-    except InputError:
-        return curve
-    if not {APPROACH, RETRACT} <= {segment.kind for segment in segments}:
+    record = _examined(curve) if needed and curve.segment is None else None
+    if record is None or not {APPROACH, RETRACT} <= {segment.kind for segment in record.segments}:
         return curve
     words = np.full(len(curve), "", dtype="U8")
-    for segment in segments:
+    for segment in record.segments:
         words[segment.rows] = segment.kind
     return replace(curve, segment=words)
 
@@ -177,8 +176,8 @@ def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | F
     if settings.tension_at_most:
         raise InputError(f"{curve.where}: --bound {TENSION} is for raw records, it has no effect here")
     curve = with_zero_points(curve) if settings.contact == "estimate" else curve
-    curve, zero = parted(curve, settings), settings.parameter("P0")
-    level = 0.0 if zero is None or (curve is not original and zero.free) else None if zero.free else zero.value
+    curve, zero = parted(curve, settings), settings.known("P0")
+    level = 0.0 if curve is not original and zero.free else None if zero.free else zero.value
     points = points_of(curve, settings.segment, settings.branch, len(settings.free), level)
     if unread := sorted(set(settings.noise) - set(points.values)):
         raise InputError(
@@ -195,7 +194,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None, 
     if isinstance(ready, ForceCurve):
         return fit_record(body, ready, settings, pool, before)
     curve, points, settings, words = ready.curve, ready.points, ready.settings, ready.words
-    edges, zero = set() if points.edges is None else set(points.edges), settings.parameter("P0")
+    edges, zero = set() if points.edges is None else set(points.edges), settings.known("P0")
     minimum = robust(search(body, points, settings), settings.loss)
     sharp = None if settings.range is None else jkr_beside(minimum, body, points, settings)
     confidence = confidence_of(minimum, settings, sharp, pool)
@@ -229,7 +228,6 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None, 
         line=distances.line(),
         evaluations=minimum.least.steps,
         settings=settings,
-        warnings=(),
         flags=(*flags, *["not determined"] * undetermined),
         jkr=sharp,
         range_left=None if rivals.range is None else rivals.range.most,
@@ -243,7 +241,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None, 
         return _of_an_approach(result)
     if ADVANCING not in edges or not _apart(minimum, confidence.scatter):
         return result
-    into, back = (_fit(body, curve, replace(ready.requested, segment=kind), pool) for kind in DIRECTIONS)
+    into, back = (_fit(body, curve, replace(ready.requested, segment=kind), pool) for kind in EDGES)
     moduli = [one.estimate("E_star") for one in (into, back)]
     error = math.hypot(*((item.error or 0.0) / item.value for item in moduli))
     return beside(back, into, result) if differ(moduli[0].value, moduli[1].value, error) else result
@@ -283,10 +281,10 @@ def _resting(minimum: Minimum, estimates: tuple[FittedValue, ...]) -> tuple[Fitt
     return tuple(FittedValue("w", least, True, "work", None, least) if item.name == "w" else item for item in estimates)
 
 
-def _on_record(flags: Mapping[str, str], zero: Parameter | None) -> Iterator[str]:
+def _on_record(flags: Mapping[str, str], zero: Parameter) -> Iterator[str]:
     """Sentences on what is wrong with the record of a device whose readings were fitted as they are."""
     yield from (f"{name}: {sentence}" for name, sentence in flags.items())
-    if "no base line" in flags and zero is not None and not zero.free and not zero.value:
+    if "no base line" in flags and not zero.free and not zero.value:
         yield "no base line: the zero of the load is set to 0 (--free P0, or --zero P=... if known)"
 
 

@@ -114,8 +114,7 @@ def part_of(body: FittedBody, curve: Curve, settings: Settings) -> Part:
         return Part(curve.where, whole.least, names, {}, noise, factor)
     minimum = robust(search(body, ready.points, ready.settings), ready.settings.loss)
     names, units = minimum.objective.unknowns.names, minimum.objective.unknowns.scales
-    inner = spread_of(minimum, ready.settings)[0]
-    noise = _noise(None if inner is None else inner / np.outer(units, units), minimum.least)
+    noise = _noise(spread_of(minimum, ready.settings)[0], minimum.least)
     return Part(curve.where, minimum.least, names, dict(zip(names, units.tolist(), strict=True)), noise, 0.0)
 
 

@@ -174,17 +174,14 @@ def _of_branch(curve: Curve, values: Mapping[str, Array], branch: BranchName, le
 
 def _of_segment(curve: Curve, segment: SegmentName | None) -> Array:
     if curve.segment is None:
-        if segment in ("approach", "retract"):
-            raise InputError(f'{curve.where}: names no segments, cannot take "{segment}" alone')
+        if segment in EDGES:
+            curve.only(segment)  # which refuses
         return np.ones(len(curve), dtype=bool)
-    words = ("approach", "retract") if segment == "both" else (segment or "retract",)
+    words = list(EDGES) if segment == "both" else [segment or "retract"]
     chosen = np.isin(curve.segment, words)
-    if segment is None and not chosen.any():
-        return np.ones(len(curve), dtype=bool)
-    if not chosen.any():
-        names = ", ".join(curve.segments())
-        raise InputError(f'{curve.where}: segment "{segment}" is empty (segments: {names})')
-    return chosen
+    if segment is not None and not chosen.any():
+        raise InputError(f'{curve.where}: segment "{segment}" is empty (segments: {", ".join(curve.segments())})')
+    return chosen if chosen.any() else ~chosen
 
 
 def in_contact(values: Mapping[str, Array], level: float) -> Array:

@@ -43,11 +43,7 @@ TUNING = RecordTuning()
 
 
 def fit_record(
-    body: FittedBody,
-    record: ForceCurve,
-    settings: Settings,
-    pool: Pool | None = None,
-    before: Neighbour | None = None,
+    body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None, before: Neighbour | None = None
 ) -> Fit:
     """Modulus, w, contact point and base lines of a whole record; InputError where it holds no contact.
 
@@ -250,20 +246,17 @@ def _model(
     body: FittedBody, record: ForceCurve, settings: Settings, waves: Mapping[str, Wave], kinds: Sequence[str]
 ) -> ForceCurveModel:
     """The model of the directions ``kinds`` of a record, by the settings."""
-    curve, w, modulus = record.curve, settings.parameter("w"), settings.parameter("modulus")
+    curve, w, modulus = record.curve, settings.known("w"), settings.known("modulus")
     parts = stretches(record, kinds, waves)
-    assert w is not None
-    assert modulus is not None
     works = {} if w.free else {part.kind: float(w.value or 0.0) for part in parts if part is parts[-1] or not w.value}
     known = {} if modulus.free else {"ln_s": math.log(modulus.value or 1.0)}
-    zero = settings.parameter("P0")
     for part in (part for part in parts if not part.line.rows):
-        known |= {f"tilt:{part.kind}": 0.0} | ({} if zero is not None and zero.free else {f"offset:{part.kind}": 0.0})
+        known |= {f"tilt:{part.kind}": 0.0} | ({} if settings.known("P0").free else {f"offset:{part.kind}": 0.0})
     if settings.positions and len(parts) < 2:
         which = settings.positions[0]
         raise InputError(f"{curve.where}: {which} needs approach and retraction together, only one can be fitted")
-    errors = {name: settings.parameter(name) for name in settings.positions}
-    known |= {name: item.value for name, item in errors.items() if item is not None and item.value is not None}
+    errors = (settings.known(name) for name in settings.positions)
+    known |= {item.name: item.value for item in errors if item.value is not None}
     k = math.inf if curve.stiffness is None else curve.stiffness
     moduli = (modulus.low, modulus.high)
     return ForceCurveModel(body.family, k, parts, known, works, moduli, settings.positions)

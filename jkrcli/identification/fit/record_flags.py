@@ -81,11 +81,8 @@ def sentences(best: ForceCurveFit, settings: Settings) -> Iterator[str]:
     if any(name.startswith("offset:") for name in best.model.known):
         yield "no base line: the zero of the load is set to 0 (--free P0, or --zero P=... if known)"
     model = best.model
-    if (
-        len(model.stretches) > 1
-        and "drift" not in model.positions
-        and all(np.ptp(part.t) > 0 for part in model.stretches)
-    ):
+    timed = all(np.ptp(part.t) > 0 for part in model.stretches)
+    if timed and len(model.stretches) > 1 and "drift" not in model.positions:
         drift = drift_left_out(best)
         if drift.size > TUNING.sure and abs(drift.last) > TUNING.sure * drift.error:
             change = float(drift.step[best.names.index("ln_s")]) if "ln_s" in best.names else 0.0

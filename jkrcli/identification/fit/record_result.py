@@ -101,7 +101,6 @@ def as_fit(
         line=_line(best),
         evaluations=best.least.steps,
         settings=settings,
-        warnings=(),
         flags=tuple(flags),
         quality=quality,
         adhesion=_adhesion(record),
@@ -110,10 +109,7 @@ def as_fit(
     named = (f"{name}: {sentence}" for name, sentence in flags.items())
     at_bound = ["modulus"] * bool(np.isclose(values["modulus"], best.model.moduli, rtol=SAME).any())
     more = warnings_of(result, body, body.family, at_bound)
-    return replace(
-        result,
-        warnings=(*named, *sentences(best, settings), *more),
-    )
+    return replace(result, warnings=(*named, *sentences(best, settings), *more))
 
 
 def _carried(

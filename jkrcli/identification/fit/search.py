@@ -16,20 +16,9 @@ from functools import partial
 
 import numpy as np
 
-from ...base import (
-    MOST_SOLVES,
-    NOTICEABLE,
-    ROUNDED,
-    SETTLED,
-    UNSEEN,
-    Array,
-    InputError,
-    JkrError,
-    SolveError,
-    evenly,
-    show,
-)
+from ...base import MOST_SOLVES, NOTICEABLE, ROUNDED, SETTLED, UNSEEN, Array, InputError, JkrError, evenly, show
 from ..least_squares import Least, LeastSquares, State
+from ..parameters import OF_A_CYCLE
 from .body import FittedBody
 from .family import ADVANCING, RECEDING, RESTING, Family, RestingMember
 from .model import Distances, Objective, Readings, arc
@@ -143,12 +132,6 @@ class Minimum:
         free = zip(self.objective.unknowns.names, self.least.at_bound, strict=True)
         return tuple(name for name, on_bound in free if on_bound)
 
-    def settled(self) -> Minimum:
-        """This minimum; SolveError where its search did not end."""
-        if not self.least.ended:
-            raise SolveError(f"the fit did not converge in {TUNING.evaluations} steps")
-        return self
-
 
 def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: float = 1.0) -> Minimum:
     """The least sum of squares (or of a robust ``loss`` that turns at ``width``) from the unknowns ``start``.
@@ -157,14 +140,25 @@ def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: f
     whether it stops there is a matter of round-off: it is given up after so many evaluations, and the minimum is marked
     as one whose search did not end.
     """
-    begin, free, units = np.array(start, dtype=float), objective.free, objective.unknowns.scales
-    bounds = tuple(ends[free] / units for ends in _bounds(objective, begin))
+    begin = np.array(start, dtype=float)
+    y = begin[objective.free] / objective.unknowns.scales
     splines = objective.ranged or any(parameter.of_body for parameter in objective.unknowns.free)
     close = ROUNDED if splines else SETTLED  # curves of layers and ranges are good to 1e-8 themselves
     close = close if loss == "linear" else max(close, TUNING.converged_rough)
-    problem = LeastSquares(partial(_scaled, objective, begin), bounds, close, 0.0, TUNING.evaluations, loss, width)
-    least = problem.least(_inside(begin[free] / units, *bounds))
+    model, bounds = partial(_scaled, objective, begin), _bounds(objective, y)
+    problem = LeastSquares(model, bounds, close, 0.0, TUNING.evaluations, loss, width)
+    least = problem.least(_inside(y, *bounds))
     return Minimum(objective, objective.at(begin, least.x), least)
+
+
+def _if_any(objective: Objective, start: Array) -> Minimum | None:
+    """The same; None where a range takes the surfaces beyond the body."""
+    try:
+        return minimise(objective, start)
+    except JkrError:
+        if not objective.ranged:
+            raise
+    return None
 
 
 def robust(minimum: Minimum, loss: Loss) -> Minimum:
@@ -176,22 +170,17 @@ def robust(minimum: Minimum, loss: Loss) -> Minimum:
 
 
 def _bounds(objective: Objective, start: Array) -> tuple[Array, Array]:
-    """Bounds of the unknowns; logs stay near their start, those of layers around their nominal values, as far as the
-    user's bounds let them."""
-    low, high = [], []
-    units = objective.unknowns.units
-    for p, x in zip(objective.parameters, start, strict=True):
-        least = p.inner(p.low) if p.kind != "linear" else p.low
-        most = p.inner(p.high) if np.isfinite(p.high) else np.inf
-        if p.kind == "log":
-            middle = min(max(p.inner(objective.body.nominal(p.name)) if p.of_body else float(x), least), most)
-            reach = TUNING.body_reach if p.of_body else TUNING.span if p.name in RANGES else TUNING.reach
-            least, most = max(least, middle - reach), min(most, middle + reach)
-        if p.kind == "positive":
-            least = max(least, min(TUNING.faint * units[p.name], most / 2))
-        low.append(least)
-        high.append(most)
-    return np.array(low), np.array(high)
+    """Bounds of the free unknowns; logs stay near their ``start``, those of layers around their nominal values, as far
+    as the user's bounds let them."""
+    free, about = objective.unknowns.free, {}
+    for p, x in zip(free, start.tolist(), strict=True):
+        if p.of_body:
+            about[p.name] = p.inner(objective.body.nominal(p.name)), TUNING.body_reach
+        elif p.name in RANGES:
+            about[p.name] = x, TUNING.span
+    low, high = objective.unknowns.bounds(start, TUNING.reach, about)
+    faint = np.array([TUNING.faint if p.kind == "positive" else -math.inf for p in free])
+    return np.maximum(low, np.minimum(faint, high / 2)), high
 
 
 def _inside(y: Array, low: Array, high: Array) -> Array:
@@ -309,41 +298,32 @@ def _load_zeros(points: Points, known: Mapping[str, float]) -> tuple[float, ...]
 def _with_radii(family: Family, points: Points, known: Mapping[str, float]) -> Start:
     """The start by measured radii: the load is linear in s, sqrt(w s), P0; the displacement in sqrt(w/s), delta0."""
     (D, T, H, V), _, _ = family.at(np.clip(np.log(points.values["a"]), family.low - 0.5, family.high + 0.5))
-    compliance, P0, load = known.get("compliance") or 0.0, known.get("P0") or 0.0, None
-    s, w = known.get("modulus"), known.get("w")
-    if "P" in points.columns:
-        load = points.values["P"]
-        columns, wanted = [H, -V, np.ones_like(H)], load - P0
-        if "P0" in known:
-            columns.pop()
-        coefficients = _linear_fit(columns, wanted)
-        P0 = P0 if "P0" in known else coefficients[2]
-        s = max(coefficients[0], 1e-3 * np.ptp(load) / np.ptp(H)) if s is None else s
-        w = max(coefficients[1], 0.0) ** 2 / s if w is None else w
+    s, w, P0, delta0 = (known.get(name) for name in ("modulus", "w", "P0", "delta0"))
+    compliance, one, gaps, off = known.get("compliance") or 0.0, np.ones_like(D), [], np.zeros_like(D)
+    if (load := points.values.get("P")) is not None:
+        fitted, pull, P0 = _linear_fit([H, -V, one], load, [None, None, P0])
+        s = max(fitted, 1e-3 * float(np.ptp(load) / np.ptp(H))) if s is None else s
+        w, off = max(pull, 0.0) ** 2 / s if w is None else w, load - P0
+        gaps.append((off - s * H + np.sqrt(w * s) * V) / np.ptp(load))
     s = 1.0 if s is None else s
-    delta0 = known.get("delta0") or 0.0
-    if "delta" in points.columns:
-        delta = points.values["delta"] - D - (0.0 if load is None else compliance * (load - P0))
-        if w is None:
-            columns = [-T] if "delta0" in known else [-T, np.ones_like(T)]
-            coefficients = _linear_fit(columns, delta - delta0)
-            w, delta0 = max(coefficients[0], 0.0) ** 2 * s, (delta0 if "delta0" in known else coefficients[1])
-        elif "delta0" not in known:
-            delta0 = float(np.mean(delta + np.sqrt(w / s) * T))
+    if (delta := points.values.get("delta")) is not None:
+        own = delta - D - compliance * off
+        v, delta0 = _linear_fit([-T, one], own, [None if w is None else math.sqrt(w / s), delta0])
+        w = max(v, 0.0) ** 2 * s if w is None else w
+        gaps.append((own - delta0 + np.sqrt(w / s) * T) / np.ptp(delta))
     assert w is not None
-    gaps, reach = [], float(points.values["a"].max())
-    if load is not None:
-        gaps.append((load - P0 - s * H + np.sqrt(w * s) * V) / np.ptp(load))
-    if "delta" in points.columns:
-        gaps.append((delta - delta0 + np.sqrt(w / s) * T) / np.ptp(points.values["delta"]))
-    return Start(_values(s, w, delta0, P0, compliance), reach, float(np.mean(np.square(gaps))))
+    reach = float(points.values["a"].max())
+    return Start(_values(s, w, delta0 or 0.0, P0 or 0.0, compliance), reach, float(np.mean(np.square(gaps))))
 
 
-def _linear_fit(columns: list[Array], wanted: Array) -> Array:
-    """Coefficients of the linear least squares by ``columns``, each in units of its size."""
+def _linear_fit(columns: list[Array], wanted: Array, known: list[float | None]) -> list[float]:
+    """Coefficients of the linear least squares by ``columns``, each in units of its size, but for those ``known``."""
+    free, coefficients = [value is None for value in known], np.array([value or 0.0 for value in known])
     matrix = np.stack(columns, axis=1)
-    size = np.linalg.norm(matrix, axis=0)
-    return np.linalg.lstsq(matrix / size, wanted, rcond=None)[0] / size
+    size = np.linalg.norm(matrix[:, free], axis=0)
+    left = wanted - matrix @ coefficients
+    coefficients[free] = np.linalg.lstsq(matrix[:, free] / size, left, rcond=None)[0] / size
+    return coefficients.tolist()
 
 
 # ---------------------------------------------------------------------- cycles
@@ -367,7 +347,7 @@ def _there_and_back(body: FittedBody, points: Points, settings: Settings) -> Min
     assert points.edges is not None
     forth = replace(points.at(points.edges == ADVANCING), edges=None)
     law = settings.range
-    plain = settings.without_range
+    plain = settings.without(RANGES)
     into = _of_a_branch(body, forth, plain.of_the_approach)
     objective = replace(into.objective, parameters=plain.parameters, points=points)
     values = into.objective.values(into.x) | {"a_turn": float(into.distances.a.max())}
@@ -388,7 +368,7 @@ def _there_and_back(body: FittedBody, points: Points, settings: Settings) -> Min
 
 def _back(body: FittedBody, points: Points, settings: Settings) -> Minimum:
     """The best fit to a way back, whose edge may rest at first: with the turn only where the rows ask for one."""
-    minimum = _of_a_branch(body, replace(points, edges=None), settings.of_a_branch)
+    minimum = _of_a_branch(body, replace(points, edges=None), settings.without(OF_A_CYCLE))
     objective = replace(minimum.objective, parameters=settings.parameters, points=points)
     variance = minimum.cost / max(len(points) - minimum.objective.free.size, 1)
     order = np.argsort(points.values["P" if "P" in points.columns else "delta"])
@@ -609,13 +589,7 @@ def _by_cost(objective: Objective, unknowns: list[Array]) -> list[Array]:
     others = objective.holding(*own)
     if not own or others.free.size == 0:
         return sorted(unknowns, key=lambda x: _cost(objective, x))
-    minima = []
-    for x in unknowns:
-        try:
-            minima.append(minimise(others, x))
-        except JkrError:
-            if not objective.ranged:
-                raise
+    minima = [minimum for x in unknowns if (minimum := _if_any(others, x)) is not None]
     for _ in range(TUNING.halvings if objective.ranged and minima else 0):
         minima += _between(others, minima, next(i for i, p in enumerate(objective.parameters) if p.name in RANGES))
     return [minima[i].x for i in np.argsort([minimum.cost for minimum in minima])] if minima else unknowns
@@ -626,14 +600,11 @@ def _between(objective: Objective, minima: Sequence[Minimum], place: int) -> lis
     the range, which the ``objective`` holds, at the ``place`` of the unknowns."""
     ordered = sorted(minima, key=lambda minimum: float(minimum.x[place]))
     best = min(range(len(ordered)), key=lambda i: ordered[i].cost)
-    between = []
-    for other in ordered[max(best - 1, 0) : best + 2]:
-        x = ordered[best].x.copy()
+    tried = []
+    for other in (*ordered[max(best - 1, 0) : best], *ordered[best + 1 : best + 2]):
+        tried.append(x := ordered[best].x.copy())
         x[place] = (x[place] + other.x[place]) / 2
-        if other is not ordered[best]:
-            with contextlib.suppress(JkrError):
-                between.append(minimise(objective, x))
-    return between
+    return [minimum for x in tried if (minimum := _if_any(objective, x)) is not None]
 
 
 def _cost(objective: Objective, x: Array) -> float:

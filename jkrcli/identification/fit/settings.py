@@ -7,9 +7,9 @@ from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from ...base import LARGEST_SI, InputError, parse
+from ...base import InputError, Ranged
 from ...bodies import RADIUS, checked_names
-from ..parameters import ALIAS, DIMENSIONS, OF_A_CYCLE, OF_TRAVEL, POSITIONS, Parameter, dimension_of
+from ..parameters import ALIAS, DIMENSIONS, OF_A_CYCLE, OF_TRAVEL, POSITIONS, Parameter, dimension_of, read_value
 from .body import FittedBody
 
 BranchName = Literal["all", "compressive"]
@@ -95,7 +95,7 @@ class Settings:
                 yield "range and stress are one quantity, stress = w/range: free or fix one of them"
             if own := [p.name for p in self.free if p.of_body]:
                 yield f"{own[0]} cannot be free together with a range of adhesion: fix {own[0]}"
-            if self._known("w").value == 0:
+            if self.known("w").value == 0:
                 yield "adhesion of finite range needs w > 0: leave w free, or range and stress out"
 
     @property
@@ -111,27 +111,17 @@ class Settings:
     def of_a_cycle(self, both: bool) -> Settings:
         """The same of a way back, whose radius at the turn is free too, or of ``both`` directions with w of the
         approach; where w is fixed at 0, so is that."""
-        w = self._known("w")
+        w = self.known("w")
         approach = Parameter("w_approach", w.free or w.value != 0, 0.0 if w.value == 0 and not w.free else None)
         return replace(self, parameters=(*self.parameters, *[approach] * both, Parameter("a_turn", True)))
 
     @property
-    def of_a_branch(self) -> Settings:
-        """The same of one branch, whose edge moves all the time."""
-        return self._without(OF_A_CYCLE)
-
-    @property
     def of_the_approach(self) -> Settings:
         """From those of both directions those of the approach alone, whose w is that of the approach."""
-        approach = replace(self._known("w_approach"), name="w")
-        return self._without(("w", *OF_A_CYCLE), approach)
+        approach = replace(self.known("w_approach"), name="w")
+        return self.without(("w", *OF_A_CYCLE), approach)
 
-    @property
-    def without_range(self) -> Settings:
-        """The same of JKR."""
-        return self._without(RANGES)
-
-    def _without(self, names: Container[str], *first: Parameter) -> Settings:
+    def without(self, names: Container[str], *first: Parameter) -> Settings:
         """The same without some parameters, and with others ``first``."""
         return replace(self, parameters=(*first, *(p for p in self.parameters if p.name not in names)))
 
@@ -139,7 +129,7 @@ class Settings:
     def free(self) -> tuple[Parameter, ...]:
         return tuple(parameter for parameter in self.parameters if parameter.free)
 
-    def _known(self, name: str) -> Parameter:
+    def known(self, name: str) -> Parameter:
         """The parameter called ``name``, which is there."""
         return next(parameter for parameter in self.parameters if parameter.name == name)
 
@@ -173,15 +163,15 @@ def settings_of(
     of_case = {name: value for name, value in of_case.items() if value is not None}
     ranged = set(RANGES) & {*names, *fixed} or of_case
     if "range" in bounds and not ranged:
-        options["range_at_most"] = _longest_range(body, bounds.pop("range"))
+        options["range_at_most"] = _longest_range(body, bounds.pop("range")[1])
     if idle := sorted({*starts, *bounds} - set(names)):
         raise InputError(f"fit: {idle[0]} is not free: a start or a bound has no meaning (free: {', '.join(names)})")
     parameters = []
     for name in names:
-        low, high = _ends(body, name, bounds[name]) if name in bounds else (-math.inf, math.inf)
-        value = _value(body, name, *starts[name]) if name in starts else None
+        low, high = _ends(body, *bounds[name]) if name in bounds else (-math.inf, math.inf)
+        value = _value(body, *starts[name]) if name in starts else None
         parameters.append(Parameter(name, True, value, low, high))
-    parameters += [Parameter(name, False, _value(body, name, *text)) for name, text in fixed.items()]
+    parameters += [Parameter(name, False, _value(body, *text)) for name, text in fixed.items()]
     if not set(RANGES) & {parameter.name for parameter in parameters}:
         parameters += [Parameter(name, False, value) for name, value in of_case.items()]
     return Settings(tuple(parameters), **options)
@@ -205,10 +195,10 @@ def uncertain_of(body: FittedBody, pairs: Iterable[tuple[str, str]], settings: S
             raise InputError(f"fit: the uncertainty of {name} is relative, such as 5%, got {text}")
         if text.endswith("%"):
             size = 1.0 if whole in CALIBRATED else abs(body.nominal(whole))
-            value = _parsed("uncertain", text[:-1], "number") / 100 * size
+            value = read_value("uncertain", Ranged("number"), text[:-1]) / 100 * size
         else:
-            value = _parsed(name, text, "length" if whole == RADIUS else dimension_of(whole))
-        if not (math.isfinite(value) and value > 0):
+            value = read_value(name, Ranged("length" if whole == RADIUS else dimension_of(whole)), text)
+        if not value > 0:
             raise InputError(f"fit: the uncertainty of {name} must be > 0, got {text}")
         errors[whole] = value
     return errors
@@ -232,25 +222,24 @@ def _own_name(body: FittedBody, name: str) -> str:
     return name
 
 
-def _value(body: FittedBody, name: str, written: str, text: str) -> float:
-    value = _parsed(written, text, "modulus" if written == ALIAS else dimension_of(name))
-    return value / body.problem.E_star if written == ALIAS else value
+def _value(body: FittedBody, name: str, text: str) -> float:
+    value = read_value(name, Ranged("modulus" if name == ALIAS else dimension_of(name)), text)
+    return value / body.problem.E_star if name == ALIAS else value
 
 
-def _ends(body: FittedBody, name: str, pair: tuple[str, str]) -> tuple[float, float]:
-    written, text = pair
+def _ends(body: FittedBody, name: str, text: str) -> tuple[float, float]:
     low, mark, high = text.partition(BETWEEN)
     if not mark:
-        raise InputError(f'fit: the bounds of {written} must be LOW{BETWEEN}HIGH, one may be left out, got "{text}"')
+        raise InputError(f'fit: the bounds of {name} must be LOW{BETWEEN}HIGH, one may be left out, got "{text}"')
     return (
-        _value(body, name, written, low.strip()) if low.strip() else -math.inf,
-        _value(body, name, written, high.strip()) if high.strip() else math.inf,
+        _value(body, name, low.strip()) if low.strip() else -math.inf,
+        _value(body, name, high.strip()) if high.strip() else math.inf,
     )
 
 
-def _longest_range(body: FittedBody, pair: tuple[str, str]) -> float:
+def _longest_range(body: FittedBody, text: str) -> float:
     """The upper bound [m] of the range where JKR, whose range is 0, is fitted."""
-    low, high = _ends(body, "range", pair)
+    low, high = _ends(body, "range", text)
     if low != -math.inf:
         raise InputError('fit: range: a lower bound needs --free range; where JKR is fitted, give "..HIGH"')
     if not high > 0:
@@ -269,17 +258,7 @@ def _largest_tension(body: FittedBody, text: str) -> float:
     low, mark, high = text.partition(BETWEEN)
     if low.strip() or not mark:
         raise InputError(f'fit: the bound of surface_tension must be {BETWEEN}HIGH, got "{text}"')
-    largest = _parsed(TENSION, high.strip(), "tension")
+    largest = read_value(TENSION, Ranged("tension"), high.strip())
     if not largest > 0:
         raise InputError(f"fit: surface_tension: the bound must be > 0, got {largest:g}")
     return largest
-
-
-def _parsed(name: str, text: str, dimension: str) -> float:
-    try:
-        number = parse(text, dimension)
-    except ValueError as error:
-        raise InputError(f"fit: {name}: {error}") from None
-    if number != 0 and not 1 / LARGEST_SI <= abs(number) <= LARGEST_SI:
-        raise InputError(f"fit: {name}: must lie within {1 / LARGEST_SI:g} and {LARGEST_SI:g} in SI units, got {text}")
-    return number

@@ -16,19 +16,7 @@ from typing import Any
 import numpy as np
 
 from ...adhesion import RATE_LAWS, RateLaw, rate_parameters
-from ...base import (
-    NOTICEABLE,
-    SAME,
-    Array,
-    InputError,
-    JkrError,
-    Ranged,
-    SolveError,
-    Unknown,
-    did_you_mean,
-    evenly,
-    show,
-)
+from ...base import NOTICEABLE, SAME, Array, InputError, JkrError, Ranged, SolveError, Unknown, evenly, show
 from ...data import Curve
 from ..answer import Answer
 from ..fit import FittedBody, Settings, fit
@@ -36,7 +24,7 @@ from ..intervals import Followed, Intervals
 from ..least_squares import TUNING as FITS
 from ..least_squares import Least, LeastSquares, State
 from ..motion import noise_about
-from ..parameters import MODULUS, Nameable, Parameter, Unknowns, parameters_of
+from ..parameters import MODULUS, Nameable, Parameter, Unknowns, check_law, parameters_of
 from ..work import WorkAlong, work_along
 from .prediction import BESIDE, Prediction, predict
 from .record import RateRecord, rate_record, recovered
@@ -104,8 +92,7 @@ def rate_settings(
 ) -> RateSettings:  # fmt: skip
     """Settings from what a user types: free are the modulus, w0, the law's parameters and delta0, but for what ``fix``
     names, and what ``free`` adds (P0)."""
-    if law not in RATE_LAWS:
-        raise InputError(f'fit: unknown law "{law}"{did_you_mean(law, RATE_LAWS)} (laws: {", ".join(RATE_LAWS)})')
+    check_law(law, RATE_LAWS)
     ranges = MODULUS | law_ranges(law) | {"delta0": Ranged("length"), "P0": Ranged("load")}
     named = Nameable("--law", ranges, body.problem.E_star, {"w": "w0"})
     fixed, wanted = named.known(fix), [named.own(name) for name in free]

@@ -85,11 +85,9 @@ def rate_record(curve: Curve, segment: str | None, lost: float | None = None) ->
     check_over_time(curve, "a fit over speed")
     if segment not in (None, "retract"):
         raise InputError(f"{curve.where}: a fit over speed takes the retraction alone: leave --segment {segment} out")
-    numbers = np.arange(len(curve))
-    if curve.segment is not None:
-        numbers = numbers[curve.segment == "retract"]
-    elif segment is not None:
-        raise InputError(f'{curve.where}: names no segments, cannot take "{segment}" alone')
+    if curve.segment is None and segment is not None:
+        curve.only(segment)  # refuses
+    numbers = np.arange(len(curve)) if curve.segment is None else np.flatnonzero(curve.segment == "retract")
     part = curve.rows(numbers)
     t, P, device = part.time, part.load, part.device
     check_rising(curve.where, t, numbers)

@@ -20,7 +20,11 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
 from jkrcli.identification.fit import Fit, FittedBody, fit
+from jkrcli.identification.fit.confidence import _meaning
 from jkrcli.identification.fit.family import Member
+from jkrcli.identification.fit.model import Objective
+from jkrcli.identification.fit.points import points_of
+from jkrcli.identification.fit.search import Minimum
 from jkrcli.identification.fit.settings import settings_of
 from jkrcli.methods.layered.layered import Layered
 
@@ -82,6 +86,17 @@ def test_coarse_curves_are_near_the_fine_ones(lam: float) -> None:
     u = np.linspace(*fine.ends(0, 0, None), 300)[:-20]
     for exact, near in zip(fine.along(u)[0][1:], coarse.along(u)[0][1:], strict=True):
         assert np.abs(near - exact).max() < 1e-4 * abs(exact.min())  # 4e-5 measured
+
+
+def test_without_adhesion_a_range_has_no_tension() -> None:
+    """Its logarithm used to end fits by profiles, on whose way w may be 0."""
+    body, curve = tip(), record(1.0, 0.01, points=20)
+    settings = settings_of(body, free=["range"])
+    objective = Objective(body, settings.parameters, points_of(curve, None, "all", 4, 0.0), np.ones(2))
+    values = {"modulus": 1.0, "w": 0.0, "range": 1e-9, "delta0": 0.0, "P0": 0.0, "compliance": 0.0}
+    x = np.array([parameter.inner(values[parameter.name]) for parameter in settings.parameters])
+    minimum = Minimum(objective, x, least=None)
+    assert _meaning(minimum, objective.unknowns.at(values))["stress"] == -math.inf
 
 
 @pytest.mark.parametrize("lam", [0.05, 1.0, 30.0])

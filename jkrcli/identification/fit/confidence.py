@@ -89,7 +89,7 @@ def _meaning(minimum: Minimum, y: Array) -> dict[str, float]:
     """What the unknowns of the search mean, on the scales of the quantities."""
     objective, x = minimum.objective, minimum.objective.at(minimum.x, y)
     own = {p.name: float(v) for p, v in zip(objective.parameters, x, strict=True)}
-    return own | {name: math.log(value) for name, value in _follows(objective, x).items()}
+    return own | {name: math.log(value) if value > 0 else -math.inf for name, value in _follows(objective, x).items()}
 
 
 def _one_sided(item: FittedValue, intervals: Intervals) -> FittedValue:

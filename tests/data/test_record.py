@@ -12,7 +12,7 @@ from force_curves import Instrument, equilibrium, record
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
 from jkrcli.data.measured import APPROACH, Curve
-from jkrcli.data.record import ForceCurve, examine
+from jkrcli.data.record import ForceCurve, examine, resolution
 
 E_STAR, R, W = 20e3, 5e-6, 1e-4
 PULL_OFF = 1.5 * np.pi * W * R
@@ -315,3 +315,14 @@ def test_a_base_line_ends_at_a_jump_far_smaller_than_the_largest_load(noise: flo
     side = examine(Curve("made", delta=1e-6 * z, P=1e-6 * (P + 0.01 * z))).direction(APPROACH)
     assert side is not None
     assert 1900 <= side.base.rows <= 2030
+
+
+def test_the_step_of_readings_is_that_of_their_converter() -> None:
+    """In other units, parted by round-off, and none of readings that repeat by chance or not at all."""
+    rng = np.random.default_rng(5)
+    levels = rng.integers(-40, 40, 500)
+    assert resolution(3.2e-10 * levels + 1.7e-9) == pytest.approx(3.2e-10)
+    assert resolution(3.2e-10 * np.repeat(levels, 2) * (1 + 1e-15 * rng.normal(size=1000))) == pytest.approx(3.2e-10)
+    assert resolution(rng.normal(size=500)) == 0
+    assert resolution(np.append(np.zeros(400), rng.normal(size=100))) == 0
+    assert resolution(np.zeros(10)) == 0

@@ -8,8 +8,9 @@ the rate-dependent adhesion (Maugis and Barquins, J. Phys. D 11 (1978) 1989).
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from scipy.special import stdtrit
 
 from ..adhesion import TWO_SIDED_90, Nonadhesive
 from ..base import ROUNDED, SETTLED, TOGETHER, Array, InputError, Pool, completed, show, zeros_between
-from ..data import Curve, Reading, each, some
+from ..data import Curve, Reading, each, examine, some
 from ..series import Solution
 from .fit import FittedBody, Settings, body_of, receding, settings_of
 
@@ -44,9 +45,9 @@ class WorkAlong:
     """The work of adhesion ``w`` [J/m^2] at each row of a measured ``curve`` and the contact radius ``a`` [m] there.
 
     Rows whose ``state`` is not "ok" have none: 0 stands there. ``used``: the two quantities that w follows from.
-    ``w_err, a_err``: 90 % half-widths by the noise and the slopes' errors, None where neither is known;
-    ``shares``: those of w by "noise" and "slopes" alone. ``speed, speed_err`` [m/s]: da/dt, positive where the contact
-    advances, over ``window`` rows; only where ``timed``.
+    ``w_err, a_err``: 90 % half-widths by the noise and the slopes' errors, None where the noise is not known;
+    ``shares``: those of w by "noise" and "slopes" alone, as far as they are known. ``speed, speed_err`` [m/s]: da/dt,
+    positive where the contact advances, over ``window`` rows; only where ``timed``.
     """
 
     curve: Curve
@@ -75,7 +76,9 @@ def work_along(
     """The work of adhesion at each row of ``curve`` on ``body``.
 
     ``use``: the pair of ``PAIRS`` to take [default: the first that was measured]. ``noise``: standard deviations of
-    "a" [m], "delta" [m], "P" [N], independent from row to row. InputError where no row gives a work of adhesion.
+    "a" [m], "delta" [m], "P" [N], independent from row to row; where the deflection of a device was subtracted, "delta"
+    is that of its position, and the noise of P is in the displacement too. InputError where no row gives a work of
+    adhesion.
     """
     used = _pair(curve, use)
     values = {name: getattr(curve, name) for name in used}
@@ -89,9 +92,9 @@ def work_along(
     w = np.zeros_like(a)
     w[rows] = (lag / shift) ** 2
     a = np.where(rows, a, 0.0)
-    sigma = {name: (noise or {}).get(name, 0.0) for name in used}
+    compliance = 1 / curve.stiffness if curve.stiffness and "delta" in used else 0.0
     spread = {}
-    for name, column in errors(body, used, a[rows], w[rows], lag, sigma).items():
+    for name, column in errors(body, used, a[rows], w[rows], lag, noise or {}, compliance).items():
         spread[name] = np.zeros(rows.size)
         spread[name][rows] = column
     return WorkAlong(
@@ -108,7 +111,8 @@ def typical(works: Sequence[WorkAlong]) -> float:
 class Evaluation:
     """``work_along`` of any curve, or of its rows of one ``segment``, with everything else settled; can be sent.
 
-    ``fitted, settings``: by which raw records get their zero points, base lines and rows in contact.
+    ``fitted, settings``: by which raw records get their zero points, base lines and rows in contact; the noise of
+    their load is that of the base line, where ``noise`` says nothing else.
     """
 
     body: Nonadhesive
@@ -120,12 +124,20 @@ class Evaluation:
     settings: Settings | None = None
 
     def __call__(self, curve: Curve) -> WorkAlong:
-        part = curve
+        part, noise = curve, self.noise
         if self.fitted is not None and self.settings is not None:
             part = receding(self.fitted, curve, self.settings)
-        if part is curve and self.segment is not None:
+        if part is not curve:
+            part, noise = replace(part, stiffness=curve.stiffness), {**_noise_of_base_line(curve), **noise}
+        elif self.segment is not None:
             part = curve.only(self.segment)
-        return work_along(self.body, part, self.use, self.noise, self.window)
+        return work_along(self.body, part, self.use, noise, self.window)
+
+
+def _noise_of_base_line(record: Curve) -> dict[str, float]:
+    """Standard deviation of the load of a raw record by its last base line, "P" [N]; none without one."""
+    lines = [item.base for item in examine(record).directions if item.begins_free]
+    return {"P": math.hypot(lines[-1].noise, lines[-1].waviness)} if lines else {}
 
 
 def evaluation_of(
@@ -263,22 +275,26 @@ def _excess(body: Nonadhesive, a: Array, delta: Array, P: Array) -> tuple[Array,
 
 # ---------------------------------------------------------------------- errors, to first order
 def errors(
-    body: Nonadhesive, used: tuple[str, str], a: Array, w: Array, lag: Array, sigma: Mapping[str, float]
-) -> dict[str, Array]:
-    """90 % half-widths of "w" and "a", and of w by "noise" and by "slopes" alone, as far as they are known."""
+    body: Nonadhesive, used: tuple[str, str], a: Array, w: Array, lag: Array, sigma: Mapping[str, float],
+    compliance: float = 0.0,
+) -> dict[str, Array]:  # fmt: skip
+    """90 % half-widths of "w" and "a" where the noise is known, and of w by "noise" and by "slopes" alone, as far as
+    they are. ``compliance`` [m/N]: of the device whose deflection by P was subtracted from delta."""
     by_noise, by_slopes = _gradients(body, used, a, lag)
     at_nodes = body.slopes.covariance
     covariance = None if at_nodes is None else body.between(at_nodes, a)
     parts: dict[str, dict[str, Array]] = {"w": {}, "a": {}}
     for target, unit in (("w", w), ("a", np.ones_like(a))):
-        if any(sigma.values()) and by_noise[target]:
-            squares = [(gradient * sigma[name]) ** 2 for name, gradient in by_noise[target].items()]
+        gradients = dict(by_noise[target])
+        if compliance and gradients:
+            gradients["P"] = gradients.get("P", 0.0) - compliance * gradients["delta"]
+        if squares := [(gradient * sigma[name]) ** 2 for name, gradient in gradients.items() if sigma.get(name)]:
             parts[target]["noise"] = TWO_SIDED_90 * unit * np.sqrt(np.sum(squares, axis=0))
         gradient = by_slopes[target]
         if covariance is not None and gradient is not None:
             variance = np.einsum("in,nij,jn->n", gradient, covariance, gradient)
             parts[target]["slopes"] = body.slopes.quantile * unit * np.sqrt(variance)
-    totals = {name: np.hypot.reduce(list(part.values())) for name, part in parts.items() if part}
+    totals = {name: np.hypot.reduce(list(part.values())) for name, part in parts.items() if "noise" in part}
     return totals | parts["w"]
 
 

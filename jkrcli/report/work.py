@@ -49,8 +49,9 @@ class Work(Result):
     @cached_property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
         """All rows of all curves, a curve at a time; None where there is no value. Quantities that no curve has make
-        no column."""
+        no column, but for the error of w: that is empty where the noise is not known."""
         names = {name for item in self.curves for name, (values, _) in _numbers(item).items() if values is not None}
+        names.add("w_err_J_per_m2")
         return stacked([_labels(item) | _cells(item, names) for item in self.curves])
 
     def summary(self) -> dict[str, Any]:
@@ -155,7 +156,8 @@ def _spread(item: WorkAlong, rows: Array) -> dict[str, Any] | None:
     spread: dict[str, Any] = {"rows": int(rows.sum()), "median_J_per_m2": middle, "quartiles_J_per_m2": [low, high]}
     errors = {"err": item.w_err} | {f"err_by_{name}": share for name, share in item.shares.items()}
     spread |= {
-        f"{name}_J_per_m2": float(np.median(values[rows])) for name, values in errors.items() if values is not None
+        f"{name}_J_per_m2": None if values is None else float(np.median(values[rows]))
+        for name, values in errors.items()
     }
     if item.speed is not None and item.timed is not None and (timed := rows & item.timed).any():
         spread["speed_m_per_s"] = [float(value) for value in np.quantile(item.speed[timed], (0, 1))]
@@ -192,4 +194,5 @@ def words(item: WorkAlong) -> list[str]:
         label = "w" if name == "all" else f"{name} w"
         error = f" ± {show(spread['err_J_per_m2'], 'work')}" if "err_by_noise_J_per_m2" in spread else ""
         parts.append(f"{label} = {show(spread['median_J_per_m2'], 'work')}{error} (half of the rows: {low} to {high})")
-    return [", ".join([*parts[1:2], parts[0]]), *(f"    {part}" for part in (*parts[2:], *item.curve.flags))]
+    unknown = ["no error of w: the noise is not known, give --noise"] if item.w_err is None else []
+    return [", ".join([*parts[1:2], parts[0]]), *(f"    {part}" for part in (*parts[2:], *unknown, *item.curve.flags))]

@@ -86,6 +86,15 @@ def test_plots_are_written_and_everything_is_ours_to_replace(jkr: Run, measured:
     assert Path("out/m-work.json").exists()
 
 
+def test_where_the_noise_is_not_known_w_has_no_error(jkr: Run, measured: Path) -> None:
+    done = jkr("work", "gel.h5", measured, "--no-plots")
+    assert "no error of w: the noise is not known, give --noise" in done.out
+    assert set(table("m-work.csv")["w_err_J_per_m2"]) == {""}
+    spread = json.loads(Path("m-work.json").read_text())["curves"][0]["w"]["all"]
+    assert spread["err_J_per_m2"] is None
+    assert spread["err_by_slopes_J_per_m2"] > 0
+
+
 def test_rows_without_w_have_empty_cells(jkr: Run, measured: Path) -> None:
     rows = measured.read_text().splitlines()
     rows[20] = "9.5,400,0,0"  # beyond the series
@@ -201,3 +210,7 @@ def test_a_raw_record_is_zeroed_by_its_fit(jkr: Run) -> None:
         (found,) = json.loads(done.out)["results"]
         assert found["curves"][0]["w"]["all"]["median_J_per_m2"] == pytest.approx(w, rel=0.05)
         assert found["curves"][0]["w"][other] is None
+        rows = table(f"{segment}/raw-force-curve-work.csv")
+        off, half = (np.array(rows[name], float) for name in ("w_J_per_m2", "w_err_J_per_m2"))
+        z = 1.645 * (off - np.median(off)) / half  # the noise of the base line is that of the rows
+        assert 0.6 < np.sqrt(np.mean(z**2)) < 1.5

@@ -83,7 +83,7 @@ Body: TypeAlias = Case | Problem | Solution | str | Path  # to be solved, or sol
 Number: TypeAlias = float | str  # in SI, or text with its unit
 OneCurve: TypeAlias = Curve | str | Path  # or the file that holds it
 AnyLaw: TypeAlias = "RateLaw | Mapping[str, Any]"  # or its keys
-Known: TypeAlias = Mapping[str, str] | None  # values of what is not fitted, standard deviations of inputs
+Known: TypeAlias = Mapping[str, Number] | None  # values of what is not fitted, standard deviations of inputs
 
 
 def parse_case(text: str, folder: str | Path = ".") -> Case:
@@ -285,6 +285,11 @@ def _number(name: str, value: Number, dimension: str) -> float:
         raise InputError(f"{name}: {error}") from None
 
 
+def _texts(known: Known) -> list[tuple[str, str]]:
+    """Names and values as a user types them; a number is in SI, of all its digits."""
+    return [(name, value if isinstance(value, str) else repr(float(value))) for name, value in (known or {}).items()]
+
+
 def identify(
     body: Body, measured: OneCurve | DataFrame | Mapping[str, Any] | None = None, free: Iterable[str] = (),
     fix: Known = None, slopes: str = "auto", *, reading: Reading | None = None,
@@ -295,7 +300,7 @@ def identify(
     ``reading``, Reading(units={"P": "nN"}), tells units, signs and the device.
 
     ``body``: a case or problem (solved to the radii that the data ask for), a solved series, or the file of either.
-    ``free``: more parameters ("P0", "E:film"); ``fix``: known ones, {"w": "50 mJ/m^2"}; ``options``: see
+    ``free``: more parameters ("P0", "E:film"); ``fix``: known ones, {"w": "50 mJ/m^2", "E_star": 2e6}; ``options``: see
     jkrcli.identification.fit.Settings. Raises InputError where the data cannot be fitted.
     """
     arrays = {"a": a, "delta": delta, "P": P, "t": t}
@@ -307,7 +312,7 @@ def identify(
         reading = replace(reading, contact="as-is")
     curve = _curve_of(named if measured is None else measured, reading)
     source = fits.body_of(body, slopes)
-    result = one_thread()(fits.fit)(source, curve, fits.settings_of(source, free, (fix or {}).items(), **options))
+    result = one_thread()(fits.fit)(source, curve, fits.settings_of(source, free, _texts(fix), **options))
     return report.as_result(report.Fitted, result, body=_named(body, source))
 
 
@@ -325,7 +330,7 @@ def identify_joint(
     """
     source = fits.body_of(body, slopes)
     curves = [_curve_of(item, None) for item in measured]
-    settings = fits.settings_of(source, free, (fix or {}).items(), **options)
+    settings = fits.settings_of(source, free, _texts(fix), **options)
     bodies = fits.with_radii(source, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
     result = one_thread()(fits.joint_fit)(bodies, curves, settings, fits.shared_of(shared, own, settings))
     return report.as_result(report.JointFitted, result, body=_named(body, source), level=settings.level)
@@ -351,8 +356,8 @@ def identify_law(
     from .identification.rate.fitting import rate_fit, rate_settings
 
     source = fits.body_of(body, slopes)
-    start = options.pop("start", {}).items()
-    settings = rate_settings(source, law, free, (fix or {}).items(), start, **options)
+    start = _texts(options.pop("start", None))
+    settings = rate_settings(source, law, free, _texts(fix), start, **options)
     curves = [curve for each in measured for curve in ([each] if isinstance(each, Curve) else measured_curves(each))]
     return report.as_result(report.LawFit, one_thread()(rate_fit)(source, curves, settings), body=_named(body, source))
 
@@ -369,7 +374,7 @@ def identify_relaxation(
 
     source = fits.body_of(body, slopes)
     curve = _curve_of(measured, None)
-    result = one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, (fix or {}).items(), **options))
+    result = one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, _texts(fix), **options))
     return report.as_result(report.RelaxationFitted, result, body=_named(body, source))
 
 
@@ -388,7 +393,7 @@ def identify_tension(
     problem = source.problem
     curves = [_curve_of(item, None) for item in measured]
     radii = radii_of(problem, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
-    known = known_values(problem, [] if TENSION in (fix or {}) else [TENSION], (fix or {}).items())
+    known = known_values(problem, [] if TENSION in (fix or {}) else [TENSION], _texts(fix))
     result = one_thread()(tension_fit)(problem, curves, radii, known, level)
     return report.as_result(report.TensionFitted, result, body=_named(body, source), level=level)
 
@@ -467,7 +472,7 @@ def pull_off(
         raise InputError("pull_off: give exactly one of w and load")
     solution, devices = _solution(solved, None), [_number("stiffness", k, "stiffness") for k in stiffness]
     if load is not None:
-        force, pairs = abs(_number("load", load, "load")), (uncertain or {}).items()
+        force, pairs = abs(_number("load", load, "load")), _texts(uncertain)
         under = (devices or [LOAD_CONTROL])[0]
         return report.MeasuredPullOff(measured_work(solution, force, under, slopes, modulus_factor, pairs))
     assert w is not None

@@ -120,6 +120,14 @@ def measured(t: np.ndarray, delta: np.ndarray, P: np.ndarray) -> Curve:
     return Curve("record", delta=delta, P=P, t=t)
 
 
+def test_what_is_fixed_may_be_a_number() -> None:
+    solved = jkr_python.solve(CASES / "gel.toml")
+    curve = jkr_python.transform(solved, 0.04).curve
+    columns = {"delta": curve.delta[20:80:4], "P": curve.P[20:80:4]}
+    by_number, by_text = (jkr_python.identify(solved, **columns, fix={"w": w}) for w in (0.04, "40 mJ/m^2"))
+    assert by_number.value("E_star") == by_text.value("E_star")
+
+
 def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="module jkrcli has no attribute no_such_name"):
         _ = jkr_python.no_such_name

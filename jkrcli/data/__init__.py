@@ -15,6 +15,7 @@ if TYPE_CHECKING:
         NOT_SUBTRACTED,
         OVERRULED,
         RETRACT,
+        TURNED,
         Curve,
         Pixel,
         Reading,

@@ -149,6 +149,15 @@ def test_the_data_tell_the_sign_of_a_z_and_the_user_overrules_it(tmp_path: Path)
     np.testing.assert_allclose(one(path, Reading(flip=frozenset({"delta"}))).delta, Z, rtol=1e-12)
 
 
+def test_the_sign_of_a_z_that_turns_under_tension(tmp_path: Path) -> None:
+    """Of a sticky gel the free rows hold the largest loads, those at the turn the least."""
+    z = np.concatenate([np.linspace(0, 10, 60), np.linspace(10, 0, 60)]) * 1e-6
+    load = np.where(z > 8e-6, -(z - 8e-6) * 1e-3, 0.0) + 1e-10 * np.cos(np.arange(120.0) ** 2)
+    for sign in (1, -1):
+        curve = one(written(tmp_path, table(("Z (nm)", sign * z * 1e9), ("Force (nN)", load * 1e9))))
+        np.testing.assert_allclose(curve.delta, z, rtol=1e-12)
+
+
 def test_piezo_or_tip_is_chosen_by_what_is_known_of_the_device(tmp_path: Path) -> None:
     columns = (("Load (nN)", LOAD * 1e9), ("Indentation (nm)", Z * 1e9 - 5), ("Piezo (nm)", Z * 1e9))
     curve = one(written(tmp_path, table(*columns)))

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.data.measured import Curve
+from jkrcli.data.measured import Curve, Reading, read
 from jkrcli.identification.fit import Fit, FittedBody, FittedValue, fit, force_curve_fit
 from jkrcli.identification.fit.points import third_differences
 from jkrcli.identification.fit.settings import Settings, settings_of
@@ -121,6 +122,22 @@ def test_a_displacement_that_goes_against_its_segments_is_refused() -> None:
     assert caught.value.lines == (
         "made: the displacement of the retract has the opposite sign: it is positive into the specimen (--flip delta)",
     )
+
+
+def test_of_a_displacement_turned_as_it_was_read_another_remedy_is_named(tmp_path: Path) -> None:
+    """A height that grows toward the specimen: --flip, of the sign in the file, would change nothing."""
+    curve, _, _ = made(np.random.default_rng(3))
+    lines = [
+        "height (nm),P (nN)",
+        *(f"{z:.9g},{P:.9g}" for z, P in zip(curve.device * 1e9, curve.load * 1e9, strict=True)),
+    ]
+    (tmp_path / "m.csv").write_text("\n".join(lines))
+    for flip in (frozenset[str](), frozenset({"delta"})):
+        (held,) = read(tmp_path / "m.csv", Reading(stiffness=curve.stiffness, flip=flip))
+        with pytest.raises(InputError, match=r"its sign was turned when it was read: --factor delta=-1\)$"):
+            whole_record(held, usual(contact="fitted"))
+        reading = Reading(stiffness=curve.stiffness, flip=flip, factors={"delta": -1.0})
+        assert whole_record(read(tmp_path / "m.csv", reading)[0], usual(contact="fitted")) is not None
 
 
 @pytest.mark.slow

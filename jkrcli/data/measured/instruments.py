@@ -76,9 +76,15 @@ def is_deflection(title: str) -> bool:
 
 
 def toward(z: Array, P: Array) -> bool:
-    """Whether ``z`` grows toward the specimen: where the load is largest it is in the upper half of its range."""
-    high = P >= P.min() + 0.9 * np.ptp(P)
-    return float(np.median(z[high])) >= float(z.min() + z.max()) / 2
+    """Whether ``z`` grows toward the specimen: where the load is largest it is in the upper half of its range.
+
+    Where most of the loads are nearly as large, as the free rows of a record that turns under tension, the end of the
+    way at which the load varies more is that at the specimen.
+    """
+    high, low, way = P >= P.min() + 0.9 * np.ptp(P), float(z.min()), float(np.ptp(z))
+    if np.count_nonzero(high) <= 0.5 * P.size:
+        return float(np.median(z[high])) >= low + way / 2
+    return float(np.std(P[z >= low + 0.9 * way])) >= float(np.std(P[z <= low + 0.1 * way]))
 
 
 def segment_of(line: str) -> str | None:

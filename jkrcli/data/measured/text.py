@@ -27,6 +27,7 @@ from .curve import (
     OVERRULED,
     QUANTITIES,
     RETRACT,
+    TURNED,
     AsRead,
     Curve,
     Reading,
@@ -309,9 +310,9 @@ class Columns:
                 P = None if curve.P is None else curve.P * (-1.0 if "P" in reading.flip else 1.0)
                 sign = 1 if P is None or instruments.toward(curve.delta, P) else -1
                 reason = f"{self.position.noun}, at whose lower end the load is largest"
-            turned = f", its sign turned: {reason}" if sign < 0 else ", its sign as it is"
+            turned = f"{TURNED}: {reason}" if sign < 0 else ", its sign as it is"
             if "delta" in reading.flip:
-                sign, turned = 1, ", its sign turned as told"
+                sign, turned = 1, f"{TURNED} as told"
             flags = (f"displacement from {self.table.titled(self.chosen['delta'])}{turned}", *flags)
         return replace(curve, delta=sign * curve.delta * reading.factors.get("delta", 1.0), flags=flags)
 

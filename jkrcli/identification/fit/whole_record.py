@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base import InputError, Unknown
-from ...data import APPROACH, RETRACT, Curve, ForceCurve, examine
+from ...data import APPROACH, RETRACT, TURNED, Curve, ForceCurve, examine
 from ...data.record import TUNING as RECORDS
 from ..parameters import POSITIONS
 from .points import third_differences
@@ -57,6 +57,8 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
     if idle:
         raise InputError(f"{curve.where}: --uncertain {idle[0]}: the record has no stiffness, so it has no effect here")
     if reason := record.flags.get("wrong way"):
+        if any(TURNED in flag for flag in curve.flags):  # --flip is of the sign in the file
+            reason = reason.replace("--flip delta", "its sign was turned when it was read: --factor delta=-1")
         raise InputError(f"{curve.where}: {reason}")
     _check_positions(curve, settings)
     return record

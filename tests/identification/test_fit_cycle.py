@@ -15,6 +15,7 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve, read
 from jkrcli.identification.fit import Fit, FittedBody, fit
+from jkrcli.identification.fit.points import directed
 from jkrcli.identification.fit.settings import settings_of
 from jkrcli.methods.layered.layered import Layered
 
@@ -59,6 +60,35 @@ def test_the_order_of_rows_tells_the_branches() -> None:
     told, untold = (fitted(lens(np.random.default_rng(1), "a,P", True, words).curve) for words in (WORDS, None))
     names = ("E_star", "w", "w_approach")
     assert [told.value(name) for name in names] == pytest.approx([untold.value(name) for name in names], rel=5e-3)
+
+
+def cycles(count: int, noise: float) -> tuple[Curve, np.ndarray]:
+    """So many cycles of radius and load, whose radius rests at first while the load falls; and their words."""
+    up = np.linspace(50e-6, 240e-6, 15)
+    a = np.tile(np.concatenate([up, np.full(3, 240e-6), up[::-1]]), count)
+    P = np.tile(np.concatenate([(up / 240e-6) ** 3, [0.95, 0.9, 0.85], 0.8 * (up[::-1] / 240e-6) ** 3]), count)
+    rng = np.random.default_rng(2)
+    curve = Curve("c", a=a + noise * 190e-6 * rng.normal(size=a.size), P=P * 0.02)
+    return curve, np.tile(np.repeat(WORDS, (15, 18)), count)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_the_order_of_rows_tells_the_branches_of_several_cycles(count: int, noise: float) -> None:
+    curve, words = cycles(count, noise)
+    told = directed(curve)
+    assert told.segment is not None
+    assert np.count_nonzero(told.segment != words) <= count - 1  # rows where contact is lost and made anew
+    assert [line.split(" by ")[0] for line in told.flags] == [f"{2 * count} branches"] * (count > 1)
+
+
+def test_rows_in_no_order_and_single_branches_are_no_cycles() -> None:
+    rng = np.random.default_rng(5)
+    curve, _ = cycles(3, 0.0)
+    for rows in (rng.permutation(len(curve)), np.arange(15), np.arange(15, 33)):
+        assert directed(curve.rows(rows)).segment is None
+    noisy = np.linspace(0, 1, 100) + 0.1 * rng.normal(size=100)
+    assert directed(Curve("c", a=noisy + 1, P=noisy)).flags == ()
 
 
 @pytest.mark.parametrize(

@@ -36,6 +36,8 @@ class RowsTuning:
     largest_noise: float = 0.1  # tuned on records by `make tuning`: of the curve: rows in no order beyond it
     opposite: float = -0.3  # choice: correlation of columns of which one has the wrong sign
     ordered: float = 0.9  # choice: rank correlation of rows with their order, from which on they go one way
+    swing: float = 0.2  # choice: of the range of a column, the least way back that is a turn and no noise
+    way: int = 5  # choice: rows between turns, of several; those of rows in no order are fewer
     balance: float = 0.05  # tuned on records by `make tuning`: least ratio of the axes' relative scatters
 
 
@@ -144,16 +146,58 @@ def _of_a_cycle(curve: Curve, segment: SegmentName | None, rows_of: Callable[[Se
 
 def directed(curve: Curve) -> Curve:
     """The curve with words for its directions by the order of its rows, where no column has any and they go into the
-    specimen and out again."""
+    specimen and out again; several times, which is said."""
     driven = curve.delta if curve.delta is not None else curve.P
     if curve.segment is not None or driven is None:
         return curve
     turn, sure = int(np.argmax(driven)), driven if curve.a is None or curve.delta is not None else curve.a
+    if (words := _alternating(sure, driven)) is not None:
+        ways = 1 + np.count_nonzero(words[1:] != words[:-1])
+        note = f"{ways} branches by the order of rows, loading and unloading in turn; if they are others, name them in "
+        note += "a column branch"
+        return replace(curve, segment=words, flags=(*curve.flags, note))
     parts = sure[: turn + 1], -sure[turn:]
     if min(part.size for part in parts) <= TUNING.least or min(map(_rising, parts)) < TUNING.ordered:
         return curve
     words = np.where(np.arange(len(curve)) <= turn, APPROACH, RETRACT)
     return replace(curve, segment=words)
+
+
+def _alternating(column: Array, driven: Array) -> Array | None:
+    """A word for the direction of each row of a ``column`` that turns several times, as what is ``driven`` does; None
+    where it does not, or its rows are in no order between turns."""
+    starts = _starts(column)
+    if len(starts) < 2:
+        return None
+    first_up = column[starts[0] - 1] > column[0]
+    ends = [0, *starts, column.size]
+    for i in range(1 if first_up else 2, len(starts) + 1, 2):  # at the top a contact may rest while its load falls
+        ends[i] = ends[i - 1] + int(np.argmax(driven[ends[i - 1] : ends[i + 1]])) + 1
+    ways = [column[first:end] for first, end in itertools.pairwise(ends)]
+    signs = [1 if (i % 2 == 0) == first_up else -1 for i in range(len(ways))]
+    if min(way.size for way in ways) < TUNING.way:
+        return None
+    if min(_rising(sign * way) for sign, way in zip(signs, ways, strict=True)) < TUNING.ordered:
+        return None
+    return np.repeat([APPROACH if sign > 0 else RETRACT for sign in signs], [way.size for way in ways])
+
+
+def _starts(column: Array) -> list[int]:
+    """The rows at which a ``column`` begins to go the other way: after the largest, and after the least or at it, where
+    that is nearer to the next row than to the one before, as where contact was lost and is made anew."""
+    values, least = column.tolist(), TUNING.swing * float(np.ptp(column))
+    starts: list[int] = []
+    low, high, way = 0, 0, 0
+    for i, value in enumerate(values):
+        low, high = (i if value < values[low] else low), (i if value > values[high] else high)
+        if way >= 0 and values[high] - value > least:
+            starts += [high + 1] * way
+            low, way = i, -1
+        elif way <= 0 and value - values[low] > least:
+            anew = way < 0 and values[low - 1] > values[low + 1]
+            starts += [low if anew else low + 1] * -way
+            high, way = i, 1
+    return starts
 
 
 def _rising(column: Array) -> float:

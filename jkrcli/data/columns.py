@@ -15,6 +15,8 @@ from .titles import LONGEST, WORDS, split_name, unit_power
 
 NO_UNIT = " left out: it ends in no unit of "  # in a sentence on a column
 CONTACT = tuple(WORDS["contact"])  # the keys of what every table of a contact may hold
+# one of them tells the size of the contact
+SIZES = {"a": "contact radius", "area": "contact area", "diameter": "contact diameter"}
 EXAMPLES = {"length": "um", "area": "um^2", "load": "mN", "time": "s"}
 
 
@@ -138,8 +140,8 @@ def overruled(table: TextTable, index: int, unit: str) -> list[str]:
 
 def check_chosen(table: TextTable, chosen: Mapping[str, int]) -> None:
     """Refuse two columns for the size of the contact, and one column for two quantities."""
-    if chosen.keys() >= {"a", "area"}:
-        raise InputError(f"{table.path}: give a column for the contact radius or for the contact area, not for both")
+    if len(sizes := [name for key, name in SIZES.items() if key in chosen]) > 1:
+        raise InputError(f"{table.path}: give a column for the {' or for the '.join(sizes[:2])}, not for both")
     if len(set(chosen.values())) < len(chosen):
         raise InputError(f"{table.path}: one column cannot be two quantities, got {table.listed(chosen)}")
 

@@ -38,6 +38,7 @@ _THOUSANDS = {  # by the decimal mark: a number whose digits are grouped, always
 }
 _GROUPED = re.compile(r"[1-9]\d{0,2},\d{3}\Z")
 _THREE = re.compile(r"(?<![\w.])\d{3}(?![\w.])")  # a number like 950 may stand there
+_MINUS = re.compile(r"\u2212(?=[.,]?\d)")  # the sign of a number, as typesetters and sheets write it
 _LETTER = re.compile(r"[^\W\d]")
 _DIGIT = re.compile(r"\d")
 _WORD = re.compile(r"[^\W\d]|\d{1,2}:\d\d(?!\d)")  # a time of day is none of the numbers of a table
@@ -220,7 +221,7 @@ def read_table(
     with allowance.reading(path, most, fenced=False) as allowed:
         whole = decoded(read_bytes(path, "table", most) if content is None else content)
         allowed.take_text(whole)
-        lines_of_file = _without_long_head(_lines(path, whole))
+        lines_of_file = _without_long_head(_lines(path, _MINUS.sub("-", whole)))
         dialect, sample = _dialect(path, lines_of_file, separator, decimal, least, is_text)
         lines, values = _rows(lines_of_file, dialect, gaps=not finite)
         if decimal is None:

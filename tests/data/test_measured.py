@@ -49,6 +49,11 @@ GUISES = {
         + rows(T, P * 1e3, DELTA * 1e3, np.pi * A**2 * 1e12, ("0", "0", "1", "1"), mark="  "),
         Reading(columns={"t": "Zeit", "P": "Kraft", "delta": "Weg", "area": "Fl", "segment": "Ast"}),
     ),
+    "contact diameter, minus signs of a typesetter": (
+        ("time_s,diameter (um),delta_um,P_mN,phase\n" + rows(T, 2 * A * 1e6, DELTA * 1e6, P * 1e3, WORDS))
+        .replace(",-", ",\u2212").replace("e-", "e\u2212"),
+        Reading(),
+    ),
     "signs turned, zero points elsewhere, a device that gives way": (
         "t (s),height (um),P (N),a (m),segment\n" + rows(T, -(DELTA + P / 5.0 + 7e-6) * 1e6, -P + 1e-3, A, WORDS),
         Reading(columns={"delta": "height"}, flip=frozenset({"P", "delta"}), zero={"delta": 7e-6, "P": -1e-3},
@@ -69,6 +74,12 @@ def test_one_curve_in_many_guises(tmp_path: Path, guise: str) -> None:
     for name, expected in (("a", A), ("delta", DELTA), ("P", P), ("t", T)):
         # Zero points of 1 mN under loads of 1 uN cost three digits.
         np.testing.assert_allclose(getattr(curve, name), expected, rtol=5e-13, atol=0)  # 8e-14 measured
+
+
+def test_a_diameter_that_is_the_same_in_all_rows_is_that_of_the_indenter(tmp_path: Path) -> None:
+    path = tmp_path / "m.csv"
+    path.write_text("delta_um,P_nN,diameter_mm\n1,1,5\n2,3,5\n3,5,5\n")
+    assert measured.read(path)[0].measured == ("delta", "P")
 
 
 def test_several_curves_in_one_file_keep_their_order(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from ..titles import split_name, unit_power
 from .curve import APPROACH, RETRACT
 from .instruments import DIRECTIONS, VOLTS
 
-DEFINING = {"a", "area", "delta", "P"}  # two of them make a curve
+DEFINING = {"a", "area", "diameter", "delta", "P"}  # two of them make a curve
 QuantityOf = Callable[[str], str | None]  # the quantity that a header cell names, "a", "delta", "P", "t" ...
 
 

@@ -157,7 +157,8 @@ class Reading:
     """Conventions of a measurement; by default those of the project: SI, indentation and compression positive.
 
     ``columns``: names or numbers (from 1) where the header names none, by the keys of ``text.NAMES``; "area" is the
-    projected contact area. ``units``: where the header names none or a wrong one. ``factors``: on top of the units.
+    projected contact area, "diameter" that of the contact. ``units``: where the header names none or a wrong one.
+    ``factors``: on top of the units.
     ``flip``: of "delta" and "P", those that are to change the sign they have in the file, whatever the name of their
     column says: a height or separation grows away from the specimen, some instruments count adhesive forces positive.
     ``stiffness`` [N/m]: the displacement is the device's, its deflection P/stiffness is subtracted; of a microscope's

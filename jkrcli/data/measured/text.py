@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ...base import SHOWN, Array, InputError
-from ..columns import CONTACT, check_chosen, overruled, vocabulary, with_units
+from ..columns import CONTACT, SIZES, check_chosen, overruled, vocabulary, with_units
 from ..text_table import TUNING, TextTable, read_table
 from ..titles import split_name, unit_power
 from . import archive, instruments
@@ -86,6 +86,8 @@ def _curves(origin: Path, path: Path, stem: str, reading: Reading, content: byte
             _check(place(origin, name), name == table.path.stem, table.lines[rows], values)
             if "area" in values:
                 values["a"] = np.sqrt(values.pop("area") / np.pi)
+            if "diameter" in values:
+                values["a"] = values.pop("diameter") / 2
             a, delta, P, t = map(values.get, QUANTITIES)
             curve = Curve(name, a, delta, P, t, words, origin)
             yield columns.with_sign(curve, (*flags, *left_out, *turned)), columns.stiffness
@@ -338,9 +340,12 @@ def _columns(table: TextTable, reading: Reading) -> tuple[Columns, list[str]]:
         chosen["delta"], why = position
         flags += [why] if why else []
     for key in NAMES.quantities:
-        if key not in chosen and (named := NAMES.named(table, key)) and not (key == "area" and "a" in chosen):
+        known = SIZES.keys() & chosen.keys() if key in SIZES else key in chosen
+        if not known and (named := NAMES.named(table, key)):
             whole = [i for i in named if instruments.plain(table.names[i]) in instruments.WHOLE]
             chosen[key] = whole[0] if whole else NAMES.guess(table, key)
+    if "diameter" not in reading.columns and "diameter" in chosen and _is_constant(table, chosen["diameter"]):
+        del chosen["diameter"]  # that of the indenter
     bent = instruments.deflection(table)
     if "P" not in chosen and bent is not None and bent not in chosen.values():
         chosen["P"] = bent
@@ -350,13 +355,19 @@ def _columns(table: TextTable, reading: Reading) -> tuple[Columns, list[str]]:
     return Columns(table, reading, in_head, chosen), flags
 
 
+def _is_constant(table: TextTable, index: int) -> bool:
+    """Whether a column holds one number in all rows."""
+    column = table.values[:, index]
+    return np.unique(column[np.isfinite(column)]).size < 2
+
+
 def _refuse_incomplete(table: TextTable, chosen: Mapping[str, int], reading: Reading) -> None:
     """Refuse words among numbers, too few columns, and what the user says of columns that are not there."""
     for key in chosen.keys() - set(NAMES.numbers):
         if chosen[key] not in table.text:
             raise InputError(f"{table.path}: {table.titled(chosen[key])} would hold words, but numbers stand above "
                              "its title: remove what comes before")  # fmt: skip
-    if len(chosen.keys() & CONTACT) < 2:
+    if len(chosen.keys() & {*CONTACT, *SIZES}) < 2:
         question = (
             f"{table.path}: at least two of contact radius (or area), displacement and load are needed, recognised: "
             f"{table.listed(chosen) or 'none'}; say which columns they are, --column P=NAME ({table.choice})"
@@ -407,7 +418,7 @@ def _check(where: str, alone: bool, lines: Array, values: dict[str, Array]) -> N
         there = ", ".join(map(str, lines))
         raise InputError(f"{where}: holds {lines.size} rows (lines {there}), at least {LEAST_ROWS} are needed")
     for key, column in values.items():
-        size = key in ("a", "area")
+        size = key in SIZES
         wrong = ~np.isfinite(column) | ((column < 0) if size else False)
         if wrong.any():
             i = int(np.argmax(wrong))

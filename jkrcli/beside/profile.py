@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from typing import cast
+from dataclasses import replace
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from ..adhesion import Range, RangeRequest, stable_radius
-from ..base import ROUNDED, ROWS, Array, InputError, show
-from ..bodies import Problem
+from ..base import ROUNDED, ROWS, Array, InputError, Refusal, show
+from ..bodies import Loading, Problem
 from ..case import Case
-from ..methods.layered import fields, layered
+from ..methods import AttractedBody
+from ..methods.integral.density import unsmooth
+from ..methods.layered import fields
 from ..series import Solution
 from .analysis import analyse
+
+if TYPE_CHECKING:
+    from ..methods.integral.attraction import AttractedSurface
 
 
 def radius_under(solution: Solution, load: float, w: float, request: RangeRequest) -> float:
@@ -22,11 +28,33 @@ def radius_under(solution: Solution, load: float, w: float, request: RangeReques
 
 
 def profile_columns(solution: Solution, a: float, w: float, request: RangeRequest) -> dict[str, Array]:
-    """Pressure inside, displacement and gap around a contact of radius ``a`` [m]: exact on the laterally unbounded
-    body, by finite elements where the surfaces stick, on the body itself with adhesion of finite range."""
+    """Pressure inside, displacement and gap around a contact of radius ``a`` [m] on the body itself: by its kernel, or
+    by finite elements where the surfaces stick or the kernel of a cylinder does not give them."""
+    problem = solution.problem
     if request:
         return _attracted(solution, a, request.law(w))
-    return _stuck(solution, a, w) if solution.problem.sticks else _columns(layered.unbounded(solution.problem), a, w)
+    if problem.sticks:
+        return _meshed(solution, a, w)
+    if problem.specimen.radius is None:
+        return _columns(problem, a, w)
+    _check_within(solution, a)
+    return _cylindrical(problem, a, w) if _kernel_is_known(problem, a) else _meshed(solution, a, w)
+
+
+def _check_within(solution: Solution, a: float) -> None:
+    if not 0 < a <= solution.series.a[-1] * (1 + ROUNDED):
+        end = show(float(solution.series.a[-1]), "length")
+        raise InputError(f"profile: the contact radius must lie between 0 and {end}, got {show(a, 'length')}")
+
+
+def _kernel_is_known(problem: Problem, a: float) -> bool:
+    """Whether the kernel of a cylinder gives the pressures at the radius ``a`` [m]; Refusal where nothing does."""
+    from ..methods.hybrid.method import Hybrid
+
+    reason = unsmooth(problem.specimen)
+    if reason is not None and problem.specimen.surface_tension:
+        raise Refusal(reason)
+    return reason is None and Hybrid().refusal(replace(problem, loading=Loading.given("radius", (a,)))) is None
 
 
 def _attracted(solution: Solution, a: float, law: Range) -> dict[str, Array]:
@@ -35,15 +63,33 @@ def _attracted(solution: Solution, a: float, law: Range) -> dict[str, Array]:
     from ..methods.integral.attraction import attracted_surface
 
     body = FiniteRangeBody.of(solution).body
-    problem, s = body.problem, 2 * law.stress / body.problem.E_star
-    if not 0 < a <= solution.series.a[-1] * (1 + ROUNDED):
-        end = show(float(solution.series.a[-1]), "length")
-        raise InputError(f"profile: the contact radius must lie between 0 and {end}, got {show(a, 'length')}")
-    attraction = body.attraction(min(3 * body.reach(a, s, law.length), body.limit))
-    inside = _inside(a)
-    outside = a + (attraction.reach - a) * np.linspace(0, 1, ROWS + 2)[1:-1] ** 2
-    r = np.concatenate([inside, outside])
+    _check_within(solution, a)
+    reach = body.reach(a, 2 * law.stress / body.problem.E_star, law.length)
+    attraction = body.attraction(min(3 * reach, body.limit))
+    r = _around(a, attraction.reach)
     surface = attracted_surface(attraction, a, law.stress, law.length, r, body.scale)
+    return _of_surface(body.problem, r, surface)
+
+
+def _cylindrical(problem: Problem, a: float, w: float) -> dict[str, Array]:
+    """Pressure, displacement and gap on a cylinder out to 3 a, or half-way to its side, where the kernel costs
+    little."""
+    from ..methods.integral.attraction import adhesive_surface
+
+    body = AttractedBody(problem)
+    half_way = (a + cast(float, problem.specimen.radius)) / 2
+    attraction = body.attraction(min(3 * a, half_way, body.limit))
+    r = _around(a, attraction.reach)
+    return _of_surface(problem, r, adhesive_surface(attraction, a, w, r, body.scale))
+
+
+def _around(a: float, end: float) -> Array:
+    """Radii [m] that crowd on both sides of the edge of the contact, up to the ``end`` [m]; none at either."""
+    return np.concatenate([_inside(a), a + (end - a) * np.linspace(0, 1, ROWS + 2)[1:-1] ** 2])
+
+
+def _of_surface(problem: Problem, r: Array, surface: AttractedSurface) -> dict[str, Array]:
+    """The columns at the radii ``r`` [m]."""
     displacement = surface.rims.delta[0] - problem.indenter.f(r) + surface.gap
     if problem.indenter.material is not None:
         displacement -= problem.E_star / problem.indenter.material.E_star * surface.own
@@ -55,9 +101,9 @@ def _inside(a: float) -> Array:
     return a * np.sin(np.linspace(0, np.pi / 2, ROWS + 2)[1:-1])
 
 
-def _stuck(solution: Solution, a: float, w: float) -> dict[str, Array]:
-    """Pressure and shear at the nodes inside, displacement and gap at the vertices from the edge out to 3 a; outwards
-    positive."""
+def _meshed(solution: Solution, a: float, w: float) -> dict[str, Array]:
+    """Pressure at the nodes inside, displacement and gap at the vertices from the edge out to 3 a, by finite elements;
+    where the surfaces stick, shear too, outwards positive."""
     from ..case import fem_of
     from ..methods.fem.state import contact_state
 
@@ -71,10 +117,11 @@ def _stuck(solution: Solution, a: float, w: float) -> dict[str, Array]:
     r, none = np.concatenate([line.r[inside], points[beyond, 0]]), np.zeros(beyond.size)
     f, lower = solution.problem.indenter.f(r), -state.displacement[beyond, 1]
     displacement = np.concatenate([(delta - f)[: -none.size], lower])
+    shear = {"shear_Pa": np.concatenate([line.rz[inside], none])} if solution.problem.sticks else {}
     return {
         "r_m": r,
         "pressure_Pa": np.concatenate([-line.zz[inside], none]),
-        "shear_Pa": np.concatenate([line.rz[inside], none]),
+        **shear,
         "displacement_m": displacement,
         "gap_m": np.where(r < a, 0.0, f - delta + displacement),
     }

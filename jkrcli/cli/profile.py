@@ -23,9 +23,9 @@ def profile(file: Path, state: State, attraction: RangeOptions, limits: Limits, 
     """Pressure p(r) inside and surface displacement and gap around the contact of FILE, a case or a series, at one
     state.
 
-    The state is solved exactly on the laterally unbounded body of the file's case, whatever method wrote the series.
-    Without slip it is solved by finite elements, with a column for the shear. With --stress or --range the
-    surfaces attract each other around the contact, and the body is that of the file, cylinders too.
+    The state is solved on the body of the file's case, whatever method wrote the series; the surface of a cylinder is
+    shown to half-way to its side. Without slip it is solved by finite elements, with a column for the shear. With
+    --stress or --range the surfaces attract each other around the contact.
     Writes <stem>-profile.csv, .png and .svg.
 
     \b

@@ -26,6 +26,7 @@ import numpy as np
 
 from ...base import MOST_STEPS, ROUNDED, SAME, SETTLED, Array, Refusal, SolveError, show
 from ...bodies import Indenter
+from ...formulas.griffith import shift
 from .density import TUNING as DENSITY
 from .density import Density, pieces
 from .legendre import AbelMoments, LegendrePanels, angle, tension_moments
@@ -335,7 +336,8 @@ class AttractedSurface:
 
         p(r) = -(E*/2) int_r^a phi'(t)/sqrt(t^2 - r^2) dt - (2 sigma/pi) arccos sqrt((a^2 - r^2)/(c^2 - r^2)),   r < a
 
-    and p = -sigma in a < r < c: both parts are continuous at a.
+    and p = -sigma in a < r < c: both parts are continuous at a. Without a range p has (E*/2) phi(a)/sqrt(a^2 - r^2)
+    more and c = a.
     """
 
     rims: Rims
@@ -349,15 +351,32 @@ def attracted_surface(
 ) -> AttractedSurface:
     """Fields at the radii ``r`` > 0 [m] of a contact of radius ``a`` [m] under a tension ``stress`` [Pa] up to the
     separation ``length`` [m], on a body whose kernel varies over ``scale`` [m]."""
-    s = 2 * stress / attraction.E_star
     discs = attraction.discs(np.array([a]))
-    rims = discs.equilibria(s, length, attraction.reach)
-    c = float(rims.c[0])
+    rims = discs.equilibria(2 * stress / attraction.E_star, length, attraction.reach)
+    return _surface(attraction, discs, rims, stress, r, scale)
+
+
+def adhesive_surface(attraction: Attraction, a: float, w: float, r: Array, scale: float) -> AttractedSurface:
+    """Fields at the radii ``r`` > 0 [m] up to ``reach`` for a work of adhesion ``w`` [J/m^2] without a range,
+    on a body whose kernel varies over ``scale`` [m]."""
+    discs = attraction.discs(np.array([a]))
+    delta, P, S, dS = discs.nonadhesive
+    back = shift(w, a, dS)
+    rims = Rims(discs.a, discs.a, delta - back, P - S * back, np.zeros(1))
+    return _surface(attraction, discs, rims, 0.0, r, scale)
+
+
+def _surface(
+    attraction: Attraction, discs: Discs, rims: Rims, stress: float, r: Array, scale: float
+) -> AttractedSurface:
+    """Fields at the radii ``r`` [m] of the one state of ``rims``."""
+    s, a, c = 2 * stress / attraction.E_star, float(rims.a[0]), float(rims.c[0])
     phi = _density(attraction.indenter, discs, rims, s, scale)
+    edge = 0.0 if stress else float(phi(rims.a)[0])
     inside, beyond = r < a, r >= a
     ratio = np.clip((a**2 - r[inside] ** 2) / (c**2 - r[inside] ** 2), 0.0, 1.0)
     pressure = np.where(r < c, -stress, 0.0)
-    pressure[inside] = attraction.E_star / 2 * phi.pressures(0.0, r[inside])
+    pressure[inside] = attraction.E_star / 2 * phi.pressures(edge, r[inside])
     pressure[inside] -= 2 * stress / math.pi * np.arccos(np.sqrt(ratio))
     gap = np.zeros_like(r)
     gap[beyond] = discs.separations(rims, s, r[None, beyond])[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import partial
 from typing import Any, Protocol
@@ -68,21 +69,24 @@ def search(contact: Contact, loading: Loading, accuracy: float) -> Search:
 
 def response(contact: Contact, to: Quantity, accuracy: float) -> Response:
     """Function delta_H or P_H of the contact radius, with a quadrature planned for ``accuracy``."""
-    name = {"depth": "delta", "load": "P"}[to]
+    name, a0 = {"depth": "delta", "load": "P"}[to], contact.indenter.a0
+    most = math.sqrt((contact.limit - a0) * (contact.limit + a0))
 
     def at(radii: Array) -> Array:
-        beyond = max(float(radii[-1]) / contact.limit, 1.0)
-        inside = radii / beyond
+        v = np.sqrt((radii - a0) * (radii + a0))
+        beyond = max(float(v[-1]) / most, 1.0)
+        inside = radii if beyond == 1 else np.hypot(a0, v / beyond)
         values: Array = getattr(contact.solved(inside, contact.plan(inside, accuracy / 4)), name)
-        return values if beyond == 1 else values * beyond ** _power(inside, values)
+        return values if beyond == 1 else values * beyond ** _power(v, values)
 
     return at
 
 
-def _power(radii: Array, values: Array) -> float:
-    """The power of the radius with which a response goes on beyond its last two points; of one alone, the second."""
-    ends = np.log(radii[-2:]), np.log(values[-2:])
-    return float(np.diff(ends[1])[0] / np.diff(ends[0])[0]) if radii.size > 1 else 2.0
+def _power(v: Array, values: Array) -> float:
+    """The power of v = sqrt(a^2 - a0^2) with which a response goes on beyond its last two points; of one alone, the
+    second."""
+    ends = np.log(v[-2:]), np.log(values[-2:])
+    return float(np.diff(ends[1])[0] / np.diff(ends[0])[0]) if v.size > 1 else 2.0
 
 
 def first_stiffness(contact: Contact, tolerance: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -21,7 +22,7 @@ from .tense import TUNING as TENSE
 from .tense import TenseContact
 
 SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met; choice: finer than any tolerance in use
-QUICK = 20.0  # choice: radius over the kernel's scale up to which a solve takes a fraction of a second
+QUICK = 20.0  # choice: sqrt(a^2 - a0^2) over the kernel's scale up to which a solve takes a fraction of a second
 SEARCHES = 4  # solves in which all radii of prescribed depths or loads are found; choice: for forecasts
 SolvedContact = LayeredContact | StuckLayeredContact | TenseContact
 
@@ -118,7 +119,8 @@ def _largest(problem: Problem) -> float:
 
 def expected_radius(contact: SolvedContact, loading: Loading, accuracy: float) -> float:
     """The contact radius [m] at which ``loading`` ends, extrapolated where it is many times the layers' length."""
-    return integral.search(replace(contact, limit=QUICK * contact.scale), loading, accuracy).largest
+    limit = math.hypot(contact.indenter.a0, QUICK * contact.scale)
+    return integral.search(replace(contact, limit=limit), loading, accuracy).largest
 
 
 def unbounded(problem: Problem) -> Problem:

@@ -299,6 +299,14 @@ def test_largest_radius_ignores_the_sides() -> None:
     assert Layered().refusal(unbounded(Problem(Paraboloid(1000.0), free, loading))) is None
 
 
+@pytest.mark.parametrize(("loading", "rel"), [(Loading("depth", 1e-7, 3), 1e-9), (Loading("depth", 1e-6, 3), 2e-3)])
+def test_flat_ends_wider_than_the_search_takes_a_round_contact(loading: Loading, rel: float) -> None:
+    """A radius beyond the search's own is extrapolated by that beyond the flat end, not scaled back to below it."""
+    problem = Problem(RoundedFlat(2e-5, 5e-5), Specimen((Layer(Elastic(1e6, 0.3), 1e-6),), Rigid()), loading)
+    reached = Layered()(problem).series.a[-1]
+    assert largest_radius(problem) == pytest.approx(reached, rel=rel)
+
+
 @pytest.mark.parametrize(
     ("indenter", "loading", "message"),
     [

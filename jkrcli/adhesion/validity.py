@@ -65,7 +65,8 @@ class Validity:
     """The numbers by which a result is judged; each a number or the reason why there is none.
 
     ``a_over_R``, ``delta_over_h``, ``a_over_h``, ``a_over_L``: at the largest radius of the series, L being the lateral
-    or vertical size at which the body or its mesh ends. ``a_over_R_pull_off``: at pull-off under load control.
+    or vertical size at which the body or its mesh ends. ``a_over_R_pull_off``: at pull-off, under load
+    control where no other is asked for.
     ``end_is_cut``: the specimen goes on where the model ends; the ends of a finite specimen are part of its solution.
     ``edge_angle``: between the surfaces at the edge under surface tension [rad]. ``strained``: the load at the largest
     depth over that of a rubber at large strains, less 1; ``sphere``: that of the exact sphere where it is better.

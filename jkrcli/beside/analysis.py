@@ -108,11 +108,17 @@ class Analysis:
 
     @cached_property
     def validity(self) -> Validity:
-        problem, series, point = self.problem, self.curve.series, self.pull_off["load"]
+        """The numbers by which the result is judged, with pull-off under load control."""
+        return self.validity_at(self.pull_off["load"])
+
+    def validity_at(self, *points: CriticalPoint | Unknown) -> Validity:
+        """The same with the widest of the pull-off ``points`` that there are."""
+        problem, series = self.problem, self.curve.series
+        radii = [point.a for point in points if isinstance(point, CriticalPoint)]
         z0 = self.solution.record.z0 if self.law is None else self.law.length
         judged = judge(a=float(series.a[-1]), delta=float(series.delta[-1]), w=self.w, **sizes(problem), z0=z0,
                        L=end_of_body(problem, self.solution.facts), end_is_cut=problem.specimen.radius is None,
-                       a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
+                       a_pull_off=max(radii, default=None),
                        effect_of_range=self.effect_of_range)  # fmt: skip
         return judged if self.law is None else replace(judged, regime="adhesion of this range is solved")
 

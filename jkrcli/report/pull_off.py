@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..adhesion import LOAD_CONTROL, Behaviour, Equilibrium, Errors, control, yielding
+from ..adhesion import LOAD_CONTROL, Behaviour, CriticalPoint, Equilibrium, Errors, control, yielding
 from ..base import Estimate, Unknown, accuracy, known, show
 from ..beside import Analysis, Lost, is_solved
 from . import tables
@@ -43,13 +43,18 @@ class PullOff(Result):
             **tables.law(result),
             "modulus_factor": result.modulus_factor,
             "controls": controls,
-            "validity": tables.validity(result),
+            "validity": tables.validity(result, *self._points),
             "errors": result.budget.as_dict() | {"between_rows": result.curve.interpolation_error},
         }
 
+    @property
+    def _points(self) -> list[CriticalPoint | Unknown]:
+        """Where contact is lost under each of the controls that were asked for."""
+        return [means.pull_off for means, _ in self.lost]
+
     def words(self) -> list[str]:
         result, points = self.result, {control(means.stiffness): (means.pull_off, error) for means, error in self.lost}
-        lines = [*tables.lost_words(result, points), *_validity(result)]
+        lines = [*tables.lost_words(result, points), *_validity(result, *self._points)]
         return lines + [line for means, error in self.lost for line in _control(means, error, _solved(result, means))]
 
 
@@ -71,7 +76,7 @@ class MeasuredPullOff(Result):
             "w_err_of_series_J_per_m2": known(means.series),
             "w_half_space_J_per_m2": work.half_space,
             "pull_off": tables.point(work.point),
-            "validity": tables.validity(means.result),
+            "validity": tables.validity(means.result, work.point),
         }
         return data | ({"error": means.error.reason} if isinstance(means.error, Unknown) else {})
 
@@ -97,7 +102,7 @@ class MeasuredPullOff(Result):
                 f"  1.5 pi w R of a half-space{under} would have given {show(work.half_space, 'work')}, "
                 f"{work.half_space / work.w:.3g} times this body's"
             )
-        return lines + _validity(means.result)
+        return lines + _validity(means.result, work.point)
 
 
 def _solved(result: Analysis, behaviour: Behaviour) -> bool:
@@ -140,9 +145,10 @@ def _energy(value: Estimate) -> str:
     return f"none: {value}" if isinstance(value, Unknown) else f"{value:.4g} J"
 
 
-def _validity(result: Analysis) -> list[str]:
-    """JKR holds, is doubtful or does not: by every number that the body has, then the other warnings."""
-    judged = result.validity
+def _validity(result: Analysis, *points: CriticalPoint | Unknown) -> list[str]:
+    """JKR holds, is doubtful or does not: by every number that the body has, with pull-off at ``points``, then the
+    other warnings."""
+    judged = result.validity_at(*points)
     tabor = [f"Tabor number {judged.tabor:.3g}: {judged.regime}"] if isinstance(judged.tabor, float) else []
     warnings = [warning for warning in judged.warnings if not warning.startswith(ABOVE)]
     warnings += yielding(result.problem, result.curve)

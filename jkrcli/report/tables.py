@@ -193,9 +193,9 @@ def errors(half_widths: adhesion.Errors | Unknown | None) -> dict[str, Any]:
     return {"P_err_N": half_widths["P"], "delta_err_m": half_widths["delta"]}
 
 
-def validity(result: Analysis) -> dict[str, Any]:
-    """The numbers by which the result is judged."""
-    return vars(result.validity)
+def validity(result: Analysis, *points: adhesion.CriticalPoint | Unknown) -> dict[str, Any]:
+    """The numbers by which the result is judged, with pull-off at ``points``, else under load control."""
+    return vars(result.validity_at(*points) if points else result.validity)
 
 
 def stability(result: Analysis) -> dict[str, Any]:

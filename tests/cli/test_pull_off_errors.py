@@ -49,6 +49,16 @@ def test_points_carry_their_errors(jkr) -> None:
     assert back["w_err_of_series_J_per_m2"] == pytest.approx(by_load * point["P_err_N"], rel=1e-2, abs=0)
 
 
+@pytest.mark.parametrize("words", [("--stiffness", "rigid"), ("--stiffness", "rigid", "--load", "10 uN")])
+def test_the_radius_at_pull_off_is_that_of_the_control(jkr, words: tuple[str, ...]) -> None:
+    """Of a half-space 3^(-2/3) = 0.48 of that under load control."""
+    solved(jkr, CASE)
+    told = json.loads(jkr("pull-off", "x.h5", "--json", *words).out)["results"][0]
+    point = told["pull_off"] if "--load" in words else told["controls"][0]["pull_off"]
+    assert told["validity"]["a_over_R_pull_off"] == pytest.approx(point["a_m"] / 50e-6, rel=1e-12)
+    assert f"a/R at pull-off = {point['a_m'] / 50e-6:.3g}" in jkr("pull-off", "x.h5", *words).out
+
+
 def inverse(jkr, *words: str) -> dict:
     outcome = jkr("pull-off", "x.h5", "--json", *words)
     assert outcome.code == 0, outcome.err

@@ -150,8 +150,7 @@ class Analysis:
         if self.curve.slopes.method != "exact":
             flags += unresolved(self.problem.indenter, self.curve.a)
         doubts = getattr(self.curve, "doubts", ())
-        law = self.problem.specimen.relaxation
-        relaxes = [] if law is None else [f"the specimen relaxes: {relaxing(law)}"]
+        relaxes = relaxing(self.problem.specimen.relaxation)
         sentences = [*relaxes, *self.solution.warnings, *flags, *self.validity.warnings, *doubts]
         sentences += [*yielding(self.problem, self.curve), *outside]
         difference = None if self.comparison is None else known(self.comparison.pull_off)

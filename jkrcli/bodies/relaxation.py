@@ -143,12 +143,16 @@ class Prony:
         return "prony, " + ", ".join(f"{weight:.4g} within {show(time, 'time')}" for weight, time in pairs)
 
 
-def relaxing(law: Relaxation) -> str:
-    """The meaning of a result of constant moduli for a body that relaxes by ``law``."""
+def relaxing(law: Relaxation | None) -> list[str]:
+    """A warning of what a result of constant moduli means for a body that relaxes by ``law``; none for one that does
+    not."""
+    if law is None:
+        return []
+    begin, end = "the specimen relaxes: ", "jkr cycle --speed"
     if law.relaxed is None:
-        return "the moduli here are those at the law's time; jkr cycle --speed follows them over time"
+        return [f"{begin}the moduli here are those at the law's time; {end} follows them over time"]
     slow = f", that of very slow cycles has {law.relaxed:.3g} of them" if law.relaxed > 0 else ""
-    return f"this is the limit of very fast cycles, with the moduli at t = 0{slow}; jkr cycle --speed is between"
+    return [f"{begin}this is the limit of very fast cycles, with the moduli at t = 0{slow}; {end} is between"]
 
 
 def limits_of(law: Relaxation) -> dict[str, float]:

@@ -14,7 +14,7 @@ from ..report import Output
 from ..report.explorer import Explored, page, payload, start_work
 from .measured import begin_reading, reading_options
 from .options import ONE_FILE, WORK, into_file, limits_options, output_options, slopes_option
-from .series import begin_curves, read_series, series_file, without_range
+from .series import begin_curves, read_series, series_file, warn_of_constant_moduli, without_range
 from .verb import verb
 from .voice import give
 
@@ -48,6 +48,7 @@ def explore(
     file = series_file(file)
     target = output.file(file.parent / f"{file.stem}-explore.html", [file, *data])
     solution = read_series(file)
+    warn_of_constant_moduli(solution)
     without_range(solution.record, "explore")
     begin_reading("explore", data, limits)
     curves = [curve for path in data for curve in measured.read(path, reading)]

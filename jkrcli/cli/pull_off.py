@@ -16,7 +16,7 @@ from ..report import MeasuredPullOff, PullOff, Result, Results
 from ..series import Solution
 from .body import Flags, body_options, by_flags, case_of
 from .options import CONTROL, LOAD, NAMED, WORK, CurveOptions, curve_options, json_option, limits_options
-from .series import begin_curves, read_files, without_range, works_of
+from .series import begin_curves, read_files, warn_of_constant_moduli, without_range, works_of
 from .verb import verb
 from .voice import give
 
@@ -65,6 +65,7 @@ def pull_off(
         solutions = [_by_flags(flags, works, force, stiffnesses, how)]
     elif files:
         _, solutions = read_files("pull-off", files)
+        warn_of_constant_moduli(*solutions)
     else:
         raise InputError("pull-off: give FILES, a case or a series, or the body by flags: --radius, --E, --nu")
     if force is not None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from .. import __version__
 from ..adhesion import RangeRequest
 from ..base import InputError, check_series_target
+from ..bodies import relaxing
 from ..case import Case, load_case, other_tables, store
 from ..methods import Forecast, Limits
 from ..series import Record, Solution
@@ -86,6 +87,13 @@ def read_series(path: Path) -> Solution:
     return solution
 
 
+def warn_of_constant_moduli(*solutions: Solution) -> None:
+    """Say of each specimen that relaxes what the numbers of a verb mean that does not follow its moduli over time."""
+    for solution in solutions:
+        for text in relaxing(solution.problem.specimen.relaxation):
+            warn(f"{solution.record.path}: {text}")
+
+
 def works_of(solution: Solution, option: str = "--w") -> tuple[float, ...]:
     """The works of adhesion [J/m^2] that the case names; InputError, with the ``option`` that helps, where none."""
     if not solution.record.w:
@@ -99,6 +107,7 @@ def body_and_work(verb: str, path: Path, work: float | None, ranged: bool = Fals
     ``without_range``."""
     file = series_file(path)
     solution = read_series(file)
+    warn_of_constant_moduli(solution)
     if not ranged:
         without_range(solution.record, verb)
     if work is None and not solution.record.w:

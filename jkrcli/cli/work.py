@@ -50,7 +50,7 @@ def work(
     from ..beside import nonadhesive
     from ..identification.work import along_file, evaluation_of
     from ..report import Work
-    from .series import read_series, series_file, without_range
+    from .series import read_series, series_file, warn_of_constant_moduli, without_range
 
     targets = output.each(
         [output.beside(path, "-work") for path in measured], (".csv", ".json", *PICTURES), (series, *measured)
@@ -58,6 +58,7 @@ def work(
     series = series_file(series)
     begin_reading("work", measured, per_row=TUNING.work_per_row)
     solution = read_series(series)
+    warn_of_constant_moduli(solution)
     without_range(solution.record, "work")
     unit = nonadhesive(solution, slopes)
     options["noise"] = dict(options["noise"])

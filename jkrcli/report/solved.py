@@ -10,6 +10,7 @@ from typing import Any
 from ..adhesion import end_of_body, judge, sizes
 from ..base import Array, Estimate, Unknown, accuracy, units
 from ..beside import StickingEffect, effect_as_json, sticking_warnings
+from ..bodies import relaxing
 from ..methods import Choice
 from ..series import COLUMNS, Series, Solution
 from .result import Result
@@ -55,7 +56,8 @@ class Solved(SeriesFile):
     def warnings(self) -> list[str]:
         problem = self.solution.problem
         return [
-            *missed(self.tolerance, self.solution.budget.total), *self.remarks, *self.solution.warnings,
+            *missed(self.tolerance, self.solution.budget.total), *self.remarks,
+            *relaxing(problem.specimen.relaxation), *self.solution.warnings,
             *_geometry(self.solution), *sticking_warnings(problem, self.sticking),
         ]  # fmt: skip
 

@@ -100,6 +100,19 @@ def test_a_turn_after_which_it_creeps_keeps_it_within_the_series(
     assert 0.998e-4 < deepest < 1.0000001e-4
 
 
+@pytest.mark.parametrize(
+    "words", [("pull-off", "--w", 1), ("export", "--dem", "--w", 0.1), ("explore", "--w", 1), ("profile", "--a", 0.3)]
+)
+def test_verbs_of_constant_moduli_say_so(jkr: Callable, series: Path, words: tuple[object, ...]) -> None:
+    """What ``transform`` warns of, ``run`` and the others do: these are the moduli at t = 0. Once only it did."""
+    verb, *options = words
+    done = jkr(verb, series, *options)
+    assert done.code == 0, done.err
+    (warning,) = (text for text in jkr_.transform(series, 1.0).warnings if "relaxes" in text)
+    assert f"{series}: {warning}" in " ".join(done.err.split())
+    assert warning in " ".join(jkr("run", "gel.toml", "-o", "again.h5").err.split())
+
+
 def test_a_hold_and_a_program(jkr: Callable, series: Path) -> None:
     held = answer(jkr, series, "--speed", "1", "--hold", "5 s")
     Path("way.csv").write_text("t_s,x_m\n0,-1\n1,0\n2,1\n7,1\n8,0\n")

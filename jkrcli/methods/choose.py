@@ -10,8 +10,10 @@ to it: nothing as exact is quicker by more than a half.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any, cast
 
 from ..base import NOTICEABLE, SILENCE, InputError, Refusal, duration
 from ..bodies import Problem
@@ -63,12 +65,14 @@ class Option:
 
 @dataclass(frozen=True)
 class Choice:
-    """The chosen method and the reason in a sentence; ``others`` in order of effort."""
+    """The chosen method and the reason in a sentence; ``options`` in order of effort; ``failures``: what was tried
+    before, by its name and why it failed."""
 
     name: str
     method: Method
     reason: str
     options: tuple[Option, ...] = ()
+    failures: tuple[tuple[str, str], ...] = ()
 
     @property
     def brief(self) -> str:
@@ -81,12 +85,23 @@ class Choice:
         return known or self.method.forecast(problem)
 
     def after_failure(self, error: Exception, build: Callable[[str], Method]) -> Choice | None:
-        """What "auto" turns to when the chosen method fails: the next possible one; None where none is left."""
+        """What "auto" turns to when the chosen method fails: the same one at the tolerance that its failure advises,
+        once, where that is unnoticeable; else the next possible one; None where none is left."""
         names = [option.name for option in self.options if option.forecast is not None]
         later = names[names.index(self.name) + 1 :] if self.name in names else []
-        if not later:
-            return None
-        return Choice(later[0], build(later[0]), f"because {self.name} failed ({error})", self.options)
+        failures = (*self.failures, (self.name, str(error)))
+        because = "because " + " and ".join(f"{name} failed ({why})" for name, why in dict(failures).items())
+        if self.name in names and self.name not in dict(self.failures) and (coarser := _would_do(error)) <= NOTICEABLE:
+            method = replace(cast(Any, self.method), tolerance=coarser)
+            return Choice(self.name, method, f"to a tolerance of {coarser:.1e}, {because}", self.options, failures)
+        return Choice(later[0], build(later[0]), because, self.options, failures) if later else None
+
+
+def _would_do(error: Exception) -> float:
+    """The tolerance to which the method that failed with ``error`` would do; infinite where it tells none."""
+    from .integral import InaccurateError
+
+    return error.would_do if isinstance(error, InaccurateError) else math.inf
 
 
 def long_look(problem: Problem) -> str | None:

@@ -10,7 +10,7 @@ import pytest
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.stability import stable_radius
-from jkrcli.base.errors import InputError, Refusal
+from jkrcli.base.errors import InputError, Refusal, SolveError
 from jkrcli.base.table import write_csv
 from jkrcli.beside.analysis import Analysis
 from jkrcli.beside.comparison import compare_half_space, exact_curve
@@ -21,6 +21,7 @@ from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Spe
 from jkrcli.methods import Forecast, method_class
 from jkrcli.methods.choose import choose
 from jkrcli.methods.closed_form.method import ClosedForm
+from jkrcli.methods.integral import InaccurateError
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.report import tables
 from jkrcli.series import ErrorBudget, Series, Solution
@@ -183,6 +184,25 @@ def test_auto_takes_the_least_model() -> None:
     assert choose(finite, "auto", build).name == "hybrid"
     with pytest.raises(Refusal, match="method layered: the specimen has a finite radius"):
         choose(finite, "layered", build)
+
+
+def test_auto_goes_on_to_the_next_method_and_names_all_that_failed() -> None:
+    choice = choose(LAYER, "auto", build)
+    missed = InaccurateError("missed 1e-8", "missed", 1e-6)
+    coarser = choice.after_failure(missed, build)
+    assert coarser is not None
+    assert (coarser.name, coarser.method) == ("layered", Layered(2e-6))
+    for first, reason in ((coarser, "layered failed (missed 1e-8)"), (choice, "layered failed (dull)")):
+        hybrid = first.after_failure(missed if first is coarser else SolveError("dull"), build)
+        assert hybrid is not None
+        assert hybrid.name == "hybrid"
+        fem = hybrid.after_failure(SolveError("large"), build)
+        assert fem is not None
+        assert (fem.name, fem.reason) == ("fem", f"because {reason} and hybrid failed (large)")
+        assert fem.after_failure(SolveError("coarse"), build) is None
+    noticed = choice.after_failure(InaccurateError("missed", "missed", 1e-3), build)
+    assert noticed is not None
+    assert noticed.name == "hybrid"
 
 
 def test_auto_says_why_and_what_others_would_cost() -> None:

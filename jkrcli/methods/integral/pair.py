@@ -50,15 +50,20 @@ class Contact(Protocol):
 
 
 class InaccurateError(Refusal):
-    """Refusal: the tolerance was not reached; ``fixed``: the message where the tolerance is not the user's to
-    choose."""
+    """Refusal: the tolerance was not reached; ``fixed``: the message where the tolerance is not the user's to choose;
+    ``reached``: the relative error in its place, infinite where that is not known."""
 
-    def __init__(self, lines: str | Sequence[str], fixed: str):
+    def __init__(self, lines: str | Sequence[str], fixed: str, reached: float = math.inf):
         super().__init__(lines)
-        self.fixed = fixed
+        self.fixed, self.reached = fixed, reached
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.lines, self.fixed)
+        return type(self), (self.lines, self.fixed, self.reached)
+
+    @property
+    def would_do(self) -> float:
+        """The tolerance that is advised in place of the one that was not reached."""
+        return 2 * self.reached
 
 
 def search(contact: Contact, loading: Loading, accuracy: float) -> Search:

@@ -114,7 +114,7 @@ class IndenterOnLayers(ABC):
         missed = f"layered: the estimated relative error{self.what} is {best:.1e} with {plan.nodes} {self.rows}, above "
         missed, smaller = f"{missed}the tolerance {tolerance:.1e}; ", "ask for a smaller contact radius"
         raise integral.InaccurateError(
-            f"{missed}{integral.tolerance_remedy('layered', best)}{smaller}", f"{missed}{smaller}"
+            f"{missed}{integral.tolerance_remedy('layered', best)}{smaller}", f"{missed}{smaller}", best
         )
 
 
@@ -188,9 +188,8 @@ class LayeredContact(IndenterOnLayers):
 
     def unresolved(self, plan: integral.Quadrature, failure: SolveError) -> integral.InaccurateError:
         missed = f"layered: {plan.nodes} nodes do not resolve the kernel, the error is not known; ask for "
-        return integral.InaccurateError(
-            *(f"{missed}{more}a smaller contact radius" for more in ("more points or ", ""))
-        )
+        less = "a smaller contact radius"
+        return integral.InaccurateError(f"{missed}more points or {less}", f"{missed}{less}")
 
 
 @lru_cache(maxsize=8)  # the radii of one body are often solved in several steps

@@ -83,7 +83,8 @@ def seconds_of_points(solution: Solution, devices: int = 0) -> float:
     method = method_behind(solution)
     if method is None or solver_of(solution) is None:
         return 0.0
-    radii = solution.series.a[-1] * np.linspace(0.5, 1, POINTS + STEPS.size * devices)
+    least, most = (float(solution.series.a[end]) for end in (0, -1))
+    radii = np.unique(np.linspace(max(0.5 * most, least), most, POINTS + STEPS.size * devices))
     problem = replace(solution.problem, loading=Loading.given("radius", tuple(radii.tolist())))
     return TUNING.each * method.forecast(problem).seconds
 

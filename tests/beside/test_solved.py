@@ -12,13 +12,14 @@ import pytest
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint
 from jkrcli.base.unknown import Unknown
 from jkrcli.beside.analysis import analyse, nonadhesive
-from jkrcli.beside.solved import is_solved
+from jkrcli.beside.solved import is_solved, seconds_of_points
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case import load_case
 from jkrcli.case.solving import solve
 from jkrcli.methods import Method
+from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.layered import Layered
 
@@ -41,6 +42,14 @@ def stationary(
     roots = (P if control == "load" else delta).deriv().roots()
     root = float(np.real(roots[np.argmin(np.abs(roots))]))
     return float(P(root)), float(delta(root))
+
+
+def test_the_cost_is_asked_for_at_the_radii_of_the_series() -> None:
+    """A thin-layer formula holds from a/h = 60 on; at half of a/h = 75 it was refused, and with it every curve."""
+    specimen = Specimen((Layer(Elastic(1e6, 0.45), 1e-5),), Rigid())
+    radii = (6e-4, 6.5e-4, 6.8e-4, 7e-4, 7.3e-4, 7.5e-4)
+    solution = ClosedForm()(Problem(Paraboloid(0.1), specimen, Loading.given("radius", radii)))
+    assert 0 < seconds_of_points(solution) < 1
 
 
 @pytest.mark.parametrize(("name", "points"), [("gel", 100), ("coating", 100), ("thin-layer", 100), ("thin-layer", 40)])

@@ -7,10 +7,13 @@ from collections.abc import Iterable, Sequence
 
 
 def nearest(word: object, allowed: Iterable[object], cutoff: float = 0.5) -> str | None:
-    """The one of ``allowed`` that ``word`` may be a misspelling of; None where none is as like it as ``cutoff``."""
+    """The one of ``allowed`` that ``word`` may be a misspelling of, one of the same letters but for case first; None
+    where none is as like it as ``cutoff``."""
     import difflib
 
-    return next(iter(difflib.get_close_matches(str(word), list(map(str, allowed)), 1, cutoff)), None)
+    words = list(map(str, allowed))
+    same = [one for one in words if one.casefold() == str(word).casefold()]
+    return next(iter(difflib.get_close_matches(str(word), same or words, 1, 0.0 if same else cutoff)), None)
 
 
 def did_you_mean(word: object, allowed: Iterable[object], cutoff: float = 0.5) -> str:

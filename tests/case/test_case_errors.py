@@ -36,6 +36,16 @@ ONE_CHANGE = {
         "5 Gpa",
         f'specimen.half_space.E: must be a modulus, got "5 Gpa": unknown unit "Gpa", did you mean "GPa"? {MODULI}',
     ),
+    "unit in capitals": (
+        "5 GPa",
+        "5 KPa",
+        f'specimen.half_space.E: must be a modulus, got "5 KPa": unknown unit "KPa", did you mean "kPa"? {MODULI}',
+    ),
+    "unit of small letters": (
+        "5 GPa",
+        "5 mPa",
+        f'specimen.half_space.E: must be a modulus, got "5 mPa": unknown unit "mPa", did you mean "MPa"? {MODULI}',
+    ),
     "decimal comma": (
         "100 um",
         "1,5 um",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..adhesion import Cycle, Jump, Program, control, cycle, path, trace, turning_radius
-from ..base import ROWS, Array, InputError, Unknown, show
+from ..base import ROWS, Array, Estimate, InputError, Unknown, show
 from ..beside import Analysis
 from . import tables
 from .result import Figure, Result
@@ -72,9 +72,8 @@ class Cycled(Result):
         jump_in = f"jump-in at delta = {show(onset, 'length') if onset else 0} to"
         start = jump_in if inwards.w > 0 else "contact grows from a point; first of the series:"
         energies = {"energy lost per cycle": cycle.energy_lost, "work of separation": cycle.separation}
-        parts = [item if isinstance(item, Unknown) else f"{name} {item:.4g} J" for name, item in energies.items()]
         lines = [
-            f"{'; '.join(dict.fromkeys(map(str, parts)))}: {self.file}",
+            f"{_energy_words(energies)}: {self.file}",
             _device_words(cycle.stiffness, inwards.w, outwards.w),
             f"  {start} {tables.state_words(begin, 'P a')}",
             f"  turn at {tables.state_words(inwards.point(cycle.turn), 'a')}",
@@ -134,6 +133,15 @@ class CycledByProgram(Result):
             _device_words(trace.contact.stiffness, *works),
             *(f"  t = {show(jump.t, 'time')}: {_jump(jump)}" for jump in trace.jumps),
         ]
+
+
+def _energy_words(energies: Mapping[str, Estimate]) -> str:
+    """Each energy [J] by its name; those of one reason why there are none together."""
+    parts = [f"{name} {energy:.4g} J" for name, energy in energies.items() if not isinstance(energy, Unknown)]
+    unknown = {name: energy.reason for name, energy in energies.items() if isinstance(energy, Unknown)}
+    for reason in dict.fromkeys(unknown.values()):
+        parts.append(f"{' and '.join(name for name, why in unknown.items() if why == reason)}: none, {reason}")
+    return "; ".join(parts)
 
 
 def _device_words(stiffness: float, approach: float, retraction: float) -> str:

@@ -260,8 +260,13 @@ def test_change_of_units(length: float, force: float) -> None:
         assert np.allclose(two[name], one[name] * unit, rtol=0, atol=1e-12 * unit * np.max(np.abs(one[name])))
 
 
-def test_no_energy_is_named_where_contact_is_not_lost(jkr: Callable) -> None:
-    """Once "energy lost per cycle contact is not lost within the series ...; work of separation contact ..."."""
+def test_energies_say_why_there_are_none(jkr: Callable) -> None:
+    """Once "energy lost per cycle contact is not lost within the series ...; work of separation contact ...", then "not
+    defined under load control: gel.h5"."""
     assert jkr("run", CASES / "gel.toml", "-o", "gel.h5", "-q").code == 0
     done = jkr("cycle", "gel.h5", "--w-approach", "0", "--no-plots")
-    assert done.out.splitlines()[0] == "contact is not lost within the series, which begins at a = 12 um: gel.h5"
+    none = "energy lost per cycle and work of separation: none"
+    lost = f"{none}, contact is not lost within the series, which begins at a = 12 um: gel.h5"
+    assert done.out.splitlines()[0] == lost
+    done = jkr("cycle", "gel.h5", "--stiffness", "load", "--no-plots", "--force")
+    assert done.out.splitlines()[0] == f"{none}, not defined under load control: gel.h5"

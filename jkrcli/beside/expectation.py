@@ -23,7 +23,8 @@ class Expectation:
 
     ``adhesion``: for each work of adhesion [J/m^2] its pull-off and validity.
     ``half_space_error``: by how much the layers change the load at that depth against a half-space of the top material;
-    None where there are no layers.
+    None where there are no layers. ``profile_error``: relative, of an indenter that is known at points only, in what
+    any method gives.
     """
 
     a: float
@@ -32,6 +33,7 @@ class Expectation:
     half_space_error: float | None
     adhesion: tuple[tuple[float, CriticalPoint | Unknown, Validity], ...]
     series: Series
+    profile_error: float
 
 
 def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation:
@@ -43,7 +45,8 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
     if loading.spacing != "radius":
         loading = Loading(loading.to, loading.maximum)
     body = replace(unbounded(problem), loading=replace(loading, points=max(loading.points, 100)))
-    series = again(body, method=COARSE, longest=PATIENCE).series
+    solution = again(body, method=COARSE, longest=PATIENCE)
+    series = solution.series
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
     adhesion = []
     for w in works:
@@ -56,7 +59,8 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
         judged = judge(a=a, delta=delta, w=w, **sizes(problem), L=problem.specimen.radius, end_is_cut=False, z0=z0,
                        **pulled)  # fmt: skip
         adhesion.append((w, point, judged))
-    return Expectation(a, delta, P, _layers_matter(problem, delta, P), tuple(adhesion), series)
+    matter = _layers_matter(problem, delta, P)
+    return Expectation(a, delta, P, matter, tuple(adhesion), series, solution.profile_error)
 
 
 def _layers_matter(problem: Problem, delta: float, P: float) -> float | None:

@@ -86,6 +86,8 @@ class Check(Result):
         if expected.half_space_error is not None:
             beside = f" (a half-space formula: {show(expected.P / (1 + expected.half_space_error), 'load')})"
         yield f"  reaches   {units.reached(expected.a, expected.delta, expected.P)}{beside}"
+        if expected.profile_error:
+            yield f"  profile   known at points only: adds {expected.profile_error:.2g} to the error of any method"
         for w, point, judged in expected.adhesion:
             regime = f": {judged.regime}" if not isinstance(judged.tabor, Unknown) else ""
             regime = regime if range_ == "" else "" if isinstance(range_, Unknown) else f"; {range_}"
@@ -137,7 +139,8 @@ def _as_dict(expected: Expectation | Unknown) -> dict[str, Any]:
         return {"expectation": expected}
     adhesion = [{"w_J_per_m2": w, "pull_off": tables.point(p), "validity": vars(v)} for w, p, v in expected.adhesion]
     sizes = tables.quantities(expected, "a delta P")
-    return sizes | {"half_space_error": expected.half_space_error, "adhesion": adhesion}
+    errors = {"half_space_error": expected.half_space_error, "profile_error": expected.profile_error}
+    return sizes | errors | {"adhesion": adhesion}
 
 
 def _ratio(value: Estimate) -> str:

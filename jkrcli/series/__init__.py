@@ -273,18 +273,33 @@ class Solution:
     def widened(self) -> Solution:
         """The same with the error of a profile that is known at points only: of delta, or of the radius where that is
         what errs, and S times it of P."""
+        more, own = self._of_profile, self.budget.discretisation
+        if not more:
+            return self
+        errors = {name: error + more.get(name, 0.0) for name, error in self.series.errors.items()}
+        total = own if isinstance(own, Unknown) else own + self.profile_error
+        return replace(
+            self, series=replace(self.series, errors=errors), budget=replace(self.budget, discretisation=total)
+        )
+
+    @property
+    def profile_error(self) -> float:
+        """Largest relative error of a column by a profile that is known at points only; 0 for any other."""
+        series = self.series
+        judged = series.delta >= JUDGED * series.delta[-1]
+        of_columns = (error / getattr(series, name) for name, error in self._of_profile.items())
+        return max((float(np.max(relative[judged])) for relative in of_columns), default=0.0)
+
+    @property
+    def _of_profile(self) -> dict[str, Array]:
+        """Errors of columns by a profile that is known at points only; none for any other."""
         series = self.series
         shift = np.zeros(1) if len(series) < 2 else self.unresolved[0]
         if not shift.any():
-            return self
-        more, judged = {"delta": shift, "P": series.stiffness * shift}, series.delta >= JUDGED * series.delta[-1]
+            return {}
         if "a" in series.errors and series.errors["a"].any():
-            more["a"] = more.pop("delta") / np.gradient(series.delta, series.a)
-        errors = {name: error + more.get(name, 0.0) for name, error in series.errors.items()}
-        relative = max(float(np.max((more[name] / getattr(series, name))[judged])) for name in more)
-        own = self.budget.discretisation
-        budget = self.budget if isinstance(own, Unknown) else replace(self.budget, discretisation=own + relative)
-        return replace(self, series=replace(series, errors=errors), budget=budget)
+            return {"P": series.stiffness * shift, "a": shift / np.gradient(series.delta, series.a)}
+        return {"delta": shift, "P": series.stiffness * shift}
 
     @property
     def increments(self) -> RawSeries:

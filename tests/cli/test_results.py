@@ -223,6 +223,16 @@ def test_expectation_is_close_to_the_solution() -> None:
     assert expected.half_space_error == pytest.approx(series.P[-1] / half_space.P[-1] - 1, rel=1e-8, abs=0)
 
 
+def test_what_a_profile_of_few_points_adds_is_expected() -> None:
+    """A check once said error 1e-08 of six points whose series states 72 %."""
+    tip = TableProfile((0, 1e-6, 2e-6, 3e-6, 4e-6, 6e-6), (0, 2e-8, 1e-7, 3e-7, 7e-7, 2e-6))
+    rough = Problem(tip, Specimen((Layer(Elastic(1e6, 0.5), 3e-6),), Rigid()), Loading("radius", 5e-6))
+    stated = Layered()(rough).budget.total
+    assert expect(rough, (), 3e-10).profile_error == pytest.approx(stated, rel=1e-3, abs=0)
+    assert stated > 0.5
+    assert expect(LAYER, (), 3e-10).profile_error == 0
+
+
 class _Planned:
     """A method that only says what it would cost."""
 

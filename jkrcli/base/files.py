@@ -81,7 +81,7 @@ def read_bytes(path: Path, what: str, limit: int | None = None) -> bytes:
     """The content of ``path``; InputError where it is missing, a folder, unreadable or beyond ``limit`` bytes (None:
     what is allowed of any file)."""
     limit = allowance.TUNING.size if limit is None else limit
-    with allowance.reading(path), opened(path, what) as file:
+    with allowance.allowance_of(path), opened(path, what) as file:
         if os.fstat(file.fileno()).st_size > limit:
             raise InputError(f"{path}: {what} is larger than {limit >> 20} MiB")
         return file.read()
@@ -118,9 +118,9 @@ def is_ours(path: Path) -> bool:
     with contextlib.suppress(OSError), path.open("rb") as file:
         head = file.read(4096)
         if head.startswith(b"\x89HDF"):
-            from .hdf5 import kind
+            from .hdf5 import format_of
 
-            return kind(path).startswith("jkr-")
+            return format_of(path).startswith("jkr-")
         if head.startswith(PARQUET):
             return _parquet_mark(file)
         file.seek(max(0, path.stat().st_size - 256))

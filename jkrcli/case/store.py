@@ -107,11 +107,11 @@ def _tree(solution: Solution, command_line: str) -> hdf5.Group:
     }
     members |= dict(_larger_elements(series))
     if raw is not None:
-        rows = hdf5.column(np.asarray(raw.rows), "1", "number of the row")
+        rows = hdf5.unit_column(np.asarray(raw.rows), "1", "number of the row")
         members["increments"] = hdf5.Group({}, _columns(raw) | {"row": rows})
     if pressure is not None:
-        r = hdf5.column(pressure.r, "m", "radii of the contact nodes")
-        p = hdf5.column(pressure.p, "Pa", "contact pressure, one row per increment")
+        r = hdf5.unit_column(pressure.r, "m", "radii of the contact nodes")
+        p = hdf5.unit_column(pressure.p, "Pa", "contact pressure, one row per increment")
         members["contact"] = hdf5.sealed(hdf5.Group({}, {"r": r, "pressure": p}))
     identity = {"format": FORMAT, "version": VERSION, "method": solution.method, "problem_key": solution.problem.key}
     return hdf5.Group(identity | {"command_line": record.command_line or command_line}, members)
@@ -135,13 +135,13 @@ def _errors(series: Series) -> dict[str, hdf5.Group | hdf5.Dataset]:
     columns: dict[str, hdf5.Group | hdf5.Dataset] = {}
     for key, more, same, values in errors:
         name, unit, _ = STORED[key]
-        columns[name + more] = hdf5.column(values, unit, f"estimated absolute error of {name} at equal {same}")
+        columns[name + more] = hdf5.unit_column(values, unit, f"estimated absolute error of {name} at equal {same}")
     return columns
 
 
 def _columns(rows: Series | RawSeries) -> dict[str, hdf5.Group | hdf5.Dataset]:
     there = {key: values for key in COLUMNS if (values := getattr(rows, key, None)) is not None}
-    return {STORED[key].name: hdf5.column(values, *STORED[key][1:]) for key, values in there.items()}
+    return {STORED[key].name: hdf5.unit_column(values, *STORED[key][1:]) for key, values in there.items()}
 
 
 # ---------------------------------------------------------------------- reading
@@ -156,7 +156,7 @@ def read(path: str | Path, problem: Problem | None = None, with_pressure: bool =
         of_case, of_table = ", jkr run makes one from a case", "; a table of measurements is for jkr look and jkr fit"
         remedy = {".toml": of_case, ".h5": ""}.get(path.suffix, of_table)
         raise InputError(f"{path}: is not an HDF5 file{remedy}")
-    root = hdf5.parse(path, content, () if with_pressure else ("contact",))
+    root = hdf5.tree_of(path, content, () if with_pressure else ("contact",))
     try:
         _check(path, root, content)
         return _Reader(path, root).solution(problem)

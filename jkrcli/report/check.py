@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..adhesion import unable
-from ..base import NOTICEABLE, Estimate, Refusal, Unknown, show, units
+from ..base import NOTICEABLE, Estimate, Refusal, Unknown, reached, show
 from ..beside.expectation import Expectation, expect
 from ..beside.left_out import LeftOut, left_out
 from ..bodies import Problem
@@ -85,7 +85,7 @@ class Check(Result):
         beside = ""
         if expected.half_space_error is not None:
             beside = f" (a half-space formula: {show(expected.P / (1 + expected.half_space_error), 'load')})"
-        yield f"  reaches   {units.reached(expected.a, expected.delta, expected.P)}{beside}"
+        yield f"  reaches   {reached(expected.a, expected.delta, expected.P)}{beside}"
         for w, point, judged in expected.adhesion:
             regime = f": {judged.regime}" if not isinstance(judged.tabor, Unknown) else ""
             regime = regime if range_ == "" else "" if isinstance(range_, Unknown) else f"; {range_}"

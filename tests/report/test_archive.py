@@ -112,10 +112,10 @@ def test_a_changed_byte_of_a_kept_solve_is_not_believed(tmp_path: Path, trials: 
     (tmp_path / "s.toml").write_text(CASE)
     _, solution = solve(load_case(tmp_path / "s.toml"))
     store.write(path, solution, cache._made_by("key"))
-    before = flat(hdf5.parse(path, path.read_bytes()))
+    before = flat(hdf5.tree_of(path, path.read_bytes()))
 
     def same() -> None:
-        assert flat(hdf5.parse(path, path.read_bytes())) == before
+        assert flat(hdf5.tree_of(path, path.read_bytes())) == before
 
     assert (
         one_byte_changed(path, trials, same, lambda: cache._read(path, solution.problem, "key") is None) > trials / 10

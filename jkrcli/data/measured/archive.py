@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path, PurePosixPath
 
-from ...base import InputError, allowance, files, first_line
+from ...base import InputError, allowance_of, files, first_line, most_text
 
 ENDINGS = (".txt", ".csv", ".tsv", ".dat", ".asc", ".tab")
 PIECE = 1 << 16  # choice: bytes read at a time, and of a table to estimate the length of its rows
@@ -28,7 +28,7 @@ class NoTablesError(InputError):
 def members(path: Path, size: int | None = None, chosen: Callable[[str], bool] = bool) -> list[zipfile.ZipInfo]:
     """The members of an archive with ``chosen`` names; InputError where it is damaged, would unpack to more than
     ``size`` bytes (None: what is allowed of any file), or holds one of them twice."""
-    with allowance.reading(path, size) as allowed:
+    with allowance_of(path, size) as allowed:
         with files.opened(path, "zip archive") as whole:  # counted before their list is made
             allowed.take(parts=sum(piece.count(ENTRY) for piece in iter(lambda: whole.read(PIECE), b"")))
         with _opened(path) as file:
@@ -45,7 +45,7 @@ def members(path: Path, size: int | None = None, chosen: Callable[[str], bool] =
 
 def tables(path: Path) -> list[zipfile.ZipInfo]:
     """The text tables of an archive; InputError where there are none, or as ``members`` does."""
-    if inside := members(path, allowance.TUNING.text, _is_table):
+    if inside := members(path, most_text(), _is_table):
         return inside
     raise NoTablesError(f"{path}: holds no text table ({', '.join(ENDINGS)})")
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base import InputError, draws
+from ...base import DISTRIBUTIONS, Distribution, InputError, draw
 from ...case import CaseModel, model_of, sweep
 from .paths import LAYER_COUNT, Tables, parse, value_at, with_values
 
@@ -101,7 +101,7 @@ def _first(model: sweep.SweepModel) -> dict[str, Any]:
     """A value of every varied key that stands in the file, but for the number of layers."""
     first = {key: values[0] for axis in model.axes for key, values in _listed(axis).items()}
     for key, item in (model.samples.of if model.samples else {}).items():
-        value = item.parameters[draws.KINDS[item.distribution].needed[0]]
+        value = item.parameters[DISTRIBUTIONS[item.distribution].needed[0]]
         first[key] = value[0] if item.distribution == "choice" else value
     first.pop(LAYER_COUNT, None)
     return first
@@ -137,16 +137,16 @@ def _number(trial: Trial, key: str, value: Any) -> Any:
 
 def _samples(samples: sweep.SamplesTable, trial: Trial) -> Axis:
     distributions = [_distribution(key, table, trial) for key, table in samples.of.items()]
-    return Axis(tuple(samples.of), tuple(draws.draw(distributions, samples.count, samples.method, samples.seed)))
+    return Axis(tuple(samples.of), tuple(draw(distributions, samples.count, samples.method, samples.seed)))
 
 
-def _distribution(key: str, table: sweep.DistributionTable, trial: Trial) -> draws.Distribution:
+def _distribution(key: str, table: sweep.DistributionTable, trial: Trial) -> Distribution:
     if table.values is not None:
-        return draws.Distribution("choice", {"values": tuple(trial.si({key: value})[0] for value in table.values)})
+        return Distribution("choice", {"values": tuple(trial.si({key: value})[0] for value in table.values)})
     parameters = {
         name: value if name == "factor" else _number(trial, key, value) for name, value in table.parameters.items()
     }
     try:
-        return draws.Distribution(table.distribution, parameters)
+        return Distribution(table.distribution, parameters)
     except InputError as error:
         raise InputError(f"{key}: {error}") from None

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         NO_CLAIM,
         NOTICEABLE,
         REMEMBERED,
+        RESIDUAL_LIMIT,
         ROUNDED,
         ROWS,
         SAME,

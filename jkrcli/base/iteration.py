@@ -19,6 +19,7 @@ REMEMBERED = 256  # choice: results of one kind that are kept; more only saves t
 SHOWN = 20  # choice: names or rows in a message
 SAME = 1e-6  # choice: relative difference of two values that are one: above round-off, below what anyone measures
 ROUNDED = 1e-9  # theory: relative, above what a sum of a million numbers loses to round-off, 1e6 epsilon = 2e-10
+RESIDUAL_LIMIT = 1e-6  # theory: of check solves; a sound factor leaves round-off, 1e-16 to 1e-12, a wrong one 1
 UNSEEN = 1e-4  # choice: relative error that no measurement sees
 NOTICEABLE = 1e-3  # choice: relative change from which on it is reported
 NO_CLAIM = 1e-3  # of a tolerance, no smaller error is stated; tuned on work along a record, by `make constants`

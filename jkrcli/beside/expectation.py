@@ -7,8 +7,8 @@ from typing import Any
 
 from ..adhesion import LOAD_CONTROL, CriticalPoint, Validity, judge, refuse_wetting, resolved, sizes, transform
 from ..base import PATIENCE, Refusal, Unknown
-from ..bodies import Loading, Problem
-from ..methods.layered.layered import Layered, unbounded
+from ..bodies import Loading, Problem, unbounded
+from ..methods import Layered
 from ..series import Series
 from .again import again
 from .comparison import alone

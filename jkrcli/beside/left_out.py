@@ -16,9 +16,9 @@ from scipy.interpolate import CubicSpline
 
 from ..adhesion import LOAD_CONTROL, CriticalPoint, judge, refuse_wetting, sizes, transform
 from ..base import PATIENCE, Estimate, JkrError, Unknown, show
-from ..bodies import INCOMPRESSIBLE, Elastic, HalfSpace, Loading, Paraboloid, Problem, Rigid, Sphere
+from ..bodies import INCOMPRESSIBLE, Elastic, HalfSpace, Loading, Paraboloid, Problem, Rigid, Sphere, unbounded
 from ..formulas.gravity import over_hertz, over_jkr
-from ..methods.layered.layered import Layered, unbounded
+from ..methods import Layered
 from ..methods.radii import DENSE
 from ..series import Series
 from .again import again

@@ -8,9 +8,9 @@ import numpy as np
 
 from ..adhesion import Range, RangeRequest, stable_radius
 from ..base import ROUNDED, ROWS, Array, InputError, show
-from ..bodies import Problem
+from ..bodies import Problem, unbounded
 from ..case import Case
-from ..methods.layered import fields, layered
+from ..methods.layered import fields
 from ..series import Solution
 from .analysis import analyse
 
@@ -26,7 +26,7 @@ def profile_columns(solution: Solution, a: float, w: float, request: RangeReques
     body, by finite elements where the surfaces stick, on the body itself with adhesion of finite range."""
     if request:
         return _attracted(solution, a, request.law(w))
-    return _stuck(solution, a, w) if solution.problem.sticks else _columns(layered.unbounded(solution.problem), a, w)
+    return _stuck(solution, a, w) if solution.problem.sticks else _columns(unbounded(solution.problem), a, w)
 
 
 def _attracted(solution: Solution, a: float, law: Range) -> dict[str, Array]:

@@ -15,10 +15,12 @@ from ..base.lazy import lazily
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .attraction import AttractedBody
-    from .choose import Choice, Option, long_look, survey
+    from .choose import Choice, Option, choose_method, long_look, survey
+    from .closed_form.method import ClosedForm
     from .fem.method import FEM
     from .guards import LESS, Limits, admit
-    from .layered.layered import Layered, largest_radius, unbounded
+    from .hybrid.method import Hybrid
+    from .layered.layered import Layered, largest_radius
     from .protocol import METHODS, Descriptor, Forecast, Method, least_first, method_class, register
 
 __getattr__ = lazily(__name__, __file__)

@@ -13,7 +13,7 @@ from ..beside.expectation import Expectation, expect
 from ..beside.left_out import LeftOut, left_out
 from ..bodies import Problem
 from ..case import Case, CaseModel, method_of
-from ..methods.choose import Choice, Option, choose, survey
+from ..methods import Choice, Option, choose_method, survey
 from . import tables
 from .result import Result
 
@@ -39,7 +39,7 @@ class Check(Result):
         """What is to be said of a ``case``."""
         model = case.model
         problem = model.problem()
-        choice = choose(problem, model.method, lambda name: method_of(model, name))
+        choice = choose_method(problem, model.method, lambda name: method_of(model, name))
         options = choice.options or survey(problem, lambda name: method_of(model, name))
         expected = _expected(model)
         left, range_ = _left_out(model, expected), _range(model, choice.name)

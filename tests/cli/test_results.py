@@ -19,7 +19,7 @@ from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, T
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods import Forecast, method_class
-from jkrcli.methods.choose import choose
+from jkrcli.methods.choose import choose_method
 from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.report import tables
@@ -177,16 +177,16 @@ def build(name: str):
 
 
 def test_auto_takes_the_least_model() -> None:
-    assert choose(PROBLEM, "auto", build).name == "closed-form"
-    assert choose(LAYER, "auto", build).name == "layered"
+    assert choose_method(PROBLEM, "auto", build).name == "closed-form"
+    assert choose_method(LAYER, "auto", build).name == "layered"
     finite = Problem(LAYER.indenter, Specimen(LAYER.specimen.layers, Rigid(), 1e-4, "free"), LAYER.loading)
-    assert choose(finite, "auto", build).name == "hybrid"
+    assert choose_method(finite, "auto", build).name == "hybrid"
     with pytest.raises(Refusal, match="method layered: the specimen has a finite radius"):
-        choose(finite, "layered", build)
+        choose_method(finite, "layered", build)
 
 
 def test_auto_says_why_and_what_others_would_cost() -> None:
-    reason = choose(LAYER, "auto", build).reason
+    reason = choose_method(LAYER, "auto", build).reason
     assert reason.startswith("the simplest method for this body (")
     assert "closed-form not applicable (" in reason
     assert "fem would take about" in reason
@@ -230,4 +230,4 @@ class _Planned:
 def test_the_least_model_that_is_accurate_and_quick(closed, layered, hybrid, fem, chosen: str) -> None:
     costs = {"closed-form": closed, "layered": layered, "hybrid": hybrid, "fem": fem}
     plans = {name: _Planned(*cost) for name, cost in costs.items()}
-    assert choose(LAYER, "auto", plans.__getitem__).name == chosen
+    assert choose_method(LAYER, "auto", plans.__getitem__).name == chosen

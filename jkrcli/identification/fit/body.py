@@ -18,9 +18,9 @@ from ...adhesion import FiniteRangeBody, Nonadhesive, RangeRequest, Slopes
 from ...adhesion.slopes.choice import slopes
 from ...base import REMEMBERED, ROWS, SAME, UNSEEN, InputError, JkrError, Refusal, SolveError, show
 from ...beside import JKR, nonadhesive
-from ...bodies import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal
+from ...bodies import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal, unbounded
 from ...case import Case, load_case, solve, store
-from ...methods import Layered, Limits, unbounded
+from ...methods import Layered, Limits
 from ...series import Series, Solution
 from .attracted import COARSE, FINE, AttractedFamily, Resolution
 from .device_path import TUNING as PATHS

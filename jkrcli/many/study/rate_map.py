@@ -17,8 +17,7 @@ import numpy as np
 from ...adhesion import AdhesiveCurve, Nonadhesive, Program, RateContact, rate_law_of
 from ...base import Ranged, SolveError, known
 from ...bodies import Elastic, HalfSpace, Specimen
-from ...methods import Layered
-from ...methods.closed_form.method import ClosedForm
+from ...methods import ClosedForm, Layered
 from ...report import Figure
 from .maps import POISSON, Axis, Columns, Map, Values, Work, layer, rows, series_at
 

@@ -14,8 +14,7 @@ from ...base import JkrError, Unknown
 from ...beside import adhesive, nonadhesive
 from ...bodies import Problem
 from ...case import CaseModel, method_of
-from ...methods import Choice, least_first, survey
-from ...methods.choose import choose
+from ...methods import Choice, choose_method, least_first, survey
 from ...series import Solution
 from ..cache import at_unit_modulus, solved
 from .plan import Cases, Recipe
@@ -63,7 +62,7 @@ def _solved(body: Problem, model: CaseModel, folder: Path | None) -> Solution:
         except JkrError as error:
             if model.method != "auto":
                 raise
-            failure, options = error, choice.options or choose(body, "auto", build).options
+            failure, options = error, choice.options or choose_method(body, "auto", build).options
             choice = replace(choice, options=options).after_failure(error, build)
     raise failure
 
@@ -75,7 +74,7 @@ def least(body: Problem, model: CaseModel) -> Choice:
         (option,) = survey(body, build, [name])
         if option.is_accurate and option.is_quick:
             return Choice(name, build(name), "the simplest method for this body")
-    return choose(body, model.method, build)
+    return choose_method(body, model.method, build)
 
 
 def _row(

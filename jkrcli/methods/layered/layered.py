@@ -10,6 +10,7 @@ import numpy as np
 
 from ...base import Array, Refusal, StageClock
 from ...bodies import Loading, Problem, Specimen
+from ...bodies import unbounded as unbounded
 from ...series import ErrorBudget, Solution
 from .. import integral
 from ..protocol import Forecast
@@ -119,11 +120,6 @@ def _largest(problem: Problem) -> float:
 def expected_radius(contact: SolvedContact, loading: Loading, accuracy: float) -> float:
     """The contact radius [m] at which ``loading`` ends, extrapolated where it is many times the layers' length."""
     return integral.search(replace(contact, limit=QUICK * contact.scale), loading, accuracy).largest
-
-
-def unbounded(problem: Problem) -> Problem:
-    """The same problem without the sides of the specimen."""
-    return replace(problem, specimen=replace(problem.specimen, radius=None, side=None))
 
 
 def _contact(problem: Problem) -> SolvedContact:

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from jkrcli.adhesion.curve import CriticalPoint
-from jkrcli.adhesion.device import CONTROLS, position
+from jkrcli.adhesion.curve import CONTROLS, CriticalPoint, position
 from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve
 from jkrcli.adhesion.law import Range
 from jkrcli.base.arrays import Array

@@ -7,8 +7,18 @@ from ..base.lazy import lazily
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .critical import Errors, point_error
-    from .curve import AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, transform
-    from .device import CONTROLS, DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
+    from .curve import (
+        CONTROLS,
+        DISPLACEMENT_CONTROL,
+        LOAD_CONTROL,
+        AdhesiveCurve,
+        CriticalPoint,
+        Equilibrium,
+        EquilibriumCurve,
+        control,
+        position,
+        transform,
+    )
     from .finite_range import FiniteRangeBody, FiniteRangeCurve, unable
     from .law import Range, RangeRequest
     from .nonadhesive import Nonadhesive, Parts

@@ -9,8 +9,7 @@ from typing import Any
 
 from ..adhesion import unable
 from ..base import NOTICEABLE, Estimate, Refusal, Unknown, reached, show
-from ..beside.expectation import Expectation, expect
-from ..beside.left_out import LeftOut, left_out
+from ..beside.expectation import Expectation, LeftOut, expect, left_out
 from ..bodies import Problem
 from ..case import Case, CaseModel, method_of
 from ..methods import Choice, Option, choose_method, survey

@@ -16,7 +16,7 @@ from jkrcli.base import hdf5
 from jkrcli.base.errors import InputError
 from jkrcli.case import load_case, store
 from jkrcli.case.solving import solve
-from jkrcli.many import cache
+from jkrcli.many.sweep import solving
 from jkrcli.report import archive
 
 CASE = """
@@ -111,14 +111,14 @@ def test_a_changed_byte_of_a_kept_solve_is_not_believed(tmp_path: Path, trials: 
     path = tmp_path / "solve.h5"
     (tmp_path / "s.toml").write_text(CASE)
     _, solution = solve(load_case(tmp_path / "s.toml"))
-    store.write(path, solution, cache._made_by("key"))
+    store.write(path, solution, solving._made_by("key"))
     before = flat(hdf5.tree_of(path, path.read_bytes()))
 
     def same() -> None:
         assert flat(hdf5.tree_of(path, path.read_bytes())) == before
 
     assert (
-        one_byte_changed(path, trials, same, lambda: cache._read(path, solution.problem, "key") is None) > trials / 10
+        one_byte_changed(path, trials, same, lambda: solving._kept(path, solution.problem, "key") is None) > trials / 10
     )
 
 

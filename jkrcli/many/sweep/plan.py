@@ -1,4 +1,9 @@
-"""A sweep as it will be run: which cases there are, what each holds, which of them share a solve."""
+"""A sweep as it will be run: which cases there are, what each holds, which of them share a solve.
+
+Bodies that differ by one factor of all moduli share one: P, S and S' scale with the moduli and delta(a) does not, so
+that every problem is solved at unit modulus, E = 1 Pa at its surface. The result depends on the problem alone, never on
+which of several cases asked for it first.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +12,7 @@ import itertools
 import math
 import shlex
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -15,15 +20,16 @@ from typing import Any, TypeAlias
 from ... import __version__
 from ...adhesion.slopes import checked_rule
 from ...base import MOST_CELLS, InputError
+from ...bodies import Problem
 from ...case import Case, CaseModel, model_of, sweep
 from ...data.text_table import MOST_COLUMNS
-from ..cache import at_unit_modulus
 from .axes import Axis, W, resolve
 from .paths import LAYER_COUNT, Tables, unit_of, with_values
 from .quantities import ALONG, POINT, Wanted, names_of
 
 FIRM = ("radius", "thickness", "nu")  # how keys end whose values tell bodies apart
 PHYSICS = {"title", "indenter", "specimen", "loading", "adhesion"}
+DIGITS = 13  # theory: of numbers at unit modulus; of the 16 of a double quotients lose the last ones
 Cases: TypeAlias = Sequence[tuple[int, Mapping[str, Any]]]  # by their numbers and values, which share one solve
 
 
@@ -122,6 +128,23 @@ class Plan:
             shared.setdefault(hashlib.sha256(solve.encode()).digest(), []).append((number, values))
         pieces = (cases[first : first + most] for cases in shared.values() for first in range(0, len(cases), most))
         return list(pieces), wrong
+
+
+def at_unit_modulus(problem: Problem) -> tuple[Problem, float]:
+    """The problem with all moduli (and a load, where one is prescribed) over the surface's E, and that E [Pa]."""
+    factor = problem.specimen.surface.E
+    return _rounded(problem.scaled(1 / factor)), factor
+
+
+def _rounded(value: Any) -> Any:
+    """``value`` rounded throughout (``DIGITS``): quotients that are equal on paper become equal."""
+    if isinstance(value, float):
+        return float(f"{value:.{DIGITS - 1}e}")
+    if isinstance(value, tuple):
+        return tuple(_rounded(item) for item in value)
+    if is_dataclass(value) and not isinstance(value, type):
+        return replace(value, **{item.name: _rounded(getattr(value, item.name)) for item in fields(value) if item.init})
+    return value
 
 
 def _firm(keys: Sequence[str], row: Sequence[Any], cut: bool) -> list[Any]:

@@ -9,9 +9,8 @@ from functools import partial
 from pathlib import Path
 
 from ...base import SILENCE, InputError, JkrError, duration, executors, files, write_csv
-from ..cache import at_unit_modulus
 from .journal import Journal, opened
-from .plan import Cases, Plan
+from .plan import Cases, Plan, at_unit_modulus
 from .result import STEM, Swept, SweptCase, endings, table, write
 from .solving import failed, least, solve_group
 

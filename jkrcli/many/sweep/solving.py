@@ -1,7 +1,9 @@
-"""One group of cases solved: the work that goes to a worker."""
+"""One group of cases solved, the work that goes to a worker; what took long is kept, by what it depends on."""
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -9,18 +11,28 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from ... import __version__
 from ...adhesion import Nonadhesive
-from ...base import JkrError, Unknown
+from ...base import InputError, JkrError, Unknown, check_target
 from ...beside import adhesive, nonadhesive
 from ...bodies import Problem
-from ...case import CaseModel, method_of
-from ...methods import Choice, choose_method, least_first, survey
-from ...series import Solution
-from ..cache import at_unit_modulus, solved
-from .plan import Cases, Recipe
+from ...case import CaseModel, method_of, store
+from ...methods import Choice, Method, choose_method, least_first, survey
+from ...series import Record, Solution
+from .plan import Cases, Recipe, at_unit_modulus
 from .quantities import Value
 
 OK, FAILED = "ok", "failed"
+
+
+@dataclass(frozen=True)
+class SolvingTuning:
+    """Which solves are kept."""
+
+    worth_keeping: float = 0.1  # choice: CPU seconds; reading a file takes a tenth of it
+
+
+TUNING = SolvingTuning()
 
 
 @dataclass(frozen=True)
@@ -58,13 +70,49 @@ def _solved(body: Problem, model: CaseModel, folder: Path | None) -> Solution:
     choice: Choice | None = least(body, model)
     while choice is not None:
         try:
-            return solved(body, choice.method, folder)
+            return _once(body, choice.method, folder)
         except JkrError as error:
             if model.method != "auto":
                 raise
             failure, options = error, choice.options or choose_method(body, "auto", build).options
             choice = replace(choice, options=options).after_failure(error, build)
     raise failure
+
+
+def _key(problem: Problem, method: Method) -> str:
+    """A hash of all that a solve depends on: the physics, the method with its options, the release."""
+    return hashlib.sha256(f"{problem.key}\n{method!r}\n{__version__}".encode()).hexdigest()[:24]
+
+
+def _once(problem: Problem, method: Method, folder: Path | None = None) -> Solution:
+    """The solution of ``problem`` by ``method``: from ``folder`` where it is kept there, else solved, and kept there
+    where that was expensive (``SolvingTuning``)."""
+    key = _key(problem, method)
+    path = None if folder is None else folder / f"{key}.h5"
+    if path is not None and (stored := _kept(path, problem, key)) is not None:
+        return stored
+    start = time.process_time()
+    solution = replace(method(problem), record=Record(path=Path("series")))
+    expensive = time.process_time() - start > TUNING.worth_keeping
+    if path is not None and expensive and solution.raw is None and path.parent.is_dir():
+        with contextlib.suppress(JkrError):  # no room, or a shape that no case can say: it is solved every time
+            check_target(path, force=True)  # also what is damaged
+            store.write(path, solution, _made_by(key))
+    return solution
+
+
+def _made_by(key: str) -> str:
+    """What a kept file says of its origin: its name alone proves nothing."""
+    return f"jkr sweep, solve {key}"
+
+
+def _kept(path: Path, problem: Problem, key: str) -> Solution | None:
+    """A solution that was kept; None where there is none, its file is damaged, or it holds another solve."""
+    try:
+        solution = store.read(path, problem) if path.exists() else None
+    except InputError:
+        return None
+    return solution if solution is not None and solution.record.command_line == _made_by(key) else None
 
 
 def least(body: Problem, model: CaseModel) -> Choice:

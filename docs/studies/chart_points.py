@@ -134,7 +134,7 @@ def _measured(case: Case, setting: Setting, w: float, reference: Reference, repe
         file.write_text(case.to_toml(), encoding="utf-8")
         command = [sys.executable, "-m", "jkrcli", "run", str(file), "-o", str(target)]
         whole = typical(lambda: process_cost(command), repeat)
-        solved = store.read(target)
+        solved = store.read_solution(target)
         for slopes in SLOPES:
             try:
                 found, cost = timed(lambda name=slopes: analyse(solved, [w], name)[0].curve)  # type: ignore[misc]

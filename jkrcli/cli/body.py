@@ -139,9 +139,9 @@ def _is_body(path: Path) -> bool:
     if path.suffix != ".h5" or not path.is_file():
         return path.suffix == ".toml"
     from ..base import format_of
-    from ..case import store
+    from ..case import SERIES
 
-    return format_of(path) == store.FORMAT
+    return format_of(path) == SERIES
 
 
 def fitted_body(source: Path | Flags, slopes: str, limits: Limits) -> fits.FittedBody:

@@ -60,7 +60,7 @@ def test_a_solve_that_cannot_be_kept_is_no_failed_case(
         raise JkrError(f"{path}: cannot be written (No space left on device)")
 
     tuned("jkrcli.many.sweep.solving.TUNING.worth_keeping", -1.0)
-    monkeypatch.setattr("jkrcli.case.store.write", full)
+    monkeypatch.setattr("jkrcli.many.sweep.solving.write_solution", full)
     (tmp_path / "s.toml").write_text(TWO_LAYERS + SHARED.partition("[[axes]]\nzip")[0])
     assert jkr("sweep", "s.toml", "-o", "r", "--workers", "1").code == 0
     assert [row["status"] for row in rows(tmp_path / "r" / "table.csv")] == ["ok"] * 3
@@ -90,13 +90,13 @@ def test_expensive_solves_are_kept(jkr, tmp_path: Path, solves: list, tuned: Cal
     jkr("sweep", "s.toml", "-o", "r", "--workers", "1")
     before = rows(tmp_path / "r" / "table.csv")
     kept = sorted((tmp_path / "r" / "solves").iterdir())
-    assert [store.read(path).method for path in kept] == ["layered", "layered"]
+    assert [store.read_solution(path).method for path in kept] == ["layered", "layered"]
     (tmp_path / "s.toml").write_text(TWO_LAYERS + SHARED + '[outputs]\nquantities = ["pull_off"]\n')
     kept[0].write_bytes(kept[0].read_bytes()[:-100])
     solves.clear()
     assert jkr("sweep", "s.toml", "-o", "r", "--workers", "1").code == 0
     assert len(solves) == 1
-    assert store.read(kept[0]).method == "layered"
+    assert store.read_solution(kept[0]).method == "layered"
     after = rows(tmp_path / "r" / "table.csv")
     for name in after[0]:
         assert [row[name] for row in after] == [row[name] for row in before]

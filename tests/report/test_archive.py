@@ -111,7 +111,7 @@ def test_a_changed_byte_of_a_kept_solve_is_not_believed(tmp_path: Path, trials: 
     path = tmp_path / "solve.h5"
     (tmp_path / "s.toml").write_text(CASE)
     _, solution = solve(load_case(tmp_path / "s.toml"))
-    store.write(path, solution, solving._made_by("key"))
+    store.write_solution(path, solution, solving._made_by("key"))
     before = flat(hdf5.tree_of(path, path.read_bytes()))
 
     def same() -> None:

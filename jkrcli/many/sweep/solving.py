@@ -16,7 +16,7 @@ from ...adhesion import Nonadhesive
 from ...base import InputError, JkrError, Unknown, check_target
 from ...beside import adhesive, nonadhesive
 from ...bodies import Problem
-from ...case import CaseModel, method_of, store
+from ...case import CaseModel, method_of, read_solution, write_solution
 from ...methods import Choice, Method, choose_method, least_first, survey
 from ...series import Record, Solution
 from .plan import Cases, Recipe, at_unit_modulus
@@ -97,7 +97,7 @@ def _once(problem: Problem, method: Method, folder: Path | None = None) -> Solut
     if path is not None and expensive and solution.raw is None and path.parent.is_dir():
         with contextlib.suppress(JkrError):  # no room, or a shape that no case can say: it is solved every time
             check_target(path, force=True)  # also what is damaged
-            store.write(path, solution, _made_by(key))
+            write_solution(path, solution, _made_by(key))
     return solution
 
 
@@ -109,7 +109,7 @@ def _made_by(key: str) -> str:
 def _kept(path: Path, problem: Problem, key: str) -> Solution | None:
     """A solution that was kept; None where there is none, its file is damaged, or it holds another solve."""
     try:
-        solution = store.read(path, problem) if path.exists() else None
+        solution = read_solution(path, problem) if path.exists() else None
     except InputError:
         return None
     return solution if solution is not None and solution.record.command_line == _made_by(key) else None

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from .iteration import (
         AT_ONCE,
         DRAWN,
+        FEWEST_ROWS,
         LOOKED_AT,
         MOST_CELLS,
         MOST_SOLVES,

@@ -13,7 +13,7 @@ MOST_CELLS = 100_000_000  # choice: numbers of a table that is read or written, 
 AT_ONCE = 1_000_000  # choice: numbers of one array on the way to a result; 8 MB, and some such arrays
 LOOKED_AT = 400  # choice: points of a curve as it is drawn, or among which a zero or the largest value is sought
 DRAWN = 4000  # choice: points of curves that a picture tells apart
-# choice: of a direction of a record, a base line and a contact of a few rows each; as many steps beside a jump are usual
+# choice: of a direction of a record, a base line and a contact of a few rows each; so many steps beside a jump too
 FEWEST_ROWS = 20
 ROWS = 200  # choice: default number of rows of a curve
 TOGETHER = 20  # choice: items that make one task of another process

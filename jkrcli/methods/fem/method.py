@@ -14,10 +14,10 @@ from .cost import forecast
 from .edge import finest_spacing
 from .grid import Grid
 from .layout import Layout, layout_for
+from .model import Run, expected_reach, run
 from .options import DOUBLED, FEMOptions
 from .refinement import adapted, first
 from .report import finished
-from .run import Run, expected_reach, run
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ from ...series import Solution
 from .budget import TUNING as BUDGET
 from .budget import assessed, truncation_of
 from .edge import finest_spacing
+from .model import Run, expected_reach, run
 from .options import FEMOptions
 from .report import finished
-from .run import Run, expected_reach, run
 
 
 @dataclass(frozen=True)

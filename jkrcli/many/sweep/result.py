@@ -15,8 +15,7 @@ from ... import __version__
 from ...base import Array, Dataset, Group, InputError, atomic, printable, write_csv
 from ...report import Figure, Result, archive
 from .journal import Journal
-from .plan import Plan
-from .solving import FAILED, Row
+from .plan import FAILED, Plan, Row
 
 STEM = "table"
 MISSING = "NaN: there is no value; the column reason says why"

@@ -10,9 +10,8 @@ from pathlib import Path
 
 from ...base import SILENCE, InputError, JkrError, duration, executors, files, write_csv
 from .journal import Journal, opened
-from .plan import Cases, Plan, at_unit_modulus
+from .plan import Cases, Plan, at_unit_modulus, failed, least, solve_group
 from .result import STEM, Swept, SweptCase, endings, table, write
-from .solving import failed, least, solve_group
 
 JOURNAL, FAILED_TABLE, SOLVES = "journal.jsonl", "failed.csv", "solves"
 Say = Callable[[str], None]

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     )
     from .finite_range import FiniteRangeBody, FiniteRangeCurve, unable
     from .law import Range, RangeRequest
-    from .nonadhesive import Nonadhesive, Parts
+    from .nonadhesive import Nonadhesive
     from .path import REST, Jump, TimedState
     from .program import Course, Program
     from .rate.history import History, RateContact

@@ -17,8 +17,7 @@ from ..adhesion import LOAD_CONTROL, CriticalPoint, Validity, judge, refuse_wett
 from ..base import PATIENCE, Estimate, JkrError, Refusal, Unknown, show
 from ..bodies import INCOMPRESSIBLE, Elastic, HalfSpace, Loading, Paraboloid, Problem, Rigid, Sphere, unbounded
 from ..formulas.gravity import over_hertz, over_jkr
-from ..methods import Layered
-from ..methods.radii import DENSE
+from ..methods import DENSE, Layered
 from ..series import Series
 from .again import again
 from .comparison import alone, half_space_pull_off

@@ -10,7 +10,7 @@ from ..adhesion import Range, RangeRequest, stable_radius
 from ..base import ROUNDED, ROWS, Array, InputError, show
 from ..bodies import Problem, unbounded
 from ..case import Case
-from ..methods.layered import fields
+from ..methods import surface_profile
 from ..series import Solution
 from .analysis import analyse
 
@@ -59,7 +59,7 @@ def _stuck(solution: Solution, a: float, w: float) -> dict[str, Array]:
     """Pressure and shear at the nodes inside, displacement and gap at the vertices from the edge out to 3 a; outwards
     positive."""
     from ..case import fem_of
-    from ..methods.fem.state import contact_state
+    from ..methods import contact_state
 
     curve = analyse(solution, [w])[0].curve
     delta, _ = (float(value) for value in curve.at(np.array(a)))
@@ -86,7 +86,7 @@ def _columns(problem: Problem, a: float, w: float) -> dict[str, Array]:
     outside = a * (1 + 2 * np.linspace(0, 1, ROWS + 1)[1:] ** 2)
     outside = outside[outside <= problem.indenter.r_max]
     r = np.concatenate([inside, outside])
-    surface = fields.profile(problem, a, w, inside, r)
+    surface = surface_profile(problem, a, w, inside, r)
     return {
         "r_m": r,
         "pressure_Pa": np.concatenate([surface.pressure, 0 * outside]),

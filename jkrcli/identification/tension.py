@@ -21,8 +21,7 @@ from ..bodies import RADIUS, Loading, Problem, changed, unbounded
 from ..data import Curve
 from ..formulas.griffith import shift
 from ..formulas.surface_tension import edge_angle
-from ..methods import Layered, largest_radius
-from ..methods.radii import DENSE
+from ..methods import DENSE, Layered, largest_radius
 from .answer import Answer, FittedValue, word
 from .fit.body import for_each
 from .fit.points import TUNING as ROWS

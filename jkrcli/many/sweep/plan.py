@@ -25,7 +25,17 @@ from ...adhesion.slopes import checked_rule
 from ...base import MOST_CELLS, InputError, JkrError, Unknown, check_target
 from ...beside import adhesive, nonadhesive
 from ...bodies import Problem
-from ...case import Case, CaseModel, method_of, model_of, read_solution, sweep, write_solution
+from ...case import (
+    MOST_CASES,
+    Case,
+    CaseModel,
+    SweepModel,
+    load_sweep,
+    method_of,
+    model_of,
+    read_solution,
+    write_solution,
+)
 from ...data.text_table import MOST_COLUMNS
 from ...methods import Choice, Method, choose_method, least_first, survey
 from ...series import Record, Solution
@@ -171,7 +181,7 @@ def _firm(keys: Sequence[str], row: Sequence[Any], cut: bool) -> list[Any]:
 
 def load_plan(path: Path) -> Plan:
     """The plan of the sweep file at ``path``; InputError with a line per mistake."""
-    model, tables, folder = sweep.load_sweep(path)
+    model, tables, folder = load_sweep(path)
     source = str(path)
     wanted = _wanted(model, source)
     axes, first = resolve(model, tables, folder, source)
@@ -180,8 +190,8 @@ def load_plan(path: Path) -> Plan:
             f"{source}: the quantities asked for need a work of adhesion: vary adhesion.w, or set it in the base case"
         )
     plan = Plan(source, model.title, Recipe(_self_contained(tables, first, axes), wanted, folder), axes)
-    if plan.count > sweep.MOST_CASES:
-        raise InputError(f"{source}: makes {plan.count:,} cases, at most {sweep.MOST_CASES:,} are allowed in one sweep")
+    if plan.count > MOST_CASES:
+        raise InputError(f"{source}: makes {plan.count:,} cases, at most {MOST_CASES:,} are allowed in one sweep")
     if (cells := plan.count * len(wanted.columns)) > MOST_CELLS:
         raise InputError(
             f"{source}: makes {plan.count:,} cases of {len(wanted.columns):,} columns, {cells:,} cells, at most "
@@ -190,7 +200,7 @@ def load_plan(path: Path) -> Plan:
     return plan
 
 
-def _wanted(model: sweep.SweepModel, source: str) -> Wanted:
+def _wanted(model: SweepModel, source: str) -> Wanted:
     outputs = model.outputs
     columns = len(ALONG) * len(outputs.radii) + len(POINT) * len(outputs.stiffness)
     if columns > MOST_COLUMNS:

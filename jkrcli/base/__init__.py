@@ -23,8 +23,21 @@ if TYPE_CHECKING:
         printable,
         writable,
     )
-    from .executors import Pool, completed, executor, in_order
-    from .files import atomic, beside, check_series_target, check_target, read_bytes, together, write_bytes, write_text
+    from .executors import Pool, Progress, completed, executor, in_order, silent
+    from .files import (
+        atomic,
+        beside,
+        check_series_target,
+        check_target,
+        make_folder,
+        opened,
+        read_bytes,
+        real_path,
+        remove_file,
+        together,
+        write_bytes,
+        write_text,
+    )
     from .hdf5 import Dataset, Group, format_of, tree_of, unit_column
     from .installing import installs
     from .iteration import (

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
-from ..adhesion import LOAD_CONTROL, RangeRequest
+from ..adhesion import RangeRequest
 from ..adhesion.slopes import RULES
 from ..base import LARGEST_SI, InputError, doubtful_work, parse
 from ..methods import LESS, Forecast, Limits, admit
@@ -106,7 +106,7 @@ LENGTH_ABOVE_0, STRESS = QuantityType("LENGTH", "length", "> 0"), QuantityType("
 FACTOR, SENSITIVITY = QuantityType("FACTOR", "number", "> 0"), QuantityType("SENSITIVITY", "sensitivity", "> 0")
 STIFFNESS = QuantityType("STIFFNESS", "stiffness", "> 0", words={"rigid": math.inf})  # of a device
 CONTROL = QuantityType("STIFFNESS", "stiffness", '> 0, or "load" for load control, or "rigid"',
-                       words={"rigid": math.inf, "load": LOAD_CONTROL})  # fmt: skip
+                       words={"rigid": math.inf, "load": 0.0})  # fmt: skip
 
 
 class KeyValueType(ParsedType):

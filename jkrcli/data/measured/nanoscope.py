@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...base import LARGEST_SI, Array, InputError, allowance_of, files, most_text, read_bytes
+from ...base import LARGEST_SI, Array, InputError, allowance_of, most_text, opened, read_bytes
 from ..titles import unit_power
 from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, AsRead, Curve, Pixel, Reading, place
 from .instruments import toward
@@ -35,7 +35,7 @@ def knows(path: Path) -> bool:
     """Whether the file begins and goes on as a binary one of the Nanoscope."""
     if not path.is_file():
         return False
-    with files.opened(path, WHAT) as file:
+    with opened(path, WHAT) as file:
         return file.read(len(BEGINS)) == BEGINS and BINARY in file.read(most_text())
 
 

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from .rate.laws import RATE_LAWS, LogRate, PowerRate, RateLaw, parameters_of, rate_law_of, rate_parameters
     from .relaxation.history import RelaxedHistory, RelaxingContact
     from .sharp import resolved, yielding
+    from .slopes import RULES, checked_rule
     from .slopes.result import TWO_SIDED_90, Slopes
     from .stability import Behaviour, Cycle, behaviour, behaviours, branch, cycle, stable_radius, trace, turning_radius
     from .stability_inverse import FoundWork, work_from_pull_off

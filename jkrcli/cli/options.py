@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
-from ..adhesion import RangeRequest
-from ..adhesion.slopes import RULES
+from ..adhesion import RULES, RangeRequest
 from ..base import LARGEST_SI, InputError, doubtful_work, parse
 from ..methods import LESS, Forecast, Limits, admit
 from ..report import Output

@@ -20,8 +20,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from ... import __version__
-from ...adhesion import Nonadhesive
-from ...adhesion.slopes import checked_rule
+from ...adhesion import Nonadhesive, checked_rule
 from ...base import MOST_CELLS, InputError, JkrError, Unknown, check_target
 from ...beside import adhesive, nonadhesive
 from ...bodies import Problem

@@ -25,9 +25,7 @@ if TYPE_CHECKING:
         StandardSolid, TableProfile, Tabulated, TransverselyIsotropic,
     )  # fmt: skip
     from .data import Reading
-    from .methods import FEM, Layered, Limits
-    from .methods.closed_form.method import ClosedForm
-    from .methods.hybrid.method import Hybrid
+    from .methods import FEM, ClosedForm, Hybrid, Layered, Limits
 
 # isort: on
 

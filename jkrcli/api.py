@@ -56,7 +56,7 @@ from .adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, RangeRequest
 from .base import InputError, check_series_target, one_thread, parse
 from .beside import analyse, nonadhesive, with_solved_points
 from .bodies import Problem
-from .case import Case, store
+from .case import Case, read_solution, write_solution
 from .case import load_case as load_case
 from .case import parse_case as _parse_case
 from .case import solve as _solve
@@ -109,14 +109,14 @@ def solve(
 
 def read(path: str | Path) -> Solution:
     """What the series file (HDF5) at ``path`` holds, contact pressures included."""
-    return store.read(path, with_pressure=True)
+    return read_solution(path, with_pressure=True)
 
 
 def save(solved: Solution, path: str | Path, force: bool = False) -> Path:
     """Write a series file, whole or not at all; a file that jkr did not write is replaced only with ``force``."""
     target = Path(path)
     check_series_target(target, force)
-    store.write(target, solved, "import jkrcli")
+    write_solution(target, solved, "import jkrcli")
     return target
 
 
@@ -269,7 +269,7 @@ def _solution(solved: Body, method: str | Method | None) -> Solution:
     """The series of what is solved, or to be solved."""
     if isinstance(solved, Case | Problem) or (not isinstance(solved, Solution) and Path(solved).suffix == ".toml"):
         solved = solve(solved, method)
-    return solved if isinstance(solved, Solution) else store.read(solved)
+    return solved if isinstance(solved, Solution) else read_solution(solved)
 
 
 def _maybe(name: str, value: Number | None, dimension: str) -> float | None:

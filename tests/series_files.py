@@ -16,7 +16,7 @@ def edit(path: Path, change: Callable[[h5py.File], object]) -> None:
     with h5py.File(path, "r+") as file:
         change(file)
     try:
-        root = hdf5.parse(path, path.read_bytes())
+        root = hdf5.tree_of(path, path.read_bytes())
     except InputError:
         return  # nothing to seal: it cannot be read at all
     with h5py.File(path, "r+") as file:

@@ -137,7 +137,7 @@ def test_a_file_needs_no_method_that_it_was_not_made_with(tmp_path: Path) -> Non
     text = (tmp_path / "my.h5").read_bytes()
     assert b"winkler" not in text
     assert b"[mesh]" not in text
-    assert store.read(tmp_path / "my.h5").method == "layered"
+    assert store.read_solution(tmp_path / "my.h5").method == "layered"
 
 
 def test_a_bad_default_is_told_when_its_method_is_used(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -273,7 +273,7 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
         lambda: python.profile("gel.h5", load="0.5 mN", w=0.04),
         "",
     ),
-    "show": (("show", "gel.h5"), lambda: Shown([store.read(Path("gel.h5"))]), ""),
+    "show": (("show", "gel.h5"), lambda: Shown([store.read_solution(Path("gel.h5"))]), ""),
     "explore": (("explore", "gel.h5", "gel.csv", "--force"), _explored, ""),
     "mesh": (("mesh", CASES / "halfspace.toml"), _meshed, ""),
     "bench": (("bench", CASES / "gel.toml", "--repeat", "1"), _benched, ""),

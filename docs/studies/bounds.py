@@ -10,8 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from jkrcli.adhesion.critical import Errors
-from jkrcli.adhesion.curve import CriticalPoint
-from jkrcli.adhesion.device import CONTROLS
+from jkrcli.adhesion.curve import CONTROLS, CriticalPoint
 from jkrcli.adhesion.sharp import resolved
 from jkrcli.base.arrays import Array
 from jkrcli.base.errors import JkrError

@@ -20,7 +20,7 @@ from jkrcli.case.models import CaseModel
 from jkrcli.case.numerics import fem_of, method_of
 from jkrcli.many.cost import Cost, process_cost
 from jkrcli.methods import METHODS, method_class
-from jkrcli.methods.choose import choose
+from jkrcli.methods.choose import choose_method
 
 from .chart_measure import timed, typical
 from .chart_reference import Errors, Reference
@@ -134,7 +134,7 @@ def _measured(case: Case, setting: Setting, w: float, reference: Reference, repe
         file.write_text(case.to_toml(), encoding="utf-8")
         command = [sys.executable, "-m", "jkrcli", "run", str(file), "-o", str(target)]
         whole = typical(lambda: process_cost(command), repeat)
-        solved = store.read(target)
+        solved = store.read_solution(target)
         for slopes in SLOPES:
             try:
                 found, cost = timed(lambda name=slopes: analyse(solved, [w], name)[0].curve)  # type: ignore[misc]
@@ -166,7 +166,7 @@ def beside_front(point: tuple[float, float], points: Sequence[tuple[float, float
 def automatic(case: Case) -> str:
     """The method that "auto" takes with the case's tables left at their defaults."""
     bare = case.model.model_copy(update={name: type(getattr(case.model, name))() for name in ("mesh", "layered")})
-    return choose(case.model.problem(), "auto", lambda name: method_of(bare, name)).name
+    return choose_method(case.model.problem(), "auto", lambda name: method_of(bare, name)).name
 
 
 def chosen_points(points: Sequence[Measured], method: str) -> list[Measured]:

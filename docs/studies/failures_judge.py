@@ -24,7 +24,7 @@ from jkrcli.base.unknown import Unknown
 from jkrcli.bodies.problem import Loading, Problem
 from jkrcli.formulas.griffith import shift
 from jkrcli.methods import METHODS, Method, method_class
-from jkrcli.methods.layered.fields import profile
+from jkrcli.methods.layered.fields import surface_profile
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import RawSeries, Series, Solution, first_of_plateaus
 
@@ -148,7 +148,7 @@ def _compared(cell: Cell, solution: Solution) -> Verdict:
 def _not_a_disc(cell: Cell) -> str | None:
     """Why the contact is no disc without adhesion: the exact pressure pulls at the largest radius; None: it is one."""
     plain = replace(cell, length_unit=1.0, force_unit=1.0)
-    found = profile(plain.problem, cell.a_over_h, 0.0, cell.a_over_h * np.linspace(0.05, 0.9, 10), np.array([]))
+    found = surface_profile(plain.problem, cell.a_over_h, 0.0, cell.a_over_h * np.linspace(0.05, 0.9, 10), np.array([]))
     pull = float(found.pressure.min()) * np.pi * found.a**2 / found.P
     return f"the contact pulls with {-pull:.2g} of its mean pressure" if pull < -TUNING.pulls else None
 

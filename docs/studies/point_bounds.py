@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jkrcli.adhesion.critical import point_error
-from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint
-from jkrcli.adhesion.device import CONTROLS
+from jkrcli.adhesion.curve import CONTROLS, AdhesiveCurve, CriticalPoint
 from jkrcli.adhesion.nonadhesive import Nonadhesive
 from jkrcli.base.arrays import Array
 from jkrcli.base.errors import JkrError

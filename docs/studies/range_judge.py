@@ -8,19 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from jkrcli.adhesion.curve import CriticalPoint
-from jkrcli.adhesion.device import CONTROLS, position
+from jkrcli.adhesion.curve import CONTROLS, CriticalPoint, position
 from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve
 from jkrcli.adhesion.law import Range
 from jkrcli.base.arrays import Array
 from jkrcli.base.errors import JkrError
+from jkrcli.bodies import unbounded
 from jkrcli.bodies.problem import Problem
 from jkrcli.formulas.griffith import shift
 from jkrcli.methods.attraction import AttractedBody
 from jkrcli.methods.hybrid.adaptive import AdaptiveKernel
 from jkrcli.methods.integral.attraction import Attraction
 from jkrcli.methods.integral.quadrature import Panels, Quadrature
-from jkrcli.methods.layered.layered import unbounded
 from jkrcli.methods.layered.stack import LayeredContact
 from jkrcli.series import Series
 

@@ -7,17 +7,28 @@ from ..base.lazy import lazily
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .critical import Errors, point_error
-    from .curve import AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, transform
-    from .device import CONTROLS, DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
+    from .curve import (
+        CONTROLS,
+        DISPLACEMENT_CONTROL,
+        LOAD_CONTROL,
+        AdhesiveCurve,
+        CriticalPoint,
+        Equilibrium,
+        EquilibriumCurve,
+        control,
+        position,
+        transform,
+    )
     from .finite_range import FiniteRangeBody, FiniteRangeCurve, unable
     from .law import Range, RangeRequest
-    from .nonadhesive import Nonadhesive, Parts
+    from .nonadhesive import Nonadhesive
     from .path import REST, Jump, TimedState
     from .program import Course, Program
     from .rate.history import History, RateContact
     from .rate.laws import RATE_LAWS, LogRate, PowerRate, RateLaw, parameters_of, rate_law_of, rate_parameters
     from .relaxation.history import RelaxedHistory, RelaxingContact
     from .sharp import resolved, yielding
+    from .slopes import RULES, checked_rule
     from .slopes.result import TWO_SIDED_90, Slopes
     from .stability import Behaviour, Cycle, behaviour, behaviours, branch, cycle, stable_radius, trace, turning_radius
     from .stability_inverse import FoundWork, work_from_pull_off

@@ -25,9 +25,8 @@ import numpy as np
 
 from ..base import SAME, UNSEEN, Array, InputError, Unknown
 from ..series import Series
-from .curve import NO_ADHESION, AdhesiveCurve, CriticalPoint, Equilibrium, transform
+from .curve import NO_ADHESION, AdhesiveCurve, CriticalPoint, Equilibrium, position, transform
 from .curve import TUNING as CURVE
-from .device import position
 from .nonadhesive import Nonadhesive
 from .slopes import slopes_function
 

@@ -1,6 +1,9 @@
 """From a nonadhesive series to the adhesive curve of any work of adhesion, and what is read off that curve.
 
 delta(a) = delta_H(a) - sqrt(w) t(a)      P(a) = P_H(a) - sqrt(w) S(a) t(a)      t = sqrt(4 pi a/S')      (Eq. 13)
+
+The stiffness of the device that presses decides what it prescribes, a load, a displacement or its own position
+delta + P/stiffness: where that is stationary along the curve, contact is lost.
 """
 
 from __future__ import annotations
@@ -10,14 +13,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
 from ..base import ROUNDED, Array, Estimate, InputError, Unknown, composite_gauss, show, zeros_between
 from ..formulas.griffith import shift
 from ..series import Series
-from .device import DISPLACEMENT_CONTROL, LOAD_CONTROL, controlled, position, positions
 from .nonadhesive import Nonadhesive
 from .slopes.result import Slopes
 
@@ -41,6 +43,34 @@ class CurveTuning:
 
 
 TUNING = CurveTuning()
+
+
+LOAD_CONTROL, DISPLACEMENT_CONTROL = 0.0, math.inf  # as stiffness of the device [N/m]
+CONTROLS = {"load": LOAD_CONTROL, "displacement": DISPLACEMENT_CONTROL}
+
+
+def position(delta: Any, P: Any, stiffness: float) -> Any:
+    """The position delta + P/stiffness [m] that a device of ``stiffness`` [N/m] prescribes; the load [N] at 0."""
+    if math.isnan(stiffness) or stiffness < 0:
+        raise InputError(f"stiffness: must be >= 0 N/m (0: load control, infinite: displacement), got {stiffness:g}")
+    return P if stiffness == LOAD_CONTROL else delta + P / stiffness
+
+
+def positions(delta: Array, P: Array, stiffness: Array) -> Array:
+    """The ``position`` of each of several devices."""
+    loaded = stiffness == LOAD_CONTROL
+    return np.where(loaded, 0.0, delta) + P / np.where(loaded, 1.0, stiffness)
+
+
+def controlled(stiffness: float) -> str:
+    """The quantity that a device prescribes: ``load``, ``displacement`` or ``device position``."""
+    return {value: name for name, value in CONTROLS.items()}.get(stiffness, "device position")
+
+
+def control(stiffness: float) -> str:
+    """The control in words: ``load control``, ``displacement control`` or ``device of 0.2 N/m``."""
+    name = controlled(stiffness)
+    return f"{name} control" if name in CONTROLS else f"device of {show(stiffness, 'stiffness')}"
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import MOST_SOLVES, Array, InputError, Unknown, zeros_between
-from .curve import CriticalPoint, Equilibrium, EquilibriumCurve
-from .device import DISPLACEMENT_CONTROL, LOAD_CONTROL
+from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, CriticalPoint, Equilibrium, EquilibriumCurve
 from .stability import behaviour
 
 

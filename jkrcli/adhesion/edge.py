@@ -16,8 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base import Array
-from .curve import AdhesiveCurve
-from .device import LOAD_CONTROL, position
+from .curve import LOAD_CONTROL, AdhesiveCurve, position
 from .nonadhesive import Nonadhesive
 
 

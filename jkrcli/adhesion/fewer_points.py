@@ -16,8 +16,7 @@ import numpy as np
 
 from ..base import Array
 from ..bodies import Indenter
-from .curve import Equilibrium
-from .device import position
+from .curve import Equilibrium, position
 
 
 @dataclass(frozen=True)

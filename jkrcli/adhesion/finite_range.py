@@ -21,9 +21,8 @@ from ..methods import METHODS, AttractedBody
 from ..methods.integral import Attraction, Rims, refuse_narrow
 from ..methods.layered.stack import checked
 from ..series import Series, Solution
+from .curve import CONTROLS, CriticalPoint, Equilibrium, EquilibriumCurve, controlled, position
 from .curve import TUNING as CURVE
-from .curve import CriticalPoint, Equilibrium, EquilibriumCurve
-from .device import CONTROLS, controlled, position
 from .fewer_points import TUNING as POINTS
 from .fewer_points import error_by_points
 from .law import Range

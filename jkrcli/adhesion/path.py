@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..base import MOST_STEPS, ROUNDED, Array, InputError, Unknown, show, zeros_between
-from .curve import AdhesiveCurve, Equilibrium, EquilibriumCurve
-from .device import LOAD_CONTROL, control, position
+from .curve import LOAD_CONTROL, AdhesiveCurve, Equilibrium, EquilibriumCurve, control, position
 from .edge import Edge
 from .program import Program, Ramp
 

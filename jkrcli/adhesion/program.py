@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ..base import Array, InputError, parse
-from .device import LOAD_CONTROL
+from .curve import LOAD_CONTROL
 
 
 @dataclass(frozen=True)

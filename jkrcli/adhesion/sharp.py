@@ -12,8 +12,7 @@ import numpy as np
 
 from ..base import Unknown, show
 from ..bodies import Problem
-from .curve import CriticalPoint, EquilibriumCurve
-from .device import position
+from .curve import CriticalPoint, EquilibriumCurve, position
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,16 @@ from functools import cached_property
 import numpy as np
 
 from ..base import Array, Estimate, InputError, Unknown, show
-from .curve import NO_ADHESION, CriticalPoint, Equilibrium, EquilibriumCurve
-from .device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
+from .curve import (
+    DISPLACEMENT_CONTROL,
+    LOAD_CONTROL,
+    NO_ADHESION,
+    CriticalPoint,
+    Equilibrium,
+    EquilibriumCurve,
+    control,
+    position,
+)
 from .path import ADVANCE, RECEDE, REST, Jump, Path, QuasiStatic, grow, largest_stable, shrink
 
 STABLE, GRIPPED, UNSTABLE = "stable", "displacement-control", "unstable"

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import ROUNDED, SAME, Array, InputError, SolveError, Unknown, show, zeros_between
-from .curve import AdhesiveCurve, CriticalPoint
-from .device import LOAD_CONTROL, position
+from .curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, position
 from .nonadhesive import Nonadhesive
 
 STEP = math.log(4.0)  # of log w, beyond what the radii of the series give; choice: time alone depends on it

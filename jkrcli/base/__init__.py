@@ -6,16 +6,44 @@ from .lazy import lazily
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from .allowance import allowance_of, most_text
     from .arrays import Array, evenly
     from .clock import PATIENCE, SILENCE, StageClock, duration
     from .cubic import EvenCubic, PiecewiseCubic, PiecewiseQuintic, spline_slopes, zeros_between
-    from .errors import InputError, JkrError, Refusal, SolveError, did_you_mean, first_line, positive, printable
-    from .executors import Pool, completed, executor, in_order
-    from .files import atomic, beside, check_series_target, check_target, read_bytes, together, write_bytes, write_text
+    from .draws import DISTRIBUTIONS, Distribution, draw
+    from .errors import (
+        InputError,
+        JkrError,
+        Refusal,
+        SolveError,
+        did_you_mean,
+        first_line,
+        nearest,
+        positive,
+        printable,
+        writable,
+    )
+    from .executors import Pool, Progress, completed, executor, in_order, silent
+    from .files import (
+        atomic,
+        beside,
+        check_series_target,
+        check_target,
+        make_folder,
+        opened,
+        read_bytes,
+        real_path,
+        remove_file,
+        together,
+        write_bytes,
+        write_text,
+    )
+    from .hdf5 import Dataset, Group, format_of, tree_of, unit_column
     from .installing import installs
     from .iteration import (
         AT_ONCE,
         DRAWN,
+        FEWEST_ROWS,
         LOOKED_AT,
         MOST_CELLS,
         MOST_SOLVES,
@@ -23,6 +51,7 @@ if TYPE_CHECKING:
         NO_CLAIM,
         NOTICEABLE,
         REMEMBERED,
+        RESIDUAL_LIMIT,
         ROUNDED,
         ROWS,
         SAME,
@@ -37,7 +66,24 @@ if TYPE_CHECKING:
     from .registry import Key, Registry
     from .table import as_json, lists, write_csv
     from .threads import begin_with_one, one_thread
-    from .units import LARGEST_SI, SI, UNITS, AnyLength, Length, Ranged, check_ranges, parse, ranges_of, scale, show
+    from .units import (
+        LARGE_WORK,
+        LARGEST_SI,
+        SI,
+        UNITS,
+        AnyLength,
+        Length,
+        Modulus,
+        Ranged,
+        check_ranges,
+        decades,
+        doubtful_work,
+        parse,
+        ranges_of,
+        reached,
+        scale,
+        show,
+    )
     from .unknown import Estimate, Unknown, accuracy, known
 
 __getattr__ = lazily(__name__, __file__)

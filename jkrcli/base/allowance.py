@@ -62,8 +62,13 @@ class Allowance:
         self.take(len(text), rows=rows, memory=per_row * rows + per_byte * len(text))
 
 
+def most_text() -> int:
+    """Bytes of tables in text that are read of one file."""
+    return TUNING.text
+
+
 @contextlib.contextmanager
-def reading(path: Path | str, size: int | None = None, fenced: bool = True) -> Iterator[Allowance]:
+def allowance_of(path: Path | str, size: int | None = None, fenced: bool = True) -> Iterator[Allowance]:
     """The allowance of a block that reads the file at ``path``. One InputError where memory runs out, whatever the
     library raises; ``fenced``: before a library takes more than the largest file and all that it unpacks to, whatever
     a small file declares."""

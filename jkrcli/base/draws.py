@@ -37,7 +37,7 @@ def _lognormal(u: Array, median: float, factor: float, *limits: float) -> Array:
     return np.exp(_normal(u, math.log(median), math.log(factor), *cut))
 
 
-KINDS = {
+DISTRIBUTIONS = {
     "uniform": Kind(("from", "to"), lambda u, start, end: start + (end - start) * u),
     "loguniform": Kind(("from", "to"), lambda u, start, end: start * (end / start) ** u, "from"),
     "normal": Kind(("mean", "sd"), _normal, "sd", LIMITS),
@@ -55,7 +55,7 @@ class Distribution:
     parameters: Mapping[str, Any]
 
     def __post_init__(self) -> None:
-        name = KINDS[self.kind].positive
+        name = DISTRIBUTIONS[self.kind].positive
         self._check_rise("from", "to")
         if name and self.parameters[name] <= 0:
             raise InputError(f"{self.kind}: {name} must be > 0, got {self.parameters[name]:g}")
@@ -68,7 +68,7 @@ class Distribution:
 
     def at(self, u: Array) -> tuple[Any, ...]:
         """The values below which the fractions ``u`` of all draws lie."""
-        needed, at, _, limits = KINDS[self.kind]
+        needed, at, _, limits = DISTRIBUTIONS[self.kind]
         values = {**limits, **self.parameters}
         return tuple(at(u, *(values[name] for name in (*needed, *limits))).tolist())
 

@@ -81,7 +81,7 @@ def read_bytes(path: Path, what: str, limit: int | None = None) -> bytes:
     """The content of ``path``; InputError where it is missing, a folder, unreadable or beyond ``limit`` bytes (None:
     what is allowed of any file)."""
     limit = allowance.TUNING.size if limit is None else limit
-    with allowance.reading(path), opened(path, what) as file:
+    with allowance.allowance_of(path), opened(path, what) as file:
         if os.fstat(file.fileno()).st_size > limit:
             raise InputError(f"{path}: {what} is larger than {limit >> 20} MiB")
         return file.read()
@@ -118,9 +118,9 @@ def is_ours(path: Path) -> bool:
     with contextlib.suppress(OSError), path.open("rb") as file:
         head = file.read(4096)
         if head.startswith(b"\x89HDF"):
-            from .hdf5 import kind
+            from .hdf5 import format_of
 
-            return kind(path).startswith("jkr-")
+            return format_of(path).startswith("jkr-")
         if head.startswith(PARQUET):
             return _parquet_mark(file)
         file.seek(max(0, path.stat().st_size - 256))
@@ -164,7 +164,7 @@ def check_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -
         if not os.access(path.parent, os.W_OK):
             raise InputError(f"{path}: the folder {path.parent} is not writable")
         _finish(path.parent)
-        _tidy(real(path.parent))
+        _tidy(real_path(path.parent))
         if path.exists() and any(source.exists() and path.samefile(source) for source in inputs):
             raise InputError(f"{path}: is read by this command, cannot be written too; give another name")
         (_forced.add if force else _forced.discard)(path.absolute())
@@ -192,7 +192,7 @@ def check_series_target(path: Path, force: bool = False, inputs: Iterable[Path] 
         raise InputError(f"{path}: a series is written as HDF5, its name must end in .h5")
 
 
-def real(path: Path) -> Path:
+def real_path(path: Path) -> Path:
     """The absolute path without links; where they go round in a circle as far as it is known."""
     return Path(os.path.realpath(path))
 
@@ -203,7 +203,7 @@ def make_folder(path: Path) -> None:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"{path}: cannot be made a folder ({error.strerror})") from None
-    _tidy(real(path))
+    _tidy(real_path(path))
 
 
 @contextlib.contextmanager
@@ -221,7 +221,7 @@ def atomic(path: Path) -> Iterator[Path]:
             raise JkrError(f"{path}: cannot be written ({error.strerror or error})") from None
 
 
-def remove(path: Path) -> None:
+def remove_file(path: Path) -> None:
     """Let the file at ``path`` go as ``atomic`` lets one come; an empty folder stands for it until then."""
     with together() as stages:
         (_stage(path.parent, stages) / WHOLE / NEW / path.name).mkdir()

@@ -45,7 +45,7 @@ class Group:
     members: Mapping[str, Group | Dataset] = field(default_factory=dict)
 
 
-def column(values: Array, unit: str, description: str = "") -> Dataset:
+def unit_column(values: Array, unit: str, description: str = "") -> Dataset:
     """A dataset of numbers that states its unit."""
     attributes = {"unit": unit} | ({"description": description} if description else {})
     return Dataset(np.asarray(values), attributes)
@@ -144,24 +144,24 @@ def _fixed(texts: str | Sequence[str]) -> Array:
 
 
 # ---------------------------------------------------------------------- reading
-def kind(path: Path) -> str:
+def format_of(path: Path) -> str:
     """The attribute "format" of the file at ``path``; "" where there is none of fixed length or it is damaged."""
     try:
-        with allowance.reading(path) as allowed, h5py.File(path, "r") as file:
+        with allowance.allowance_of(path) as allowed, h5py.File(path, "r") as file:
             is_free = file.attrs.get_id("format").dtype.hasobject
             return "" if is_free else str(_Reader(path, path.stat().st_size, allowed).attribute(file, "format"))
     except (InputError, *UNREADABLE):
         return ""
 
 
-def parse(path: Path, content: bytes, without: Container[str] = (), remedy: str = RUN_AGAIN) -> Group:
+def tree_of(path: Path, content: bytes, without: Container[str] = (), remedy: str = RUN_AGAIN) -> Group:
     """The tree in the ``content`` of the file at ``path``, members of the root named in ``without`` left out.
 
     InputError in one line where it is truncated, damaged, being written by another program, leads to other files, or
     takes more than is allowed.
     """
     try:
-        with allowance.reading(path) as allowed:
+        with allowance.allowance_of(path) as allowed:
             _check_heaps(content, allowed)
             with h5py.File(h5py.h5f.open_file_image(content)) as file:
                 return _Reader(path, len(content), allowed).group(file, without)

@@ -11,9 +11,8 @@ from ..adhesion import Range, RangeRequest, stable_radius
 from ..base import ROUNDED, ROWS, Array, InputError, Refusal, show
 from ..bodies import Loading, Problem
 from ..case import Case
-from ..methods import AttractedBody
+from ..methods import AttractedBody, surface_profile
 from ..methods.integral.density import unsmooth
-from ..methods.layered import fields
 from ..series import Solution
 from .analysis import analyse
 
@@ -105,7 +104,7 @@ def _meshed(solution: Solution, a: float, w: float) -> dict[str, Array]:
     """Pressure at the nodes inside, displacement and gap at the vertices from the edge out to 3 a, by finite elements;
     where the surfaces stick, shear too, outwards positive."""
     from ..case import fem_of
-    from ..methods.fem.state import contact_state
+    from ..methods import contact_state
 
     curve = analyse(solution, [w])[0].curve
     delta, _ = (float(value) for value in curve.at(np.array(a)))
@@ -133,7 +132,7 @@ def _columns(problem: Problem, a: float, w: float) -> dict[str, Array]:
     outside = a * (1 + 2 * np.linspace(0, 1, ROWS + 1)[1:] ** 2)
     outside = outside[outside <= problem.indenter.r_max]
     r = np.concatenate([inside, outside])
-    surface = fields.profile(problem, a, w, inside, r)
+    surface = surface_profile(problem, a, w, inside, r)
     return {
         "r_m": r,
         "pressure_Pa": np.concatenate([surface.pressure, 0 * outside]),

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..base import Array, Estimate, JkrError, Unknown, show
-from ..bodies import Problem
+from ..bodies import Problem, unbounded
 from ..methods.layered import layered, stack, stuck
 from ..series import Series, Solution
 
@@ -73,7 +73,7 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
     """Effect on ``problem`` at the contact radius ``largest`` [m], or why it is not known."""
     if problem.specimen.surface_tension:
         return Unknown("effect of no slip unknown: it is not derived with surface tension")
-    body = layered.unbounded(problem)
+    body = unbounded(problem)
     if reason := stuck.unable(body.indenter, body.specimen):
         return Unknown(f"effect of no slip unknown: {reason}")
     pair = stack.LayeredContact(body.indenter, body.specimen), stuck.StuckLayeredContact(body.indenter, body.specimen)

@@ -10,7 +10,7 @@ from typing import Annotated, Self
 
 import numpy as np
 
-from ..base import AnyLength, Array, InputError, Key, Length, Ranged, Registry, positive, units
+from ..base import AnyLength, Array, InputError, Key, Length, Modulus, Ranged, Registry, positive
 
 LAWS = Registry(inherited="thickness")
 law = LAWS.register  # decorator: the name by which ``E = { law = ... }`` of a case file calls it
@@ -46,8 +46,8 @@ class Law(ABC):
 class _Between(Law):
     """A smooth law from ``top`` to ``bottom`` [Pa] over ``depth`` [m]."""
 
-    top: units.Modulus
-    bottom: units.Modulus
+    top: Modulus
+    bottom: Modulus
     depth: Annotated[float, Key("thickness")]
 
     def __post_init__(self) -> None:
@@ -94,7 +94,7 @@ class Exponential(_Between):
 class Power(Law):
     """E = top (1 + z/length)^exponent; any real ``exponent``."""
 
-    top: units.Modulus
+    top: Modulus
     length: Length
     exponent: Annotated[float, Ranged("number")]
 
@@ -125,7 +125,7 @@ class Tabulated(Law):
     """``moduli`` [Pa] at increasing ``depths`` [m] from 0 on, straight lines between them."""
 
     depths: Annotated[tuple[AnyLength, ...], Key("depth")]
-    moduli: Annotated[tuple[units.Modulus, ...], Key("E")]
+    moduli: Annotated[tuple[Modulus, ...], Key("E")]
 
     def __post_init__(self) -> None:
         if len(self.depths) != len(self.moduli) or len(self.depths) < 2:

@@ -1,4 +1,4 @@
-"""The layers of a body by name, and bodies with other moduli, thicknesses and Poisson's ratios in some of them."""
+"""The layers of a body by name, and the body with other values in some of them, or without sides."""
 
 from __future__ import annotations
 
@@ -52,6 +52,11 @@ def changed(problem: Problem, values: Mapping[str, float]) -> Problem:
         changes = {"thickness": value} if quantity == "h" else {"material": _with(parts[i].material, quantity, value)}
         parts[i] = replace(parts[i], **changes)
     return replace(problem, specimen=replace(specimen, layers=tuple(parts[:-1]), base=parts[-1]))
+
+
+def unbounded(problem: Problem) -> Problem:
+    """The same problem without the sides of the specimen."""
+    return replace(problem, specimen=replace(problem.specimen, radius=None, side=None))
 
 
 def _with(material: Any, quantity: str, value: float) -> Any:

@@ -10,5 +10,7 @@ if TYPE_CHECKING:
     from .numerics import fem_of, method_of
     from .reading import Case, load_case, model_of, parse_case, parse_toml, plain_toml, shown, validated
     from .solving import solve
+    from .store import NO_DIGEST, SERIES, read_solution, record_of, write_solution
+    from .sweep import MOST_CASES, AxisTable, DistributionTable, SamplesTable, SweepModel, load_sweep
 
 __getattr__ = lazily(__name__, __file__)

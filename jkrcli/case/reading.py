@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import tomli_w
 from pydantic import ValidationError
 
-from ..base import InputError, did_you_mean, errors, ranges_of, read_bytes, units
+from ..base import InputError, did_you_mean, doubtful_work, nearest, ranges_of, read_bytes
 from ..bodies import SHAPES
 from ..methods import METHODS
 from .models import CaseModel, RootTable, case_model, other_tables
@@ -97,7 +97,7 @@ def _remarks(tree: dict[str, Any], source: str) -> Iterator[str]:
     """A bare number is read as SI: a remark where that makes a work of adhesion that surfaces hardly have."""
     works = tree.get("adhesion", {}).get("w", [])
     for work in works if isinstance(works, list) else [works]:
-        if not isinstance(work, str) and (doubt := units.doubtful_work(work)):
+        if not isinstance(work, str) and (doubt := doubtful_work(work)):
             yield f"{source}: adhesion.w: {doubt}"
 
 
@@ -166,7 +166,7 @@ def _sentences(error: ValidationError, tree: dict[str, Any], keys_at: KeysAt) ->
         (*item["loc"][:-1], close)
         for item in items
         if item["type"] == "extra_forbidden"
-        if (close := errors.nearest(item["loc"][-1], _allowed(item["loc"], keys_at)))
+        if (close := nearest(item["loc"][-1], _allowed(item["loc"], keys_at)))
     }
     mistakes = [item for item in items if not (item["type"] == "missing" and item["loc"] in meant)]
     return sorted({_sentence(item, tree, keys_at) for item in mistakes})

@@ -8,8 +8,7 @@ from functools import partial
 
 from ..base import JkrError, one_thread
 from ..bodies import Problem
-from ..methods import Choice, Limits, Method, admit, long_look, method_class
-from ..methods.choose import choose
+from ..methods import Choice, Limits, Method, admit, choose_method, long_look, method_class
 from ..series import Record, Solution
 from .numerics import method_of
 from .reading import Case
@@ -32,7 +31,7 @@ def solve(
     problem, record, named, build = _parts(source)
     if announce and (words := long_look(problem)):
         announce(words)
-    choice: Choice | None = choose(problem, method or named, build)
+    choice: Choice | None = choose_method(problem, method or named, build)
     while True:
         assert choice is not None
         cost = admit(f"method {choice.name}", choice.forecast(problem), limits or Limits())

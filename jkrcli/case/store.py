@@ -41,7 +41,7 @@ from ..series import (
 from .reading import MOST_BYTES, Case, parse_case
 from .writing import case_of
 
-FORMAT, VERSION = "jkr-series", 2
+SERIES, VERSION = "jkr-series", 2
 COARSER = ("coarser", "coarsest")  # groups of the series by larger and by still larger elements
 UNPROTECTED = 1  # the format without a digest
 
@@ -62,7 +62,7 @@ STORED = {
     "dS": Column("dS_da", "N/m^2", "derivative dS/da"),
 }
 PACKAGES = {"numpy": "numpy", "scipy": "scipy", "gmsh": "gmsh", "scikit-fem": "skfem", "h5py": "h5py"}  # modules
-DOUBT = (
+NO_DIGEST = (
     "the series file is of format 1, which has no digest: damage to its case or words may go unnoticed; run the case "
     "again for full protection"
 )
@@ -82,7 +82,7 @@ def versions() -> dict[str, str]:
 
 
 # ---------------------------------------------------------------------- writing
-def write(path: Path, solution: Solution, command_line: str = "") -> None:
+def write_solution(path: Path, solution: Solution, command_line: str = "") -> None:
     """Write ``solution`` to ``path``, whole or not at all; ``command_line``: what made it, unless its record has
     that."""
     write_bytes(path, hdf5.image(_tree(solution, command_line)))
@@ -107,13 +107,13 @@ def _tree(solution: Solution, command_line: str) -> hdf5.Group:
     }
     members |= dict(_larger_elements(series))
     if raw is not None:
-        rows = hdf5.column(np.asarray(raw.rows), "1", "number of the row")
+        rows = hdf5.unit_column(np.asarray(raw.rows), "1", "number of the row")
         members["increments"] = hdf5.Group({}, _columns(raw) | {"row": rows})
     if pressure is not None:
-        r = hdf5.column(pressure.r, "m", "radii of the contact nodes")
-        p = hdf5.column(pressure.p, "Pa", "contact pressure, one row per increment")
+        r = hdf5.unit_column(pressure.r, "m", "radii of the contact nodes")
+        p = hdf5.unit_column(pressure.p, "Pa", "contact pressure, one row per increment")
         members["contact"] = hdf5.sealed(hdf5.Group({}, {"r": r, "pressure": p}))
-    identity = {"format": FORMAT, "version": VERSION, "method": solution.method, "problem_key": solution.problem.key}
+    identity = {"format": SERIES, "version": VERSION, "method": solution.method, "problem_key": solution.problem.key}
     return hdf5.Group(identity | {"command_line": record.command_line or command_line}, members)
 
 
@@ -135,17 +135,17 @@ def _errors(series: Series) -> dict[str, hdf5.Group | hdf5.Dataset]:
     columns: dict[str, hdf5.Group | hdf5.Dataset] = {}
     for key, more, same, values in errors:
         name, unit, _ = STORED[key]
-        columns[name + more] = hdf5.column(values, unit, f"estimated absolute error of {name} at equal {same}")
+        columns[name + more] = hdf5.unit_column(values, unit, f"estimated absolute error of {name} at equal {same}")
     return columns
 
 
 def _columns(rows: Series | RawSeries) -> dict[str, hdf5.Group | hdf5.Dataset]:
     there = {key: values for key in COLUMNS if (values := getattr(rows, key, None)) is not None}
-    return {STORED[key].name: hdf5.column(values, *STORED[key][1:]) for key, values in there.items()}
+    return {STORED[key].name: hdf5.unit_column(values, *STORED[key][1:]) for key, values in there.items()}
 
 
 # ---------------------------------------------------------------------- reading
-def read(path: str | Path, problem: Problem | None = None, with_pressure: bool = False) -> Solution:
+def read_solution(path: str | Path, problem: Problem | None = None, with_pressure: bool = False) -> Solution:
     """Read and check a series file; InputError in one line where it is missing, foreign, truncated or damaged.
 
     ``problem``: what the file is known to be of, else that of its case; ``with_pressure``: the contact pressures too.
@@ -156,7 +156,7 @@ def read(path: str | Path, problem: Problem | None = None, with_pressure: bool =
         of_case, of_table = ", jkr run makes one from a case", "; a table of measurements is for jkr look and jkr fit"
         remedy = {".toml": of_case, ".h5": ""}.get(path.suffix, of_table)
         raise InputError(f"{path}: is not an HDF5 file{remedy}")
-    root = hdf5.parse(path, content, () if with_pressure else ("contact",))
+    root = hdf5.tree_of(path, content, () if with_pressure else ("contact",))
     try:
         _check(path, root, content)
         return _Reader(path, root).solution(problem)
@@ -167,8 +167,8 @@ def read(path: str | Path, problem: Problem | None = None, with_pressure: bool =
 def _check(path: Path, root: hdf5.Group, content: bytes) -> None:
     """Refuse what is no series file of ours, of another release, or not as it was written."""
     kind, version = root.attributes.get("format", ""), root.attributes.get("version", 0)
-    if kind != FORMAT:
-        raise InputError(f'{path}: format must be "{FORMAT}", got "{kind}"; was this file written by jkr?')
+    if kind != SERIES:
+        raise InputError(f'{path}: format must be "{SERIES}", got "{kind}"; was this file written by jkr?')
     if version not in (UNPROTECTED, VERSION):
         raise InputError(f"{path}: version must be {VERSION}, got {version}; this file needs another release of jkr")
     if not hdf5.is_sound(root) and (version == VERSION or hdf5.SEAL in root.attributes):
@@ -201,7 +201,7 @@ class _Reader:
             self.pressure(),
             self.words("facts"),
             self.words("timings_s"),
-            warnings if self.sealed else (*warnings, DOUBT),
+            warnings if self.sealed else (*warnings, NO_DIGEST),
             replace(record, command_line=str(attributes.get("command_line", "")), versions=self.words("versions")),
         )
 

@@ -8,8 +8,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from ..base import read_bytes
-from ..base.draws import KINDS
+from ..base import DISTRIBUTIONS, read_bytes
 from .fields import Length, Table, as_tuple, one_or_more, quantity, wrong
 from .models import RootTable
 from .reading import parse_toml, validated
@@ -58,7 +57,7 @@ class AxisTable(Table):
 class DistributionTable(Table):
     """How an uncertain key is distributed; parameters in the key's own unit, ``factor`` = exp of the log's sd."""
 
-    distribution: Literal.__getitem__(tuple(KINDS))
+    distribution: Literal.__getitem__(tuple(DISTRIBUTIONS))
     start: Any = Field(None, alias="from")
     end: Any = Field(None, alias="to")
     mean: Any = None
@@ -71,7 +70,7 @@ class DistributionTable(Table):
 
     @model_validator(mode="after")
     def _its_own_keys(self) -> Self:
-        kind, parameters = KINDS[self.distribution], set(self.parameters)
+        kind, parameters = DISTRIBUTIONS[self.distribution], set(self.parameters)
         needed, allowed = set(kind.needed), set(kind.limits)
         if not needed <= parameters <= needed | allowed:
             optional = f" (and {', '.join(sorted(allowed))})" if allowed else ""

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import click
 
 from .. import bodies, case
-from ..base import InputError, errors
+from ..base import InputError, writable
 from ..identification import fit as fits
 from ..methods import Limits
 from .verb import as_one
@@ -91,7 +91,7 @@ def tables_of(verb: str, body: Flags, instead: str, modulus: str | None) -> dict
     ``modulus``: the specimen's where there is no flag for it; None: the flag is required.
     """
     values = {**body, "modulus": body["modulus"] or modulus}
-    texts = {name: None if value is None else errors.writable(value) for name, value in values.items()}
+    texts = {name: None if value is None else writable(value) for name, value in values.items()}
     shape = texts["shape"] or "sphere"
     sizes = SHAPES[shape]
     if unused := [flag(name) for name in ("radius", "half_angle") if texts[name] is not None and name not in sizes]:
@@ -138,10 +138,10 @@ def _is_body(path: Path) -> bool:
     """Whether the file is a case, or a series and no measured one."""
     if path.suffix != ".h5" or not path.is_file():
         return path.suffix == ".toml"
-    from ..base import hdf5
-    from ..case import store
+    from ..base import format_of
+    from ..case import SERIES
 
-    return hdf5.kind(path) == store.FORMAT
+    return format_of(path) == SERIES
 
 
 def fitted_body(source: Path | Flags, slopes: str, limits: Limits) -> fits.FittedBody:

@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from ..base import InputError, check_series_target, read_bytes
-from ..case import Case, CaseModel, LoadingTable, load_case, parse_case, store
+from ..case import Case, CaseModel, LoadingTable, load_case, parse_case, record_of, write_solution
 from ..data.foreign import NAMES, SeriesReading, read_series
 from ..report import Imported, Output
 from ..series import Solution
@@ -74,8 +74,8 @@ def import_(table: Path, case: Path | None, flags: Flags, reading: SeriesReading
     begin_reading("import", [table])
     solution = read_series(table, body.model.problem(), reading)
     loaded = _with_loading(body, solution)
-    solution = replace(solution, record=store.record_of(loaded))
-    store.write(target, solution, command_line())
+    solution = replace(solution, record=record_of(loaded))
+    write_solution(target, solution, command_line())
     give(Imported(target, solution, table), output.json)
 
 

@@ -7,8 +7,7 @@ from pathlib import Path
 from .. import __version__
 from ..base import atomic, together
 from ..case import fem_of, load_case
-from ..methods import Limits
-from ..methods.fem.mesh import write_msh, write_vtu
+from ..methods import Limits, write_msh, write_vtu
 from ..report import Meshed, Output
 from .options import begin, into_folder, limits_options, output_options
 from .verb import verb

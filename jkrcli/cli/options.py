@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
-from ..adhesion import LOAD_CONTROL, RangeRequest
-from ..adhesion.slopes import RULES
-from ..base import InputError, units
+from ..adhesion import RULES, RangeRequest
+from ..base import LARGEST_SI, InputError, doubtful_work, parse
 from ..methods import LESS, Forecast, Limits, admit
 from ..report import Output
 from ..series import Solution
@@ -71,10 +70,10 @@ class QuantityType(ParsedType):
     def parsed(self, text: str) -> Any:
         if (word := text.strip().lower()) in self.words:
             return self.words[word]
-        number = units.parse(text, self.dimension)
+        number = parse(text, self.dimension)
         if not (math.isfinite(number) and (number > 0 if self.allowed else number >= self.least)):
             raise ValueError(f"must be {self.allowed or f'finite and >= {self.least:g}'}, got {text}")
-        least, most = 1 / units.LARGEST_SI, units.LARGEST_SI
+        least, most = 1 / LARGEST_SI, LARGEST_SI
         if number != 0 and not least <= abs(number) <= most:
             raise ValueError(f"must lie within {least:g} and {most:g} in SI units, got {text}")
         return number
@@ -87,7 +86,7 @@ class WorkType(QuantityType):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         work = super().convert(value, param, ctx)
-        if _is_bare(value) and (doubt := units.doubtful_work(work)):
+        if _is_bare(value) and (doubt := doubtful_work(work)):
             warn(f"{param.opts[0] if param else 'w'}: {doubt}")
         return work
 
@@ -106,7 +105,7 @@ LENGTH_ABOVE_0, STRESS = QuantityType("LENGTH", "length", "> 0"), QuantityType("
 FACTOR, SENSITIVITY = QuantityType("FACTOR", "number", "> 0"), QuantityType("SENSITIVITY", "sensitivity", "> 0")
 STIFFNESS = QuantityType("STIFFNESS", "stiffness", "> 0", words={"rigid": math.inf})  # of a device
 CONTROL = QuantityType("STIFFNESS", "stiffness", '> 0, or "load" for load control, or "rigid"',
-                       words={"rigid": math.inf, "load": LOAD_CONTROL})  # fmt: skip
+                       words={"rigid": math.inf, "load": 0.0})  # fmt: skip
 
 
 class KeyValueType(ParsedType):

@@ -10,7 +10,7 @@ import click
 
 from ..base import check_series_target
 from ..beside import effect_facts, sticking_effect
-from ..case import load_case, solve, store
+from ..case import load_case, solve, write_solution
 from ..methods import METHODS, Limits
 from ..report import Output, Solved
 from .options import ONE_FILE, into_file, limits_options, output_options
@@ -46,6 +46,6 @@ def run(case: Path, method: str | None, tolerance: float | None, limits: Limits,
         detail(f"{stage}: {used:.3f} s CPU")
     effect = sticking_effect(solution.problem, float(solution.series.a[-1]), ())
     solution = replace(solution, facts={**solution.facts, **effect_facts(effect)})
-    store.write(target, solution, command_line())
+    write_solution(target, solution, command_line())
     seconds = time.process_time() - start
     give(Solved(target, solution, choice, effect, seconds, tolerance, loaded.remarks), output.json)

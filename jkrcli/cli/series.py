@@ -10,7 +10,7 @@ from .. import __version__
 from ..adhesion import RangeRequest
 from ..base import InputError, check_series_target
 from ..bodies import relaxing
-from ..case import Case, load_case, other_tables, store
+from ..case import NO_DIGEST, Case, load_case, other_tables, read_solution, record_of, write_solution
 from ..methods import Forecast, Limits
 from ..series import Record, Solution
 from .options import begin
@@ -33,13 +33,13 @@ def series_file(path: Path) -> Path:
     existing = _solved(target, case)
     if existing is not None:
         note(f"{path}: {target} holds its series already (method {existing.method})")
-        if _adhesion(existing.record) != _adhesion(store.record_of(case)):
-            store.write(target, replace(existing, record=store.record_of(case)), existing.record.command_line)
+        if _adhesion(existing.record) != _adhesion(record_of(case)):
+            write_solution(target, replace(existing, record=record_of(case)), existing.record.command_line)
         return target
     from ..case import solve
 
     choice, solution = solve(case, announce=note)
-    store.write(target, solution, command_line())
+    write_solution(target, solution, command_line())
     note(f"{path}: solved by method {choice.name}, written {target}")
     for remark in case.remarks:
         warn(remark)
@@ -53,7 +53,7 @@ def _adhesion(record: Record) -> tuple[object, ...]:
 def _solved(target: Path, case: Case) -> Solution | None:
     """What ``target`` holds where that is a series of the same body, loading and method by this release."""
     try:
-        solution = store.read(target, with_pressure=True) if target.exists() else None
+        solution = read_solution(target, with_pressure=True) if target.exists() else None
     except InputError:
         return None
     if solution is None or not isinstance(solution.record.case, Case):
@@ -81,9 +81,9 @@ def announce_files(verb: str, paths: Sequence[Path]) -> None:
 
 def read_series(path: Path) -> Solution:
     """What the series file at ``path`` holds; a file that damage could have changed unnoticed is warned of."""
-    solution = store.read(path)
-    if store.DOUBT in solution.warnings:
-        warn(f"{path}: {store.DOUBT}")
+    solution = read_solution(path)
+    if NO_DIGEST in solution.warnings:
+        warn(f"{path}: {NO_DIGEST}")
     return solution
 
 

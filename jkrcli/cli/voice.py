@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
-from ..base import SILENCE, duration, errors, printable
+from ..base import SILENCE, duration, printable, writable
 
 if TYPE_CHECKING:
     from ..report import Result
@@ -149,7 +149,7 @@ def progress(label: str, total: int, seconds: float) -> Iterator[Callable[[bool]
 
 def command_line() -> str:
     """What was typed, as a shell would take it; bytes of names that are no text as escapes."""
-    return errors.writable(shlex.join(click.get_current_context().find_root().obj))
+    return writable(shlex.join(click.get_current_context().find_root().obj))
 
 
 def answer(data: Mapping[str, Any]) -> None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base import SAME, Array, Estimate, InputError, Unknown, known, show
+from ..base import FEWEST_ROWS, SAME, Array, Estimate, InputError, Unknown, known, show
 from .columns import NO_UNIT
 from .measured.curve import APPROACH, RETRACT, Curve
 from .measured.saturation import saturation
@@ -25,9 +25,6 @@ class RecordTuning:
     """Where a departure counts; lengths are shares of the rows of a direction."""
 
     normal: float = 1.4826  # theory: standard deviation over median deviation of normal noise
-    # choice: of a direction, for a base line and a contact of a few rows each; as many steps on either side of a jump
-    # have the usual size
-    least_rows: int = 20
     block: float = 1 / 200  # tuned on records, by `make constants`: rows averaged in the search for slow deviations
     # choice: the part of a direction that is free if anything is; of the whole way, least of both ways that make two
     # directions of one segment
@@ -180,15 +177,15 @@ def examine(curve: Curve) -> ForceCurve:
             f"{curve.where}: a force curve needs displacement and load, it holds {', '.join(curve.measured)}"
             + ("; jkr fit reads contact radius and load as they are" if curve.a is not None else ""), *left_out,
         ])  # fmt: skip
-    if len(curve) < TUNING.least_rows:
-        raise InputError(f"{curve.where}: holds {len(curve)} rows, at least {TUNING.least_rows} are needed to look at")
+    if len(curve) < FEWEST_ROWS:
+        raise InputError(f"{curve.where}: holds {len(curve)} rows, at least {FEWEST_ROWS} are needed to look at")
     whole, P, spikes = curve, curve.P, _spikes(curve.P)
     if spikes.size:
         z, P = curve.device, P.copy()
         P[spikes] = (P[spikes - 1] + P[spikes + 1]) / 2
         curve = replace(curve, P=P, delta=z if curve.stiffness is None else z - P / curve.stiffness)
     parts = _segments_by_motion(curve.device) if curve.segment is None else _named_segments(curve)
-    sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= TUNING.least_rows]
+    sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= FEWEST_ROWS]
     directions = tuple(_direction(curve.device, P, part) for part in sides)
     return ForceCurve(whole, tuple(parts), directions, _flags(curve, parts, directions), spikes)
 
@@ -216,7 +213,7 @@ def _named_segments(curve: Curve) -> list[Segment]:
     ]
     parts: list[Segment] = []
     for part in stretches:
-        inside = _segments_by_motion(delta[part.rows]) if len(part) >= TUNING.least_rows else []
+        inside = _segments_by_motion(delta[part.rows]) if len(part) >= FEWEST_ROWS else []
         moved = [item for item in inside if item.kind != PAUSE]
         ways = {item.kind: float(np.ptp(delta[part.rows][item.rows])) for item in inside}
         both = len(moved) > 1 and min(ways[item.kind] for item in moved) > TUNING.far * float(np.ptp(delta))
@@ -427,7 +424,7 @@ def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]])
     if len(falls) != 1:
         return []
     inside = off[falls[0][1] + 1 :]
-    count = max(round(TUNING.tether * off.size), TUNING.least_rows // 2)
+    count = max(round(TUNING.tether * off.size), FEWEST_ROWS // 2)
     part, along = inside[:count], np.linspace(-0.5, 0.5, count)
     if part.size < count:
         return []
@@ -466,7 +463,7 @@ def _first_fall(off: Array, base: BaseLine) -> int:
 
 def _usual(step: Array, width: int) -> tuple[Array, Array]:
     """The median of the steps over ``width`` rows just before each of them, and just after."""
-    n, every = TUNING.least_rows, np.arange(step.size) // width
+    n, every = FEWEST_ROWS, np.arange(step.size) // width
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(step[::width], n + 1, mode="edge"), n)
     medians = np.sort(windows, axis=1)[:, (n - 1) // 2 : n // 2 + 1].mean(axis=1)  # half as long as np.median takes
     return medians[every], medians[every + n + 3]
@@ -498,7 +495,7 @@ def _missing(parts: Sequence[Segment], directions: Sequence[Direction]) -> Itera
             continue
         lack = f"only {other} rows" if other in kinds else "neither approach nor retraction"
         few = sum(len(part) for part in parts if part.kind == kind)
-        yield f"no {kind}", f"{few} of its rows, at least {TUNING.least_rows} are needed" if few else lack
+        yield f"no {kind}", f"{few} of its rows, at least {FEWEST_ROWS} are needed" if few else lack
 
 
 def _on_base_lines(curve: Curve, touched: Sequence[Direction]) -> Iterator[tuple[str, str]]:

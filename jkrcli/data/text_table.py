@@ -15,7 +15,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ..base import AT_ONCE, LOOKED_AT, SHOWN, Array, InputError, allowance, did_you_mean, read_bytes
+from ..base import AT_ONCE, LOOKED_AT, SHOWN, Array, InputError, allowance_of, did_you_mean, most_text, read_bytes
 from .titles import split_name, unit_power
 
 Line: TypeAlias = tuple[int, str]  # with its number, from 1
@@ -217,8 +217,8 @@ def read_table(
     rows is one of the notes, as comments are; the header may come again behind it.
     Raises InputError, a line per mistake, where there is no table or a row differs in its number of cells.
     """
-    most = allowance.TUNING.text
-    with allowance.reading(path, most, fenced=False) as allowed:
+    most = most_text()
+    with allowance_of(path, most, fenced=False) as allowed:
         whole = decoded(read_bytes(path, "table", most) if content is None else content)
         allowed.take_text(whole)
         lines_of_file = _without_long_head(_lines(path, _MINUS.sub("-", whole)))

@@ -15,10 +15,9 @@ from typing import Any
 import numpy as np
 
 from ..adhesion import Nonadhesive, Program, RelaxingContact
-from ..base import SAME, Array, InputError, JkrError, Ranged, evenly, ranges_of, show
+from ..base import FEWEST_ROWS, SAME, Array, InputError, JkrError, Ranged, evenly, ranges_of, show
 from ..bodies import RELAXATIONS, Relaxation
 from ..data import Curve
-from ..data.record import TUNING as RECORDS
 from .answer import Answer
 from .fit import FittedBody
 from .intervals import Followed, Intervals
@@ -174,8 +173,8 @@ class RelaxationFit(Answer):
 def timed_record(curve: Curve) -> TimedRecord:
     """The readings of ``curve`` over time; InputError where a column is missing."""
     check_over_time(curve, "a fit of relaxation")
-    if len(curve) < RECORDS.least_rows:
-        raise InputError(f"{curve.where}: {len(curve)} rows, at least {RECORDS.least_rows} are needed")
+    if len(curve) < FEWEST_ROWS:
+        raise InputError(f"{curve.where}: {len(curve)} rows, at least {FEWEST_ROWS} are needed")
     check_rising(curve.where, curve.time, np.arange(len(curve)))
     curve, flags = without_adhesion(averaged(curve))
     t, device, load = curve.time, curve.device, curve.load

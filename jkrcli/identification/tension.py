@@ -17,12 +17,11 @@ from scipy.interpolate import RectBivariateSpline
 
 from ..adhesion import LIMITS
 from ..base import NOTICEABLE, SAME, Array, InputError, Ranged, SolveError, show
-from ..bodies import RADIUS, Loading, Problem, changed
+from ..bodies import RADIUS, Loading, Problem, changed, unbounded
 from ..data import Curve
 from ..formulas.griffith import shift
 from ..formulas.surface_tension import edge_angle
-from ..methods.layered.layered import Layered, largest_radius, unbounded
-from ..methods.radii import DENSE
+from ..methods import DENSE, Layered, largest_radius
 from .answer import Answer, FittedValue, word
 from .fit.body import for_each
 from .fit.points import TUNING as ROWS

@@ -12,7 +12,7 @@ from statistics import median
 from typing import Any
 
 from ..base import StageClock
-from ..case import Case, solve, store
+from ..case import Case, solve, write_solution
 from ..report import Result
 from .cost import process_cost
 
@@ -58,7 +58,7 @@ def _once(case: Case, name: str) -> dict[str, float]:
     with clock("solve, total"):
         _, solution = solve(case, name)
     with tempfile.TemporaryDirectory() as folder, clock("write"):
-        store.write(Path(folder) / "series.h5", solution, "jkr bench")
+        write_solution(Path(folder) / "series.h5", solution, "jkr bench")
     return {**solution.timings, **clock.seconds}
 
 

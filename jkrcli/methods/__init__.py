@@ -15,11 +15,17 @@ from ..base.lazy import lazily
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .attraction import AttractedBody
-    from .choose import Choice, Option, long_look, survey
+    from .choose import Choice, Option, choose_method, long_look, survey
+    from .closed_form.method import ClosedForm
+    from .fem.mesh import write_msh, write_vtu
     from .fem.method import FEM
+    from .fem.state import ContactState, contact_state
     from .guards import LESS, Limits, admit
-    from .layered.layered import Layered, largest_radius, unbounded
+    from .hybrid.method import Hybrid
+    from .layered.fields import surface_profile
+    from .layered.layered import Layered, largest_radius
     from .protocol import METHODS, Descriptor, Forecast, Method, least_first, method_class, register
+    from .radii import DENSE
 
 __getattr__ = lazily(__name__, __file__)
 

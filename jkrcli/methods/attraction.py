@@ -16,10 +16,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base import MOST_STEPS, NOTICEABLE, ROUNDED, UNSEEN, Array, Refusal, show
-from ..bodies import HalfSpace, Problem, Specimen
+from ..bodies import HalfSpace, Problem, Specimen, unbounded
 from .hybrid.options import HybridOptions
 from .integral import Attraction
-from .layered.layered import unbounded
 from .layered.spectrum import spectrum_seconds
 from .layered.stack import GRADED, LayeredContact
 

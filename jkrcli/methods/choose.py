@@ -117,7 +117,7 @@ def long_look(problem: Problem) -> str | None:
     return f"{layers}{pieces}: estimating the cost of each method takes about {duration(seconds)} of CPU time"
 
 
-def choose(problem: Problem, wanted: str | Method, build: Callable[[str], Method]) -> Choice:
+def choose_method(problem: Problem, wanted: str | Method, build: Callable[[str], Method]) -> Choice:
     """The method ``wanted``, by name or itself; for "auto" the first of ``least_first`` that is accurate enough."""
     if wanted != "auto":
         name, method = (wanted, build(wanted)) if isinstance(wanted, str) else (type(wanted).__name__, wanted)

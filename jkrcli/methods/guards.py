@@ -8,7 +8,6 @@ from ..base import SHARE, SILENCE, Refusal, duration, free_memory
 from .protocol import Forecast
 
 LARGE = 2048.0  # choice: MiB from which on the memory is announced
-RESIDUAL_LIMIT = 1e-6  # theory: of check solves; a sound factor leaves round-off, 1e-16 to 1e-12, a wrong one 1
 LESS = "fewer points, larger elements or a cheaper method"  # what makes a solve cheaper
 
 

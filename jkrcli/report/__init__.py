@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .fit_together import JointFitted, LawFit, TensionFitted
     from .look import Look
     from .mesh import Meshed
+    from .plots.maps import MU, MapPanel, filled_figure, is_filled, lines_figure, zones_figure
     from .pull_off import MeasuredPullOff, PullOff
     from .rate import CycledAtSpeed
     from .relaxation import CycledInLimits, CycledRelaxing

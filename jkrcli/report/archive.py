@@ -40,13 +40,13 @@ def write(path: Path, format: str, attributes: Mapping[str, Any], members: Mappi
 
 def is_archive(path: Path) -> bool:
     """Whether the file at ``path`` says that it is one; what is damaged beyond reading is none."""
-    return path.is_file() and hdf5.kind(path) in FORMATS
+    return path.is_file() and hdf5.format_of(path) in FORMATS
 
 
 def read(path: Path) -> Archive:
     """The archive at ``path``; InputError in one line where it is damaged or of another release."""
     content = read_bytes(path, "archive")
-    root = hdf5.parse(path, content, remedy=WRITE_AGAIN)
+    root = hdf5.tree_of(path, content, remedy=WRITE_AGAIN)
     kind, version = (str(root.attributes.get(name, "")) for name in ("format", "version"))  # or an array, or none
     if kind not in FORMATS:
         raise InputError(f'{path}: format must be one of {", ".join(FORMATS)}, got "{kind}"')

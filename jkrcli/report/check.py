@@ -8,12 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from ..adhesion import unable
-from ..base import NOTICEABLE, Estimate, Refusal, Unknown, show, units
-from ..beside.expectation import Expectation, expect
-from ..beside.left_out import LeftOut, left_out
+from ..base import NOTICEABLE, Estimate, Refusal, Unknown, reached, show
+from ..beside.expectation import Expectation, LeftOut, expect, left_out
 from ..bodies import Problem
 from ..case import Case, CaseModel, method_of
-from ..methods.choose import Choice, Option, choose, survey
+from ..methods import Choice, Option, choose_method, survey
 from . import tables
 from .result import Result
 
@@ -39,7 +38,7 @@ class Check(Result):
         """What is to be said of a ``case``."""
         model = case.model
         problem = model.problem()
-        choice = choose(problem, model.method, lambda name: method_of(model, name))
+        choice = choose_method(problem, model.method, lambda name: method_of(model, name))
         options = choice.options or survey(problem, lambda name: method_of(model, name))
         expected = _expected(model)
         left, range_ = _left_out(model, expected), _range(model, choice.name)
@@ -85,7 +84,7 @@ class Check(Result):
         beside = ""
         if expected.half_space_error is not None:
             beside = f" (a half-space formula: {show(expected.P / (1 + expected.half_space_error), 'load')})"
-        yield f"  reaches   {units.reached(expected.a, expected.delta, expected.P)}{beside}"
+        yield f"  reaches   {reached(expected.a, expected.delta, expected.P)}{beside}"
         if expected.profile_error:
             yield f"  profile   known at points only: adds {expected.profile_error:.2g} to the error of any method"
         for w, point, judged in expected.adhesion:

@@ -16,8 +16,7 @@ from .result import Figure, Result
 from .tables import quantities, state_words
 
 if TYPE_CHECKING:
-    from ..methods import FEM
-    from ..methods.fem import state as states
+    from ..methods import FEM, ContactState
 
 COMPONENTS = ("zz", "rr", "tt", "rz", "mises")
 COLUMNS = {"r": "r_m", "zz": "sigma_zz_Pa", "rz": "sigma_rz_Pa", "zz_error": "sigma_zz_err_Pa",
@@ -52,7 +51,7 @@ class Fields(Result):
 
     curve: Analysis
     P: float
-    state: states.ContactState
+    state: ContactState
     component: str = "zz"
 
     @classmethod
@@ -60,13 +59,13 @@ class Fields(Result):
         cls, curve: Analysis, method: FEM, *, a: float | None = None, load: float | None = None, component: str = "zz"
     ) -> Fields:
         """The state at the contact radius ``a`` [m], or at a ``load`` [N] on the stable branch."""
-        from ..methods.fem import state as states
+        from ..methods import contact_state
 
         if a is None:
             assert load is not None
             a = stable_radius(curve.curve, load)
         delta, P = (float(value) for value in curve.curve.at(np.array(a)))
-        state = states.contact_state(method, curve.problem, a, delta, _surface(curve, a))
+        state = contact_state(method, curve.problem, a, delta, _surface(curve, a))
         return cls(curve, P if load is None else load, state, component)  # but for round-off
 
     @property
@@ -116,13 +115,13 @@ class Fields(Result):
 
     def write_vtu(self, target: Path, mark: str = "") -> None:
         """Displacement and stresses at all nodes for ParaView, with ``mark`` behind it."""
-        from ..methods.fem import mesh
+        from ..methods import write_vtu
 
         state = self.state
         stress = zip(("rr", "tt", "zz", "rz"), state.stress, strict=True)
         data = {"displacement_m": np.column_stack([state.displacement, np.zeros(len(state.displacement))])}
         data |= {f"sigma_{name}_Pa": values for name, values in stress}
-        mesh.write_vtu(state.grid, target, data | {"von_mises_Pa": state.mises})
+        write_vtu(state.grid, target, data | {"von_mises_Pa": state.mises})
         with target.open("a") as file:
             file.write(mark)
 
@@ -130,9 +129,9 @@ class Fields(Result):
 def _surface(curve: Analysis, a: float) -> Callable[[Array], Array] | None:
     """What an elastic indenter leaves of the displacement on a layered body, from the pressures of method layered; None
     where it is rigid, or acts by the modulus alone."""
-    from ..methods.layered.fields import profile
+    from ..methods import surface_profile
 
     problem = curve.problem
     if problem.indenter.material is None or problem.specimen.is_half_space:
         return None
-    return lambda r: profile(problem, a, curve.w, r_surface=r).displacement
+    return lambda r: surface_profile(problem, a, curve.w, r_surface=r).displacement

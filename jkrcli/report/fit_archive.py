@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import Array, hdf5
+from ..base import Array, Dataset, Group, unit_column
 from ..identification.fit import Failure, Fit
 from . import archive
 from .map import images_of, map_of
@@ -25,10 +25,10 @@ def write(path: Path, outcomes: Sequence[Fit | Failure], summary: Mapping[str, A
         "fitted": [(number, dict(item.line)) for number, item in fits],
         "bootstrap": [(number, _samples(item)) for number, item in fits if item.samples is not None],
     }
-    curves: dict[str, hdf5.Group | hdf5.Dataset] = {name: _joined(table) for name, table in tables.items() if table}
-    curves["summary"] = hdf5.Dataset([json.dumps(one) for one in summary["curves"]])
+    curves: dict[str, Group | Dataset] = {name: _joined(table) for name, table in tables.items() if table}
+    curves["summary"] = Dataset([json.dumps(one) for one in summary["curves"]])
     images = {"map": images_of(scan)} if (scan := map_of(outcomes)) else {}
-    archive.write(path, archive.FITS, {"body": summary["body"]}, {"curves": hdf5.Group({}, curves), **images})
+    archive.write(path, archive.FITS, {"body": summary["body"]}, {"curves": Group({}, curves), **images})
 
 
 def _rows(item: Fit) -> dict[str, Array]:
@@ -43,11 +43,11 @@ def _samples(item: Fit) -> dict[str, Array]:
     return dict(zip(item.free, item.samples.T, strict=True))
 
 
-def _joined(tables: Sequence[tuple[int, Mapping[str, Array]]]) -> hdf5.Group:
+def _joined(tables: Sequence[tuple[int, Mapping[str, Array]]]) -> Group:
     """Tables of several curves as one, with a column of their numbers; NaN where a curve has no such column."""
     sizes = [next(iter(table.values())).size for _, table in tables]
-    members = {"curve": hdf5.column(np.repeat([number for number, _ in tables], sizes), UNITS["curve"])}
+    members = {"curve": unit_column(np.repeat([number for number, _ in tables], sizes), UNITS["curve"])}
     for name in dict.fromkeys(name for _, table in tables for name in table):
         parts = (table.get(name, np.full(size, np.nan)) for (_, table), size in zip(tables, sizes, strict=True))
-        members[name] = hdf5.column(np.concatenate([*parts]), UNITS.get(name, "1" if "residuals" in name else "SI"))
-    return hdf5.Group({}, members)
+        members[name] = unit_column(np.concatenate([*parts]), UNITS.get(name, "1" if "residuals" in name else "SI"))
+    return Group({}, members)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import SI, Array, hdf5
+from ..base import SI, Array, Group, unit_column
 from ..identification.fit import Failure, Fit
 
 IMAGES = {  # name: dimension
@@ -62,7 +62,7 @@ def _values(item: Fit | Failure) -> dict[str, float]:
     }
 
 
-def images_of(scan: Map) -> hdf5.Group:
+def images_of(scan: Map) -> Group:
     """A map in HDF5: each image with its unit, and the positions of columns and rows."""
-    images = {name: hdf5.column(image, SI[IMAGES[name]]) for name, image in scan.images.items()}
-    return hdf5.Group({}, {"x": hdf5.column(scan.x, "m"), "y": hdf5.column(scan.y, "m"), **images})
+    images = {name: unit_column(image, SI[IMAGES[name]]) for name, image in scan.images.items()}
+    return Group({}, {"x": unit_column(scan.x, "m"), "y": unit_column(scan.y, "m"), **images})

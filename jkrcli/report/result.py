@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from ..base import InputError, as_json, check_target, files, installs, together, write_csv, write_text
+from ..base import InputError, as_json, check_target, installs, make_folder, real_path, together, write_csv, write_text
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -139,7 +139,7 @@ class Output:
         """The folder to write into, made where -o names one that is not there; else ``default``."""
         if self.where is None:
             return default
-        files.make_folder(self.where)
+        make_folder(self.where)
         return self.where
 
     def file(self, default: Path, inputs: Iterable[Path] = (), check: Check = check_target) -> Path:
@@ -164,7 +164,7 @@ class Output:
     def each(self, stems: Sequence[Path], ends: Iterable[str], inputs: Iterable[Path], more: str = "") -> list[Files]:
         """The ``files`` of each of several ``stems``; InputError, with ``more`` to its remedy, where two would be the
         same."""
-        places = list(map(files.real, stems))
+        places = list(map(real_path, stems))
         for i, stem in enumerate(stems):
             if places[i] in places[:i]:
                 raise InputError(f"{stem}.csv: would be written twice; rename a file, or give each its own -o{more}")

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..adhesion import end_of_body, judge, sizes
-from ..base import Array, Estimate, Unknown, accuracy, units
+from ..base import Array, Estimate, Unknown, accuracy, reached
 from ..beside import StickingEffect, effect_as_json, sticking_warnings
 from ..bodies import relaxing
 from ..methods import Choice
@@ -38,7 +38,7 @@ class SeriesFile(Result):
     @property
     def _reached(self) -> str:
         series = self.solution.series
-        return units.reached(series.a[-1], series.delta[-1], series.P[-1])
+        return reached(series.a[-1], series.delta[-1], series.P[-1])
 
 
 @dataclass(frozen=True, eq=False)

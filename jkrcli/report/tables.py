@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .. import adhesion
-from ..base import SI, Array, Estimate, InputError, Unknown, accuracy, allowance, known, read_bytes, show
+from ..base import SI, Array, Estimate, InputError, Unknown, accuracy, allowance_of, known, most_text, read_bytes, show
 from ..base import as_json as as_json
 from ..beside import Analysis
 
@@ -68,8 +68,8 @@ def curve_columns(curve: adhesion.EquilibriumCurve) -> dict[str, Array]:
 
 def read_curve(path: Path) -> dict[str, Array]:
     """The columns of numbers in the CSV file of a curve; InputError with the line where a row is wrong."""
-    with allowance.reading(path, fenced=False) as allowed:
-        text = read_bytes(path, "curve", allowance.TUNING.text).decode("utf-8", errors="replace")
+    with allowance_of(path, fenced=False) as allowed:
+        text = read_bytes(path, "curve", most_text()).decode("utf-8", errors="replace")
         allowed.take_text(text)
     lines = text.splitlines()
     names = lines[0].split(",") if lines else []

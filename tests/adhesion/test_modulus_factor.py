@@ -33,8 +33,8 @@ def _pair(jkr: Callable) -> tuple[Path, Path]:
 
 @pytest.mark.parametrize("slopes", ["auto", "loocv", "integral"])
 def test_equals_a_new_solve(pair: tuple[Path, Path], slopes: str) -> None:
-    ours = analyse(store.read(pair[0]), [0.05], slopes, FACTOR)[0]
-    theirs = analyse(store.read(pair[1]), [0.05], slopes)[0]
+    ours = analyse(store.read_solution(pair[0]), [0.05], slopes, FACTOR)[0]
+    theirs = analyse(store.read_solution(pair[1]), [0.05], slopes)[0]
     # exact slopes: the solver's 1e-8 on radii; the fits choose their smoothing, to 1e-6 of the curve
     tolerance = 1e-8 if slopes == "auto" else 1e-6
     for name in ("a", "delta", "P"):
@@ -50,10 +50,12 @@ def test_elastic_indenter_and_prescribed_load_scale_too(jkr: Callable) -> None:
     text = CASE.format(film=2e6, base=5e6, loading='load = "2 uN"').replace("[[", 'E = "3 MPa"\nnu = 0.4\n[[')
     Path("soft.toml").write_text(text)
     assert jkr("run", "soft.toml").code == 0
-    problem = analyse(store.read(Path("soft.h5")), [0.05], "auto", FACTOR)[0].problem
+    problem = analyse(store.read_solution(Path("soft.h5")), [0.05], "auto", FACTOR)[0].problem
     assert problem.indenter.material.E == 9e6
     assert problem.loading.maximum == pytest.approx(6e-6, rel=1e-15)
-    assert problem.E_star == pytest.approx(FACTOR * analyse(store.read(Path("soft.h5")), [0.05])[0].problem.E_star)
+    assert problem.E_star == pytest.approx(
+        FACTOR * analyse(store.read_solution(Path("soft.h5")), [0.05])[0].problem.E_star
+    )
 
 
 def test_verbs_take_it(jkr: Callable, pair: tuple[Path, Path]) -> None:

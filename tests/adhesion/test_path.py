@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import jkrcli as python
-from jkrcli.adhesion.curve import AdhesiveCurve
-from jkrcli.adhesion.device import LOAD_CONTROL, position
+from jkrcli.adhesion.curve import LOAD_CONTROL, AdhesiveCurve, position
 from jkrcli.adhesion.nonadhesive import Nonadhesive
 from jkrcli.adhesion.path import QuasiStatic, path
 from jkrcli.adhesion.program import Program, there_and_back

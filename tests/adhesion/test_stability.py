@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from scipy.integrate import cumulative_simpson, quad
 from scipy.optimize import brentq
 
-from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
-from jkrcli.adhesion.device import control, position
+from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, control, position, transform
 from jkrcli.adhesion.path import QuasiStatic, grow, largest_stable, shrink
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.slopes.result import Slopes

@@ -39,7 +39,7 @@ def write(made):
     with files.together():
         for name in NAMES[:3]:
             files.write_text(folder / name, OURS % made)
-        files.remove(folder / NAMES[3])
+        files.remove_file(folder / NAMES[3])
 
 def begin():
     shutil.rmtree(folder, ignore_errors=True)

@@ -8,8 +8,7 @@ from maugis import Maugis
 from scipy.optimize import brentq
 
 from jkrcli.base import Unknown
-from jkrcli.beside.expectation import expect
-from jkrcli.beside.left_out import GLASS, TUNING, LeftOut, left_out
+from jkrcli.beside.expectation import GLASS, TUNING, LeftOut, expect, left_out
 from jkrcli.bodies import Elastic, HalfSpace, Layer, Loading, Paraboloid, Problem, Rigid, Specimen, Sphere
 from jkrcli.formulas.gravity import over_hertz, over_jkr
 from jkrcli.formulas.half_space import sneddon_sphere

@@ -33,7 +33,7 @@ FORMAT_1 = Path(__file__).with_name("format-1.h5")
 @pytest.fixture(name="path")
 def _path(tmp_path: Path) -> Path:
     path = tmp_path / "data.h5"
-    store.write(path, replace(ClosedForm()(PROBLEM), record=store.record_of(CASE)), "jkr run halfspace.toml")
+    store.write_solution(path, replace(ClosedForm()(PROBLEM), record=store.record_of(CASE)), "jkr run halfspace.toml")
     return path
 
 
@@ -86,31 +86,31 @@ def assert_same(one: Solution, other: Solution) -> None:
 @pytest.mark.parametrize("solution", [replace(ClosedForm()(PROBLEM), record=store.record_of(CASE)), in_increments()])
 def test_what_a_method_returns_is_what_its_file_gives_back(solution: Solution, tmp_path: Path) -> None:
     path = tmp_path / "x.h5"
-    store.write(path, solution, "jkr run halfspace.toml")
-    found = store.read(path, with_pressure=True)
+    store.write_solution(path, solution, "jkr run halfspace.toml")
+    found = store.read_solution(path, with_pressure=True)
     assert_same(found, solution)
     assert found.record.command_line == "jkr run halfspace.toml"
     assert found.record.versions["numpy"] == np.__version__
-    store.write(path, found, "jkr again")
-    again = store.read(path, with_pressure=True)
+    store.write_solution(path, found, "jkr again")
+    again = store.read_solution(path, with_pressure=True)
     assert_same(again, solution)
     assert again.record.command_line == "jkr run halfspace.toml"
 
 
 def test_pressures_are_read_where_they_are_asked_for(tmp_path: Path) -> None:
-    store.write(tmp_path / "x.h5", in_increments())
-    assert store.read(tmp_path / "x.h5").pressure is None
+    store.write_solution(tmp_path / "x.h5", in_increments())
+    assert store.read_solution(tmp_path / "x.h5").pressure is None
     edit(tmp_path / "x.h5", lambda file: file["contact"].attrs.__setitem__("sha256", "0"))
     with h5py.File(tmp_path / "x.h5", "r+") as file:
         file["contact/pressure"][1, 1] = 9.0
-    assert store.read(tmp_path / "x.h5").facts["nodes"] == 7
+    assert store.read_solution(tmp_path / "x.h5").facts["nodes"] == 7
     with pytest.raises(InputError, match="does not hold what was written"):
-        store.read(tmp_path / "x.h5", with_pressure=True)
+        store.read_solution(tmp_path / "x.h5", with_pressure=True)
 
 
 def test_a_problem_without_a_case_is_written_as_one(tmp_path: Path) -> None:
-    store.write(tmp_path / "x.h5", ClosedForm()(PROBLEM))
-    found = store.read(tmp_path / "x.h5")
+    store.write_solution(tmp_path / "x.h5", ClosedForm()(PROBLEM))
+    found = store.read_solution(tmp_path / "x.h5")
     assert (found.problem, found.record.w, found.record.title) == (PROBLEM, (), "")
 
 
@@ -182,7 +182,7 @@ def test_wrong_content_gives_its_whole_line(path: Path, name: str) -> None:
     change, line = WRONG[name]
     edit(path, change)
     with pytest.raises(InputError) as caught:
-        store.read(path)
+        store.read_solution(path)
     assert caught.value.lines == (f"{path}: {line}",)
 
 
@@ -191,7 +191,7 @@ def test_what_was_not_sealed_is_refused(path: Path, name: str) -> None:
     with h5py.File(path, "r+") as file:
         WRONG[name][0](file)
     with pytest.raises(InputError) as caught:
-        store.read(path)
+        store.read_solution(path)
     line = "the HDF5 file is damaged (it does not hold what was written) and cannot be read; run the case again"
     assert caught.value.lines == (f"{path}: {line}",)
 
@@ -202,7 +202,7 @@ def test_falling_load_is_named(path: Path) -> None:
 
     edit(path, change)
     with pytest.raises(InputError) as caught:
-        store.read(path)
+        store.read_solution(path)
     assert caught.value.lines == (f"{path}: series: P must be positive and increase, point 5 is 0",)
 
 
@@ -215,11 +215,11 @@ def test_foreign_truncated_missing(path: Path) -> None:
     }.items():
         path.write_bytes(content)
         with pytest.raises(InputError) as caught:
-            store.read(path)
+            store.read_solution(path)
         assert caught.value.lines == (f"{path}: {line}",)
     path.unlink()
     with pytest.raises(InputError, match="series file not found"):
-        store.read(path)
+        store.read_solution(path)
 
 
 def test_a_file_that_another_program_writes_is_not_called_damaged(path: Path) -> None:
@@ -228,7 +228,7 @@ def test_a_file_that_another_program_writes_is_not_called_damaged(path: Path) ->
         assert other.stdout is not None
         assert other.stdout.readline() == b"open\n"
         with pytest.raises(InputError) as caught:
-            store.read(path)
+            store.read_solution(path)
         other.communicate(b"\n")
     assert caught.value.lines == (
         f"{path}: the HDF5 file is open in another program, which is writing it; try again later",
@@ -238,7 +238,7 @@ def test_a_file_that_another_program_writes_is_not_called_damaged(path: Path) ->
 @pytest.mark.parametrize("trials", [100, pytest.param(10_000, marks=pytest.mark.slow)])
 def test_damage_is_refused_in_one_line_or_did_not_touch_anything(path: Path, trials: int) -> None:
     whole, rng = path.read_bytes(), np.random.default_rng(1)
-    before = store.read(path)
+    before = store.read_solution(path)
     refused = []
     for _ in range(trials):
         damaged = bytearray(whole)
@@ -246,7 +246,7 @@ def test_damage_is_refused_in_one_line_or_did_not_touch_anything(path: Path, tri
             damaged[place] ^= 1 << int(rng.integers(8))
         path.write_bytes(damaged[: rng.integers(len(whole) // 2, len(whole))] if rng.random() < 0.1 else damaged)
         try:
-            found = store.read(path)
+            found = store.read_solution(path)
         except InputError as error:
             refused.append(error.lines)
             continue
@@ -259,14 +259,14 @@ def test_damage_is_refused_in_one_line_or_did_not_touch_anything(path: Path, tri
 @pytest.mark.parametrize("trials", [100, pytest.param(2000, marks=pytest.mark.slow)])
 def test_one_changed_byte_is_refused_or_changes_nothing(tmp_path: Path, trials: int) -> None:
     path, rng = tmp_path / "x.h5", np.random.default_rng(2)
-    store.write(path, in_increments())
-    whole, before, refused = path.read_bytes(), store.read(path, with_pressure=True), 0
+    store.write_solution(path, in_increments())
+    whole, before, refused = path.read_bytes(), store.read_solution(path, with_pressure=True), 0
     for place in rng.integers(0, len(whole), trials):
         damaged = bytearray(whole)
         damaged[place] ^= int(rng.integers(1, 256))
         path.write_bytes(damaged)
         try:
-            found = store.read(path, with_pressure=True)
+            found = store.read_solution(path, with_pressure=True)
         except InputError:
             refused += 1
             continue
@@ -281,13 +281,13 @@ def test_a_changed_letter_of_the_case_is_found(path: Path) -> None:
     assert content.count(b"w = [\n    50.0") == 1
     path.write_bytes(content.replace(b"w = [\n    50.0", b"w = [\n    70.0"))
     with pytest.raises(InputError, match="does not hold what was written"):
-        store.read(path)
+        store.read_solution(path)
 
 
 # ---------------------------------------------------------------------- format 1
 def test_format_1_reads_and_is_said_to_be_without_full_protection(jkr: Callable, tmp_path: Path) -> None:
     shutil.copy(FORMAT_1, tmp_path / "old.h5")
-    found = store.read("old.h5")
+    found = store.read_solution("old.h5")
     case = parse_case(found.record.toml.encode(), "old")
     exact = ClosedForm()(case.model.problem())
     for name in COLUMNS:  # up to 3e-16 apart on another processor than the one that wrote it
@@ -299,7 +299,7 @@ def test_format_1_reads_and_is_said_to_be_without_full_protection(jkr: Callable,
         "0.1.0",
     )
     assert (found.method, found.budget.total, found.raw) == ("closed-form", exact.budget.total, None)
-    warning = f"jkr: warning: old.h5: {store.DOUBT}\n"
+    warning = f"jkr: warning: old.h5: {store.NO_DIGEST}\n"
     for words in (
         ("show", "old.h5"),
         ("transform", "old.h5", "--no-plots"),
@@ -312,8 +312,8 @@ def test_format_1_reads_and_is_said_to_be_without_full_protection(jkr: Callable,
         done = jkr(*words)
         assert done.code == 0, done.err
         assert done.err.count(warning) == 1, words
-    assert store.DOUBT in jkr("show", "old.h5", "--json").out
-    assert store.DOUBT in (tmp_path / "old-w50.json").read_text()
+    assert store.NO_DIGEST in jkr("show", "old.h5", "--json").out
+    assert store.NO_DIGEST in (tmp_path / "old-w50.json").read_text()
 
 
 def test_format_1_with_increments_is_filtered(tmp_path: Path) -> None:
@@ -324,7 +324,7 @@ def test_format_1_with_increments_is_filtered(tmp_path: Path) -> None:
         a[2] = a[1]  # a node-based radius stays while the load grows
         file["series/a"][...] = a
         del file["series/S"], file["series/dS_da"], file["errors/a"], file["facts"]
-    found = store.read(path)
+    found = store.read_solution(path)
     assert found.raw is not None
     np.testing.assert_array_equal(found.raw.a, a)
     np.testing.assert_array_equal(found.series.a, np.delete(a, 2))
@@ -361,6 +361,6 @@ def test_transform_opens_each_file_once_and_reads_its_case_once(
 def test_failed_write_leaves_the_old_file_and_no_other(path: Path) -> None:
     before = path.read_bytes()
     with pytest.raises(TypeError):
-        store.write(path, in_increments(facts={"x": object()}))
+        store.write_solution(path, in_increments(facts={"x": object()}))
     assert path.read_bytes() == before
     assert [p.name for p in path.parent.iterdir()] == [path.name]

@@ -90,7 +90,7 @@ def test_stored_case_runs_again_to_the_same_numbers(jkr, tmp_path: Path) -> None
     jkr("run", CASES / "thin-layer.toml")
     (tmp_path / "again.toml").write_text(jkr("show", "--case", "thin-layer.h5").out)
     assert jkr("run", "again.toml").code == 0
-    first, second = (store.read(name).increments for name in ("thin-layer.h5", "again.h5"))
+    first, second = (store.read_solution(name).increments for name in ("thin-layer.h5", "again.h5"))
     np.testing.assert_array_equal(first.P, second.P)
     np.testing.assert_array_equal(first.delta, second.delta)
 
@@ -146,7 +146,7 @@ def test_nothing_foreign_is_overwritten(jkr, tmp_path: Path) -> None:
     assert (tmp_path / "halfspace.h5").read_text() == "my thesis"
     assert jkr("run", HALFSPACE, "--method", "closed-form", "--force").code == 0
     assert jkr("run", HALFSPACE, "--method", "layered").code == 0  # its own file is replaced
-    assert store.read("halfspace.h5").method == "layered"
+    assert store.read_solution("halfspace.h5").method == "layered"
     (tmp_path / "halfspace-w50.csv").write_text("x,y\n1,2\n")
     outcome = jkr("transform", "halfspace.h5")
     assert outcome.err == (
@@ -197,7 +197,7 @@ def test_refusals_are_one_line_with_exit_code_2(jkr, tmp_path: Path, words: tupl
 def test_new_writes_a_case_that_runs_and_never_replaces_one(jkr, tmp_path: Path) -> None:
     assert jkr("new", "my.toml").code == 0
     assert jkr("run", "my.toml").code == 0
-    assert store.read("my.h5").method == "layered"
+    assert store.read_solution("my.h5").method == "layered"
     assert jkr("new", "my.toml").err == "jkr: error: my.toml: exists; give --force to replace it, or another name\n"
     assert jkr("new", "my.case").err == "jkr: error: my.case: the name of a case ends in .toml\n"
     assert files(tmp_path) == ["my.h5", "my.toml"]

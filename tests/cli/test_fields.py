@@ -21,7 +21,7 @@ from jkrcli.bodies.materials import Elastic, TransverselyIsotropic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.state import ContactState, contact_state
-from jkrcli.methods.layered.fields import profile
+from jkrcli.methods.layered.fields import surface_profile
 from jkrcli.report.plots.body import contact_zone_figure, magnification
 
 R, E, NU, W, A = 100e-6, 1e6, 0.3, 0.02, 10e-6
@@ -45,7 +45,7 @@ def half_space() -> ContactState:
 def coating() -> tuple[ContactState, Problem]:
     """A film twenty times as stiff as its substrate."""
     film = problem(Specimen((Layer(Elastic(20 * E, 0.4), A / 2),), HalfSpace(Elastic(E, NU))))
-    return contact_state(FEM(), film, A, profile(film, A, W).delta), film
+    return contact_state(FEM(), film, A, surface_profile(film, A, W).delta), film
 
 
 def exact(r: np.ndarray, z: np.ndarray) -> dict[str, np.ndarray]:
@@ -129,7 +129,7 @@ def test_the_surface_touches_the_indenter_and_leaves_it() -> None:
     inside = r <= A
     np.testing.assert_allclose(u[inside], DELTA - r[inside] ** 2 / (2 * R), rtol=0, atol=1e-12 * A**2 / R)
     outside = (r > 1.01 * A) & (r < 3 * A)
-    expected = profile(problem(HALF_SPACE), A, W, None, r[outside]).displacement
+    expected = surface_profile(problem(HALF_SPACE), A, W, None, r[outside]).displacement
     assert np.abs(u[outside] - expected).max() < 1e-6 * A**2 / R  # measured 3e-7
 
 
@@ -140,7 +140,7 @@ def test_a_coating_against_layered() -> None:
     inside = line.r[(line.r > 0) & (line.r < 0.999 * A)][::12]
     top = np.flatnonzero((state.grid.points[:, 1] == 0) & (state.grid.points[:, 0] < 3 * A))
     top = top[np.argsort(state.grid.points[top, 0])][::20]
-    found = profile(film, A, W, inside, state.grid.points[top, 0])
+    found = surface_profile(film, A, W, inside, state.grid.points[top, 0])
     assert state.P == pytest.approx(found.P, rel=5e-5, abs=0)  # measured 1.5e-5
     wrong = np.abs(np.interp(inside, line.r, line.zz) + found.pressure)
     assert wrong.max() < 1e-4 * np.abs(found.pressure).max()  # measured 2e-5
@@ -200,7 +200,7 @@ def test_interfaces_against_a_quadrature_over_hankel_space(name: str) -> None:
     errors of tractions that hold and are near; ``adhesive``: delta over that without adhesion."""
     specimen, adhesive = AT_THE_RADIUS[name]
     body = problem(specimen)
-    delta = adhesive * profile(body, A, 0.0).delta
+    delta = adhesive * surface_profile(body, A, 0.0).delta
     state = contact_state(FEM(), body, A, delta)
     points, lines = state.grid.points, list(state.lines.values())[1:]
     for n, line in enumerate(lines):
@@ -232,7 +232,7 @@ def test_an_elastic_indenter_leaves_the_specimen_less() -> None:
     top = state.grid.points[:, 1] == 0
     r, u = state.grid.points[top, 0], -state.displacement[top, 1]
     near = r < 3 * A
-    expected = profile(both, A, 0.0, None, r[near]).displacement
+    expected = surface_profile(both, A, 0.0, None, r[near]).displacement
     assert np.abs(u[near] - expected).max() < 2e-5 * A**2 / R
     assert u[r == 0][0] == pytest.approx(A**2 / R / 2, rel=1e-12, abs=0)  # measured 1e-15
 

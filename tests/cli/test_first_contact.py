@@ -63,7 +63,7 @@ def test_a_changed_case_is_solved_anew_and_a_changed_w_is_not(jkr: Callable) -> 
     assert json.loads(again.out)["results"][0]["w_J_per_m2"] == 0.02
     with_w('"20 mJ/m^2"', BARE.replace("1 MPa", "2 MPa"))
     assert "solved by" in jkr("pull-off", "my.toml").err
-    assert store.read("my.h5").problem.specimen.surface.E == 2e6
+    assert store.read_solution("my.h5").problem.specimen.surface.E == 2e6
 
 
 def test_an_imported_series_of_another_case_is_never_replaced(jkr: Callable) -> None:

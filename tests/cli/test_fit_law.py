@@ -35,7 +35,7 @@ w = "50 mJ/m^2"
 def _records(jkr: Callable, tmp_path: Path) -> list[str]:
     (tmp_path / "lens.toml").write_text(CASE)
     assert jkr("run", "lens.toml", "-q").code == 0
-    body, rng = nonadhesive(store.read(tmp_path / "lens.h5")), np.random.default_rng(3)
+    body, rng = nonadhesive(store.read_solution(tmp_path / "lens.h5")), np.random.default_rng(3)
     names = []
     for V in (2e-7, 2e-6):
         t, delta, P, _ = retraction(body, 0.05, 1e-6, 0.5, V, 8e-5, math.inf, 150)

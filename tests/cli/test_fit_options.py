@@ -118,7 +118,7 @@ def _folder(jkr: Callable, tmp_path: Path) -> Path:
     _write(tmp_path / "raw.csv", "t_s,delta_um,P_nN,segment", raw["t"], raw["z"] * 1e6, raw["P"] * 1e9,
            raw["segment"])  # fmt: skip
     assert jkr("run", "lens.toml", "-q").code == 0
-    body = nonadhesive(store.read(tmp_path / "lens.h5"))
+    body = nonadhesive(store.read_solution(tmp_path / "lens.h5"))
     for name, V in (("slow", 2e-7), ("fast", 2e-6)):
         t, delta, P, _ = retraction(body, 0.05, 1e-6, 0.5, V, 8e-5, math.inf, 80)
         delta, P = (column + 0.01 * np.ptp(column) * rng.normal(size=t.size) for column in (delta, P))

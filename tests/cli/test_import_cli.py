@@ -65,7 +65,7 @@ def test_after_import_every_verb_works_as_on_our_own(jkr, table: Path, tmp_path:
 def test_the_case_may_have_a_loading_that_the_table_replaces(jkr, table: Path) -> None:
     Path("other.toml").write_text(CASE + '[loading]\nradius = "1 um"\n')
     assert jkr("import", table, "--case", "other.toml", "-o", "x.h5").code == 0
-    loading = parse_case(store.read("x.h5").record.toml.encode(), "x").model.loading
+    loading = parse_case(store.read_solution("x.h5").record.toml.encode(), "x").model.loading
     assert loading.radius is None
     assert loading.depth == (pytest.approx(1.44e-5, rel=1e-12),)
 
@@ -73,7 +73,7 @@ def test_the_case_may_have_a_loading_that_the_table_replaces(jkr, table: Path) -
 def test_zero_is_told_as_elsewhere_or_as_a_length_alone(jkr, table: Path) -> None:
     jkr("import", table, *BODY, "--zero", "-1 um", "-o", "a.h5")
     jkr("import", table, *BODY, "--zero", "delta=-1 um", "--zero", "P=-1 uN", "-o", "b.h5")
-    one, other = store.read("a.h5"), store.read("b.h5")
+    one, other = store.read_solution("a.h5"), store.read_solution("b.h5")
     assert other.raw.delta.tolist() == one.raw.delta.tolist()
     np.testing.assert_allclose(other.raw.P - one.raw.P, 1e-6, rtol=1e-9)  # the loads are 1 mN: 1e-13 / 1e-6
     assert (one.facts["zero_m"], one.facts["zero_N"], other.facts["zero_N"]) == (-1e-6, 0, -1e-6)
@@ -82,10 +82,10 @@ def test_zero_is_told_as_elsewhere_or_as_a_length_alone(jkr, table: Path) -> Non
 def test_bodies_by_flags(jkr, table: Path) -> None:
     jkr("import", table, "--case", "my.toml", "-o", "case.h5")
     assert jkr("import", table, *BODY, "-o", "flags.h5").code == 0
-    assert store.read("flags.h5").problem.key == store.read("case.h5").problem.key
+    assert store.read_solution("flags.h5").problem.key == store.read_solution("case.h5").problem.key
     found = json.loads(jkr("import", table, *BODY, "--thickness", "1 mm", "--base", "frictionless", "--json").out)
     assert (found["file"], found["points"], found["method"]) == ("t.h5", 60, "import")
-    model = parse_case(store.read("t.h5").record.toml.encode(), "t").model
+    model = parse_case(store.read_solution("t.h5").record.toml.encode(), "t").model
     assert (model.specimen.base, model.specimen.layers[0].thickness) == ("frictionless", 1e-3)
 
 
@@ -141,7 +141,7 @@ def test_calculix_series_gives_the_pull_off(jkr, nodes: int, kept: int, error: f
     """
     outcome = jkr("import", DATA / f"halfspace-{nodes}.csv", "-o", "x.h5", *RIGID, "--factor", "P=180")
     assert f"; 100 rows, {kept} different contact radii" in outcome.out
-    raw = store.read("x.h5").raw
+    raw = store.read_solution("x.h5").raw
     load = 4 / 3 * 5e9 / (1 - 0.4**2) * np.sqrt(10e-3) * raw.delta**1.5
     assert (raw.P / load - 1).min() > 0.5e-3
     assert (raw.P / load - 1).max() < 6e-3

@@ -35,7 +35,7 @@ def series_of(jkr: Callable, gel: Path, origin: str) -> Path:
     """The same body by another way."""
     path = Path(f"{origin}.h5")
     if origin in NOISE:
-        exact, rng = store.read(gel / "layered.h5").series, np.random.default_rng(0)
+        exact, rng = store.read_solution(gel / "layered.h5").series, np.random.default_rng(0)
         columns = [getattr(exact, name) * (1 + NOISE[origin] * rng.normal(size=len(exact))) for name in ("a", "delta")]
         columns.append(exact.P * (1 + NOISE[origin] * rng.normal(size=len(exact))))
         rows = "\n".join(",".join(map(repr, row)) for row in np.stack(columns, 1).tolist())
@@ -68,7 +68,7 @@ def test_a_cycle_at_speed(jkr: Callable, gel: Path, origin: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("origin", ["hybrid", "fem", "imported", "noisy"])
 def test_a_fit_of_records(jkr: Callable, gel: Path, origin: str) -> None:
-    body, rng = nonadhesive(store.read(gel / "layered.h5")), np.random.default_rng(3)
+    body, rng = nonadhesive(store.read_solution(gel / "layered.h5")), np.random.default_rng(3)
     names = []
     for V in (1e-6, 1e-5, 3e-5):
         t, delta, P, _ = retraction(body, *LAW, V, 7e-4, math.inf, 250)

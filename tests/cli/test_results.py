@@ -19,7 +19,7 @@ from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, T
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods import Forecast, method_class
-from jkrcli.methods.choose import choose
+from jkrcli.methods.choose import choose_method
 from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.methods.integral import InaccurateError
 from jkrcli.methods.layered.layered import Layered
@@ -178,16 +178,16 @@ def build(name: str):
 
 
 def test_auto_takes_the_least_model() -> None:
-    assert choose(PROBLEM, "auto", build).name == "closed-form"
-    assert choose(LAYER, "auto", build).name == "layered"
+    assert choose_method(PROBLEM, "auto", build).name == "closed-form"
+    assert choose_method(LAYER, "auto", build).name == "layered"
     finite = Problem(LAYER.indenter, Specimen(LAYER.specimen.layers, Rigid(), 1e-4, "free"), LAYER.loading)
-    assert choose(finite, "auto", build).name == "hybrid"
+    assert choose_method(finite, "auto", build).name == "hybrid"
     with pytest.raises(Refusal, match="method layered: the specimen has a finite radius"):
-        choose(finite, "layered", build)
+        choose_method(finite, "layered", build)
 
 
 def test_auto_goes_on_to_the_next_method_and_names_all_that_failed() -> None:
-    choice = choose(LAYER, "auto", build)
+    choice = choose_method(LAYER, "auto", build)
     missed = InaccurateError("missed 1e-8", "missed", 1e-6)
     coarser = choice.after_failure(missed, build)
     assert coarser is not None
@@ -206,7 +206,7 @@ def test_auto_goes_on_to_the_next_method_and_names_all_that_failed() -> None:
 
 
 def test_auto_says_why_and_what_others_would_cost() -> None:
-    reason = choose(LAYER, "auto", build).reason
+    reason = choose_method(LAYER, "auto", build).reason
     assert reason.startswith("the simplest method for this body (")
     assert "closed-form not applicable (" in reason
     assert "fem would take about" in reason
@@ -260,4 +260,4 @@ class _Planned:
 def test_the_least_model_that_is_accurate_and_quick(closed, layered, hybrid, fem, chosen: str) -> None:
     costs = {"closed-form": closed, "layered": layered, "hybrid": hybrid, "fem": fem}
     plans = {name: _Planned(*cost) for name, cost in costs.items()}
-    assert choose(LAYER, "auto", plans.__getitem__).name == chosen
+    assert choose_method(LAYER, "auto", plans.__getitem__).name == chosen

@@ -37,7 +37,7 @@ def _measured(jkr: Run) -> Path:
     """A series and the table of a retraction on it, in the folder of the test."""
     Path("gel.toml").write_text(CASE)
     assert jkr("run", "gel.toml", "--method", "layered").code == 0
-    series = store.read("gel.h5").series
+    series = store.read_solution("gel.h5").series
     curve = transform(series, slopes(series), W)
     t = np.arange(len(series)) * 0.5
     table = np.stack([t, curve.a * 1e6, curve.delta * 1e6, curve.P * 1e3], axis=1)[::-1]
@@ -164,7 +164,7 @@ def test_a_force_map_of_a_microscope(jkr: Run, measured: Path) -> None:
     afmformats = pytest.importorskip("afmformats")
     import h5py
 
-    series = store.read("gel.h5").series
+    series = store.read_solution("gel.h5").series
     curve = transform(series, slopes(series), W)
     k = 5e4
     touched = curve.pull_off(k).a * (1 + 1e-9)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from sweep_files import AXIS, BAD, HALF_SPACE, TWO_LAYERS, rows
 
-from jkrcli.many.sweep import solving
+from jkrcli.many.sweep import plan
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
 
@@ -34,14 +34,14 @@ def test_one_bad_case_never_stops_the_rest(jkr, tmp_path: Path) -> None:
 
 
 def test_a_fault_in_a_library_is_a_reason_too(jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    plain = solving.solved
+    plain = plan.solved_once
 
     def faulty(body, method, kept):
         if body.specimen.surface.nu == 0.3:
             raise ZeroDivisionError("by zero")
         return plain(body, method, kept)
 
-    monkeypatch.setattr(solving, "solved", faulty)
+    monkeypatch.setattr(plan, "solved_once", faulty)
     (tmp_path / "s.toml").write_text(HALF_SPACE + AXIS)
     assert jkr("sweep", "s.toml", "-o", "r", "--workers", "1").code == 0
     table = rows(tmp_path / "r" / "table.csv")

@@ -13,7 +13,7 @@ import pytest
 from sweep_files import AXIS, BAD, HALF_SPACE, rows, samples
 
 from jkrcli.base.errors import InputError
-from jkrcli.many.sweep import solving
+from jkrcli.many.sweep import plan
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
 
@@ -142,7 +142,7 @@ def test_changed_bytes_of_a_journal_change_no_row(tmp_path: Path, seed: int) -> 
     path, made = tmp_path / "journal.jsonl", np.random.default_rng(seed)
     with opened(path) as journal:
         for i in range(20):
-            journal.append(f"{i:020x}", solving.Row(-1, "ok", "", tuple(made.random(5).tolist()), 0.25))
+            journal.append(f"{i:020x}", plan.Row(-1, "ok", "", tuple(made.random(5).tolist()), 0.25))
         written = dict(journal.rows)
     content = path.read_bytes()
     for _ in range(2000):

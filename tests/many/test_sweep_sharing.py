@@ -12,7 +12,7 @@ from sweep_files import SHARED, TWO_LAYERS, rows
 
 from jkrcli.base.errors import JkrError
 from jkrcli.case import store
-from jkrcli.many import cache
+from jkrcli.many.sweep.plan import at_unit_modulus
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
 
@@ -59,8 +59,8 @@ def test_a_solve_that_cannot_be_kept_is_no_failed_case(
     def full(path: Path, *_: object) -> None:
         raise JkrError(f"{path}: cannot be written (No space left on device)")
 
-    tuned("jkrcli.many.cache.TUNING.worth_keeping", -1.0)
-    monkeypatch.setattr("jkrcli.case.store.write", full)
+    tuned("jkrcli.many.sweep.plan.TUNING.worth_keeping", -1.0)
+    monkeypatch.setattr("jkrcli.many.sweep.plan.write_solution", full)
     (tmp_path / "s.toml").write_text(TWO_LAYERS + SHARED.partition("[[axes]]\nzip")[0])
     assert jkr("sweep", "s.toml", "-o", "r", "--workers", "1").code == 0
     assert [row["status"] for row in rows(tmp_path / "r" / "table.csv")] == ["ok"] * 3
@@ -77,7 +77,7 @@ def test_unit_modulus_is_the_same_for_every_factor() -> None:
         base = HalfSpace(Elastic(0.7 * factor, 0.2))
         return Problem(Sphere(1e-3, Elastic(13 * factor, 0.3)), Specimen(layers, base), Loading("load", 1e-9 * factor))
 
-    bodies = [cache.at_unit_modulus(body(factor)) for factor in (1.0, 3.0, 1 / 3, 1e9, 0.7e-3)]
+    bodies = [at_unit_modulus(body(factor)) for factor in (1.0, 3.0, 1 / 3, 1e9, 0.7e-3)]
     assert len({problem.key for problem, _ in bodies}) == 1
     assert [factor for _, factor in bodies] == [1.1 * f for f in (1.0, 3.0, 1 / 3, 1e9, 0.7e-3)]
 
@@ -85,18 +85,18 @@ def test_unit_modulus_is_the_same_for_every_factor() -> None:
 @pytest.mark.slow
 def test_expensive_solves_are_kept(jkr, tmp_path: Path, solves: list, tuned: Callable) -> None:
     """Other quantities of the same bodies: new rows, no new solve; a damaged file is solved again."""
-    tuned("jkrcli.many.cache.TUNING.worth_keeping", -1.0)
+    tuned("jkrcli.many.sweep.plan.TUNING.worth_keeping", -1.0)
     (tmp_path / "s.toml").write_text(TWO_LAYERS + SHARED)
     jkr("sweep", "s.toml", "-o", "r", "--workers", "1")
     before = rows(tmp_path / "r" / "table.csv")
     kept = sorted((tmp_path / "r" / "solves").iterdir())
-    assert [store.read(path).method for path in kept] == ["layered", "layered"]
+    assert [store.read_solution(path).method for path in kept] == ["layered", "layered"]
     (tmp_path / "s.toml").write_text(TWO_LAYERS + SHARED + '[outputs]\nquantities = ["pull_off"]\n')
     kept[0].write_bytes(kept[0].read_bytes()[:-100])
     solves.clear()
     assert jkr("sweep", "s.toml", "-o", "r", "--workers", "1").code == 0
     assert len(solves) == 1
-    assert store.read(kept[0]).method == "layered"
+    assert store.read_solution(kept[0]).method == "layered"
     after = rows(tmp_path / "r" / "table.csv")
     for name in after[0]:
         assert [row[name] for row in after] == [row[name] for row in before]
@@ -107,7 +107,7 @@ def test_a_kept_solve_is_known_by_what_it_holds_not_by_its_name(
     jkr, tmp_path: Path, solves: list, tuned: Callable
 ) -> None:
     """Two kept files with their names exchanged: both bodies are solved again."""
-    tuned("jkrcli.many.cache.TUNING.worth_keeping", -1.0)
+    tuned("jkrcli.many.sweep.plan.TUNING.worth_keeping", -1.0)
     (tmp_path / "s.toml").write_text(TWO_LAYERS + SHARED)
     jkr("sweep", "s.toml", "-o", "r", "--workers", "1")
     table, journal = tmp_path / "r" / "table.csv", tmp_path / "r" / "journal.jsonl"

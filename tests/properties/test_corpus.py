@@ -106,7 +106,7 @@ def change(file: h5py.File, what: str, name: str, *how: Any) -> None:
 @pytest.mark.parametrize("path", of("series"), ids=lambda path: path.stem)
 def test_series(path: Path, tmp_path: Path) -> None:
     target = tmp_path / "x.h5"
-    store.write(target, solve(parse_case(BODY, "body"))[1])
+    store.write_solution(target, solve(parse_case(BODY, "body"))[1])
 
     def changes(file: h5py.File) -> None:
         for told in json.loads(path.read_text(encoding="utf-8")):
@@ -117,7 +117,7 @@ def test_series(path: Path, tmp_path: Path) -> None:
 
     edit(target, changes)
     try:
-        found = store.read(target, with_pressure=True)
+        found = store.read_solution(target, with_pressure=True)
     except InputError as error:
         judged(error)
         return

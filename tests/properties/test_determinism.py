@@ -55,7 +55,7 @@ def run(case: Path, folder: Path, **environment: str) -> Path:
 
 def same(one: Path, other: Path) -> None:
     """All numbers of two series files and the text of two tables are equal, bit by bit."""
-    a, b = store.read(one / "x.h5"), store.read(other / "x.h5")
+    a, b = store.read_solution(one / "x.h5"), store.read_solution(other / "x.h5")
     assert a.series.errors.keys() == b.series.errors.keys()
     for name in COLUMNS:
         assert np.array_equal(getattr(a.series, name), getattr(b.series, name)), name

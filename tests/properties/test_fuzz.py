@@ -129,7 +129,9 @@ def series_bytes(folder: Path) -> bytes:
     problem = case.model.problem()
     solution = ClosedForm()(problem)
     table = PressureTable(np.linspace(0, 2e-5, 5), np.ones((len(solution.series), 5)))
-    store.write(folder / "valid.h5", replace(solution, pressure=table, record=store.record_of(case)), "jkr run")
+    store.write_solution(
+        folder / "valid.h5", replace(solution, pressure=table, record=store.record_of(case)), "jkr run"
+    )
     return (folder / "valid.h5").read_bytes()
 
 
@@ -214,7 +216,7 @@ def _judge_series(write: Callable[[str, bytes], Path], tmp_path: Path) -> Callab
         if outcome("show", path, "--json", json_out=True) == 0:
             outcome("transform", path, "--w", "0.05", "--no-plots", "--force", "--json", json_out=True)
             with contextlib.suppress(JkrError):
-                store.read(path, with_pressure=True)
+                store.read_solution(path, with_pressure=True)
 
     return judge
 

@@ -161,7 +161,7 @@ def test_a_profile_is_looked_for_beside_the_case_and_its_place_is_shown(jkr: Cal
 def _path(tmp_path: Path) -> Path:
     case = load_case(CASES / "halfspace.toml")
     problem = case.model.problem()
-    store.write(tmp_path / "x.h5", replace(ClosedForm()(problem), record=store.record_of(case)))
+    store.write_solution(tmp_path / "x.h5", replace(ClosedForm()(problem), record=store.record_of(case)))
     return tmp_path / "x.h5"
 
 
@@ -209,7 +209,7 @@ SERIES = {
 def test_found_in_series_files(change: Callable[[h5py.File], None], path: Path) -> None:
     edit(path, change)
     with pytest.raises(InputError) as caught:
-        store.read(path)
+        store.read_solution(path)
     assert caught.value.lines == (f"{path}: {SERIES[change]}",)
 
 
@@ -230,7 +230,7 @@ def test_found_in_pressures(r: np.ndarray | None, pressure: np.ndarray | None, l
 
     edit(path, change)
     with pytest.raises(InputError) as caught:
-        store.read(path, with_pressure=True)
+        store.read_solution(path, with_pressure=True)
     assert caught.value.lines == (f"{path}: {line}",)
 
 
@@ -284,7 +284,7 @@ def test_output_in_a_poor_encoding(tmp_path: Path, path: Path) -> None:
 
 def test_estimate_without_words(jkr: Callable, path: Path) -> None:
     edit(path, lambda file: file["errors"].attrs.__setitem__("truncation", ""))
-    assert store.read(path).budget.truncation == Unknown("not stated in the file")
+    assert store.read_solution(path).budget.truncation == Unknown("not stated in the file")
     assert jkr("show", path, "--json").code == 0
 
 

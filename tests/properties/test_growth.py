@@ -22,10 +22,9 @@ from jkrcli.data import foreign, measured
 from jkrcli.data.measured import instruments
 from jkrcli.data.measured.amount import rows_expected
 from jkrcli.data.text_table import MOST_COLUMNS, Dialect, read_table
-from jkrcli.many.sweep.plan import load_plan
+from jkrcli.many.sweep.plan import load_plan, solve_group
 from jkrcli.many.sweep.quantities import Wanted
 from jkrcli.many.sweep.running import forecast
-from jkrcli.many.sweep.solving import solve_group
 from jkrcli.methods.fem.method import FEM
 from jkrcli.report.tables import read_curve
 from jkrcli.series import RawSeries

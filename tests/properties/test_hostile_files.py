@@ -284,11 +284,11 @@ def test_texts_of_any_length_are_read_in_pieces(tmp_path: Path, tuned) -> None:
     with h5py.File(tmp_path / "x.h5", "w") as file:
         file.create_dataset("words", data=["x" * 500, *[""] * 5000], dtype=h5py.string_dtype())
     content = (tmp_path / "x.h5").read_bytes()
-    held = hdf5.parse(tmp_path / "x.h5", content).members["words"]
+    held = hdf5.tree_of(tmp_path / "x.h5", content).members["words"]
     assert [len(text) for text in held.values[:3]] == [500, 0, 0]
     tuned("jkrcli.base.allowance.TUNING.size", 400)
     with pytest.raises(InputError, match="unpacked bytes or more, at most 400 are read"):
-        hdf5.parse(tmp_path / "x.h5", content)
+        hdf5.tree_of(tmp_path / "x.h5", content)
 
 
 def test_what_the_library_falls_over_is_refused_before_it_reads_it(
@@ -299,13 +299,13 @@ def test_what_the_library_falls_over_is_refused_before_it_reads_it(
     with h5py.File(path, "w") as file:
         file.create_dataset("list", (1,), dtype=h5py.vlen_dtype("i4"))[0] = np.arange(3)
     with pytest.raises(InputError, match='"list" holds neither numbers nor texts'):
-        hdf5.parse(path, path.read_bytes())
+        hdf5.tree_of(path, path.read_bytes())
     content = bytearray(path.read_bytes())
     heap = content.find(b"GCOL")
     content[heap + 16 : heap + 32] = bytes(16)
     monkeypatch.setattr(h5py.h5f, "open_file_image", lambda content: pytest.fail("the library was asked"))
     with pytest.raises(InputError, match="the HDF5 file is damaged and cannot be read"):
-        hdf5.parse(path, bytes(content))
+        hdf5.tree_of(path, bytes(content))
 
 
 def test_memory_that_runs_out_is_not_called_damage(tmp_path: Path, tuned, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -317,10 +317,10 @@ def test_memory_that_runs_out_is_not_called_damage(tmp_path: Path, tuned, monkey
     monkeypatch.setattr("jkrcli.base.allowance.fence", lambda most: fence(1 << 24))
     tuned("jkrcli.base.allowance.TUNING.little", 1 << 40)
     with pytest.raises(InputError, match="takes more memory to read than may be taken: split it, free memory or raise"):
-        hdf5.parse(tmp_path / "large.h5", (tmp_path / "large.h5").read_bytes())
+        hdf5.tree_of(tmp_path / "large.h5", (tmp_path / "large.h5").read_bytes())
     tuned("jkrcli.base.allowance.TUNING.little", 1 << 20)
     with pytest.raises(InputError, match=r"takes 0\.075 GiB of memory or more to read, 0\.01. GiB may be taken: split"):
-        hdf5.parse(path, path.read_bytes())
+        hdf5.tree_of(path, path.read_bytes())
     monkeypatch.setattr(allowance, "free_memory", lambda: 10.0)
     (tmp_path / "x.csv").write_bytes(b"1,2\n" * 100_000)
     with pytest.raises(InputError, match=r"x\.csv: takes .* GiB of memory or more to read, 0\.0078 GiB may be taken"):

@@ -16,7 +16,7 @@ from jkrcli.base import hdf5
 from jkrcli.base.errors import InputError
 from jkrcli.case import load_case, store
 from jkrcli.case.solving import solve
-from jkrcli.many import cache
+from jkrcli.many.sweep import plan
 from jkrcli.report import archive
 
 CASE = """
@@ -111,15 +111,13 @@ def test_a_changed_byte_of_a_kept_solve_is_not_believed(tmp_path: Path, trials: 
     path = tmp_path / "solve.h5"
     (tmp_path / "s.toml").write_text(CASE)
     _, solution = solve(load_case(tmp_path / "s.toml"))
-    store.write(path, solution, cache._made_by("key"))
-    before = flat(hdf5.parse(path, path.read_bytes()))
+    store.write_solution(path, solution, plan._made_by("key"))
+    before = flat(hdf5.tree_of(path, path.read_bytes()))
 
     def same() -> None:
-        assert flat(hdf5.parse(path, path.read_bytes())) == before
+        assert flat(hdf5.tree_of(path, path.read_bytes())) == before
 
-    assert (
-        one_byte_changed(path, trials, same, lambda: cache._read(path, solution.problem, "key") is None) > trials / 10
-    )
+    assert one_byte_changed(path, trials, same, lambda: plan._kept(path, solution.problem, "key") is None) > trials / 10
 
 
 def change_unsealed(path: Path, change: Callable[[h5py.File], object]) -> None:

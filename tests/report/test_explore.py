@@ -65,7 +65,7 @@ def evaluated(held: dict[str, Any], a: np.ndarray, w: float, factor: float) -> t
 @pytest.mark.parametrize("slopes", ["auto", "integral", "loocv"])
 @pytest.mark.parametrize(("w", "factor"), [(0.035, 1.0), (0.2, 0.3), (0.004, 7.0)])
 def test_the_knots_are_the_curve(gel: Path, slopes: str, w: float, factor: float) -> None:
-    stored = store.read(gel)
+    stored = store.read_solution(gel)
     body = nonadhesive(stored, slopes)  # without the points that are solved for one w
     held = payload(adhesive(stored, body, 0.04), [])
     curve = AdhesiveCurve(body.scaled(factor), w)
@@ -76,7 +76,7 @@ def test_the_knots_are_the_curve(gel: Path, slopes: str, w: float, factor: float
 
 @pytest.mark.parametrize(("w", "factor"), [(0.035, 1.0), (0.2, 0.3)])
 def test_the_band_is_the_curves(gel: Path, w: float, factor: float) -> None:
-    stored = store.read(gel)
+    stored = store.read_solution(gel)
     held = payload(analyse(stored, [0.04], "integral")[0], [])
     curve = analyse(stored, [w], "integral", factor)[0].curve
     powers = np.sqrt(w / factor) ** np.arange(3)
@@ -135,7 +135,7 @@ def test_the_reading_options_hold(jkr: Callable, gel: Path) -> None:
 
 def test_many_points_are_thinned(gel: Path) -> None:
     rows = np.linspace(1e-6, 2e-6, 3 * DRAWN)
-    held = payload(analyse(store.read(gel), [0.04])[0], [Curve("long", delta=rows, P=rows)])
+    held = payload(analyse(store.read_solution(gel), [0.04])[0], [Curve("long", delta=rows, P=rows)])
     assert held["measured_points"] == 3 * DRAWN
     assert len(held["measured"][0]["P"]) == DRAWN
     assert held["measured"][0]["P"][:2] == [rows[0], rows[3]]
@@ -156,7 +156,7 @@ def test_without_a_work_one_is_found_whose_pull_off_is_seen(jkr: Callable, gel: 
     assert jkr("run", "bare.toml").code == 0
     w = json.loads(jkr("explore", "bare.h5", "--json").out)["w_J_per_m2"]
     found = json.loads(jkr("pull-off", "bare.h5", "--w", w, "--json").out)
-    third = store.read(Path("bare.h5")).increments.a[100 // 3]
+    third = store.read_solution(Path("bare.h5")).increments.a[100 // 3]
     # w has two digits; the radius of pull-off goes with w^(1/3) to w^(1/2)
     assert found["results"][0]["controls"][0]["pull_off"]["a_m"] == pytest.approx(third, rel=0.03, abs=0)
 

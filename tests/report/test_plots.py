@@ -160,7 +160,7 @@ def _covered(axes: Axes, box: Bbox) -> bool:
 def analysed(jkr: Callable, case: str) -> Analysis:
     """A shipped case by the layered method, with its first work of adhesion."""
     assert jkr("run", CASES / f"{case}.toml", "--method", "layered", "-o", "x.h5").code == 0
-    solution = store.read(Path("x.h5"))
+    solution = store.read_solution(Path("x.h5"))
     return analyse(solution, solution.record.w[:1])[0]
 
 
@@ -194,7 +194,7 @@ def test_a_band_is_drawn_where_it_can_be_seen_only(jkr: Callable, body: str) -> 
         figure = curve_figure(replace(result, curve=curve), physical_units(curve))
         return [text.get_text() for text in figure.legends[0].get_texts()]
 
-    result = analyse(store.read(Path(body)), [0.1])[0]
+    result = analyse(store.read_solution(Path(body)), [0.1])[0]
     span = float(np.ptp(result.curve.P))
     assert "90 % band of $P$" in words(0.02 * span)
     assert "90 % band of $P$" not in words(0.005 * span)

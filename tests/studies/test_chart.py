@@ -21,7 +21,7 @@ from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Spe
 from jkrcli.case import load_case
 from jkrcli.case.numerics import method_of
 from jkrcli.many.cost import Cost, process_cost
-from jkrcli.methods.choose import choose
+from jkrcli.methods.choose import choose_method
 from jkrcli.methods.layered.layered import Layered
 from studies.chart_measure import typical
 from studies.chart_points import DEFAULT, SETTINGS, automatic, beside_front, front, read_peers, settings_of
@@ -121,7 +121,7 @@ def test_auto_takes_the_least_method_that_is_exact_enough(name: str) -> None:
     """The rule of choose: of closed-form, layered, hybrid, fem the first with an expected error <= 1e-3 within 10 s."""
     case = load_case(CASES / f"{name}.toml")
     taken = automatic(case)
-    options = choose(case.model.problem(), "auto", lambda method: method_of(case.model, method)).options
+    options = choose_method(case.model.problem(), "auto", lambda method: method_of(case.model, method)).options
     able = [o.name for o in options if o.forecast and isinstance(o.forecast.error, float) and o.forecast.error <= 1e-3
             and o.forecast.seconds <= 10]  # fmt: skip
     assert taken == able[0]

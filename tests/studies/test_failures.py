@@ -21,7 +21,7 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Specimen
 from jkrcli.methods import Forecast
 from jkrcli.methods.integral.disc import disc_warnings
-from jkrcli.methods.layered.fields import profile
+from jkrcli.methods.layered.fields import surface_profile
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.methods.layered.stack import LayeredContact
 from jkrcli.series import ErrorBudget, Series, Solution
@@ -161,7 +161,7 @@ def lifting(largest: float) -> Problem:
 def test_a_contact_that_lifts_off_in_the_middle_is_said_so() -> None:
     """The pressure in the middle is positive at a = h/2 and negative at 2 h: read from the pressure itself."""
     for a, pulls in ((0.5e-6, False), (2e-6, True)):
-        middle = profile(lifting(a), a, 0.0, np.array([0.03 * a])).pressure[0]
+        middle = surface_profile(lifting(a), a, 0.0, np.array([0.03 * a])).pressure[0]
         assert (middle < 0) == pulls
         warnings = Layered()(lifting(a)).warnings
         assert len(warnings) == pulls
@@ -184,7 +184,7 @@ def test_bodies_that_grow_stiffer_with_depth_are_not_searched() -> None:
     stiffer = replace(problem, specimen=Specimen(problem.specimen.layers, HalfSpace(Elastic(1e10, 0.3))))
     contact = LayeredContact(stiffer.indenter, stiffer.specimen)
     assert disc_warnings(contact, stiffer.specimen, 2e-6, contact.spectrum.kernel) == ()
-    assert profile(stiffer, 2e-6, 0.0).pressure.min() > 0
+    assert surface_profile(stiffer, 2e-6, 0.0).pressure.min() > 0
 
 
 # ---------------------------------------------------------------------- the study run by make

@@ -11,8 +11,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ...base import LOOKED_AT, Array, Estimate, InputError, SolveError, Unknown, positive, show
-from ..curve import AdhesiveCurve
-from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL
+from ..curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, AdhesiveCurve
 from ..edge import Edge
 from ..nonadhesive import Nonadhesive
 from ..path import ADVANCE, FREE, RECEDE, REST, Contact, EdgeRule, Jump, Path, Piece, TimedState, path

@@ -22,7 +22,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from ...base import MOST_STEPS, Array, SolveError
-from ..device import LOAD_CONTROL, position
+from ..curve import LOAD_CONTROL, position
 from ..edge import Edge
 from ..path import ADVANCE, RECEDE, EdgeRule, Follow, Now, Piece
 from ..program import Ramp

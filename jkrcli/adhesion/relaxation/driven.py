@@ -16,7 +16,7 @@ import numpy as np
 
 from ...base import MOST_STEPS, ROUNDED, SAME, SETTLED, Array, InputError, SolveError, show, zeros_between
 from ...bodies import Modes
-from ..device import LOAD_CONTROL, position
+from ..curve import LOAD_CONTROL, position
 from .memory import Steps, moments
 from .path import AGAIN, PLACES, POWERS, Depths, RelaxedPath
 

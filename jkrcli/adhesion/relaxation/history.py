@@ -24,7 +24,7 @@ from ...base import (
     zeros_between,
 )
 from ...bodies import Modes, Relaxation
-from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
+from ..curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
 from ..nonadhesive import Nonadhesive
 from ..path import TimedState
 from ..program import Program

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base import SHOWN, InputError, did_you_mean, hdf5
+from ...base import SHOWN, InputError, did_you_mean, format_of
 from . import afm, archive, instruments, nanoscope, text
 from .curve import APPROACH, LEAST_ROWS, AsRead, Curve, Reading
 from .tip_position import SUBTRACTED_TWICE, of_its_device, stiffness_of_noise
@@ -77,7 +77,7 @@ def _refuse_ours(path: Path) -> None:
     """InputError where the file describes a body or holds what was computed."""
     if path.suffix == ".toml":
         raise InputError(f"{path}: is a case file, no measurement")
-    if path.suffix == ".h5" and path.is_file() and (kind := hdf5.kind(path)).startswith("jkr-"):
+    if path.suffix == ".h5" and path.is_file() and (kind := format_of(path)).startswith("jkr-"):
         raise InputError(f"{path}: was written by jkr ({kind}), is no measurement")
 
 

@@ -14,7 +14,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from ...base import Array, InputError, allowance, first_line, installs, read_bytes
+from ...base import Array, InputError, allowance_of, first_line, installs, read_bytes
 from . import intact
 from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, AsRead, Curve, Pixel, Reading, place
 
@@ -132,7 +132,7 @@ def _guarded(where: str) -> Iterator[None]:
     from afmformats import errors, meta
 
     try:
-        with allowance.reading(where), warnings.catch_warnings():
+        with allowance_of(where), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             yield
     except InputError:

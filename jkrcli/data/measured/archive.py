@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path, PurePosixPath
 
-from ...base import InputError, allowance, files, first_line
+from ...base import InputError, allowance_of, first_line, most_text, opened
 
 ENDINGS = (".txt", ".csv", ".tsv", ".dat", ".asc", ".tab")
 PIECE = 1 << 16  # choice: bytes read at a time, and of a table to estimate the length of its rows
@@ -28,8 +28,8 @@ class NoTablesError(InputError):
 def members(path: Path, size: int | None = None, chosen: Callable[[str], bool] = bool) -> list[zipfile.ZipInfo]:
     """The members of an archive with ``chosen`` names; InputError where it is damaged, would unpack to more than
     ``size`` bytes (None: what is allowed of any file), or holds one of them twice."""
-    with allowance.reading(path, size) as allowed:
-        with files.opened(path, "zip archive") as whole:  # counted before their list is made
+    with allowance_of(path, size) as allowed:
+        with opened(path, "zip archive") as whole:  # counted before their list is made
             allowed.take(parts=sum(piece.count(ENTRY) for piece in iter(lambda: whole.read(PIECE), b"")))
         with _opened(path) as file:
             listed = file.infolist()
@@ -45,7 +45,7 @@ def members(path: Path, size: int | None = None, chosen: Callable[[str], bool] =
 
 def tables(path: Path) -> list[zipfile.ZipInfo]:
     """The text tables of an archive; InputError where there are none, or as ``members`` does."""
-    if inside := members(path, allowance.TUNING.text, _is_table):
+    if inside := members(path, most_text(), _is_table):
         return inside
     raise NoTablesError(f"{path}: holds no text table ({', '.join(ENDINGS)})")
 
@@ -70,7 +70,7 @@ def titles(chosen: Sequence[zipfile.ZipInfo]) -> list[str]:
 
 def _declared(path: Path) -> int:
     """How many members an archive says that it holds, at its end (APPNOTE of the format, 4.3.14 and 4.3.16)."""
-    with files.opened(path, "zip archive") as whole:
+    with opened(path, "zip archive") as whole:
         whole.seek(max(0, whole.seek(0, 2) - LONGEST_END))
         end = whole.read()
     at, long = end.rfind(b"PK\5\6"), end.rfind(b"PK\6\6")
@@ -79,7 +79,7 @@ def _declared(path: Path) -> int:
 
 @contextlib.contextmanager
 def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
-    with files.opened(path, "zip archive") as whole:
+    with opened(path, "zip archive") as whole:
         try:
             file = zipfile.ZipFile(whole)
         except WRONG as error:

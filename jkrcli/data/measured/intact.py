@@ -7,7 +7,7 @@ import re
 import struct
 from pathlib import Path
 
-from ...base import InputError, allowance, hdf5, read_bytes
+from ...base import InputError, allowance_of, most_text, read_bytes, tree_of
 from . import archive
 
 WHAT = "file of force curves"
@@ -21,14 +21,14 @@ def check(path: Path) -> None:
     lets that be seen."""
     ending = path.suffix.lower()
     if ending == ".zip" or ending.startswith(".jpk"):
-        _members(path, allowance.TUNING.text if ending == ".zip" else None)
+        _members(path, most_text() if ending == ".zip" else None)
     elif ending == ".h5":
-        hdf5.parse(path, read_bytes(path, WHAT), remedy=AGAIN)
+        tree_of(path, read_bytes(path, WHAT), remedy=AGAIN)
     elif ending == ".ibw":
         _wave(path, read_bytes(path, WHAT))
     else:
-        with allowance.reading(path, fenced=False) as allowed:
-            content = read_bytes(path, WHAT, allowance.TUNING.text)
+        with allowance_of(path, fenced=False) as allowed:
+            content = read_bytes(path, WHAT, most_text())
             allowed.take_text(content.decode("latin-1"))
         if ending == ".tab":
             _export(path, content)
@@ -39,7 +39,7 @@ def _members(path: Path, size: int | None) -> None:
     members = archive.members(path, size)
     for item, content in zip(members, archive.contents(path, members), strict=True):
         if item.filename.endswith(".properties"):
-            with allowance.reading(path) as allowed:
+            with allowance_of(path) as allowed:
                 for many, power in PIXELS.findall(content):
                     allowed.take(parts=min(int(many[:15]) * 10 ** int(power[:2] or 0), 10**15))
 

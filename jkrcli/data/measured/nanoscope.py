@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...base import LARGEST_SI, Array, InputError, allowance, files, read_bytes
+from ...base import LARGEST_SI, Array, InputError, allowance_of, most_text, opened, read_bytes
 from ..titles import unit_power
 from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, AsRead, Curve, Pixel, Reading, place
 from .instruments import toward
@@ -35,15 +35,15 @@ def knows(path: Path) -> bool:
     """Whether the file begins and goes on as a binary one of the Nanoscope."""
     if not path.is_file():
         return False
-    with files.opened(path, WHAT) as file:
-        return file.read(len(BEGINS)) == BEGINS and BINARY in file.read(allowance.TUNING.little)
+    with opened(path, WHAT) as file:
+        return file.read(len(BEGINS)) == BEGINS and BINARY in file.read(most_text())
 
 
 def curves(path: Path, reading: Reading) -> Iterator[AsRead]:
     """The curves of the file with the spring constant of their lever [N/m]; ``delta`` is the position of the piezo
     toward the specimen."""
     reading.check_known_columns(path)
-    with allowance.reading(path, fenced=False) as allowed:
+    with allowance_of(path, fenced=False) as allowed:
         content = read_bytes(path, WHAT)
         allowed.take(len(content))
         file = File(path, content)

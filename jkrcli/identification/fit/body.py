@@ -18,9 +18,9 @@ from ...adhesion import FiniteRangeBody, Nonadhesive, RangeRequest, Slopes
 from ...adhesion.slopes.choice import slopes
 from ...base import REMEMBERED, ROWS, SAME, UNSEEN, InputError, JkrError, Refusal, SolveError, show
 from ...beside import JKR, nonadhesive
-from ...bodies import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal
-from ...case import Case, load_case, solve, store
-from ...methods import Layered, Limits, unbounded
+from ...bodies import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal, unbounded
+from ...case import Case, load_case, read_solution, solve
+from ...methods import Layered, Limits
 from ...series import Series, Solution
 from .attracted import COARSE, FINE, AttractedFamily, Resolution
 from .device_path import TUNING as PATHS
@@ -233,7 +233,7 @@ def body_of(
     """The body of a case, a problem, a solution, or a file, its slopes by ``rule``. A case may be solved anew to the
     radii that the data ask for, which has exact slopes; a solution, and what has others, ends where it ends."""
     if isinstance(source, str | Path):
-        source = load_case(source) if Path(source).suffix == ".toml" else store.read(source)
+        source = load_case(source) if Path(source).suffix == ".toml" else read_solution(source)
     if isinstance(source, Solution):
         body = nonadhesive(source, rule)
         return _with_range(FittedBody.of(source.problem, body.series, body.slopes), source)

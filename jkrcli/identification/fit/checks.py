@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...adhesion import REMEDY, judge
-from ...base import SAME, Unknown, show, units
+from ...base import LARGE_WORK, SAME, Unknown, show
 from ...series import Record
 from ..answer import word
 from ..parameters import POSITIONS
@@ -110,9 +110,9 @@ def _far_from_case(fit: Fit, body: FittedBody) -> Iterator[str]:
 
 
 def _doubtful_work(fit: Fit) -> Iterator[str]:
-    if "w" in fit.free and (w := fit.value("w")) > units.LARGE_WORK:
+    if "w" in fit.free and (w := fit.value("w")) > LARGE_WORK:
         yield (
-            f"w = {show(w, 'work')} is implausible, surfaces have a few mJ/m^2 to {show(units.LARGE_WORK, 'work')}: "
+            f"w = {show(w, 'work')} is implausible, surfaces have a few mJ/m^2 to {show(LARGE_WORK, 'work')}: "
             "check units of the data and the radius of the indenter"
         )
 

@@ -12,9 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base import Array
+from ...base import FEWEST_ROWS, Array
 from ...data import APPROACH, Curve, Direction, ForceCurve, examine
-from ...data.record import TUNING as RECORDS
 
 
 @dataclass(frozen=True)
@@ -58,7 +57,7 @@ def straightened(record: ForceCurve) -> tuple[ForceCurve, Mapping[str, Wave]]:
     """
     curve, waves = record.curve, dict[str, Wave]()
     for share in TUNING.shares:
-        sides = [side for side in record.directions if side.base.rows >= RECORDS.least_rows]
+        sides = [side for side in record.directions if side.base.rows >= FEWEST_ROWS]
         free = {side.segment.kind: _free(curve, side, share) for side in sides}
         period = _period(list(free.values())) if free else None
         if period is None:

@@ -10,9 +10,8 @@ from functools import partial
 
 import numpy as np
 
-from ...base import Array, InputError
+from ...base import FEWEST_ROWS, Array, InputError
 from ...data import APPROACH, RETRACT, Curve
-from ...data.record import TUNING as RECORDS
 from .family import ADVANCING, RECEDING
 from .settings import BranchName, SegmentName
 from .statistics import TUNING as STATISTICS
@@ -246,7 +245,7 @@ def in_contact(values: Mapping[str, Array], level: float) -> Array:
     if force > TUNING.adhesion * noise or noise > TUNING.largest_noise * np.ptp(P):
         return ~_lost(delta < delta[lowest], (P - level) / force, TUNING.noise * noise / force)
     quiet = np.abs(P - level) < TUNING.noise * noise
-    line = quiet.sum() > RECORDS.least_rows // 2  # a base line is half of a direction or more
+    line = quiet.sum() > FEWEST_ROWS // 2  # a base line is half of a direction or more
     return touching & ((delta > delta[quiet].max()) if line else True)
 
 

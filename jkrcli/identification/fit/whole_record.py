@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base import InputError, Unknown
+from ...base import FEWEST_ROWS, InputError, Unknown
 from ...data import APPROACH, RETRACT, TURNED, Curve, ForceCurve, examine
-from ...data.record import TUNING as RECORDS
 from ..parameters import POSITIONS
 from .points import third_differences
 from .positions import TIMED
@@ -108,7 +107,7 @@ def usable(record: ForceCurve, kind: str) -> bool:
     side = record.direction(kind)
     if side is None or isinstance(side.touch, Unknown):
         return False
-    return side.begins_free and side.base.rows >= RECORDS.least_rows
+    return side.begins_free and side.base.rows >= FEWEST_ROWS
 
 
 def requested(settings: Settings) -> tuple[str, ...]:

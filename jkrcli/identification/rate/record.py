@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...adhesion import Program
-from ...base import SAME, Array, InputError, evenly
+from ...base import FEWEST_ROWS, SAME, Array, InputError, evenly
 from ...data import Curve
-from ...data.record import TUNING as RECORDS
 from ..fit import third_differences
 from ..motion import check_over_time, check_rising, noise_of, through
 
@@ -91,9 +90,9 @@ def rate_record(curve: Curve, segment: str | None, lost: float | None = None) ->
     part = curve.rows(numbers)
     t, P, device = part.time, part.load, part.device
     check_rising(curve.where, t, numbers)
-    chosen = _retraction(t, P, device, lost) if t.size >= RECORDS.least_rows else np.empty(0, dtype=int)
-    if chosen.size < RECORDS.least_rows:
-        raise InputError(f"{curve.where}: {chosen.size} rows of a retraction, at least {RECORDS.least_rows} are needed")
+    chosen = _retraction(t, P, device, lost) if t.size >= FEWEST_ROWS else np.empty(0, dtype=int)
+    if chosen.size < FEWEST_ROWS:
+        raise InputError(f"{curve.where}: {chosen.size} rows of a retraction, at least {FEWEST_ROWS} are needed")
     base, loose = _motion(t[chosen], device[chosen])
     stiffness = np.inf if curve.stiffness is None else float(curve.stiffness)
     a = None if part.a is None else part.a[chosen]
@@ -114,7 +113,7 @@ def _retraction(t: Array, P: Array, device: Array, lost: float | None) -> Array:
     begin = 0
     if rate < 0 and level + rate * (t[0] - t[last]) > top + TUNING.still * noise:
         begin = int(np.searchsorted(t, t[last] + (top - TUNING.highest * noise - level) / rate))
-    over = _over(P, lowest) if lost is None else max(int(np.searchsorted(t, lost)), begin + RECORDS.least_rows)
+    over = _over(P, lowest) if lost is None else max(int(np.searchsorted(t, lost)), begin + FEWEST_ROWS)
     return np.arange(begin, min(over, t.size))
 
 

@@ -104,7 +104,7 @@ def _shown(columns: Columns) -> Iterator[str]:
 
 
 def _figure(columns: Columns) -> Figure:
-    from ...report.plots.maps import zones_figure
+    from ...report import zones_figure
 
     return zones_figure(columns, ZONES)
 

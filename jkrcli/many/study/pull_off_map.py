@@ -84,13 +84,13 @@ def _unit_series(nu: float, bonded: bool, qs: Sequence[float], tension: float) -
 
 
 def _figure(columns: Columns) -> Figure:
-    from ...report.plots.maps import Panel, lines_figure
+    from ...report import MapPanel, lines_figure
 
     title = f"layer on a rigid base, {columns['base'][0]}"
     families = {"nu": r"$\nu$ = {:g}".format}
     if columns["beta"].any():
         families["beta"] = r"$\beta$ = {:g}".format
-    panel = Panel("minus_P_over_pi_w_R", r"pull-off force / $\pi w R$", title, LIMITS, (1.4, 3.15))
+    panel = MapPanel("minus_P_over_pi_w_R", r"pull-off force / $\pi w R$", title, LIMITS, (1.4, 3.15))
     return lines_figure(columns, (Q, r"$w R^2 / (E^* h^3)$"), [panel], families)
 
 

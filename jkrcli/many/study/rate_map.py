@@ -17,8 +17,7 @@ import numpy as np
 from ...adhesion import AdhesiveCurve, Nonadhesive, Program, RateContact, rate_law_of
 from ...base import Ranged, SolveError, known
 from ...bodies import Elastic, HalfSpace, Specimen
-from ...methods import Layered
-from ...methods.closed_form.method import ClosedForm
+from ...methods import ClosedForm, Layered
 from ...report import Figure
 from .maps import POISSON, Axis, Columns, Map, Values, Work, layer, rows, series_at
 
@@ -86,10 +85,10 @@ def _stiffness(text: Any) -> float:
 
 
 def _figure(columns: Columns) -> Figure:
-    from ...report.plots.maps import Panel, lines_figure
+    from ...report import MapPanel, lines_figure
 
-    panels = [Panel("minus_P_over_pi_w0_R", r"pull-off force / $\pi w_0 R$", logs="xy"),
-              Panel("dissipated_over_w0_pi_a2", r"energy lost at the edge / $\pi w_0 a^2$", logs="xy")]  # fmt: skip
+    panels = [MapPanel("minus_P_over_pi_w0_R", r"pull-off force / $\pi w_0 R$", logs="xy"),
+              MapPanel("dissipated_over_w0_pi_a2", r"energy lost at the edge / $\pi w_0 a^2$", logs="xy")]  # fmt: skip
     return lines_figure(columns, ("V_over_v0", "speed of the device $V/v_0$"), panels, {
         "h_over_R": lambda h: "half-space" if math.isinf(h) else f"$h$ = {h:g} $R$",
         "k_over_Estar_R": lambda k: "rigid" if math.isinf(k) else f"$k$ = {k:g} $E^* R$",

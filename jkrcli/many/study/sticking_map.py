@@ -50,10 +50,10 @@ def _rows(ratios: Sequence[float], nu: float) -> Columns:
 
 
 def _figure(columns: Columns) -> Figure:
-    from ...report.plots.maps import Panel, lines_figure
+    from ...report import MapPanel, lines_figure
 
     titles = {"S_ratio": "$S$ at equal radius", "load_ratio": "load at equal depth"}
-    panels = [Panel(name, "no slip / frictionless", title) for name, title in titles.items()]
+    panels = [MapPanel(name, "no slip / frictionless", title) for name, title in titles.items()]
     return lines_figure(columns, ("a_over_h", "$a / h$"), panels, {"nu": r"$\nu$ = {:g}".format})
 
 

@@ -71,12 +71,12 @@ def _point(body: FiniteRangeBody, where: str, q: float, mu: float) -> tuple[floa
 
 def _figure(columns: Columns) -> Figure:
     """Filled where there are values enough on both axes, else as lines."""
-    from ...report.plots.maps import MU, Panel, filled_figure, is_filled, lines_figure
+    from ...report import MU, MapPanel, filled_figure, is_filled, lines_figure
 
     if is_filled(columns):
         return filled_figure(columns)
     title = f"layer on a rigid base, {columns['base'][0]}; dashed: JKR, dotted: long range"
-    panel = Panel(
+    panel = MapPanel(
         "minus_P_over_pi_w_R", r"pull-off force / $\pi w R$", title, {2.0: ""}, dashed="jkr_minus_P_over_pi_w_R"
     )
     over = ("mu", MU)

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ...base import InputError, draws
-from ...case import CaseModel, model_of, sweep
+from ...base import DISTRIBUTIONS, Distribution, InputError, draw
+from ...case import AxisTable, CaseModel, DistributionTable, SamplesTable, SweepModel, model_of
 from .paths import LAYER_COUNT, Tables, parse, value_at, with_values
 
 W = "adhesion.w"
@@ -45,7 +45,7 @@ class Trial:
         return tuple(value_at(cut if key == LAYER_COUNT else whole, key) for key in values)
 
 
-def resolve(model: sweep.SweepModel, tables: Tables, folder: Path, source: str) -> tuple[tuple[Axis, ...], CaseModel]:
+def resolve(model: SweepModel, tables: Tables, folder: Path, source: str) -> tuple[tuple[Axis, ...], CaseModel]:
     """All axes, samples and several works of adhesion included, and the first case; a line per mistake."""
     _each_once(model, source)
     trial = Trial(tables, _first(model), folder)
@@ -77,14 +77,14 @@ def _noted(lines: list[str], where: str) -> Iterator[None]:
         lines += [f"{where}: {line.removeprefix(': ')}" for line in error.lines]
 
 
-def _listed(axis: sweep.AxisTable) -> Mapping[str, Sequence[Any]]:
+def _listed(axis: AxisTable) -> Mapping[str, Sequence[Any]]:
     """The values of each key of an axis as they stand in the file, of a range where it begins."""
     if axis.zip is not None:
         return axis.zip
     return {str(axis.key): (axis.start,) if axis.values is None else axis.values}
 
 
-def _each_once(model: sweep.SweepModel, source: str) -> None:
+def _each_once(model: SweepModel, source: str) -> None:
     keys = [key for axis in model.axes for key in _listed(axis)] + list(model.samples.of if model.samples else ())
     if not keys:
         raise InputError(f"{source}: nothing varies: give [[axes]] or [samples]")
@@ -97,17 +97,17 @@ def _each_once(model: sweep.SweepModel, source: str) -> None:
             raise InputError(f"{source}: axes: {error}") from None
 
 
-def _first(model: sweep.SweepModel) -> dict[str, Any]:
+def _first(model: SweepModel) -> dict[str, Any]:
     """A value of every varied key that stands in the file, but for the number of layers."""
     first = {key: values[0] for axis in model.axes for key, values in _listed(axis).items()}
     for key, item in (model.samples.of if model.samples else {}).items():
-        value = item.parameters[draws.KINDS[item.distribution].needed[0]]
+        value = item.parameters[DISTRIBUTIONS[item.distribution].needed[0]]
         first[key] = value[0] if item.distribution == "choice" else value
     first.pop(LAYER_COUNT, None)
     return first
 
 
-def _axis(axis: sweep.AxisTable, trial: Trial) -> Axis:
+def _axis(axis: AxisTable, trial: Trial) -> Axis:
     listed = _listed(axis)
     keys = tuple(listed)
     if axis.zip is None and axis.values is None:
@@ -116,7 +116,7 @@ def _axis(axis: sweep.AxisTable, trial: Trial) -> Axis:
     return Axis(keys, tuple(trial.si(dict(zip(keys, row, strict=True))) for row in rows))
 
 
-def _range(axis: sweep.AxisTable, trial: Trial) -> list[Any]:
+def _range(axis: AxisTable, trial: Trial) -> list[Any]:
     key, count = str(axis.key), axis.count or 2
     start, end = (_number(trial, key, value) for value in (axis.start, axis.end))
     if axis.spacing == "log" and not min(start, end) > 0:
@@ -135,18 +135,18 @@ def _number(trial: Trial, key: str, value: Any) -> Any:
     return number
 
 
-def _samples(samples: sweep.SamplesTable, trial: Trial) -> Axis:
+def _samples(samples: SamplesTable, trial: Trial) -> Axis:
     distributions = [_distribution(key, table, trial) for key, table in samples.of.items()]
-    return Axis(tuple(samples.of), tuple(draws.draw(distributions, samples.count, samples.method, samples.seed)))
+    return Axis(tuple(samples.of), tuple(draw(distributions, samples.count, samples.method, samples.seed)))
 
 
-def _distribution(key: str, table: sweep.DistributionTable, trial: Trial) -> draws.Distribution:
+def _distribution(key: str, table: DistributionTable, trial: Trial) -> Distribution:
     if table.values is not None:
-        return draws.Distribution("choice", {"values": tuple(trial.si({key: value})[0] for value in table.values)})
+        return Distribution("choice", {"values": tuple(trial.si({key: value})[0] for value in table.values)})
     parameters = {
         name: value if name == "factor" else _number(trial, key, value) for name, value in table.parameters.items()
     }
     try:
-        return draws.Distribution(table.distribution, parameters)
+        return Distribution(table.distribution, parameters)
     except InputError as error:
         raise InputError(f"{key}: {error}") from None

@@ -14,7 +14,7 @@ from typing import Any
 
 from ... import __version__
 from ...base import InputError, JkrError, locks
-from .solving import FAILED, OK, Row
+from .plan import FAILED, OK, Row
 
 FORMAT, VERSION = "jkr-sweep-journal", 2
 HEAD = json.dumps({"format": FORMAT, "version": VERSION, "jkr": __version__}).encode() + b"\n"

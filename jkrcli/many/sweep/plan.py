@@ -1,30 +1,62 @@
-"""A sweep as it will be run: which cases there are, what each holds, which of them share a solve."""
+"""A sweep as it will be run: which cases there are, what each holds, which of them share a solve, and that solve.
+
+Bodies that differ by one factor of all moduli share one: P, S and S' scale with the moduli and delta(a) does not, so
+that every problem is solved at unit modulus, E = 1 Pa at its surface. The result depends on the problem alone, never on
+which of several cases asked for it first.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import itertools
 import math
 import shlex
+import time
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, fields, is_dataclass, replace
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from ... import __version__
-from ...adhesion.slopes import checked_rule
-from ...base import MOST_CELLS, InputError
-from ...case import Case, CaseModel, model_of, sweep
+from ...adhesion import Nonadhesive, checked_rule
+from ...base import MOST_CELLS, InputError, JkrError, Unknown, check_target
+from ...beside import adhesive, nonadhesive
+from ...bodies import Problem
+from ...case import (
+    MOST_CASES,
+    Case,
+    CaseModel,
+    SweepModel,
+    load_sweep,
+    method_of,
+    model_of,
+    read_solution,
+    write_solution,
+)
 from ...data.text_table import MOST_COLUMNS
-from ..cache import at_unit_modulus
+from ...methods import Choice, Method, choose_method, least_first, survey
+from ...series import Record, Solution
 from .axes import Axis, W, resolve
 from .paths import LAYER_COUNT, Tables, unit_of, with_values
-from .quantities import ALONG, POINT, Wanted, names_of
+from .quantities import ALONG, POINT, Value, Wanted, names_of
 
 FIRM = ("radius", "thickness", "nu")  # how keys end whose values tell bodies apart
 PHYSICS = {"title", "indenter", "specimen", "loading", "adhesion"}
+OK, FAILED = "ok", "failed"
 Cases: TypeAlias = Sequence[tuple[int, Mapping[str, Any]]]  # by their numbers and values, which share one solve
+
+
+@dataclass(frozen=True)
+class SharingTuning:
+    """How solves are distinguished and which are kept."""
+
+    digits: int = 13  # of numbers at unit modulus, theory: of the 16 of a double quotients lose the last ones
+    worth_keeping: float = 0.1  # choice: CPU seconds; reading a file takes a tenth of it
+
+
+TUNING = SharingTuning()
 
 
 @dataclass(frozen=True)
@@ -124,6 +156,23 @@ class Plan:
         return list(pieces), wrong
 
 
+def at_unit_modulus(problem: Problem) -> tuple[Problem, float]:
+    """The problem with all moduli (and a load, where one is prescribed) over the surface's E, and that E [Pa]."""
+    factor = problem.specimen.surface.E
+    return _rounded(problem.scaled(1 / factor)), factor
+
+
+def _rounded(value: Any) -> Any:
+    """``value`` rounded throughout (``SharingTuning``): quotients that are equal on paper become equal."""
+    if isinstance(value, float):
+        return float(f"{value:.{TUNING.digits - 1}e}")
+    if isinstance(value, tuple):
+        return tuple(_rounded(item) for item in value)
+    if is_dataclass(value) and not isinstance(value, type):
+        return replace(value, **{item.name: _rounded(getattr(value, item.name)) for item in fields(value) if item.init})
+    return value
+
+
 def _firm(keys: Sequence[str], row: Sequence[Any], cut: bool) -> list[Any]:
     """Those values of a row of an axis that make another body, whatever the moduli and the number of layers are."""
     return [value for key, value in zip(keys, row, strict=True) if key.endswith(FIRM) and not (cut and "layers" in key)]
@@ -131,7 +180,7 @@ def _firm(keys: Sequence[str], row: Sequence[Any], cut: bool) -> list[Any]:
 
 def load_plan(path: Path) -> Plan:
     """The plan of the sweep file at ``path``; InputError with a line per mistake."""
-    model, tables, folder = sweep.load_sweep(path)
+    model, tables, folder = load_sweep(path)
     source = str(path)
     wanted = _wanted(model, source)
     axes, first = resolve(model, tables, folder, source)
@@ -140,8 +189,8 @@ def load_plan(path: Path) -> Plan:
             f"{source}: the quantities asked for need a work of adhesion: vary adhesion.w, or set it in the base case"
         )
     plan = Plan(source, model.title, Recipe(_self_contained(tables, first, axes), wanted, folder), axes)
-    if plan.count > sweep.MOST_CASES:
-        raise InputError(f"{source}: makes {plan.count:,} cases, at most {sweep.MOST_CASES:,} are allowed in one sweep")
+    if plan.count > MOST_CASES:
+        raise InputError(f"{source}: makes {plan.count:,} cases, at most {MOST_CASES:,} are allowed in one sweep")
     if (cells := plan.count * len(wanted.columns)) > MOST_CELLS:
         raise InputError(
             f"{source}: makes {plan.count:,} cases of {len(wanted.columns):,} columns, {cells:,} cells, at most "
@@ -150,7 +199,7 @@ def load_plan(path: Path) -> Plan:
     return plan
 
 
-def _wanted(model: sweep.SweepModel, source: str) -> Wanted:
+def _wanted(model: SweepModel, source: str) -> Wanted:
     outputs = model.outputs
     columns = len(ALONG) * len(outputs.radii) + len(POINT) * len(outputs.stiffness)
     if columns > MOST_COLUMNS:
@@ -170,3 +219,120 @@ def _self_contained(tables: Tables, first: CaseModel, axes: Sequence[Axis]) -> T
     points = {key: first.model_dump()["indenter"][key] for key in ("r", "f")}
     rest = {key: value for key, value in indenter.items() if key != "file"}
     return {**tables, "indenter": rest | points}
+
+
+# ---------------------------------------------------------------------- the work that goes to a worker
+@dataclass(frozen=True)
+class Row:
+    """One row of the table: ``values`` per column, None where there is none; ``reason``: why it failed, or why values
+    are missing; ``seconds``: CPU time of the case, its share of a common solve included."""
+
+    number: int
+    status: str
+    reason: str
+    values: tuple[Value | None, ...]
+    seconds: float
+
+
+def solve_group(recipe: Recipe, folder: Path | None, cases: Cases) -> list[Row]:
+    """Solve what ``cases`` share, and read off each what is wanted; failures become rows.
+
+    ``folder``: of expensive solves of earlier runs.
+    """
+    start = time.process_time()
+    try:
+        model = recipe.model(cases[0][1])
+        solution = _solved(at_unit_modulus(model.problem())[0], model, folder)
+        body = nonadhesive(solution, recipe.wanted.slopes)
+    except Exception as error:
+        share = (time.process_time() - start) / len(cases)
+        return [failed(recipe, number, error, share) for number, _ in cases]
+    share = (time.process_time() - start) / len(cases)
+    return [_row(recipe, solution, body, number, values, share) for number, values in cases]
+
+
+def _solved(body: Problem, model: CaseModel, folder: Path | None) -> Solution:
+    """The solution by the case's method; where "auto" has the choice and a method fails, by the next one."""
+    build = partial(method_of, model)
+    choice: Choice | None = least(body, model)
+    while choice is not None:
+        try:
+            return solved_once(body, choice.method, folder)
+        except JkrError as error:
+            if model.method != "auto":
+                raise
+            failure, options = error, choice.options or choose_method(body, "auto", build).options
+            choice = replace(choice, options=options).after_failure(error, build)
+    raise failure
+
+
+def _key(problem: Problem, method: Method) -> str:
+    """A hash of all that a solve depends on: the physics, the method with its options, the release."""
+    return hashlib.sha256(f"{problem.key}\n{method!r}\n{__version__}".encode()).hexdigest()[:24]
+
+
+def solved_once(problem: Problem, method: Method, folder: Path | None = None) -> Solution:
+    """The solution of ``problem`` by ``method``: from ``folder`` where it is kept there, else solved, and kept there
+    where that was expensive (``SharingTuning``)."""
+    key = _key(problem, method)
+    path = None if folder is None else folder / f"{key}.h5"
+    if path is not None and (stored := _kept(path, problem, key)) is not None:
+        return stored
+    start = time.process_time()
+    solution = replace(method(problem), record=Record(path=Path("series")))
+    expensive = time.process_time() - start > TUNING.worth_keeping
+    if path is not None and expensive and solution.raw is None and path.parent.is_dir():
+        with contextlib.suppress(JkrError):  # no room, or a shape that no case can say: it is solved every time
+            check_target(path, force=True)  # also what is damaged
+            write_solution(path, solution, _made_by(key))
+    return solution
+
+
+def _made_by(key: str) -> str:
+    """What a kept file says of its origin: its name alone proves nothing."""
+    return f"jkr sweep, solve {key}"
+
+
+def _kept(path: Path, problem: Problem, key: str) -> Solution | None:
+    """A solution that was kept; None where there is none, its file is damaged, or it holds another solve."""
+    try:
+        solution = read_solution(path, problem) if path.exists() else None
+    except InputError:
+        return None
+    return solution if solution is not None and solution.record.command_line == _made_by(key) else None
+
+
+def least(body: Problem, model: CaseModel) -> Choice:
+    """What ``choose`` chooses, without asking the methods behind the first that will do: that would cost more."""
+    build = partial(method_of, model)
+    for name in least_first() if model.method == "auto" else ():
+        (option,) = survey(body, build, [name])
+        if option.is_accurate and option.is_quick:
+            return Choice(name, build(name), "the simplest method for this body")
+    return choose_method(body, model.method, build)
+
+
+def _row(
+    recipe: Recipe, solution: Solution, body: Nonadhesive, number: int, values: Mapping[str, Any], share: float
+) -> Row:
+    """What is wanted of one case; ``solution``, ``body``: at unit modulus, which all cases of the group share."""
+    start = time.process_time()
+    try:
+        model = recipe.model(values)
+        works, z0 = model.adhesion.w, model.adhesion.z0
+        factor = at_unit_modulus(model.problem())[1]
+        solution = replace(solution, record=replace(solution.record, z0=z0))
+        result = adhesive(solution, body, works[0] if works else 0.0, factor)
+        wanted = recipe.wanted.values(result)
+    except Exception as error:
+        return failed(recipe, number, error, share + time.process_time() - start)
+    reasons = dict.fromkeys(value.reason for value in wanted if isinstance(value, Unknown) and value.reason)
+    cells = tuple(None if isinstance(value, Unknown) else value for value in wanted)
+    return Row(number, OK, "; ".join(reasons), cells, share + time.process_time() - start)
+
+
+def failed(recipe: Recipe, number: int, why: str | Exception, seconds: float = 0.0) -> Row:
+    """The row of a case without a result; errors that are no message for users are bugs: their type tells so."""
+    if isinstance(why, Exception) and not isinstance(why, JkrError):
+        why = f"unexpected {type(why).__name__}: {why}"
+    return Row(number, FAILED, " ".join(str(why).split()), (None,) * len(recipe.wanted.columns), seconds)

@@ -12,11 +12,10 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ... import __version__
-from ...base import Array, InputError, atomic, hdf5, printable, write_csv
+from ...base import Array, Dataset, Group, InputError, atomic, printable, write_csv
 from ...report import Figure, Result, archive
 from .journal import Journal
-from .plan import Plan
-from .solving import FAILED, Row
+from .plan import FAILED, Plan, Row
 
 STEM = "table"
 MISSING = "NaN: there is no value; the column reason says why"
@@ -121,8 +120,8 @@ def _is_numeric(values: list[Any]) -> bool:
 
 
 def _write_hdf5(path: Path, columns: Columns) -> None:
-    datasets = {name: hdf5.Dataset(_as_dataset(values, name == "case")) for name, values in columns.items()}
-    archive.write(path, archive.SWEEP_TABLE, {"missing": MISSING}, {"table": hdf5.Group({}, datasets)})
+    datasets = {name: Dataset(_as_dataset(values, name == "case")) for name, values in columns.items()}
+    archive.write(path, archive.SWEEP_TABLE, {"missing": MISSING}, {"table": Group({}, datasets)})
 
 
 def _as_dataset(values: list[Any], whole: bool) -> Array | list[str]:

@@ -8,12 +8,24 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from ...base import SILENCE, InputError, JkrError, duration, executors, files, write_csv
-from ..cache import at_unit_modulus
+from ...base import (
+    SILENCE,
+    InputError,
+    JkrError,
+    Progress,
+    check_target,
+    completed,
+    duration,
+    executor,
+    make_folder,
+    remove_file,
+    silent,
+    together,
+    write_csv,
+)
 from .journal import Journal, opened
-from .plan import Cases, Plan
+from .plan import Cases, Plan, at_unit_modulus, failed, least, solve_group
 from .result import STEM, Swept, SweptCase, endings, table, write
-from .solving import failed, least, solve_group
 
 JOURNAL, FAILED_TABLE, SOLVES = "journal.jsonl", "failed.csv", "solves"
 Say = Callable[[str], None]
@@ -44,7 +56,7 @@ class Means:
     scheduler: str | None = None
     hours: float = 10.0
     retry: bool = False
-    progress: executors.Progress = executors.silent
+    progress: Progress = silent
 
 
 def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> Swept:
@@ -53,9 +65,9 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> Swep
     ``say`` reports what goes on in the meantime. Errors: InputError where more than ``means.hours`` are forecast or
     the folder holds what is not ours, JkrError where every case failed.
     """
-    files.make_folder(folder)
+    make_folder(folder)
     for name in (*(f"{STEM}{ending}" for ending in endings()), FAILED_TABLE):
-        files.check_target(folder / name, force)
+        check_target(folder / name, force)
     look = TUNING.look * plan.count
     if look > SILENCE:
         say(
@@ -74,7 +86,7 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> Swep
         if groups:
             _solve(plan, groups, seconds, folder, journal, means, say)
         swept = Swept(plan, table(plan, journal))
-    with files.together():
+    with together():
         paths = [*write(folder, swept.columns), *_write_failed(folder, swept)]
     if len(swept.failed) == plan.count:
         raise JkrError(f"{plan.source}: every case failed, the first because: {swept.failed[0][1]}")
@@ -160,15 +172,15 @@ def _solve(
 ) -> None:
     """Hand out the groups, which take about so many CPU ``seconds``, and journal their cases as they come in."""
     solves = folder.resolve() / SOLVES
-    files.make_folder(solves)
-    with executors.executor(means.workers, means.scheduler, means.progress, seconds) as pool:
+    make_folder(solves)
+    with executor(means.workers, means.scheduler, means.progress, seconds) as pool:
         if pool.dashboard:
             say(f"dashboard {pool.dashboard}")
         by_time = SILENCE * len(groups) / max(seconds, 1e-9)  # much more than handing out, and the next is seen soon
         chunk = max(1, min(round(by_time), math.ceil(len(groups) / (TUNING.shares * pool.workers))))
         try:
             function = partial(solve_group, plan.recipe, solves)
-            for index, rows in executors.completed(pool, function, groups, plan.title or "sweep", chunk):
+            for index, rows in completed(pool, function, groups, plan.title or "sweep", chunk):
                 if isinstance(rows, Exception):
                     rows = [failed(plan.recipe, number, str(rows)) for number, _ in groups[index]]
                 for row in rows:
@@ -182,7 +194,7 @@ def _write_failed(folder: Path, swept: Swept) -> list[Path]:
     """A table of the failed cases with the command that runs each alone; none where none failed."""
     path = folder / FAILED_TABLE
     if not swept.failed:
-        files.remove(path)
+        remove_file(path)
         return []
     numbers, reasons = zip(*swept.failed, strict=True)
     write_csv(path, {"case": numbers, "reason": reasons, "command": list(map(swept.plan.command, numbers))})

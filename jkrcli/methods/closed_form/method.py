@@ -9,10 +9,10 @@ from typing import ClassVar
 import numpy as np
 
 from ...base import PATIENCE, SAME, Array, InputError, Refusal, SolveError, StageClock, show
-from ...bodies import Elastic, Layer, Loading, Paraboloid, Problem, Rigid, Sphere
+from ...bodies import Elastic, Layer, Loading, Paraboloid, Problem, Rigid, Sphere, unbounded
 from ...formulas import thin_layer
 from ...series import COLUMNS, ErrorBudget, Series, Solution
-from ..layered.layered import Layered, unbounded
+from ..layered.layered import Layered
 from ..protocol import Forecast, without_tension
 from ..radii import ROUGH, Search
 

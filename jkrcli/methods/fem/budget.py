@@ -10,8 +10,8 @@ import numpy as np
 
 from ...base import ROUNDED, Array, Estimate, InputError, Unknown
 from ...series import Coarser, ErrorBudget, Series
+from .model import MeshLevel, Run, power_interpolated, raw_series
 from .nested import Events, SurfaceContact, solve_depths
-from .run import MeshLevel, Run, power_interpolated, raw_series
 
 
 @dataclass(frozen=True)

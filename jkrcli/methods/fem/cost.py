@@ -8,8 +8,8 @@ from ...bodies import Problem
 from ..protocol import Forecast
 from .body import half_space_like
 from .layout import Layout
+from .model import mixed_layers
 from .options import DOUBLED, FEMOptions
-from .run import mixed_layers
 
 
 @dataclass(frozen=True)

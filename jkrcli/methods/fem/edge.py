@@ -101,7 +101,7 @@ def _edges(exact: Callable[[Array], Array], a0: float, delta: Array, guess: Arra
 # ---------------------------------------------------------------------- surfaces that stick
 def finest_spacing(material: Material) -> float:
     """Least spacing of surface vertices over the radius that follows a contact that sticks to the ``material``."""
-    eta = abs(_oscillation(material)[1])
+    eta = abs(_oscillation(at_surface(material))[1])
     start, turn = TUNING.phase
     return math.exp(start - turn / eta) if eta else 0.0
 

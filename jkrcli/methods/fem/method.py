@@ -9,16 +9,15 @@ from ...base import Refusal, StageClock, Unknown, one_thread
 from ...bodies import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
 from ..protocol import Forecast
-from .body import at_surface
 from .budget import Assessment, assessed, truncation_of
 from .cost import forecast
 from .edge import finest_spacing
 from .grid import Grid
 from .layout import Layout, layout_for
+from .model import Run, expected_reach, run
 from .options import DOUBLED, FEMOptions
 from .refinement import adapted, first
 from .report import finished
-from .run import Run, expected_reach, run
 
 
 @dataclass(frozen=True)
@@ -79,7 +78,7 @@ class FEM(FEMOptions):
             return f"an elastic indenter without slip is not represented by a rigid profile: use {other}"
         if self.contact == "incremental":
             return 'increments do not remember where points stuck: set contact.algorithm = "nested"'
-        least = finest_spacing(at_surface(problem.specimen.materials[0]))
+        least = finest_spacing(problem.specimen.materials[0])
         if self.layout == "scaled" and self.tolerance is None and self.spacing < least:
             other = " or use method layered" if problem.specimen.radius is None else ""
             return (

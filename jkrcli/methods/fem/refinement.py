@@ -9,13 +9,12 @@ import numpy as np
 from ...base import MOST_SOLVES, Estimate, Refusal, StageClock, Unknown
 from ...bodies import Indenter, Problem
 from ...series import Solution
-from .body import at_surface
 from .budget import TUNING as BUDGET
 from .budget import assessed, truncation_of
 from .edge import finest_spacing
+from .model import Run, expected_reach, run
 from .options import FEMOptions
 from .report import finished
-from .run import Run, expected_reach, run
 
 
 @dataclass(frozen=True)
@@ -79,7 +78,7 @@ def first(options: FEMOptions, problem: Problem) -> FEMOptions:
 
 def _finest(problem: Problem) -> float:
     """Least spacing that the problem is solved with."""
-    follows = finest_spacing(at_surface(problem.specimen.materials[0])) if problem.sticks else 0.0
+    follows = finest_spacing(problem.specimen.materials[0]) if problem.sticks else 0.0
     return max(TUNING.finest, follows)
 
 

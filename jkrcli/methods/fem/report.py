@@ -11,9 +11,8 @@ from ...base import ROUNDED, StageClock
 from ...bodies.materials import INCOMPRESSIBLE
 from ...series import Series, Solution
 from .budget import Assessment
-from .model import Model
+from .model import Model, Run, nodal_forces, pressures
 from .options import FEMOptions
-from .run import Run, nodal_forces, pressures
 
 
 def finished(options: FEMOptions, run: Run, judged: Assessment, clock: StageClock) -> Solution:

@@ -18,7 +18,7 @@ from scipy.linalg import cho_solve
 
 from ...base import ROUNDED, Array, InputError, Refusal, StageClock
 from ...bodies import Problem
-from .body import at_surface, cut_out
+from .body import cut_out
 from .edge import finest_spacing
 from .grid import Grid
 from .layout import scaled_layout
@@ -101,7 +101,7 @@ def contact_state(
     spacing, finest = TUNING.spacing, TUNING.finest
     if problem.sticks:
         spacing = TUNING.stuck
-        finest = max(finest, finest_spacing(at_surface(body.materials[0])) * TUNING.order / (2 * spacing))
+        finest = max(finest, finest_spacing(body.materials[0]) * TUNING.order / (2 * spacing))
     layout = scaled_layout(body, "triangle", a, a, finest * a, spacing, TUNING.growth)
     mixed = pressure_layers(body.materials, problem.sticks)
     model = Discretisation(layout, TUNING.order, mixed, a, method.solver, problem.sticks).build(StageClock())

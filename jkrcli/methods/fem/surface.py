@@ -14,8 +14,7 @@ import numpy as np
 from scipy.linalg import cho_solve
 from scipy.sparse import csr_matrix
 
-from ...base import Array, SolveError, one_thread
-from ..guards import RESIDUAL_LIMIT
+from ...base import RESIDUAL_LIMIT, Array, SolveError, one_thread
 from .elasticity import ElasticSystem
 from .factor import SparseFactor, nested_dissection, sparse_factor
 from .options import Solver

@@ -14,8 +14,7 @@ import numpy as np
 from scipy.sparse import bmat, coo_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
-from ...base import Array, SolveError
-from ..guards import RESIDUAL_LIMIT
+from ...base import RESIDUAL_LIMIT, Array, SolveError
 from .lines import LineElements
 from .region import Moduli, Region
 

@@ -49,7 +49,9 @@ class Profile:
             getattr(self, name).setflags(write=False)
 
 
-def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surface: Array | None = None) -> Profile:
+def surface_profile(
+    problem: Problem, a: float, w: float, r: Array | None = None, r_surface: Array | None = None
+) -> Profile:
     """Fields at the contact radius ``a`` [m] and work of adhesion ``w`` >= 0 [J/m^2].
 
     ``r`` [m]: radii 0 < r < a for the pressure, by default 100 that crowd at the edge; ``r_surface`` [m]: any radii for

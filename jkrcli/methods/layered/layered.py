@@ -11,6 +11,7 @@ import numpy as np
 
 from ...base import Array, Refusal, StageClock
 from ...bodies import Loading, Problem, Specimen
+from ...bodies import unbounded as unbounded
 from ...series import ErrorBudget, Solution
 from .. import integral
 from ..protocol import Forecast
@@ -121,11 +122,6 @@ def expected_radius(contact: SolvedContact, loading: Loading, accuracy: float) -
     """The contact radius [m] at which ``loading`` ends, extrapolated where it is many times the layers' length."""
     limit = math.hypot(contact.indenter.a0, QUICK * contact.scale)
     return integral.search(replace(contact, limit=limit), loading, accuracy).largest
-
-
-def unbounded(problem: Problem) -> Problem:
-    """The same problem without the sides of the specimen."""
-    return replace(problem, specimen=replace(problem.specimen, radius=None, side=None))
 
 
 def _contact(problem: Problem) -> SolvedContact:

@@ -16,7 +16,7 @@ import numpy as np
 
 from ... import __version__
 from ...adhesion import CONTROLS, LIMITS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, regime
-from ...base import DRAWN, SI, UNITS, Array, Unknown, scale, units
+from ...base import DRAWN, SI, UNITS, Array, Unknown, decades, scale
 from ...beside import Analysis, analysis, nonadhesive
 from ...data import Curve
 
@@ -75,7 +75,7 @@ def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "a
         "tension": tension,
         "angle": LIMITS.edge_angle,
         "controls": {name: vars(control) for name, control in _controls(curve, measured, tension).items()},
-        "units": {name: units.decades(name) for name in ("length", "load", "stiffness", "work")},
+        "units": {name: decades(name) for name in ("length", "load", "stiffness", "work")},
         "measured": shown,
         "measured_points": total,
     }

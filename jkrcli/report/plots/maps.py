@@ -23,7 +23,7 @@ LETTER = 0.0135  # choice: width of a letter of the words beside lines, in share
 
 
 @dataclass(frozen=True)
-class Panel:
+class MapPanel:
     """One column of a map over its axis: words of the y axis, ``limits``: values with what they are; ``logs``: "x" or
     "xy"; ``dashed``: a column that is drawn beside it."""
 
@@ -39,7 +39,7 @@ class Panel:
 def lines_figure(
     columns: Mapping[str, Array],
     over: tuple[str, str],
-    panels: Sequence[Panel],
+    panels: Sequence[MapPanel],
     families: Mapping[str, Callable[[float], str]],
 ) -> Figure:
     """The ``panels`` over the column and words ``over``: a colour for each set of values of the columns in
@@ -62,7 +62,7 @@ def lines_figure(
         return figure
 
 
-def _dress(axes: Axes, panel: Panel, xlabel: str) -> None:
+def _dress(axes: Axes, panel: MapPanel, xlabel: str) -> None:
     """Scales, limits and words of a panel."""
     axes.set(xlabel=xlabel, ylabel=panel.ylabel, title=panel.title, xscale="log")
     if "y" in panel.logs:

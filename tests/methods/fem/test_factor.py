@@ -15,8 +15,7 @@ from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Spe
 from jkrcli.methods.fem import factor
 from jkrcli.methods.fem.factor import sparse_factor
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.fem.model import Discretisation, Model
-from jkrcli.methods.fem.run import run
+from jkrcli.methods.fem.model import Discretisation, Model, run
 
 UNIT = Problem(Paraboloid(10.0), Specimen((), HalfSpace(Elastic(1.0, 0.3))), Loading("radius", 1.0))
 GEL = Problem(Paraboloid(100.0), Specimen((Layer(Elastic(1.0, 0.5), 1.0),), Rigid()), Loading("radius", 1.0))

@@ -287,7 +287,7 @@ def test_contact_beyond_the_refined_zone_is_refused_with_the_value_to_give():
 
 
 def test_a_too_small_forecast_is_mended(monkeypatch):
-    monkeypatch.setattr("jkrcli.methods.fem.run.largest_radius", lambda problem: 1e-5)
+    monkeypatch.setattr("jkrcli.methods.fem.model.largest_radius", lambda problem: 1e-5)
     P, _ = closed_form_errors(FEM(**QUICK)(PAPER), PAPER)
     assert np.abs(P).max() < 2e-4
 

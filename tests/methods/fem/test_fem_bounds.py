@@ -65,7 +65,7 @@ def test_errors_of_load_and_depth_are_known_at_equal_radius_and_at_equal_depth()
 
 def test_the_file_says_what_each_error_is_compared_at(tmp_path) -> None:
     solution = FEM(spacing=0.12)(COATING)
-    store.write(tmp_path / "x.h5", solution)
+    store.write_solution(tmp_path / "x.h5", solution)
     with h5py.File(tmp_path / "x.h5") as file:
         words = {name: data.attrs["description"].decode() for name, data in file["errors"].items()}
         told = file["errors/P_at_equal_a"][()]
@@ -73,7 +73,7 @@ def test_the_file_says_what_each_error_is_compared_at(tmp_path) -> None:
     assert words["dS_da"] == "estimated absolute error of dS_da at equal radius"
     assert words["delta_at_equal_a"] == "estimated absolute error of delta at equal radius"
     np.testing.assert_array_equal(told, solution.series.errors_at_radius["P"])
-    assert store.read(tmp_path / "x.h5").series.errors.keys() == solution.series.errors.keys()
+    assert store.read_solution(tmp_path / "x.h5").series.errors.keys() == solution.series.errors.keys()
     assert Layered()(COATING).series.errors_at_radius == {}  # exact radii: all errors are at equal radius
 
 

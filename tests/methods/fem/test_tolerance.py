@@ -144,7 +144,7 @@ def test_run_takes_a_tolerance_and_records_it(jkr, tmp_path: Path) -> None:
     case = CASES / "gel.toml"
     outcome = jkr("run", case, "--method", "fem", "--tolerance", "1e-2", "-o", "gel.h5")
     assert outcome.code == 0, outcome.err
-    solved = store.read(tmp_path / "gel.h5")
+    solved = store.read_solution(tmp_path / "gel.h5")
     assert "tolerance = 0.01" in solved.record.toml
     assert solved.budget.series < 1e-2
     assert set(solved.series.errors) == {"a", "P", "S", "dS"}
@@ -162,7 +162,7 @@ def test_run_takes_a_tolerance_and_records_it(jkr, tmp_path: Path) -> None:
 def test_a_tolerance_is_of_every_method(jkr, tmp_path: Path, method: str) -> None:
     """What is asked for is what the case of the file says, what changes the result, and what it keeps to."""
     exact, _, found = (
-        store.read(tmp_path / f"{tolerance}.h5") if jkr(
+        store.read_solution(tmp_path / f"{tolerance}.h5") if jkr(
             "run", CASES / "gel.toml", "--method", method, "--tolerance", tolerance, "-o", f"{tolerance}.h5"
         ).code == 0 else None
         for tolerance in ("1e-7", "1e-4", "1e-3")

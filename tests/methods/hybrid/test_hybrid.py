@@ -15,7 +15,7 @@ from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.materials import Elastic, Graded, TransverselyIsotropic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods import method_class
-from jkrcli.methods.choose import choose
+from jkrcli.methods.choose import choose_method
 from jkrcli.methods.hybrid.adaptive import AdaptiveKernel, KernelContact
 from jkrcli.methods.hybrid.kernel import KernelLevels, count_for
 from jkrcli.methods.hybrid.method import Hybrid
@@ -225,7 +225,7 @@ def test_a_cylinder_graded_from_the_contact_on() -> None:
 # ---------------------------------------------------------------------------------------------- choice and refusals
 def test_it_is_the_method_of_finite_bodies() -> None:
     problem = Problem(PARABOLOID, FINITE["free"], Loading("radius", 1.0))
-    choice = choose(problem, "auto", lambda name: method_class(name)())
+    choice = choose_method(problem, "auto", lambda name: method_class(name)())
     assert choice.name == "hybrid"
     assert choice.reason.startswith("the simplest method for this body")
 

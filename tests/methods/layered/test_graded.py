@@ -24,7 +24,7 @@ from jkrcli.case import parse_case
 from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.integral.quadrature import Panels, Quadrature
-from jkrcli.methods.layered.fields import profile
+from jkrcli.methods.layered.fields import surface_profile
 from jkrcli.methods.layered.layered import GRADED, Layered
 from jkrcli.methods.layered.product import product_matrix
 from jkrcli.methods.layered.spectrum import LayeredSpectrum, deviation
@@ -501,7 +501,7 @@ def test_a_half_space_is_homogeneous():
 def test_what_is_refused():
     specimen = layer(*CONTACTS[0])
     with pytest.raises(Refusal, match="profile: under a modulus that varies right below the contact"):
-        profile(problem(specimen, 0.5), 0.5, 0.0)
+        surface_profile(problem(specimen, 0.5), 0.5, 0.0)
     assert "single isotropic layers only" in ClosedForm().refusal(problem(specimen, 0.5))
     steep = LayeredContact(Paraboloid(100.0), layer(Linear(1.0, 1e3, 1.0), 0.3, Rigid()))
     radii = np.array([30.0])

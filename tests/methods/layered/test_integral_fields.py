@@ -10,7 +10,7 @@ from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.layered.fields import Profile, profile
+from jkrcli.methods.layered.fields import Profile, surface_profile
 
 HALF_SPACE = Specimen((), HalfSpace(Elastic(1.0, 0.3)))
 INCOMPRESSIBLE = Specimen((Layer(Elastic(1.0, 0.5), 1.0),), Rigid())
@@ -21,7 +21,7 @@ SHAPES = [Sphere(20.0), Paraboloid(50.0), PowerLaw(0.1, 1.0), PowerLaw(0.05, 1.5
 
 
 def at(specimen: Specimen, indenter: object, a: float, w: float = 0.0, **samples: np.ndarray) -> Profile:
-    return profile(Problem(indenter, specimen, Loading("radius", 1.0)), a, w, **samples)  # type: ignore[arg-type]
+    return surface_profile(Problem(indenter, specimen, Loading("radius", 1.0)), a, w, **samples)  # type: ignore[arg-type]
 
 
 def integral_of_pressure(specimen: Specimen, indenter: object, a: float, w: float) -> tuple[float, float]:
@@ -73,9 +73,9 @@ def test_edge_releases_the_work_of_adhesion(specimen: Specimen, a: float) -> Non
     """G = K_I^2/(2 E*) = w, with K_I from phi at the edge; and the pressure there has that K_I."""
     problem, w = Problem(Paraboloid(50.0), specimen, Loading("radius", a)), 1e-4
     s = 1e-9  # a - r over a: the next term of the pressure is smaller by sqrt(s), times the Hertz part
-    found = profile(problem, a, w, r=np.array([a * (1 - s)]))
+    found = surface_profile(problem, a, w, r=np.array([a * (1 - s)]))
     assert found.stress_intensity**2 / (2 * problem.E_star) == pytest.approx(w, rel=1e-9)
-    without = profile(problem, a, 0.0, r=np.array([a * (1 - s)]))
+    without = surface_profile(problem, a, 0.0, r=np.array([a * (1 - s)]))
     assert without.stress_intensity == 0
     singular = (found.pressure[0] - without.pressure[0]) * np.sqrt(2 * np.pi * s * a)
     # the flat punch's own next term: 1e-9 times the amplification of a thin incompressible layer; a (1 - s) in rounding
@@ -87,12 +87,12 @@ def test_gap_opens_as_the_edge_demands(specimen: Specimen) -> None:
     """gap -> (4/E*) K_I sqrt((r - a)/(2 pi)) with adhesion, (r - a)^(3/2) without; positive everywhere."""
     problem, a, w = Problem(Paraboloid(50.0), specimen, Loading("radius", 2.0)), 2.0, 1e-4
     s = np.array([1e-6, 4e-6]) * a
-    adhesive = profile(problem, a, w, r_surface=a + s)
+    adhesive = surface_profile(problem, a, w, r_surface=a + s)
     crack = 4 / problem.E_star * adhesive.stress_intensity * np.sqrt(s / (2 * np.pi))
     assert_allclose(adhesive.gap, crack, rtol=1e-4)  # next term of order s/a, times S/(2 E* a)
-    smooth = profile(problem, a, 0.0, r_surface=a + s)
+    smooth = surface_profile(problem, a, 0.0, r_surface=a + s)
     assert smooth.gap[1] / smooth.gap[0] == pytest.approx(8, rel=1e-4)  # likewise
-    assert (profile(problem, a, 0.0).gap >= 0).all()
+    assert (surface_profile(problem, a, 0.0).gap >= 0).all()
 
 
 def test_far_surface_follows_the_substrate() -> None:

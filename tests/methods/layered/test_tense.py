@@ -6,8 +6,7 @@ from scipy.optimize import minimize_scalar
 from tension_records import galerkin
 
 from jkrcli import study_map
-from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.device import LOAD_CONTROL
+from jkrcli.adhesion.curve import LOAD_CONTROL, transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import Refusal
 from jkrcli.beside.solved import solved, solver_of

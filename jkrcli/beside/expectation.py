@@ -15,7 +15,18 @@ import numpy as np
 
 from ..adhesion import LOAD_CONTROL, CriticalPoint, Validity, judge, refuse_wetting, resolved, sizes, transform
 from ..base import PATIENCE, Estimate, JkrError, Refusal, Unknown, show
-from ..bodies import INCOMPRESSIBLE, Elastic, HalfSpace, Loading, Paraboloid, Problem, Rigid, Sphere, unbounded
+from ..bodies import (
+    GEL_TENSION,
+    INCOMPRESSIBLE,
+    Elastic,
+    HalfSpace,
+    Loading,
+    Paraboloid,
+    Problem,
+    Rigid,
+    Sphere,
+    unbounded,
+)
 from ..formulas.gravity import over_hertz, over_jkr
 from ..methods import DENSE, Layered
 from ..series import Series
@@ -29,7 +40,6 @@ from .sticking import pull_off_ratio, sticking_effect
 class LeftOutTuning:
     """What is taken in where a case does not say how much of it there is, and how well that is solved."""
 
-    tension: float = 30e-3  # choice: N/m, of gels and rubbers; water has 72, silicones have 20
     glass: tuple[float, float] = (70e9, 0.22)  # choice: E [Pa] and nu of what is taken as rigid: soda-lime glass
     density: float = 1000.0  # choice: kg/m^3, of a body whose density nobody says: of water
     of_strains: float = 4 / 3  # theory: change of S over that of P where this grows with the root of the depth
@@ -237,7 +247,7 @@ def _half_space(neighbours: Neighbours) -> LeftOut:
 def _tension(neighbours: Neighbours) -> LeftOut:
     """A surface tension, of a rigid indenter and without friction: no other is derived. A very slight one changes all
     in proportion."""
-    body, Ups = neighbours.body, TUNING.tension
+    body, Ups = neighbours.body, GEL_TENSION
     name, key = f"surface tension {show(Ups, 'tension')}", f'specimen.surface_tension = "{show(Ups, "tension")}"'
     rigid = replace(body, indenter=replace(body.indenter, material=None), sticks=False)  # type: ignore[type-var]
     failed = Unknown("")
@@ -270,7 +280,7 @@ def _part(share: float, change: Estimate) -> Estimate:
 def _if_no_wetting(w: float, change: Estimate) -> Estimate:
     """The change, or why there is none: a surface of so little tension wets the indenter."""
     try:
-        refuse_wetting(w, TUNING.tension)
+        refuse_wetting(w, GEL_TENSION)
     except JkrError as error:
         return Unknown(str(error))
     return change

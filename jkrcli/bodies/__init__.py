@@ -18,7 +18,15 @@ if TYPE_CHECKING:
         Sphere,
         TableProfile,
     )
-    from .materials import INCOMPRESSIBLE, Elastic, Graded, Material, TransverselyIsotropic, contact_modulus
+    from .materials import (
+        GEL_TENSION,
+        INCOMPRESSIBLE,
+        Elastic,
+        Graded,
+        Material,
+        TransverselyIsotropic,
+        contact_modulus,
+    )
     from .parts import RADIUS, changed, checked_names, layer_names, nominal, unbounded
     from .problem import NO_FINITE_RANGE, HalfSpace, Layer, Loading, Problem, Quantity, Rigid, Side, Specimen
     from .relaxation import RELAXATIONS, Modes, PowerRelaxation, Prony, Relaxation, StandardSolid, limits_of, relaxing

@@ -14,6 +14,7 @@ import numpy as np
 from ..base import Array, InputError, positive, show
 from .grading import Law
 
+GEL_TENSION = 0.03  # theory: [N/m], of surfaces of gels and rubbers; silicones have 0.02, water 0.07
 INCOMPRESSIBLE = 0.45  # choice: nu from which on a material is spoken of as rubber, and elements may lock
 
 

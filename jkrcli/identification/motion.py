@@ -17,7 +17,8 @@ from .fit import third_differences
 class MotionTuning:
     """Limits of the search for corners."""
 
-    most: int = 9  # choice: corners, ends among them: what has as many moves in no straight pieces
+    # tuned on relaxing records, by `make constants`: corners, ends among them; of more no pieces are straight
+    most: int = 9
     worth: float = 30.0  # theory: of the sum of squares over the noise's; chance gives 20 in one of 1e3 records of 1e4
     tried: int = 64  # choice: rows of a piece where a corner is begun; it is then moved
     straight: float = 1.1  # choice: scatter over the noise up to which no corner is missing

@@ -8,8 +8,8 @@ from maugis import Maugis
 from scipy.optimize import brentq
 
 from jkrcli.base import Unknown
-from jkrcli.beside.expectation import GLASS, TUNING, LeftOut, expect, left_out
-from jkrcli.bodies import Elastic, HalfSpace, Layer, Loading, Paraboloid, Problem, Rigid, Specimen, Sphere
+from jkrcli.beside.expectation import GLASS, LeftOut, expect, left_out
+from jkrcli.bodies import GEL_TENSION, Elastic, HalfSpace, Layer, Loading, Paraboloid, Problem, Rigid, Specimen, Sphere
 from jkrcli.formulas.gravity import over_hertz, over_jkr
 from jkrcli.formulas.half_space import sneddon_sphere
 from jkrcli.formulas.surface_tension import displacement
@@ -61,7 +61,7 @@ def test_an_exact_sphere_is_sneddons() -> None:
 def test_a_slight_surface_tension_on_a_half_space(E: float) -> None:
     """At equal depth the logarithms of P_H and delta_H cancel: 3 kappa/(pi a), and 2 kappa/(pi a) of S."""
     one = found(half_space(Elastic(E, 0.5)))["surface tension"]
-    kappa = 2 * TUNING.tension / Elastic(E, 0.5).E_star
+    kappa = 2 * GEL_TENSION / Elastic(E, 0.5).E_star
     assert one.load == pytest.approx(3 * kappa / (math.pi * a), rel=0.15)  # (kappa l/a)^2 beside it
     assert one.S == pytest.approx(2 * kappa / (math.pi * a), rel=0.2)
 

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.special import fdtrc
 
 from ...base import MOST_SOLVES, MOST_STEPS, TINY, Array, JkrError, SolveError
+from ...bodies import GEL_TENSION
 from .fitted_record import FittedRecord
 from .force_curve import ForceCurveModel
 from .force_curve_fit import ForceCurveFit, fit, misfit_at, rough, windowed
@@ -55,7 +56,6 @@ class FullTuning:
     ranges: tuple[float, ...] = (32.0, 8.0, 4.0, 2.83, 2.0, 1.41, 1.0, 0.71)
     # choice: 2 tension/E* over the contact radius, those tried: the largest of which the first order holds, and smaller
     skins: tuple[float, ...] = (0.1, 0.05, 0.025, 0.0125, 0.006, 0.003, 0.0015)
-    skinned: float = 0.03  # choice: [N/m], surface tension of gels and rubbers; of water 0.07
     leaning: float = 1.0  # theory: fall of chi^2 by a number that means nothing, from which on one that nobody
     # described counts
     halves: int = 2  # choice: bisections between the largest amount that the data leave and the next one
@@ -179,7 +179,7 @@ def _of_tension(tried: _Amounts, score: Score) -> Score:
     """The same of surface tensions up to the largest that is known, or the usual one where the data lean to any: by
     more than can be chance."""
     record, known = tried.near.record, tried.near.record.known.tension
-    most, least, leans = amount_of_tension(record, known or TUNING.skinned), 0.0, False
+    most, least, leans = amount_of_tension(record, known or GEL_TENSION), 0.0, False
     for amount in sorted({min(most, TUNING.skins[0]), *(amount for amount in TUNING.skins if amount < most)}):
         moves = tried.at(amount)
         rises = moves is not None and moves[0] > least

@@ -64,10 +64,11 @@ class Answer:
 
     @property
     def correlation(self) -> Array | None:
-        """Correlation coefficients of the free parameters."""
+        """Correlation coefficients of the free parameters; 0 of one that has no variance, as a w whose root is 0."""
         if self.covariance is None:
             return None
-        sigma = np.sqrt(np.diag(self.covariance))
+        variance = np.diag(self.covariance)
+        sigma = np.sqrt(np.where(variance > 0, variance, 1.0))
         return self.covariance / np.outer(sigma, sigma)
 
     def correlated(self, one: str, two: str) -> float | None:

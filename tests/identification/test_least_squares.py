@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from jkrcli.base import SolveError
+from jkrcli.identification.answer import Answer, FittedValue
 from jkrcli.identification.least_squares import LeastSquares, State
 
 
@@ -23,3 +24,12 @@ def test_a_step_to_where_nothing_can_be_solved_is_shortened() -> None:
     assert found.x[0] == pytest.approx(np.tan(0.5), rel=1e-6)
     with pytest.raises(SolveError):
         LeastSquares(model, everywhere).least(np.array([-1.0]))
+
+
+def test_a_parameter_without_variance_correlates_with_none() -> None:
+    """As a w of 0 whose root was fitted."""
+    values = tuple(FittedValue(name, 1.0, True, "number", 0.1, 0.8, 1.2) for name in ("one", "two"))
+    answer = Answer(estimates=values, free=("one", "two"), covariance=np.diag([0.01, 0.0]), dof=1)
+    assert answer.correlation is not None
+    np.testing.assert_allclose(answer.correlation, [[1, 0], [0, 0]], rtol=1e-14)
+    assert [*answer.hardly_apart] == []

@@ -32,10 +32,11 @@ from jkrcli import parse_case
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.parts import unbounded
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.hybrid.method import Hybrid
-from jkrcli.methods.layered.layered import Layered, unbounded
+from jkrcli.methods.layered.layered import Layered
 from studies.chart_reference import reference_of
 
 PACKAGE = Path(__file__).parents[2] / "jkrcli"

@@ -17,8 +17,7 @@ from scipy.interpolate import CubicSpline
 from ...adhesion import LIMITS
 from ...adhesion.validity import EXCESS, STRAINED
 from ...base import MOST_STEPS, SAME, SETTLED, UNSEEN, Array
-from ...bodies import HalfSpace, Layer, Loading, Rigid, Specimen
-from ...methods.layered.layered import unbounded
+from ...bodies import HalfSpace, Layer, Loading, Rigid, Specimen, unbounded
 from ...methods.radii import DENSE
 from .attracted import TUNING as ATTRACTED
 from .body import FittedBody, solved

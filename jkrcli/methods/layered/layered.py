@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...base import Array, Refusal, StageClock
-from ...bodies import Loading, Problem, Specimen
-from ...bodies import unbounded as unbounded
+from ...bodies import Loading, Problem, Specimen, unbounded
 from ...series import ErrorBudget, Solution
 from .. import integral
 from ..protocol import Forecast

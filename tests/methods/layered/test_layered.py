@@ -15,6 +15,7 @@ from jkrcli.base.errors import InputError, JkrError, Refusal, SolveError
 from jkrcli.bodies.grading import Linear
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic, Graded
+from jkrcli.bodies.parts import unbounded
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Quantity, Rigid, Specimen
 from jkrcli.formulas.half_space import adhesive_half_space
 from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
@@ -22,7 +23,7 @@ from jkrcli.methods.integral import pair
 from jkrcli.methods.integral.equation import EquationResult
 from jkrcli.methods.integral.pair import response
 from jkrcli.methods.integral.quadrature import Quadrature
-from jkrcli.methods.layered.layered import Layered, largest_radius, unbounded
+from jkrcli.methods.layered.layered import Layered, largest_radius
 from jkrcli.methods.layered.stack import LayeredContact
 from jkrcli.methods.radii import Response
 from jkrcli.series import Solution

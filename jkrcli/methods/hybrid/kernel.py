@@ -186,8 +186,10 @@ class KernelLevels:
         return self._kernel(K)
 
     def rounded(self, degree: int) -> PolynomialKernel:
-        """K of the whole body by elements of ``degree`` with the error that rounding leaves."""
-        error = self._kernel(self.correction(degree).rounding)
+        """K of the whole body by elements of ``degree`` with the error that rounding leaves: in the longest and in the
+        shortest waves, as it is at random."""
+        i = np.arange(self.count)
+        error = self._kernel(self.correction(degree).rounding * (1 + (-1.0) ** np.add.outer(i, i)))
         kernel = self.kernel(degree)
         return replace(kernel, coefficients=kernel.coefficients + error.coefficients)
 

@@ -7,6 +7,7 @@ less, continuous in the layer (Taylor and Hood 1973). All integrals carry the we
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,7 +15,7 @@ import numpy as np
 from scipy.sparse import bmat, coo_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
-from ...base import RESIDUAL_LIMIT, Array, SolveError
+from ...base import AT_ONCE, RESIDUAL_LIMIT, Array, SolveError
 from .lines import LineElements
 from .region import Moduli, Region
 
@@ -102,6 +103,53 @@ class Mesh:
         pp = _Product(_touching(Q_z, Q_z), _touching(Q, Q))((inverse, _integral(Q, w * r, Q)))
         return bmat([[rr, rz, -p_r.T], [rz.T, zz, -p_z.T], [-p_r, -p_z, -pp]], format="csr")
 
+    def work(self, U: Array) -> tuple[Array, Array]:
+        """The work (m, m) of the stresses of each of the fields ``U`` (n, m) in the strains of the others, and how far
+        rounding can move it.
+
+        It is gathered from strains: what rounding leaves of U^T A U grows with the square of motions that strain
+        nothing, as those of the top of a slender rod, a thousand times what the contact changes there.
+        """
+        weights = 2 * np.pi * self.z.rule[1][:, None] * (self.r.rule[1] * self.r.rule[0])
+        work, moved = np.zeros((2, U.shape[1], U.shape[1]))
+        fields, sizes = self._along_r(U), self._along_r(np.abs(U), np.abs)
+        for rows in self._slabs(U.shape[1]):
+            rr, tt, zz, rz, p = strains = self._strains(fields, rows)
+            C11, C12, C13, C33, C44 = self.moduli.C[:, rows, None, None]
+            misfit = rr + tt + zz + self.moduli.inverse_lame[rows, None, None] * p
+            s_rr, s_tt = C11 * rr + C12 * tt + C13 * zz - p, C12 * rr + C11 * tt + C13 * zz - p
+            stresses = s_rr, s_tt, C13 * (rr + tt) + C33 * zz - p, C44 * rz, -misfit
+            for stress, strain, size in zip(stresses, strains, self._strains(sizes, rows, np.abs), strict=True):
+                stress *= weights[rows, :, None]
+                work += _pairs(stress, strain)
+                moved += _pairs(np.abs(stress), size)
+        return work, np.finfo(float).eps * (moved + moved.T)
+
+    def _slabs(self, count: int) -> Iterator[slice]:
+        """Gauss points along z for fields of ``count`` at a time within the memory allowed."""
+        points = self.z.rule[0].size
+        size = max(1, AT_ONCE // (count * self.r.rule[0].size))
+        return (slice(start, start + size) for start in range(0, points, size))
+
+    def _along_r(self, U: Array, of: Callable[[Array], Array] = np.asarray) -> list[Array]:
+        """What strains and pressures need of the fields ``U`` (n, m) at the Gauss points along r, by nodes along z: of
+        u_r its slope, its value and u_r/r, of u_z its slope and its value, and p, each (z, r * m)."""
+        (nz, nr), n, m = self.shape, self.nodes, U.shape[1]
+        (V, D), (Q, Q_z) = self.r.basis, self.pressure
+        hoop = V / self.r.rule[0][:, None]
+        u_r, u_z = U[: 2 * n].reshape(2, nz, nr, m)
+        p = U[2 * n :].reshape(Q_z.shape[1], Q.shape[1], m)
+        pairs = ((D, u_r), (V, u_r), (hoop, u_r), (D, u_z), (V, u_z), (Q, p))
+        return [_applied(of(A), np.moveaxis(field, 0, 1)) for A, field in pairs]
+
+    def _strains(self, along: list[Array], rows: slice, of: Callable[[Array], Array] = np.asarray) -> list[Array]:
+        """Strains rr, tt, zz, 2 rz and the pressure (z, r, m) at some ``rows`` of Gauss points, from ``_along_r``."""
+        V, D, Q = (csr_matrix(of(A[rows])) for A in (*self.z.basis, self.pressure[1]))
+        slope_r, u_r, hoop, slope_z, u_z, p = along
+        points = self.r.rule[0].size
+        strains = V @ slope_r, V @ hoop, D @ u_z, D @ u_r + V @ slope_z, Q @ p
+        return [strain.reshape(len(strain), points, strain.shape[1] // points) for strain in strains]
+
     @cached_property
     def free(self) -> Array:
         """Numbers of the unknowns that nothing prescribes."""
@@ -144,6 +192,19 @@ class _Product:
         columns = np.add.outer(columns_z * self.r.shape[1], columns_r)
         shape = (self.z.shape[0] * self.r.shape[0], self.z.shape[1] * self.r.shape[1])
         return coo_matrix((np.ravel(values), (rows.ravel(), columns.ravel())), shape=shape)
+
+
+def _applied(A: Array, fields: Array) -> Array:
+    """A (points, r) along the first axis of ``fields`` (r, z, m): (z, points * m)."""
+    r, z, m = fields.shape
+    values = csr_matrix(A) @ fields.reshape(r, z * m)
+    return np.moveaxis(values.reshape(len(A), z, m), 0, 1).reshape(z, len(A) * m)
+
+
+def _pairs(stress: Array, strain: Array) -> Array:
+    """Sums (m, m) over all points of the products of every ``stress`` (z, r, m) with every ``strain``."""
+    m = stress.shape[-1]
+    return stress.reshape(-1, m).T @ strain.reshape(-1, m)
 
 
 def _touching(left: Array, right: Array) -> Array:

@@ -63,7 +63,7 @@ def test_a_contact_beyond_the_limits_is_refused_before_it_is_begun() -> None:
 
 @pytest.mark.slow
 def test_a_refusal_for_accuracy_comes_soon() -> None:
-    """In a slender rod the pressures hardly matter beside the rod's own compliance: rounding sets the limit."""
+    """In a slender rod the pressures hardly matter beside the rod's own compliance."""
     rod = Specimen(stack((1.0, 0.1, 80.0), (0.0025, 0.3, 160.0)).layers, Rigid(False), 1.06, "roller")
     problem = Problem(PARABOLOID, rod, Loading("radius", 1.0, 10))
     wanted = r"hybrid: the estimated relative error is .* above the tolerance 1\.0e-05"

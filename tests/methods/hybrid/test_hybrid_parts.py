@@ -109,6 +109,31 @@ def test_stiffness(nu: float) -> None:
     assert uniform @ K @ uniform == pytest.approx(np.pi * 2.0**2 * modulus, rel=1e-12)
 
 
+@pytest.mark.parametrize("nu", [0.3, 0.5])
+def test_work_is_the_quadratic_form_of_the_stiffness(nu: float) -> None:
+    """Pressures included; and rounding moves it by no more than is said."""
+    region = Region.of(body(nu, layers=2), 1.0, 1e-5)
+    mesh = Mesh(region, *lines(region, 4))
+    U = np.random.default_rng(5).normal(size=(mesh.stiffness.shape[0], 3))
+    work, moved = mesh.work(U)
+    expected = U.T @ mesh.stiffness @ U
+    assert_allclose(work, expected, rtol=1e-10)
+    assert (np.abs(work - work.T) <= moved).all()
+    assert (moved < 1e-11 * np.diag(expected).max()).all()
+
+
+def test_a_motion_that_strains_nothing_adds_no_rounding_to_the_work() -> None:
+    """A million times the strained field: of U^T A U it leaves 1e-5, and its square in other sums."""
+    region = Region.of(body(), 1.0, 1e-5)
+    mesh = Mesh(region, *lines(region, 8))
+    U = np.random.default_rng(5).normal(size=(mesh.stiffness.shape[0], 2))
+    moving = U.copy()
+    moving[mesh.nodes : 2 * mesh.nodes] += 1e6
+    work, moved = mesh.work(moving)
+    assert_allclose(work, mesh.work(U)[0], atol=1e-8 * np.diag(work).max())
+    assert (np.abs(work - mesh.work(U)[0]) <= moved).all()
+
+
 def test_intervals() -> None:
     """Interfaces are edges; next to a singular corner the intervals shrink by the ratio and their degrees fall."""
     region = Region.of(body(layers=3), 1.0, 1e-5)

@@ -128,9 +128,9 @@ def transform(
     """The adhesive curve for the work of adhesion ``w`` [J/m^2], with pull-off, errors, validity and warnings.
 
     ``solved``: a solution or its file; a case, its file or a problem is solved first, by ``method``. ``w``: a number,
-    or text with a unit, "40 mJ/m^2"; ``slopes``: "auto", "exact", "integral", "loocv" or "gcv"; ``modulus_factor``:
-    all moduli times this. ``stress`` [Pa] or ``length`` [m]: adhesion of finite range by its tension or its range,
-    else what the case says.
+    or text with a unit, "40 mJ/m^2"; ``slopes``: "auto", "exact", "integral", "loocv", "gcv" or, with S of the cubic
+    spline kept, "loocv-kept" and "gcv-kept"; ``modulus_factor``: all moduli times this. ``stress`` [Pa] or ``length``
+    [m]: adhesion of finite range by its tension or its range, else what the case says.
     """
     solution = _solution(solved, method)
     ranged = _range(solution, stress, length)

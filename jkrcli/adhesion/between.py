@@ -41,7 +41,7 @@ class Logs(NamedTuple):
 class Rows:
     """The functions at radii ``a`` [m], in SI, all (n,); ``rates`` (n, 2): slopes of log delta_H and of log S' over the
     logarithms of ``Logs``, NaN where they are not known. ``a0``: radius of first contact [m]. ``bends``: numbers of the
-    rows at which delta_H is not smooth: splines of it end there."""
+    rows at which delta_H is not smooth: splines of it end there. ``derived``: whether S' is the derivative of S."""
 
     a: Array
     a0: float
@@ -51,18 +51,20 @@ class Rows:
     dS: Array
     rates: Array
     bends: Array = field(default_factory=lambda: np.empty(0, int))
+    derived: bool = True
 
     @cached_property
     def logs(self) -> Logs:
         """Cubics through the rows alone: slopes that are not known are those of splines, that of log P_H is given by
-        dP_H = S d(delta_H), that of log S is a S'/S."""
+        dP_H = S d(delta_H), that of log S is a S'/S where S' is the derivative of S."""
         x, z = np.log(self.a), np.log(self.a - self.a0)
         rates = self.rates
         if np.isnan(rates).any():
             fitted = np.stack([self._pieces(z, np.log(self.delta)), spline_slopes(x, np.log(self.dS))], 1)
             rates = np.where(np.isnan(rates), fitted, rates)
         rate, rate_dS = rates.T
-        by_P, by_S = self.S * self.delta / self.P * rate, self.a * self.dS / self.S
+        by_P = self.S * self.delta / self.P * rate
+        by_S = self.a * self.dS / self.S if self.derived else spline_slopes(x, np.log(self.S))
         return Logs(
             PiecewiseCubic(z, np.log(np.stack([self.delta, self.P], 1)), np.stack([rate, by_P], 1)),
             PiecewiseCubic(x, np.log(np.stack([self.S, self.dS], 1)), np.stack([by_S, rate_dS], 1)),
@@ -78,8 +80,8 @@ class Rows:
 
 def between(rows: Rows) -> Logs:
     """The functions between the ``rows``; those through the rows alone where the columns contradict each other so much
-    that delta_H or S would have to fall in between."""
-    return _Between(rows).logs or rows.logs
+    that delta_H or S would have to fall in between, or S' is not the derivative of S."""
+    return (_Between(rows).logs if rows.derived else None) or rows.logs
 
 
 @dataclass(frozen=True, eq=False)

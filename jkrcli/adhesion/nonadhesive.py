@@ -184,7 +184,7 @@ class Nonadhesive:
             return self.knots.logs
         if len(self.series) < 2:
             raise InputError("adhesive curve: a series of one point has no values between points")
-        rows = Rows(self.a, self.series.a0, *self.points[:4], self._known_rates, self.bends)
+        rows = Rows(self.a, self.series.a0, *self.points[:4], self._known_rates, self.bends, self.slopes.derived)
         return between(rows) if self.together else rows.logs
 
 

@@ -122,3 +122,11 @@ def test_ten_thousand_points_in_two_seconds() -> None:
 def test_wrong_data_are_refused(x: list[float], y: list[float], message: str) -> None:
     with pytest.raises(InputError, match=message):
         smoothing_spline(np.array(x, dtype=float), np.array(y, dtype=float))
+
+
+def test_bounds_of_the_smoothing_parameter() -> None:
+    """A noisy straight line takes all smoothing there is, a smooth curve without noise takes none."""
+    x, noise = np.arange(40.0), np.random.default_rng(1).standard_normal(40)
+    assert smoothing_spline(x, 2 * x + noise).at_bound == "upper"
+    assert smoothing_spline(x, np.sin(x / 4) ** 3).at_bound == "lower"
+    assert smoothing_spline(x, np.sin(x / 6) + 0.1 * noise).at_bound is None

@@ -21,6 +21,7 @@ from refusals import (
     KINDS,
     LAYERED,
     THIN,
+    ZONES,
     Tree,
     cylinder,
     fem,
@@ -29,6 +30,7 @@ from refusals import (
 )
 
 from jkrcli import parse_case
+from jkrcli.adhesion.slopes import RULES
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
@@ -120,6 +122,11 @@ OTHERS = {
     "method that gives them (closed-form, layered, hybrid; fem with edge correction and error estimate)",
     "loocv": "slopes 'loocv': needs at least 5 points with different contact radii, got {}; give more increments, or "
     "refine the mesh where radii repeat",
+    "scaled": "slopes 'loocv': takes the contact radii of increments as they are, those of nodes, and the nodes of the "
+    'layout "scaled" stand apart in proportion to the radius: dS/da would be that of the mesh ({}); set mesh.layout = '
+    '"zones", the paper\'s uniform mesh, or contact.algorithm = "nested", or take the slopes "integral"',
+    "locking": "slopes 'loocv': these first-order elements lock at nu = {} > {}, where dS/da errs several times more "
+    'than the load; set mesh.order = 2, mesh.integration = "reduced" (as CAX4R), or take the slopes "integral"',
     "integral": "slopes 'integral': needs at least 5 points with different contact radii, delta > 0 and P > 0, got {}; "
     "give more increments, or refine the mesh where radii repeat",
     "profile": "profile: under a modulus that varies right below the contact phi is not smooth at the edge, and its "
@@ -127,6 +134,13 @@ OTHERS = {
     "chart of a cylinder": "chart: the specimen has a finite radius of {} m, for which there is no exact solution to "
     "measure against: leave radius and side out, or see jkr study converge",
     "chart without a reference": "chart: no exact solution to measure against: {}: {}",
+}
+LINEAR = {
+    "method": "fem",
+    "specimen": {"layers": [layer(nu=0.499)]},
+    "mesh": {**ZONES, "element": "quadrilateral", "order": 1, "element_size": "0.5 um"},
+    "contact": {"algorithm": "incremental"},
+    "loading": {"points": 60},
 }
 COSTLY = {"method": "layered", "loading": {"points": 500}}
 
@@ -188,15 +202,30 @@ def test_a_cylinder_without_a_base() -> None:
             fem(contact={"algorithm": "incremental"}, loading={"radius": CLOSE, "points": None}),
             (("integral", {"mesh": {"spacing": 0.02}}),),
         ),
+        (
+            "scaled",
+            fem(contact={"algorithm": "incremental"}),
+            (
+                ("loocv", {"mesh": {"layout": "zones"}}),
+                ("loocv", {"contact": {"algorithm": "nested"}}),
+                ("integral", {}),
+            ),
+        ),
+        (
+            "locking",
+            LINEAR,
+            (("loocv", {"mesh": {"order": 2}}), ("loocv", {"mesh": {"integration": "reduced"}}), ("integral", {})),
+        ),
     ],
-    ids=["exact", "loocv", "integral", "radii repeat"],
+    ids=["exact", "loocv", "integral", "radii repeat", "scaled", "locking"],
 )
 def test_slopes(jkr, slopes: str, case: Tree, remedies: tuple[tuple[str, Tree], ...]) -> None:
     tables = merged(BASE, case)
     assert run(jkr, tables).code == 0
     words = ("transform", "x.h5", "--w", "10 mJ/m^2", "--slopes")
     key = "exact slopes" if slopes == "exact" else slopes
-    said("jkr: error: x.h5: " + OTHERS[key], jkr(*words, slopes).err.splitlines()[-1])
+    rule = slopes if slopes in RULES else "loocv"
+    said("jkr: error: x.h5: " + OTHERS[key], jkr(*words, rule).err.splitlines()[-1])
     for name, change in remedies:
         assert run(jkr, merged(tables, change), "--force").code == 0
         outcome = jkr(*words, name)

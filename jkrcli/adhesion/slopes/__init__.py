@@ -24,13 +24,15 @@ class Rule:
     """A way to find slopes, known before anything heavy is imported.
 
     ``sentence``: what it does. ``function``: of a series, or "module:function", imported when called. ``optimistic``:
-    whether its own error estimate misses what "integral" shows, and is raised to that.
+    whether its own error estimate misses what "integral" shows, and is raised to that. ``quantised``: whether it takes
+    radii as they are, so that those of nodes must be evenly spaced.
     """
 
     name: str
     sentence: str
     function: Callable[[Series], Slopes] | str
     optimistic: bool = False
+    quantised: bool = False
 
     def __call__(self, series: Series) -> Slopes:
         if not isinstance(self.function, str):

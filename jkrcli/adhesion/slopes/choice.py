@@ -32,7 +32,7 @@ def slopes(series: Series, name: str = "auto") -> Slopes:
         by_rule = rule(series)
         if rule.optimistic:
             by_rule = _measured_against(by_rule, _integral_or_none(series))
-        return replace(by_rule, reason="asked for")
+        return replace(by_rule, reason=f"asked for; {by_rule.reason}" if by_rule.reason else "asked for")
     if series.S is not None and series.dS is not None:
         return _carried(series)
     return _surer(series)

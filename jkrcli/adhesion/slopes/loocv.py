@@ -2,8 +2,9 @@
 
 A not-a-knot cubic spline through the points P_H(delta_H) and the first touch (0, 0) is differentiated at the points;
 S at first touch is imposed by an infinite weight (0 for round indenters, S0 where it is known); a smoothing spline of
-S(a) with leave-one-out cross-validation gives S' as its derivative and replaces the values of S. Everything is scaled
-by the data's own ranges, which is the paper's dimensionless form up to constant factors.
+S(a) with leave-one-out cross-validation gives S' as its derivative. The values of S are either kept from the cubic
+spline, as in the paper's examples ("loocv-kept"), or re-evaluated by the smoothing spline, the paper's optional step
+("loocv"). Everything is scaled by the data's own ranges: the paper's dimensionless form up to constant factors.
 
 Known limits: noise is amplified before any smoothing sees it, and the smoothing spline is a natural one (S'' = 0 at
 both ends), so that S' is biased at the last points wherever S is not a straight line there; the bias is estimated and
@@ -35,10 +36,17 @@ class LoocvTuning:
 
 
 TUNING = LoocvTuning()
+KEPT = "S kept from the cubic spline P(delta)"
+REEVALUATED = "S re-evaluated by the smoothing spline"
 
 
-def loocv(series: Series, criterion: Criterion = "loocv") -> Slopes:
-    """S and S' at the radii of ``series``, shape (n,); refused below 5 points or where S' is not positive."""
+def loocv(series: Series, criterion: Criterion = "loocv", keep_S: bool = False) -> Slopes:
+    """Find S and S' at the radii of ``series``, shape (n,); refused below 5 points or where S' is not positive.
+
+    Parameters: ``criterion``: what the smoothing parameter minimises; ``keep_S``: keep S of the cubic spline P(delta),
+    the paper's default, instead of re-evaluating it by the smoothing spline, its optional step. Source: the paper's
+    Fig. 2 and App. B.
+    """
     if len(series) < TUNING.fewest:
         raise Refusal(
             f"slopes 'loocv': needs at least {TUNING.fewest} points with different contact radii, got {len(series)}; "
@@ -47,18 +55,42 @@ def loocv(series: Series, criterion: Criterion = "loocv") -> Slopes:
     raw = interpolated_slope(series.delta, series.P)
     a, ordinates, weights = _with_first_touch(series, raw)
     spline = smoothing_spline(a, ordinates, weights, criterion=criterion)
-    S, dS = spline(series.a), spline(series.a, 1)
+    S, dS = raw if keep_S else spline(series.a), spline(series.a, 1)
     _refuse_falling(series, S, dS)
     bias = _end_bias(spline, series.a)
-    covariance = _covariance(series, spline, weights, dS, bias)
+    covariance = _covariance(series, spline, weights, dS, bias, keep_S)
     flags = tuple(_end_flags(series, dS, bias))
     error = shift_error(dS, covariance, TWO_SIDED_90)
-    return Slopes(S, dS, "loocv", error, spline.smoothing_lambda, flags, covariance=covariance)
+    reason = f"{KEPT if keep_S else REEVALUATED}; {_lambda_words(spline)}"
+    return Slopes(
+        S, dS, "loocv", error, spline.smoothing_lambda, flags, reason, covariance=covariance, derived=not keep_S
+    )
 
 
 def gcv(series: Series) -> Slopes:
-    """S and S' as ``loocv`` finds them, the smoothing chosen by generalised cross-validation (GCV)."""
+    """Find S and S' as ``loocv`` does, the smoothing chosen by generalised cross-validation (GCV)."""
     return replace(loocv(series, "gcv"), method="gcv")
+
+
+def loocv_kept(series: Series) -> Slopes:
+    """Find S' as ``loocv`` does and keep S of the cubic spline: the paper's examples."""
+    return replace(loocv(series, keep_S=True), method="loocv-kept")
+
+
+def gcv_kept(series: Series) -> Slopes:
+    """Find S' as ``gcv`` does and keep S of the cubic spline."""
+    return replace(loocv(series, "gcv", keep_S=True), method="gcv-kept")
+
+
+def _lambda_words(spline: SmoothingSpline) -> str:
+    """The smoothing parameter, and what it means where cross-validation ends at a bound of its range."""
+    value = f"lambda = {spline.smoothing_lambda:.2g}"
+    match spline.at_bound:
+        case "lower":
+            return f"{value}, its lower bound: S(a) is interpolated, not smoothed"
+        case "upper":
+            return f"{value}, its upper bound: S(a) is a straight line"
+    return value
 
 
 def interpolated_slope(delta: Array, P: Array) -> Array:
@@ -119,7 +151,7 @@ def _end_flags(series: Series, dS: Array, bias: Array) -> list[str]:
     ]
 
 
-def _covariance(series: Series, spline: SmoothingSpline, weights: Array, dS: Array, bias: Array) -> Array:
+def _covariance(series: Series, spline: SmoothingSpline, weights: Array, dS: Array, bias: Array, keep_S: bool) -> Array:
     """Covariance (n, 4, 4) of (delta_H, P_H, S, S'): replicas of the noise, end bias, and the series' own errors.
 
     The noise is taken as independent and of one relative size on a, delta and P. White noise is sent through the same
@@ -137,7 +169,8 @@ def _covariance(series: Series, spline: SmoothingSpline, weights: Array, dS: Arr
     smooth, slope = smooth[first:], slope[first:]
     scatter = interpolated_slope(series.delta, series.P) - spline.g[first:]
     size = math.sqrt(np.sum(scatter**2) / np.mean(np.sum((raw - smooth) ** 2, axis=0)))
-    replicas = size * np.stack([delta - growth * a, P - S * growth * a, smooth, slope], axis=1)
+    of_S = raw if keep_S else smooth
+    replicas = size * np.stack([delta - growth * a, P - S * growth * a, of_S, slope], axis=1)
     covariance = np.einsum("nip,njp->nij", replicas, replicas) / TUNING.probes
     covariance[:, 3, 3] += bias**2
     of_errors = covariance_from_errors(series.a, series.errors, dS)

@@ -41,6 +41,7 @@ class Slopes:
     ``quantile``: standard deviations in the half-width of a 90 % interval (more than 1.64 for few points).
     ``correlation``: of the errors of neighbouring rows as the residuals have it; None where they are no noise.
     ``error``: relative 90 % half-width of sqrt(a/S'), the median over the points, or why it is unknown.
+    ``derived``: whether S' is the derivative of S, or S was kept apart from the smooth curve that S' comes from.
     ``flags``: sentences on where the slopes are to be trusted less; ``reason``: why this method was taken.
     """
 
@@ -57,6 +58,7 @@ class Slopes:
     joint: Array | None = None
     quantile: float = TWO_SIDED_90
     correlation: Estimate | None = None
+    derived: bool = True
 
     def scaled(self, factor: float) -> Slopes:
         """The slopes of the same bodies with all moduli multiplied by ``factor``; ``delta`` does not change."""

@@ -33,6 +33,7 @@ class SmoothingTuning:
 
     least: float = 1e-8  # theory: below, the penalty drowns in round-off
     most: float = 1e13  # theory: above, the Gram matrix does
+    near: float = 0.1  # choice: of log(lambda), within which a minimum lies at a bound; Brent stops within 1e-4
 
 
 TUNING = SmoothingTuning()
@@ -52,6 +53,13 @@ class SmoothingSpline:
     smoothing_lambda: float
     score: float
     left_out: Array
+
+    @property
+    def at_bound(self) -> Literal["lower", "upper"] | None:
+        """Which bound of the range of the smoothing parameter the minimum of the criterion lies at; None: inside."""
+        if math.log(self.smoothing_lambda / TUNING.least) < TUNING.near:
+            return "lower"
+        return "upper" if math.log(TUNING.most / self.smoothing_lambda) < TUNING.near else None
 
     def __call__(self, x: Array, order: int = 0) -> Array:
         """Value (``order`` 0), first or second derivative at ``x``; straight beyond the ends."""

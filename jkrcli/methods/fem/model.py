@@ -55,7 +55,7 @@ def pressure_layers(materials: Sequence[Material], sticks: bool, above: float | 
 class Discretisation:
     """What a model is made from: ``layout`` on its body, element ``order``, ``mixed``: layers with a pressure unknown,
     ``reach``: radius out to which surface nodes are candidates [m]; ``solver``: of the sparse factor; ``sticks``:
-    whether contact forces are also radial."""
+    whether contact forces are also radial; ``reduced``: whether elements are integrated at their centres alone."""
 
     layout: Layout
     order: int
@@ -63,6 +63,7 @@ class Discretisation:
     reach: float
     solver: Solver = "auto"
     sticks: bool = False
+    reduced: bool = False
 
     def coarser(self, factor: float) -> Discretisation:
         return replace(self, layout=self.layout.coarser(factor))
@@ -77,7 +78,7 @@ class Discretisation:
         with clock("mesh"):
             grid = self.layout.grid()
         with clock("assembly"):
-            system = assemble(grid, self.layout.body, self.order, self.mixed)
+            system = assemble(grid, self.layout.body, self.order, self.mixed, self.reduced)
         return self.condensed(system, clock)
 
     def condensed(self, system: ElasticSystem, clock: StageClock) -> Model:
@@ -283,7 +284,9 @@ def _solve_large_enough(
     loading, mixed = problem.loading, mixed_layers(options, problem)
     for _ in range(MOST_SOLVES):
         layout = layout_for(options, problem, reach)
-        model = Discretisation(layout, options.order, mixed, reach, options.solver, problem.sticks).build(clock)
+        reduced = options.integration == "reduced"
+        recipe = Discretisation(layout, options.order, mixed, reach, options.solver, problem.sticks, reduced)
+        model = recipe.build(clock)
         with clock("contact"):
             contact = model.contact(problem.indenter)
             events = nested_events(contact, problem.indenter.a0, loading.to, loading.maximum, SPARE)

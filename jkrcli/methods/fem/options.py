@@ -20,6 +20,8 @@ class FEMOptions:
 
     ``layout``: "scaled": element size proportional to the distance from the first contact; "zones": the paper's.
     ``element``, ``order``: triangles (free) or quadrilaterals (structured), first or second order.
+    ``integration``: "full", or "reduced": at the centre of each linear quadrilateral with hourglass control (as
+    Abaqus' CAX4R), which does not lock near incompressibility.
     ``formulation``: "auto": a pressure unknown for layers with nu > 0.49 (second order); "displacement"; "mixed".
     ``element_size`` [m]: over the contact in the layout "zones" (default 0.0005 R; 0.02 of a thin body's depth).
     ``zone_sizes``: largest element sizes in the zones I, II, III, in units of R, layout "zones"
@@ -43,6 +45,7 @@ class FEMOptions:
     layout: Literal["scaled", "zones"] = "scaled"
     element: Literal["triangle", "quadrilateral"] = "triangle"
     order: Literal[1, 2] = 2
+    integration: Literal["full", "reduced"] = "full"
     formulation: Literal["auto", "displacement", "mixed"] = "auto"
     element_size: Length | None = None
     zone_sizes: tuple[Number, Number, Number] = (0.02, 0.05, 0.5)
@@ -65,6 +68,11 @@ class FEMOptions:
             raise InputError('mesh: element_size belongs to layout "zones"; the layout "scaled" takes spacing')
         if self.zone_sizes != FEMOptions.zone_sizes and self.layout == "scaled":
             raise InputError('mesh: zone_sizes belong to layout "zones"; the layout "scaled" takes spacing')
+        if self.integration == "reduced" and (self.element, self.order) != ("quadrilateral", 1):
+            raise InputError(
+                'mesh: integration = "reduced" is for linear quadrilaterals: set element = "quadrilateral" and '
+                "order = 1"
+            )
         if self.tolerance is not None and (self.layout == "zones" or not self.estimate_error):
             raise InputError('mesh: tolerance needs the layout "scaled" and estimate_error = true')
 

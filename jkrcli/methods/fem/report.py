@@ -56,6 +56,7 @@ def _facts(options: FEMOptions, run: Run, judged_from: float | None) -> dict[str
         "layout": options.layout,
         "element": grid.element,
         "order": options.order,
+        "integration": options.integration,
         "elements": len(grid.cells),
         "vertices": len(grid.points),
         "unknowns": int(system.free.size),
@@ -109,10 +110,11 @@ def _warnings(options: FEMOptions, run: Run) -> Iterator[str]:
     """Sentences on what may spoil the result."""
     problem, events, increments = run.problem, run.level.touches, run.increments
     nu = max(material.surface.nu for material in problem.specimen.materials)
-    if options.order == 1 and nu > INCOMPRESSIBLE:
+    if options.order == 1 and options.integration == "full" and nu > INCOMPRESSIBLE:
+        quads = ', or mesh.integration = "reduced"' if options.element == "quadrilateral" else ""
         yield (
             f"first-order elements lock near incompressibility: nu = {nu:g} > {INCOMPRESSIBLE:g}, the load may be "
-            "several per cent too large; take mesh.order = 2"
+            f"several per cent too large; take mesh.order = 2{quads}"
         )
     if options.contact == "nested" and not events.valid:
         yield (

@@ -1,4 +1,5 @@
-"""The rules "loocv", the paper's, and "gcv", the same with another measure of the smoothing."""
+"""The rules "loocv", the paper's, and "gcv", the same with another measure of the smoothing; of both S is re-evaluated
+by the smoothing spline, or kept from the cubic spline."""
 
 from __future__ import annotations
 
@@ -6,4 +7,8 @@ from .. import Rule, register
 
 for _name, _left_out in (("loocv", "leave-one-out"), ("gcv", "generalised")):
     _sentence = f"Derivative of a spline P(delta), smoothed over a by {_left_out} cross-validation."
-    register(Rule(_name, _sentence, f"jkrcli.adhesion.slopes.loocv:{_name}", optimistic=True))
+    register(Rule(_name, _sentence, f"jkrcli.adhesion.slopes.loocv:{_name}", optimistic=True, quantised=True))
+    _sentence = f"As {_name}, with S kept from the spline P(delta): the paper's examples."
+    register(
+        Rule(f"{_name}-kept", _sentence, f"jkrcli.adhesion.slopes.loocv:{_name}_kept", optimistic=True, quantised=True)
+    )

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     )  # fmt: skip
     from .base import InputError, JkrError, Refusal, Unknown
     from .bodies import (
-        Elastic, EqualAreaCone, Exponential, Graded, HalfSpace, Layer, Linear, Loading, Paraboloid, Power,
-        PowerLaw, PowerRelaxation, Problem, Prony, Rigid, RoundedCone, RoundedFlat, Specimen, Sphere,
+        Elastic, Exponential, Graded, HalfSpace, Layer, Linear, Loading, Paraboloid, Power,
+        PowerLaw, PowerRelaxation, Problem, Prony, Pyramid, Rigid, RoundedCone, RoundedFlat, Specimen, Sphere,
         StandardSolid, TableProfile, Tabulated, TransverselyIsotropic,
     )  # fmt: skip
     from .data import Reading
@@ -31,9 +31,9 @@ if TYPE_CHECKING:
 
 __version__ = "0.2.0"
 __all__ = [
-    "FEM", "ClosedForm", "Elastic", "EqualAreaCone", "Exponential", "Graded", "HalfSpace", "Hybrid", "InputError",
-    "JkrError", "Layer", "Layered", "Limits", "Linear", "Loading", "LogRate", "Paraboloid", "Power", "PowerLaw",
-    "PowerRate", "PowerRelaxation", "Problem", "Program", "Prony", "Reading", "Refusal", "Rigid", "RoundedCone",
+    "FEM", "ClosedForm", "Elastic", "Exponential", "Graded", "HalfSpace", "Hybrid", "InputError", "JkrError", "Layer",
+    "Layered", "Limits", "Linear", "Loading", "LogRate", "Paraboloid", "Power", "PowerLaw", "PowerRate",
+    "PowerRelaxation", "Problem", "Program", "Prony", "Pyramid", "Reading", "Refusal", "Rigid", "RoundedCone",
     "RoundedFlat", "Specimen", "Sphere", "StandardSolid", "TableProfile", "Tabulated", "TransverselyIsotropic",
     "Unknown", "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "fit", "identify", "identify_joint",
     "identify_law", "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case",

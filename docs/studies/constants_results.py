@@ -219,7 +219,7 @@ def _methods() -> dict[str, Callable[[], Numbers]]:
         "depths": partial(
             solved, _problem("coating", loading=jkr.Loading("depth", 1e-8, 12)), "hybrid", tolerance=1e-4
         ),
-        "cone": partial(solved, _problem("layer", jkr.RoundedCone(1.2, 1e-6)), "layered"),
+        "cone": partial(solved, _problem("layer", jkr.RoundedCone(1e-6, 1.2)), "layered"),
         "flat": partial(solved, _problem("layer", jkr.RoundedFlat(1e-6, 1e-6)), "layered"),
     }
 

@@ -32,6 +32,6 @@ if TYPE_CHECKING:
     from .slopes.result import TWO_SIDED_90, Slopes
     from .stability import Behaviour, Cycle, behaviour, behaviours, branch, cycle, stable_radius, trace, turning_radius
     from .stability_inverse import FoundWork, work_from_pull_off
-    from .validity import LIMITS, REMEDY, Validity, end_of_body, judge, refuse_wetting, regime, sizes, unresolved
+    from .validity import LIMITS, REMEDY, Validity, end_of_body, faces, judge, refuse_wetting, regime, sizes, unresolved
 
 __getattr__ = lazily(__name__, __file__)

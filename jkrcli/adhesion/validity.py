@@ -255,6 +255,18 @@ def unresolved(indenter: Indenter, a: np.ndarray) -> tuple[str, ...]:
     )
 
 
+def faces(indenter: Indenter, w: float, layered: bool) -> tuple[str, ...]:
+    """A warning where a body of revolution stands for a tip that is none, and more than its load matters."""
+    share = indenter.contact_share
+    if share == 1 or not (w > 0 or layered):
+        return ()
+    return (
+        f"the {indenter.noun} has {share:.2g} of the contact area of the cone that stands for it: w acts about as "
+        f"{share:.2g} w, which changes pull-off from a half-space by {share**2 - 1:.0%}, and layers act as under "
+        f"{math.sqrt(share):.2g} of the contact radius; without both its load is right to 1e-4",
+    )
+
+
 # ---------------------------------------------------------------------- adhesion that depends on speed
 @dataclass(frozen=True)
 class Zone:

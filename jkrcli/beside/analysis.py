@@ -26,6 +26,7 @@ from ..adhesion import (
     Validity,
     behaviours,
     end_of_body,
+    faces,
     judge,
     point_error,
     refuse_wetting,
@@ -150,6 +151,7 @@ class Analysis:
         flags = self.curve.slopes.flags
         if self.curve.slopes.method != "exact":
             flags += unresolved(self.problem.indenter, self.curve.a)
+        flags += faces(self.problem.indenter, self.w, bool(self.problem.specimen.layers))
         doubts = getattr(self.curve, "doubts", ())
         relaxes = relaxing(self.problem.specimen.relaxation)
         sentences = [*relaxes, *self.solution.warnings, *flags, *self.validity.warnings, *doubts]

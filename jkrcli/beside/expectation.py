@@ -7,6 +7,7 @@ known by formula, where they are.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -164,7 +165,7 @@ def left_out(problem: Problem, expected: Expectation, works: Sequence[float], z0
     works = [w for w in works if w > 0]
     omissions = [*_neighbours(Neighbours(body, expected, works), problem.specimen.radius is not None)]
     omissions += [_slip(body, expected, works), *_range(body, expected, z0), *_strains(body, expected)]
-    omissions += _weight(body, expected)
+    omissions += [*_weight(body, expected), *_faces(body, expected)]
     return sorted(omissions, key=lambda one: -abs(one.largest[1]) if one.largest else 1.0)
 
 
@@ -326,6 +327,26 @@ def _load_at_range(body: Problem, expected: Expectation, z0: float, pulls: Mappi
     last = int(np.flatnonzero(np.diff(curve.delta) <= 0).max(initial=-1)) + 1  # contact grows with depth from there on
     there = CubicSpline(curve.delta[last:], curve.P[last:])(plain.delta[-1])
     return float(there - plain.P[-1]) / expected.P
+
+
+def _faces(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
+    """The faces of a pyramid: its contact area is a share of its cone's, on which w acts as that share of w; on layers,
+    where S goes with a power of the radius other than 1, the load differs."""
+    share, series = body.indenter.contact_share, expected.series
+    if share == 1:
+        return
+    assert series.S is not None
+    assert series.dS is not None
+    power = float(expected.a * series.dS[-1] / series.S[-1]) if body.specimen.layers else 1.0
+    pulls = dict[float, Estimate]()
+    for w, point in ((w, point) for w, point, _ in expected.adhesion if w > 0):
+        fewer = transform(series, "exact", share * w).pull_off(LOAD_CONTROL)
+        if isinstance(point, CriticalPoint):
+            pulls[w] = fewer.P / point.P - 1 if isinstance(fewer, CriticalPoint) else fewer
+        else:
+            pulls[w] = point
+    load = (power - 1) * (math.sqrt(share) - 1)
+    yield LeftOut("faces of the pyramid", "", load, NOT_COMPARED if load else 0.0, pulls)
 
 
 def _strains(body: Problem, expected: Expectation) -> Iterator[LeftOut]:

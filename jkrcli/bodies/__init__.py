@@ -9,10 +9,10 @@ if TYPE_CHECKING:
     from .grading import LAWS, Exponential, Law, Linear, Power, Tabulated
     from .indenters import (
         SHAPES,
-        EqualAreaCone,
         Indenter,
         Paraboloid,
         PowerLaw,
+        Pyramid,
         RoundedCone,
         RoundedFlat,
         Sphere,

@@ -58,6 +58,16 @@ class Indenter(ABC):
         """Radii > 0 [m] at which formulas of f begin, the kinks among them, increasing: where quadrature is cut."""
         return self.kinks
 
+    @property
+    def contact_share(self) -> float:
+        """Contact area of the tip over that of the body of revolution that stands for it, at equal depth."""
+        return 1.0
+
+    @property
+    def remark(self) -> str:
+        """What stands for the tip, where that is a convention that results depend on; else empty."""
+        return ""
+
     def resolution(self, a: Array) -> Array:
         """Errors (2, n) of F [m] and of its slope up to the radii ``a`` (n,), where f is only known at points."""
         return np.zeros((2, a.size))

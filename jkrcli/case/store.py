@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import tomli_w
 
 from .. import __version__
 from ..base import (
@@ -38,11 +39,17 @@ from ..series import (
     first_of_plateaus,
     is_series,
 )
-from .reading import MOST_BYTES, Case, parse_case
+from .reading import MOST_BYTES, Case, parse_case, parse_toml
 from .writing import case_of
 
 SERIES, VERSION = "jkr-series", 2
 COARSER = ("coarser", "coarsest")  # groups of the series by larger and by still larger elements
+# What the resolved case of an earlier release left unsaid, by shape: a case of today says it
+EARLIER = {
+    "rounded-cone": {"cap": "parabola"},
+    "pyramid": {"equal": "area"},
+    "three-sided-pyramid": {"equal": "area"},
+}
 UNPROTECTED = 1  # the format without a digest
 
 
@@ -175,6 +182,16 @@ def _check(path: Path, root: hdf5.Group, content: bytes) -> None:
         raise hdf5.unreadable(path, content, " (it does not hold what was written)")
 
 
+def _as_written(text: str, source: str) -> str:
+    """The resolved case ``text`` of a series file; shapes whose meaning has changed since keep that which they had."""
+    tree = parse_toml(text.encode(), source)
+    indenter = tree.get("indenter")
+    if not isinstance(indenter, dict):
+        return text
+    keys = EARLIER.get(str(indenter.get("shape")), {})
+    return text if keys.keys() <= indenter.keys() else tomli_w.dumps(tree | {"indenter": keys | indenter})
+
+
 class _Reader:
     """The parts of the file at ``path``, each checked."""
 
@@ -187,7 +204,8 @@ class _Reader:
         if problem is not None and attributes.get("problem_key") != problem.key:
             raise InputError(f"{self.path}: is a series of another problem")
         if problem is None:
-            text, source = self.case(), f"{self.path}: case"
+            source = f"{self.path}: case"
+            text = _as_written(self.case(), source)
             case = Case(parse_case(text.encode(), source).model, source, text)
             problem, record = case.model.problem(), record_of(case, self.path)
         series, raw = self.rows()

@@ -22,19 +22,21 @@ from .voice import warn
 
 SHALLOW = 0.2  # choice: of the tip radius, to which a body is solved first; the data may ask for more
 Flags: TypeAlias = Mapping[str, str | None]  # by their names; None: not given
-FLAGS = ("shape", "radius", "half_angle", "modulus", "nu", "thickness", "base")
+FLAGS = ("shape", "radius", "half_angle", "cap", "modulus", "nu", "thickness", "base")
 SHAPES = {  # by flags, and which of them each needs
     **dict.fromkeys(("sphere", "paraboloid"), ("radius",)),
     "rounded-cone": ("radius", "half_angle"),
     **dict.fromkeys(("cone", "pyramid", "three-sided-pyramid"), ("half_angle",)),
 }
+CHOICES = {"cap": ("rounded-cone",)}  # flags with a default, and of what
 FLAG_OF = {"E" if name == "modulus" else name: name for name in FLAGS[1:]}  # by the last part of a case's key
 KEYS = re.compile(rf"\b(?:indenter|specimen)(?:\.half_space|\.layers\[0\])?\.({'|'.join(FLAG_OF)})\b")
 OPTIONS = (
     click.option("--shape", type=click.Choice(list(SHAPES)), metavar="SHAPE",
-                 help=f"{', '.join(SHAPES)} [default: sphere]; pyramids by their equal-area cone."),
+                 help=f"{', '.join(SHAPES)} [default: sphere]."),
     click.option("--radius", help='Its radius, "100 um".'),
     click.option("--half-angle", help='Of a cone, of a pyramid to a face: "35 deg".'),
+    click.option("--cap", help="Rounded cone: parabola [default: sphere]."),
     click.option("--E", "modulus", help='Young\'s modulus of the specimen, "5 GPa".'),
     click.option("--nu", help="Its Poisson's ratio."),
     click.option("--thickness", help="A layer of this thickness [default: a half-space]."),
@@ -43,7 +45,7 @@ OPTIONS = (
 
 
 body_options = as_one("flags", dict, *OPTIONS)
-tip_options = as_one("flags", dict, *OPTIONS[:3])
+tip_options = as_one("flags", dict, *OPTIONS[:4])
 
 
 def flag(name: str) -> str:
@@ -94,7 +96,9 @@ def tables_of(verb: str, body: Flags, instead: str, modulus: str | None) -> dict
     texts = {name: None if value is None else writable(value) for name, value in values.items()}
     shape = texts["shape"] or "sphere"
     sizes = SHAPES[shape]
-    if unused := [flag(name) for name in ("radius", "half_angle") if texts[name] is not None and name not in sizes]:
+    choices = [name for name, shapes in CHOICES.items() if shape in shapes and texts[name] is not None]
+    optional = [name for name in ("radius", "half_angle", *CHOICES) if texts[name] is not None]
+    if unused := [flag(name) for name in optional if name not in (*sizes, *choices)]:
         raise InputError(f"{verb}: a {shape} has no {unused[0]}: leave it out, or give another --shape")
     missing = [flag(name) for name in (*sizes, "modulus", "nu") if texts[name] is None]
     if missing:
@@ -113,7 +117,7 @@ def tables_of(verb: str, body: Flags, instead: str, modulus: str | None) -> dict
     if entries["thickness"] is not None:
         layer = material | {"thickness": entries["thickness"]}
         specimen = {"base": texts["base"] or "bonded", "layers": [layer]}
-    indenter = {"shape": shape} | {name: entries[name] for name in sizes}
+    indenter = {"shape": shape} | {name: entries[name] for name in (*sizes, *choices)}
     return {"indenter": indenter, "specimen": specimen}
 
 

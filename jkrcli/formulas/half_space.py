@@ -74,6 +74,46 @@ def rounded_cone(a: Array, E_star: float, R: float, b: float) -> tuple[Array, Ar
     return delta, E_star * (4 * a**2 * rest + s * least**2 + 3 * a**2 * b * angle) / (3 * R)
 
 
+def sphere_capped_cone(a: Array, E_star: float, R: float, b: float) -> tuple[Array, Array]:
+    """Cone with a spherical end of radius R up to r = b < R, tangent there: delta_H = F(a) [m], P_H [N].
+
+    F = a [L + cot(alpha) arccos(b/a)], L = ln[(R + a)/(s + q)], s = sqrt(R^2 - b^2), q = sqrt(a^2 - b^2), cot(alpha) =
+    b/s; P = 2 E* int_0^a f' r^2/sqrt(a^2 - r^2) dr (Sneddon 1965). Up to a = b that of a sphere.
+    """
+    a = np.asarray(a, dtype=float)
+    L, inner, s, q = _cap(a, R, b)
+    _, angle = beyond(a, b)
+    cot = b / math.sqrt((R - b) * (R + b))
+
+    # int_0^b r^3/[sqrt(R^2 - r^2) sqrt(a^2 - r^2)] dr in closed form, by r = a sin(t) where its terms would cancel
+    closed = ((R**2 + a**2) * L + s * q - R * a) / 2
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    top = np.arctan2(inner, q)
+    r = a[..., None] * np.sin(top[..., None] * (nodes + 1) / 2)
+    small = np.minimum(r, 0.5 * R)  # of the larger ones the closed form is taken
+    end = top / 2 * np.sum(weights * small**3 / np.sqrt((R - small) * (R + small)), axis=-1)
+
+    cap = np.where(inner < 0.2 * R, end, closed)
+    return a * (L + cot * angle), 2 * E_star * cap + E_star * cot * (a**2 * angle + b * beyond(a, b)[0])
+
+
+def sphere_capped_cone_rate(x: Array, R: float, b: float) -> Array:
+    """F' [-] of the cone with a spherical end: L + cot(alpha) arccos(b/x) + R^2/[s (s + q)] - R/(R + x), as a sum."""
+    L, inner, s, q = _cap(x, R, b)
+    _, angle = beyond(x, b)
+    rest = R * inner**2 * (1 + (R**2 + x**2 - inner**2) / (R * x + s * q)) / (s * (s + q) * (R + x))
+    return L + b / math.sqrt((R - b) * (R + b)) * angle + rest
+
+
+def _cap(a: Array, R: float, b: float) -> tuple[Array, Array, Array, Array]:
+    """L = ln[(R + a)/(s + q)] as a sum that does not cancel, the radius of the spherical end within the contact [m],
+    s and q [m]."""
+    inner = np.minimum(a, b)
+    s, q = np.sqrt((R - inner) * (R + inner)), np.sqrt((a - inner) * (a + inner))
+    rest = inner**2 / (R + s) + np.where(q > 0, inner**2 / (a + q + (a == 0)), a)  # R - s + a - q
+    return np.log1p(rest / (s + q)), inner, s, q
+
+
 def beyond(a: Array, b: float) -> tuple[Array, Array]:
     """sqrt(a^2 - b^2) [m] and arccos(b/a) of radii ``a`` beyond ``b`` [m]; 0 within."""
     a = np.maximum(a, b)

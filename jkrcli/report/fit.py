@@ -218,6 +218,7 @@ def words(item: Fit, once: bool = False) -> list[str]:
     stuck = ", no slip" if item.surface == "sticking" else ""
     lines = [*verdict_words(item, once), *_range_words(item)]
     lines += [f"  {item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
+    lines += [f"  {'tip':<12} {item.tip}"] * bool(item.tip)
     lines += estimate_lines(sorted(item.estimates, key=lambda one: one.name in ZERO_POINTS), item.settings.level)
     correlation = item.correlated("modulus", "w")
     more = [] if correlation is None else [f"correlation of E* and w {correlation:.2f}"]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..adhesion import LOAD_CONTROL, Behaviour, CriticalPoint, Equilibrium, Errors, control, yielding
+from ..adhesion import LOAD_CONTROL, Behaviour, CriticalPoint, Equilibrium, Errors, control, faces, yielding
 from ..base import Estimate, Unknown, accuracy, known, show
 from ..beside import Analysis, Lost, is_solved
 from . import tables
@@ -152,5 +152,6 @@ def _validity(result: Analysis, *points: CriticalPoint | Unknown) -> list[str]:
     tabor = [f"Tabor number {judged.tabor:.3g}: {judged.regime}"] if isinstance(judged.tabor, float) else []
     warnings = [warning for warning in judged.warnings if not warning.startswith(ABOVE)]
     warnings += yielding(result.problem, result.curve)
+    warnings += faces(result.problem.indenter, result.w, bool(result.problem.specimen.layers))
     lines = [*tabor, ", ".join(tables.size_words(judged, SIZES)), *warnings]
     return [f"  {line}" for line in lines if line.strip()]

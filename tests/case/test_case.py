@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jkrcli.base import units
-from jkrcli.bodies.indenters import EqualAreaCone, Paraboloid, PowerLaw, RoundedCone, RoundedFlat, Sphere, TableProfile
+from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Rigid, Specimen
 from jkrcli.case import load_case, parse_case, writing
@@ -56,9 +56,14 @@ def test_template_is_a_valid_case_and_so_are_its_commented_options() -> None:
         ("shape='paraboloid'\nradius=2\ncounter_radius=-4", Paraboloid(4.0)),
         ("shape='power'\ncoefficient=3\nexponent=4", PowerLaw(3.0, 4.0)),
         ("shape='cone'\nhalf_angle='45 deg'", PowerLaw(1 / np.tan(np.pi / 4), 1.0)),
-        ("shape='pyramid'\nhalf_angle='35 deg'", EqualAreaCone.of(4, np.radians(35), None)),
-        ("shape='three-sided-pyramid'\nhalf_angle='65 deg'", EqualAreaCone.of(3, np.radians(65), None)),
+        ("shape='pyramid'\nhalf_angle='35 deg'", Pyramid.of(4, np.radians(35))),
+        ("shape='three-sided-pyramid'\nhalf_angle='65 deg'", Pyramid.of(3, np.radians(65))),
+        ("shape='pyramid'\nhalf_angle='35 deg'\nequal='area'", Pyramid.of(4, np.radians(35), equal="area")),
         ("shape='rounded-cone'\nradius='20 nm'\nhalf_angle='20 deg'", RoundedCone(2e-8, np.radians(20))),
+        (
+            "shape='rounded-cone'\nradius='20 nm'\nhalf_angle='20 deg'\ncap='parabola'",
+            RoundedCone(2e-8, np.radians(20), cap="parabola"),
+        ),
         ("shape='flat'\nflat_radius='1 um'\nedge_radius='2 nm'", RoundedFlat(1e-6, 2e-9)),
         ("shape='table'\nr=[0,1,2]\nf=[0,1,4]", TableProfile((0.0, 1.0, 2.0), (0.0, 1.0, 4.0))),
         ("shape='sphere'\nradius=1\nE='1 GPa'\nnu=0.5", Sphere(1.0, Elastic(1e9, 0.5))),

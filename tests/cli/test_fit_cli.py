@@ -14,7 +14,7 @@ import pytest
 from conftest import CASES, Outcome
 from fit_data import A_C, A_END, DELTA_C, E_STAR, P_C, W, adhesive, coating, measured, sphere
 
-from jkrcli.bodies.indenters import EqualAreaCone, PowerLaw, RoundedCone
+from jkrcli.bodies.indenters import PowerLaw, Pyramid, RoundedCone
 from jkrcli.formulas.half_space import adhesive_half_space
 
 CASE = (
@@ -213,7 +213,7 @@ def test_a_rounded_cone_is_followed_beyond_its_end(jkr) -> None:
 
 TIPS = {
     "cone": (("--half-angle", "70 deg"), PowerLaw(1 / math.tan(math.radians(70)), 1.0)),
-    "pyramid": (("--half-angle", "68 deg"), EqualAreaCone.of(4, math.radians(68), None)),
+    "pyramid": (("--half-angle", "68 deg"), Pyramid.of(4, math.radians(68))),
     "rounded-cone": (("--half-angle", "70 deg", "--radius", "1 um"), RoundedCone(1e-6, math.radians(70))),
 }
 
@@ -233,11 +233,64 @@ def test_tips_by_flags(jkr, shape: str) -> None:
     assert (told["E_star"], told["w"]) == (pytest.approx(2e5, rel=1e-5), pytest.approx(1e-3, rel=1e-4))
 
 
+PROBES = {  # flags, load over E* at a depth [m], by formulas of the tests
+    "three-sided-pyramid": (("--half-angle", "20 deg"), lambda d: 0.8824 * math.tan(math.radians(20)) * d**2),
+    "pyramid": (("--half-angle", "35 deg"), lambda d: 0.7376 * math.tan(math.radians(35)) * d**2),
+    "rounded-cone": (("--half-angle", "20 deg", "--radius", "20 nm"), lambda d: blunt_load(d, 20e-9, 20.0)),
+}
+
+
+def blunt_load(depth: np.ndarray, R: float, angle: float) -> np.ndarray:
+    """Load over E* under a cone with a spherical cap: Sneddon's integrals by r = a sin(t)."""
+    t = (np.arange(4000) + 0.5) * math.pi / 8000
+    a = np.geomspace(1e-2, 30, 400)[:, None] * R
+    r = a * np.sin(t)
+    cap = np.minimum(r, R * math.cos(math.radians(angle)))
+    slope = cap / np.sqrt(R**2 - cap**2)
+    found = (a[:, 0] * np.mean(slope, 1), 2 * np.mean(slope * r**2, 1))
+    return math.pi / 2 * np.interp(depth, math.pi / 2 * found[0], found[1])
+
+
+@pytest.mark.parametrize("shape", PROBES)
+def test_the_modulus_under_probes_whose_load_is_known(jkr, shape: str) -> None:
+    """E* was 7.7, 2.7 and 33 % off with 0.05 % stated; which convention stands for the tip is told."""
+    flags, load = PROBES[shape]
+    d = np.linspace(1e-8, 2e-7, 200)
+    P = 1e5 * load(d) * (1 + 1e-3 * np.random.default_rng(4).standard_normal(d.size))
+    rows = "".join(f"{x!r},{y!r}\n" for x, y in zip(d.tolist(), P.tolist(), strict=True))
+    Path("probe.csv").write_text("delta_m,P_N\n" + rows)
+    words = ("fit", "--shape", shape, *flags, "--nu", "0.5", "--fix", "w=0", "probe.csv", "--no-plots", "-o", ".")
+    done = jkr(*words)
+    assert done.code == 0, done.err
+    text = " ".join(done.out.split())
+    assert ("spherical cap" if shape == "rounded-cone" else "axis to face, as its cone of equal load") in text
+    (found,) = json.loads(jkr(*words, "--json", "--force").out)["curves"]
+    assert found["estimates"]["E_star"]["value"] == pytest.approx(1e5, rel=2e-3)  # noise of 1e-3, 200 rows
+
+
+def test_the_work_of_adhesion_on_a_pyramid_has_a_part_by_its_faces(jkr) -> None:
+    tip, a = Pyramid.of(3, math.radians(35)), np.linspace(0.4e-6, 4e-6, 60)
+    delta, P = adhesive_half_space(a, *tip.half_space(a, 2e5), 2e5, 1e-3)
+    rows = np.column_stack([delta, P]) * (1 + 1e-4 * np.random.default_rng(1).standard_normal((a.size, 2)))
+    Path("tip.csv").write_text("delta_m,P_N\n" + "".join(",".join(map(repr, row)) + "\n" for row in rows.tolist()))
+    done = jkr("fit", "--shape", "three-sided-pyramid", "--half-angle", "35 deg", "--nu", "0.5", "tip.csv", "--json",
+               "--no-plots", "-o", ".")  # fmt: skip
+    (found,) = json.loads(done.out)["curves"]
+    w = found["estimates"]["w"]
+    assert w["model"]["the faces of the pyramid"] == pytest.approx((1 / tip.contact_share - 1) * w["value"], rel=1e-6)
+    assert "the faces of the pyramid" not in (found["estimates"]["E_star"].get("model") or {})
+
+
 def test_sizes_that_a_shape_lacks_are_refused(jkr) -> None:
     for words, said in (
         (("--shape", "cone", "--radius", "1 um"), "a cone has no --radius: leave it out, or give another --shape"),
         (("--half-angle", "35 deg"), "a sphere has no --half-angle: leave it out, or give another --shape"),
         (("--shape", "pyramid"), "or the body by flags: --half-angle missing"),
+        (("--radius", "1 um", "--cap", "sphere"), "a sphere has no --cap: leave it out, or give another --shape"),
+        (
+            ("--shape", "rounded-cone", "--radius", "1 um", "--half-angle", "20 deg", "--cap", "ball"),
+            '--cap: must be one of sphere, parabola, got "ball"',
+        ),
     ):
         done = jkr("fit", *words, "--nu", "0.5", "x.csv")
         assert (done.code, done.err.count("\n")) == (2, 1)

@@ -49,7 +49,8 @@ KINDS: dict[str, tuple[str, ...]] = {
     "law": ("lens.h5", "slow.csv", "fast.csv", "--law", "power", "--fix", "delta0=0"),
 }  # fmt: skip
 VALUES: dict[str, tuple[str, ...]] = {
-    "--shape": ("cone",), "--radius": ("2 mm",), "--half-angle": ("80 deg",), "--E": ("2 MPa",), "--nu": ("0.4",),
+    "--shape": ("cone",), "--radius": ("2 mm",), "--half-angle": ("80 deg",), "--cap": ("parabola",),
+    "--E": ("2 MPa",), "--nu": ("0.4",),
     "--thickness": ("50 um",), "--base": ("frictionless",), "--free": ("compliance",), "--fix": ("E_star=1 MPa",),
     "--bound": ("w=60 mJ/m^2..1 J/m^2",), "--law": ("log",), "--relaxation": ("prony",), "--terms": ("1",),
     "--segment": ("approach",), "--base-line": ("sine",), "--branch": ("compressive",), "--noise": ("P=30 uN",),

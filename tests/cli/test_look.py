@@ -13,7 +13,7 @@ import pytest
 from conftest import CASES, Outcome
 from force_curves import Instrument, record
 
-from jkrcli.bodies import EqualAreaCone, RoundedCone, Sphere
+from jkrcli.bodies import Pyramid, RoundedCone, Sphere
 
 E_STAR, R, W, K = 20e3, 5e-6, 1e-4, 0.05
 FORCE = 1.5 * np.pi * W * R
@@ -74,7 +74,7 @@ def test_a_tip_gives_a_rough_modulus(jkr: Callable[..., Outcome], tmp_path: Path
     """The load of a contact of 60 kPa pressed to 300 nm, over the formula's at the depth beyond where touch is seen."""
     flags, tip = {
         "sphere": (("--radius", "5 um"), Sphere(5e-6)),
-        "pyramid": (("--shape", "pyramid", "--half-angle", "35 deg"), EqualAreaCone.of(4, math.radians(35), None)),
+        "pyramid": (("--shape", "pyramid", "--half-angle", "35 deg"), Pyramid.of(4, math.radians(35))),
         "rounded-cone": (("--shape", "rounded-cone", "--radius", "50 nm", "--half-angle", "35 deg"),
                          RoundedCone(50e-9, math.radians(35))),
     }[shape]  # fmt: skip

@@ -8,7 +8,7 @@ import pkgutil
 from ..indenter import SHAPES, Indenter, shape
 from .analytic import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from .table import TableProfile
-from .tips import EqualAreaCone, RoundedCone
+from .tips import Pyramid, RoundedCone
 
 for _module in pkgutil.iter_modules(__path__):
     importlib.import_module(f"{__name__}.{_module.name}")

@@ -43,6 +43,7 @@ from .statistics import covariance, structure
 from .whole_record import beyond_the_record, whole_record
 
 OWN = {"w": "w_approach"}  # names of an approach alone
+OF_SHAPE = "the faces of the pyramid"
 WARNED = {  # flags of a curve that matter
     NOT_SUBTRACTED: "E* is that of contact and device in series: ",
     AS_DEPTH: "",
@@ -139,7 +140,8 @@ def fit(
             if flag in WARNED or OVERRULED in flag or NO_UNIT in flag
         ]
         warnings = (*flags, *fitted.warnings)
-        return replace(fitted, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
+        fitted = replace(fitted, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
+        return with_shape(fitted, body)
     except InputError as error:
         likely = "".join(f"; {flag}" for flag in (NOT_SUBTRACTED, SUBTRACTED_TWICE) if flag in curve.flags)
         lines = [line if line.startswith(curve.where) else f"{curve.where}: {line}" for line in error.lines]
@@ -148,6 +150,27 @@ def fit(
         raise SolveError(f"{curve.where}: {error}") from None
     except (ArithmeticError, RuntimeWarning) as error:  # of one curve, which takes no others of a map with it
         raise SolveError(f"{curve.where}: the numbers leave the range of arithmetic ({error})") from error
+
+
+def with_shape(fitted: Fit, body: FittedBody) -> Fit:
+    """The fit with what the shape of a tip that is no body of revolution leaves open, as a part of the model.
+
+    Its contact area is the share kappa of that of the body of revolution: w acts as kappa w, on a half-space at equal
+    E*. On layers S goes with the power n = a S'/S of the radius, in place of 1: E* changes by (n - 1)(1 - sqrt(kappa)).
+    """
+    tip = body.problem.indenter
+    share, largest = tip.contact_share, float(np.max(fitted.a, initial=0.0))
+    if share == 1:
+        return replace(fitted, tip=tip.remark)
+    parts = body.nonadhesive.parts(np.clip(largest, body.series.a[0], body.series.a[-1]))
+    power = abs(float(largest * parts.dS / parts.S) - 1) if body.problem.specimen.layers else 0.0
+    left = {"modulus": power * abs(1 - math.sqrt(share)), "work": 1 / share - 1}
+    estimates = tuple(
+        replace(item, model={**(item.model or {}), OF_SHAPE: left[item.dimension] * item.value})
+        if item.error is not None and left.get(item.dimension) and item.value else item
+        for item in fitted.estimates
+    )  # fmt: skip
+    return replace(fitted, estimates=estimates, tip=tip.remark)
 
 
 @dataclass(frozen=True, eq=False)

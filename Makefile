@@ -24,12 +24,12 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench figures noise-study chart chart-peers failures bounds point-bounds range-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards mutants tuning constants sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise-study chart chart-peers failures bounds point-bounds range-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards mutants tuning constants sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
-	@echo "  variables: CASE=my.toml  W='40 mJ/m^2 50 mJ/m^2'  RESULTS=folder  SEED=7  AGAINST=commit  PYTHON=python3.12"
+	@echo "  variables: CASE=my.toml  W='40 mJ/m^2 50 mJ/m^2'  RESULTS=folder  SEED=7  FULL=no  MEASURED=my.csv  AGAINST=commit  PYTHON=python3.12"
 
 setup: $(READY) ## virtual environment and the system libraries that the mesher needs
 
@@ -108,8 +108,8 @@ $(RESULTS)/%.done: $(RESULTS)/%.h5
 bench: $(READY) ## time the stages of a run
 	$(JKR) bench $(call QUOTE,$(CASE))
 
-figures: $(READY) ## the paper's figures 5, 7, 8 and 10
-	$(STUDY).figures --cases cases -o $(RESULTS)/figures
+paper: $(READY) ## the paper by its own method: figures 5, 7, 8, 10, its numbers beside ours (two minutes, 5 GiB; FULL=no: one, 1 GiB)
+	$(STUDY).paper -o $(RESULTS)/paper $(if $(filter no,$(FULL)),,--full-mesh) $(if $(MEASURED),--measured $(call QUOTE,$(MEASURED)))
 
 noise-study: $(READY) ## what noise in the data does to the adhesive curve, and what is wrong with noise (hours)
 	$(STUDY).noise -o $(RESULTS)/noise

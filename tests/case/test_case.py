@@ -17,7 +17,8 @@ from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Rigid, Specimen
 from jkrcli.case import load_case, parse_case, writing
 from jkrcli.cli.new import TEMPLATE
 
-CASES = sorted((Path(__file__).parents[2] / "cases").glob("*.toml"))
+SHIPPED = Path(__file__).parents[2] / "cases"
+CASES = sorted([*SHIPPED.glob("*.toml"), *SHIPPED.glob("paper/*.toml")])
 
 
 def case_of(indenter: str, specimen: str = "half_space = {E = 1, nu = 0.3}", loading: str = "depth = 0.1"):
@@ -33,7 +34,7 @@ def test_shipped_cases_load_and_their_resolved_form_is_the_same_case(path: Path)
 
 
 def test_halfspace_is_the_papers_case() -> None:
-    model = load_case(CASES[0].parent / "halfspace.toml").model
+    model = load_case(SHIPPED / "halfspace.toml").model
     problem = model.problem()
     assert problem.indenter == Sphere(100e-6)
     assert problem.specimen == Specimen((), HalfSpace(Elastic(5e9, 0.4)))

@@ -134,6 +134,7 @@ def _cases(tmp_path: Path) -> Path:
     thin = half | {"table": "", "depth": "0.1 um", "w": "0.002", "size": "0.4 um"}
     body = 'base = "bonded"\n[[specimen.layers]]\nthickness = "1 um"\nE = "5 MPa"\nnu = {}\n'
     (folder / "halfspace.toml").write_text(CASE.format(**half))
+    (folder / "half-space.toml").write_text(CASE.format(**half))
     for name, nu, w in (("thin-layer", 0.4, "0.002"), ("gel", 0.499, '["2 mJ/m^2", "3 mJ/m^2"]')):
         text = CASE.format(**thin | {"w": w}).replace('E = "5 MPa"\nnu = 0.4\n', body.format(nu))
         (folder / f"{name}.toml").write_text(text)
@@ -161,10 +162,10 @@ def test_study_converge_draws_its_panels(jkr, cases: Path, tmp_path: Path) -> No
 
 
 @pytest.mark.slow
-def test_study_figures_draws_the_gel_with_measured_points(study, cases: Path, tmp_path: Path) -> None:
+def test_the_paper_s_gel_with_measured_points(study, cases: Path, tmp_path: Path) -> None:
     (tmp_path / "points.csv").write_text("displacement (nm), load (uN)\n-5,-0.6\n0,-0.5\n30,2\n")
     words = ("--cases", cases, "-o", "figures", "--only", "fig8")
-    outcome = study("figures", *words, "--measured", "points.csv", "--shift", "10 nm")
+    outcome = study("paper", *words, "--measured", "points.csv", "--shift", "10 nm")
     assert (outcome.code, outcome.err) == (0, "")
     assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == ["fig8.png", "fig8.svg"]
 
@@ -184,11 +185,24 @@ def test_study_converge_prints_a_row_per_mesh_and_the_orders(jkr, cases: Path) -
 
 
 @pytest.mark.slow
-def test_study_figures_draws_all(study, tmp_path: Path) -> None:
-    shipped = Path(__file__).parents[2] / "cases"
-    assert study("figures", "--cases", shipped, "-o", "figures").code == 0
-    drawn = {path.stem for path in (tmp_path / "figures").iterdir()}
-    assert drawn == {"fig5", "fig7", "fig8", "fig10"}
+def test_the_paper_by_its_own_method(study, tmp_path: Path) -> None:
+    """Pull-off of Secs. 4.1 to 4.3 by the paper's splines on its meshes, against the exact solution."""
+    outcome = study("paper", "--cases", Path(__file__).parents[2] / "cases" / "paper", "-o", "paper")
+    assert outcome.code == 0, outcome.err
+    drawn = {path.name for path in (tmp_path / "paper").iterdir()}
+    assert drawn == {"paper.csv", *(f"fig{n}.{end}" for n in (5, 7, 8, 10) for end in ("png", "svg"))}
+    rows = list(csv.DictReader((tmp_path / "paper" / "paper.csv").read_text().splitlines()))
+    worst = {(row["case"], row["rule"]): 0.0 for row in rows}
+    for row in rows:
+        key = row["case"], row["rule"]
+        worst[key] = max(worst[key], abs(float(row["error"])))
+    for rule in ("loocv-kept", "loocv", "gcv"):
+        assert worst["thin-layer", rule] < 0.01  # measured: 1.2e-3
+        assert worst["gel", rule] < 0.03  # measured: 1.9e-2
+        assert worst["gel, CAX4R", rule] < 0.05  # measured: 3.4e-2
+    assert worst["half-space", "loocv"] == pytest.approx(0.027, abs=0.003)  # elements of 0.005 R
+    assert "639" in outcome.out
+    assert "471" in outcome.out
 
 
 def test_wrong_input_to_the_studies(jkr, study, cases: Path, tmp_path: Path) -> None:
@@ -199,8 +213,8 @@ def test_wrong_input_to_the_studies(jkr, study, cases: Path, tmp_path: Path) -> 
         (("converge", "cases/dry.toml"), "cases/dry.toml: names no work of adhesion > 0: give --w"),
         (("converge", "cases/halfspac.toml"),
          'cases/halfspac.toml: case file not found, did you mean "cases/halfspace.toml"?'),
-        (("figures", "--cases", "nowhere"), "nowhere/halfspace.toml: case file not found"),
-        (("figures", "--measured", "points.csv"), 'points.csv: column 1 "displacement" (displacement) names no unit: '
+        (("paper", "--cases", "nowhere"), "nowhere/half-space.toml: case file not found"),
+        (("paper", "--measured", "points.csv"), 'points.csv: column 1 "displacement" (displacement) names no unit: '
          "give --unit delta=um, or write it into the header"),
     ):  # fmt: skip
         outcome = jkr("study", *words) if words[0] == "converge" else study(*words)

@@ -296,7 +296,11 @@ def test_figures_of_the_verbs_are_fit_for_print(
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "words"), [("noise", ("--seeds", 2, "--points", 30)), ("figures", ("--cases", CASES))]
+    ("name", "words"),
+    [
+        ("noise", ("--seeds", 2, "--points", 30)),
+        ("paper", ("--cases", CASES / "paper", "--only", "fig5", "--only", "fig8")),
+    ],
 )
 def test_figures_of_studies_are_fit_for_print(
     study: Callable, kept: Callable[..., list[Figure]], name: str, words: tuple[object, ...]

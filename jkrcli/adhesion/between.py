@@ -63,7 +63,8 @@ class Rows:
             fitted = np.stack([self._pieces(z, np.log(self.delta)), spline_slopes(x, np.log(self.dS))], 1)
             rates = np.where(np.isnan(rates), fitted, rates)
         rate, rate_dS = rates.T
-        by_P = self.S * self.delta / self.P * rate
+        rate = _rising(z, np.log(self.delta), rate)
+        by_P = _rising(z, np.log(self.P), self.S * self.delta / self.P * rate)
         by_S = self.a * self.dS / self.S if self.derived else spline_slopes(x, np.log(self.S))
         return Logs(
             PiecewiseCubic(z, np.log(np.stack([self.delta, self.P], 1)), np.stack([rate, by_P], 1)),
@@ -76,6 +77,14 @@ class Rows:
         for lo, hi in itertools.pairwise([y.size - 1, *self.bends[::-1].tolist(), 0]):
             slopes[hi : lo + 1] = spline_slopes(x[hi : lo + 1], y[hi : lo + 1])
         return slopes
+
+
+def _rising(x: Array, y: Array, slopes: Array) -> Array:
+    """The ``slopes`` at the points, none larger than three times the chord on either side, where ``y`` rises there:
+    steeper ones make a cubic fall in between (Fritsch and Carlson, SIAM J. Numer. Anal. 17 (1980) 238)."""
+    chord = np.diff(y) / np.diff(x)
+    most = 3 * np.minimum(np.append(chord[0], chord), np.append(chord, chord[-1]))
+    return np.where(most > 0, np.minimum(slopes, most), slopes)
 
 
 def between(rows: Rows) -> Logs:

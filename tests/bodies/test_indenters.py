@@ -200,7 +200,8 @@ def test_wrong_shapes_are_refused(build, line: str) -> None:
 
 
 def test_a0_and_tip_radius() -> None:
-    assert [shape.a0 for shape in SHAPES] == pytest.approx([0, 0, 0, 0, 0.1 * R, 0, 0, 0, 0.1 * R])
+    assert [shape.a0 for shape in SHAPES[:-1]] == pytest.approx([0, 0, 0, 0, 0.1 * R, 0, 0, 0])
+    assert 0.1 * R < SHAPES[-1].a0 < 0.2 * R  # where the parabola through the last three points meets the flat end
     assert RoundedCone(R, 0.5).tip_radius == R
     assert Sphere(R).tip_radius == Paraboloid(R).tip_radius == R
     assert PowerLaw(1.0, 1.0).tip_radius is None
@@ -227,3 +228,43 @@ def test_load_of_a_rounded_cone_is_the_integral_of_its_image(a: float) -> None:
     assert P == pytest.approx(told, rel=1e-9)  # of the quadrature
     if a < 0.1:
         assert (delta, P) == pytest.approx((a**2 / 0.2, 4 * 3 * a**3 / 0.6), rel=1e-14)
+
+
+FLAT, TOP = 60e-9, 300e-9  # of worn tips [m]
+WORN = {  # profiles beyond the flat end, and their Abel images
+    "paraboloid": (lambda r: (r**2 - FLAT**2) / 1e-6, lambda x: x * np.sqrt(x**2 - FLAT**2) / 5e-7),
+    "sphere": (
+        lambda r: np.sqrt(5e-7**2 - FLAT**2) - np.sqrt(5e-7**2 - r**2),
+        lambda x: x * np.log((np.sqrt(5e-7**2 - FLAT**2) + np.sqrt(x**2 - FLAT**2)) / np.sqrt(5e-7**2 - x**2)),
+    ),
+    "cone": (lambda r: 0.3 * (r - FLAT), lambda x: 0.3 * x * np.arccos(FLAT / x)),
+}
+
+
+@pytest.mark.parametrize("points", [20, 41, 61, 100, 400])
+@pytest.mark.parametrize("name", WORN)
+def test_a_worn_tip_ends_in_a_corner_between_the_points_or_on_one(name: str, points: int) -> None:
+    """The end was taken to be rounded over the interval of the table in which it lies."""
+    beyond, image = WORN[name]
+    r = np.linspace(0, TOP, points)
+    table = TableProfile(tuple(r.tolist()), tuple(np.where(r > FLAT, beyond(np.maximum(r, FLAT)), 0.0).tolist()))
+    x = np.linspace(1.1 * FLAT, TOP, 50)
+    assert table.a0 == pytest.approx(FLAT, rel={"sphere": 2e-3}.get(name, 1e-9))
+    assert (np.abs(table.abel(x) - image(x)) <= table.resolution(x)[0] + 1e-9 * image(x)).all()
+
+
+@pytest.mark.parametrize("height", [1.65436e-24, 1e-19, 1e-17])
+def test_heights_of_rounding_are_part_of_the_flat_end(height: float) -> None:
+    """A worn tip whose last flat point has a height of 1e-24 m: the radii from there on began at 55 nm."""
+    r = np.linspace(0, TOP, 61)
+    f = np.maximum(r**2 - FLAT**2, 0.0) / 1e-6
+    f[12] = height  # at 60 nm
+    assert TableProfile(tuple(r.tolist()), tuple(f.tolist())).a0 == pytest.approx(FLAT, rel=1e-8)
+
+
+def test_no_corner_is_made_where_a_straight_run_goes_over_smoothly() -> None:
+    for smooth in (RoundedFlat(0.1 * R, 0.3 * R), RoundedCone(0.2 * R, math.atan(2), cap="parabola")):
+        for count in (12, 21, 50):
+            table = through(smooth, count)
+            slope = table.slope(np.linspace(0, 0.5 * R, 4001))
+            assert np.diff(slope).max() < 0.05 * slope[-1]

@@ -27,6 +27,8 @@ class TableTuning:
     flattest: tuple[float, float, float] = (2.0, 1.0, 1.0)  # choice: near first order, of points that scatter
     steepest: tuple[float, float, float] = (14.0, 7.0, 14.0)  # theory: 2^4 and 2^3 less 1, of smooth splines
     safety: float = 1.25  # theory: on errors by the order of three grids (Roache, J. Fluids Eng. 116 (1994) 405)
+    corner: float = 0.1  # jump of the slope where a straight run ends, over the slope beyond; choice: less is none
+    near: float = 0.01  # of an interval, to its end: a corner as near is at that point; choice: points are rounded
     few: int = 9  # theory: points of a table, of every fourth of which no spline is left, and then
     few_factors: tuple[float, float, float] = (1.7, 1.0, 1.7)  # theory: of parabolas, less where a tip is blunt
 
@@ -56,7 +58,7 @@ class TableProfile(Indenter):
     def __post_init__(self) -> None:
         r, f = np.asarray(self.r, dtype=float), np.asarray(self.heights, dtype=float)
         self._check(r, f)
-        knots, pieces = _profile(r, f, np.searchsorted(r, self.bends))
+        knots, pieces = _profile(*_with_corners(r, _flattened(r, f), np.searchsorted(r, self.bends)))
         for name, array in (("knots", knots), ("pieces", pieces)):
             array.setflags(write=False)
             object.__setattr__(self, name, array)
@@ -67,7 +69,8 @@ class TableProfile(Indenter):
 
     @property
     def a0(self) -> float:
-        return float(max((r for r, f in zip(self.r, self.heights, strict=True) if f == 0), default=0.0))
+        flat = np.logical_and.accumulate((self.pieces[1:] == 0).all(axis=0))
+        return float(self.knots[np.count_nonzero(flat)])
 
     @property
     def r_max(self) -> float:
@@ -267,6 +270,57 @@ def _check_bends(bends: tuple[float, ...], r: Array) -> None:
         )
 
 
+def _flattened(r: Array, f: Array) -> Array:
+    """The heights [m], those next to the axis 0 up to where the profile rises beyond rounding: of a flat end."""
+    chord = np.diff(f) / np.diff(r)
+    level = np.logical_and.accumulate(chord <= ROUNDED * np.max(chord))
+    return np.where(np.append(True, level), 0.0, f)
+
+
+def _straight(chord: Array, start: float) -> Array:
+    """Which intervals belong to a straight run: the ``chord`` on one side at least is the same, or the slope at the
+    axis ``start``."""
+    tiny = ROUNDED * float(np.max(chord))
+    rising = np.diff(chord) > tiny
+    return ~(np.append(chord[0] > start + tiny, rising) & np.append(rising, True))
+
+
+def _with_corners(r: Array, f: Array, bends: Array) -> tuple[Array, Array, Array]:
+    """The points with the corners at which a straight run, a worn end say, ends, and the numbers of all ``bends``.
+
+    A run ends where what follows meets its line: the line of another run, else the parabola through the next three
+    points. Where these do not meet, or without a jump of the slope, the profile goes on smoothly from the last point.
+    """
+    h, chord = np.diff(r), np.diff(f) / np.diff(r)
+    straight = _straight(chord, _start(r, chord))
+    corners = list[tuple[float, float]]()
+    for i in (np.flatnonzero(~straight[1:] & straight[:-1]) + 1).tolist():
+        if i in bends or i + 1 in bends or i + 2 > chord.size or (i + 3 > chord.size and not straight[i + 1]):
+            continue
+
+        # What follows over the line of the run, c + b y + a y^2 at y = r_(i+1) - x
+        a = 0.0 if straight[i + 1] else (chord[i + 2] - chord[i + 1]) / (h[i + 1] + h[i + 2])
+        b = chord[i - 1] - chord[i + 1] + a * h[i + 1]
+        c = f[i + 1] - f[i] - chord[i - 1] * h[i]
+
+        # They meet at its first zero, where the slope jumps by the root of b^2 - 4 a c
+        square = max(b**2 - 4 * a * c, 0.0)
+        if b >= 0 or square <= (TUNING.corner * b) ** 2:
+            continue
+        y = 2 * c / (math.sqrt(square) - b)
+        if abs(y / h[i] - 1) < TUNING.near:
+            corners.append((r[i], f[i]))
+        elif y < h[i]:
+            corners.append((r[i + 1] - y, f[i] + chord[i - 1] * (h[i] - y)))
+    if not corners:
+        return r, f, bends
+    x, height = np.array(corners).T
+    new = ~np.isin(x, r)
+    at = np.searchsorted(r, x[new])
+    points, heights = np.insert(r, at, x[new]), np.insert(f, at, height[new])
+    return points, heights, np.searchsorted(points, np.union1d(r[bends], x))
+
+
 def _profile(r: Array, f: Array, bends: Array) -> tuple[Array, Array]:
     """Knots, and at the left end of each piece between them f and its three derivatives (4, pieces)."""
     chord = np.diff(f) / np.diff(r)
@@ -298,23 +352,25 @@ def _ends(knots: Array, pieces: Array) -> Array:
 def _end_slopes(r: Array, f: Array, chord: Array, bends: Array) -> tuple[Array, Array]:
     """Slopes at the left and the right end of every interval, chord between them; one value on both sides but at
     bends."""
-    tiny = ROUNDED * float(np.max(chord))
-    gentle = _gentle(r, chord)
-    start = 2 * chord[0] - gentle[1]
-    start = start if start > TUNING.pointed * chord[0] else 0.0
-    rising = np.diff(chord) > tiny
-    straight = ~(np.append(chord[0] > start + tiny, rising) & np.append(rising, True))
+    start = _start(r, chord)
+    straight = _straight(chord, start)
     ends = np.unique(np.concatenate([[0, chord.size], bends, np.flatnonzero(np.diff(straight)) + 1]))
     left, right = chord.copy(), chord.copy()
     for lo, hi in itertools.pairwise(ends.tolist()):
         if not straight[lo]:
-            before = start if lo == 0 else chord[lo - 1] if straight[lo - 1] else None
-            after = chord[hi] if hi < chord.size and straight[hi] else None
+            before = start if lo == 0 else chord[lo - 1] if straight[lo - 1] and lo not in bends else None
+            after = chord[hi] if hi < chord.size and straight[hi] and hi not in bends else None
             slopes = _slopes(r[lo : hi + 1], f[lo : hi + 1], chord[lo:hi], before, after)
             left[lo:hi], right[lo:hi] = slopes[:-1], slopes[1:]
     middle = (chord[bends - 1] + chord[bends]) / 2
     right[bends - 1], left[bends] = np.minimum(right[bends - 1], middle), np.maximum(left[bends], middle)
     return left, right
+
+
+def _start(r: Array, chord: Array) -> float:
+    """The slope at the axis: of the parabola through the first points where they come to a tip there, else 0."""
+    start = float(2 * chord[0] - _gentle(r, chord)[1])
+    return start if start > TUNING.pointed * chord[0] else 0.0
 
 
 def _gentle(r: Array, chord: Array) -> Array:

@@ -43,7 +43,9 @@ POSITIVE = NumberRange(min=0, min_open=True)
 
 
 class ParsedType(ParamType):
-    """What ``parsed`` makes of a text; its ValueError is the message on the option."""
+    """What ``parsed`` makes of a text; its ValueError is the message on the option. ``keyed``: a key and its value."""
+
+    keyed = False
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if not isinstance(value, str):  # it is one already
@@ -111,7 +113,7 @@ CONTROL = QuantityType("STIFFNESS", "stiffness", '> 0, or "load" for load contro
 class KeyValueType(ParsedType):
     """KEY=TEXT with one of ``keys``; ``what`` names the text in help."""
 
-    what = "NAME"
+    what, keyed = "NAME", True
 
     def __init__(self, keys: Sequence[str]):
         self.name, self.keys = f"KEY={self.what}", keys
@@ -130,7 +132,7 @@ class KeyValueType(ParsedType):
 class NamedType(ParsedType):
     """NAME=TEXT, told apart by the name alone: what the text may be depends on it."""
 
-    name, example = "NAME=VALUE", 'NAME=VALUE, such as w="50 mJ/m^2"'
+    name, example, keyed = "NAME=VALUE", 'NAME=VALUE, such as w="50 mJ/m^2"', True
     parted = staticmethod(str.partition)
 
     def parsed(self, text: str) -> Any:

@@ -88,6 +88,27 @@ class Verb(click.Command):
         kind = {"is_flag": True, "is_eager": True, "expose_value": False, "hidden": True}
         self.params.append(click.Option(["--help-all"], callback=_help_all, help="Describe every option.", **kind))
 
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse, but refuse an option of one value that is given twice, and a key twice of one that takes pairs: the
+        last would be taken in silence."""
+        if not ctx.resilient_parsing:
+            *_, order = self.make_parser(ctx).parse_args(list(args))
+            for parameter in order:
+                takes_more = (
+                    parameter.multiple or getattr(parameter, "is_flag", False) or getattr(parameter, "count", False)
+                )
+                if isinstance(parameter, click.Option) and not takes_more and (times := order.count(parameter)) > 1:
+                    raise click.UsageError(
+                        f"{max(parameter.opts, key=len)} is given {times} times: it takes one value", ctx
+                    )
+        rest = super().parse_args(ctx, args)
+        for parameter in self.params:
+            if getattr(parameter.type, "keyed", False) and parameter.multiple:
+                keys = [key for key, _ in ctx.params.get(parameter.name or "") or ()]
+                if twice := next((key for key in keys if keys.count(key) > 1), None):
+                    raise click.UsageError(f"{parameter.opts[0]}: {twice} is given twice: it takes one value", ctx)
+        return rest
+
     def get_help(self, ctx: click.Context) -> str:
         wanted = ctx.meta.get(ALL, False)
         ctx.meta[ALL] = True

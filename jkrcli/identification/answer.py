@@ -95,4 +95,4 @@ class Answer:
 
 def word(name: str) -> str:
     """What a parameter is called in sentences."""
-    return "E*" if name == "modulus" else name
+    return "E*" if name in ("modulus", "E_star") else name

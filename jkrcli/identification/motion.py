@@ -63,7 +63,25 @@ def corners(t: Array, x: Array, noise: float) -> tuple[Array, Array]:
         if sums.left(knots) - sums.left(better) < TUNING.worth * noise**2:
             break
         knots = better
-    return t[knots], through(t, x, t[knots])[0]
+    times = _between_rows(t, x, knots)
+    return times, through(t, x, times)[0]
+
+
+def _between_rows(t: Array, x: Array, knots: list[int]) -> Array:
+    """The times of the corners; for two in rows one after the other that where the straight pieces before and behind
+    them meet, if they do so between these rows: a device turns there, and goes beyond both."""
+    times, places = t[knots], through(t, x, t[knots])[0]
+    slopes = np.diff(places) / np.diff(times)
+    for i in range(len(knots) - 3, 0, -1):
+        if knots[i + 1] == knots[i] + 1 and slopes[i - 1] != slopes[i + 1]:
+            ahead = (places[i + 1] - places[i] - slopes[i + 1] * (times[i + 1] - times[i])) / (
+                slopes[i - 1] - slopes[i + 1]
+            )
+            if 0 <= ahead <= times[i + 1] - times[i]:
+                times = np.concatenate([times[:i], [times[i] + ahead], times[i + 2 :]])
+                places = through(t, x, times)[0]
+                slopes = np.diff(places) / np.diff(times)
+    return times
 
 
 def through(t: Array, x: Array, knots: Array) -> tuple[Array, Array]:

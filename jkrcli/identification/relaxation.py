@@ -1,7 +1,8 @@
 """The modulus, a law of relaxation and the zero point from one record over time.
 
-What the device did, straight pieces between corners, is fitted with the rest: to its position, or to the load where
-that moves in straight pieces. So its noise has its part in the intervals.
+What moved in straight pieces between corners, the device, its tip, or the load, is fitted with the rest. So its noise
+has its part in the intervals. Where a lever is between, the readings of tip and load share noise: they are weighed by
+their covariance.
 """
 
 from __future__ import annotations
@@ -10,21 +11,21 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from ..adhesion import Nonadhesive, Program, RelaxingContact
-from ..base import FEWEST_ROWS, SAME, Array, InputError, JkrError, Ranged, evenly, ranges_of, show
+from ..base import FEWEST_ROWS, SAME, TINY, Array, InputError, JkrError, Ranged, SolveError, evenly, ranges_of, show
 from ..bodies import RELAXATIONS, Relaxation
 from ..data import Curve
-from .answer import Answer
-from .fit import FittedBody
+from .answer import Answer, word
+from .fit import FittedBody, third_differences
 from .intervals import Followed, Intervals
 from .least_squares import TUNING as FITS
 from .least_squares import Least, LeastSquares, State, by_differences
 from .motion import TUNING as MOTION
-from .motion import check_over_time, check_rising, corners, noise_about, noise_of
+from .motion import check_over_time, check_rising, corners, noise_of
 from .parameters import MODULUS, Nameable, Parameter, Unknowns, check_law, parameters_of
 from .relaxing_rows import TUNING as ROWS
 from .relaxing_rows import averaged, base_line, followed, without_adhesion
@@ -39,8 +40,9 @@ class RelaxationFitTuning:
     times: tuple[float, ...] = (0.02, 0.06, 0.2, 0.6)  # choice: starts of a relaxation time, over the record's length
     shares: tuple[float, ...] = (0.2, 0.6)  # choice: starts of the ratio
     exponents: tuple[float, ...] = (0.05, 0.15, 0.4)  # choice: starts of an exponent
-    depths: tuple[float, ...] = (0.0, 0.03, 0.1)  # choice: starts of the depth at which contact shows, over the range
-    deeper: float = 1.5  # times the depth that shows, to which a body is solved; choice: contact begins before it shows
+    depths: tuple[float, ...] = (0.0, 0.3, 1.0)  # choice: starts of the depth at which contact shows, over ``unseen``
+    rises: float = 0.5  # theory: exponent of the depth over the load of a cone, the least of common tips
+    deeper: float = 1.5  # times the depth, to which a body is solved; choice: guard of a search
     shown: float = 0.01  # choice: of the range of the load, that does too; a tilted base line does not
     apart: float = 2.5  # theory: rows between two corners, within which no row shows when a step was
     step: float = 1e-6  # theory: of the unknowns, for derivatives: the root of what the histories err by
@@ -50,12 +52,15 @@ class RelaxationFitTuning:
 
 
 TUNING = RelaxationFitTuning()
+MISFIT = "the law or the body is not what the record shows"
+RANGE = "the numbers leave the range of arithmetic"
 AS_READ = (
     "neither device nor load moved at constant rates: the displacement of the tip is used as read, its noise is not "
     "in the intervals"
 )
 FAILURES = (JkrError, FloatingPointError, OverflowError, ValueError)  # of a history far from any record
 ZEROS = {"delta0": Ranged("length"), "P0": Ranged("load"), "tilt": Ranged("stiffness")}  # added to what is read
+Control: TypeAlias = Literal["displacement", "tip", "load"]  # what is imposed
 WEIGHT, TIME = Ranged("number", above=0, most=1), Ranged("time", above=0)
 
 
@@ -112,35 +117,59 @@ def relaxation_settings(
 
 @dataclass(frozen=True, eq=False)
 class TimedRecord:
-    """Readings over time: ``t`` [s], what the device ``imposed`` (its position [m], or the load [N] where ``loaded``)
-    and the ``response`` (the load, or the displacement); standard deviations of both from row to row, ``noise``, and
-    those by which they are weighed, ``sigma``. ``read``: the device moved in no straight pieces; then the displacement
-    of the tip is imposed, as it was read. ``flags``: how rows were chosen."""
+    """Readings over time: ``t`` [s], what was ``imposed`` by ``control`` (the position of the device or of its "tip"
+    [m], or the load [N]) and the ``response`` (the load, or the displacement); standard deviations of both from row to
+    row, ``noise``, and those by which they are weighed, ``sigma``: of the imposed, and of what is left of the response
+    less ``shared`` times the noise of the imposed (per row). ``read``: nothing moved in straight pieces; then the
+    displacement of the tip is imposed, as it was read. ``flags``: how rows were chosen."""
 
     curve: Curve
     t: Array
     imposed: Array
     response: Array
-    loaded: bool
+    control: Control
     stiffness: float
     knots: tuple[Array, Array]
     noise: tuple[float, float]
-    sigma: tuple[float, float]
+    sigma: tuple[float, float | Array]
+    shared: float = 0.0
     read: bool = False
     flags: tuple[str, ...] = ()
+
+    @property
+    def loaded(self) -> bool:
+        return self.control == "load"
+
+    @cached_property
+    def _load(self) -> tuple[Array, float, float]:
+        """The load, by how much it stands out where contact shows, and its largest [N]."""
+        load, noise = (self.imposed, self.noise[0]) if self.loaded else (self.response, self.noise[1])
+        load = load - np.median(load[:3])
+        return load, max(ROWS.apart * noise, TUNING.shown * float(np.ptp(load))), float(load.max())
 
     @cached_property
     def shows(self) -> int:
         """The first row whose load shows contact."""
-        load, noise = (self.imposed, self.noise[0]) if self.loaded else (self.response, self.noise[1])
-        least = max(ROWS.apart * noise, TUNING.shown * float(np.ptp(load)))
-        return int(np.argmax(load - np.median(load[:3]) > least))
+        load, least, _ = self._load
+        return int(np.argmax(load > least))
+
+    @property
+    def unseen(self) -> float:
+        """How deep the tip may be before the load shows it [m]."""
+        load, _, most = self._load
+        share = min(max(float(load[self.shows]) / most, 0.0), 1 - TUNING.shown) ** TUNING.rises
+        return self._shown * share / (1 - share)
+
+    @property
+    def _shown(self) -> float:
+        """How much deeper it goes from there on [m]."""
+        depth = self.response if self.loaded else self.imposed
+        return float(depth[self.shows :].max() - depth[self.shows])
 
     @property
     def depth(self) -> float:
-        """How deep the tip goes from there on [m]."""
-        depth = self.response if self.loaded else self.imposed
-        return float(depth[self.shows :].max() - depth[self.shows])
+        """How deep the tip may go [m]."""
+        return self._shown + self.unseen
 
     @property
     def by_tip(self) -> TimedRecord:
@@ -154,6 +183,11 @@ class TimedRecord:
         """The record by a few of its rows."""
         some = evenly(self.t.size, TUNING.some)
         return replace(self, t=self.t[some], imposed=self.imposed[some], response=self.response[some])
+
+    def weighed(self, off: tuple[Array, Array]) -> tuple[Array, Array]:
+        """What readings are ``off`` a model, imposed and response, in standard deviations, independent of each
+        other."""
+        return off[0] / self.sigma[0], (off[1] - self.shared * off[0]) / self.sigma[1]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -169,6 +203,15 @@ class RelaxationFit(Answer):
     scatter: float
     settings: RelaxationSettings
 
+    @property
+    def doubts(self) -> list[str]:
+        """Why it is not to be believed as it stands, in a few words each."""
+        own = [self.estimate(name) for name in ("E_star", *self.free) if name != "modulus" and name not in ZEROS]
+        lost = [word(item.name) for item in own if item.error is None or item.low is item.high is None]
+        doubts = [f"{', '.join(lost)} not determined"] if lost else []
+        doubts += self.vague([item.name for item in own if word(item.name) not in lost])
+        return doubts + ([MISFIT] if self.scatter > FITS.misfit else [])
+
 
 def timed_record(curve: Curve) -> TimedRecord:
     """The readings of ``curve`` over time; InputError where a column is missing."""
@@ -177,26 +220,71 @@ def timed_record(curve: Curve) -> TimedRecord:
         raise InputError(f"{curve.where}: {len(curve)} rows, at least {FEWEST_ROWS} are needed")
     check_rising(curve.where, curve.time, np.arange(len(curve)))
     curve, flags = without_adhesion(averaged(curve))
-    t, device, load = curve.time, curve.device, curve.load
-    some = evenly(t.size, TUNING.rows)
-    of_device, of_load = (corners(t[some], column[some], noise_of(column)) for column in (device, load))
-    read = min(of_load[0].size, of_device[0].size) >= MOTION.most
-    loaded = not read and of_load[0].size < of_device[0].size
-    if read:
-        imposed, response, stiffness, knots = curve.depth, load, math.inf, followed(t, curve.depth)
+    t, load = curve.time, curve.load
+    moved = _straight(curve)
+    if moved is not None and moved[0] == "load" and np.ptp(moved[1][1]) < ROWS.apart * noise_of(load):
+        raise InputError(
+            f"{curve.where}: no contact shows: the load stays within its noise, {show(noise_of(load), 'load')}"
+        )
+    control: Control
+    if moved is None:
+        control, knots, stiffness = "displacement", followed(t, curve.depth), math.inf
+        imposed, response = curve.depth, load
         flags += (AS_READ,)
-    elif loaded:
-        imposed, response, stiffness, knots = load, device, 0.0, of_load
     else:
-        stiffness = math.inf if curve.stiffness is None else float(curve.stiffness)
-        imposed, response, knots = device, load, of_device
-    noise = noise_of(imposed), noise_of(response)
-    return TimedRecord(curve, t, imposed, response, loaded, stiffness, knots, noise, noise, read, flags)
+        control, knots = moved
+        imposed, response = (load, curve.device) if control == "load" else (_motions(curve)[control], load)
+        stiffness = 0.0 if control == "load" else _lever(curve) if control == "displacement" else math.inf
+    of_rows, shared = (noise_of(imposed), noise_of(response)), 0.0
+    if moved is not None and math.isfinite(_lever(curve)):  # where the load is a lever's, tip or device share its noise
+        both = [third_differences(imposed / of_rows[0] + sign * response / of_rows[1]) ** 2 for sign in (1, -1)]
+        shared = (both[0] - both[1]) / 4 * of_rows[1] / of_rows[0]
+    alone = max(of_rows[1] ** 2 - (shared * of_rows[0]) ** 2, (SAME * float(np.ptp(response))) ** 2)
+    sigma = of_rows[0], math.sqrt(alone)
+    return TimedRecord(
+        curve, t, imposed, response, control, stiffness, knots, of_rows, sigma, shared, moved is None, flags
+    )
+
+
+def _lever(curve: Curve) -> float:
+    """The stiffness of the device [N/m], infinite where none is between."""
+    return math.inf if curve.stiffness is None else float(curve.stiffness)
+
+
+def _motions(curve: Curve) -> dict[Control, Array]:
+    """What may have moved in straight pieces of a displacement: the device, and its tip where a lever is between."""
+    motions: dict[Control, Array] = {"displacement": curve.device}
+    return motions if math.isinf(_lever(curve)) else motions | {"tip": curve.depth}
+
+
+def _straight(curve: Curve) -> tuple[Control, tuple[Array, Array]] | None:
+    """What moved in the fewest straight pieces, and their corners; None: nothing did. Of device and tip with as many,
+    that which is nearer to its pieces: the noise of a lever's load is in the other; the load where neither has as
+    few."""
+    t, some = curve.time, evenly(len(curve), TUNING.rows)
+    found: dict[Control, tuple[Array, Array]] = {}
+    ranks: dict[Control, tuple[int, float]] = {}
+    for name, column in {**_motions(curve), "load": curve.load}.items():
+        found[name] = corners(t[some], column[some], noise_of(column))
+        off = float(np.std(column[some] - np.interp(t[some], *found[name])))
+        ranks[name] = found[name][0].size, math.inf if name == "load" else off
+    best = min(ranks, key=lambda name: ranks[name])
+    return None if ranks[best][0] >= MOTION.most else (best, found[best])
 
 
 def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> RelaxationFit:
     """The parameters that bring the history of ``body`` nearest to the record ``curve``; InputError where it does not
-    allow it."""
+    allow it, SolveError where no history is found; both name the curve."""
+    try:
+        with np.errstate(divide="raise", over="raise", invalid="raise"):
+            return _fit(body, curve, settings)
+    except SolveError as error:
+        raise SolveError(f"{curve.where}: {error}") from None
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        raise SolveError(f"{curve.where}: {RANGE} ({error}); are all sizes and units right?") from error
+
+
+def _fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> RelaxationFit:
     if body.problem.indenter.material is not None or body.problem.sticks:
         raise InputError("fit: --relaxation needs a rigid indenter and frictionless contact")
     record = timed_record(curve)
@@ -204,7 +292,7 @@ def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings)
     body = body.to_depth(TUNING.deeper * record.depth)
     problem = _Problem(body.nonadhesive, record, settings)
     least = problem.minimise(problem.start())
-    problem = replace(problem, record=replace(problem.record, sigma=problem.scatters(least)))
+    problem = replace(problem, record=problem.reweighed(least))
     fit = problem.result(problem.minimise(least.x), body.problem.E_star)
     return replace(fit, warnings=(*fit.warnings, *_fewer(body, fit)))
 
@@ -265,16 +353,20 @@ class _Problem:
 
     # ------------------------------------------------------------------ the model
     def model(self, theta: Array) -> tuple[Array, Array]:
-        """What the device imposes and the response, at the rows, as readings."""
+        """What is imposed and the response, at the rows, as readings."""
+        return self._readings(theta)[:2]
+
+    def _readings(self, theta: Array) -> tuple[Array, Array, Array]:
+        """The same, and which rows are in contact."""
         values, record, program = self.unknowns.values(theta), self.record, self.program(theta)
         zero, other = ("P0", "delta0") if record.loaded else ("delta0", "P0")
         imposed = np.interp(record.t, program.t, program.x)
         x, modulus = program.x - values[zero], values["modulus"]
         contact = self._contact(self.settings.relaxation(values), record.stiffness / modulus)  # loads over the modulus
         history = contact.history(Program(program.t, x / modulus if record.loaded else x))
-        _, delta, P = history.states(record.t)
+        a, delta, P = history.states(record.t)
         response = delta if record.loaded else modulus * P
-        return imposed, response + values[other] + values["tilt"] * (imposed - imposed[0])
+        return imposed, response + values[other] + values["tilt"] * (imposed - imposed[0]), a > 0
 
     def _contact(self, law: Relaxation, stiffness: float) -> RelaxingContact:
         coarser = 1 if math.isinf(stiffness) else TUNING.coarser
@@ -287,26 +379,32 @@ class _Problem:
             imposed, response = self.model(theta)
         except FAILURES:
             imposed, response = record.imposed + np.ptp(record.imposed), record.response + np.ptp(record.response)
-        rest = (response - record.response) / record.sigma[1]
-        return rest if record.read else np.concatenate([(imposed - record.imposed) / record.sigma[0], rest])
+        first, rest = record.weighed((imposed - record.imposed, response - record.response))
+        return rest if record.read else np.concatenate([first, rest])
 
-    def scatters(self, least: Least) -> tuple[float, float]:
-        """The standard deviations of the readings about the model."""
-        record, off = self.record, least.state.residuals
-        imposed, response, taken = off[: record.t.size], off[-record.t.size :], least.x.size / off.size
-        return (
-            noise_about(imposed, record.imposed, taken, record.sigma[0]),
-            noise_about(response, record.response, taken, record.sigma[1]),
-        )
+    def reweighed(self, least: Least) -> TimedRecord:
+        """The record with standard deviations as the readings scatter about the model: of the response those of the
+        rows in contact, whose noise is another than that of a free lever, and of all others apart."""
+        record, n = self.record, self.record.t.size
+        imposed, response, touches = self._readings(least.x)
+        off = imposed - record.imposed, response - record.response
+        left = 1 - np.sum(np.linalg.qr(least.state.jacobian)[0] ** 2, axis=1)  # of each square, by its leverage
+        shared = record.shared if record.shared == 0 else float(off[0] @ off[1]) / max(float(off[0] @ off[0]), TINY)
+        first = record.sigma[0] if record.read else _scatter(off[0], left[:n], record.imposed)
+        alone, second = off[1] - shared * off[0], np.empty(n)
+        parts = [touches, ~touches] if FEWEST_ROWS <= int(touches.sum()) <= n - FEWEST_ROWS else [np.full(n, True)]
+        for part in parts:
+            second[part] = _scatter(alone[part], left[-n:][part], record.response)
+        return replace(record, sigma=(first, second), shared=shared)
 
     def minimise(self, start: Array) -> Least:
         return LeastSquares(self.state, self._bounds(start), TUNING.converged).least(start)
 
     def state(self, theta: Array) -> State:
         """The residuals with their derivatives, backwards where an unknown is a share."""
-        shares = [parameter.high < 1 for parameter in self.unknowns.free]
+        shares = np.array([parameter.high < 1 for parameter in self.unknowns.free], dtype=bool)
         steps = np.full(theta.size, TUNING.step)
-        steps[: len(shares)] *= np.where(shares, -np.sign(theta[: len(shares)] - TUNING.step), 1.0)
+        steps[: len(shares)] *= np.where(shares & (theta[: len(shares)] > TUNING.step), -1.0, 1.0)
         return by_differences(self.residuals, theta, steps)
 
     def _bounds(self, start: Array) -> tuple[Array, Array]:
@@ -359,8 +457,7 @@ class _Problem:
         record = self.record
         if record.loaded:
             return [float(record.response[max(record.shows - 1, 0)])]
-        at = float(record.imposed[record.shows])
-        return [at - share * (float(record.imposed.max()) - at) for share in TUNING.depths]
+        return [float(record.imposed[record.shows]) - share * record.unseen for share in TUNING.depths]
 
     def _from(self, values: Mapping[str, float]) -> Array:
         x = self.record.knots[1] if not self.record.read else np.array([])
@@ -392,7 +489,7 @@ class _Problem:
     # ------------------------------------------------------------------ the answer
     def result(self, least: Least, E_star: float) -> RelaxationFit:
         settings, record, unknowns = self.settings, self.record, self.unknowns
-        intervals = Intervals.of(unknowns, least, settings.level, settings.confidence, E_star)
+        intervals = Intervals.of(unknowns, least, settings.level, settings.confidence, E_star, 1.0)
         imposed, response = self.model(least.x)
         squares = np.sum(((response - record.response) / record.noise[1]) ** 2)
         fit = RelaxationFit(
@@ -403,6 +500,12 @@ class _Problem:
             scatter=math.sqrt(float(squares) / max(record.t.size - len(unknowns.free), 1)),
         )  # fmt: skip
         return replace(fit, warnings=tuple(_warnings(fit, self.program(least.x))))
+
+
+def _scatter(off: Array, left: Array, column: Array) -> float:
+    """The standard deviation of the readings of a ``column`` that are ``off`` a model, of whose squares so much is
+    ``left``."""
+    return max(math.sqrt(float(off @ off) / float(left.sum())), SAME * float(np.ptp(column)))
 
 
 def _warnings(fit: RelaxationFit, program: Program) -> list[str]:
@@ -420,7 +523,7 @@ def _warnings(fit: RelaxationFit, program: Program) -> list[str]:
         )
     if fit.scatter > FITS.misfit:
         lines.append(
-            f"the readings scatter {fit.scatter:.2g} times as far about the model as from row to row: the law or the "
-            "body is not what the record shows; intervals are too narrow"
+            f"the readings scatter {fit.scatter:.2g} times as far about the model as from row to row: {MISFIT}; "
+            "intervals are too narrow"
         )
     return lines

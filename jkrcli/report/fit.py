@@ -266,13 +266,14 @@ def brief(items: Sequence[FittedValue], level: float, once: bool = False) -> str
 
 
 def _value(item: FittedValue) -> str:
-    why = "" if item.error is not None else " (not determined by the data)" if item.free else " (held)"
+    none = item.error is None or item.low is item.high is None  # an error beyond any interval tells nothing
+    why = "" if not none else " (not determined by the data)" if item.free else " (held)"
     return f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension, 4)}{why}"
 
 
 def _parts(item: FittedValue, level: float) -> dict[str, str]:
     """The parts of the error by their kinds, in the unit of the value, those that are noticeable."""
-    if item.error is None:
+    if item.error is None or item.low is item.high is None:
         return {}
     half = item.error * float(ndtri((1 + level) / 2))
     if item.low is not None and item.high is not None:

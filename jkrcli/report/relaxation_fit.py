@@ -8,7 +8,7 @@ from typing import Any
 
 from ..base import SI
 from ..identification.relaxation import RelaxationFit
-from .fit import brief, estimate_lines, estimate_summary, identity
+from .fit import DOUBTFUL, FITTED, ZERO_POINTS, brief, estimate_lines, estimate_summary, identity
 from .relaxation import NEGLECTED, law_summary
 from .result import Figure, Several
 from .tables import by_columns, stiffness
@@ -77,13 +77,14 @@ def _fit(fit: RelaxationFit) -> dict[str, Any]:
     return {
         "curve": record.curve.where,
         "rows": record.t.size,
-        "control": "load" if record.loaded else "displacement",
+        "control": record.control,
         "stiffness_N_per_m": stiffness(record.stiffness),
         "relaxation": law_summary(fit.relaxation),
         "free": list(fit.free),
         "estimates": {item.name: estimate_summary(item) for item in fit.estimates},
         "scatter": fit.scatter,
         "degrees_of_freedom": fit.dof,
+        "status": DOUBTFUL if fit.doubts else FITTED,
         "warnings": list(fit.warnings),
     }
 
@@ -91,12 +92,14 @@ def _fit(fit: RelaxationFit) -> dict[str, Any]:
 def _words(fit: RelaxationFit) -> list[str]:
     """Lines for people."""
     record, level = fit.record, fit.settings.level
-    control = "load" if record.loaded else "displacement"
+    control = "displacement of the tip" if record.control == "tip" else record.control
     pieces = len(record.knots[0]) - 1
     straight = f"held, {pieces} straight piece{'s' if pieces > 1 else ''}"
     motion = "as it was read" if record.read else straight
+    own = [fit.estimate(name) for name in ("E_star", *fit.free) if name not in ("modulus", *ZERO_POINTS)]
+    doubts = f"; doubtful: {', '.join(fit.doubts)}" if fit.doubts else ""
     return [
-        brief([fit.estimate("E_star")], level),
+        brief(own, level) + doubts,
         f"  {record.curve.where}: {fit.relaxation}; {record.t.size} rows, the {control} {motion}",
         *estimate_lines(fit.estimates, level, {"E_star": "E*" if fit.settings.law == "power" else "E* instant"}),
         f"  {'scatter':<12} {fit.scatter:.3g} of the noise from row to row",

@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise-study chart chart-peers failures bounds point-bounds range-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards mutants tuning constants sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise-study chart chart-peers failures bounds point-bounds range-bounds stack-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards mutants tuning constants sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -162,6 +162,9 @@ mutants: $(READY) ## deliberate slips in what is computed, one at a time, which 
 
 range-bounds: $(READY) ## whether stated errors of adhesion of finite range bound the true ones, on 200 random bodies
 	$(STUDY).range_bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/range-bounds
+
+stack-bounds: $(READY) ## whether stated errors of method layered hold on 300 stacks whose thicknesses lie up to 1e8 apart (five minutes)
+	$(STUDY).stack_bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/stack-bounds
 
 sweep: $(READY) ## a small map over thickness and Poisson's ratio
 	$(JKR) sweep cases/sweeps/gel.toml -o $(RESULTS)/sweep-gel

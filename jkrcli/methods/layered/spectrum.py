@@ -1,8 +1,9 @@
 """Compliance spectrum g(k) of a stack: surface compliance C(k) = 2 g(k)/(E* k) in Hankel space, and its kernels.
 
 The kernel of the contact equation is K(x, t) = int_0^inf (g(k) - 1) cos(kx) cos(kt) dk, by quadrature in k. Panels in k
-are refined until g is a polynomial on each (it has features far below 1/h for stiff coatings), then until
-cos(k (x + t)) turns by no more on each than the nodes can follow. Under a graded top layer g - 1 has a slowly decaying
+are refined until g is a polynomial on each, down to k = 0: it has features at 1/h of the thinnest layer and at 1/H of
+the whole depth, far below for stiff coatings, whatever lies between. Then they are cut until cos(k (x + t)) turns by no
+more on each than the nodes can follow. Under a graded top layer g - 1 has a slowly decaying
 ``tail``, whose part of K is known in closed form and left to ``product``; for ``LayeredSpectrum`` the rest is then
 g - 1 - t(k).
 """
@@ -38,7 +39,11 @@ class SpectrumTuning:
     start: float = 0.012  # CPU seconds of any stack; tuned on the cases of `make bench`, by `make bench`
     layer_seconds: float = 5e-4  # and of a layer; tuned on stacks of 50 to 1000 layers, by `make bench`
     graded_seconds: float = 0.1  # and of a smooth piece of a law; tuned on tables of 10 to 100 points, by `make bench`
-    halvings: int = 45  # theory: panels are then 2^-45 of k_max
+    halvings: int = 60  # theory: the panel from k = 0 is then 2^-60 of k_max, below all that counts
+    narrowest: float = 1e-12  # panel over its k; theory: g varies over k itself, and that is far below
+    # octaves below the first node of the panel from k = 0, in which g is looked for, each at two places;
+    # theory: as wave numbers, all that counts of layers 1e-15 times as thin as the depth
+    below: int = 50
 
 
 TUNING = SpectrumTuning()
@@ -51,32 +56,40 @@ def deviation(specimen: Specimen, k: Array, indenter: Elastic | None = None) -> 
     With an elastic ``indenter`` g belongs to both bodies together, normalised by E* of both: its own half-space adds a
     constant to the compliance, so that only the factor E*/E*_top remains.
     """
+    factor = contact_modulus(specimen.surface, indenter) / specimen.surface.E_star
+    return factor * compliance(specimen, k)[1]
+
+
+def compliance(specimen: Specimen, k: Array) -> Array:
+    """g(k) and g(k) - 1 of a stack (2, ...) at the wave numbers ``k`` >= 0 [1/m], each accurate relative to itself."""
     k = np.asarray(k, dtype=float)
     if not specimen.layers:
-        return np.zeros_like(k)
-    top = specimen.surface
-    factor = contact_modulus(top, indenter) / top.E_star
+        return np.stack([np.ones_like(k), np.zeros_like(k)])
     positive = np.maximum(np.ravel(k), 1e-30 / specimen.top_thickness)  # minors over a sliding base vanish at 0 itself
-    return (factor * _deviation_of_stack(specimen, positive)).reshape(k.shape)
+    return _of_stack(specimen, positive).reshape(2, *k.shape)
 
 
-def _deviation_of_stack(specimen: Specimen, k: Array) -> Array:
+def _of_stack(specimen: Specimen, k: Array) -> Array:
     top, nu = specimen.layers[0], specimen.surface.nu
     if not isinstance(top.material, Elastic):
         half_space = 2 * shear_moduli(top)[0] / specimen.surface.E_star  # F_zz in units of 1/G at the surface
-        return _excess(minors_of(specimen, k), half_space)
+        g = _over(minors_of(specimen, k), half_space)
+        return np.array([g, g - 1])
     below = minors_below(specimen, k)
     y = k * top.thickness
     dev = np.empty_like(k)
+    g = np.empty_like(k)
     small = y < MINORS.small
-    dev[small] = _excess(through_isotropic(below[:, small], y[small], nu), 1 - nu)
+    g[small] = _over(through_isotropic(below[:, small], y[small], nu), 1 - nu)
+    dev[small] = g[small] - 1
     dev[~small] = _far(below[:, ~small], y[~small], nu)
-    return dev
+    g[~small] = 1 + dev[~small]
+    return np.array([g, dev])
 
 
-def _excess(m: Array, half_space: float) -> Array:
-    """Deviation g - 1 from the minors at the surface, by subtraction."""
-    return m[2] / (half_space * m[0]) - 1
+def _over(m: Array, half_space: float) -> Array:
+    """Compliance ratio g from the minors at the surface."""
+    return m[2] / (half_space * m[0])
 
 
 def _far(m: Array, y: Array, nu: float) -> Array:
@@ -194,10 +207,11 @@ def spectrum_seconds(specimen: Specimen) -> float:
 def resolved(
     function: Callable[[Array], Array], lo: Array, hi: Array, tail: Callable[[Array], Array] | None = None
 ) -> tuple[Array, Array, Array]:
-    """Panels, halved until ``function`` = g - 1, less its ``tail``, is a polynomial on each, to ``TUNING.last`` of g.
+    """Panels, cut until ``function`` = g - 1, less its ``tail``, is a polynomial on each, to ``TUNING.last`` of g.
 
     Returns the ends and the values at the Gauss nodes of each. An error of g relative to g itself is what counts: S is
-    the minimum of a quadratic form with the symbol g > 0.
+    the minimum of a quadratic form with the symbol g > 0. Panels are halved; one that begins at k = 0 is cut into
+    octaves down to what lies below its first node.
     """
     done: list[tuple[Array, Array, Array]] = []
     project = to_legendre(TUNING.samples)
@@ -206,13 +220,36 @@ def resolved(
         values = function(k).reshape(lo.size, TUNING.samples)
         size = np.max(np.abs(values), axis=1)
         g = 1 + values if tail is None else 1 + values + tail(k).reshape(values.shape)
-        last = np.max(np.abs(values @ project[:, -2:]), axis=1)
-        good = last <= TUNING.last * np.max(g, axis=1) + TUNING.noise * size
+        coefficients, allowed = values @ project, TUNING.last * np.max(g, axis=1) + TUNING.noise * size
+        good = np.max(np.abs(coefficients[:, -2:]), axis=1) <= allowed
+        octaves = np.zeros(0)
+        if lo.size and lo[0] == 0 and good[0]:
+            octaves = _octaves_to(function, hi[0], coefficients[0], allowed[0] + len(project) * TUNING.noise * size[0])
+            good[0] = not octaves.size
+        if (rough := lo[~good & (hi - lo < TUNING.narrowest * hi)]).size:
+            break
         done.append((lo[good], hi[good], values[good]))
         if good.all():
             return tuple(np.concatenate(parts) for parts in zip(*done, strict=True))  # type: ignore[return-value]
-        lo, hi = split(lo[~good], hi[~good], np.full(int((~good).sum()), 2))
+        halved = ~good & ((lo > 0) | (octaves.size == 0))
+        lo, hi = split(lo[halved], hi[halved], np.full(int(halved.sum()), 2))
+        lo, hi = np.append(octaves[:-1], lo), np.append(octaves[1:], hi)
     raise SolveError(
-        f"layered: the compliance spectrum is not smooth near k = {lo[0]:g} 1/m after {TUNING.halvings} halvings; "
+        f"layered: the compliance spectrum is not smooth near k = {np.append(rough, lo)[0]:g} 1/m; "
         "check the thicknesses and moduli of the layers"
     )
+
+
+def _octaves_to(function: Callable[[Array], Array], hi: float, coefficients: Array, allowed: float) -> Array:
+    """Ends of octaves from 0 to ``hi`` [1/m], down to the largest k below the first node of that one panel at which
+    ``function`` is not the Legendre series of ``coefficients``; none where it is that everywhere.
+
+    It may be off by what is ``allowed`` at the first node, and by more like 1/k below: its integral is no more.
+    """
+    first = hi * (1 + rule(TUNING.samples)[0][0]) / 2
+    k = first * 2.0 ** np.arange(-0.5, -TUNING.below, -0.5)
+    off = np.abs(function(k) - legendre.legval(2 * k / hi - 1, coefficients))
+    missed = k[off * k > allowed * first]
+    if not missed.size:
+        return missed
+    return np.append(0.0, hi * 2.0 ** np.arange(-math.ceil(math.log2(hi / missed[0])), 1))

@@ -31,7 +31,7 @@ from ...formulas import surface_tension as formulas
 from .. import integral
 from .angles import Angles, Function
 from .product import logarithms
-from .spectrum import LayeredSpectrum, deviation, resolved
+from .spectrum import LayeredSpectrum, compliance, resolved
 from .stack import TUNING as REFINING
 from .stack import IndenterOnLayers
 from .tail import COUNT, Tail, divided, regularised, surface_series
@@ -91,8 +91,8 @@ class TenseSpectrum(LayeredSpectrum):
     """The part (g - 1)/((1 + kappa g k)(1 + kappa k)) that layers add to the kernel, less its ``tail``."""
 
     def __call__(self, k: Array) -> Array:
-        excess, y = deviation(self.specimen, k), self.kappa * k
-        added = excess / ((1 + y + y * excess) * (1 + y))
+        (g, excess), y = compliance(self.specimen, k), self.kappa * k
+        added = excess / ((1 + y * g) * (1 + y))
         return added if self.tail is None else added - self.tail(k)
 
     @property
@@ -109,6 +109,12 @@ class TenseSpectrum(LayeredSpectrum):
         c = _tense_series(surface_series(top, COUNT), self.kappa)
         rate = float(np.max(np.abs(c) ** (1 / np.arange(1, c.size + 1))))
         return Tail(regularised(c, rate), rate, min(plain.finest, 1 / rate))
+
+    @cached_property
+    def scan(self) -> tuple[Array, Array]:
+        """Wave numbers [1/m], decreasing, and the rest there over what the tension alone leaves, 1/(1 + kappa k)."""
+        k, rest = super().scan
+        return k, rest * (1 + self.kappa * k)
 
     @cached_property
     def panels(self) -> tuple[Array, Array, Array]:

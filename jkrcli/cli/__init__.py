@@ -94,6 +94,8 @@ def jkr() -> None:
     jkr transform my.toml --w "50 mJ/m^2"         its adhesive curve: CSV, plots
     jkr pull-off my.toml --load "12 uN"           w that a pull-off force means
     jkr fit curve.csv --radius "5 um" --nu 0.5    E* and w of a force curve
+    jkr import fe.csv --case my.toml              another program's P, delta, a
+    jkr transform fe.h5 --slopes loocv-kept       the paper's method (LOOCV)
 
     Exit codes: 0 done, 2 bad input, 130 interrupted (Ctrl-C), 1 anything else.
     """

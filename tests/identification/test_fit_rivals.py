@@ -28,6 +28,7 @@ from fit_data import (
 from maugis import Maugis
 
 from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.bodies.indenters import Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Specimen
 from jkrcli.data.measured import Curve
@@ -212,3 +213,55 @@ def test_a_change_that_the_first_order_does_not_know_is_no_number() -> None:
     assert Rival("w", 0.3, {}).words == "a change of w along the record by +30%"
     assert Rival("w", -53.5, {}).words == "a change of w along the record by more than -70%"
     assert Rival("modulus", 9.0, {}).words == "a change of E* along the record by more than +120%"
+
+
+# ---------------------------------------------------------------------- the compressive part alone (Borodich, Galanov)
+A_ZERO = 4 ** (1 / 3) * A_C  # the radius at P = 0
+
+
+def test_the_compressive_part_alone_has_a_model_part_of_what_it_tests() -> None:
+    """Nothing in it tests a change of w or E* along the record: that is told as a sensitivity, not as an error."""
+    found = fit(half_space(), sphere(noise=0.01, seed=3, shift=0.2, first=A_ZERO), usual())
+    modulus = found.estimate("E_star")
+    assert math.sqrt(sum(part**2 for part in (modulus.model or {}).values())) < 2 * (modulus.error or 0.0)
+    assert set(found.estimate("w").model or {}) <= {RANGE}
+    (told,) = [text for text in found.warnings if "no pull-off in the data" in text]
+    assert "not in the errors: a change by 1% along the record of w moves w by" in told
+
+
+def test_a_sensitivity_to_changes_is_that_of_data_with_such_a_change() -> None:
+    """Exact data whose w rises by 1 % from the smallest radius to the largest, fitted with a constant one."""
+    told = fit(half_space(), sphere(noise=1e-4, seed=3, first=A_ZERO), usual())
+    words = next(text for text in told.warnings if "no pull-off" in text)
+    by_w = float(words.split("of w moves w by ")[1].split("%")[0]) / 100
+    a = np.linspace(A_ZERO, A_END, 200)
+    delta, P = adhesive(a, E_STAR, W * (1 + 0.01 * (a - a[0]) / (a[-1] - a[0])))
+    found = fit(half_space(), Curve("rising", delta=delta, P=P), usual())
+    assert abs(found.value("w") / W - 1) == pytest.approx(by_w, rel=0.25)
+
+
+def test_both_profiles_are_told_where_they_differ_by_more_than_the_error() -> None:
+    """Data of the literature's paraboloid at a/R up to 0.69, fitted by the exact sphere."""
+    data = sphere(noise=0.01, seed=3, first=A_ZERO)
+    body = half_space(extensible=True)
+    exact = body.under(Sphere(R), A_END)
+    found = fit(exact, data, usual())
+    assert "by the paraboloid of the same radius E* = " in found.tip
+    by_words = float(found.tip.split("w = ")[1].split(" mJ")[0]) * 1e-3
+    assert by_words == pytest.approx(fit(body, data, usual()).value("w"), rel=1e-3)
+    assert abs(found.value("w") - by_words) > 2 * (found.estimate("w").error or 0.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("noise", [0.01, 0.03])
+def test_the_example_of_perepelkin_and_others(noise: float) -> None:
+    """Nanomaterials 10 (2020) 15: 20 noisy sets of the compressive part with a shifted origin; E* = 1 MPa and
+    w = 100 mJ/m^2 came out as 0.9987 MPa and 101.2 mJ/m^2 there."""
+    pairs = []
+    for seed in range(20):
+        shift = np.random.default_rng(1000 + seed).uniform(-0.5, 0.5)
+        found = fit(half_space(), sphere(noise=noise, seed=seed, shift=shift, first=A_ZERO), usual())
+        pairs.append((found.value("E_star") / E_STAR, found.value("w") / W))
+    E, w = np.mean(pairs, axis=0)
+    assert E == pytest.approx(1.0, abs=0.2 * noise)
+    assert w == pytest.approx(1.0, abs=1.5 * noise)

@@ -16,9 +16,9 @@ import numpy as np
 
 from ...adhesion import FiniteRangeBody, Nonadhesive, RangeRequest, Slopes
 from ...adhesion.slopes.choice import slopes
-from ...base import REMEMBERED, ROWS, SAME, UNSEEN, InputError, JkrError, Refusal, SolveError, show
+from ...base import REMEMBERED, ROUNDED, ROWS, SAME, UNSEEN, InputError, JkrError, Refusal, SolveError, show
 from ...beside import JKR, nonadhesive
-from ...bodies import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal, unbounded
+from ...bodies import RADIUS, Indenter, Loading, Problem, changed, checked_names, layer_names, nominal, unbounded
 from ...case import Case, load_case, read_solution, solve
 from ...methods import Layered, Limits
 from ...series import Series, Solution
@@ -161,6 +161,10 @@ class FittedBody:
             )
         rounded = 10 ** (math.ceil(math.log10(a) * TUNING.per_decade) / TUNING.per_decade)
         return self._reaching(rounded if rounded < end else a)
+
+    def under(self, indenter: Indenter, a: float) -> FittedBody:
+        """The same specimen under another ``indenter``, solved to the contact radius ``a`` [m] and beyond."""
+        return self._reaching(min(max(a, float(self.series.a[-1])), indenter.r_max * (1 - ROUNDED)), indenter=indenter)
 
     def to_depth(self, depth: float) -> FittedBody:
         """The same problem solved to the contact radius at a ``depth`` [m], where it may be; beyond the series it is

@@ -15,7 +15,7 @@ from ..parameters import POSITIONS
 from .body import FittedBody
 from .family import Family
 from .result import Fit
-from .rivals import Rivals
+from .rivals import Rivals, missed_pull_off
 from .settings import RANGES
 
 
@@ -24,8 +24,6 @@ class WarningThresholds:
     """Limits beyond which a reader is warned; nothing else depends on them."""
 
     scatter: float = 2.0  # choice: factor from the user's noise to the residuals, either way
-    reached: float = 1.1  # choice: in contact radius, how near to pull-off the data must come
-    touching: float = 0.05  # choice: of the largest contact radius, below which pull-off without contact is near
     far_from_case: float = 30.0  # choice: factor of the case's moduli that makes wrong units likelier than the case
 
 
@@ -48,7 +46,7 @@ def warnings_of(
         *_far_from_case(fit, body),
         *_doubtful_work(fit),
         *_bounds(fit, at_bound),
-        *_pull_off(fit),
+        *_pull_off(fit, rivals),
         *_elastic_indenter(fit, body),
         *_validity(fit, body, family),
     ]
@@ -145,16 +143,15 @@ def _bounds(fit: Fit, at_bound: Sequence[str]) -> Iterator[str]:
             yield f"{word(item.name)} ends on its bound {show(item.value, item.dimension)}"
 
 
-def _pull_off(fit: Fit) -> Iterator[str]:
+def _pull_off(fit: Fit, rivals: Rivals | None) -> Iterator[str]:
     """A sentence where the data do not reach the least load of their curve."""
     if "P" not in fit.scales or not _adhesion(fit):
         return
-    radius = float(fit.line["a"][int(np.argmin(fit.line["P"]))])
-    least = float(np.min(fit.a))
-    if least > max(THRESHOLDS.reached * radius, THRESHOLDS.touching * float(np.max(fit.a))):
+    if (missed := missed_pull_off(fit.a, fit.line)) is not None:
         yield (
-            f"no pull-off in the data: they end at a = {show(least, 'length')}, contact is lost at "
-            f"{show(radius, 'length')}; w comes from the shape of the curve alone"
+            f"no pull-off in the data: they end at a = {show(missed[0], 'length')}, contact is lost at "
+            f"{show(missed[1], 'length')}; w comes from the shape of the curve alone"
+            + (f"; not tested, and not in the errors: {rivals.sensitivity}" if rivals and rivals.sensitivity else "")
         )
 
 

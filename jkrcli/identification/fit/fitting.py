@@ -10,7 +10,8 @@ from functools import partial
 
 import numpy as np
 
-from ...base import TOGETHER, InputError, JkrError, Pool, SolveError, completed, executor
+from ...base import TOGETHER, InputError, JkrError, Pool, SolveError, completed, executor, show
+from ...bodies import Paraboloid, Sphere
 from ...data import (
     APPROACH,
     AS_DEPTH,
@@ -44,6 +45,9 @@ from .whole_record import beyond_the_record, whole_record
 
 OWN = {"w": "w_approach"}  # names of an approach alone
 OF_SHAPE = "the faces of the pyramid"
+FLAT = 0.2  # theory: of R, the contact radius up to which sphere and paraboloid agree to 1 % in the load
+SYMBOLS = {"E_star": "E*"}
+ONE_IN_TWENTY = 2.0  # theory: standard errors that one normal error in twenty exceeds
 WARNED = {  # flags of a curve that matter
     NOT_SUBTRACTED: "E* is that of contact and device in series: ",
     AS_DEPTH: "",
@@ -141,7 +145,7 @@ def fit(
         ]
         warnings = (*flags, *fitted.warnings)
         fitted = replace(fitted, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
-        return with_shape(fitted, body)
+        return with_other_profile(with_shape(fitted, body), body, curve, settings)
     except InputError as error:
         likely = "".join(f"; {flag}" for flag in (NOT_SUBTRACTED, SUBTRACTED_TWICE) if flag in curve.flags)
         lines = [line if line.startswith(curve.where) else f"{curve.where}: {line}" for line in error.lines]
@@ -171,6 +175,37 @@ def with_shape(fitted: Fit, body: FittedBody) -> Fit:
         for item in fitted.estimates
     )  # fmt: skip
     return replace(fitted, estimates=estimates, tip=tip.remark)
+
+
+def with_other_profile(fitted: Fit, body: FittedBody, curve: Curve, settings: Settings) -> Fit:
+    """The fit with E* and w by the other profile of the same radius, where they differ by more than their errors.
+
+    The literature's JKR is that of the paraboloid r^2/(2R), a ball is an exact sphere: beyond a/R of 0.3 they differ by
+    more than many errors. Fitted again only there, and not for the curves of a map.
+    """
+    indenter, largest = body.problem.indenter, float(np.max(fitted.a, initial=0.0))
+    R = indenter.tip_radius
+    if type(indenter) not in (Sphere, Paraboloid) or R is None or curve.pixel is not None or not body.extensible:
+        return fitted
+    if largest < FLAT * R or indenter.material is not None:
+        return fitted
+    name, other = ("paraboloid", Paraboloid(R)) if isinstance(indenter, Sphere) else ("exact sphere", Sphere(R))
+    try:
+        again = _fit(body.under(other, largest), curve, settings, None)
+    except JkrError:
+        return fitted
+    found = {item.name: item for item in again.estimates}
+    pairs = [
+        (item, found[item.name])
+        for item in fitted.estimates
+        if item.name in ("E_star", "w", "w_approach") and item.error and item.name in found
+    ]
+    if not any(abs(two.value - one.value) > ONE_IN_TWENTY * one.error for one, two in pairs if one.error):
+        return fitted
+    others = [two for _, two in reversed(pairs)]
+    values = ", ".join(f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension)}" for item in others)
+    words = f"by the {name} of the same radius {values} (a/R up to {largest / R:.2g}); say --shape for the tip you have"
+    return replace(fitted, tip="; ".join(filter(None, (fitted.tip, words))))
 
 
 @dataclass(frozen=True, eq=False)

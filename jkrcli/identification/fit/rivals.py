@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.special import fdtrc
@@ -31,10 +31,14 @@ class RivalTuning:
     """What is expected of rivals before the data, and when they are significant."""
 
     likely: float = 0.5  # choice: standard deviation of the relative change along the record; w of polymers may double
+    # choice: the change for which moves are told, and not counted, where the data hold no pull-off that would test it
+    unit: float = 0.01
     chance: float = 5e-3  # choice: at which data of the model itself show a rival
     changes: tuple[float, float] = (-0.7, 1.2)  # choice: guard, along the record; w and moduli stay above 0
     close: float = 0.5  # theory: the last step, in standard errors; what remains is its square, a quarter
     fewest: int = 6  # choice: degrees of freedom; two of them go to the rivals
+    reached: float = 1.1  # choice: in contact radius, how near to pull-off the data must come
+    touching: float = 0.05  # choice: of the largest contact radius, below which pull-off without contact is near
 
 
 TUNING = RivalTuning()
@@ -63,11 +67,27 @@ class Rival:
 @dataclass(frozen=True, eq=False)
 class Rivals:
     """The rivals of a fit; ``chance``: that data of the model itself speak as much for its ``members``; ``range``: of
-    adhesion, None where none was tried."""
+    adhesion, None where none was tried. ``untested``: whether the data end before pull-off, so that nothing tests a
+    change along the record: the moves of the ``values`` are then those of a change by ``TUNING.unit``, told and not
+    counted."""
 
     members: tuple[Rival, ...]
     chance: float
     range: RangeRival | None = None
+    untested: bool = False
+    values: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def sensitivity(self) -> str:
+        """What a change along the record would move, where it is not counted; empty where it is."""
+        names = {"w": "w", "modulus": "E*"}
+        parts = [
+            f"of {names[rival.name]} moves " + " and ".join(
+                f"{names[key]} by {rival.moves[key] / self.values[key]:.1%}" for key in names if rival.moves.get(key)
+            )
+            for rival in self.members
+        ]  # fmt: skip
+        return f"a change by {TUNING.unit:.0%} along the record {', '.join(parts)}" if self.untested and parts else ""
 
     def warnings(self) -> Iterator[str]:
         """A sentence where a rival is significant."""
@@ -83,7 +103,7 @@ class Rivals:
 
     def with_parts(self, estimates: Sequence[FittedValue]) -> tuple[FittedValue, ...]:
         """The ``estimates`` with what the rivals may move each by; what follows from the moduli's factor with it."""
-        moves = {RIVALS[rival.name][0]: rival.moves for rival in self.members}
+        moves = {} if self.untested else {RIVALS[rival.name][0]: rival.moves for rival in self.members}
         moves |= {} if self.range is None else {RANGE: self.range.moves}
         modulus = next((item.value for item in estimates if item.name == "modulus"), 1.0)
 
@@ -93,6 +113,16 @@ class Rivals:
 
         parts = [{name: move for name, by in moves.items() if (move := part(item, by))} for item in estimates]
         return tuple(replace(item, model=own or None) for item, own in zip(estimates, parts, strict=True))
+
+
+def missed_pull_off(a: Array, line: Mapping[str, Array]) -> tuple[float, float] | None:
+    """The least radius [m] of the rows ``a`` and that of the least load of their ``line``, where they do not come near
+    it; None where they do, or hold no loads."""
+    if "P" not in line:
+        return None
+    radius, least = float(line["a"][int(np.argmin(line["P"]))]), float(np.min(a))
+    near = max(TUNING.reached * radius, TUNING.touching * float(np.max(a)))
+    return (least, radius) if least > near else None
 
 
 def rivals_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -> Rivals:
@@ -109,14 +139,16 @@ def rivals_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -
     directions = np.stack([_direction(minimum, name) for name in wanted], axis=1)
     alone = directions - jacobian @ np.linalg.lstsq(jacobian, directions, rcond=None)[0]
     rivals, close = [], TUNING.close * math.sqrt(variance)
+    untested = values.get("w", 0.0) > 0 and missed_pull_off(minimum.distances.a, minimum.distances.line()) is not None
     for name, direction in zip(wanted, alone.T, strict=True):
         precision = float(direction @ direction) / variance
         if precision > 0:
             change = -float(direction @ residuals) / variance / precision
             spread = t / math.sqrt(precision + 1 / TUNING.likely**2)
             centre = change * (spread / t) ** 2 * precision
-            rivals.append(Rival(name, change, _moves(minimum, name, (centre - spread, centre + spread), close)))
-    return Rivals(tuple(rivals), _chance(alone, residuals, variance, dof), ranged)
+            changes = (-TUNING.unit, TUNING.unit) if untested else (centre - spread, centre + spread)
+            rivals.append(Rival(name, change, _moves(minimum, name, changes, close)))
+    return Rivals(tuple(rivals), _chance(alone, residuals, variance, dof), ranged, untested, values)
 
 
 def _moves(minimum: Minimum, name: str, changes: tuple[float, ...], close: float) -> dict[str, float]:

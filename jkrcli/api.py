@@ -52,7 +52,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from . import report
-from .adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, RangeRequest
+from .adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, LoadingHistory, RangeRequest, Rest
 from .base import InputError, check_series_target, one_thread, parse
 from .beside import analyse, nonadhesive, with_solved_points
 from .bodies import Problem
@@ -143,35 +143,53 @@ def cycle(
     solved: Body, w: Number, *, program: Program | None = None, w_approach: Number | None = None,
     to_load: Number | None = None, to_depth: Number | None = None, stiffness: Number = DISPLACEMENT_CONTROL,
     slopes: str = "auto", modulus_factor: float = 1.0, stress: Number | None = None, length: Number | None = None,
+    rest_load: Number | None = None, rest_depth: Number | None = None,
 ) -> report.Cycled | report.CycledByProgram | report.CycledInLimits:  # fmt: skip
     """What a device records that presses the bodies together and pulls them apart, however slowly.
 
     ``w`` on retraction [J/m^2], not smaller than ``w_approach`` (default: ``w``). The device of ``stiffness`` [N/m] (0:
     load control, infinite, the default: a rigid one) turns at ``to_load`` or ``to_depth``, default: the end of the
     series; or it does what a ``program`` says, with turns anywhere. ``stress`` [Pa] or ``length`` [m]: adhesion of
-    finite range, else what the case says. A specimen that relaxes is traced in its limits, very fast and very slow.
+    finite range, else what the case says. A specimen that relaxes is traced after each history that is known: very fast
+    and very slow cycles, and at rest under ``rest_load`` or at ``rest_depth`` (default: at the turn, else at P = 0),
+    then pulled at once.
     """
+    from .beside import curves_from_rest
+
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
-    works = [_number("w", value, "work") for value in (w if w_approach is None else w_approach, w)]
+    works = (_number("w", w if w_approach is None else w_approach, "work"), _number("w", w, "work"))
     ranged = _range(solution, stress, length)
     turn = _maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length")
 
-    def cycled(share: float) -> report.Cycled | report.CycledByProgram:
+    def cycled(history: LoadingHistory | None) -> report.Cycled | report.CycledByProgram:
+        if history is not None and history.rest is not None:
+            pulled = curves_from_rest(solution, works, history, slopes, modulus_factor, k)
+            return report.Cycled.from_rest(solution.record.path, *pulled, k)
+        share = 1.0 if history is None else history.moduli
         pair = analyse(solution, works, slopes, modulus_factor * share, ranged)
         curves = [with_solved_points(curve, k) for curve in pair]
         return report.Cycled.of(curves, k, *turn) if program is None else report.CycledByProgram.of(curves, k, program)
 
-    return _in_limits(solution, cycled)
+    rest = _rest(rest_load, rest_depth)
+    return _in_limits(solution, cycled, rest, *turn, program is None and not ranged)
 
 
 def _in_limits(
-    solution: Solution, cycled: Callable[[float], report.AnyResult]
-) -> report.AnyResult | report.CycledInLimits:
-    """What was ``cycled`` on the moduli as they are; of a specimen that relaxes on those of both limits."""
-    law = solution.problem.specimen.relaxation
-    if law is None:
-        return cycled(1.0)
-    return report.CycledInLimits.of(solution.record.path, law, cycled)
+    solution: Solution, cycled: Callable[[LoadingHistory | None], report.AnyResult], rest: Rest | None = None,
+    load: float | None = None, depth: float | None = None, rests: bool = False,
+) -> report.AnyResult | report.CycledInLimits:  # fmt: skip
+    """What was ``cycled`` on the moduli as they are; of a specimen that relaxes after each history that is known."""
+    if solution.problem.specimen.relaxation is None:
+        return cycled(None)
+    known = report.traced_histories(solution, rest, load, depth, rests)
+    return report.CycledInLimits.of(solution.record.path, known, cycled)
+
+
+def _rest(load: Number | None, depth: Number | None) -> Rest | None:
+    """Where a viscoelastic specimen rests before it is pulled, in numbers or text."""
+    from .beside import rest_of
+
+    return rest_of(_maybe("rest_load", load, "load"), _maybe("rest_depth", depth, "length"))
 
 
 @one_thread()
@@ -191,8 +209,8 @@ def cycle_at_speed(
     infinite (default) a rigid device; ``stress`` [Pa] in the zone at the edge. Numbers are SI, text carries its unit.
 
     The result's ``pull_off``, ``jumps``, ``lost``, ``energy_lost`` and ``error`` tell what happened, ``table(points)``
-    gives its columns. A specimen that relaxes is traced in its limits, very fast and very slow. Raises InputError where
-    the contact leaves the series.
+    gives its columns. A specimen that relaxes is traced for very fast and very slow cycles. Raises InputError where the
+    contact leaves the series.
     """
     from .adhesion import RateContact
 
@@ -201,7 +219,8 @@ def cycle_at_speed(
     inwards = None if law_approach is None else _law(law_approach)
     solution = _solution(solved, None)
 
-    def cycled(share: float) -> report.CycledAtSpeed:
+    def cycled(history: LoadingHistory | None) -> report.CycledAtSpeed:
+        share = 1.0 if history is None else history.moduli
         result = with_solved_points(analyse(solution, [w0], slopes, share)[0], k)
         contact = RateContact(result.jkr.nonadhesive, _law(law), w0, w_a, k, inwards)
         driven = _driven("cycle_at_speed", contact, program, speed, speed_approach, to_load, to_depth, hold)
@@ -460,24 +479,33 @@ def profile(
 def pull_off(
     solved: Body, w: Number | None = None, load: Number | None = None, stiffness: Sequence[Number] = (),
     slopes: str = "auto", modulus_factor: float = 1.0, *, stress: Number | None = None, length: Number | None = None,
-    uncertain: Known = None,
-) -> report.PullOff | report.MeasuredPullOff:  # fmt: skip
+    uncertain: Known = None, rest_load: Number | None = None, rest_depth: Number | None = None,
+) -> report.PullOff | report.MeasuredPullOff | report.MeasuredByHistory:  # fmt: skip
     """Where contact is lost with the work of adhesion ``w`` [J/m^2] under load and displacement control or by devices
-    of a ``stiffness`` [N/m]; or which w a measured pull-off ``load`` [N] means, its inputs
-    ``uncertain``: {"R": "2%"}."""
-    from .beside import where_lost
-    from .identification.work_of_adhesion import measured_work
+    of a ``stiffness`` [N/m]; or which w a measured pull-off ``load`` [N] means, its inputs ``uncertain``: {"R": "2%"}.
+
+    A specimen that relaxes has several of both, by its history: very fast and very slow cycles, at rest under
+    ``rest_load`` or at ``rest_depth`` (default: at P = 0) and then pulled at once, and the largest of any other.
+    """
+    from .beside import lost_by_history, where_lost
+    from .identification.work_of_adhesion import measured_work, works_by_history
 
     if (w is None) == (load is None):
         raise InputError("pull_off: give exactly one of w and load")
     solution, devices = _solution(solved, None), [_number("stiffness", k, "stiffness") for k in stiffness]
+    rest = _rest(rest_load, rest_depth)
     if load is not None:
         force, pairs = abs(_number("load", load, "load")), _texts(uncertain)
         under = (devices or [LOAD_CONTROL])[0]
+        found = works_by_history(solution, force, under, rest, slopes, modulus_factor, pairs)
+        if isinstance(found, list):
+            return report.MeasuredByHistory.of(solution, force, under, found, slopes, modulus_factor)
         return report.MeasuredPullOff(measured_work(solution, force, under, slopes, modulus_factor, pairs))
     assert w is not None
     ranged = _range(solution, stress, length)
-    return report.PullOff(*where_lost(solution, [_number("w", w, "work")], devices, slopes, modulus_factor, ranged)[0])
+    curve, lost = where_lost(solution, [_number("w", w, "work")], devices, slopes, modulus_factor, ranged)[0]
+    controls = devices or [LOAD_CONTROL, DISPLACEMENT_CONTROL]
+    return report.PullOff(curve, lost, lost_by_history(curve, controls, rest, slopes))
 
 
 @one_thread()

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         transform,
     )
     from .finite_range import FiniteRangeBody, FiniteRangeCurve, unable
+    from .from_rest import FromRest, LoadingHistory, Rest, histories, history_error
     from .law import Range, RangeRequest
     from .nonadhesive import Nonadhesive
     from .path import REST, Jump, TimedState

@@ -111,6 +111,12 @@ def _propagated(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float, co
     return np.array([slopes.quantile * math.sqrt(max(g @ covariance @ g, 0.0)) for g in total])
 
 
+def gradients_at(curve: AdhesiveCurve, a: Array) -> tuple[Array, Array]:
+    """Gradients (4,) of delta [m] and P [N] at the radius ``a`` [m] by (delta_H, P_H, S, S')."""
+    delta, P, *_ = _gradients(curve, a)
+    return delta[:4], P[:4]
+
+
 def _gradients(curve: AdhesiveCurve, a: Array) -> tuple[Array, Array, Array, Array]:
     """Gradients of delta, P, d(delta)/da and dP/da by (delta_H, P_H, S, S', d(delta_H)/da, S''), each (6,)."""
     (_, _, S, dS, t), rates = curve.nonadhesive.with_rates(a)

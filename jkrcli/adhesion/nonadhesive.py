@@ -79,6 +79,15 @@ class Nonadhesive:
         further = None if self.further is None else self.further.scaled(factor)
         return replace(self, series=self.series.scaled(factor), slopes=self.slopes.scaled(factor), further=further)
 
+    def under_profile(self, factor: float) -> Nonadhesive:
+        """The functions of the same bodies under an indenter whose profile is ``factor`` times as high: delta_H and P_H
+        are that many times as large, S and S' remain."""
+        if factor == 1:
+            return self
+        further = None if self.further is None else self.further.under_profile(factor)
+        series, slopes = self.series.under_profile(factor), self.slopes.under_profile(factor)
+        return replace(self, series=series, slopes=slopes, further=further)
+
     @property
     def a(self) -> Array:
         """Contact radii of the series [m]."""

@@ -21,6 +21,7 @@ import numpy as np
 from ..base import MOST_STEPS, ROUNDED, Array, InputError, Unknown, show, zeros_between
 from .curve import LOAD_CONTROL, AdhesiveCurve, Equilibrium, EquilibriumCurve, control, position
 from .edge import Edge
+from .from_rest import FromRest
 from .program import Program, Ramp
 
 RESTS = 1e-11  # theory: of positions, what round-off of times and radii leaves
@@ -348,7 +349,7 @@ class Contact:
     def edge(self) -> Edge | None:
         """What gives the states between equilibria; None where attraction has a range: there are none."""
         curve = self.recede.curve
-        return Edge(curve.nonadhesive, self.stiffness) if isinstance(curve, AdhesiveCurve) else None
+        return Edge(curve.nonadhesive, self.stiffness) if isinstance(curve, AdhesiveCurve | FromRest) else None
 
     @cached_property
     def least(self) -> float:
@@ -364,7 +365,9 @@ class Contact:
         if self.edge is None:
             delta, P, G = *curve.at(inside), np.full_like(inside, curve.w)
         else:
-            delta, P, G, _ = self.edge.state(inside, x)
+            free = position(curve.onset, 0.0, self.stiffness)  # of what the dent leaves, the edge counts from there
+            delta, P, G, _ = self.edge.state(inside, x - free)
+            delta = delta + curve.onset
         free = np.zeros_like(x) if self.stiffness == LOAD_CONTROL else x
         a, P, G = (np.where(touching, column, 0.0) for column in (curve.contact_radii(inside), P, G))
         return States(a, np.where(touching, delta, free), P, G)
@@ -616,8 +619,8 @@ def grow(contact: QuasiStatic) -> Path | Unknown:
 def shrink(contact: QuasiStatic, begin: float) -> Path:
     """The states passed on retraction from an equilibrium of the advancing edge at the place ``begin`` [m] on, stable
     there or not."""
-    no_rest = contact.advancing.w == contact.receding.w
-    return path(contact, Program.on(contact.advance.position(begin), -1.0), begin, no_rest)
+    recedes, advances, slack = contact.limits(begin)
+    return path(contact, Program.on(advances, -1.0), begin, abs(recedes - advances) <= slack)
 
 
 def largest_stable(curve: EquilibriumCurve, stiffness: float) -> float | None:

@@ -231,8 +231,8 @@ def _out_of_contact(cycle: Cycle, points: int) -> tuple[Array, Array]:
     curve = cycle.contact.receding
     last = curve.point(cycle.retraction.last)
     D = last.delta if cycle.stiffness == LOAD_CONTROL else position(last.delta, last.P, cycle.stiffness)
-    furthest = -1.25 * max(abs(D), -curve.onset)
-    before = np.linspace(furthest, curve.onset, points)
+    furthest = -1.25 * max(abs(D), abs(curve.onset))
+    before = np.linspace(furthest, cycle.contact.advancing.onset, points)
     if cycle.retraction.ends != "lost" or cycle.stiffness == LOAD_CONTROL:
         return before, np.array([])
     return before, np.linspace(D, furthest, points)

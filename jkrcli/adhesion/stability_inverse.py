@@ -9,8 +9,10 @@ import numpy as np
 
 from ..base import ROUNDED, SAME, Array, InputError, SolveError, Unknown, show, zeros_between
 from .curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, position
+from .from_rest import FAST, FromRest, LoadingHistory
 from .nonadhesive import Nonadhesive
 
+ELASTIC = LoadingHistory(FAST, "elastic")
 STEP = math.log(4.0)  # of log w, beyond what the radii of the series give; choice: time alone depends on it
 
 
@@ -25,15 +27,20 @@ class FoundWork:
     load: float
     stiffness: float
     w: float
-    curve: AdhesiveCurve
+    curve: AdhesiveCurve | FromRest
     point: CriticalPoint
     half_space: float | None
 
 
 def work_from_pull_off(
-    body: Nonadhesive, load: float, stiffness: float = LOAD_CONTROL, R: float | None = None
+    body: Nonadhesive,
+    load: float,
+    stiffness: float = LOAD_CONTROL,
+    R: float | None = None,
+    history: LoadingHistory = ELASTIC,
 ) -> FoundWork:
-    """The w at which contact is lost at P = -``load`` [N] by a device of ``stiffness`` [N/m]; ``R``: tip radius [m].
+    """The w at which contact is lost at P = -``load`` [N] by a device of ``stiffness`` [N/m]; ``R``: tip radius [m],
+    ``history``: of a viscoelastic ``body`` (its moduli at t = 0).
 
     At every radius of the series there is at most one w whose curve is stationary there; the pull-off force grows with
     w, so the ends of the series bound the forces that it can tell. Refused outside them.
@@ -42,7 +49,8 @@ def work_from_pull_off(
         raise InputError(f"load: the measured pull-off force must be > 0 N, got {load:g}")
 
     def point(w: float) -> CriticalPoint | Unknown:
-        return AdhesiveCurve(body, w).pull_off(stiffness)
+        curve = history.curve(body, w)
+        return curve if isinstance(curve, Unknown) else curve.pull_off(stiffness)
 
     def force(log_w: float) -> float:
         tear_off = point(math.exp(log_w))
@@ -66,12 +74,12 @@ def work_from_pull_off(
             log_w += step
         return log_w
 
-    works = _stationary(body, stiffness)
+    works = _stationary(history.body(body), stiffness)
     low, high = widened(inside(works), -STEP), widened(inside(works[::-1]), STEP)
     if not excess(low) <= 0 <= excess(high):
         raise InputError(_out_of_reach(load, force(low), force(high)))
     if low < high:
-        low = float(zeros_between(np.vectorize(excess), np.array([low]), np.array([high]), 1e-14)[0])
+        low = float(zeros_between(np.vectorize(excess, otypes=[float]), np.array([low]), np.array([high]), 1e-14)[0])
     w = math.exp(low)
     tear_off = point(w)
     if isinstance(tear_off, Unknown) or abs(-tear_off.P / load - 1) > ROUNDED:
@@ -79,8 +87,10 @@ def work_from_pull_off(
             f"load: no work of adhesion gives a pull-off force of {show(load, 'load')}: where the last stable branch "
             f"changes, at w = {show(w, 'work')}, the force jumps past it"
         )
+    curve = history.curve(body, w)
+    assert not isinstance(curve, Unknown)  # it has a point
     half_space = None if R is None else load / (1.5 * math.pi * R)
-    return FoundWork(load, stiffness, float(w), AdhesiveCurve(body, w), tear_off, half_space)
+    return FoundWork(load, stiffness, float(w), curve, tear_off, half_space)
 
 
 def _stationary(body: Nonadhesive, stiffness: float) -> Array:

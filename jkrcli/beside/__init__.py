@@ -7,6 +7,16 @@ from ..base.lazy import lazily
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .analysis import JKR, Analysis, Lost, adhesive, analyse, forecast, nonadhesive, where_lost, with_solved_points
+    from .histories import (
+        LostByHistory,
+        checked_histories,
+        curves_from_rest,
+        lost_by_history,
+        rest_of,
+        seconds_of_histories,
+        solved_on,
+        with_history_solved,
+    )
     from .profile import profile_columns, radius_under
     from .solved import is_solved
     from .sticking import StickingEffect, effect_as_json, effect_facts, effect_on, sticking_effect, sticking_warnings

@@ -11,7 +11,7 @@ smooth where the profile is not: the first part is integrated, and the polynomia
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -202,20 +202,33 @@ def _rates(values: Array) -> tuple[Array, Array]:
 def solved(curve: AdhesiveCurve, further: Further, *devices: float) -> AdhesiveCurve:
     """The ``curve`` through what is solved at its pull-off points, those by ``devices`` of a stiffness [N/m] included,
     until they lie there."""
+    controls = {*CONTROLS.values(), *devices}
+
+    def wanted(body: Nonadhesive) -> list[float]:
+        trial = AdhesiveCurve(body, curve.w)
+        trial.find_critical(controls)
+        return [point.a for k in controls if isinstance(point := trial.pull_off(k), CriticalPoint)]
+
+    return AdhesiveCurve(refined(curve.nonadhesive, further, wanted), curve.w)
+
+
+def refined(body: Nonadhesive, further: Further, wanted: Callable[[Nonadhesive], Sequence[float]]) -> Nonadhesive:
+    """The functions of ``body`` through what is solved at the radii [m] that are ``wanted`` of them, until these lie
+    there."""
     before = np.array([])
     for step in range(MOST_SOLVES):
-        radii = _wanted(curve, {*CONTROLS.values(), *devices})
-        if not radii.size:
+        radii = np.unique(wanted(body))
+        if all(_is_solved_at(body, a) for a in radii):
             break
-        apart = _apart(before, radii, curve.series.a0) if step > 1 else before[:0]
+        apart = _apart(before, radii, body.series.a0) if step > 1 else before[:0]
         try:
             there = further(np.union1d(apart, radii))  # in place of what was solved further before
-            trial = AdhesiveCurve(replace(curve.nonadhesive, further=there), curve.w)
-            trial.nonadhesive.logs  # noqa: B018 - refuses points that do not fit in between the rows
+            trial = replace(body, further=there)
+            trial.logs  # noqa: B018 - refuses points that do not fit in between the rows
         except JkrError:  # nor may body or profile allow it: what is interpolated stands, with its error
             break
-        curve, before = trial, radii
-    return curve
+        body, before = trial, radii
+    return body
 
 
 def _apart(before: Array, radii: Array, a0: float) -> Array:
@@ -225,18 +238,14 @@ def _apart(before: Array, radii: Array, a0: float) -> Array:
     return before[np.min(steps, axis=1) > TUNING.step]
 
 
-def _wanted(curve: AdhesiveCurve, devices: set[float]) -> Array:
-    """Radii of the pull-off points; none where they are all solved."""
-    curve.find_critical(devices)
-    pull_offs = (curve.pull_off(stiffness) for stiffness in devices)
-    points = [point for point in pull_offs if isinstance(point, CriticalPoint)]
-    return np.unique([] if all(is_solved(curve, point) for point in points) else [point.a for point in points])
-
-
 def is_solved(curve: EquilibriumCurve, point: Equilibrium) -> bool:
     """Whether the ``point`` was solved at its own radius, and is not one between rows."""
     if not isinstance(curve, AdhesiveCurve):
         return True  # of finite range: each solves itself
-    further = curve.nonadhesive.further
-    nearest = math.inf if further is None else float(np.min(np.abs(further.a - point.a)))
-    return nearest <= SAME * (point.a - curve.series.a0)
+    return _is_solved_at(curve.nonadhesive, point.a)
+
+
+def _is_solved_at(body: Nonadhesive, a: float) -> bool:
+    further = body.further
+    nearest = math.inf if further is None else float(np.min(np.abs(further.a - a)))
+    return nearest <= SAME * (a - body.series.a0)

@@ -29,6 +29,6 @@ if TYPE_CHECKING:
     )
     from .parts import RADIUS, changed, checked_names, layer_names, nominal, unbounded
     from .problem import NO_FINITE_RANGE, HalfSpace, Layer, Loading, Problem, Quantity, Rigid, Side, Specimen
-    from .relaxation import RELAXATIONS, Modes, PowerRelaxation, Prony, Relaxation, StandardSolid, limits_of, relaxing
+    from .relaxation import RELAXATIONS, Modes, PowerRelaxation, Prony, Relaxation, StandardSolid, relaxing
 
 __getattr__ = lazily(__name__, __file__)

@@ -144,23 +144,17 @@ class Prony:
 
 
 def relaxing(law: Relaxation | None) -> list[str]:
-    """A warning of what a result of constant moduli means for a body that relaxes by ``law``; none for one that does
-    not."""
+    """A warning of what a result of constant moduli means for a viscoelastic specimen, which relaxes by ``law``; none
+    for an elastic one."""
     if law is None:
         return []
-    begin, end = "the specimen relaxes: ", "jkr cycle --speed"
+    begin = "the specimen relaxes: "
     if law.relaxed is None:
-        return [f"{begin}the moduli here are those at the law's time; {end} follows them over time"]
-    slow = f", that of very slow cycles has {law.relaxed:.3g} of them" if law.relaxed > 0 else ""
-    return [f"{begin}this is the limit of very fast cycles, with the moduli at t = 0{slow}; {end} is between"]
-
-
-def limits_of(law: Relaxation) -> dict[str, float]:
-    """The moduli over those at t = 0 in each limit in which adhesion on a body that relaxes is known, elastic in cycles
-    very fast and very slow, by its name; InputError for a law that has none."""
-    if law.relaxed is None:
-        raise InputError(
-            "cycle: a power law has neither an instant nor a relaxed modulus, between which adhesion is: take the law "
-            "sls or prony, or no adhesion, --w-approach 0"
-        )
-    return {"very fast": 1.0} | ({"very slow": law.relaxed} if law.relaxed > 0 else {})
+        return [f"{begin}the moduli here are those at the law's time; without adhesion jkr cycle --speed follows them"]
+    fast = f"{begin}this is the limit of very fast cycles, with the moduli at t = 0"
+    if not law.relaxed > 0:
+        return [f"{fast}; without adhesion jkr cycle --speed follows them over time"]
+    return [
+        f"{fast}, and no bound: pulled at once from rest, contact holds up to {1 / law.relaxed:.3g} times as much; jkr "
+        "pull-off and jkr cycle give the force by the history"
+    ]

@@ -7,15 +7,25 @@ from pathlib import Path
 
 import click
 
+from ..adhesion import LoadingHistory
 from ..base import InputError, show
-from ..beside import Analysis, analyse, with_solved_points
-from ..bodies import limits_of
+from ..beside import Analysis, analyse, curves_from_rest, rest_of, with_solved_points
 from ..methods import Limits
-from ..report import PICTURES, Cycled, CycledByProgram, CycledInLimits, Output, Result
+from ..report import PICTURES, Cycled, CycledByProgram, CycledInLimits, Output, Result, traced_histories
 from ..series import Solution
 from .cycle_rate import RateOptions, rate_options, read_program, run, run_relaxing
 from .measured import TUNING, begin_reading
-from .options import CONTROL, WORK, CurveOptions, curve_options, into_folder, limits_options, output_options
+from .options import (
+    CONTROL,
+    LENGTH,
+    LOAD,
+    WORK,
+    CurveOptions,
+    curve_options,
+    into_folder,
+    limits_options,
+    output_options,
+)
 from .series import begin_curves, read_series, series_file, works_of
 from .verb import verb
 from .voice import give
@@ -27,6 +37,9 @@ from .voice import give
 @click.option("--stiffness", type=CONTROL, default="rigid", show_default=True,
               help='"0.2 N/m", "rigid" or "load".')  # fmt: skip
 @rate_options
+@click.option("--rest-load", type=LOAD, help="Viscoelastic specimens: at rest under this load, then pulled at once "
+              "[default: at the turn of --to-load or --to-depth, else at P = 0].")  # fmt: skip
+@click.option("--rest-depth", type=LENGTH, help="The same at this displacement delta.")
 @click.option("--points", type=click.IntRange(2, 100_000), default=200, show_default=True, help="Rows per branch.")
 @curve_options
 @limits_options
@@ -34,7 +47,7 @@ from .voice import give
 @output_options(plots="Write the CSV only.", json="Print the figures as JSON.")
 def cycle(
     file: Path, w_approach: float | None, w_retract: float | None, stiffness: float, points: int, how: CurveOptions,
-    rates: RateOptions, limits: Limits, output: Output,
+    rates: RateOptions, rest_load: float | None, rest_depth: float | None, limits: Limits, output: Output,
 ) -> None:  # fmt: skip
     """Trace what a device records that presses the bodies of FILE, a case or a series, together and pulls them apart
     again.
@@ -43,8 +56,8 @@ def cycle(
     d(delta + P/stiffness)/da = 0. A rigid device is displacement control. With --rate over time: the edge recedes as
     fast as G/w0 says, rests between the works of adhesion, advances at once (--stress is then the cohesive stress of
     the dissipating zone). Else with --stress or --range the surfaces attract each other before they touch. A specimen
-    that relaxes is followed over time without adhesion (w = 0); with adhesion its limits are traced, very fast and
-    very slow cycles. Writes <stem>-cycle.csv, .png and .svg.
+    that relaxes is followed over time without adhesion (w = 0); with adhesion very fast and very slow cycles are
+    traced, and one that is loaded slowly, rests and is pulled at once. Writes <stem>-cycle.csv, .png and .svg.
 
     \b
     jkr cycle data.h5 --stiffness "10 kN/m"
@@ -69,11 +82,25 @@ def cycle(
     if ranged:
         _refuse_range(rates, works)
     _begin_program(rates.program, points, limits)
-    names = limits_of(law) if law is not None and in_limits else ("",)
+    rest, known = rest_of(rest_load, rest_depth), tuple[LoadingHistory, ...]()
+    if in_limits:
+        rests = rates.rate is None and not ranged
+        known = traced_histories(solution, rest, rates.to_load, rates.to_depth, rests)
+    elif rest is not None:
+        raise InputError(
+            "cycle: --rest-load and --rest-depth are for adhesion on a specimen that relaxes: leave them out"
+        )
+    names = [one.name for one in known] or [""]
     stem = output.folder(file.parent) / f"{file.stem}-cycle{ranged.suffix}"
     named = [stem.with_name("-".join([stem.name, *name.split()])) for name in names]
     targets = [output.files(one, (".csv", *PICTURES), [file]) for one in named]
     begin_curves("cycle", [solution], [works], limits, [ranged])
+
+    def after(history: LoadingHistory) -> Result:
+        if history.rest is None:
+            return cycled(history.moduli)
+        curves = curves_from_rest(solution, works, history, how.slopes, how.modulus_factor, stiffness)
+        return Cycled.from_rest(solution.record.path, *curves, stiffness, points)
 
     def cycled(share: float = 1.0) -> Result:
         curves = analyse(solution, works, how.slopes, how.modulus_factor * share, ranged)
@@ -82,7 +109,7 @@ def cycle(
             return run_relaxing(results[0], law, stiffness, points, rates)
         return _traced(results, stiffness, points, rates)
 
-    result = CycledInLimits.of(file, law, cycled) if law is not None and in_limits else cycled()
+    result = CycledInLimits.of(file, known, after) if known else cycled()
     cycles = [one for _, one in result.limits.values()] if isinstance(result, CycledInLimits) else [result]
     for one, files in zip(cycles, targets, strict=True):
         files.write(one.columns, figure=files.draw(one.figure))

@@ -65,8 +65,8 @@ class RateOptions:
         """InputError where they say what a body does over time that relaxes and adheres."""
         if self.rate is None and self.named:
             raise InputError(
-                f"cycle: {flag(self.named[0])}: adhesion on a body that relaxes is known in the limits of very fast "
-                "and very slow cycles alone, which do not depend on time: leave it out, or give --w-approach 0"
+                f"cycle: {flag(self.named[0])}: adhesion on a specimen that relaxes is known of very fast, of very "
+                "slow cycles and from rest alone, which do not depend on time: leave it out, or give --w-approach 0"
             )
 
     def program_of(self, contact: adhesion.RateContact | adhesion.RelaxingContact) -> adhesion.Program:

@@ -7,9 +7,19 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
-from ..adhesion import FoundWork, Nonadhesive, point_error, work_from_pull_off
-from ..base import Estimate, InputError, Unknown, evenly, parse
-from ..beside import Analysis, adhesive, nonadhesive, with_solved_points
+from ..adhesion import (
+    CONTROLS,
+    AdhesiveCurve,
+    FoundWork,
+    LoadingHistory,
+    Nonadhesive,
+    Rest,
+    history_error,
+    work_from_pull_off,
+)
+from ..adhesion.stability_inverse import ELASTIC
+from ..base import Estimate, InputError, JkrError, Unknown, evenly, parse
+from ..beside import Analysis, adhesive, checked_histories, nonadhesive, solved_on, with_history_solved
 from ..beside.again import method_behind
 from ..bodies import RADIUS, Loading, changed, checked_names, layer_names, nominal
 from ..series import Solution
@@ -21,7 +31,8 @@ DIMENSIONS = {FORCE: "load", TIP: "length", MODULI: "modulus", "h": "length", "n
 
 @dataclass(frozen=True, eq=False)
 class MeasuredWork:
-    """``work``: w and its pull-off; ``result``: the curve of that w, which says where the theory holds.
+    """``work``: w and its pull-off after a ``history``; ``result``: the curve of that w, which says where the theory
+    holds.
 
     ``series``: error of w [J/m^2] from that of the series, a 90 % half-width; ``parts``: standard deviations of w from
     those of the inputs, by name.
@@ -31,6 +42,7 @@ class MeasuredWork:
     result: Analysis
     series: Estimate
     parts: Mapping[str, float]
+    history: LoadingHistory = ELASTIC
 
     @property
     def error(self) -> Estimate:
@@ -40,48 +52,87 @@ class MeasuredWork:
 
 @dataclass(frozen=True, eq=False)
 class _Inverse:
-    """What a pull-off force means on one body: ``solution`` with its functions ``body``, control by ``stiffness``."""
+    """What a pull-off force means on one body: ``solution`` with its functions ``body``, control by ``stiffness``,
+    after a ``history``."""
 
     solution: Solution
     body: Nonadhesive
     load: float
     stiffness: float
+    history: LoadingHistory
 
     def work(self) -> FoundWork:
         R = self.solution.problem.indenter.tip_radius
-        return work_from_pull_off(self.body, self.load, self.stiffness, R)
+        return work_from_pull_off(self.body, self.load, self.stiffness, R, self.history)
 
 
 def measured_work(
     solution: Solution, load: float, stiffness: float, slopes: str = "auto", modulus_factor: float = 1.0,
-    uncertain: Iterable[tuple[str, str]] = (),
+    uncertain: Iterable[tuple[str, str]] = (), history: LoadingHistory = ELASTIC,
 ) -> MeasuredWork:  # fmt: skip
     """The work of adhesion behind the pull-off force ``load`` [N, > 0] measured by a device of ``stiffness`` [N/m].
 
-    ``uncertain``: standard deviations of inputs by name, as text (``uncertain_inputs``). InputError names the file.
+    ``uncertain``: standard deviations of inputs by name, as text (``uncertain_inputs``); ``history``: of a viscoelastic
+    specimen. InputError names the file.
     """
     inputs = uncertain_inputs(solution, uncertain)
     try:
-        return _measured_work(solution, load, stiffness, slopes, modulus_factor, inputs)
+        return _measured_work(solution, load, stiffness, slopes, modulus_factor, inputs, history)
     except InputError as error:
         raise InputError([f"{solution.record.path}: {line}" for line in error.lines]) from None
 
 
 def _measured_work(
-    solution: Solution, load: float, stiffness: float, slopes: str, modulus_factor: float, inputs: Mapping[str, float]
-) -> MeasuredWork:
-    body = nonadhesive(solution, slopes)
-    scaled, unit = solution.scaled(modulus_factor), body.scaled(modulus_factor)
-    first = _Inverse(scaled, unit, load, stiffness).work()
-    result = with_solved_points(adhesive(solution, body, first.w, modulus_factor), stiffness)
-    inverse = _Inverse(scaled, result.jkr.nonadhesive, load, stiffness)
+    solution: Solution, load: float, stiffness: float, slopes: str, modulus_factor: float, inputs: Mapping[str, float],
+    history: LoadingHistory,
+) -> MeasuredWork:  # fmt: skip
+    unit = nonadhesive(solution, slopes)
+    inverse = _Inverse(solution.scaled(modulus_factor), unit.scaled(modulus_factor), load, stiffness, history)
+    w = inverse.work().w
+    result = adhesive(solution, unit, w, modulus_factor)
+    controls = {*CONTROLS.values(), stiffness}
+    inverse = replace(inverse, body=with_history_solved(inverse.solution, inverse.body, history, w, sorted(controls)))
     work = inverse.work()
-    result = replace(result, curve=work.curve)
-    at_point = point_error(work.curve, work.point, stiffness)
+    result = replace(result, curve=AdhesiveCurve(inverse.body, work.w))
+    at_point = history_error(history, inverse.body, work.curve, work.point, stiffness)
     by_load = _change(inverse, FORCE, 1e-3 * load) / (1e-3 * load)
     series = at_point if isinstance(at_point, Unknown) else at_point["P"] * abs(by_load)
     parts = {name: abs(_change(inverse, name, sigma)) for name, sigma in inputs.items()}
-    return MeasuredWork(work, result, series, parts)
+    return MeasuredWork(work, result, series, parts, history)
+
+
+def works_by_history(
+    solution: Solution, load: float, stiffness: float, rest: Rest | None = None, slopes: str = "auto",
+    modulus_factor: float = 1.0, uncertain: Sequence[tuple[str, str]] = (),
+) -> list[tuple[LoadingHistory, MeasuredWork | Unknown]] | Unknown | None:  # fmt: skip
+    """Which w a pull-off force of a viscoelastic specimen means after each history that is solved, with that from
+    ``rest``; None for an elastic one, Unknown where none is solved."""
+    known = checked_histories(solution, rest)
+    if known is None or isinstance(known, Unknown):
+        return known
+
+    def sought(there: Solution, history: LoadingHistory) -> MeasuredWork | Unknown:
+        try:
+            return measured_work(there, load, stiffness, slopes, modulus_factor, uncertain, history)
+        except InputError as error:
+            return Unknown(str(error).removeprefix(f"{solution.record.path}: "))
+
+    def too_soon(history: LoadingHistory, unit: Nonadhesive) -> bool:
+        try:
+            w = work_from_pull_off(unit, load / modulus_factor, stiffness / modulus_factor, None, history).w
+        except JkrError:
+            return True
+        return history.ends_too_soon(unit, w)
+
+    def found(history: LoadingHistory) -> MeasuredWork | Unknown:
+        first = sought(solution, history)
+        if not isinstance(first, Unknown):
+            return first
+        unit = nonadhesive(solution, slopes)
+        further, _ = solved_on(solution, unit, lambda body: not too_soon(history, body), slopes)
+        return first if further is solution else sought(further, history)
+
+    return [(history, found(history)) for history in known]
 
 
 def uncertain_inputs(solution: Solution, pairs: Iterable[tuple[str, str]]) -> dict[str, float]:

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from .look import Look
     from .mesh import Meshed
     from .plots.maps import MU, MapPanel, filled_figure, is_filled, lines_figure, zones_figure
-    from .pull_off import MeasuredPullOff, PullOff
+    from .pull_off import MeasuredByHistory, MeasuredPullOff, PullOff
     from .rate import CycledAtSpeed
-    from .relaxation import CycledInLimits, CycledRelaxing
+    from .relaxation import CycledInLimits, CycledRelaxing, traced_histories
     from .relaxation_fit import RelaxationFits, RelaxationFitted
     from .result import PICTURES, SHOWN, AnyResult, Figure, Files, Output, Result, Results, as_result
     from .solved import Imported, Solved

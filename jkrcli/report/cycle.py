@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion import Cycle, Jump, Program, control, cycle, path, trace, turning_radius
+from ..adhesion import Cycle, EquilibriumCurve, FromRest, Jump, Program, control, cycle, path, trace, turning_radius
 from ..base import ROWS, Array, Estimate, InputError, Unknown, show
 from ..beside import Analysis
 from . import tables
@@ -35,10 +35,30 @@ class Cycled(Result):
         inwards, outwards = (result.curve for result in curves)
         whole = load is None and depth is None
         turn = None if whole else turning_radius(inwards, stiffness, load=load, depth=depth)
+        return cls.on(curves[0].path, inwards, outwards, stiffness, turn, points)
+
+    @classmethod
+    def from_rest(
+        cls, file: Path, relaxed: EquilibriumCurve, pulled: FromRest, stiffness: float, points: int = ROWS
+    ) -> Cycled:  # fmt: skip
+        """The cycle of a viscoelastic specimen that is loaded slowly to the rest of ``pulled``, then pulled at once."""
+        try:
+            return cls.on(file, relaxed, pulled, stiffness, pulled.rest.a, points)
+        except InputError as error:
+            raise InputError(
+                [line if line.startswith(str(file)) else f"{file}: {line}" for line in error.lines]
+            ) from None
+
+    @classmethod
+    def on(
+        cls, file: Path, inwards: EquilibriumCurve, outwards: EquilibriumCurve, stiffness: float, turn: float | None,
+        points: int,
+    ) -> Cycled:  # fmt: skip
+        """The cycle on one curve and back on another from the radius ``turn`` [m] (None: the end of the series)."""
         traced = cycle(inwards, outwards, stiffness, turn)
         if isinstance(traced, Unknown):
-            raise InputError(f"{curves[0].path}: {traced.reason}")
-        return cls(curves[0].path, traced, points)
+            raise InputError(f"{file}: {traced.reason}")
+        return cls(file, traced, points)
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from ..adhesion import Program, RelaxedHistory, RelaxingContact, control
+from ..adhesion import LoadingHistory, Program, RelaxedHistory, RelaxingContact, Rest, control
+from ..adhesion.from_rest import AT_MOST, FROM_REST
 from ..base import ROWS, UNSEEN, Array, InputError, Unknown, show
-from ..bodies import RELAXATIONS, Relaxation, limits_of
+from ..beside import checked_histories
+from ..bodies import RELAXATIONS, Relaxation
+from ..series import Solution
 from .result import Figure, Result, Several, as_result
 from .tables import device, energies, state_words, timed, with_unit
 
@@ -89,28 +92,43 @@ class CycledRelaxing(RelaxedHistory, Result):
 
 @dataclass(frozen=True, eq=False)
 class CycledInLimits(Several):
-    """The cycles of a body that relaxes and adheres in the limits that are known: by the name of each its share of the
-    moduli and its result."""
+    """The cycles of a viscoelastic specimen with adhesion after each history that is known, by its name."""
 
     file: Path
-    limits: Mapping[str, tuple[float, Result]]
+    limits: Mapping[str, tuple[LoadingHistory, Result]]
 
     @classmethod
-    def of(cls, file: Path, law: Relaxation, cycle: Callable[[float], Result]) -> CycledInLimits:
-        """In each limit of the ``law`` the ``cycle`` of the body whose moduli are a share of those at t = 0."""
-        return cls(file, {name: (share, cycle(share)) for name, share in limits_of(law).items()})
+    def of(
+        cls, file: Path, known: Iterable[LoadingHistory], cycle: Callable[[LoadingHistory], Result]
+    ) -> CycledInLimits:
+        """For each history that is ``known`` the ``cycle`` of it."""
+        return cls(file, {one.name: (one, cycle(one)) for one in known})
 
     def summary(self) -> dict[str, Any]:
-        limits = {name: {"moduli": share} | result.summary() for name, (share, result) in self.limits.items()}
+        limits = {
+            name: {"history": one.words, "moduli": one.moduli, "profile": one.profile} | result.summary()
+            for name, (one, result) in self.limits.items()
+        }
         return {"file": str(self.file), "limits": limits}
 
     @property
     def parts(self) -> Sequence[Sequence[str]]:
         return [
-            [f"limit of {name} cycles, the moduli times {share:.4g}: {result.words()[0]}", *result.words()[1:]]
-            for name, (share, result) in self.limits.items()
-        ]
+            [f"{one.words}: {result.words()[0]}", *result.words()[1:]] for one, result in self.limits.values()
+        ]  # fmt: skip
 
     @property
     def warnings(self) -> list[str]:
         return list(dict.fromkeys(line for _, result in self.limits.values() for line in result.warnings))
+
+
+def traced_histories(
+    solution: Solution, rest: Rest | None, load: float | None = None, depth: float | None = None, rests: bool = True
+) -> tuple[LoadingHistory, ...]:  # fmt: skip
+    """The histories of a viscoelastic specimen that are traced: at rest at the turn, at a ``load`` [N] or ``depth``
+    [m], where there is one, unless ``rest`` says otherwise; not from rest where the trace has no ``rests``."""
+    rest = rest or (Rest(load or 0.0) if depth is None else Rest(depth=depth))
+    known = checked_histories(solution, rest)
+    if isinstance(known, Unknown):
+        raise InputError(f"cycle: {known.reason}, or no adhesion, --w-approach 0")
+    return tuple(one for one in known or () if one.name != AT_MOST and (rests or one.name != FROM_REST))

@@ -145,6 +145,17 @@ class Series:
         P, S, dS = self.P * factor, times(self.S), times(self.dS)
         return replace(self, P=P, S=S, dS=dS, errors=errors, S0=S0, coarser=coarser)
 
+    def under_profile(self, factor: float) -> Series:
+        """The series of the same bodies under an indenter whose profile is ``factor`` times as high: delta and P scale,
+        a, S and S' do not."""
+        errors = {k: v * factor if k in ("delta", "P") else v for k, v in self.errors.items()}
+        own = None if self.own is None else self.own.under_profile(factor)
+        coarser = self.coarser
+        coarser = None if coarser is None else replace(coarser, series=coarser.series.under_profile(factor))
+        unresolved = None if self.unresolved is None else self.unresolved * factor
+        delta, P = self.delta * factor, self.P * factor
+        return replace(self, delta=delta, P=P, errors=errors, own=own, coarser=coarser, unresolved=unresolved)
+
 
 @dataclass(frozen=True, eq=False)
 class Coarser:

@@ -100,9 +100,7 @@ def test_a_turn_after_which_it_creeps_keeps_it_within_the_series(
     assert 0.998e-4 < deepest < 1.0000001e-4
 
 
-@pytest.mark.parametrize(
-    "words", [("pull-off", "--w", 1), ("export", "--dem", "--w", 0.1), ("explore", "--w", 1), ("profile", "--a", 0.3)]
-)
+@pytest.mark.parametrize("words", [("export", "--dem", "--w", 0.1), ("explore", "--w", 1), ("profile", "--a", 0.3)])
 def test_verbs_of_constant_moduli_say_so(jkr: Callable, series: Path, words: tuple[object, ...]) -> None:
     """What ``transform`` warns of, ``run`` and the others do: these are the moduli at t = 0. Once only it did."""
     verb, *options = words
@@ -137,13 +135,17 @@ def test_limits_where_surfaces_adhere(jkr: Callable, series: Path) -> None:
     for name, beside in (("very fast", hard), ("very slow", soft)):
         lost = found["limits"][name]["jumps_on_retraction"][-1]["from"]
         assert lost == pytest.approx(beside["jumps_on_retraction"][-1]["from"])
+    rest = found["limits"]["from rest"]
+    assert (rest["profile"], rest["moduli"]) == (0.25, 1.0)
     rated = answer(jkr, series, *work, "--rate", "v0=1,n=0.5", "--speed", "1", "--to-depth", "0.2")
     assert set(rated["limits"]) == {"very fast", "very slow"}
     assert rated["limits"]["very slow"]["moduli"] == 0.25
     done = jkr("cycle", series, *work, "--no-plots")
-    assert "limit of very slow cycles, the moduli times 0.25:" in done.out
+    assert "very slow cycle, the moduli times 0.25:" in done.out
+    assert "at rest at P = 0, then pulled at once:" in done.out
     assert "written" in done.out
     assert (series.parent / "gel-cycle-very-slow.csv").exists()
+    assert (series.parent / "gel-cycle-from-rest.csv").exists()
 
 
 @pytest.mark.parametrize(("words", "line"), [
@@ -177,8 +179,7 @@ REFUSED = {
     ),
     "time in the limits": (
         ("--w-approach", "1 mJ/m^2", "--speed", "1"),
-        "cycle: --speed: adhesion on a body that relaxes is known in the limits of very fast and very slow cycles "
-        "alone, which do not depend on time: leave it out, or give --w-approach 0",
+        "which do not depend on time: leave it out, or give --w-approach 0",
     ),
     "too deep": (
         ("--speed", "1", "--to-depth", "2 m"),

@@ -69,6 +69,14 @@ class Slopes:
         joint = None if self.joint is None else self.joint * np.outer(by, by)
         return replace(self, S=self.S * factor, dS=self.dS * factor, P=P, covariance=covariance, joint=joint)
 
+    def under_profile(self, factor: float) -> Slopes:
+        """The slopes of the same bodies under an indenter whose profile is ``factor`` times as high."""
+        delta, P = (None if values is None else values * factor for values in (self.delta, self.P))
+        by = np.array([factor, factor, 1.0, 1.0, factor, 1.0])
+        covariance = None if self.covariance is None else self.covariance * np.outer(by[:4], by[:4])
+        joint = None if self.joint is None else self.joint * np.outer(by, by)
+        return replace(self, delta=delta, P=P, covariance=covariance, joint=joint)
+
     @property
     def dS_err(self) -> Array | None:
         """90 % half-width of S' [N/m^2]."""

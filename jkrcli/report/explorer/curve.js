@@ -63,18 +63,20 @@ function control(stiffness, delta, P) {
   return stiffness === 0 ? P : delta + P / stiffness;
 }
 
-/* The curve for a work of adhesion w [J/m^2] and moduli that are factor times those of the table. */
+/* The curve for a work of adhesion w [J/m^2] and moduli that are factor times those of the table, under the profile
+   times another factor. */
 class AdhesiveCurve {
-  constructor(table, w, factor) {
-    Object.assign(this, { table, w, factor, q: Math.sqrt(w / factor) });
+  constructor(table, w, factor, profile = 1) {
+    Object.assign(this, { table, w, factor, profile, q: Math.sqrt(w / factor) });
   }
 
   point({ a, delta, P, S, t }) {
-    return { a, delta: delta - this.q * t, P: this.factor * (P - this.q * S * t) };
+    return { a, delta: this.profile * delta - this.q * t, P: this.factor * (this.profile * P - this.q * S * t) };
   }
 
   rates({ ddelta, dP, S, t, dS, dt }) {
-    return { delta: ddelta - this.q * dt, P: this.factor * (dP - this.q * (S * dt + dS * t)) };
+    const { profile, q, factor } = this;
+    return { delta: profile * ddelta - q * dt, P: factor * (profile * dP - q * (S * dt + dS * t)) };
   }
 
   /* The rate of what the device controls: stable where positive. */
@@ -124,6 +126,12 @@ class AdhesiveCurve {
     }
     if (held(best) > 0) return { reason: "some contact remains below the smallest radius of the series" };
     return this.point(best);
+  }
+
+  /* The largest stable contact under the load P [N]: an entry of the table, or null. */
+  resting(P) {
+    const stable = this.zeros((at) => this.point(at).P - P).filter(({ rising }) => rising);
+    return stable.length ? stable[stable.length - 1].at : null;
   }
 
   /* The curve in parts of one stability under the device; neighbours share a point. */
@@ -179,4 +187,31 @@ class AdhesiveCurve {
     const rows = columns.a_m.map((_, i) => names.map((name) => columns[name][i]).join(","));
     return [names.join(","), ...rows].join("\n") + "\n";
   }
+}
+
+/* Where a viscoelastic specimen loses contact by its history; ratio: its relaxed over its instant modulus. At rest under
+   the load P [N], then pulled at once, it answers with the moduli at t = 0 under the profile times ratio, up to the
+   radius of rest; the displacement counts from the dent that is kept. */
+function byHistory(table, w, factor, ratio, P, stiffness) {
+  const relaxed = new AdhesiveCurve(table, w, factor * ratio), pulled = new AdhesiveCurve(table, w, factor, ratio);
+  const depthless = ({ P: force, a, reason }) => (reason ? { reason } : { P: force, a });
+  return {
+    slow: relaxed.pullOff(stiffness), rest: fromRest(relaxed, pulled, ratio, P, stiffness),
+    most: depthless(pulled.pullOff(stiffness)),
+  };
+}
+
+function fromRest(relaxed, pulled, ratio, P, stiffness) {
+  const { samples } = relaxed.table, last = relaxed.point(samples[samples.length - 1]).P;
+  const rest = relaxed.resting(P);
+  if (rest === null) {
+    return { reason: last < P ? "its rest is beyond the largest radius of the series: increase [loading] radius"
+      : "no contact rests under this load" };
+  }
+  const held = (at) => pulled.position(at, stiffness);
+  const minima = pulled.zeros((at) => pulled.rate(at, stiffness)).filter(({ at, rising }) => rising && at.a < rest.a);
+  const lowest = [rest, ...minima.map(({ at }) => at)].reduce((low, at) => (held(at) < held(low) ? at : low));
+  if (held(samples[0]) < held(lowest)) return { reason: "below the smallest radius of the series" };
+  const { a, delta, P: force } = pulled.point(lowest);
+  return { a, delta: delta + (1 - ratio) * relaxed.point(rest).delta, P: force };
 }

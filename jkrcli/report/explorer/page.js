@@ -30,7 +30,7 @@ function update() {
   const curve = new AdhesiveCurve(table, controls.w.value, controls.factor.value);
   const chosen = picked("control"), pulls = {};
   for (const name of Object.keys(NAMES)) pulls[name] = wets(curve) ? { reason: WETS } : curve.pullOff(stiffnessOf(name));
-  window.explorer = { curve, pulls, chosen };
+  window.explorer = { curve, pulls, chosen, histories: histories(curve, chosen) };
   if (window.Plotly) pictures(curve, pulls, chosen);
   numbers(pulls, chosen);
   judge(curve, pulls[chosen], chosen);
@@ -99,6 +99,18 @@ function said(point, name) {
   return `pull-off at ${units.show(point.P, "load")}`;
 }
 
+const FAST = content.relaxed === null ? "" : ", very fast cycle";
+const HISTORIES = {
+  slow: "very slow cycle, relaxed moduli", rest: "at rest, then pulled at once", most: "any other history: at most",
+};
+
+/* Where a viscoelastic specimen loses contact by its history, under the chosen control. */
+function histories(curve, chosen) {
+  if (content.relaxed === null || curve.w === 0) return {};
+  const { factor, w } = curve;
+  return byHistory(table, w, factor, content.relaxed, controls.rest.value, stiffnessOf(chosen));
+}
+
 function numbers(pulls, chosen) {
   const body = byId("pull-offs");
   body.replaceChildren(...Object.entries(pulls).map(([name, point]) => {
@@ -108,10 +120,19 @@ function numbers(pulls, chosen) {
     if (name === "machine") head.textContent += ` k = ${controls.stiffness.text} ${pretty(controls.stiffness.spec.unit)}`;
     row.id = `pull-off-${name}`;
     row.classList.toggle("chosen", name === chosen);
+    head.textContent += FAST;
     row.append(head, ...cells(point));
     return row;
   }));
-  byId("headline").textContent = said(pulls[chosen], chosen).replace("pull-off at", `Pull-off, ${NAMES[chosen]}:`);
+  for (const [name, point] of Object.entries(window.explorer.histories)) {
+    const row = document.createElement("tr"), head = document.createElement("th");
+    head.scope = "row";
+    head.textContent = `${NAMES[chosen]}, ${HISTORIES[name]}`;
+    row.id = `history-${name}`;
+    row.append(head, ...cells(point));
+    body.append(row);
+  }
+  byId("headline").textContent = said(pulls[chosen], chosen).replace("pull-off at", `Pull-off, ${NAMES[chosen]}${FAST}:`);
 }
 
 function cells(point) {
@@ -121,7 +142,9 @@ function cells(point) {
     if (value !== undefined) Object.assign(cell.dataset, { value });
     return cell;
   };
-  if (!point.reason) return QUANTITIES.map(([name, dimension]) => make(units.show(point[name], dimension), point[name]));
+  if (!point.reason) {
+    return QUANTITIES.map(([name, dimension]) => (name in point ? make(units.show(point[name], dimension), point[name]) : make("")));
+  }
   const cell = make(point.reason === WETS ? WETS : `none in the series: ${point.reason}`);
   cell.colSpan = QUANTITIES.length;
   return [cell];
@@ -157,8 +180,9 @@ function pointError(name, w) {
 function commands() {
   const factor = controls.factor.value === 1 ? "" : ` --modulus-factor ${controls.factor.text}`;
   const common = `${content.file} --w ${controls.w.quantity}${factor}${content.options}`;
+  const rest = controls.rest && controls.rest.value !== 0 ? ` --rest-load ${controls.rest.quantity}` : "";
   const held = ` --stiffness load --stiffness rigid --stiffness ${controls.stiffness.quantity}`;
-  return `jkr transform ${common}\njkr pull-off ${common}${held}`;
+  return `jkr transform ${common}\njkr pull-off ${common}${held}${rest}`;
 }
 
 function save(name, type, text) {
@@ -215,5 +239,6 @@ if (content.measured.length) {
 } else {
   document.body.classList.add("no-data");
 }
+document.body.classList.toggle("elastic", content.relaxed === null);
 update();
 addEventListener("DOMContentLoaded", update); // the pictures, when their library has been read

@@ -71,10 +71,15 @@ def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "a
         "columns": _columns(curve.nonadhesive),
         "band": _band(curve.nonadhesive),
         "tabor": _tabor(result),
+        "relaxed": _relaxed(result),
         "R": problem.indenter.tip_radius,
         "tension": tension,
         "angle": LIMITS.edge_angle,
-        "controls": {name: vars(control) for name, control in _controls(curve, measured, tension).items()},
+        "controls": {
+            name: vars(control)
+            for name, control in _controls(curve, measured, tension).items()
+            if name != "rest" or _relaxed(result) is not None
+        },
         "units": {name: decades(name) for name in ("length", "load", "stiffness", "work")},
         "measured": shown,
         "measured_points": total,
@@ -151,6 +156,12 @@ def _tabor(result: Analysis) -> dict[str, Any] | None:
     return {"number": number, "w": result.w, "limits": [list(pair) for pair in zip(limits, words, strict=True)]}
 
 
+def _relaxed(result: Analysis) -> float | None:
+    """The relaxed over the instant modulus of a viscoelastic specimen that comes to rest; None for any other."""
+    law = result.problem.specimen.relaxation
+    return (None if law is None else law.relaxed) or None
+
+
 def _controls(curve: AdhesiveCurve, measured: Sequence[Curve], tension: float) -> dict[str, Control]:
     """The sliders; that of w ends where a surface ``tension`` [N/m] leaves no contact angle."""
     spans = {name: _extent(name, measured) or float(np.ptp(getattr(curve, name))) for name in ("delta", "P")}
@@ -160,6 +171,7 @@ def _controls(curve: AdhesiveCurve, measured: Sequence[Curve], tension: float) -
         "stiffness": Control.around(_stiffness(curve), 1000, "stiffness"),
         "delta0": Control.shift(spans["delta"] / 2, "length"),
         "P0": Control.shift(spans["P"] / 2, "load"),
+        "rest": Control.shift(spans["P"] / 2, "load"),
     }
 
 

@@ -15,8 +15,8 @@ from sources import nodes
 PACKAGE = Path(__file__).parent.parent / "jkrcli"
 # The rooms, each above those that may import from it; what stands at the top of the package may import from all.
 ROOMS = (
-    "base", "formulas", "bodies", "series", "methods", "case", "adhesion", "beside", "data", "identification", "report",
-    "many", "cli",
+    "base", "tables", "formulas", "bodies", "series", "methods", "case", "adhesion", "beside", "data", "identification",
+    "report", "many", "cli",
 )  # fmt: skip
 MOST_AT_TOP = 4
 # Rooms, and folders in them, that offer names of their modules.

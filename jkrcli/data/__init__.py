@@ -6,6 +6,7 @@ from ..base.lazy import lazily
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from ..tables.text_table import MOST_COLUMNS, SEPARATORS, some
     from .columns import NO_UNIT
     from .measured import each, from_columns, read, usable
     from .measured.curve import (
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from .measured.saturation import saturation
     from .measured.tip_position import SUBTRACTED_TWICE
     from .record import BaseLine, Direction, ForceCurve, examine
-    from .text_table import MOST_COLUMNS, SEPARATORS, some
     from .zero_points import with_zero_points
 
 __getattr__ = lazily(__name__, __file__)

@@ -10,8 +10,8 @@ from functools import lru_cache
 import numpy as np
 
 from ..base import LARGEST_SI, REMEMBERED, Array, InputError
-from .text_table import TextTable
-from .titles import LONGEST, WORDS, split_name, unit_power
+from ..tables.text_table import TextTable
+from ..tables.titles import LONGEST, WORDS, split_name, unit_power
 
 NO_UNIT = " left out: it ends in no unit of "  # in a sentence on a column
 CONTACT = tuple(WORDS["contact"])  # the keys of what every table of a contact may hold

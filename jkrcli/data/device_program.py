@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..base import Array, InputError
-from .text_table import read_table
-from .titles import split_name, unit_power
+from ..tables.text_table import read_table
+from ..tables.titles import split_name, unit_power
 
 
 def read_program(path: Path, dimension: str) -> tuple[Array, Array]:

@@ -13,9 +13,9 @@ import numpy as np
 from ..base import LARGEST_SI, Array, InputError, Unknown
 from ..bodies import Indenter, Loading, Problem, Sphere
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus, is_series
+from ..tables.text_table import TextTable, read_table, some
 from .columns import check_chosen, vocabulary, with_units
 from .noisy_rows import is_noise, near_first_touch
-from .text_table import TextTable, read_table, some
 
 LEAST_ROWS = 5  # theory: of a series; leaving one of fewer out leaves no cubic for its slopes
 MOST_ROWS = 100_000  # theory: as many points as a case may ask for

@@ -17,8 +17,8 @@ from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat,
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.foreign import SeriesReading, radius_from_area, read_series, surface_area
-from jkrcli.data.titles import split_name, unit_power
 from jkrcli.formulas.half_space import hertz
+from jkrcli.tables.titles import split_name, unit_power
 
 R, E_STAR = 1e-3, 2e6
 BALL = Paraboloid(R)

@@ -15,7 +15,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.data import measured
 from jkrcli.data.measured import Curve, Reading
 from jkrcli.data.measured.curve import AS_DEPTH
-from jkrcli.data.text_table import decoded, read_table
+from jkrcli.tables.text_table import decoded, read_table
 
 Z = np.array([0.0, 1.0, 2.0, 3.0, 2.0, 1.0]) * 1e-6  # toward the specimen
 LOAD = np.array([0.0, 0.0, 2.0, 9.0, 1.0, -3.0]) * 1e-9

@@ -21,13 +21,13 @@ from jkrcli.cli.voice import SILENCE
 from jkrcli.data import foreign, measured
 from jkrcli.data.measured import instruments
 from jkrcli.data.measured.amount import rows_expected
-from jkrcli.data.text_table import MOST_COLUMNS, Dialect, read_table
 from jkrcli.many.sweep.plan import load_plan, solve_group
 from jkrcli.many.sweep.quantities import Wanted
 from jkrcli.many.sweep.running import forecast
 from jkrcli.methods.fem.method import FEM
 from jkrcli.report.tables import read_curve
 from jkrcli.series import RawSeries
+from jkrcli.tables.text_table import MOST_COLUMNS, Dialect, read_table
 
 ROWS = "".join(f"{i}e-6\t{i * i}e-6\n" for i in range(1, 31))
 HALF_SPACE = """

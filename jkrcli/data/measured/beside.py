@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...base import SAME, Array, InputError
-from ..text_table import TextTable
-from ..titles import split_name, unit_power
+from ...tables.text_table import TextTable
+from ...tables.titles import split_name, unit_power
 from .curve import APPROACH, RETRACT
 from .instruments import DIRECTIONS, VOLTS
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base import Array
-from ..text_table import MOST_COLUMNS, TextTable
-from ..titles import LONGEST, WORDS, split_name, unit_power
+from ...tables.text_table import MOST_COLUMNS, TextTable
+from ...tables.titles import LONGEST, WORDS, split_name, unit_power
 from .curve import APPROACH, RETRACT
 
 VOLTS = {"V": 0, "mV": -3, "uV": -6}

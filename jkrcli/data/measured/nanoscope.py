@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from ...base import LARGEST_SI, Array, InputError, allowance_of, most_text, opened, read_bytes
-from ..titles import unit_power
+from ...tables.titles import unit_power
 from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, AsRead, Curve, Pixel, Reading, place
 from .instruments import toward
 

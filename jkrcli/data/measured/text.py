@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from ...base import SHOWN, Array, InputError
+from ...tables.text_table import TUNING, TextTable, read_table
+from ...tables.titles import split_name, unit_power
 from ..columns import CONTACT, SIZES, check_chosen, overruled, vocabulary, with_units
-from ..text_table import TUNING, TextTable, read_table
-from ..titles import split_name, unit_power
 from . import archive, instruments
 from .beside import one_under_the_other
 from .curve import (

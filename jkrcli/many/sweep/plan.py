@@ -35,9 +35,9 @@ from ...case import (
     read_solution,
     write_solution,
 )
-from ...data.text_table import MOST_COLUMNS
 from ...methods import Choice, Method, choose_method, least_first, survey
 from ...series import Record, Solution
+from ...tables.text_table import MOST_COLUMNS
 from .axes import Axis, W, resolve
 from .paths import LAYER_COUNT, Tables, unit_of, with_values
 from .quantities import ALONG, POINT, Value, Wanted, names_of

@@ -29,14 +29,14 @@ class HybridTuning:
     no_claim: float = 0.005  # smaller errors are not distinguished; tuned on random bodies, by `make bounds`
     finest: float = 1e-7  # accuracy of K where the modulus changes from the contact on; choice: below ``GRADED``
     # Errors from what a step changes, at some radii:
-    samples: int = 10  # radii; tuned on random bodies, by `make bounds`
-    smallest: float = 0.08  # of the largest, the first of them; tuned on random bodies, by `make bounds`
+    samples: int = 13  # radii; tuned on random bodies, by `make bounds`
+    smallest: float = 0.02  # of the largest, the first of them; tuned on random bodies, by `make bounds`
     # more near the largest, where polynomials err in their shortest waves: one radius alone may lie at a node of them
     near: tuple[float, ...] = (0.84, 0.92, 0.97)  # of it; tuned on random bodies, by `make bounds`
     # On the error that the last step of the degree leaves:
-    safety: float = 2.2  # tuned on random bodies, by `make bounds`
+    safety: float = 2.5  # tuned on random bodies, by `make bounds`
     slowest: float = 3.0  # what a step divides it by, at least; tuned on random bodies, by `make failures`
-    fastest: float = 22.0  # at most; tuned on random bodies, by `make bounds`
+    fastest: float = 300.0  # at most; tuned on random bodies, by `make bounds`
     unproven: float = 18.0  # at most, after one step from the lowest; tuned on random bodies, by `make failures`
     cornered: float = 8.0  # at most, with singular corners; tuned on random bodies, by `make failures`
     irregular: int = 2  # elements, up to which no fall is trusted; tuned on random bodies, by `make bounds`
@@ -53,7 +53,7 @@ class HybridTuning:
     # Error of S' by the cut over that of S, at least; theory: the next order changes S by a^3 relative to S ~ a
     steeper_cut: float = 3.0
     # Of the largest change by extrapolating the cut, where the order that it rests on vanishes and others may cancel
-    cancelled: float = 2.0  # tuned on random bodies, by `make bounds`
+    cancelled: float = 1.5  # tuned on random bodies, by `make bounds`
     # Of what the second cut changes where fields decay exponentially:
     decayed: float = 0.05  # tuned on random bodies, by `make failures`
     # Refinement:
@@ -377,7 +377,7 @@ class AdaptiveKernel:
         kernels += [levels.rounded(degree)]
         kernels += [levels.cut(degree, nearer=not region.algebraic)] if region.cut_beside else []
         companions = Companions(contact, tuple(kernels), precise)
-        last, before, waves, _, rounding, *cuts = np.abs(companions.changes(radii))
+        last, before, wave, other, rounding, *cuts = np.abs(companions.changes(radii))
         fastest, plausible = TUNING.fastest, TUNING.plausible
         if region.corners:
             fastest, plausible = TUNING.cornered, TUNING.plausible_cornered
@@ -392,17 +392,18 @@ class AdaptiveKernel:
         small = known and bool(before.max() < TUNING.small or before.max() > plausible * last.max())
         accident = by_accident * (before if known and (not after_lowest or small) else 0.0)
         left = max(TUNING.unseen / (convergence(region) - 1), TUNING.least)
+        # The polynomial that is missing goes in waves: the last one shows one phase of them, the last but one another:
+        parameters = left * np.hypot(wave, other / convergence(region))
         cut = _left_by_cut(region, cuts[0]) if cuts else np.zeros_like(last)
         least = TUNING.no_claim * self.tolerance + (GRADED if levels.wide is not None else 0.0)
         elements = np.hypot(TUNING.safety / falls * last, accident) + rounding + least
         steeper = np.minimum(TUNING.steeper * elements[:-1].max(axis=0), TUNING.allowed * self.attainable)
         elements[-1] = np.maximum(elements[-1], steeper)
-        # The polynomial that is missing goes in waves: the last one shows one phase of them, the last but one another:
         at_points = by_accident * (TUNING.at_points if after_lowest else 1.0)
         parts = (TUNING.safety / float(falls[-1]), at_points, left, left / convergence(region), 1.0)
         weights = (*(part * ALL for part in parts), _of_cut(region))[: len(kernels)]
         companions = replace(companions, weights=weights, least=least + precise)
-        return ErrorEstimates(radii, elements, left * waves, cut, companions)
+        return ErrorEstimates(radii, elements, parameters, cut, companions)
 
 
 def _falls(before: Array, last: Array, fastest: float) -> Array:

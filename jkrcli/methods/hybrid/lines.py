@@ -34,6 +34,9 @@ class LineTuning:
     growth: float = 0.67  # of lengths with the distance from the contact; tuned on reference bodies, by `make tuning`
     far_growth: float = 1.0  # the same far from it; tuned on reference bodies, by `make tuning`
     far: float = 10.0  # contact radii, or depths of the first interface; tuned on reference bodies, by `make tuning`
+    # Of a field that decays exponentially, in lengths: over which it changes, and after which it is gone:
+    decaying: float = 0.5  # tuned on random bodies, by `make bounds`
+    decayed: float = 2.0  # tuned on random bodies, by `make bounds`
     corner: float = 0.15  # ratio of intervals towards a singular corner; theory: Babuska and Suri 1994, about 0.15
     corner_degree: int = 2  # on the smallest of them, growing by one per interval; theory: likewise
     most: int = 10_000  # intervals between two stops; choice: no solve of the cost that is allowed has as many
@@ -130,7 +133,8 @@ def lines(region: Region, degree: int) -> tuple[LineElements, LineElements]:
     gap = region.width - 1 if not region.cut_beside else np.inf
 
     def radial(r: Array) -> Array:
-        return TUNING.length * np.minimum(first + _grown(r - 1, first), gap + region.width - r)
+        size = np.minimum(first + _grown(r - 1, first), gap + region.width - r)
+        return TUNING.length * np.minimum(size, _decaying(r, region))
 
     def vertical(z: Array) -> Array:
         return TUNING.length * np.minimum(first + _grown(z - first, first), gap + z)
@@ -150,7 +154,7 @@ def extended(r: LineElements, region: Region, degree: int) -> LineElements:
     end = float(r.edges[-1])
 
     def beyond(x: Array) -> Array:
-        return TUNING.length * (region.first + _grown(x - 1, region.first))
+        return TUNING.length * np.minimum(region.first + _grown(x - 1, region.first), _decaying(x, region))
 
     more = _partition([end, region.width], beyond, region.cut_beside)[1:]
     degrees = np.full(more.size, degree)
@@ -161,6 +165,15 @@ def _grown(beyond: Array, first: float) -> Array:
     """What lengths gain at the distance ``beyond`` the contact, or below the ``first`` interface."""
     faster = (TUNING.far_growth - TUNING.growth) * np.maximum(beyond - TUNING.far * max(1.0, first), 0.0)
     return TUNING.growth * np.maximum(beyond, 0.0) + faster
+
+
+def _decaying(r: Array, region: Region) -> Array:
+    """Distance over which a field that decays exponentially changes, under a stiff layer many thicknesses, and where it
+    has decayed more."""
+    if region.algebraic or not region.cut_beside:
+        return np.full(np.shape(r), np.inf)
+    gone = r - 1 - TUNING.decayed * region.length
+    return TUNING.decaying * region.length + TUNING.growth * np.maximum(gone, 0.0)
 
 
 def _partition(stops: Iterable[float], size: Callable[[Array], Array], wide: bool) -> Array:

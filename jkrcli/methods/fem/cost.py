@@ -26,6 +26,7 @@ class ForecastTuning:
     load: float = 3e-4  # error of the default spacing, second order; tuned on the bodies of `make chart`, by it
     load_order: float = 2.3  # by which it falls; tuned on the same, by `make chart`
     load_first: float = 1e-2  # error with first-order elements; tuned on the same, by `make chart`
+    graded: float = 0.15  # of what a graded top leaves unresolved; tuned on power laws of depth, by `make bounds`
     radius: float = 6e-4  # error of calibrated radii; tuned on the same, by `make chart`
 
 
@@ -66,6 +67,7 @@ def _error(options: FEMOptions, layout: Layout, calibrated: bool) -> float:
     coarseness = spacing / FEMOptions.spacing if options.layout == "scaled" else max(spacing / FEMOptions.spacing, 1.0)
     rates = TUNING
     load = rates.load * coarseness**rates.load_order if options.order == 2 else rates.load_first * coarseness**2
+    load += rates.graded * layout.unresolved
     if options.contact == "incremental" or not options.edge_correction:
         return load + spacing
     return load + (TUNING.radius * coarseness if calibrated else 0.0)

@@ -137,12 +137,12 @@ class Strip:
     points: Array
 
     @classmethod
-    def below(cls, radii: Array, thickest: float, rows: int, height: float) -> Strip:
-        """The strip below surface vertices at ``radii`` (from 0 on): ``rows``, each as high as ``height`` local
-        distances of the vertices, together no deeper than ``thickest``."""
+    def below(cls, radii: Array, thickest: float, rows: Array, height: float) -> Strip:
+        """The strip below surface vertices at ``radii`` (from 0 on): the ``rows`` end at these depths, in ``height``
+        local distances of the vertices; the last no deeper than ``thickest``."""
         steps = np.diff(radii)
         local = np.concatenate([steps[:1], np.minimum(steps[1:], steps[:-1]), steps[-1:]])
-        depths = np.arange(rows + 1)[:, None] * np.minimum(height * local, thickest / rows)
+        depths = np.append(0.0, rows)[:, None] * np.minimum(height * local, thickest / rows[-1])
         return cls(np.stack([np.broadcast_to(radii, depths.shape), -depths], axis=-1))
 
     @property

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base import ROUNDED, Array, Refusal
-from ...bodies import Problem
+from ...base import ROUNDED, SAME, Array, Refusal
+from ...bodies import Graded, Problem
 from .body import MeshedBody, cut_out
 from .grid import Grid, Strip, make_grid, ringed_quads, tensor_quads
 from .mesh import triangles
@@ -32,6 +32,10 @@ class LayoutTuning:
     zone_three: float = 20.0  # units; theory: depth of the paper's body (Sec. 4.1), beyond it elements grow on
     rows: int = 2  # of the strip below the contact; tuned on the same, by `make tuning`
     height: float = 0.8  # of a row, in local distances of the vertices; tuned on the same, by `make tuning`
+    # Rows at the surface of a material whose modulus changes much within the first one, each so high over the next:
+    thinner: float = 0.3  # tuned on power laws of depth, by `make bounds`
+    changed: float = 1.3  # factor of the modulus that one row follows; tuned on power laws of depth, by `make bounds`
+    thinnest: int = 5  # of them, at most; choice: the first is then 2e-3 of a row
     share: float = 0.6  # of the top layer that the strip takes, at most; tuned on the same, by `make tuning`
     beyond: float = 4.0  # sizes at the reach: so far the strip goes on; tuned on the same, by `make tuning`
     below: float = 5 / 3  # growth below the strip of a calibration, in the body's; tuned on the same, by `make tuning`
@@ -48,7 +52,8 @@ class Layout:
     """A size law over a body, in units of ``unit`` [m]: what is needed to make a grid, and to coarsen it.
 
     ``sides``: (extent, size) along both sides of quadrilateral zones; ``fixed``: radii of the first surface vertices
-    and ``thickest``: how deep the strip below them may be, both taken from another layout.
+    and ``thickest``: how deep the strip below them may be, both taken from another layout; ``thin``: rows into which
+    the first one below the surface is divided.
     """
 
     body: MeshedBody
@@ -58,6 +63,40 @@ class Layout:
     sides: tuple[tuple[float, float], ...] = ()
     fixed: tuple[float, ...] = ()
     thickest: float | None = None
+    thin: int = 0
+
+    @property
+    def shares(self) -> Array:
+        """Depths of the rows below the surface in the height of one, as far as they are ``thin``."""
+        return np.append(TUNING.thinner ** np.arange(self.thin, 0.0, -1), 1.0)
+
+    def following(self) -> Layout:
+        """The layout with as many thin rows as follow how the modulus grows below the surface."""
+        material = self.body.materials[0]
+        if not isinstance(material, Graded):
+            return self
+        heights = self._row * TUNING.thinner ** np.arange(TUNING.thinnest)
+        moduli = material.at(np.append(heights, 0.0))
+        large = np.abs(np.log(moduli[:-1] / moduli[-1])) > np.log(TUNING.changed)
+        return replace(self, thin=int(large.sum()))
+
+    @property
+    def _row(self) -> float:
+        """Height of the largest row below the contact [m], thin ones together."""
+        size = float(self._along_surface(np.array([self.law.reach]))[0])
+        return min(TUNING.height * size, self._thickest / TUNING.rows) * self.unit
+
+    @property
+    def unresolved(self) -> float:
+        """What the row at the surface leaves of a modulus that grows like the power k < 1 of the depth there: k times
+        the power 1 - k of its height over the reach, in which depth compresses next to a surface that yields."""
+        material = self.body.materials[0]
+        if not isinstance(material, Graded):
+            return 0.0
+        first = self._row * float(self.shares[0])
+        moduli = material.at(first * (1 + np.array([-SAME, SAME])))
+        k = float(np.clip(np.diff(np.log(moduli))[0] / (2 * SAME), 0.0, 1.0))
+        return k * (first / (self.law.reach * self.unit)) ** (1 - k)
 
     def coarser(self, factor: float) -> Layout:
         """The same layout with every element ``factor`` times as large."""
@@ -76,11 +115,12 @@ class Layout:
         """About how many elements ``grid`` will make, without making them."""
         width, depth = self.body.width / self.unit, self.body.depth / self.unit
         if self.element == "triangle":
-            return expected_triangles(self.law, width, depth)
+            thin = 2 * self.thin * _expected_points(self._along_surface, self._strip_end) if self.thin else 0.0
+            return expected_triangles(self.law, width, depth) + thin
         across = _expected_points(self._along_surface, width)
         corner = self._ring_start(width, depth, self.body.interfaces)
         if corner is None:
-            return across * _expected_points(self._down, depth)
+            return across * (_expected_points(self._down, depth) + self.thin)
         inner = _expected_points(self._along_surface, corner)
         return inner * (2 * across - inner)
 
@@ -91,7 +131,8 @@ class Layout:
         surface = self._surface_points(width)
         if self.element == "triangle":
             below = surface[: self._strip_width(surface)]
-            strip = Strip.below(below, _rounded(self._thickest), TUNING.rows, TUNING.height)
+            shares = np.append(self.shares, np.arange(2.0, TUNING.rows + 1))
+            strip = Strip.below(below, _rounded(self._thickest), shares, TUNING.height)
             made = triangles(surface, depth, interfaces, self.law.text(), strip)
         else:
             made = make_grid(*self._quadrilaterals(surface, depth, interfaces), interfaces)
@@ -143,7 +184,8 @@ class Layout:
         if corner is None:
             stops = [0.0, *interfaces, depth]
             lines = [graded_points(p, q, self._down) for p, q in itertools.pairwise(stops)]
-            return tensor_quads(surface, _limited(surface, np.unique(np.concatenate(lines))))
+            down = _limited(surface, np.unique(np.concatenate(lines)))
+            return tensor_quads(surface, np.union1d(down, down[1] * self.shares))
         inner = surface[surface <= corner * (1 + ROUNDED)]
         rings = surface[surface > corner * (1 + ROUNDED)]
         across = np.log(rings / corner) / np.log(rings[-1] / corner)
@@ -155,7 +197,7 @@ class Layout:
         """Side of the inner square that rings surround: of homogeneous large bodies touched at a point, else None (and
         where the surface is that of another layout)."""
         law = self.law
-        if self.fixed or interfaces.size or law.a0 > 0 or min(width, depth) < 5 * law.reach:
+        if self.fixed or self.thin or interfaces.size or law.a0 > 0 or min(width, depth) < 5 * law.reach:
             return None
         return self.sides[2][0] if self.sides else law.inner
 
@@ -215,7 +257,7 @@ def scaled_layout(
 ) -> Layout:
     """Element size ``spacing`` times the distance from the first contact beyond ``smallest`` [m], then growing."""
     law = _law(body, reach, 1.0, a0, growth)
-    return Layout(body, replace(law, inner=_rounded(smallest / reach), slope=spacing), reach, element)
+    return Layout(body, replace(law, inner=_rounded(smallest / reach), slope=spacing), reach, element).following()
 
 
 def zones_layout(body: MeshedBody, options: FEMOptions, reach: float, a0: float, R: float) -> Layout:
@@ -231,10 +273,10 @@ def zones_layout(body: MeshedBody, options: FEMOptions, reach: float, a0: float,
     zones = tuple((end, max(halves * size, e)) for end, size in zip(ends, options.zone_sizes, strict=True))
     law = replace(_law(body, unit, extent, a0, options.growth_of_sizes), floor=e, zones=() if thin else zones)
     if options.element == "triangle":
-        return Layout(body, law, unit, options.element)
+        return Layout(body, law, unit, options.element).following()
     far = max(body.width, body.depth, 2 * ends[2] * unit) / unit
     beyond = (far, zones[2][1] + law.far_growth * (far - ends[2]))
-    return Layout(body, law, unit, options.element, ((0.0, e), (extent, e), *zones, beyond))
+    return Layout(body, law, unit, options.element, ((0.0, e), (extent, e), *zones, beyond)).following()
 
 
 def _law(body: MeshedBody, unit: float, reach: float, a0: float, growth: float) -> SizeLaw:

@@ -33,14 +33,16 @@ def exactly(problem: Problem, a: np.ndarray):
 
 def test_a_strip_is_filled_by_its_triangles():
     r = np.array([0.0, 0.1, 0.25, 0.5])
-    strip = Strip.below(r, 10.0, 2, 0.8)
+    strip = Strip.below(r, 10.0, np.array([1.0, 2.0]), 0.8)
     x, z = strip.points.reshape(-1, 2)[strip.cells].transpose(2, 0, 1)
     areas = 0.5 * ((x[:, 1] - x[:, 0]) * (z[:, 2] - z[:, 0]) - (x[:, 2] - x[:, 0]) * (z[:, 1] - z[:, 0]))
     assert (areas > 0).all()
     depth = -strip.points[-1, :, 1]
     assert areas.sum() == pytest.approx(np.trapezoid(depth, r), rel=1e-14)
     assert depth == pytest.approx(2 * 0.8 * np.array([0.1, 0.1, 0.15, 0.25]))  # the smaller neighbouring step
-    assert -Strip.below(r, 0.1, 2, 0.8).points[-1, :, 1].min() == pytest.approx(0.1)  # no deeper than asked
+    assert -Strip.below(r, 0.1, np.array([1.0, 2.0]), 0.8).points[-1, :, 1].min() == pytest.approx(
+        0.1
+    )  # no deeper than asked
 
 
 @pytest.mark.parametrize("element", ["triangle", "quadrilateral"])

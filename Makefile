@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise-study chart chart-peers failures bounds point-bounds range-bounds stack-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards mutants tuning constants sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise-study chart chart-peers failures bounds point-bounds range-bounds stack-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -156,6 +156,9 @@ tension-bounds: $(READY) ## whether 95 % intervals of E*, surface tension and w 
 
 record-rivals: $(READY) ## whether wrong models of raw records are told and right ones are not accused, on 20 records of each kind (fifteen minutes)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.record_rivals $(call QUOTE,$(SEED)) 20
+
+golden: $(READY) ## what users get of every command, beside that of the commit AGAINST, to the byte (ten minutes a commit)
+	$(STUDY).golden --against $(call QUOTE,$(AGAINST))
 
 mutants: $(READY) ## deliberate slips in what is computed, one at a time, which the fast tests must notice (five minutes)
 	$(STUDY).mutants

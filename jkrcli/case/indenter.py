@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 import operator
 from collections.abc import Iterable
 from pathlib import Path
@@ -13,15 +12,18 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from ..base import InputError, read_bytes
 from ..bodies import SHAPES, Elastic, Indenter
+from ..tables.text_table import TextTable, read_table
+from ..tables.titles import split_name, unit_power
 from .fields import BuiltTable, Modulus, Poisson, findings, table_of, wrong
 
+CALLED = {"r": ("r", "radius"), "f": ("f", "z", "height")}  # columns of a profile
 MOST_BYTES = 4 << 20  # choice: of a profile's file, a hundred thousand points are read in a second
 
 
 class IndenterTable(BuiltTable):
     """Keys that every shape has: its name, E and nu of an elastic indenter (left out: rigid).
 
-    A shape by lists may be given as a CSV ``file`` with a column in m for each, ``r_m`` for the key ``r``.
+    A shape by lists may be given as a ``file``, a table of text with a column for each: "r (nm)" for the key ``r``.
     """
 
     E: Modulus | None = None
@@ -39,7 +41,7 @@ class IndenterTable(BuiltTable):
         if not isinstance(name, str) or any(key in data for key in lists):
             raise wrong(f"give either file or the lists {' and '.join(lists)}")
         folder = (info.context or {}).get("folder") or Path()
-        return data | read_columns(folder / name, [f"{key}_m" for key in lists])
+        return data | read_columns(folder / name, lists)
 
     @model_validator(mode="after")
     def _buildable(self) -> Self:
@@ -73,26 +75,28 @@ def any_indenter(shapes: Iterable[str]) -> Any:
 
 
 def read_columns(path: Path, wanted: list[str]) -> dict[str, tuple[float, ...]]:
-    """The columns ``wanted`` [m] of a CSV file with one header line that names them in any order, by key."""
+    """The columns ``wanted``, lengths in m, of a table of text by their names, with a unit in the header or in m."""
     try:
-        lines = read_bytes(path, "profile file", MOST_BYTES).decode("utf-8-sig").splitlines()
+        content = read_bytes(path, "profile file", MOST_BYTES)
+        table = read_table(path, least=len(wanted), content=content)
+        chosen = {name: _column(table, name) for name in wanted}
     except InputError as error:
-        raise wrong(str(error)) from None
-    except UnicodeDecodeError:
-        raise wrong(f"{path}: profile file is not a text file") from None
-    names = [name.strip() for name in lines[0].split(",")] if lines else []
-    if not set(wanted) <= set(names):
-        header = " and ".join(wanted)
-        raise wrong(f'{path}: line 1 must be a header with {header}, got "{(lines or [""])[0][:40]}"')
-    rows = [_row(path, number, line, names) for number, line in enumerate(lines[1:], start=2) if line.strip()]
-    return {name.removesuffix("_m"): tuple(row[name] for row in rows) for name in wanted}
+        raise wrong("; ".join(error.lines)) from None
+    return {name: tuple((scale * table.values[:, i]).tolist()) for name, (i, scale) in chosen.items()}
 
 
-def _row(path: Path, number: int, line: str, names: list[str]) -> dict[str, float]:
-    try:
-        cells = dict(zip(names, (float(cell) for cell in line.split(",")), strict=True))
-    except ValueError:
-        cells = {}
-    if not cells or not all(math.isfinite(cell) for cell in cells.values()):
-        raise wrong(f'{path}: line {number} must hold {len(names)} finite numbers, got "{line[:40]}"')
-    return cells
+def _column(table: TextTable, name: str) -> tuple[int, float]:
+    """Number of the column called ``name`` and its unit in m."""
+    titles = [split_name(title) for title in table.names]
+    matches = [i for i, (title, _) in enumerate(titles) if title.strip().lower() in CALLED.get(name, (name,))]
+    if len(matches) != 1:
+        count = "no column" if not matches else f"{len(matches)} columns"
+        raise InputError(
+            f'{table.path}: {count} "{name}": the header must name r and f with their unit, "r (nm)", "f (nm)" or r_m, '
+            f"f_m ({table.choice})"
+        )
+    unit = titles[matches[0]][1] or "m"
+    power = unit_power(unit)
+    if power is None or power[0] != "length":
+        raise InputError(f'{table.path}: {table.titled(matches[0])}: must be a length, "{name} (nm)"')
+    return matches[0], 10.0 ** power[1]

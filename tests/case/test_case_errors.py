@@ -174,7 +174,8 @@ WHOLE_FILES = {
         b"[indenter]\nshape='table'\nr=[0,1,2,3]\nf=[0,1,1.5,3]\n[specimen.half_space]\nE=1\nnu=0.3\n[loading]\ndepth=0.1",
         [
             "indenter: profile table: must be convex, the slope falls at point 2 (r = 1 m); JKR needs a contact "
-            "disc that only grows: remove or smooth that point"
+            "disc that only grows: remove that point, or for measured points say how much they scatter: noise = "
+            '"0.05 nm"'
         ],
     ),
     "missing profile": (

@@ -6,14 +6,30 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Annotated, ClassVar
 
 import numpy as np
 
-from ...base import AT_ONCE, LOOKED_AT, ROUNDED, TINY, AnyLength, Array, InputError, Key, spline_slopes
+from ...base import (
+    AT_ONCE,
+    LOOKED_AT,
+    REMEMBERED,
+    ROUNDED,
+    TINY,
+    AnyLength,
+    Array,
+    InputError,
+    Key,
+    Length,
+    positive,
+    show,
+    spline_slopes,
+)
 from ..indenter import Indenter, shape
 from ..materials import Elastic
+from .smoothing import TUNING as SMOOTHING
+from .smoothing import SmoothProfile, cut_at, scatter, smooth_convex
 
 
 @dataclass(frozen=True)
@@ -29,6 +45,10 @@ class TableTuning:
     safety: float = 1.25  # theory: on errors by the order of three grids (Roache, J. Fluids Eng. 116 (1994) 405)
     corner: float = 0.1  # jump of the slope where a straight run ends, over the slope beyond; choice: less is none
     near: float = 0.01  # of an interval, to its end: a corner as near is at that point; choice: points are rounded
+    normal: float = 1.645  # theory: 90 % of a normal distribution, in standard errors
+    draws: int = 3  # choice: profiles that the noise leaves, where a state moves with the profile
+    # of what the largest of so many draws changes, that 90 % half-width; 1.645/1.8, which ``fewer_points`` adds
+    of_draws: float = 0.9  # theory: over about one standard error
     few: int = 9  # theory: points of a table, of every fourth of which no spline is left, and then
     few_factors: tuple[float, float, float] = (1.7, 1.0, 1.7)  # theory: of parabolas, less where a tip is blunt
 
@@ -45,27 +65,53 @@ class TableProfile(Indenter):
     points come to a tip there; it breaks at ``bends`` [m], radii of the table at which the user says that the slope
     jumps, and where a straight run of points ends. Where such a spline were not convex, between rough points, it is
     the convex quadratic one of Schumaker (1983). Exact for a paraboloid; its Abel image is a sum of closed forms.
+
+    Points that scatter by a ``noise`` [m], one standard deviation, or that are not convex and whose scatter tells it,
+    give the smooth convex profile within it (``smoothing.py``); what that leaves open is in the ``resolution``.
     """
 
     r: tuple[AnyLength, ...]
     heights: Annotated[tuple[AnyLength, ...], Key("f")]
     bends: tuple[AnyLength, ...] = ()
     material: Elastic | None = None
+    noise: Length | None = None
+    smooth: SmoothProfile | None = field(init=False, repr=False, compare=False)
     knots: Array = field(init=False, repr=False, compare=False)
     pieces: Array = field(init=False, repr=False, compare=False)
     noun: ClassVar[str] = "tabulated profile"
 
     def __post_init__(self) -> None:
         r, f = np.asarray(self.r, dtype=float), np.asarray(self.heights, dtype=float)
-        self._check(r, f)
-        knots, pieces = _profile(*_with_corners(r, _flattened(r, f), np.searchsorted(r, self.bends)))
+        smooth = self._check(r, f)
+        object.__setattr__(self, "smooth", smooth)
+        if smooth is not None:
+            knots, pieces = smooth.knots, smooth.pieces
+        else:
+            knots, pieces = _profile(*_with_corners(r, _flattened(r, f), np.searchsorted(r, self.bends)))
         for name, array in (("knots", knots), ("pieces", pieces)):
             array.setflags(write=False)
             object.__setattr__(self, name, array)
 
-    def _check(self, r: Array, f: Array) -> None:
-        _check_table(r, f)
+    def _check(self, r: Array, f: Array) -> SmoothProfile | None:
+        """What is smoothed of the points, None where they are taken as they are; InputError where they are no
+        profile."""
+        noise = self.noise
+        if noise is not None:
+            positive(noise=noise)
+        _check_table(r, f, noise is None)
         _check_bends(self.bends, r)
+        if noise is None:
+            dip = _first_dip(r, f)
+            if dip is None:
+                return None
+            noise = scatter(r, f) if r.size >= SMOOTHING.fewest else 0.0
+            if not noise > ROUNDED * np.ptp(f):
+                raise InputError(
+                    f"profile table: must be convex, the slope falls at point {dip + 1} (r = {r[dip]:g} m); "
+                    "JKR needs a contact disc that only grows: remove that point, or for measured points say how much "
+                    'they scatter: noise = "0.05 nm"'
+                )
+        return _smoothed(tuple(r.tolist()), tuple(f.tolist()), noise, self.bends)
 
     @property
     def a0(self) -> float:
@@ -95,7 +141,19 @@ class TableProfile(Indenter):
 
     @property
     def words(self) -> str:
-        return f"profile of {len(self.r)} points"
+        smooth, text = self.smooth, f"profile of {len(self.r)} points"
+        if smooth is None:
+            return text
+        found = "stated" if self.noise is not None else "found from their scatter"
+        return (
+            f"{text}, smoothed: convex within a noise of {show(smooth.noise, 'length', 2)} ({found}), points off "
+            f"by {show(smooth.rms, 'length', 2)} rms and {show(smooth.largest, 'length', 2)} at most, at r = "
+            f"{show(smooth.at, 'length', 3)}"
+        )
+
+    @property
+    def remark(self) -> str:
+        return "" if self.smooth is None else self.words
 
     def f(self, r: Array) -> Array:
         r = np.asarray(r, dtype=float)
@@ -127,18 +185,35 @@ class TableProfile(Indenter):
         """Errors (2, n) of F [m] and of its slope [-] near radii ``a`` [m], as fewer points tell them: the error of the
         mean of F over the contact, which P feels, is part of the first. Next to the axis that of the slope is that of a
         tip."""
+        if self.smooth is not None:
+            (noisy,) = self._at(self._noise, a)
+            return noisy
         changes, shares = self._at(self._resolved, a)
         F, slope, mean = changes * shares
         at_tip = np.where(np.asarray(a) < self._resolved[0][0], self._tip_error, 0.0)
         return np.stack([F + mean, np.maximum(slope, at_tip)])
 
     def left(self, a: Array) -> Array:
-        return self._at(self._resolved, a)[1]
+        return np.full((3, a.size), TUNING.of_draws) if self.smooth is not None else self._at(self._resolved, a)[1]
 
     def _at(self, columns: tuple[Array, ...], a: Array) -> list[Array]:
         """The ``columns`` after the first, even radii [m], at the next to each of ``a``."""
         x, *rest = columns
         return [values[:, np.clip(np.searchsorted(x, a), 0, x.size - 1)] for values in rest]
+
+    @cached_property
+    def _noise(self) -> tuple[Array, Array]:
+        """Even radii [m] up to the end, and errors of F [m] and its slope there by what noise leaves open, (2, n): of F
+        itself, which delta feels, or of F less its mean over the contact, which P does, the larger."""
+        assert self.smooth is not None
+        x = np.linspace(0, self.r_max, LOOKED_AT + 1)[1:]
+        total = np.zeros((3, x.size))
+        for knots, pieces in self.smooth.modes:
+            F, slope = _images(knots, pieces, x)
+            mean = np.cumsum(F) / np.arange(1.0, x.size + 1)
+            total += np.array([F, F - mean, slope]) ** 2
+        F, less_mean, slope = TUNING.normal * np.sqrt(total)
+        return x, np.stack([np.maximum(F, less_mean), slope])
 
     @cached_property
     def _resolved(self) -> tuple[Array, Array, Array]:
@@ -182,40 +257,77 @@ class TableProfile(Indenter):
 
     @cached_property
     def thinned(self) -> tuple[TableProfile, ...]:
-        """The profiles through every second point, ends and bends kept."""
+        """The profiles through every second point, ends and bends kept; of smoothed points other profiles that the
+        noise leaves."""
+        if self.smooth is not None:
+            return tuple(_Drawn.of(self, self.smooth, number) for number in range(TUNING.draws))
         r, f = np.array(self.r), np.array(self.heights)
         fixed = [0, r.size - 1, *np.searchsorted(r, self.bends)]
         rows = [np.unique([*fixed, *range(first, r.size, 2)]) for first in (0, 1)]
         return tuple(_Thinned(tuple(r[row]), tuple(f[row]), self.bends) for row in rows if row.size < r.size)
 
     def _sums(self, x: Array) -> tuple[Array, Array, Array, Array]:
-        """The sums over all pieces of alpha times the change of arcsin(r/x), of beta times that of sqrt(x^2 - r^2) [m],
-        of gamma times the integral of r^2/sqrt(x^2 - r^2), and over jumps of the slope at knots k of k/sqrt(x^2 - k^2)
-        times them; r no larger than x; some x at a time, in little memory."""
-        _, slope, curvature, gamma = self.pieces * np.array([[1.0], [1.0], [1.0], [0.5]])
-        k = self.knots[:-1]
-        alpha, beta = slope - k * (curvature - k * gamma), curvature - 2 * k * gamma
-        jump = slope - np.append(slope[0], _ends(self.knots, self.pieces)[1, :-1])
-        jump[jump < ROUNDED * slope[-1]] = 0.0
-        columns = np.empty((4, x.size))
-        step = max(AT_ONCE // self.knots.size, 1)
-        for start in range(0, x.size, step):
-            some = x.ravel()[start : start + step, None]
-            r = np.minimum(self.knots[: np.searchsorted(self.knots, some.max()) + 1], some)
-            root = np.sqrt((some - r) * (some + r))
-            angle = np.arctan2(r, root)  # arcsin(r/x), also to rounding where x lies just beyond a knot
-            last = r.shape[1] - 1
-            turns, bent = np.diff(angle), np.diff(some**2 * angle - r * root) / 2
-            steps = np.divide(r, root, out=np.zeros_like(r), where=root > 0)[:, :last] @ jump[:last]
-            sums = turns @ alpha[:last], np.diff(root) @ beta[:last], bent @ gamma[:last], steps
-            columns[:, start : start + step] = sums
-        return tuple(columns.reshape(4, *x.shape))
+        return _sums(self.knots, self.pieces, x)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _smoothed(r: tuple[float, ...], f: tuple[float, ...], noise: float, bends: tuple[float, ...]) -> SmoothProfile:
+    """Remembered: a case is read and built several times, which takes a second each."""
+    return smooth_convex(np.array(r), np.array(f), noise, np.array(bends))
+
+
+def _images(knots: Array, pieces: Array, x: Array) -> tuple[Array, Array]:
+    """F [m] and its slope [-] at radii x > 0, of any pieces."""
+    angles, roots, bent, jumps = _sums(knots, pieces, x)
+    return x * (angles - roots + bent), angles - 2 * roots + 3 * bent + jumps
+
+
+def _sums(knots: Array, pieces: Array, x: Array) -> tuple[Array, Array, Array, Array]:
+    """The sums over all pieces of alpha times the change of arcsin(r/x), of beta times that of sqrt(x^2 - r^2) [m],
+    of gamma times the integral of r^2/sqrt(x^2 - r^2), and over jumps of the slope at knots k of k/sqrt(x^2 - k^2)
+    times them; r no larger than x; some x at a time, in little memory."""
+    _, slope, curvature, gamma = pieces * np.array([[1.0], [1.0], [1.0], [0.5]])
+    k = knots[:-1]
+    alpha, beta = slope - k * (curvature - k * gamma), curvature - 2 * k * gamma
+    jump = slope - np.append(slope[0], _ends(knots, pieces)[1, :-1])
+    jump[np.abs(jump) < ROUNDED * np.max(np.abs(slope))] = 0.0
+    columns = np.empty((4, x.size))
+    step = max(AT_ONCE // knots.size, 1)
+    for start in range(0, x.size, step):
+        some = x.ravel()[start : start + step, None]
+        r = np.minimum(knots[: np.searchsorted(knots, some.max()) + 1], some)
+        root = np.sqrt((some - r) * (some + r))
+        angle = np.arctan2(r, root)  # arcsin(r/x), also to rounding where x lies just beyond a knot
+        last = r.shape[1] - 1
+        turns, bent = np.diff(angle), np.diff(some**2 * angle - r * root) / 2
+        steps = np.divide(r, root, out=np.zeros_like(r), where=root > 0)[:, :last] @ jump[:last]
+        sums = turns @ alpha[:last], np.diff(root) @ beta[:last], bent @ gamma[:last], steps
+        columns[:, start : start + step] = sums
+    return tuple(columns.reshape(4, *x.shape))
+
+
+class _Drawn(TableProfile):
+    """A profile that the noise leaves: the smooth one and a draw of its modes."""
+
+    @classmethod
+    def of(cls, table: TableProfile, smooth: SmoothProfile, number: int) -> _Drawn:
+        rng = np.random.default_rng(number)
+        knots = np.unique(np.concatenate([smooth.knots, *(knots for knots, _ in smooth.modes)]))
+        pieces = cut_at(knots, smooth.knots, smooth.pieces)
+        for own, mode in smooth.modes:
+            pieces = pieces + rng.standard_normal() * cut_at(knots, own, mode)
+        drawn = object.__new__(cls)
+        for name, value in {**vars(table), "smooth": None, "knots": knots, "pieces": pieces}.items():
+            if name not in ("_noise", "kinks", "thinned"):
+                object.__setattr__(drawn, name, value)
+        return drawn
 
 
 class _Thinned(TableProfile):
     """A profile through some points of one that was checked, two at least."""
 
-    def _check(self, r: Array, f: Array) -> None: ...
+    def _check(self, r: Array, f: Array) -> SmoothProfile | None:
+        return None
 
 
 def _changes(of: TableProfile, others: Sequence[TableProfile], x: Array) -> Array:
@@ -234,7 +346,8 @@ def _most(changes: Array, first: int, last: int) -> Array:
     return np.append(changes[:2, first : last + 1].max(axis=1), changes[2, last])
 
 
-def _check_table(r: Array, f: Array) -> None:
+def _check_table(r: Array, f: Array, exact: bool) -> None:
+    """Refuse what is no profile; ``exact``: heights without noise, of which the first is 0."""
     if r.size > TUNING.points:
         raise InputError(
             f"profile table: has {r.size:,} points, at most {TUNING.points:,} are taken; leave out points that lie "
@@ -244,21 +357,22 @@ def _check_table(r: Array, f: Array) -> None:
         raise InputError(f"profile table: needs at least 3 points (r, f), got {r.size} and {f.size}")
     if not (np.isfinite(r).all() and np.isfinite(f).all()):
         raise InputError("profile table: holds a value that is not finite")
-    if r[0] != 0 or f[0] != 0:
+    if r[0] != 0 or (exact and f[0] != 0):
         raise InputError(f"profile table: must start at r = 0, f = 0, got ({r[0]:g}, {f[0]:g})")
     if (np.diff(r) <= 0).any():
         i = int(np.argmax(np.diff(r) <= 0)) + 1
         raise InputError(f"profile table: radii must increase, point {i + 1} has r = {r[i]:g} after {r[i - 1]:g}")
+    if f[-1] <= f[0]:
+        raise InputError("profile table: is flat; a flat end needs a rounded edge")
+
+
+def _first_dip(r: Array, f: Array) -> int | None:
+    """Number of the first point at which the slope falls, or the profile from the axis on; None: it is convex."""
     chord = np.diff(f) / np.diff(r)
     dips = np.diff(chord) < -ROUNDED * max(float(np.max(np.abs(chord))), TINY)
-    if chord[0] < 0 or dips.any():
-        i = int(np.argmax(dips)) + 1 if chord[0] >= 0 else 0
-        raise InputError(
-            f"profile table: must be convex, the slope falls at point {i + 1} (r = {r[i]:g} m); "
-            "JKR needs a contact disc that only grows: remove or smooth that point"
-        )
-    if f[-1] <= 0:
-        raise InputError("profile table: is flat; a flat end needs a rounded edge")
+    if chord[0] < 0:
+        return 0
+    return int(np.argmax(dips)) + 1 if dips.any() else None
 
 
 def _check_bends(bends: tuple[float, ...], r: Array) -> None:

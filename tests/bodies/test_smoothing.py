@@ -1,0 +1,184 @@
+"""Profiles as measured: the smooth convex one within their noise, and what that leaves open."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from jkrcli import (
+    Elastic,
+    HalfSpace,
+    InputError,
+    Loading,
+    Problem,
+    Specimen,
+    TableProfile,
+    load_case,
+    parse_case,
+    pull_off,
+    solve,
+)
+from jkrcli.bodies.indenters.smoothing import scatter
+
+FLAT, R, E_STAR, NOISE = 60e-9, 500e-9, 10e6 / (1 - 0.45**2), 0.05e-9
+
+
+def heights(r: np.ndarray, flat: float = FLAT) -> np.ndarray:
+    return np.maximum(0.0, (r**2 - flat**2) / (2 * R))
+
+
+def measured(seed: int, points: int = 61, flat: float = FLAT, noise: float = NOISE) -> tuple[np.ndarray, np.ndarray]:
+    """A paraboloid, worn or not, with independent noise of its heights."""
+    r = np.linspace(0, 300e-9, points)
+    return r, heights(r, flat) + noise * np.random.default_rng(seed).standard_normal(points)
+
+
+def smoothed(r: np.ndarray, f: np.ndarray, **keys: float) -> TableProfile:
+    return TableProfile(tuple(r.tolist()), tuple(f.tolist()), **keys)  # type: ignore[arg-type]
+
+
+def lowest(w: float, flat: float) -> float:
+    """Pull-off force [N] of a truncated paraboloid on a half-space."""
+
+    def load(a: float) -> float:
+        a *= 1e-9
+        s = math.sqrt(a**2 - flat**2)
+        P_H = 2 * E_STAR * (a**2 * s / R - s**3 / (3 * R))
+        return 1e9 * (P_H - math.sqrt(8 * math.pi * E_STAR * w * a**3))
+
+    return float(minimize_scalar(load, bounds=(80, 250), method="bounded").fun) * 1e-9
+
+
+def pulled(tip: TableProfile, w: float) -> tuple[float, float]:
+    body = Specimen((), HalfSpace(Elastic(10e6, 0.45)))
+    point = pull_off(solve(Problem(tip, body, Loading("radius", 250e-9, 40))), w=w).summary()["controls"][0]["pull_off"]
+    return point["P_N"], point["P_err_N"]
+
+
+def misses(seeds: range, points: int, flat: float) -> np.ndarray:
+    """Errors of the pull-off force over the stated ones, by the seed of the noise."""
+    true, off = lowest(0.05, flat), []
+    for seed in seeds:
+        P, error = pulled(smoothed(*measured(seed, points, flat), noise=NOISE), 0.05)
+        assert error < 8e-3 * abs(true)  # a twentieth of a nanometre is no excuse
+        off.append((P - true) / error)
+    return np.array(off)
+
+
+@pytest.mark.parametrize(("points", "flat"), [(61, FLAT), (30, 0.0)])
+def test_pull_off_under_a_noisy_tip_is_within_its_error(points: int, flat: float) -> None:
+    """It was refused as not convex."""
+    assert np.count_nonzero(np.abs(misses(range(4), points, flat)) <= 1) >= 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("points", "flat"), [(61, FLAT), (30, 0.0), (121, FLAT)])
+def test_stated_errors_of_noisy_tips_hold_for_most_draws(points: int, flat: float) -> None:
+    off = misses(range(1000, 1060), points, flat)
+    assert np.count_nonzero(np.abs(off) <= 1) >= 48  # 54 of 60 expected
+    assert 0.3 < np.mean((1.645 * off) ** 2) < 2.0  # a width that is neither half nor double
+
+
+def test_the_smooth_profile_is_convex_and_has_the_corner_of_the_worn_end() -> None:
+    for seed in range(3):
+        r, f = measured(seed)
+        tip = smoothed(r, f, noise=NOISE)
+        x = np.linspace(0, 300e-9, 3001)
+        assert (np.diff(tip.slope(x)) >= -1e-12).all()
+        assert np.max(np.abs(tip.f(x) - heights(x))) < 3 * NOISE
+        assert tip.kinks[0] == pytest.approx(FLAT, abs=2e-9)
+        assert tip.r_max == r[-1]
+
+
+def test_noise_is_found_from_the_scatter_and_told() -> None:
+    r, f = measured(0, 121)
+    assert scatter(r, f) == pytest.approx(NOISE, rel=0.4)  # of 121 points, by a median
+    found, stated = smoothed(r, f - f[0]), smoothed(r, f, noise=NOISE)
+    assert "found from their scatter" in found.words
+    assert "(stated)" in stated.words
+    assert "at most, at r = " in stated.remark
+    assert found.smooth is not None
+    assert found.smooth.noise == pytest.approx(NOISE, rel=0.4)
+    x = np.linspace(80e-9, 300e-9, 50)
+    assert (np.abs(found.abel(x) - x * np.sqrt(x**2 - FLAT**2) / R) < 2 * found.resolution(x)[0]).all()
+
+
+def test_points_that_are_convex_are_taken_as_they_are() -> None:
+    r = np.linspace(0, 300e-9, 61)
+    tip = smoothed(r, heights(r))
+    assert tip.smooth is None
+    assert tip.remark == ""
+
+
+def test_a_tip_that_is_not_convex_beyond_its_noise_is_refused_with_a_remedy() -> None:
+    r, f = measured(1)
+    bump = f + 3e-9 * np.exp(-(((r - 150e-9) / 15e-9) ** 2))
+    with pytest.raises(
+        InputError, match=r"not convex within its noise of 50 pm: departs .* at r = .*noise = "
+    ) as caught:
+        smoothed(r, bump, noise=NOISE)
+    remedy = float(str(caught.value).rsplit('noise = "', 1)[1].split()[0]) * 1e-12
+    assert smoothed(r, bump, noise=remedy).smooth is not None  # as the message says
+    with pytest.raises(InputError, match=r'must be convex.*noise = "0.05 nm"'):
+        smoothed(r[:8], np.array([0, 1, 3, 4, 8, 9, 15, 21]) * 1e-9)  # too few to tell their scatter
+
+
+def test_a_change_of_units_changes_nothing() -> None:
+    r, f = measured(2)
+    tip, large = smoothed(r, f, noise=NOISE), smoothed(1e6 * r, 1e6 * f, noise=1e6 * NOISE)
+    x = np.linspace(70e-9, 290e-9, 12)
+    np.testing.assert_allclose(large.abel(1e6 * x), 1e6 * tip.abel(x), rtol=1e-6)
+    np.testing.assert_allclose(large.resolution(1e6 * x)[0], 1e6 * tip.resolution(x)[0], rtol=1e-4)
+
+
+# ---------------------------------------------------------------------- files
+CASE = """[indenter]\nshape = "table"\nfile = "tip.csv"\n{}[specimen.half_space]\nE = "10 MPa"\nnu = 0.45
+[loading]\nradius = 1e-7\n"""
+HEADERS = {
+    "r_m,f_m\n": (1.0, ","), "r (nm),f (nm)\n": (1e-9, ","), "# r [um]; f [um]\n": (1e-6, ";"),
+    "f (nm)\tr (nm)\n": (1e-9, "\t"), "Radius / nm, Height / nm\n": (1e-9, ","), "r,f\n": (1.0, ","),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("header", HEADERS)
+def test_a_profile_file_has_any_header_of_a_table(tmp_path: Path, header: str) -> None:
+    unit, mark = HEADERS[header]
+    r, f = [0.0, 1e-8, 2e-8, 4e-8], [0.0, 1e-10, 4e-10, 16e-10]
+    rows = [(y, x) if header.startswith("f") else (x, y) for x, y in zip(r, f, strict=True)]
+    text = "".join(f"{one / unit:.12g}{mark}{two / unit:.12g}\n" for one, two in rows)
+    (tmp_path / "tip.csv").write_text(header + text)
+    (tmp_path / "case.toml").write_text(CASE.format(""))
+    tip = load_case(tmp_path / "case.toml").model.problem().indenter
+    assert isinstance(tip, TableProfile)
+    np.testing.assert_allclose([tip.r, tip.heights], [r, f], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("x (nm),y (nm)\n0,0\n1,2\n2,5\n", 'no column "r": the header must name r and f'),
+        ("r (nm),f (nN)\n0,0\n1,2\n2,5\n", 'column 2 "f (nN)": must be a length'),
+        ("r (nm),f (nm)\n0,0\n1,two\n2,5\n", "line 3"),
+    ],
+)
+def test_a_profile_file_that_is_none_is_refused(tmp_path: Path, text: str, said: str) -> None:
+    (tmp_path / "tip.csv").write_text(text)
+    (tmp_path / "case.toml").write_text(CASE.format(""))
+    with pytest.raises(InputError) as caught:
+        load_case(tmp_path / "case.toml")
+    assert said in str(caught.value)
+
+
+def test_the_noise_is_a_key_of_the_case_and_stays_in_the_resolved_one(tmp_path: Path) -> None:
+    r, f = measured(0)
+    rows = "".join(f"{1e9 * x:.6g},{1e9 * y:.6g}\n" for x, y in zip(r, f, strict=True))
+    (tmp_path / "tip.csv").write_text("r (nm),f (nm)\n" + rows)
+    (tmp_path / "case.toml").write_text(CASE.format('noise = "0.05 nm"\n'))
+    case = load_case(tmp_path / "case.toml")
+    problem = case.model.problem()
+    assert "noise of 50 pm (stated)" in problem.words
+    assert parse_case(case.to_toml()).model.problem() == problem

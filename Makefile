@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise-study chart chart-peers failures bounds point-bounds range-bounds stack-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures bounds point-bounds range-bounds stack-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -111,14 +111,20 @@ bench: $(READY) ## time the stages of a run
 paper: $(READY) ## the paper by its own method: figures 5, 7, 8, 10, its numbers beside ours (two minutes, 5 GiB; FULL=no: one, 1 GiB)
 	$(STUDY).paper -o $(RESULTS)/paper $(if $(filter no,$(FULL)),,--full-mesh) $(if $(MEASURED),--measured $(call QUOTE,$(MEASURED)))
 
-noise-study: $(READY) ## what noise in the data does to the adhesive curve, and what is wrong with noise (hours)
+noise: $(READY) ## how pull-off errs over noise and rows by every rule for slopes, with the part that fails (five minutes)
+	$(STUDY).noise --body hertz -o $(RESULTS)/noise
+
+noise-study: $(READY) ## the same on four bodies, and what is wrong with noise (hours)
 	$(STUDY).noise -o $(RESULTS)/noise
 	$(STUDY).disturbed
 
-chart: $(READY) ## speed against accuracy on four bodies: pictures and tables
+chart: $(READY) ## speed against accuracy on four bodies, other programs in the same run where they are installed (ten minutes)
 	@mkdir -p $(RESULTS)/chart
+	PYTHONPATH=docs $(VENV)/bin/python docs/peers/run.py --longest 10 -o $(RESULTS)/chart/peers.json \
+	  --python $(firstword $(wildcard $(VENV)-peers/bin/python) $(VENV)/bin/python)
 	for name in halfspace thin-layer gel coating; do \
-	  $(STUDY).chart cases/$$name.toml --peers docs/peers/timings.json -o $(RESULTS)/chart || exit 1; done
+	  $(STUDY).chart cases/$$name.toml --repeat 2 --patience 15 --peers docs/peers/timings.json \
+	    --peers-now $(RESULTS)/chart/peers.json -o $(RESULTS)/chart || exit 1; done
 
 chart-peers: $(READY) ## run other programs on the same work, in an environment of their own (half an hour; needs ccx)
 	$(PYTHON) -m venv --clear $(VENV)-peers
@@ -133,7 +139,7 @@ constants: $(READY) ## every chosen number halved and doubled: which results mov
 	@mkdir -p $(RESULTS)/constants
 	$(STUDY).constants -o $(RESULTS)/constants | tee $(RESULTS)/constants/constants.txt
 
-failures: $(READY) ## where each method is right, refuses, or errs (an hour)
+failures: $(READY) ## where each method is right, refuses, or errs, told as it goes (an hour)
 	$(STUDY).failures -o $(RESULTS)/failures
 
 bounds: $(READY) ## whether stated errors bound the true ones and are near them, on 500 random bodies (half an hour)

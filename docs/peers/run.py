@@ -154,12 +154,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description="Run the peers of the chart.")
     parser.add_argument("--python", default=sys.executable, help="Python of the peers' environment")
     parser.add_argument("--only", action="append", help="this peer alone")
+    parser.add_argument("--longest", type=float, help="leave out what took longer in timings.json [CPU s]")
     parser.add_argument("-o", "--output", type=Path, default=HERE / "timings.json")
     given = parser.parse_args(arguments)
+    stored = json.loads((HERE / "timings.json").read_text())["runs"] if given.longest is not None else []
+    long = {(run["peer"], run["body"], run["settings"]) for run in stored if run["cpu_s"] > (given.longest or 0.0)}
     check_target(given.output)
     os.environ.update(dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
     before = yardstick()
-    entries = [record(run, given.python) for run in RUNS if given.only is None or run.peer in given.only]
+    wanted = [run for run in RUNS if given.only is None or run.peer in given.only]
+    entries = [record(run, given.python) for run in wanted if (run.peer, run.body, run.words) not in long]
     data = {
         "format": "jkr-peers",
         "version": 1,

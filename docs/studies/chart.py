@@ -23,6 +23,7 @@ from jkrcli.report.plots.looks import BLACK, BLUE, GREEN, ORANGE, PURPLE, WIDE, 
 
 from .chart_measure import machine, yardstick
 from .chart_points import (
+    RECIPE,
     LeftOut,
     Measured,
     Peer,
@@ -78,7 +79,8 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--w", type=quantity("work"), help="work of adhesion [default: the case's first]")
     parser.add_argument("--repeat", type=int, default=3, help="runs, whose medians are shown [default: 3]")
     parser.add_argument("--patience", type=float, default=30.0, help="leave out what takes longer [CPU s, 30]")
-    parser.add_argument("--peers", type=Path, help="stored timings of other programs, to be drawn too")
+    parser.add_argument("--peers", type=Path, help="stored timings of other programs, drawn open")
+    parser.add_argument("--peers-now", type=Path, help="timings of other programs of the same run, drawn filled")
     given = parser.parse_args(words)
     loaded = load_case(given.case)
     w = given.w if given.w is not None else next(iter(loaded.model.adhesion.w), None)
@@ -88,7 +90,11 @@ def main(words: Sequence[str] | None = None) -> int:
     inputs = [path for path in (given.case, given.peers) if path]
     files = output.files(given.output / f"{given.case.stem}-chart", (".csv", ".json", *PICTURES), inputs)
     measure = yardstick()
-    theirs = [peer for peer in read_peers(given.peers, measure) if peer.body == given.case.stem] if given.peers else []
+    theirs = read_peers(given.peers_now, measure, now=True) if given.peers_now else []
+    measured = {(peer.name, peer.body, peer.settings) for peer in theirs}
+    stored = read_peers(given.peers, measure) if given.peers else []
+    theirs += [peer for peer in stored if (peer.name, peer.body, peer.settings) not in measured]
+    theirs = [peer for peer in theirs if peer.body == given.case.stem]
     reference = reference_of(loaded.model.problem(), w)
     settings = settings_of(loaded.model, given.methods)
     results = []
@@ -142,6 +148,7 @@ def as_dict(found: Found) -> dict[str, Any]:
                 "after_imports": vars(point.after_imports),
                 "slopes_cpu_s": point.slopes_cpu_s,
                 "stated_error": point.stated,
+                "stated_pull_off_error": point.stated_pull_off,
                 "errors": vars(point.errors),
                 "on_front": i in best,
             }
@@ -176,6 +183,7 @@ CELLS: dict[str, Callable[[Measured], Any]] = {
     "after_imports_wall_s": attrgetter("after_imports.wall_s"),
     "slopes_cpu_s": attrgetter("slopes_cpu_s"),
     "stated_error": lambda point: known(point.stated),
+    "stated_pull_off_error": lambda point: known(point.stated_pull_off),
     "P_error": attrgetter("errors.load"),
     "curve_error": attrgetter("errors.curve"),
     "pull_off_error": attrgetter("errors.pull_off"),
@@ -208,46 +216,56 @@ def _print(found: Found) -> None:
 
 # ---------------------------------------------------------------------- the picture
 GREY = "0.45"
-LOOKS = {"closed-form": (BLACK, "D"), "layered": (GREEN, "s"), "hybrid": (ORANGE, "P"), "fem": (BLUE, "o")}
+OWN = RECIPE  # a mark of its own among those of fem
+LOOKS = {
+    "closed-form": (BLACK, "D"), "layered": (GREEN, "s"), "hybrid": (ORANGE, "P"), "fem": (BLUE, "o"),
+    OWN: (PURPLE, "*"),
+}  # fmt: skip
 PEER_MARKERS = "^v<>"
+LEAST = 1e-7  # choice: of the errors drawn; smaller ones stand on the axis
 
 
 @dataclass(frozen=True)
 class Spot:
-    """A point of a panel, with the family it belongs to in the legend."""
+    """A point of a panel: cost, true error and stated error (None: unknown), with the family in the legend."""
 
     x: float
     y: float
+    stated: float | None
     family: str
+    filled: bool = True
 
 
 @dataclass(frozen=True)
 class ChartPanel:
-    """One pair of axes; ``ours``, ``theirs``: (cost, error) of a measured point and of a peer, None where unknown."""
+    """One pair of axes; ``ours``, ``theirs``: (cost, error, stated error) of a measured point, (cost, error) of a peer,
+    None where unknown."""
 
     title: str
     ylabel: str
-    ours: Callable[[Measured], tuple[float, float | None]]
+    ours: Callable[[Measured], tuple[float, float | None, float | None]]
     theirs: Callable[[Peer], tuple[float | None, float | None]]
 
 
 PANELS = (
-    ChartPanel("whole process", "error of P(δ)", lambda p: (p.whole.cpu_s, p.errors.load),
+    ChartPanel("whole process", "error of P(δ)", lambda p: (p.whole.cpu_s, p.errors.load, known(p.stated)),
           lambda q: (q.whole.cpu_s, q.errors.load)),
-    ChartPanel("after imports", "error of P(δ)", lambda p: (p.after_imports.cpu_s, p.errors.load),
+    ChartPanel("after imports", "error of P(δ)", lambda p: (p.after_imports.cpu_s, p.errors.load, known(p.stated)),
           lambda q: (q.after_imports_cpu_s, q.errors.load)),
     ChartPanel("whole process, with slopes", "error of the pull-off force",
-          lambda p: (p.whole.cpu_s + p.slopes_cpu_s, p.errors.pull_off), lambda q: (q.whole.cpu_s, q.errors.pull_off)),
+          lambda p: (p.whole.cpu_s + p.slopes_cpu_s, p.errors.pull_off, known(p.stated_pull_off)),
+          lambda q: (q.whole.cpu_s, q.errors.pull_off)),
     ChartPanel("after imports, with slopes", "error of the pull-off force",
-          lambda p: (p.after_imports.cpu_s + p.slopes_cpu_s, p.errors.pull_off),
+          lambda p: (p.after_imports.cpu_s + p.slopes_cpu_s, p.errors.pull_off, known(p.stated_pull_off)),
           lambda q: (q.after_imports_cpu_s, q.errors.pull_off)),
 )  # fmt: skip
 
 
 def chart_figure(points: Sequence[Measured], peers: Sequence[Peer], title: str) -> Figure:
-    """Four panels, P(delta) above and the pull-off force below; the line is the Pareto front of this program."""
+    """Four panels, P(delta) above and the pull-off force below; a thin line goes from the true to the stated error; the
+    thick line is the Pareto front of this program. Peers of the same run are filled, stored ones open."""
     with drawing(WIDE, 6.0) as figure:
-        axes = figure.subplots(2, 2, sharey="row")
+        axes = figure.subplots(2, 2, sharey=True)
         for place, panel in zip(axes.ravel(), PANELS, strict=True):
             _draw(place, panel, points, peers)
         for place, panel in zip(axes[:, 0], PANELS[::2], strict=True):
@@ -258,29 +276,46 @@ def chart_figure(points: Sequence[Measured], peers: Sequence[Peer], title: str) 
 
 
 def _draw(axes: Axes, panel: ChartPanel, points: Sequence[Measured], peers: Sequence[Peer]) -> None:
-    ours = [spot for point in points if (spot := _spot(*panel.ours(point), point.setting.method))]
-    theirs = [spot for peer in peers if (spot := _spot(*panel.theirs(peer), f"{peer.name} {peer.version}"))]
+    ours = [spot for point in points if (spot := _spot(*panel.ours(point), _family(point)))]
+    named = [(peer, *panel.theirs(peer)) for peer in peers]
+    theirs = [spot for peer, x, y in named if (spot := _spot(x, y, None, f"{peer.name} {peer.version}", peer.now))]
     axes.set(xscale="log", yscale="log", title=panel.title, xlabel="CPU seconds")
     best = [ours[i] for i in front([(spot.x, spot.y) for spot in ours])]
-    axes.plot([s.x for s in best], [s.y for s in best], "-", color="0.7", lw=3, zorder=1, label="best of jkr")
+    axes.plot([s.x for s in best], [s.y for s in best], "-", color="0.8", lw=3, zorder=1, label="best of jkr")
     for name, (color, marker) in LOOKS.items():
         _scatter(axes, [spot for spot in ours if spot.family == name], name, color, marker)
     for name, marker in zip(dict.fromkeys(spot.family for spot in theirs), PEER_MARKERS, strict=False):
         _scatter(axes, [spot for spot in theirs if spot.family == name], name, GREY, marker)
-    axes.axhline(1e-3, color=PURPLE, lw=1.0, ls="--", zorder=1, label="error of 0.001")  # what auto asks for
+    axes.axhline(1e-3, color=BLACK, lw=0.8, ls=":", zorder=1, label="error of 0.001")  # what auto asks for
+    axes.set_ylim(LEAST / 2, 1.0)
     if ours or theirs:
         axes.set_xlim(*log_ends(np.array([spot.x for spot in (*ours, *theirs)]), least=10.0, margin=1.3))
         log_ticks(axes.xaxis)
 
 
+def _family(point: Measured) -> str:
+    return OWN if point.setting.words == OWN else point.setting.method
+
+
 def _scatter(axes: Axes, spots: Sequence[Spot], name: str, color: str, marker: str) -> None:
-    if spots:
-        x, y = [spot.x for spot in spots], [spot.y for spot in spots]
-        axes.plot(x, y, marker, color=color, mfc="none" if color == GREY else color, ms=5, alpha=0.8, label=name)
+    for spot in spots:
+        if spot.stated is not None:
+            axes.plot([spot.x, spot.x], [spot.y, spot.stated], "-", color=color, lw=0.8, alpha=0.6, zorder=1)
+            axes.plot([spot.x], [spot.stated], "_", color=color, ms=5, alpha=0.8)
+    label = name
+    for filled in (True, False):
+        some = [spot for spot in spots if spot.filled == filled]
+        if some:
+            face, size = (color if filled else "none"), (10 if marker == "*" else 5)
+            x, y = [spot.x for spot in some], [spot.y for spot in some]
+            axes.plot(x, y, marker, color=color, mfc=face, ms=size, alpha=0.8, label=label)
+            label = "_nolegend_"
 
 
-def _spot(x: float | None, y: float | None, family: str) -> Spot | None:
-    return None if x is None or y is None else Spot(x, max(y, 1e-16), family)  # 0 has no logarithm
+def _spot(x: float | None, y: float | None, stated: float | None, family: str, filled: bool = True) -> Spot | None:
+    if x is None or y is None:
+        return None
+    return Spot(x, max(y, LEAST), None if stated is None else max(stated, LEAST), family, filled)
 
 
 if __name__ == "__main__":

@@ -12,8 +12,9 @@ from typing import Any
 
 from jkrcli.base.errors import InputError, JkrError
 from jkrcli.base.files import read_bytes
-from jkrcli.base.unknown import Estimate
-from jkrcli.beside.analysis import analyse
+from jkrcli.base.unknown import Estimate, Unknown
+from jkrcli.beside.analysis import Analysis, analyse
+from jkrcli.bodies.materials import INCOMPRESSIBLE
 from jkrcli.bodies.problem import Problem
 from jkrcli.case import Case, store
 from jkrcli.case.models import CaseModel
@@ -21,11 +22,14 @@ from jkrcli.case.numerics import fem_of, method_of
 from jkrcli.many.cost import Cost, process_cost
 from jkrcli.methods import METHODS, method_class
 from jkrcli.methods.choose import choose_method
+from jkrcli.methods.layered.layered import largest_radius
 
 from .chart_measure import timed, typical
 from .chart_reference import Errors, Reference
 
+NOT_ASKED = Unknown("unknown: not asked for")
 SLOPES = ("exact", "integral", "loocv")
+RECIPE = "the paper's recipe"  # its mesh, increments and splines
 
 
 @dataclass(frozen=True)
@@ -36,13 +40,39 @@ class Setting:
     words: str
     tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
+    @property
+    def slopes(self) -> tuple[str, ...]:
+        """The rules for slopes that are measured with it."""
+        return ("loocv-kept",) if self.words == RECIPE else SLOPES
+
     def of(self, model: CaseModel) -> CaseModel:
         """The case solved by this setting."""
+        if self.words == RECIPE:
+            return _recipe(model)
         tables = {name: type(getattr(model, name))(**values) for name, values in self.tables.items()}
         return model.model_copy(update=tables | {"method": self.method})
 
 
 DEFAULT = "default"
+
+
+def _recipe(model: CaseModel) -> CaseModel:
+    """The case as the paper would solve it: uniform linear quadrilaterals over the contact (integrated at one point
+    where they lock), even increments of depth, nothing estimated."""
+    problem, mesh = model.problem(), fem_of(model)
+    size = largest_radius(problem) / 35  # ten times the paper's on its half-space, 0.005 R
+    if problem.specimen.layers:
+        size = min(size, problem.specimen.layers[0].thickness / 50)  # the paper's 0.02 h
+    locks = max(material.surface.nu for material in problem.specimen.materials) > INCOMPRESSIBLE
+    tables = {
+        "mesh": {
+            "layout": "zones", "element": "quadrilateral", "order": 1, "element_size": size, "estimate_error": False,
+            "integration": "reduced" if locks else "full", "depth": mesh.depth, "width": mesh.width,
+        },
+        "contact": {"algorithm": "incremental"},
+    }  # fmt: skip
+    solved = Setting("fem", "", tables).of(model)
+    return solved.model_copy(update={"loading": model.loading.model_copy(update={"spacing": "depth"})})
 
 
 def _fem(words: str, contact: str = "nested", **mesh: Any) -> Setting:
@@ -60,6 +90,7 @@ SETTINGS = (
     _fem("order 1", order=1),
     _fem("incremental", "incremental"),
     _fem("zones", layout="zones"),
+    Setting("fem", RECIPE),
 )  # methods without an entry are measured with their defaults
 
 
@@ -68,7 +99,8 @@ class Measured:
     """One setting with one way of finding the slopes.
 
     ``whole``: the process ``jkr run``; ``after_imports``: the solve alone, in a process that has done it once before;
-    ``slopes_cpu_s``: slopes and transformation; ``stated``: the error that the result itself claims for its series.
+    ``slopes_cpu_s``: slopes and transformation; ``stated``: the error that the result itself claims for its series,
+    ``stated_pull_off``: for its pull-off force under load control.
     """
 
     setting: Setting
@@ -79,6 +111,7 @@ class Measured:
     slopes_cpu_s: float
     stated: Estimate
     errors: Errors
+    stated_pull_off: Estimate = NOT_ASKED
 
 
 @dataclass(frozen=True)
@@ -135,16 +168,25 @@ def _measured(case: Case, setting: Setting, w: float, reference: Reference, repe
         command = [sys.executable, "-m", "jkrcli", "run", str(file), "-o", str(target)]
         whole = typical(lambda: process_cost(command), repeat)
         solved = store.read_solution(target)
-        for slopes in SLOPES:
+        for slopes in setting.slopes:
             try:
-                found, cost = timed(lambda name=slopes: analyse(solved, [w], name)[0].curve)  # type: ignore[misc]
+                found, cost = timed(lambda name=slopes: analyse(solved, [w], name)[0])  # type: ignore[misc]
             except JkrError:
                 continue  # these slopes do not exist for such a series
-            errors = reference.errors(found)
-            points.append(
-                Measured(setting, slopes, unknowns, whole, after_imports, cost.cpu_s, solution.budget.series, errors)
-            )
+            costs, errors = (whole, after_imports, cost.cpu_s), reference.errors(found.curve)
+            stated = (solution.budget.series, errors, _stated_pull_off(found))
+            points.append(Measured(setting, slopes, unknowns, *costs, *stated))
     return points
+
+
+def _stated_pull_off(found: Analysis) -> Estimate:
+    """The relative error that a result states for its pull-off force under load control."""
+    point, errors = found.pull_off["load"], found.pull_off_errors.get("load")
+    if isinstance(point, Unknown):
+        return point
+    if errors is None or isinstance(errors, Unknown):
+        return errors or Unknown("unknown: none is stated")
+    return float(errors["P"] / abs(point.P))
 
 
 def front(points: Sequence[tuple[float, float]]) -> list[int]:
@@ -177,7 +219,8 @@ def chosen_points(points: Sequence[Measured], method: str) -> list[Measured]:
 # ---------------------------------------------------------------------- other programs
 @dataclass(frozen=True)
 class Peer:
-    """One run of another program, its costs as on this machine; ``after_imports_cpu_s``: None where not known."""
+    """One run of another program, its costs as on this machine; ``after_imports_cpu_s``: None where not known;
+    ``now``: measured in the same run."""
 
     name: str
     version: str
@@ -187,21 +230,23 @@ class Peer:
     whole: Cost
     after_imports_cpu_s: float | None
     errors: Errors
+    now: bool = False
 
 
-def read_peers(path: Path, yardstick: float) -> list[Peer]:
-    """The stored runs, their times multiplied by ``yardstick`` [CPU s, of now] over the one of then."""
+def read_peers(path: Path, yardstick: float, now: bool = False) -> list[Peer]:
+    """The stored runs, their times multiplied by ``yardstick`` [CPU s, of now] over the one of then; ``now``: as they
+    are, of the same run."""
     try:
         data = json.loads(read_bytes(path, "file of peers"))
         if (data["format"], data["version"]) != ("jkr-peers", 1):
             raise InputError(f"{path}: must be jkr-peers version 1, got {data['format']} {data['version']}")
-        ratio = yardstick / min(data["yardstick_cpu_s"])
-        return [_peer(run, ratio) for run in data["runs"]]
+        ratio = 1.0 if now else yardstick / min(data["yardstick_cpu_s"])
+        return [_peer(run, ratio, now) for run in data["runs"]]
     except (json.JSONDecodeError, KeyError, TypeError, ValueError) as error:
         raise InputError(f"{path}: is not a file of peers' timings ({error!r})") from None
 
 
-def _peer(run: Mapping[str, Any], ratio: float) -> Peer:
+def _peer(run: Mapping[str, Any], ratio: float, now: bool) -> Peer:
     after = run["after_imports_cpu_s"]
     return Peer(
         run["peer"],
@@ -212,4 +257,5 @@ def _peer(run: Mapping[str, Any], ratio: float) -> Peer:
         Cost(run["cpu_s"] * ratio, run["wall_s"] * ratio, run["memory_mib"]),
         None if after is None else after * ratio,
         Errors(**run["errors"]),
+        now,
     )

@@ -5,8 +5,10 @@ from __future__ import annotations
 import datetime
 import itertools
 import sys
+import time
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import dataclass, field, fields
 from functools import partial
 from typing import Any
 
@@ -59,7 +61,8 @@ def main(words: Sequence[str] | None = None) -> int:
     pictures = {name: output.files(given.output / f"failures-{name}", PICTURES[:1]) for name in named}
     seed = int(f"{datetime.date.today():%Y%m%d}") if given.seed is None else given.seed
     with pool_of(given, given.cells) as pool:
-        verdicts = failures(random_cells(given.cells, seed, given.methods), pool)
+        tell = None if output.json else Telling(given.cells)
+        verdicts = failures(random_cells(given.cells, seed, given.methods), pool, tell)
     data = as_dict(verdicts, seed)
     files.write(_columns(verdicts), data)
     for name in {verdict.cell.method for verdict in verdicts}:
@@ -70,6 +73,25 @@ def main(words: Sequence[str] | None = None) -> int:
         _print(verdicts, seed)
         print(f"  written   {given.output / 'failures'}{{.csv,.json{',-<method>.png' if output.plots else ''}}}")
     return int(any(verdict.outcome in BUGS for verdict in verdicts))
+
+
+@dataclass
+class Telling:
+    """Print bugs as they are found, and the counts so far ``every`` so many seconds, of ``total`` cells."""
+
+    total: int
+    every: float = 15.0  # choice: a line on progress is not waited for longer
+    counts: Counter[str] = field(default_factory=Counter)
+    last: float = field(default_factory=time.monotonic)
+
+    def __call__(self, verdict: Verdict, done: int) -> None:
+        self.counts[verdict.outcome] += 1
+        if verdict.outcome in BUGS:
+            print(f"  {verdict.outcome}: {verdict.words}: {verdict.cell}", flush=True)
+        if time.monotonic() - self.last > self.every or done == self.total:
+            self.last = time.monotonic()
+            counted = ", ".join(f"{name} {self.counts[name]}" for name in OUTCOMES if self.counts[name])
+            print(f"  {done} of {self.total} cells: {counted}", flush=True)
 
 
 def as_dict(verdicts: Sequence[Verdict], seed: int) -> dict[str, Any]:
@@ -85,7 +107,7 @@ def as_dict(verdicts: Sequence[Verdict], seed: int) -> dict[str, Any]:
 
 
 def _columns(verdicts: Sequence[Verdict]) -> dict[str, list[Any]]:
-    names = [*FIRST, *(field.name for field in fields(Cell) if field.name not in FIRST), "error", "stated", "words"]
+    names = [*FIRST, *(one.name for one in fields(Cell) if one.name not in FIRST), "error", "stated", "words"]
     return {name: [_value(verdict, name) for verdict in verdicts] for name in names}
 
 
@@ -99,7 +121,7 @@ def _print(verdicts: Sequence[Verdict], seed: int) -> None:
     for method, found in counts(verdicts).items():
         print(f"  {method:<13}" + "".join(f"{found[outcome]:>10}" for outcome in OUTCOMES))
     for verdict in verdicts:
-        if verdict.outcome in (*BUGS, TOO_SLOW):
+        if verdict.outcome == TOO_SLOW:
             print(f"  {verdict.outcome}: {verdict.words}: {verdict.cell}")
 
 

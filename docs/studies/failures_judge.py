@@ -8,7 +8,7 @@ error stated as unknown. Silently wrong, and any exception but the program's own
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -86,11 +86,14 @@ def random_cells(count: int, seed: int, methods: Sequence[str] = ()) -> list[Cel
     return [draw(rng, str(rng.choice(names, p=weights / weights.sum()))) for _ in range(count)]
 
 
-def failures(cells: Sequence[Cell], pool: Pool) -> list[Verdict]:
-    """The verdicts on the cells, in their order; a cell whose process dies counts as a crash."""
+def failures(cells: Sequence[Cell], pool: Pool, tell: Callable[[Verdict, int], None] | None = None) -> list[Verdict]:
+    """Judge the cells, in their order; a cell whose process dies counts as a crash. ``tell``: called with each verdict
+    and how many there are, as they come."""
     found: dict[int, Verdict] = {}
     for index, verdict in completed(pool, judge, cells, "failures", chunk=4):
         found[index] = verdict if isinstance(verdict, Verdict) else Verdict(cells[index], CRASHED, str(verdict))
+        if tell is not None:
+            tell(found[index], len(found))
     return [found[index] for index in range(len(cells))]
 
 

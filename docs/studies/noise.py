@@ -6,12 +6,15 @@ import math
 import sys
 from collections.abc import Sequence
 from dataclasses import fields
+from functools import partial
+from operator import attrgetter
+from typing import Any, TypeGuard
 
 import numpy as np
 
 from jkrcli.report import PICTURES
-from jkrcli.report.plots import Figure, drawing, legend_below
-from jkrcli.report.plots.looks import BLUE, NARROW, ORANGE, WIDE
+from jkrcli.report.plots import Axes, Figure, drawing, legend_below
+from jkrcli.report.plots.looks import BLUE, GREEN, NARROW, ORANGE, WIDE
 
 from .command import call, output_of, parser_of, pool_of
 from .noise_cells import BODIES, METHODS, NOISE, POINTS, NoiseCell, noise_study
@@ -21,27 +24,31 @@ def main(words: Sequence[str] | None = None) -> int:
     """Error of the pull-off force, and coverage of the 90 % band, over noise, points, bodies and slopes.
 
     Independent relative Gaussian noise on contact radius, displacement and load of exact series.
-    Writes noise-study.csv, .png and .svg; 200 seeds take about twenty minutes.
+    Writes noise-study.csv, and of each body noise-<body>.png and .svg; 20 seeds take about twenty minutes.
     """
     parser = parser_of(str(main.__doc__))
-    parser.add_argument("--seeds", type=int, default=200, help="runs per cell [default: 200]")
+    parser.add_argument("--seeds", type=int, default=20, help="runs per cell [default: 20]")
     names = [body.name for body in BODIES]
     parser.add_argument("--body", action="append", choices=names, help="only these")
     parser.add_argument("--points", action="append", type=int, help=f"of a series [default: {POINTS}]")
     given = parser.parse_args(words)
-    files = output_of(given).files(given.output / "noise-study", (".csv", *PICTURES))
+    output = output_of(given)
+    files = output.files(given.output / "noise-study", (".csv",))
     chosen, points = [body for body in BODIES if body.name in (given.body or names)], given.points or POINTS
+    pictures = {body.name: output.files(given.output / f"noise-{body.name}", PICTURES) for body in chosen}
     runs = given.seeds * len(chosen) * len(points) * len(NOISE) * len(METHODS)
     with pool_of(given, 0.1 * runs) as pool:
         cells = noise_study(chosen, points, NOISE, METHODS, given.seeds, pool)
     columns = {item.name: [getattr(cell, item.name) for cell in cells] for item in fields(NoiseCell)}
-    files.write(columns, figure=files.draw(lambda: noise_figure(cells)))
+    files.write(columns)
+    for body, picture in pictures.items():
+        picture.write(figure=picture.draw(partial(noise_figure, cells, body)))
     _print(cells)
-    print(f"  written {files}")
+    print(f"  written {files}" + "".join(f", {picture}" for picture in pictures.values()))
     return 0
 
 
-def _known(value: object) -> bool:
+def _known(value: float | None) -> TypeGuard[float]:
     """Whether there is a figure: not for a band that a method lacks, nor for errors where every run failed."""
     return value is not None and value != math.inf
 
@@ -58,42 +65,48 @@ def _print(cells: Sequence[NoiseCell]) -> None:
 
 
 # ---------------------------------------------------------------------- the picture
-WAYS = {"integral": (ORANGE, "o-"), "loocv": (BLUE, "s--")}
-SHADES = {0: 0.35, 1: 0.65, 2: 1.0}
-TICKS = {1e-6: "none", 1e-4: "10⁻⁴", 1e-2: "10⁻²"}
+WAYS = {"integral": (ORANGE, "o-"), "loocv": (BLUE, "s--"), "gcv": (GREEN, "^:")}
+NONE, FLOOR = 1e-6, 1e-7  # places on the axes of no noise, and of no error
+TICKS = {NONE: "none", 1e-5: "10⁻⁵", 1e-4: "10⁻⁴", 1e-3: "10⁻³", 1e-2: "10⁻²"}
 
 
-def noise_figure(cells: Sequence[NoiseCell]) -> Figure:
-    """One column per body: median error of the pull-off force above, pointwise coverage of the 90 % band below."""
-    bodies = list(dict.fromkeys(cell.body for cell in cells))
-    with drawing(WIDE if len(bodies) > 1 else NARROW, 4.6) as figure:
-        axes = figure.subplots(2, len(bodies), sharex=True, sharey="row", squeeze=False)
-        for column, body in enumerate(bodies):
-            _panel(axes[:, column], [cell for cell in cells if cell.body == body])
-            axes[0, column].set_title(body)
-            axes[1, column].set_xlabel("relative noise")
-        axes[0, 0].set_ylabel("median error\nof the pull-off force")
-        axes[1, 0].set_ylabel("coverage\nof the 90 % band")
-        legend_below(figure, axes[:1, 0], 3 if len(bodies) > 1 else 2)
+def noise_figure(cells: Sequence[NoiseCell], body: str) -> Figure:
+    """How the pull-off force of a ``body`` errs over noise, a column per number of rows: median error above, share of
+    runs whose 90 % band holds the truth, and share of runs without a result below."""
+    mine = [cell for cell in cells if cell.body == body]
+    sizes = sorted({cell.points for cell in mine})
+    with drawing(WIDE if len(sizes) > 1 else NARROW, 5.4) as figure:
+        axes = figure.subplots(3, len(sizes), sharex=True, sharey="row", squeeze=False, height_ratios=(2, 1, 1))
+        for column, points in enumerate(sizes):
+            _panels(axes[:, column], [cell for cell in mine if cell.points == points])
+            axes[0, column].set_title(f"{points} rows")
+            axes[2, column].set_xlabel("relative noise of a, δ, P")
+        for place, label in zip(axes[:, 0], ("median error", "band holds", "no result"), strict=True):
+            place.set_ylabel(label)
+        legend_below(figure, axes[:1, 0], 3)
         return figure
 
 
-def _panel(axes: np.ndarray, cells: Sequence[NoiseCell]) -> None:
-    floor = min(TICKS)  # of the errors drawn, and the place of "no noise" on the axis
-    sizes = sorted({cell.points for cell in cells})
+def _panels(axes: np.ndarray, cells: Sequence[NoiseCell]) -> None:
     for method, (color, style) in WAYS.items():
-        for rank, points in enumerate(sizes):
-            line = [cell for cell in cells if cell.method == method and cell.points == points]
-            known = [cell for cell in line if np.isfinite(cell.median)]
-            noise = [max(cell.noise, floor) for cell in known]
-            look = {"color": color, "alpha": SHADES.get(rank, 1.0), "ms": 3, "label": f"{method}, {points} points"}
-            axes[0].loglog(noise, [max(cell.median, floor) for cell in known], style, **look)
-            banded = [cell for cell in line if cell.band is not None and cell.noise > 0]
-            axes[1].semilogx([cell.noise for cell in banded], [cell.band for cell in banded], style, **look)
-    axes[1].axhspan(0.8, 0.97, color="0.9", zorder=0)
-    axes[1].set_ylim(0, 1.02)
-    axes[1].set_xticks(list(TICKS), list(TICKS.values()))
-    axes[1].minorticks_off()
+        line = sorted((cell for cell in cells if cell.method == method), key=attrgetter("noise"))
+        look = {"color": color, "ms": 4, "mfc": "none", "label": method}
+
+        def draw(place: Axes, values: Sequence[float | None], line: Sequence[NoiseCell] = line, style: str = style,
+                 look: dict[str, Any] = look) -> None:  # fmt: skip
+            pairs = [(max(cell.noise, NONE), value) for cell, value in zip(line, values, strict=True) if _known(value)]
+            place.plot(*np.transpose(pairs) if pairs else ((), ()), style, **look)
+
+        draw(axes[0], [max(cell.median, FLOOR) if _known(cell.median) else None for cell in line])
+        draw(axes[1], [cell.coverage for cell in line])
+        draw(axes[2], [cell.failures for cell in line])
+    axes[0].set(xscale="log", yscale="log", ylim=(FLOOR, 1.0))
+    axes[0].axhspan(1e-2, 1.0, color="0.95", zorder=0)
+    axes[1].axhline(0.9, color="0.7", lw=1)
+    for place in axes[1:]:
+        place.set_ylim(-0.04, 1.04)
+    axes[2].set_xticks(list(TICKS), list(TICKS.values()))
+    axes[2].minorticks_off()
 
 
 if __name__ == "__main__":

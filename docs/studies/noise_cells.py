@@ -26,9 +26,9 @@ from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Spe
 from jkrcli.methods import method_class
 from jkrcli.series import RawSeries, Series
 
-POINTS = (30, 60, 200)
-NOISE = (0.0, 1e-4, 1e-3, 1e-2, 3e-2)
-METHODS = ("integral", "loocv")
+POINTS = (15, 60, 300)
+NOISE = (0.0, 1e-5, 1e-4, 1e-3, 1e-2)
+METHODS = ("integral", "loocv", "gcv")
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,6 @@ OWN = {"w": "w_approach"}  # names of an approach alone
 OF_SHAPE = "the faces of the pyramid"
 FLAT = 0.2  # theory: of R, the contact radius up to which sphere and paraboloid agree to 1 % in the load
 SYMBOLS = {"E_star": "E*"}
-ONE_IN_TWENTY = 2.0  # theory: standard errors that one normal error in twenty exceeds
 WARNED = {  # flags of a curve that matter
     NOT_SUBTRACTED: "E* is that of contact and device in series: ",
     AS_DEPTH: "",
@@ -200,7 +199,8 @@ def with_other_profile(fitted: Fit, body: FittedBody, curve: Curve, settings: Se
         for item in fitted.estimates
         if item.name in ("E_star", "w", "w_approach") and item.error and item.name in found
     ]
-    if not any(abs(two.value - one.value) > ONE_IN_TWENTY * one.error for one, two in pairs if one.error):
+    outside = (two.value < (one.low or 0.0) or two.value > (one.high or math.inf) for one, two in pairs)
+    if not any(outside):
         return fitted
     others = [two for _, two in reversed(pairs)]
     values = ", ".join(f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension)}" for item in others)

@@ -18,7 +18,7 @@ from jkrcli.base.table import as_json
 from jkrcli.methods import METHODS
 from jkrcli.report import PICTURES
 from jkrcli.report.plots import Axes, Figure, drawing
-from jkrcli.report.plots.looks import BLACK, BLUE, GREEN, ORANGE, PURPLE
+from jkrcli.report.plots.looks import BLACK, BLUE, GREEN, ORANGE, PURPLE, WIDE
 
 from .command import call, output_of, parser_of, pool_of
 from .failures_cells import AXES, BODIES, SHAPES, Cell
@@ -47,7 +47,8 @@ def main(words: Sequence[str] | None = None) -> int:
     Poisson's ratio to 1/2, contact from a thousandth to a hundred layer thicknesses, contrasts, indenters, few and many
     points, nodes and increments, noise, any units. A cell is right within its stated error, wrong and said so (refused,
     warned, error unknown), too slow (60 CPU s), or silently wrong: that is a bug, and the exit code is then 1.
-    Writes failures.csv, .json and per method failures-<method>.png; 2,000 cells take about half an hour.
+    Writes failures.csv, .json, failures-overview.png and per method failures-<method>.png; 2,000 cells take about half
+    an hour.
     """
     parser = parser_of(str(main.__doc__))
     parser.add_argument("--cells", type=int, default=2000, help="random cells [default: 2000]")
@@ -58,6 +59,7 @@ def main(words: Sequence[str] | None = None) -> int:
     output = output_of(given)
     files = output.files(given.output / "failures", (".csv", ".json"))
     named = given.methods or every
+    overview = output.files(given.output / "failures-overview", PICTURES[:1])
     pictures = {name: output.files(given.output / f"failures-{name}", PICTURES[:1]) for name in named}
     seed = int(f"{datetime.date.today():%Y%m%d}") if given.seed is None else given.seed
     with pool_of(given, given.cells) as pool:
@@ -65,6 +67,7 @@ def main(words: Sequence[str] | None = None) -> int:
         verdicts = failures(random_cells(given.cells, seed, given.methods), pool, tell)
     data = as_dict(verdicts, seed)
     files.write(_columns(verdicts), data)
+    overview.write(figure=overview.draw(partial(overview_figure, verdicts)))
     for name in {verdict.cell.method for verdict in verdicts}:
         pictures[name].write(figure=pictures[name].draw(partial(failures_figure, verdicts, name)))
     if output.json:
@@ -146,6 +149,28 @@ CATEGORIES = {"shape": SHAPES, "body": BODIES}
 SMALL = {"font.size": 7, "xtick.labelsize": 6, "ytick.labelsize": 6, "axes.grid": False}
 SPACING = {"left": 0.09, "right": 0.99, "bottom": 0.09, "top": 0.99, "hspace": 0.12, "wspace": 0.12}
 LEAST = {"increments": 1.0, "noise": 1e-7}  # where none stands on a logarithmic axis
+
+
+def overview_figure(verdicts: Sequence[Verdict]) -> Figure:
+    """Where each method is right, warns, refuses or errs: a panel per method over a/h and nu, of slopes over rows and
+    noise."""
+    methods = list(dict.fromkeys(verdict.cell.method for verdict in verdicts))
+    with drawing(WIDE, 5.2) as figure:
+        axes = figure.subplots(2, -(-len(methods) // 2), squeeze=False).ravel()
+        for place, method in zip(axes, methods, strict=False):
+            mine = [verdict for verdict in verdicts if verdict.cell.method == method]
+            x, y = ("points", "noise") if method == "slopes" else ("a_over_h", "nu")
+            _draw(place, mine, x, y)
+            place.tick_params(axis="x", rotation=0)
+            place.set_title(f"{method}, {len(mine)}")
+        for place in axes[len(methods) :]:
+            place.remove()
+        marks = dict[str, Any]()
+        for place in axes[: len(methods)]:
+            for handle, label in zip(*place.get_legend_handles_labels(), strict=True):
+                marks.setdefault(label.partition(":")[0], handle)
+        figure.legend(marks.values(), marks.keys(), loc="outside lower center", ncols=len(marks))
+        return figure
 
 
 def failures_figure(verdicts: Sequence[Verdict], method: str) -> Figure:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
         position,
         transform,
     )
+    from .energy_error import energy_lost_error, separation_error
     from .finite_range import FiniteRangeBody, FiniteRangeCurve, unable
     from .from_rest import FromRest, LoadingHistory, Rest, histories, history_error
     from .law import Range, RangeRequest

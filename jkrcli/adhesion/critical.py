@@ -203,7 +203,7 @@ def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) ->
     """90 % half-widths (2,) of delta [m] and P [N] at a critical ``point`` under a device of ``stiffness`` [N/m]; None
     where no larger elements tell them."""
     coarser, series = curve.series.coarser, curve.series
-    others = () if coarser is None else _fitted_alike(curve.nonadhesive)
+    others = () if coarser is None else larger_elements(curve.nonadhesive)
     if coarser is None or not others:
         return None
     steps = np.arange(-TUNING.values, TUNING.values + TUNING.spacing / 2, TUNING.spacing)
@@ -275,7 +275,7 @@ def _off(curve: AdhesiveCurve, other: Nonadhesive, a: Array) -> Array:
 
 
 @lru_cache(maxsize=2)
-def _fitted_alike(body: Nonadhesive) -> tuple[Nonadhesive, ...]:
+def larger_elements(body: Nonadhesive) -> tuple[Nonadhesive, ...]:
     """The functions by larger and larger elements, with slopes by the same rule: their columns err by as much more as
     second order says; as far as the rule finds them."""
     fits, more, coarser = [], 1.0, body.series.coarser

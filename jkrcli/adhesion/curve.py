@@ -11,13 +11,13 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 import numpy as np
 
-from ..base import ROUNDED, Array, Estimate, InputError, Unknown, composite_gauss, show, zeros_between
+from ..base import ROUNDED, UNSEEN, Array, Estimate, InputError, Unknown, composite_gauss, show, zeros_between
 from ..formulas.griffith import shift
 from ..series import Series
 from .nonadhesive import Nonadhesive
@@ -76,17 +76,19 @@ def control(stiffness: float) -> str:
 @dataclass(frozen=True)
 class Equilibrium:
     """One state of adhesive contact: contact radius ``a`` [m], displacement ``delta`` [m], load ``P`` [N]; ``c`` [m]:
-    radius to which the surfaces attract, None where adhesion has no range."""
+    radius to which the surfaces attract, None where adhesion has no range; ``along``: its place on the curve [m] where
+    that is not the contact radius."""
 
     a: float
     delta: float
     P: float
     c: float | None = None
+    along: float | None = None
 
     @property
     def place(self) -> float:
-        """Where it lies on its curve [m]: the contact radius, or c."""
-        return self.a if self.c is None else self.c
+        """Where it lies on its curve [m]: the contact radius, or ``along``."""
+        return self.a if self.along is None else self.along
 
 
 @dataclass(frozen=True)
@@ -160,8 +162,19 @@ class EquilibriumCurve(ABC):
         """Relative error of delta and P between the points."""
 
     @abstractmethod
-    def thinned(self, first: int) -> EquilibriumCurve:
+    def thinned(self, first: int) -> Self:
         """The curve through every second of its points from ``first`` on."""
+
+    @cached_property
+    def halves(self) -> tuple[Self, Self]:
+        """The curves through every second point."""
+        return self.thinned(0), self.thinned(1)
+
+    @property
+    @abstractmethod
+    def thinning(self) -> float:
+        """By how much what leaving out every second point changes is more than the error of interpolation, at least: 1
+        where it is scatter from point to point."""
 
     @property
     @abstractmethod
@@ -180,6 +193,10 @@ class EquilibriumCurve(ABC):
     @abstractmethod
     def contact_radii(self, places: Array) -> Array:
         """The contact radii [m] at ``places`` on the curve."""
+
+    def attracted_radii(self, places: Array) -> Array:
+        """The radii [m] to which the surfaces attract each other at ``places``; the contact radii without a range."""
+        return self.contact_radii(places)
 
     @abstractmethod
     def path(self, low: float, high: float) -> tuple[Array, Array]:
@@ -443,12 +460,12 @@ class AdhesiveCurve(EquilibriumCurve):
         delta, P = self.at(np.array(place))
         return Equilibrium(place, float(delta), float(P))
 
-    def thinned(self, first: int) -> AdhesiveCurve:
+    def thinned(self, first: int) -> Self:
         """The curve through every second point that is known from ``first`` on, the ends and the kinks."""
         knots = self.nonadhesive.knots
         last = knots.a.size - 1
         rows = np.unique(np.concatenate([np.arange(first, last + 1, 2), [0, last], knots.bends]))
-        return AdhesiveCurve(knots.at_rows(rows), self.w)
+        return replace(self, nonadhesive=knots.at_rows(rows))
 
     @cached_property
     def interpolation_error(self) -> Estimate:
@@ -505,10 +522,10 @@ class AdhesiveCurve(EquilibriumCurve):
             largest = np.where((wider > 1) & (depth >= TUNING.middle), np.maximum(largest, change), largest)
         return {"delta": largest[0], "P": largest[1]}
 
-    @cached_property
-    def halves(self) -> tuple[AdhesiveCurve, AdhesiveCurve]:
-        """The curves through every second point."""
-        return self.thinned(0), self.thinned(1)
+    @property
+    def thinning(self) -> float:
+        smooth = not isinstance(self.slopes.error, Unknown) and self.slopes.error <= UNSEEN
+        return 2.0**self._order if smooth else 1.0
 
     def _at(self, places: Array) -> tuple[Array, Array]:
         here, root_w = self.nonadhesive.parts(places), math.sqrt(self.w)

@@ -51,7 +51,7 @@ def error_by_points(
     x = a[near] - a[middle]
     bend = 2 * np.polyfit(x, np.asarray(position(values[0], values[1], stiffness))[near], 2)[0]
     along = np.polyfit(x, values[:, near].T, 2)[1]
-    of_F, of_slope, of_mean = indenter.left(np.array([point.a, point.place])).max(axis=1)
+    of_F, of_slope, of_mean = indenter.left(np.array([point.a, point.a if point.c is None else point.c])).max(axis=1)
     moved = of_slope * _largest_mean(rates) / abs(bend)
     value = max(of_F, of_mean) * _largest_mean(changes)
     return TUNING.left * np.hypot(value, along * moved)

@@ -11,11 +11,23 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
-from ..base import ROUNDED, SAME, TINY, Array, Estimate, Refusal, composite_gauss, show, zeros_between
+from ..base import (
+    MOST_STEPS,
+    ROUNDED,
+    SAME,
+    TINY,
+    Array,
+    Estimate,
+    Refusal,
+    Unknown,
+    composite_gauss,
+    show,
+    zeros_between,
+)
 from ..bodies import NO_FINITE_RANGE, Problem
 from ..methods import METHODS, AttractedBody
 from ..methods.integral import Attraction, Rims, refuse_narrow
@@ -34,11 +46,10 @@ from .slopes.result import Slopes
 class FiniteRangeTuning:
     """Points of the curve, and the error of its interpolation."""
 
-    # points without contact, even in c; tuned on curves, by `make constants`: delta is smooth there, its spline good to
-    # 1e-9
+    # points without contact, even in c, to begin with; choice: halved where a spline does not follow the states
     apart: int = 32
-    # largest step of arcosh sqrt(c/c0) from point to point; tuned on curves, by `make constants`: splines good to 1e-7
-    # of the lowest load
+    # largest step of arcosh sqrt(c/c0), of half of log c, or of asinh(a/l), l the scale of the body or c0 where that is
+    # less; tuned on curves, by `make constants`: splines good to 1e-7 of the lowest load
     spacing: float = 0.08
     degree: int = 5  # theory: of the splines through the points; errors fall with the power degree + 1 of the spacing
     halved: float = 16.0  # theory: halving the spacing divides the error by 64, by a fourth of it where it is uneven
@@ -48,7 +59,8 @@ class FiniteRangeTuning:
     around: float = 0.2  # choice: where the rows of the series are as dense
     room: float = 1.2  # choice: of that, within which the series' own rows are left out
     first: float = 1e-6  # theory: its power 3/2 is rounding
-    leap: float = 0.4  # choice: of the same, from point to point: a curve that leaps; five times the spacing
+    # of log c from point to point beyond that of log(a + c0): a curve that leaps; choice: steps are half as long
+    leap: float = 0.17
     fewest: int = 12  # theory: points of a curve, every second of which has the 6 of a spline of degree 5
     # Steps to both sides of pull-off, fractions of its radius, at which it is solved:
     close: tuple[float, ...] = (0.01, 0.02, 0.03, 0.045, 0.065, 0.1)  # choice: to where rows of a series lie
@@ -67,13 +79,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class FiniteRangeCurve(EquilibriumCurve):
-    """The adhesive curve of a body for a ``law`` of finite range, along the radius c to which the surfaces attract.
+    """The adhesive curve of a body for a ``law`` of finite range: along the radius c to which the surfaces attract
+    while nothing touches, and beyond c0, that of first touch, along c0 + a: c may fall where the contact grows.
 
-    ``apart``: states without contact, from c = 0 on; ``touching``: those in contact from a = 0 on, both at increasing
-    c. Where c falls as the contact grows, the curve begins beyond, and ``apart`` is empty. ``parts``: columns of the
-    w-free functions at the latter. Between the points: splines over arcosh sqrt(c/c0), c0 at first touch, in which the
-    curve is smooth on both sides of it and far from it; without contact P = -pi sigma c^2, and delta(c) less the
-    profile f(c) is a spline. ``half_widths``: the ``errors``, ``of_profile``: what is part of them by a profile that is
+    ``apart``: states without contact, from c = 0 on; ``touching``: those in contact from a = 0 on, both in order. Where
+    the contact leaps from one radius to another, the curve begins beyond. ``parts``: columns of the w-free functions at
+    the latter. Between the points: splines over asinh(a/c0), in which the curve is smooth from first touch to far from
+    it; without contact P = -pi sigma c^2, and delta(c) less the profile f(c) is a spline.
+    ``half_widths``: the ``errors``, ``of_profile``: what is part of them by a profile that is
     known at points only; ``moved``: relative errors of the places at which contact is lost, by stiffness, and
     ``by_points``: errors by such a profile there; ``doubts``: what speaks against the states, in sentences; ``body``:
     which computed them.
@@ -95,7 +108,7 @@ class FiniteRangeCurve(EquilibriumCurve):
 
     @property
     def complete(self) -> bool:
-        return self.apart.c.size > 0
+        return self.apart.c.size > 0 and self.apart.c[0] == 0
 
     @property
     def errors(self) -> Mapping[str, Array]:
@@ -115,7 +128,7 @@ class FiniteRangeCurve(EquilibriumCurve):
         without = np.zeros(self.apart.c.size)
         rest = [np.concatenate([without + column[0], column]) for column in self.parts[:4]]
         plain = dict(zip(("delta_H_m", "P_H_N", "S_N_per_m", "dS_da_N_per_m2"), rest, strict=True))
-        return {"a_m": self.a, "delta_m": self.delta, "P_N": self.P} | plain | {"c_m": self.places}
+        return {"a_m": self.a, "delta_m": self.delta, "P_N": self.P} | plain | {"c_m": self.c}
 
     def point_error(self, point: Equilibrium, stiffness: float) -> dict[str, float]:
         """Half-widths of "delta" [m] and "P" [N] at the lowest ``point`` under a device of a ``stiffness`` [N/m]: those
@@ -128,7 +141,7 @@ class FiniteRangeCurve(EquilibriumCurve):
         if by_points is not None:
             here = here - [np.interp(place, self.places, values) for values in self.of_profile.values()]
         halves = [[other for other in curve.critical(stiffness) if other.kind == "minimum"]
-                  for curve in (self.thinned(0), self.thinned(1))]  # fmt: skip
+                  for curve in self.halves]  # fmt: skip
         nearest = [min(half, key=lambda other: abs(other.place - point.place)) for half in halves if half]
         unseen = 0.0 if stiffness in self.moved else float(here[1]) / max(abs(point.P), TINY)
         if len(nearest) < len(halves):
@@ -153,6 +166,11 @@ class FiniteRangeCurve(EquilibriumCurve):
 
     @cached_property
     def places(self) -> Array:
+        return np.concatenate([self.apart.c, self._c0 + self.touching.a])
+
+    @cached_property
+    def c(self) -> Array:
+        """Radii to which the surfaces attract each other at the points [m]."""
         return np.concatenate([self.apart.c, self.touching.c])
 
     @cached_property
@@ -172,30 +190,48 @@ class FiniteRangeCurve(EquilibriumCurve):
 
     def critical(self, stiffness: float) -> tuple[CriticalPoint, ...]:
         """The stationary points of delta + P/stiffness [N/m]; the first point of the curve is none, where the surfaces
-        only come within the range, or where c turns round and places go no further."""
+        only come within the range, or where places go no further."""
         first = 0.0 if self.complete else float(self.places[0]) * (1 + SAME)
         return tuple(point for point in super().critical(stiffness) if point.place > first)
 
+    def pull_off(self, stiffness: float) -> CriticalPoint | Unknown:
+        """The last state in contact from which a jump of a device of a ``stiffness`` [N/m] leaves none; where contact
+        shrinks to nothing before, the last one in which surfaces attract each other that let go in a jump."""
+        lost = super().pull_off(stiffness)
+        lowest, last = float(position(self.delta[-1], self.P[-1], stiffness)), None
+        for point in reversed(self.critical(stiffness)):  # as retraction meets them
+            x = float(position(point.delta, point.P, stiffness))
+            if point.kind == "minimum" and x < lowest:
+                lowest, last = x, point if point.a > 0 else last
+        if last is None:
+            return lost
+        there = np.array(self.radii_at(float(position(last.delta, last.P, stiffness)), stiffness))
+        stable = there[(there < last.place) & (position(*self.rates(there), stiffness) > 0)]
+        return lost if stable.size and self.contact_radii(stable[-1]) > 0 else last
+
     def point(self, place: float) -> Equilibrium:
         delta, P = self.at(np.array(place))
-        return Equilibrium(float(self.contact_radii(np.array(place))), float(delta), float(P), place)
+        a, c = (float(radius(np.array(place))) for radius in (self.contact_radii, self.attracted_radii))
+        return Equilibrium(a, float(delta), float(P), c, place)
 
     def contact_radii(self, places: Array) -> Array:
-        places = np.asarray(places, dtype=float)
-        v = self._stretched(np.maximum(places, self._c0))
-        radii = np.maximum(self._spline(v)[..., 0], 0.0)
-        return radii if not self.complete else np.where(places > self._c0, radii, 0.0)
+        beyond = places - self._c0
+        return np.where(beyond > ROUNDED * self._c0, beyond, 0.0)
 
-    def places_of(self, a: Array) -> Array:
-        """The places of the contact radii ``a`` [m], about."""
+    def attracted_radii(self, places: Array) -> Array:
+        return np.where(places > self._c0, self._spline(self._stretched(places))[..., 0], places)
+
+    def around(self, a: Array) -> Array:
+        """The radii c [m] to which the surfaces attract each other around contact radii ``a`` [m], about."""
         return np.interp(a, self.touching.a, self.touching.c)
 
     @property
     def _c0(self) -> float:
+        """The radius c [m] of the first state in contact."""
         return float(self.touching.c[0])
 
-    def _stretched(self, c: Array) -> Array:
-        return np.arccosh(np.sqrt(np.maximum(c / self._c0, 1.0)))
+    def _stretched(self, places: Array) -> Array:
+        return np.arcsinh(np.maximum(places / self._c0 - 1, self.touching.a[0] / self._c0))
 
     @property
     def _bends(self) -> Array:
@@ -206,25 +242,22 @@ class FiniteRangeCurve(EquilibriumCurve):
 
     @cached_property
     def _spline(self) -> Broken:
-        """a, delta, P over arcosh sqrt(c/c0)."""
-        v = self._stretched(self.touching.c)
-        columns = np.stack([self.touching.a, self.touching.delta, self.touching.P], axis=1)
-        return Broken.through(v, columns, self._bends)
+        """c, delta, P over asinh(a/c0)."""
+        columns = np.stack([self.touching.c, self.touching.delta, self.touching.P], axis=1)
+        return Broken.through(np.arcsinh(self.touching.a / self._c0), columns, self._bends)
 
     @cached_property
     def _slope(self) -> Broken:
         return self._spline.derivative()
 
     @cached_property
-    def _pulled(self) -> BSpline:
-        """f(c) - delta [m] without contact, over c."""
-        from scipy.interpolate import make_interp_spline
-
-        return make_interp_spline(self.apart.c, self.problem.indenter.f(self.apart.c) - self.apart.delta, TUNING.degree)
+    def _pulled(self) -> BSpline | None:
+        """f(c) - delta [m] without contact, over c; None where all states are in contact."""
+        return _drawn(self.problem, _joined(self.apart, _some(self.touching, slice(1)))) if self.apart.c.size else None
 
     def _at(self, places: Array) -> tuple[Array, Array]:
         c = np.minimum(places, self._c0)
-        pulled: Array = self._pulled(c) if self.complete else np.zeros_like(c)
+        pulled: Array = np.zeros_like(c) if self._pulled is None else self._pulled(c)
         free = self.problem.indenter.f(c) - pulled, -math.pi * self.law.stress * c**2
         touching = np.moveaxis(self._spline(self._stretched(places)), -1, 0)[1:]
         delta, P = (np.where(places > self._c0, b, a) for a, b in zip(free, touching, strict=True))
@@ -233,22 +266,23 @@ class FiniteRangeCurve(EquilibriumCurve):
     def _rates(self, places: Array) -> tuple[Array, Array]:
         c = np.minimum(places, self._c0)
         safe = np.maximum(c, TINY)
-        pulled: Array = self._pulled(c, 1) if self.complete else np.zeros_like(c)
+        pulled: Array = np.zeros_like(c) if self._pulled is None else self._pulled(c, 1)
         free = self.problem.indenter.slope(safe) - pulled, -2 * math.pi * self.law.stress * c
-        beyond = np.maximum(places / self._c0 - 1, ROUNDED)
-        by_c = 1 / (2 * self._c0 * np.sqrt((1 + beyond) * beyond))
-        touching = np.moveaxis(self._slope(self._stretched(places)), -1, 0)[1:] * by_c
+        by_a = 1 / np.hypot(self._c0, self.contact_radii(places))
+        touching = np.moveaxis(self._slope(self._stretched(places)), -1, 0)[1:] * by_a
         inside = places > self._c0 * (1 + ROUNDED)
         delta, P = (np.where(inside, b, a) for a, b in zip(free, touching, strict=True))
         return delta, P
 
     @cached_property
     def _samples(self) -> Array:
-        v = self._stretched(self.touching.c)
-        inner = v[:-1, None] + np.diff(v)[:, None] * np.arange(CURVE.samples) / CURVE.samples
-        touching = np.clip(self._c0 * np.cosh(inner.ravel()) ** 2, self._c0, self.places[-1])
-        free = np.linspace(0, self._c0, CURVE.samples * self.apart.c.size, endpoint=False)
-        return np.unique(np.concatenate([free, touching, self.places[-1:]])) / self.places[-1]
+        steps = np.arange(CURVE.samples) / CURVE.samples
+        rows = (
+            np.append(self.apart.c, self._c0) if self.complete else self.places[:1],
+            np.arcsinh(self.touching.a / self._c0),
+        )
+        free, v = ((some[:-1, None] + np.diff(some)[:, None] * steps).ravel() for some in rows)
+        return np.unique(np.concatenate([free, self._c0 * (1 + np.sinh(v)), self.places[-1:]])) / self.places[-1]
 
     def _place(self, x: Array) -> Array:
         return x * self.places[-1]
@@ -257,29 +291,31 @@ class FiniteRangeCurve(EquilibriumCurve):
         first = np.unique([min(low, self._c0), *self.apart.c[(self.apart.c > low) & (self.apart.c < high)],
                            min(high, self._c0)])  # fmt: skip
         free, free_weights = composite_gauss(first)
-        inner = self.touching.c[(self.touching.c > max(low, self._c0)) & (self.touching.c < high)]
-        v = self._stretched(np.concatenate([[max(low, self._c0)], inner, [max(high, self._c0)]]))
-        v, weights = composite_gauss(v)
-        c = np.clip(self._c0 * np.cosh(v) ** 2, self._c0, max(high, self._c0))
-        weights = weights * self._c0 * np.sinh(2 * v)
-        return np.concatenate([free, c]), np.concatenate([free_weights, weights])
+        begins, ends = max(low - self._c0, self.touching.a[0]), max(high - self._c0, self.touching.a[0])
+        inner = self.touching.a[(self.touching.a > begins) & (self.touching.a < ends)]
+        v, weights = composite_gauss(np.arcsinh(np.concatenate([[begins], inner, [ends]]) / self._c0))
+        places = np.clip(self._c0 * (1 + np.sinh(v)), self._c0 + begins, self._c0 + ends)
+        weights = weights * self._c0 * np.cosh(v)
+        return np.concatenate([free, places]), np.concatenate([free_weights, weights])
 
-    def thinned(self, first: int) -> FiniteRangeCurve:
-        return self._at_rows(np.arange(1 + first, self.touching.c.size - 1, 2))
-
-    def _at_rows(self, rows: Array) -> FiniteRangeCurve:
-        """The curve through some of its points in contact, and both ends."""
-        rows = np.unique(np.concatenate([[0], rows, self._bends, [self.touching.c.size - 1]]))
+    def thinned(self, first: int) -> Self:
+        rows, ends = np.arange(1 + first, self.touching.c.size - 1, 2), [0, self.touching.c.size - 1]
+        rows = np.unique(np.concatenate([ends, rows, self._bends]))
+        free = np.union1d([0], np.arange(1 + first, self.apart.c.size, 2)) if self.apart.c.size else slice(0)
         parts = Parts(*(column[rows] for column in self.parts))
-        return FiniteRangeCurve(self.law, self.problem, self.series, self.apart, _some(self.touching, rows), parts)
+        states = _some(self.apart, free), _some(self.touching, rows)
+        return type(self)(self.law, self.problem, self.series, *states, parts)
+
+    @property
+    def thinning(self) -> float:
+        return TUNING.halved
 
     @cached_property
     def interpolation_error(self) -> Estimate:
         """Relative error of delta and P between the points: their change where every second is left out, over 16."""
         changes = []
-        for first in (0, 1):
-            coarser = self.thinned(first)
-            left_out = np.setdiff1d(self.touching.c, coarser.touching.c)
+        for coarser in self.halves:
+            left_out = np.setdiff1d(self.places, coarser.places)
             for ours, there in zip(self._at(left_out), coarser.at(left_out), strict=True):
                 unit = np.maximum(np.abs(ours), abs(float(np.min(ours))))
                 changes.append(float(np.max(np.abs(there - ours) / unit)))
@@ -289,9 +325,8 @@ class FiniteRangeCurve(EquilibriumCurve):
         quantity = controlled(stiffness)
         if end == "smallest" and not self.complete:
             return (
-                f"the {quantity} is lowest at the smallest radius of the curve, a = {show(lowest.a, 'length')}: below, "
-                "the radius to which the surfaces attract each other falls as the contact grows; give another stress "
-                "or range"
+                f"the {quantity} is lowest where the curve begins, at a = {show(lowest.a, 'length')}: the contact "
+                "leaps to that radius from a smaller one, or from none; give another stress or range"
             )
         if end == "smallest":
             return (
@@ -363,6 +398,10 @@ class Pulled:
         """The states at contact radii ``a`` [m]; ``near``: radii c [m] from which they are sought."""
         return self.panels.discs(a).equilibria(self.s, self.gap, self.panels.reach, near)
 
+    def free(self, c: Array) -> Rims:
+        """The states without contact in which the surfaces attract each other up to the radii ``c`` [m]."""
+        return self.panels.apart(c, self.s, self.gap) if c.size else Rims(*5 * (c,))
+
 
 @dataclass(frozen=True, eq=False)
 class FiniteRangeBody:
@@ -397,22 +436,46 @@ class FiniteRangeBody:
         whole = self._touching(pulled)
         refuse_narrow(whole)
         rims = _growing(whole)
-        apart, begins = _some(rims, slice(0)), _begins(rims)
-        if rims.a[0] == 0:
-            between = np.linspace(0, rims.c[0], TUNING.apart + 1)[1:-1]
-            apart, begins = _with_begin(pulled.panels.apart(between, s, gap), gap), ()
+        apart = self._apart(pulled, float(rims.c[0])) if rims.a[0] == 0 else _some(rims, slice(0))
         none = Parts(*5 * (rims.a[:0],))  # until the states are settled
         curve = FiniteRangeCurve(law, self.problem, self.series, apart, rims, none, body=self)
-        for _ in range(TUNING.rounds):
-            near = _around_pull_off(curve, controls)
-            rims = _merged(rims, pulled.states(near, curve.places_of(near))) if near.size else rims
-            if not near.size or np.min(np.diff(rims.c)) <= 0:
+        for _ in range(TUNING.rounds):  # every point that is reported is solved where it is
+            near, free = _around_critical(curve, controls)
+            rims = _merged(curve.touching, pulled.states(near, curve.around(near))) if near.size else curve.touching
+            apart = curve.apart
+            if free.size:  # states closer to each other would make round-off of both a slope
+                beside = np.min(np.abs(apart.c[:, None] - free), axis=1) < TUNING.close[0] / 2 * apart.c
+                apart = _merged(_some(apart, ~beside), pulled.free(free))
+            if not (near.size or free.size):
                 break
-            curve = replace(curve, touching=rims)
+            rims = _growing(rims)
+            curve = replace(
+                curve, touching=rims, apart=apart if rims.a[0] == curve.touching.a[0] else _some(apart, slice(0))
+            )
+
         rims = curve.touching
         parts = Parts(*pulled.panels.discs(rims.a).nonadhesive, np.zeros(rims.a.size))
+        begins = () if curve.complete else _begins(curve)
         curve = replace(curve, parts=parts, doubts=(*begins, *_doubts(pulled, rims)))
         return self._judged(curve, pulled, replace(pulled, panels=self.body.check(reach)), controls)
+
+    def _apart(self, pulled: Pulled, c0: float) -> Rims:
+        """States without contact up to first touch at ``c0`` [m], so many that a spline follows what the tension draws
+        up between them: layers have scales of their own, however small against c0. Where surfaces would overlap, those
+        beyond."""
+        free = _with_begin(pulled.free(np.linspace(0, c0, TUNING.apart + 1)[1:]), pulled.gap)
+        for _ in range(MOST_STEPS):
+            between = pulled.free((free.c[1:] + free.c[:-1]) / 2)
+            pulls, drawn = self.problem.indenter.f(between.c) - between.delta, _drawn(self.problem, free)
+            missed = np.abs(drawn(between.c) - pulls) > TUNING.no_claim * pulls
+            if not missed.any():
+                break
+            free = _merged(free, _some(between, missed))
+        # at a = 0 the separation at c would be the range if the middle just touched, and is more where it overlaps
+        free = _some(free, slice(-1))
+        middle = pulled.panels.discs(np.zeros(free.c.size - 1)).rims(free.c[1:], pulled.s).gap
+        overlapping = np.flatnonzero(middle > pulled.gap * (1 + SAME))
+        return _some(free, slice(int(overlapping[-1]) + 2 if overlapping.size else 0, None))
 
     def _judged(
         self, curve: FiniteRangeCurve, pulled: Pulled, other: Pulled, controls: Sequence[float]
@@ -427,21 +490,27 @@ class FiniteRangeBody:
 
     def _touching(self, pulled: Pulled) -> Rims:
         """States in contact from a = 0 on: at the radii of the series, and at more of them where they are too far apart
-        in arcosh sqrt(c/c0)."""
+        of each other in a or c."""
         from scipy.interpolate import PchipInterpolator
 
         rims = pulled.states(np.concatenate([[0.0], self.series.a]))
+        if (leaps := _leaps(rims)).size:  # several radii c belong to one a: those next to the contacts beyond
+            first = int(leaps[-1]) + 1
+            below = pulled.states(rims.a[:first], np.maximum(rims.c[first], rims.a[:first]))
+            rims = _joined(below, _some(rims, slice(first, None)))
         if self.problem.indenter.kinks:
             rows = self._rows(self._kinks(pulled, rims))
             rims = pulled.states(rows, np.interp(rows, rims.a, rims.c))
         for _ in range(TUNING.rounds):
-            v = np.arccosh(np.sqrt(np.maximum.accumulate(rims.c) / rims.c[0]))
+            over_c = np.diff(np.arccosh(np.sqrt(np.maximum.accumulate(rims.c) / rims.c[0])))
+            over_a = np.diff(np.arcsinh(rims.a / min(rims.c[0], self.body.scale)))
+            over_log = np.abs(np.diff(np.log(rims.c))) / 2
+            v = np.append(0.0, np.cumsum(np.max([over_c, over_a, over_log], axis=0)))
             pieces = np.maximum(np.ceil(np.diff(v) / TUNING.spacing), 1).astype(int)
             if pieces.max() == 1:
                 break
             inner = [np.linspace(lo, hi, n + 1)[1:-1] for lo, hi, n in zip(v[:-1], v[1:], pieces, strict=True)]
-            rising = np.append(True, np.diff(v) > 0)
-            more = PchipInterpolator(v[rising], rims.a[rising])(np.concatenate(inner))
+            more = PchipInterpolator(v, rims.a)(np.concatenate(inner))
             rims = _merged(rims, pulled.states(more, np.interp(more, rims.a, rims.c)))
         return rims
 
@@ -459,13 +528,14 @@ class FiniteRangeBody:
         """Contact radii [m] at which the curve has kinks: those of the profile, and where the surfaces attract each
         other up to one; ``first``: states to begin with."""
         kinks = np.array(self.problem.indenter.kinks)
-        reached = kinks[(kinks > first.c[0]) & (kinks < first.c[-1])]
-        row = np.searchsorted(first.c, reached)
+        beyond = np.sign(first.c - kinks[:, None])
+        kink, row = np.nonzero(beyond[:, 1:] * beyond[:, :-1] < 0)
+        reached = kinks[kink]
 
-        def beyond(a: Array) -> Array:
+        def off(a: Array) -> Array:
             return pulled.states(a, reached).c / reached - 1
 
-        around = zeros_between(beyond, first.a[row - 1], first.a[row], 0.0) if reached.size else reached
+        around = zeros_between(off, first.a[row], first.a[row + 1], 0.0) if reached.size else reached
         return np.unique(np.concatenate([kinks[kinks < first.a[-1]], around]))
 
     def _unresolved(self, a: Array, c: Array, S: Array) -> Array:
@@ -481,11 +551,14 @@ class FiniteRangeBody:
         rims, parts = curve.touching, curve.parts
         some = checked(rims.a)
         other = on_other.states(rims.a[some], rims.c[some])
-        kernel = self.body.kernel_error(on_other.panels.reach, curve.places)
+        kernel = self.body.kernel_error(on_other.panels.reach, curve.c)
         f = self.problem.indenter.f(curve.apart.c)
         plain, here = np.stack(parts[:2]), _columns(rims)
         unit = plain + np.abs(plain - here)
         seen = np.max(np.abs(_columns(other) - here[:, some]) / unit[:, some], axis=1, keepdims=True)
+        free = curve.apart.delta[curve.apart.c > 0]
+        without = np.abs(on_other.free(curve.apart.c[curve.apart.c > 0]).delta - free) / np.abs(free)
+        seen[0] = max(seen[0, 0], np.max(without, initial=0.0))
         relative = TUNING.safety * seen + TUNING.no_claim + kernel
         free = np.stack([f + np.abs(f - curve.apart.delta), np.abs(curve.apart.P)])
         return dict(zip(("delta", "P"), relative * np.concatenate([free, unit], axis=1), strict=True))
@@ -509,12 +582,16 @@ class FiniteRangeBody:
         as states on both sides of each show, and so does what the kernel leaves."""
         moved = {}
         for stiffness, point in points:
-            a = point.a * (1 + POINTS.nearest * np.array([-1.0, 0.0, 1.0]))
-            states = (_columns(panels.states(a, curve.places_of(a))) for panels in (pulled, other))
-            x, off = (np.asarray(position(columns[0], columns[1], stiffness)) for columns in states)
+            around = 1 + POINTS.nearest * np.array([-1.0, 0.0, 1.0])
+            near = curve.around(point.a * around)
+            both = (
+                panels.states(point.a * around, near) if point.a > 0 else panels.free(point.place * around)
+                for panels in (pulled, other)
+            )
+            x, off = (np.asarray(position(states.delta, states.P, stiffness)) for states in both)
             bend, added = x[0] - 2 * x[1] + x[2], np.max(np.abs(np.diff(off - x)))
             if bend > 0:
-                kernel = float(self.body.kernel_error(pulled.panels.reach, np.array([point.place]))[0])
+                kernel = float(self.body.kernel_error(pulled.panels.reach, np.array([_reach(point)]))[0])
                 moved[stiffness] = POINTS.nearest * TUNING.safety * float(added) / float(bend)
                 moved[stiffness] += kernel + TUNING.no_claim
         return moved
@@ -528,9 +605,9 @@ class FiniteRangeBody:
         bodies = [pulled, *(replace(pulled, panels=panels) for panels in fewer)]
 
         def columns(a: Array) -> list[Array]:
-            return [_columns(body.states(a, curve.places_of(a))) for body in bodies]
+            return [_columns(body.states(a, curve.around(a))) for body in bodies]
 
-        return {k: error_by_points(indenter, columns, point, k, end) for k, point in points}
+        return {k: error_by_points(indenter, columns, point, k, end) for k, point in points if point.a > 0}
 
 
 def _columns(rims: Rims) -> Array:
@@ -551,28 +628,49 @@ def _judged_points(curve: FiniteRangeCurve, controls: Sequence[float]) -> Iterat
     kinks = np.array(curve.problem.indenter.kinks)
     for stiffness in controls:
         point = curve.pull_off(stiffness)
-        if not isinstance(point, CriticalPoint) or not 0 < point.a < curve.touching.a[-1] / (1 + POINTS.nearest):
+        if not isinstance(point, CriticalPoint) or not point.a < curve.touching.a[-1] / (1 + POINTS.nearest):
             continue
-        if not any(abs(kink / r - 1) < 2 * POINTS.nearest for kink in kinks for r in (point.a, point.place)):
+        radii = (point.a, _reach(point)) if point.a > 0 else (_reach(point),)
+        if not any(abs(kink / r - 1) < 2 * POINTS.nearest for kink in kinks for r in radii):
             yield stiffness, point
 
 
-def _around_pull_off(curve: FiniteRangeCurve, controls: tuple[float, ...]) -> Array:
-    """Contact radii [m] at the points where contact is lost under ``controls`` and close around them, but for those
-    that were solved before, next to a kink or a state, or beyond the curve."""
-    rows, kinks = curve.touching.a, np.array(curve.problem.indenter.kinks)
-    radii = np.empty(0)
-    for point in map(curve.pull_off, controls):
-        if isinstance(point, CriticalPoint) and point.a > 0 and np.min(np.abs(rows / point.a - 1)) > TUNING.solved:
-            room = min((abs(kink / r - 1) / 2 for kink in kinks for r in (point.a, point.place)), default=math.inf)
-            steps = np.array(TUNING.close) * min(room / TUNING.close[-1], 1.0)  # to the same side of a kink
-            if steps[0] < TUNING.solved:
+def _around_critical(curve: FiniteRangeCurve, controls: tuple[float, ...]) -> tuple[Array, Array]:
+    """Contact radii a, and radii c without contact [m], of all critical points under ``controls`` and close around
+    those where contact is lost."""
+    kinks = np.array(curve.problem.indenter.kinks)
+    touching, apart = [], []
+    for stiffness in controls:
+        lost = curve.pull_off(stiffness)
+        for point in curve.critical(stiffness):
+            if point.a == 0:
+                apart.append((point.place, math.inf, point == lost))
                 continue
-            around = point.a * (1 + np.append(-steps, steps))
-            known = np.concatenate([rows, radii])
-            apart = np.min(np.abs(around[:, None] - known), axis=1) > steps[0] / 2 * point.a
-            radii = np.concatenate([radii, [point.a], around[apart & (around < rows[-1])]])
-    return np.unique(radii)
+            room = min((abs(kink / r - 1) / 2 for kink in kinks for r in (point.a, _reach(point))), default=math.inf)
+            touching.append((point.a, room, point == lost))
+    return _not_solved(touching, curve.touching.a), _not_solved(apart, np.append(curve.apart.c, curve.touching.c[0]))
+
+
+def _not_solved(points: list[tuple[float, float, bool]], known: Array) -> Array:
+    """The radii r [m] of critical ``points`` and, where contact is lost there, radii close around them on the same side
+    of a kink, which leaves ``room``: but for those that are ``known`` or lie next to one, to a kink, or beyond."""
+    new = known[:0]
+    for r, room, _ in sorted(points, key=lambda point: point[2], reverse=True):
+        if np.min(np.abs(np.append(known, new) / r - 1)) > TUNING.solved < room * TUNING.close[0] / TUNING.close[-1]:
+            new = np.append(new, r)
+    found = new
+    for r, room, lost in points:
+        if lost and r in found:
+            steps = np.array(TUNING.close) * min(room / TUNING.close[-1], 1.0)
+            around = r * (1 + np.append(-steps, steps))
+            apart = np.min(np.abs(around[:, None] - np.append(known, new)), axis=1) > steps[0] / 2 * r
+            new = np.append(new, around[apart & (around < np.max(known))])
+    return new
+
+
+def _reach(point: Equilibrium) -> float:
+    """The radius c [m] to which the surfaces attract each other."""
+    return point.a if point.c is None else point.c
 
 
 def _doubts(pulled: Pulled, rims: Rims) -> tuple[str, ...]:
@@ -599,34 +697,46 @@ def _joined(first: Rims, second: Rims) -> Rims:
 
 
 def _merged(first: Rims, second: Rims) -> Rims:
-    """The states of both by increasing contact radius."""
+    """The states of both, in contact by increasing contact radius, without by increasing c."""
     both = _joined(first, second)
-    return _some(both, np.argsort(both.a))
+    return _some(both, np.lexsort([both.c, both.a]))
+
+
+def _drawn(problem: Problem, free: Rims) -> BSpline:
+    """f(c) - delta [m] over c, through the states without contact."""
+    from scipy.interpolate import make_interp_spline
+
+    return make_interp_spline(free.c, problem.indenter.f(free.c) - free.delta, min(TUNING.degree, free.c.size - 1))
+
+
+def _leaps(rims: Rims) -> Array:
+    """Numbers of the states beyond which c leaps, or there is no state."""
+    leaps = np.abs(np.diff(np.log(rims.c))) > TUNING.leap + np.diff(np.log(rims.a + rims.c[0]))
+    unsolved = np.abs(rims.gap / np.median(rims.gap) - 1) > SAME
+    return np.flatnonzero(leaps | unsolved[1:] | unsolved[:-1])
 
 
 def _growing(rims: Rims) -> Rims:
-    """The states from where on the attracted annulus grows with the contact, all of them on most bodies: the curve has
+    """The states from where on they follow each other as the contact grows, all of them on most bodies: the curve has
     no place for what lies below. Refusal where next to nothing is left."""
-    c = np.maximum.accumulate(rims.c)
-    v = np.arccosh(np.sqrt(c / c[0]))
-    wrong = (np.diff(rims.c) <= 0) | (np.diff(v) > TUNING.leap)
-    if not wrong.any():
+    leaps = _leaps(rims)
+    if not leaps.size:
         return rims
-    first = int(np.flatnonzero(wrong)[-1]) + 1
+    first = int(leaps[-1]) + 1
     if rims.a.size - first < TUNING.fewest:
         raise Refusal(
-            f"adhesion of finite range: up to the contact radius {show(float(rims.a[first]), 'length')} the radius to "
-            "which the surfaces attract each other falls as the contact grows: a stiff coating, or a layer so soft "
-            "that it jumps up to the indenter, is not touched in a disc that grows; increase [loading] radius, or "
-            "give another stress or range"
+            f"adhesion of finite range: up to the contact radius {show(float(rims.a[first]), 'length')} the contact "
+            "leaps from one radius to another: a stiff coating, or a layer so soft that it jumps up to the indenter, "
+            "is not touched in a disc that grows; increase [loading] radius, or give another stress or range"
         )
     return _some(rims, slice(first, None))
 
 
-def _begins(rims: Rims) -> tuple[str, ...]:
-    """A warning that contact radii below those of ``rims`` are left out, and why."""
-    where = show(float(rims.a[0]), "length")
+def _begins(curve: FiniteRangeCurve) -> tuple[str, ...]:
+    """A warning that the curve does not begin where the free bodies do, and why."""
+    first = curve.point(float(curve.places[0]))
+    where = f"c = {show(first.place, 'length')}" if first.a == 0 else f"a = {show(first.a, 'length')}"
     return (
-        f"finite range: at contact radii below {where} the radius to which the surfaces attract each other falls as "
-        "the contact grows: they jump into contact, and the curve begins there",
+        f"finite range: below {where} several radii to which the surfaces attract each other belong to one contact: "
+        "they leap together, and the curve begins there",
     )

@@ -18,6 +18,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from typing import Self
 
 import numpy as np
 
@@ -144,7 +145,11 @@ class FromRest(EquilibriumCurve):
     def interpolation_error(self) -> Estimate:
         return self.whole.interpolation_error
 
-    def thinned(self, first: int) -> FromRest:
+    @property
+    def thinning(self) -> float:
+        return self.whole.thinning
+
+    def thinned(self, first: int) -> Self:
         return replace(self, whole=self.whole.thinned(first))
 
     @cached_property

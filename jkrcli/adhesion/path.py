@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..base import MOST_STEPS, ROUNDED, Array, InputError, Unknown, show, zeros_between
+from ..base import MOST_STEPS, ROUNDED, SAME, Array, InputError, Unknown, show, zeros_between
 from .curve import LOAD_CONTROL, AdhesiveCurve, Equilibrium, EquilibriumCurve, control, position
 from .edge import Edge
 from .from_rest import FromRest
@@ -271,10 +271,13 @@ class EdgeRule:
         """The place [m] of first contact, where the free bodies begin to attract each other.
 
         JKR forces have no range: nothing happens before the undeformed gap closes (D = delta = 0), and there the
-        contact spreads to the first stable radius."""
+        contact spreads to the first stable radius. Surfaces that attract each other may come together without a jump,
+        under a cone."""
         if self.begins:
             return self.begins
         curve = self.curve
+        if curve.complete and self.rises(least := SAME * float(curve.places[1])) > 0:
+            return least
         smallest, largest = curve.contact_radii(curve.places[[0, -1]]).tolist()
         if not curve.complete and self.position(float(curve.places[0])) > self.free:
             if curve.ranged:
@@ -527,7 +530,8 @@ class Path:
         sizes = [part[0].size for part in parts]
         phases = np.repeat([piece.phase for piece in self.pieces], sizes)
         columns |= {"G_J_per_m2": G, "phase": phases, "part": np.repeat(np.arange(len(parts)) + 1, sizes)}
-        return columns | ({"c_m": places} if self.contact.recede.curve.ranged else {})
+        curve = self.contact.recede.curve
+        return columns | ({"c_m": curve.attracted_radii(places)} if curve.ranged else {})
 
 
 def path(contact: Contact, program: Program, start: float = 0.0, stands: bool = False) -> Path:

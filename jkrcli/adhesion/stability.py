@@ -84,25 +84,35 @@ class Cycle:
     @cached_property
     def separation(self) -> Estimate:
         """Work of separation [J]: done by the device on retraction, from the last zero load to loss of contact."""
-        missing = self._no_energy()
-        if missing is not None:
-            return missing
-        work = self.retraction.unloaded_work
-        none = Unknown("no state of zero load is passed on retraction: increase [loading] radius")
-        return none if work is None else work
+        return separation_work(self.retraction)
 
     def _no_energy(self) -> Unknown | None:
-        if self.stiffness == LOAD_CONTROL:
-            return UNBOUNDED
-        if self.retraction.ends != "lost":
-            first = show(self.retraction.last, "length")
-            return Unknown(f"contact is not lost within the series, which begins at a = {first}")
-        return None
+        return _no_energy(self.retraction)
 
     def _first_chord(self) -> float:
         """Work [J] along a straight line from no contact to the first state without adhesion."""
         first, k = self.begin, self.stiffness
         return first.P / 2 * float(position(first.delta, first.P, k)) if self.contact.advancing.w == 0 else 0.0
+
+
+def separation_work(retraction: Path) -> Estimate:
+    """Work of separation [J]: done by the device on a ``retraction`` from the last zero load to loss of contact."""
+    missing = _no_energy(retraction)
+    if missing is not None:
+        return missing
+    work = retraction.unloaded_work
+    none = Unknown("no state of zero load is passed on retraction: increase [loading] radius")
+    return none if work is None else work
+
+
+def _no_energy(retraction: Path) -> Unknown | None:
+    """Why there are no energies of a ``retraction``; None where there are."""
+    if retraction.contact.stiffness == LOAD_CONTROL:
+        return UNBOUNDED
+    if retraction.ends != "lost":
+        first = show(retraction.last, "length")
+        return Unknown(f"contact is not lost within the series, which begins at a = {first}")
+    return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,8 +121,8 @@ class Behaviour:
 
     ``critical``: all points of the series where the controlled quantity is stationary. ``pull_off``: where contact is
     lost. ``jump_in``: the stable state after first contact at delta = ``onset`` [m], 0 where adhesion has no range.
-    ``partial``: jumps to smaller stable radii on
-    the way from the end of the series to pull-off. Energies in J, or why there is none.
+    ``partial``: jumps to smaller stable radii on the way from the end of the series to pull-off. Energies in J, or why
+    there is none; ``whole`` and ``retraction``: the cycle and the path that they are of.
     """
 
     stiffness: float
@@ -123,6 +133,8 @@ class Behaviour:
     energy_lost: Estimate
     separation: Estimate
     onset: float = 0.0
+    whole: Cycle | Unknown = NO_ADHESION
+    retraction: Path | None = None
 
     @property
     def control(self) -> str:
@@ -145,18 +157,19 @@ def behaviour(curve: EquilibriumCurve, stiffness: float) -> Behaviour:
     critical, pull_off = curve.critical(stiffness), curve.pull_off(stiffness)
     start, whole = largest_stable(curve, stiffness), cycle(curve, curve, stiffness)
     if isinstance(whole, Cycle) and whole.turn == start:
-        partial = whole.retraction.jumps
+        retraction: Path | None = whole.retraction
     else:
-        partial = () if start is None else shrink(QuasiStatic(curve, curve, stiffness), start).jumps
-    if isinstance(whole, Unknown):
-        energies: tuple[Estimate, Estimate] = (whole, whole)
+        retraction = None if start is None else shrink(QuasiStatic(curve, curve, stiffness), start)
+    partial = () if retraction is None else retraction.jumps
+    if isinstance(whole, Unknown):  # the jump-in leads out of the series; contact may be lost within it
+        energies: tuple[Estimate, Estimate] = (whole, whole if retraction is None else separation_work(retraction))
         jump_in: Equilibrium | Unknown = whole
     else:
         energies, jump_in = (whole.energy_lost, whole.separation), whole.begin
     if isinstance(pull_off, Unknown) and stiffness != LOAD_CONTROL:
         energies = (pull_off, pull_off)
     between = tuple(jump for jump in partial if jump.end is not None)
-    return Behaviour(stiffness, critical, pull_off, jump_in, between, *energies, onset=curve.onset)
+    return Behaviour(stiffness, critical, pull_off, jump_in, between, *energies, curve.onset, whole, retraction)
 
 
 def cycle(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -10,7 +10,20 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion import Cycle, EquilibriumCurve, FromRest, Jump, Program, control, cycle, path, trace, turning_radius
+from ..adhesion import (
+    Cycle,
+    EquilibriumCurve,
+    FromRest,
+    Jump,
+    Program,
+    control,
+    cycle,
+    energy_lost_error,
+    path,
+    separation_error,
+    trace,
+    turning_radius,
+)
 from ..base import ROWS, Array, Estimate, InputError, Unknown, show
 from ..beside import Analysis
 from . import tables
@@ -69,6 +82,15 @@ class Cycled(Result):
 
         return cycle_figure(self.columns, control(self.cycle.stiffness))
 
+    @cached_property
+    def _energies(self) -> tuple[tuple[str, Estimate, Estimate], ...]:
+        """Both energies [J] by their names, with their half-widths."""
+        cycle = self.cycle
+        return (
+            ("energy lost per cycle", cycle.energy_lost, energy_lost_error(cycle)),
+            ("work of separation", cycle.separation, separation_error(cycle.retraction)),
+        )
+
     def summary(self) -> dict[str, Any]:
         """Jumps, turn and energies of a trace, SI."""
         cycle = self.cycle
@@ -82,7 +104,7 @@ class Cycled(Result):
             "jumps_on_approach": [tables.jump(jump) for jump in cycle.approach.jumps],
             "jumps_on_retraction": [tables.jump(jump) for jump in cycle.retraction.jumps],
             "contact_lost": cycle.retraction.ends == "lost",
-            **tables.energies(energy_lost=cycle.energy_lost, work_of_separation=cycle.separation),
+            **tables.energies(energy_lost=self._energies[0][1:], work_of_separation=self._energies[1][1:]),
         }
 
     def words(self) -> list[str]:
@@ -91,9 +113,8 @@ class Cycled(Result):
         begin, onset = cycle.begin, inwards.onset
         jump_in = f"jump-in at delta = {show(onset, 'length') if onset else 0} to"
         start = jump_in if inwards.w > 0 else "contact grows from a point; first of the series:"
-        energies = {"energy lost per cycle": cycle.energy_lost, "work of separation": cycle.separation}
         lines = [
-            f"{_energy_words(energies)}: {self.file}",
+            f"{_energy_words(self._energies)}: {self.file}",
             _device_words(cycle.stiffness, inwards.w, outwards.w),
             f"  {start} {tables.state_words(begin, 'P a')}",
             f"  turn at {tables.state_words(inwards.point(cycle.turn), 'a')}",
@@ -155,10 +176,11 @@ class CycledByProgram(Result):
         ]
 
 
-def _energy_words(energies: Mapping[str, Estimate]) -> str:
-    """Each energy [J] by its name; those of one reason why there are none together."""
-    parts = [f"{name} {energy:.4g} J" for name, energy in energies.items() if not isinstance(energy, Unknown)]
-    unknown = {name: energy.reason for name, energy in energies.items() if isinstance(energy, Unknown)}
+def _energy_words(energies: Sequence[tuple[str, Estimate, Estimate]]) -> str:
+    """Each energy [J] by its name, with its half-width; those of one reason why there are none together."""
+    known = [one for one in energies if not isinstance(one[1], Unknown)]
+    parts = [f"{name} {tables.energy_words(energy, error)}" for name, energy, error in known]
+    unknown = {name: energy.reason for name, energy, _ in energies if isinstance(energy, Unknown)}
     for reason in dict.fromkeys(unknown.values()):
         parts.append(f"{' and '.join(name for name, why in unknown.items() if why == reason)}: none, {reason}")
     return "; ".join(parts)

@@ -20,7 +20,7 @@ from ..adhesion import (
     yielding,
 )
 from ..adhesion.from_rest import AT_MOST, FROM_REST
-from ..base import Estimate, InputError, Unknown, accuracy, known, show
+from ..base import InputError, Unknown, accuracy, known, show
 from ..beside import Analysis, Lost, LostByHistory, analyse, is_solved
 from ..bodies import relaxing
 from ..series import Solution
@@ -293,10 +293,11 @@ def _control(behaviour: Behaviour, error: Errors | Unknown | None, solved: bool)
     onset = ", delta = 0  " if behaviour.onset == 0 else ", attracted  "
     lines += [
         f"    jump-in{onset}{_point(behaviour.jump_in)}",
-        f"    energy lost         {_energy(behaviour.energy_lost)}",
+        f"    energy lost         {tables.energy_words(behaviour.energy_lost, tables.energy_lost_error(behaviour))}",
     ]
     if behaviour.separation != behaviour.energy_lost:
-        lines.append(f"    work of separation  {_energy(behaviour.separation)}")
+        separation = tables.energy_words(behaviour.separation, tables.separation_error(behaviour))
+        lines.append(f"    work of separation  {separation}")
     return lines
 
 
@@ -312,17 +313,13 @@ def _bound(point: Equilibrium) -> str:
     return f"P = {show(point.P, 'load'):<12} {'':<20} a = {show(point.a, 'length')}"
 
 
-def _energy(value: Estimate) -> str:
-    return f"none: {value}" if isinstance(value, Unknown) else f"{value:.4g} J"
-
-
 def _validity(result: Analysis, *points: CriticalPoint | Unknown) -> list[str]:
     """JKR holds, is doubtful or does not: by every number that the body has, with pull-off at ``points``, then the
     other warnings."""
     judged = result.validity_at(*points)
     tabor = [f"Tabor number {judged.tabor:.3g}: {judged.regime}"] if isinstance(judged.tabor, float) else []
     warnings = [warning for warning in judged.warnings if not warning.startswith(ABOVE)]
-    warnings += yielding(result.problem, result.curve)
+    warnings += [*yielding(result.problem, result.curve), *getattr(result.curve, "doubts", ())]
     warnings += faces(result.problem.indenter, result.w, bool(result.problem.specimen.layers))
     lines = [*tabor, ", ".join(tables.size_words(judged, SIZES)), *warnings]
     return [f"  {line}" for line in lines if line.strip()]

@@ -66,7 +66,7 @@ class CycledRelaxing(RelaxedHistory, Result):
             "corners": list(map(timed, self.corners)),
             "contact_lost": self.lost is not None,
             "lost_t_s": self.lost,
-            **energies(energy_lost=self.energy_lost),
+            **energies(energy_lost=(self.energy_lost, Unknown("not estimated for specimens that relax"))),
             "load_relative_error": self.error,
             "neglected": NEGLECTED,
             "warnings": self.warnings,

@@ -210,7 +210,10 @@ def under_control(behaviour: adhesion.Behaviour) -> dict[str, Any]:
         "pull_off": point(behaviour.pull_off),
         "jump_in": point(behaviour.jump_in),
         "jumps_before_pull_off": [jump(item) for item in behaviour.partial],
-        **energies(energy_lost=behaviour.energy_lost, work_of_separation=behaviour.separation),
+        **energies(
+            energy_lost=(behaviour.energy_lost, energy_lost_error(behaviour)),
+            work_of_separation=(behaviour.separation, separation_error(behaviour)),
+        ),
     }
 
 
@@ -239,11 +242,36 @@ def stiffness(k: float) -> float | None:
     return None if k == adhesion.DISPLACEMENT_CONTROL else k
 
 
-def energies(**values: Estimate) -> dict[str, Any]:
-    """Energies [J] by their names, each null with its reason where there is none."""
+def energy_lost_error(behaviour: adhesion.Behaviour) -> Estimate:
+    """90 % half-width of the energy lost per cycle [J], or why there is none."""
+    whole = behaviour.whole
+    return whole if isinstance(whole, Unknown) else adhesion.energy_lost_error(whole)
+
+
+def separation_error(behaviour: adhesion.Behaviour) -> Estimate:
+    """90 % half-width of the work of separation [J], or why there is none."""
+    retraction, separation = behaviour.retraction, behaviour.separation
+    if retraction is None or isinstance(separation, Unknown):
+        return separation
+    return adhesion.separation_error(retraction)
+
+
+def energies(**values: tuple[Estimate, Estimate]) -> dict[str, Any]:
+    """Energies [J] by their names with their half-widths, each null with its reason where there is none."""
     columns: dict[str, Any] = {}
-    for name, energy in values.items():
+    for name, (energy, error) in values.items():
         columns[f"{name}_J"] = known(energy)
         if isinstance(energy, Unknown):
             columns[f"{name}_reason"] = energy
+            continue
+        columns[f"{name}_err_J"] = known(error)
+        if isinstance(error, Unknown):
+            columns[f"{name}_error"] = error
     return columns
+
+
+def energy_words(energy: Estimate, error: Estimate) -> str:
+    """``1.2e-14 J ± 3e-19 J``; without the error where it is unknown."""
+    if isinstance(energy, Unknown):
+        return f"none: {energy}"
+    return f"{energy:.4g} J" + ("" if isinstance(error, Unknown) else f" ± {error:.1g} J")

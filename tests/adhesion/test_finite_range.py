@@ -11,9 +11,10 @@ import pytest
 from annulus_by_elements import ElementLayer
 from maugis import Maugis, finite_range_curve
 from scipy.optimize import brentq
+from uncontacted import Uncontacted
 
 import jkrcli as jkr
-from jkrcli.adhesion.curve import CriticalPoint, Equilibrium
+from jkrcli.adhesion.curve import CriticalPoint, Equilibrium, position
 from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve
 from jkrcli.adhesion.law import Range
 from jkrcli.adhesion.stability import Jump, behaviour, branch, cycle
@@ -29,8 +30,10 @@ LOAD, DISPLACEMENT = 0.0, math.inf
 
 def place_of(curve: FiniteRangeCurve, a: float) -> float:
     """The place of the contact radius ``a``."""
-    c: float = brentq(lambda c: curve.point(c).a - a, *curve.touching.c[[0, -1]], xtol=1e-14, rtol=1e-14)
-    return c
+    place: float = brentq(
+        lambda x: curve.point(x).a - a, curve.point(0.0).place, curve.places[-1], xtol=1e-14, rtol=1e-14
+    )
+    return place
 
 
 def layer(nu: float, bonded: bool = True) -> jkr.Specimen:
@@ -114,8 +117,8 @@ def test_incompressible_layer_pulls_harder_than_either_limit() -> None:
 
 @pytest.mark.slow
 def test_curve_begins_where_the_attracted_annulus_grows_with_the_contact() -> None:
-    """On the ridge of thin incompressible layers the surfaces leap together: what the pull-off does not need is said to
-    be left out, and the force goes on from that of ranges beside it."""
+    """On the ridge of thin incompressible layers three radii c belong to one contact: what pull-off does not need is
+    said to be left out, and the force goes on from that of ranges beside it."""
     forces = []
     for mu in (3.4, 3.5, 3.6):
         curve = curve_of(layer(0.499), 1000.0, 8.0, 1e-4, mu)
@@ -123,7 +126,6 @@ def test_curve_begins_where_the_attracted_annulus_grows_with_the_contact() -> No
         if mu == 3.5:
             assert not curve.complete
             assert "and the curve begins there" in curve.doubts[0]
-            assert np.all(np.diff(curve.touching.c) > 0)
             assert isinstance(behaviour(curve, DISPLACEMENT).jump_in, jkr.Unknown)
     assert abs(forces[1] - (forces[0] + forces[2]) / 2) < 3e-4, forces
 
@@ -212,10 +214,12 @@ def test_load_and_displacement_change_together_as_a_flat_end_and_its_annulus_say
     R, w, specimen = 100.0, 1e-4, BODIES[name]
     curve = curve_of(specimen, R, 3.0, w, 1.0)
     for a in (0.4, 1.1, 2.3):
-        c = place_of(curve, a)
-        ddelta, dP = curve.rates(np.array(c))
+        place, step = place_of(curve, a), 1e-4 * a
+        c, (ddelta, dP) = curve.point(place).c, curve.rates(np.array(place))
+        assert c is not None
+        dc = float(np.diff(curve.attracted_radii(place + step * np.array([-1.0, 1.0])))[0]) / (2 * step)
         S, outside = flat_end(specimen, R, a, c)
-        bulk, rim = S * ddelta, 2 * math.pi * c * curve.law.stress * outside
+        bulk, rim = S * ddelta, 2 * math.pi * c * curve.law.stress * outside * dc
         assert abs(dP - (bulk - rim)) < 1e-8 * (abs(bulk) + abs(rim)), (a, c)  # measured: 3e-9
 
 
@@ -319,7 +323,7 @@ def test_curve_is_smooth_where_the_surfaces_first_touch(name: str) -> None:
     before, after = (np.array(curve.at(np.array(c0 * x))) for x in (1 - 1e-7, 1 + 1e-7))
     np.testing.assert_allclose(before, after, rtol=1e-5)
     left, right = (np.array(curve.rates(np.array(c0 * x))) for x in (1 - 1e-4, 1 + 1e-4))
-    np.testing.assert_allclose(left, right, rtol=2e-2)
+    assert left[1] / left[0] == pytest.approx(right[1] / right[0], rel=2e-2)  # dP/d(delta)
     assert curve.point(0.0).delta == -curve.law.length
 
 
@@ -430,19 +434,94 @@ def test_a_flat_end_has_its_kinks_where_contact_or_attraction_reach_its_edge(len
     assert curve.point_error(pulled, 0.0)["P"] < 1e-6 * abs(least)
 
 
-def test_where_the_attracted_radius_turns_round_is_no_pull_off() -> None:
-    """A rounded flat whose attraction reaches its edge: the first point of its curve passed for a minimum of P, 6e-4
-    off where 9e-7 was stated."""
-    body = jkr.Specimen((jkr.Layer(jkr.Elastic(11708.980728416, 0.49823320984), 1.34594297868e-4),), jkr.Rigid(False))
-    indenter, loading = (
-        jkr.RoundedFlat(1.12031242e-3, 0.010270514374),
-        jkr.Loading("radius", 1.3433535877e-3, 36, "log"),
-    )
-    solution = jkr.solve(jkr.Problem(indenter, body, loading), "hybrid")
-    ranged = FiniteRangeBody(solution.problem, solution.series, AttractedBody(solution.problem))
-    for control in (LOAD, DISPLACEMENT):
-        found = ranged.curve(Range.of(4.74949053e-7, stress=3.62506637)).pull_off(control)
-        assert "falls as the contact grows" in str(found)
+def test_pull_off_where_the_attracted_radius_falls_as_the_contact_grows() -> None:
+    """Flat ends with rounded edges whose attraction reaches beyond them: c falls with a. One was refused under every
+    control, the first point of the other passed for a minimum of P: against the least of states on other panels."""
+    bodies = (
+        (jkr.RoundedFlat(1e-6, 0.6e-6), jkr.Elastic(1e6, 0.45), 1e-6, True, 1.4e-6, (40354.7, 621.4465e-9)),
+        (jkr.RoundedFlat(1.12031242e-3, 0.010270514374), jkr.Elastic(11708.980728416, 0.49823320984), 1.34594297868e-4,
+         False, 1.3433535877e-3, (3.62506637, 4.74949053e-7 / 3.62506637)),
+    )  # fmt: skip
+    for indenter, material, h, bonded, a, (stress, length) in bodies:
+        body = jkr.Specimen((jkr.Layer(material, h),), jkr.Rigid(bonded))
+        solution = jkr.solve(jkr.Problem(indenter, body, jkr.Loading("radius", a, 60)), "layered")
+        ranged, law = FiniteRangeBody.of(solution), Range(stress, length)
+        curve = ranged.curve(law, 10.0)
+        assert curve.complete
+        exact = ranged.body.check(ranged.body.reach(a, 2 * stress / curve.problem.E_star, length))
+        for control in (LOAD, DISPLACEMENT, 10.0):
+            point = curve.pull_off(control)
+            assert isinstance(point, CriticalPoint), point
+            beside = point.a * (1 + np.array([-0.02, -1e-3, 0.0, 1e-3, 0.02]))
+            states = exact.discs(beside).equilibria(2 * stress / curve.problem.E_star, length, exact.reach)
+            held = position(states.delta, states.P, control)
+            assert held[2] == min(held)
+            stated = curve.point_error(point, control)
+            assert abs(states.P[2] - point.P) <= stated["P"] < 1e-7 * abs(point.P)
+            assert abs(states.delta[2] - point.delta) <= stated["delta"]
+
+
+WITHOUT = [(0.1, 10.0, 0.499, math.inf), (0.03, 3.0, 0.5, 0.5), (0.3, 1.0, 0.0, math.inf), (0.1, 100.0, 0.3, 8.0)]
+
+
+@pytest.mark.parametrize(("mu", "q", "nu", "stiffness"), WITHOUT)
+def test_pull_off_without_contact_is_that_of_a_constant_tension(
+    mu: float, q: float, nu: float, stiffness: float
+) -> None:
+    """Tabor numbers mu, q = w R^2/(E* h^3): read between rows that do not see the layer P was up to 3 % off, with 4e-9
+    stated. Against an explicit formula; 40 random bodies are the slow test below."""
+    R = 100.0
+    assert _without_contact(mu, q, nu, R, (stiffness,)) == 1
+
+
+@pytest.mark.slow
+def test_pull_off_without_contact_of_forty_layers() -> None:
+    rng, found = np.random.default_rng(46), 0
+    for _ in range(40):
+        mu, q = 10 ** rng.uniform(math.log10(0.03), math.log10(0.3)), 10 ** rng.uniform(0, 2)
+        nu = float(rng.choice([0.0, 0.3, 0.45, 0.499, 0.5, rng.uniform(0, 0.5)]))
+        found += _without_contact(mu, q, nu, 100.0, (math.inf, 10 ** rng.uniform(-0.5, 1.0)))
+    assert found > 40
+
+
+def _without_contact(mu: float, q: float, nu: float, R: float, devices: tuple[float, ...]) -> int:
+    """How many of the ``devices`` lose contact at a = 0, checked against the explicit formula; first touch, too."""
+    w = q / R**2
+    length = (R * w**2 / mu**3) ** (1 / 3)
+    exact = Uncontacted(nu, R, w / length, length)
+    curve = FiniteRangeBody.of(solved(layer(nu), R, 2.0, 60)).curve(Range.of(w, length=length), *devices)
+    assert curve.touching.c[0] == pytest.approx(exact.touch, rel=1e-10)
+    found = 0
+    for stiffness in devices:
+        point, true = curve.pull_off(stiffness), exact.lost(stiffness)
+        if isinstance(point, CriticalPoint) and point.a == 0:
+            assert true is not None
+            found += 1
+            stated, (_, delta, P) = curve.point_error(point, stiffness), true
+            assert abs(point.P - P) <= stated["P"] < 1e-7 * abs(P)
+            assert abs(point.delta - delta) <= stated["delta"] < 1e-7 * abs(delta)
+    return found
+
+
+def test_a_jump_to_no_contact_is_pull_off_although_the_surfaces_then_part_smoothly() -> None:
+    """A cone in a soft device: it jumps from a = 154 nm to a = 0, where a weak attraction is left that goes to zero;
+    that was no pull-off, and had no energies."""
+    body = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, 0.45), 1e-6),), jkr.Rigid())
+    cone = jkr.PowerLaw(1 / math.tan(math.radians(75)), 1.0)
+    law, k = Range.of(0.0085802509, length=3.8301361e-7), 0.40626957
+    solution = jkr.solve(jkr.Problem(cone, body, jkr.Loading("radius", 1.2e-6, 60)), "layered")
+    means = behaviour(FiniteRangeBody.of(solution).curve(law, k), k)
+    assert isinstance(means.pull_off, CriticalPoint)
+    assert means.pull_off.P == pytest.approx(-174.77e-9, rel=1e-4)
+    assert means.pull_off.a == pytest.approx(154.4e-9, rel=1e-3)
+    lost = means.partial[-1]
+    assert lost.end is not None
+    assert lost.end.a == 0
+    assert isinstance(means.jump_in, Equilibrium)  # nor do they come together in a jump
+    assert means.jump_in.delta == pytest.approx(-law.length, rel=1e-5)
+    assert isinstance(means.energy_lost, float)
+    assert isinstance(means.separation, float)
+    assert 0 < means.energy_lost < means.separation
 
 
 def test_a_device_s_pull_off_is_solved_at_its_own_radius() -> None:

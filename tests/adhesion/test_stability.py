@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import fields
 from functools import cache
 
 import numpy as np
@@ -128,7 +129,12 @@ def test_what_many_devices_do_is_found_together(monkeypatch: pytest.MonkeyPatch)
     devices = [0.0, *np.geomspace(1e3, 1e8, 40), RIGID]
     one = curve(half_space())
     alone = [behaviour(one, stiffness) for stiffness in devices]
-    assert [vars(found) for found in behaviours(curve(half_space()), devices)] == [vars(found) for found in alone]
+    names = [field.name for field in fields(alone[0]) if field.name not in ("whole", "retraction")]  # paths
+
+    def values(found: list[Behaviour]) -> list[list[object]]:
+        return [[getattr(each, name) for name in names] for each in found]
+
+    assert values(behaviours(curve(half_space()), devices)) == values(alone)
     calls = []
     rates = AdhesiveCurve._rates
     monkeypatch.setattr(AdhesiveCurve, "_rates", lambda self, a: calls.append(a.size) or rates(self, a))

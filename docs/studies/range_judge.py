@@ -66,7 +66,7 @@ def ranged(problem: Problem, exact: Problem, series: Series, rng: np.random.Gene
 
 def _finer(problem: Problem, curve: FiniteRangeCurve) -> Finer:
     """The body on panels half as wide, with twice the nodes in k; a cylinder with a kernel of finer elements."""
-    reach = min(BEYOND * float(curve.touching.c[-1]), AttractedBody(problem).limit)
+    reach = min(BEYOND * float(curve.touching.c.max()), AttractedBody(problem).limit)
     if problem.specimen.radius is None:
         wide = unbounded(problem)
         contact = LayeredContact(wide.indenter, wide.specimen)
@@ -89,10 +89,11 @@ def _columns(curve: FiniteRangeCurve, finer: Finer) -> list[Judged]:
     """delta and P at every point, apart and in contact: at the worst."""
     panels, s, gap = finer.panels, 2 * curve.law.stress / curve.problem.E_star, curve.law.length
     held = panels.discs(curve.touching.a).equilibria(s, gap, panels.reach, curve.touching.c)
-    free = panels.apart(curve.apart.c[1:], s, gap) if curve.complete else None
+    without = curve.apart.c[curve.apart.c > 0]
+    free = panels.apart(without, s, gap) if without.size else None
     found = []
     for name in ("delta", "P"):
-        begin = [] if free is None else [getattr(curve.apart, name)[:1], getattr(free, name)]
+        begin = [getattr(curve.apart, name)[: int(curve.complete)], *([] if free is None else [getattr(free, name)])]
         exact, stated = np.concatenate([*begin, getattr(held, name)]), curve.errors[name]
         unit = float(np.abs(exact).max())
         room = finer.accuracy * np.abs(exact) + ROUNDING * unit
@@ -112,7 +113,7 @@ def _point(curve: FiniteRangeCurve, finer: Finer, control: str, stiffness: float
         return []
     panels, s = finer.panels, 2 * curve.law.stress / curve.problem.E_star
     x = BESIDE * np.cos(np.pi * np.arange(NODES) / (NODES - 1))[::-1]
-    near = np.full(NODES, point.place)
+    near = np.full(NODES, point.c)
     states = panels.discs(point.a * (1 + x)).equilibria(s, curve.law.length, panels.reach, near)
     values = {name: getattr(states, name) for name in ("P", "delta")}
     unsure = {name: finer.accuracy * float(np.abs(column).max()) for name, column in values.items()}

@@ -134,7 +134,7 @@ class AttractedBody:
         stack = TUNING.stack * spectrum_seconds(wide.specimen)
         sides = 0.0
         if self._cylinder is not None:
-            sides, _ = self._cylinder.expected_cost(self._cylinder.expected_levels(min(expected, self.limit)))
+            sides, _ = self._cylinder.expected_cost(self._cylinder.levels(min(expected, self.limit)))
         return TUNING.curve + TUNING.polynomials * count**2 + stack + sides
 
     def reach(self, a: float, s: float, gap: float) -> float:

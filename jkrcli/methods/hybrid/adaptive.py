@@ -232,13 +232,19 @@ class Refinement:
         here = replace(self, stalled=stalled, least=min(self.least, total), at=self.degree)
         elements, parameters, cut = (float(e.max()) for e in (errors.elements, errors.parameters, errors.cut))
         goal = TUNING.share * tolerance
-        if math.inf > parameters > max(elements, cut, goal) and self.added < TUNING.again:
+        fuller = here
+        if math.inf > parameters > goal and self.added < TUNING.again:
             missing = math.ceil(math.log(parameters / goal) / math.log(convergence(region)))
-            return replace(here, more=self.more + max(missing, 1), added=self.added + 1)
+            fuller = replace(here, more=self.more + max(missing, 1), added=self.added + 1)
+            if parameters > max(elements, cut):
+                return fuller
         if math.inf > cut > max(elements, parameters, goal) and region.algebraic:
             wider = replace(here, sharper=self.sharper * cut / goal, widened=self.widened + 1)
             return wider if wider.widened <= TUNING.again else None
-        return replace(here, degree=self.degree + STEP) if self.degree < TUNING.highest else None
+        if self.degree >= TUNING.highest:
+            return None
+        # what is missing at every degree is not computed anew at a higher one
+        return replace(fuller if parameters > (1 - TUNING.share) * tolerance else here, degree=self.degree + STEP)
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,15 +279,10 @@ class AdaptiveKernel:
         step = step or Refinement()
         cut = TUNING.cut * self.tolerance / step.sharper
         region = Region.of(self.specimen, reach, cut)
-        count = count_for(region, TUNING.parameters * self.tolerance) + step.more
+        error = TUNING.parameters * self.tolerance / math.sqrt(_stiffening(region))
+        count = count_for(region, error) + step.more
         wide = Region.of(self.wide.specimen, reach, cut) if region.changing else None
         return KernelLevels(region, count, self.E_star / self.specimen.surface.E_star, wide)
-
-    def expected_levels(self, reach: float) -> KernelLevels:
-        """Levels with as many parameters t as will be needed, about: more than planned where the body is stiff."""
-        levels = self.levels(reach)
-        error = TUNING.parameters * self.tolerance / _stiffening(levels.region)
-        return replace(levels, count=count_for(levels.region, error))
 
     def guard(self, levels: KernelLevels, degree: int) -> None:
         """Refuse what would take minutes or gigabytes."""
@@ -351,7 +352,7 @@ class AdaptiveKernel:
             if errors.total.max() <= self.attainable:
                 return contact, errors, levels, step.degree
             step = step.after(errors, self.attainable, levels.region)
-            if step is not None and step.degree == tried.degree:
+            if step is not None and (step.more, step.sharper) != (tried.more, tried.sharper):
                 levels = self.levels(reach, step)
         remedy = integral.tolerance_remedy("hybrid", float(errors.total.max()))
         raise Refusal(
@@ -375,7 +376,7 @@ class AdaptiveKernel:
         shorter = contact.kernel.shorter()
         kernels = [levels.kernel(degree, coarser=1), levels.kernel(degree, coarser=2), shorter, shorter.shorter()]
         kernels += [levels.rounded(degree)]
-        kernels += [levels.cut(degree, nearer=not region.algebraic)] if region.cut_beside else []
+        kernels += [levels.cut(degree)] if region.cut_beside else []
         companions = Companions(contact, tuple(kernels), precise)
         last, before, wave, other, rounding, *cuts = np.abs(companions.changes(radii))
         fastest, plausible = TUNING.fastest, TUNING.plausible

@@ -167,23 +167,27 @@ class KernelLevels:
         """Cost of a level with its estimates of the error, the coarser levels left out."""
         costs = [cost_of(region, self.count, degree) for region in (self.region, self.wide) if region is not None]
         if self.region.cut_beside:
-            below = _below(degree) if self.region.algebraic else degree
-            costs.append(cost_of(self.region.nearer(), self.count, below))
+            costs.append(cost_of(self.region.nearer(), self.count, _below(degree)))
         seconds, memory, unknowns = zip(*costs, strict=True)
         return CorrectionCost(sum(seconds), max(memory), max(unknowns))
 
-    def cut(self, degree: int, nearer: bool = False) -> PolynomialKernel:
-        """K of the body after its first cut, or the second one."""
-        return self._kernel(self.correction(degree, nearer).K)
+    def cut(self, degree: int) -> PolynomialKernel:
+        """K of the body after its first cut where extrapolating goes on from there, or else after the second one."""
+        K = self.correction(degree).K
+        return self._kernel(K if self.region.algebraic else K - self._by_cut(degree))
 
     def kernel(self, degree: int, coarser: int = 0) -> PolynomialKernel:
-        """K of the whole body by elements of ``degree``, or so many levels ``coarser``; extrapolated, by those of about
-        one level below ``degree``, where what the cut costs falls with the square of its distance."""
-        K, below = self.correction(degree - STEP * coarser).K, _below(degree)
+        """K of the whole body by elements of ``degree``, or so many levels ``coarser``; extrapolated, where what the
+        cut costs falls with the square of its distance."""
+        K = self.correction(degree - STEP * coarser).K
         if self.region.algebraic:
-            change = self.correction(below).K - self.correction(below, nearer=True).K
-            K = K + change / (REGIONS.shrink**2 - 1)
+            K = K + self._by_cut(degree) / (REGIONS.shrink**2 - 1)
         return self._kernel(K)
+
+    def _by_cut(self, degree: int) -> Array:
+        """What the first cut leaves of K beyond the second one, by elements of about one level below ``degree``."""
+        below = _below(degree)
+        return self.correction(below).K - self.correction(below, nearer=True).K
 
     def rounded(self, degree: int) -> PolynomialKernel:
         """K of the whole body by elements of ``degree`` with the error that rounding leaves: in the longest and in the

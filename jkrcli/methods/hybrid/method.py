@@ -65,7 +65,7 @@ class Hybrid(HybridOptions):
     def forecast(self, problem: Problem) -> Forecast:
         """Cost of the levels up to the one that the tolerance is expected to need, of the search, and of the solves."""
         body = self._body(problem)
-        levels = body.expected_levels(_expected_radius(problem, body))
+        levels = body.levels(_expected_radius(problem, body))
         solves, last = body.expected_cost(levels)
         seconds = 0.02 + solves
         if problem.loading.to != "radius":

@@ -13,7 +13,9 @@ from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.hybrid import kernel
 from jkrcli.methods.hybrid.adaptive import AdaptiveKernel, ErrorEstimates, Refinement
+from jkrcli.methods.hybrid.correction import correction
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.hybrid.region import Region
 from jkrcli.methods.layered.layered import Layered
@@ -79,9 +81,13 @@ def judged(elements: float, parameters: float, cut: float) -> ErrorEstimates:
 def test_the_largest_error_is_what_is_refined() -> None:
     sliding = Region.of(stack((1.0, 0.3, 1.0), base=Rigid(False)), 1.0, 1e-6)
     first = Refinement()
-    finer = first.after(judged(1e-3, 1e-4, 1e-4), 1e-5, sliding)
+    finer = first.after(judged(1e-3, 5e-6, 1e-4), 1e-5, sliding)
     assert finer is not None
     assert (finer.degree, finer.more, finer.sharper) == (first.degree + 2, 0, 1.0)
+    both = first.after(judged(1e-3, 1e-4, 1e-4), 1e-5, sliding)  # or the higher degree would be computed twice
+    assert both is not None
+    assert (both.degree, both.added) == (first.degree + 2, 1)
+    assert both.more >= 1
     fuller = first.after(judged(1e-6, 1e-4, 1e-5), 1e-5, sliding)
     assert fuller is not None
     assert (fuller.degree, fuller.sharper) == (first.degree, 1.0)
@@ -112,6 +118,16 @@ def test_a_plate_that_lifts_is_said_so_by_both_methods() -> None:
     assert "the middle pulls with" in found.warnings[0]
     wide = replace(specimen, radius=40.0, side="clamped")
     assert "the middle pulls with" in Hybrid(1e-4)(replace(problem, specimen=wide)).warnings[0]
+
+
+def test_no_correction_is_computed_again_for_more_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a squeezed layer, wide against its depth, which needs more of them than a soft one: ten before."""
+    solved = []
+    monkeypatch.setattr(kernel, "correction", lambda *given: solved.append(given[2]) or correction(*given))
+    problem = Problem(PARABOLOID, stack((1.0, 0.499, 1.0)), Loading("radius", 16.0, 10))
+    Hybrid()(problem)
+    assert len(solved) <= 6
+    assert solved.count(max(solved)) == 1
 
 
 def test_levels_say_what_they_cost() -> None:

@@ -36,10 +36,10 @@ class CoarserTuning:
     """Where curves are compared, and what is concluded."""
 
     # of what doubling changes, over (ratio - 1), at the end of the series; tuned on random bodies, by `make bounds`
-    left: float = 2.2
+    left: float = 3.0
     # Powers of a - a0 over that at the end, with which it falls towards first contact, where larger elements have few
     # nodes: of values, and of places
-    powers: tuple[float, float] = (0.6, 0.3)  # tuned on random bodies, by `make bounds`
+    powers: tuple[float, float] = (0.45, 0.3)  # tuned on random bodies, by `make bounds`
     # of log(a - a0) on either side, over which values are averaged
     values: float = 0.35  # tuned on random bodies, by `make bounds`
     rates: float = 0.2  # and their rates; tuned on random bodies, by `make bounds`

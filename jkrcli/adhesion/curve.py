@@ -560,6 +560,8 @@ class AdhesiveCurve(EquilibriumCurve):
             if end == "smallest"
             else "increase [loading] radius"
         )
+        if end == "smallest" and self.series.a0 > 0:
+            remedy += f"; towards the rim of the flat end, a = {show(self.series.a0, 'length')}, where contact is lost at the latest"
         return (
             f"the {controlled(stiffness)} is lowest at the {end} radius of the series, a = {show(lowest.a, 'length')} "
             f"(P = {show(lowest.P, 'load')}, delta = {show(lowest.delta, 'length')}): pull-off lies outside it; "

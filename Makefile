@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures bounds point-bounds range-bounds stack-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures bounds point-bounds node-study range-bounds stack-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -147,6 +147,9 @@ bounds: $(READY) ## whether stated errors bound the true ones and are near them,
 
 point-bounds: $(READY) ## whether stated errors of pull-off points by fem bound the true ones and are near them, on 200 random bodies
 	$(STUDY).point_bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/point-bounds
+
+node-study: $(READY) ## whether bands of imported series with contact radii of nodes hold, on 400 drawn series (five minutes)
+	$(STUDY).nodes -o $(RESULTS)/nodes
 
 guards: $(READY) ## forecasts against costs over all that grows, and how soon too much is refused (ten minutes)
 	$(STUDY).guards

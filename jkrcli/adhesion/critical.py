@@ -65,7 +65,28 @@ def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) ->
     rest = _beyond_gaps(curve, point, stiffness)
     if isinstance(rest, Unknown):
         return rest
+    rest = rest + _by_shift(curve, point, stiffness)
     return {name: float(here[name]) + more for name, more in zip(("delta", "P"), rest.tolist(), strict=True)}
+
+
+def _by_shift(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
+    """How far delta and P of the ``point`` move with all radii, by what is unknown of them together, (2,). It adds to
+    what each row errs by itself, as it has no middle: each place within it is as likely."""
+    moved = []
+    for other in _shifted(curve):
+        found = _pull_off(other, curve, stiffness)
+        if not isinstance(found, Unknown):
+            moved.append(_distance(found, point))
+    if curve.nonadhesive.shifted and not moved:  # beyond the series: what it is at the radius of the point
+        return curve.shift_error_at(np.array(point.a))
+    largest: Array = np.max([np.zeros(2), *moved], axis=0)
+    return largest
+
+
+@lru_cache(maxsize=2)
+def _shifted(curve: AdhesiveCurve) -> tuple[AdhesiveCurve, ...]:
+    """The same curve with all radii larger, and smaller, by what is unknown of them together."""
+    return tuple(AdhesiveCurve(body, curve.w) for body in curve.nonadhesive.shifted)
 
 
 def _beyond_gaps(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array | Unknown:
@@ -192,6 +213,8 @@ def _apart(curve: AdhesiveCurve) -> AdhesiveCurve:
 @lru_cache(maxsize=2)
 def _by_integral(curve: AdhesiveCurve) -> AdhesiveCurve | Unknown:
     """The same curve by the slopes "integral", or why there is none."""
+    if curve.slopes.against is not None:
+        return AdhesiveCurve(Nonadhesive(*curve.slopes.against), curve.w)
     try:
         return transform(curve.series, slopes_function("integral")(curve.series), curve.w)
     except InputError as error:

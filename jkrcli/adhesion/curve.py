@@ -445,15 +445,31 @@ class AdhesiveCurve(EquilibriumCurve):
     @cached_property
     def errors(self) -> Mapping[str, Array]:
         """90 % half-widths of "delta" [m] and "P" [N] at given radius, by first-order propagation of the slopes'
-        covariance; empty where no error is known."""
+        covariance, and what the radii share; empty where no error is known."""
         covariance, root_w = self.slopes.covariance, math.sqrt(self.w)
         if covariance is None:
             return {}
         gradients = {name: fixed + root_w * rest for name, (fixed, rest) in self.nonadhesive.gradients.items()}
         return {
-            name: self.slopes.quantile * np.sqrt(np.einsum("ni,nij,nj->n", gradient, covariance, gradient))
-            for name, gradient in gradients.items()
+            name: self.slopes.quantile * np.sqrt(np.einsum("ni,nij,nj->n", gradient, covariance, gradient)) + shared
+            for (name, gradient), shared in zip(gradients.items(), self._by_shift, strict=True)
         }
+
+    def shift_error_at(self, place: Array) -> Array:
+        """What a shift of all radii makes of delta [m] and P [N] at a ``place`` [m], (2,)."""
+        return np.array([np.interp(place, self.a, values) for values in self._by_shift])
+
+    @cached_property
+    def _by_shift(self) -> Array:
+        """What a shift of all radii makes of delta [m] and P [N] at given radius, (2, n)."""
+        shift = self.series.shift
+        if shift is None:
+            return np.zeros((2, self.a.size))
+        here, rates = self.nonadhesive.with_rates(self.a)
+        t, by_bend = math.sqrt(self.w) * here.t, rates.dS / (2 * here.dS)
+        delta = rates.delta_H + t * by_bend
+        P = rates.P_H - rates.S * t + here.S * t * by_bend
+        return np.abs([delta, P]) * shift
 
     def point(self, place: float) -> Equilibrium:
         """The equilibrium at a contact radius [m] within the series."""

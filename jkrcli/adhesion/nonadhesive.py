@@ -94,6 +94,25 @@ class Nonadhesive:
         return self.series.a
 
     @cached_property
+    def shifted(self) -> tuple[Nonadhesive, ...]:
+        """The functions with all radii larger, and smaller, by what is unknown of them together; none where nothing
+        is."""
+        shift = self.series.shift
+        if shift is None or not shift.any():
+            return ()
+        stretch = np.gradient(shift, self.a)
+        return tuple(self._moved(sign * shift, 1 + sign * stretch) for sign in (1, -1))
+
+    def _moved(self, shift: Array, stretch: Array) -> Nonadhesive:
+        """The functions with the radii (n,) larger by ``shift`` [m], which changes their distances by ``stretch``."""
+        a = self.a + shift
+        known = (a > self.series.a0) & (stretch > 0)
+        known &= np.append(True, np.diff(a) > 0)
+        rest = self.at_rows(np.flatnonzero(known))
+        series = replace(rest.series, a=a[known])
+        return Nonadhesive(series, replace(rest.slopes, dS=rest.slopes.dS / stretch[known]), together=self.together)
+
+    @cached_property
     def points(self) -> Parts:
         """The functions at the radii of the series, as the slopes' method gives them."""
         series, slopes = self.series, self.slopes
@@ -140,7 +159,7 @@ class Nonadhesive:
     def at_rows(self, rows: Array) -> Nonadhesive:
         """The functions through the points ``rows`` alone, without errors."""
         known = None if self.log_rates is None else self.log_rates[rows]
-        series = replace(self.series, **_at(self.series, rows), errors={}, unresolved=None)
+        series = replace(self.series, **_at(self.series, rows), errors={}, unresolved=None, shift=None)
         slopes = replace(self.slopes, **_at(self.slopes, rows), covariance=None, joint=None)
         return Nonadhesive(series, slopes, known, together=self.together)
 
@@ -158,7 +177,7 @@ class Nonadhesive:
         columns = np.concatenate([np.array(part.points[:4]) for part in parts], axis=1)[:, order]
         rates = np.concatenate([part._known_rates for part in parts])[order]
         delta, P, S, dS = columns
-        series = replace(self.series, a=a, delta=delta, P=P, S=S, dS=dS, errors={})
+        series = replace(self.series, a=a, delta=delta, P=P, S=S, dS=dS, errors={}, shift=None)
         slopes = replace(self.slopes, S=S, dS=dS, delta=None, P=None, covariance=None, joint=None)
         return Nonadhesive(series, slopes, rates, together=self.together)
 

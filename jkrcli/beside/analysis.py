@@ -9,6 +9,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TypeAlias
 
+import numpy as np
+
 from ..adhesion import (
     CONTROLS,
     DISPLACEMENT_CONTROL,
@@ -36,17 +38,19 @@ from ..adhesion import (
     yielding,
 )
 from ..adhesion.slopes.choice import slopes, smoothed
+from ..adhesion.slopes.events import Ahead
 from ..base import LARGEST_SI, Estimate, InputError, Refusal, Unknown, known
 from ..bodies import INCOMPRESSIBLE, Problem, relaxing
 from ..methods import Forecast
 from ..series import ErrorBudget, Series, Solution, is_series
-from .again import own_solution
 from .comparison import Comparison, compare_half_space
+from .nodes import Compared, compared
 from .range_effect import effect_of_range
 from .solved import seconds_of_points, solved, solver_of
 
 SURE = 2.0  # theory: 90 % half-widths of a normal error that one in a thousand exceeds
 JKR: RangeRequest = RangeRequest()
+CALIBRATED = Ahead(0.0, 0.02, "calibrated on a half-space of the same surface mesh")
 TINY = Unknown("it would be one of a contact smaller than atoms")
 Lost: TypeAlias = tuple[Behaviour, Errors | Unknown | None]  # read off under one control; half-widths of its pull-off
 
@@ -326,10 +330,11 @@ def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:
 
 
 def _series_and_slopes(solution: Solution, name: str) -> tuple[Series, Slopes]:
-    read = solution.method == "import"
-    own = own_solution(solution.problem, solution.series.a) if read else None
-    if solution.raw is not None and name in ("auto", "integral") and not is_series(solution.raw.touching):
-        return smoothed(solution.raw, solution.series.a0, solution.series.S0, own=own)
+    beside = _compared(solution)
+    of_nodes = beside is not None and beside.nodes is not None
+    own = beside.own if beside is not None else None
+    if beside is not None and name in ("auto", "integral") and (of_nodes or not is_series(beside.raw.touching)):
+        return _by_rows(solution, beside)
     if name in RULES and RULES[name].quantised and (reason := _uneven(solution)):
         raise Refusal(f"slopes '{name}': {reason}")
     indenter = solution.problem.indenter
@@ -338,7 +343,18 @@ def _series_and_slopes(solution: Solution, name: str) -> tuple[Series, Slopes]:
         series = replace(series, unresolved=solution.unresolved)
     if name not in ("auto", "exact"):
         series = replace(series, S=None, dS=None)
-    return series, slopes(series, name)
+    if beside is None or not of_nodes or name == "exact":
+        return series, slopes(series, name)
+    if solution.method == "import":  # the paper's filter takes an increment too late; increments of ``fem`` keep it
+        series = _at_touches(series, beside)
+    return series, slopes(series, name, _by_rows(solution, beside))
+
+
+def _by_rows(solution: Solution, beside: Compared) -> tuple[Series, Slopes]:
+    """Series and slopes by all increments of a solution; of its own loads the error is known."""
+    series = solution.series
+    of_loads = np.stack([series.delta, series.errors["P"] / series.P]) if "P" in series.errors else None
+    return smoothed(beside.raw, series.a0, series.S0, beside.own, beside.ahead, of_loads)
 
 
 def _uneven(solution: Solution) -> str | None:
@@ -361,3 +377,27 @@ def _uneven(solution: Solution) -> str | None:
             f'than the load; set mesh.order = 2{quads}, or take the slopes "integral"'
         )
     return None
+
+
+def _compared(solution: Solution) -> Compared | None:
+    """The increments of a solution beside the bodies that they are of: those of another program beside their own
+    solution, unless it is not to be used."""
+    if solution.raw is None:
+        return None
+    read = solution.method == "import"
+    beside = compared(solution.problem, solution.raw, read and solution.facts.get("compared") != "no")
+    if not read and solution.facts.get("edge_correction"):
+        return replace(beside, ahead=CALIBRATED)
+    return beside
+
+
+def _at_touches(series: Series, beside: Compared) -> Series:
+    """The ``series`` at the moments at which nodes are reached, where these are in order."""
+    assert beside.nodes is not None
+    touches, ahead = beside.nodes.touches(beside.ahead.elements), beside.ahead
+    rows = touches.rows
+    if not is_series(rows) or rows.a[0] <= series.a0:
+        return series
+    return replace(
+        series, a=rows.a, delta=rows.delta, P=rows.P, errors={}, shift=ahead.error * touches.element, own=beside.own
+    )

@@ -16,9 +16,7 @@ from scipy.interpolate import CubicSpline
 
 from ..adhesion.slopes.scatter import estimate, whitener
 from ..base import Array
-from ..bodies import Problem
-from ..series import RawSeries
-from .again import own_solution
+from .nodes import Compared
 
 
 @dataclass(frozen=True)
@@ -29,6 +27,7 @@ class DepartureTuning:
     chance: float = 2e-3  # probability that independent noise shows as much; choice: rare
     of_line: float = 2e-2  # that it shows as straight a line in the load; tuned on drifts, by `make noise-study`
     least: float = 5e-3  # choice: of delta or P; meshes of finite elements leave as much
+    of_nodes: float = 0.05  # and where radii are those of nodes; choice: cut and coarse bodies leave as much
     floor: float = 1e-14  # theory: variance below which nothing is known of the scatter
     longest: float = 0.99  # choice: correlation of neighbours; more is drift itself
 
@@ -36,24 +35,28 @@ class DepartureTuning:
 TUNING = DepartureTuning()
 
 
-def departures(problem: Problem, raw: RawSeries) -> tuple[str, ...]:
-    """A sentence on how ``raw`` departs from the bodies' own solution by more than its scatter explains, if it does.
+def departures(beside: Compared) -> tuple[str, ...]:
+    """A sentence on how rows depart from the bodies' own solution by more than their scatter explains, if they do.
 
     Nothing where no exact method represents the bodies, or where points are few.
     """
-    usable = (raw.a > problem.indenter.a0) & (raw.delta > 0) & (raw.P > 0)
+    raw, own = beside.rows, beside.own
+    if own is None:
+        return ()
+    usable = (raw.a > own.a[0]) & (raw.a <= own.a[-1]) & (raw.delta > 0) & (raw.P > 0)
     a, delta, P = (values[usable] for values in (raw.a, raw.delta, raw.P))
-    if a.size < TUNING.fewest or (own := own_solution(problem, a)) is None:
+    if a.size < TUNING.fewest:
         return ()
     x, logs = np.log(own.a), np.log(np.stack([own.delta, own.P]))
     at = np.log(a)
     expected = CubicSpline(x, logs, axis=1)
-    return _judged(np.log(np.stack([delta, P])) - expected(at), expected(at, 1), at)
+    least = TUNING.least if beside.nodes is None else TUNING.of_nodes
+    return _judged(np.log(np.stack([delta, P])) - expected(at), expected(at, 1), at, least)
 
 
-def _judged(gap: Array, rates: Array, x: Array) -> tuple[str, ...]:
+def _judged(gap: Array, rates: Array, x: Array, least: float) -> tuple[str, ...]:
     """The sentence on the ``gap`` (2, n) of the logs of delta and P at log radii ``x`` from the bodies' own solution,
-    whose slopes over x are ``rates`` (2, n); none where it is scatter, or small."""
+    whose slopes over x are ``rates`` (2, n); none where it is scatter, or below ``least``."""
     smooth = _smooth(gap, rates, x)
     if smooth is None:
         return ()
@@ -63,7 +66,7 @@ def _judged(gap: Array, rates: Array, x: Array) -> tuple[str, ...]:
         "load": float(np.ptp(load) * np.sign(load[-1] - load[0])),
     }
     name = max(spans, key=lambda key: abs(spans[key]))
-    if abs(spans[name]) < TUNING.least:
+    if abs(spans[name]) < least:
         return ()
     how = "drifts from" if name == "load" else "departs from"
     return (

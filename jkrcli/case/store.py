@@ -68,6 +68,7 @@ STORED = {
     "S": Column("S", "N/m", "slope dP/d(delta) of the nonadhesive contact"),
     "dS": Column("dS_da", "N/m^2", "derivative dS/da"),
 }
+ELEMENT = "element"  # of the increments: distance of a node to the next
 PACKAGES = {"numpy": "numpy", "scipy": "scipy", "gmsh": "gmsh", "scikit-fem": "skfem", "h5py": "h5py"}  # modules
 NO_DIGEST = (
     "the series file is of format 1, which has no digest: damage to its case or words may go unnoticed; run the case "
@@ -115,7 +116,7 @@ def _tree(solution: Solution, command_line: str) -> hdf5.Group:
     members |= dict(_larger_elements(series))
     if raw is not None:
         rows = hdf5.unit_column(np.asarray(raw.rows), "1", "number of the row")
-        members["increments"] = hdf5.Group({}, _columns(raw) | {"row": rows})
+        members["increments"] = hdf5.Group({}, _columns(raw) | {"row": rows} | _element(raw))
     if pressure is not None:
         r = hdf5.unit_column(pressure.r, "m", "radii of the contact nodes")
         p = hdf5.unit_column(pressure.p, "Pa", "contact pressure, one row per increment")
@@ -149,6 +150,13 @@ def _errors(series: Series) -> dict[str, hdf5.Group | hdf5.Dataset]:
 def _columns(rows: Series | RawSeries) -> dict[str, hdf5.Group | hdf5.Dataset]:
     there = {key: values for key in COLUMNS if (values := getattr(rows, key, None)) is not None}
     return {STORED[key].name: hdf5.unit_column(values, *STORED[key][1:]) for key, values in there.items()}
+
+
+def _element(raw: RawSeries) -> dict[str, hdf5.Group | hdf5.Dataset]:
+    """The distance of nodes to the next ones, where it is known."""
+    if raw.element is None:
+        return {}
+    return {ELEMENT: hdf5.unit_column(raw.element, "m", "distance from the node to the next one")}
 
 
 # ---------------------------------------------------------------------- reading
@@ -236,7 +244,9 @@ class _Reader:
         a0, S0 = self.at_first_touch("a0_m"), self.at_first_touch("S0_N_per_m")
         if "increments" in self.root.members:
             rows = self.numbers("increments", "row", 1)
-            raw = RawSeries(**self.columns("increments"), rows=rows.astype(int))
+            known = ELEMENT in self.group("increments").members
+            element = self.numbers("increments", ELEMENT, 1) if known else None
+            raw = RawSeries(**self.columns("increments"), rows=rows.astype(int), element=element)
         elif not is_series(RawSeries(columns["a"], columns["delta"], columns["P"])):
             raw = RawSeries(columns["a"], columns["delta"], columns["P"])
             keep = first_of_plateaus(raw.a)

@@ -47,6 +47,8 @@ reading_options = as_one(
     click.option("--area", type=click.Choice(["surface", "projected"]), default="surface", show_default=True,
                  help="What a contact area is: of the indenter's surface (Eq. A3), or pi a^2."),
     *SEPARATED,
+    click.option("--compare/--no-compare", default=True, show_default=True,
+                 help="With the exact solution of these bodies: where the edge is between nodes, and the shape."),
     click.option("--sort", is_flag=True, help="Order the rows by displacement first."),
 )  # fmt: skip
 

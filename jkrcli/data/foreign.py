@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus, 
 from ..tables.text_table import TextTable, read_table, some
 from .columns import check_chosen, vocabulary, with_units
 from .noisy_rows import is_noise, near_first_touch
+
+if TYPE_CHECKING:
+    from ..beside.nodes import Compared
 
 LEAST_ROWS = 5  # theory: of a series; leaving one of fewer out leaves no cubic for its slopes
 MOST_ROWS = 100_000  # theory: as many points as a case may ask for
@@ -31,7 +34,8 @@ class SeriesReading:
     ``factors``: on top of the units (P = 180 for CalculiX, which prints the force on its wedge of 2 degrees).
     ``zero``: displacement [m] and load [N] at first touch, after the sign, subtracted. ``sign``: "auto" turns a
     displacement or load that is negative throughout, "as-is" leaves them. ``sort``: order the rows by displacement.
-    ``area``: "surface" of the indenter in contact (Abaqus; Eq. A3), or its "projected" area pi a^2.
+    ``area``: "surface" of the indenter in contact (Abaqus; Eq. A3), or its "projected" area pi a^2. ``compare``:
+    whether the exact solution of the bodies, where there is one, tells where the edge is between nodes, and the shape.
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)
@@ -41,6 +45,7 @@ class SeriesReading:
     sign: Literal["auto", "as-is"] = "auto"
     sort: bool = False
     area: Literal["surface", "projected"] = "surface"
+    compare: bool = True
     separator: str | None = None
     decimal: str | None = None
 
@@ -51,6 +56,7 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     InputError names lines and columns.
     """
     from ..beside.departure import departures
+    from ..beside.nodes import compared
 
     indenter = problem.indenter
     table = read_table(path, reading.separator, reading.decimal)
@@ -77,20 +83,25 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
         values["a"] = _radii(path, values.pop("area"), lines, indenter, reading.area)
     raw = RawSeries(values["a"], values["delta"], values["P"], lines)
     if noisy:
-        raw, series, words = _by_fit(path, raw, problem)
+        beside, series, words = _by_fit(path, raw, problem, reading.compare)
+        raw = beside.raw
         dropped = int(lines.size - raw.a.size)
     else:
         kept, dropped = filter_plateaus(raw)
         _check_kept(path, kept, dropped, indenter)
-        series, words = _series(kept, indenter), ()
+        beside, series, words = compared(problem, raw, reading.compare), _series(kept, indenter), ()
+    loads = beside.loads()
+    doubts = () if loads is None else loads.doubts(problem)
     return Solution(
         problem=replace(problem, loading=Loading("depth", float(raw.delta.max()), raw.delta.size, "depth")),
         series=series,
         raw=raw,
         budget=ErrorBudget(UNKNOWN, UNKNOWN, UNKNOWN),
         method="import",
-        facts=_facts(table, chosen, reading, dropped) | {"order": "by the fit" if noisy else "of the rows"},
-        warnings=(*unit_flags, *table.left_out, *words, *departures(problem, raw)),
+        facts=_facts(table, chosen, reading, dropped)
+        | {"order": "by the fit" if noisy else "of the rows"}
+        | _beside(beside),
+        warnings=(*doubts, *unit_flags, *table.left_out, *words, *(() if doubts else departures(beside))),
     )
 
 
@@ -99,13 +110,24 @@ def _series(rows: RawSeries, indenter: Indenter) -> Series:
     return Series(rows.a, rows.delta, rows.P, a0=indenter.a0, S0=None if indenter.a0 > 0 else 0.0)
 
 
-def _by_fit(path: Path, raw: RawSeries, problem: Problem) -> tuple[RawSeries, Series, tuple[str, ...]]:
-    """Rows in contact that are noisy, their fitted series, and what is wrong with them.
+def _beside(beside: Compared) -> dict[str, Any]:
+    """What the bodies say of radii and loads."""
+    loads = beside.loads()
+    doubts = () if loads is None else loads.doubts(beside.problem)
+    known = {} if loads is None else {"loads_factor": loads.factor, "loads_factor_error": loads.error * loads.factor}
+    words = "not compared with these bodies" if loads is None else loads.words
+    if doubts:
+        words = doubts[0].removeprefix("the loads are ") if words in doubts[0] else f"{words}; {doubts[0]}"
+    return {"loads": words, "radii": beside.of_nodes or "those of the rows"} | known
+
+
+def _by_fit(path: Path, raw: RawSeries, problem: Problem, compare: bool) -> tuple[Compared, Series, tuple[str, ...]]:
+    """Rows in contact that are noisy beside their bodies, their fitted series, and what is wrong with them.
 
     Rows near first touch at which noise hides the contact (delta or P <= 0) are left out, and so are outliers beyond.
     """
     from ..adhesion.slopes.choice import smoothed
-    from ..beside.again import own_solution
+    from ..beside.nodes import compared
 
     assert raw.rows is not None
     indenter = problem.indenter
@@ -116,7 +138,8 @@ def _by_fit(path: Path, raw: RawSeries, problem: Problem) -> tuple[RawSeries, Se
     kept = RawSeries(*(column[used] for column in (raw.a, raw.delta, raw.P, raw.rows)))
     _check_kept(path, kept, int(np.sum(~used)), indenter)
     S0 = None if indenter.a0 > 0 else 0.0
-    series, slopes = smoothed(kept, indenter.a0, S0, own=own_solution(problem, kept.a))
+    beside = compared(problem, kept, compare)
+    series, slopes = smoothed(kept, indenter.a0, S0, beside.own, beside.ahead)
     if is_series(kept):  # their scatter is read off the rows themselves, not off what was fitted to them
         inside = (kept.a >= series.a[0]) & (kept.a <= series.a[-1])
         series = _series(RawSeries(kept.a[inside], kept.delta[inside], kept.P[inside]), indenter)
@@ -125,7 +148,7 @@ def _by_fit(path: Path, raw: RawSeries, problem: Problem) -> tuple[RawSeries, Se
     if alone := [str(row) for row in raw.rows[first:][hidden[first:]]]:
         what = f"{len(alone)} of {raw.a.size} rows left out, whose radius, displacement or load is not positive"
         words.append(f"{what}: {', '.join(some(alone))}")
-    return kept, series, (*words, *slopes.flags)
+    return beside, series, (*words, *slopes.flags)
 
 
 # ---------------------------------------------------------------------- columns and units
@@ -202,6 +225,7 @@ def _check_kept(path: Path, kept: RawSeries, dropped: int, indenter: Indenter) -
 
 def _facts(table: TextTable, chosen: Mapping[str, int], reading: SeriesReading, dropped: int) -> dict[str, Any]:
     return {
+        "compared": "yes" if reading.compare else "no",
         "source": table.path.name,
         "columns": table.listed(chosen),
         "factors": ", ".join(f"{key} = {value:g}" for key, value in reading.factors.items()) or "none",

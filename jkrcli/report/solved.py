@@ -107,6 +107,8 @@ class Imported(SeriesFile):
         facts = self.solution.facts
         return [
             f"{self._reached}; {facts['rows']} rows, {len(self.solution.series)} different contact radii",
+            f"  loads     {facts['loads']}",
+            f"  radii     {facts['radii']}",
             f"  body      {self.solution.problem.words}",
             f"  columns   {facts['columns']}; separated by: {facts['separator']}",
             f"  written   {self.file}",

@@ -16,6 +16,7 @@ from ..base import as_json as as_json
 from ..beside import Analysis
 
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
+PRINTED = 1e-4  # choice: relative error from which each force is printed with its own
 WORD_COLUMNS = ("branch",)  # of a curve; all others are numbers
 DIMENSIONS = {  # of quantities by their names
     **dict.fromkeys(("delta", "a", "c", "at", "position"), "length"),
@@ -162,9 +163,18 @@ def lost_words(
     result: Analysis, points: Mapping[str, tuple[adhesion.Equilibrium | Unknown, adhesion.Errors | Unknown | None]]
 ) -> list[str]:
     """The verdict on a curve: its pull-off force under each control, ``points`` with their half-widths; then the
-    largest numerical error of these."""
+    numerical error of each, of one number where all are far below what is read off."""
     there = {name: (at, half) for name, (at, half) in points.items() if not isinstance(at, Unknown) and at.P}
-    forces = ", ".join(f"{show(-at.P, 'load')} ({name.removesuffix(' control')})" for name, (at, _) in there.items())
+    errors = {
+        name.removesuffix(" control"): half["P"] / abs(at.P)
+        for name, (at, half) in there.items()
+        if half and not isinstance(half, Unknown)
+    }
+    noticed = bool(errors) and max(errors.values()) >= PRINTED
+    forces = ", ".join(
+        f"{show(-at.P, 'load')}{f' ± {percent(errors[name])}' if noticed and name in errors else ''} ({name})"
+        for name, at in ((name.removesuffix(" control"), at) for name, (at, _) in there.items())
+    )
     verdict = f"pull-off force {forces}" if there else "no pull-off in the series"
     R, loaded = result.problem.indenter.tip_radius, there.get("load control")
     if R is not None and loaded is not None:
@@ -172,9 +182,16 @@ def lost_words(
         beside = f"; 1.5 pi w R = {show(classical, 'load')} ({-classical / loaded[0].P - 1:+.0%})"
     else:
         beside = ""
-    errors = [half["P"] / abs(at.P) for at, half in there.values() if half and not isinstance(half, Unknown)]
     lines = [f"{verdict} at w = {show(result.w, 'work')}{law_words(result)}{beside}: {result.path}"]
-    return lines + ([f"  pull-off: {accuracy(max(errors))} (90 %)"] if errors else [])
+    if noticed and len(errors) > 1:
+        each = ", ".join(f"{percent(error)} ({name})" for name, error in errors.items())
+        return [*lines, f"  pull-off: numerical error {each}, 90 %"]
+    return lines + ([f"  pull-off: {accuracy(max(errors.values()))} (90 %)"] if errors else [])
+
+
+def percent(error: float) -> str:
+    """A relative error of two digits."""
+    return f"{float(f'{100 * error:.2g}'):g} %"
 
 
 def point(state: adhesion.Equilibrium | Unknown) -> dict[str, Any]:

@@ -40,15 +40,17 @@ class RawSeries:
     """Increments as a solver reports them, in order: contact radius ``a`` [m], ``delta`` [m], ``P`` [N].
 
     Repeated radii are normal: a node-based radius stays while the load grows. ``rows`` numbers them for messages.
+    ``element``: distance [m] from the node whose radius it is to the next one, where it is known.
     """
 
     a: Array
     delta: Array
     P: Array
     rows: Array = field(default_factory=lambda: np.empty(0, dtype=int))
+    element: Array | None = None
 
     def __post_init__(self) -> None:
-        _freeze(self, ("a", "delta", "P"))
+        _freeze(self, ("a", "delta", "P", "element"))
         object.__setattr__(self, "rows", np.array(self.rows) if np.size(self.rows) else np.arange(1, self.a.size + 1))
 
     @property
@@ -58,7 +60,8 @@ class RawSeries:
 
     def only(self, chosen: Array) -> RawSeries:
         """The ``chosen`` increments, a mask."""
-        return RawSeries(self.a[chosen], self.delta[chosen], self.P[chosen], self.rows[chosen])
+        element = None if self.element is None else self.element[chosen]
+        return RawSeries(self.a[chosen], self.delta[chosen], self.P[chosen], self.rows[chosen], element)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +79,7 @@ class Series:
     ``coarser``: the same by larger elements, where there are such.
     ``unresolved``: errors (2, n) of delta [m] and of its slope by a profile that is known at points only, part of the
     ``errors``: the same at all rows nearby, and in the ``coarser`` series.
+    ``shift``: 90 % half-width (n,) [m] of an error of the radii that all rows share: that of the edge beyond nodes.
     """
 
     a: Array
@@ -91,6 +95,7 @@ class Series:
     kinks: tuple[float, ...] = ()
     bends: tuple[float, ...] = ()
     unresolved: Array | None = None
+    shift: Array | None = None
 
     def __post_init__(self) -> None:
         _freeze(self, COLUMNS)

@@ -9,7 +9,7 @@ from stopwatch import takes_less_than
 
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes, smoothed
-from jkrcli.adhesion.slopes.events import has_plateaus, touch_events
+from jkrcli.adhesion.slopes.events import node_radii
 from jkrcli.adhesion.slopes.integral import integral
 from jkrcli.adhesion.slopes.loocv import loocv
 from jkrcli.adhesion.slopes.model import LogSplineModel, Shape
@@ -258,21 +258,26 @@ def quantised(offset: float) -> RawSeries:
 
 
 def test_touch_events_lie_between_their_increments() -> None:
-    raw = quantised(0.3)
-    assert has_plateaus(raw)
-    assert not has_plateaus(noisy(half_space(30), 1e-2, 0))
-    events, errors = touch_events(raw)
+    nodes = node_radii(quantised(0.3))
+    assert nodes is not None
+    assert nodes.spacing == pytest.approx(1.73e-5 / 20)
+    assert node_radii(noisy(half_space(30), 1e-2, 0)) is None
+    touches = nodes.touches()
+    events = touches.rows
     a, P = np.sqrt(events.delta * R), hertz(np.sqrt(events.delta * R), E_STAR, R)[1]
     assert np.all(np.diff(events.a) > 0)
-    assert np.all(np.abs(a - events.a)[1:] < 1.2 * errors["a"][1:] / 0.9)  # half an increment, linearised
-    np.testing.assert_allclose(events.P[1:], P[1:], rtol=2e-3)  # a chord in log-log of a power law, but for the first
+    assert np.all(np.abs(a - events.a) < 1.2 * touches.errors / 0.9)  # half an increment, linearised
+    np.testing.assert_allclose(events.P, P, rtol=1e-9)  # Hertz is straight in its logs
 
 
 def test_increments_before_contact_and_too_few_nodes() -> None:
     raw = quantised(0.3)
     before = RawSeries(*(np.concatenate([[0.0, 0.0], values]) for values in (raw.a, raw.delta, raw.P)))
-    assert not has_plateaus(RawSeries(raw.a[:1], raw.delta[:1], raw.P[:1]))
-    assert np.array_equal(touch_events(before)[0].delta, touch_events(raw)[0].delta)
+    assert node_radii(RawSeries(raw.a[:1], raw.delta[:1], raw.P[:1])) is None
+    with_nothing, without = node_radii(before), node_radii(raw)
+    assert with_nothing is not None
+    assert without is not None
+    assert np.array_equal(with_nothing.touches().rows.delta, without.touches().rows.delta)
     with pytest.raises(Refusal, match=r"needs at least 5 points .* got 3"):
         smoothed(RawSeries(raw.a[-20:], raw.delta[-20:], raw.P[-20:]))
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base import UNSEEN, InputError, Unknown
+from ...base import UNSEEN, Array, InputError, Unknown
 from ...series import RawSeries, Series
 from . import slopes_function
+from .events import AS_THEY_ARE, Ahead
 from .result import Slopes
 
 
@@ -24,14 +25,16 @@ class ChoiceTuning:
 TUNING = ChoiceTuning()
 
 
-def slopes(series: Series, name: str = "auto") -> Slopes:
+def slopes(series: Series, name: str = "auto", against: tuple[Series, Slopes] | None = None) -> Slopes:
     """S and S' of ``series``; "auto" takes those that the series carries, unless they are no better than a smooth fit
-    that agrees with them; else the surer estimate."""
+    that agrees with them; else the surer estimate. ``against``: by what a rule that does not see its own error is
+    judged, where other rows than those of the series tell more."""
     if name != "auto":
         rule = slopes_function(name)
         by_rule = rule(series)
         if rule.optimistic:
-            by_rule = _measured_against(by_rule, _integral_or_none(series))
+            fitted = _integral_or_none(series) if against is None else _at_radii(against, series.a)
+            by_rule = replace(_measured_against(by_rule, fitted), against=against)
         return replace(by_rule, reason=f"asked for; {by_rule.reason}" if by_rule.reason else "asked for")
     if series.S is not None and series.dS is not None:
         return _carried(series)
@@ -60,12 +63,13 @@ def _carried(series: Series) -> Slopes:
 
 
 def smoothed(
-    raw: RawSeries, a0: float = 0.0, S0: float | None = 0.0, own: Series | None = None
-) -> tuple[Series, Slopes]:
+    raw: RawSeries, a0: float = 0.0, S0: float | None = 0.0, own: Series | None = None, ahead: Ahead = AS_THEY_ARE,
+    load_errors: Array | None = None,
+) -> tuple[Series, Slopes]:  # fmt: skip
     """Series and slopes straight from increments, noisy or with repeated radii, by the method "integral"."""
     from .integral import smoothed as fitted
 
-    series, fit = fitted(raw, a0, S0, own)
+    series, fit = fitted(raw, a0, S0, own, ahead, load_errors)
     return series, replace(fit, reason=f"the increments themselves were fitted{_towards(own)}{_unseen(fit)}")
 
 
@@ -77,6 +81,13 @@ def _towards(own: Series | None) -> str:
 def _unseen(fitted: Slopes) -> str:
     """What the noise of few points does not tell."""
     return f"; {fitted.correlation}" if isinstance(fitted.correlation, Unknown) else ""
+
+
+def _at_radii(pair: tuple[Series, Slopes], a: Array) -> Slopes:
+    """Slopes of a series at other radii, power laws between its own."""
+    series, fitted = pair
+    S, dS = (np.exp(np.interp(np.log(a), np.log(series.a), np.log(values))) for values in (fitted.S, fitted.dS))
+    return replace(fitted, S=S, dS=dS)
 
 
 def _integral_or_none(series: Series) -> Slopes | None:

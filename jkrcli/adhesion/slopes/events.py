@@ -1,41 +1,181 @@
-"""Contact radii finer than a node spacing, from increments whose radius is that of the outermost contact node.
+"""Contact radii that are those of nodes: what they tell of the radius of the contact.
 
-Between two increments the contact disc reached the next node: at a depth between theirs, with that node's radius.
-The increment with the new radius, taken alone (the paper's filter), is late by up to a whole increment; the middle of
-the two is late or early by at most half of one, and this is known, so that it can be weighed.
+A node carries once the edge of the contact is a fraction o of an element beyond it, the same at all radii: 0 where
+nodes that carry are told exactly, 0.1 to 0.3 where contact is averaged over surfaces. The radius of the outermost node
+that carries, r, holds while the edge goes on from r + o e to r + (1 + o) e, e being the element; that of the next node,
+or of the nearest, is the same with o - 1 or o - 1/2. So is a radius that was rounded, or an area in its place.
+
+Where several increments fall on one element, the next node is reached between two of them, at a depth between theirs:
+this tells more of the radius than any row does. Where an increment passes several nodes, its own row does.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import NamedTuple
+
 import numpy as np
 
 from ...base import Array
-from ...series import RawSeries, filter_plateaus
+from ...series import RawSeries
+
+
+@dataclass(frozen=True)
+class NodeTuning:
+    """When radii are those of nodes, and what their rows tell."""
+
+    repeats: float = 0.2  # choice: share of the rows that repeat a radius, from which it is that of a node
+    fewest: int = 5  # theory: differences of radii that chance does not make multiples of one
+    few: int = 20  # choice: rows that do not repeat radii, from which this can be told
+    multiple: float = 0.1  # choice: of an element, by how far differences of radii may miss its multiples
+    parts: int = 6  # choice: most elements in the smallest difference of radii
+    most: float = 1000.0  # choice: elements under the largest contact; more are no matter
+    # theory: of an element, by which radii miss what their neighbours make of them; those of nodes miss it by 0.4,
+    # radii that were asked for by nothing
+    scatter: float = 0.15
+    turns: int = 3  # choice: times that the nodes passed become more and fewer by turns; radii asked for do not
+    half_width: float = 0.9  # theory: of an interval in which all places are as likely, for 90 %
+
+
+TUNING = NodeTuning()
+
+
+class Ahead(NamedTuple):
+    """By how many elements the edge of the contact is beyond a node that begins to carry, and the 90 % half-width of
+    this number, which all rows share; ``source``: what it is known from."""
+
+    elements: float
+    error: float
+    source: str
+
+
+AS_THEY_ARE = Ahead(0.0, 0.0, "taken as it is")
+
+
+@dataclass(frozen=True, eq=False)
+class Touches:
+    """States in which the radius of the contact is known: ``rows`` with their radii, the 90 % half-widths ``errors`` of
+    these (n,) [m], each row for itself, and the ``element`` (n,) [m] there."""
+
+    rows: RawSeries
+    errors: Array
+    element: Array
+
+
+@dataclass(frozen=True, eq=False)
+class NodeRadii:
+    """Rows whose radii are those of nodes, ``element`` (n,) [m] before the next one; ``before``: the last displacement
+    [m] at which no node carried, or 0."""
+
+    rows: RawSeries
+    element: Array
+    before: float
+
+    @property
+    def spacing(self) -> float:
+        """Of the nodes under the largest contact [m]."""
+        return float(self.element[-1])
+
+    def touches(self, ahead: float = 0.0) -> Touches:
+        """Where the edge, ``ahead`` elements beyond a node that begins to carry, is known best: on its way to a node
+        between two increments, and in the increments that pass several.
+
+        Depth: the middle of the two increments; load: on the line through the rows around them, log P over log delta,
+        from the middle of the one run of equal radii to that of the next.
+        """
+        a, delta, P = self.rows.a, self.rows.delta, self.rows.P
+        first = np.flatnonzero(np.diff(a, prepend=0.0) > 0)  # of each run of equal radii
+        ends = np.append(first[1:], a.size)
+        lengths = ends - first
+        e = self.element[first]
+        single = np.append(False, np.diff(a[first]) < 1.5 * e[:-1])
+        if self.before > 0 and a[0] < 1.5 * e[0]:
+            single[0] = True
+        share = np.append(1.0, 2.0 / (lengths[1:] + lengths[:-1]))  # of an element, that an increment goes on
+        share = np.where(single, np.minimum(share, 1.0), 1.0)
+        last = np.append(self.before, delta[first[1:] - 1])
+        depth = np.where(single, (last + delta[first]) / 2, delta[first])
+        radius = a[first] + (np.where(single, 0.0, 0.5) + ahead) * e
+        load = P[first].copy()
+        for i in np.flatnonzero(single):
+            begin = first[i] if i == 0 else (first[i - 1] + ends[i - 1]) // 2
+            end = max((first[i] + ends[i] + 1) // 2, first[i] + 1)
+            load[i] = _on_line(delta, P, min(begin, max(first[i] - 1, 0)), max(end, 2), depth[i])
+        rows = RawSeries(radius, depth, load, self.rows.rows[first])
+        known = radius > 0
+        errors = TUNING.half_width * share / 2 * e
+        return Touches(rows.only(known), errors[known], e[known])
+
+
+def _on_line(delta: Array, P: Array, begin: int, end: int, depth: float) -> float:
+    """The load at a ``depth`` on the line through some rows, log P over log delta."""
+    x, y = np.log(delta[begin:end]), np.log(P[begin:end])
+    spread = x - x.mean()
+    slope = float(spread @ y) / max(float(spread @ spread), 1e-300)
+    return float(np.exp(y.mean() + slope * (np.log(depth) - x.mean())))
 
 
 def has_plateaus(raw: RawSeries) -> bool:
     """Whether radii repeat while depth and load go on, as node-based radii do: at one increment in five at least."""
     raw = raw.touching
-    if raw.a.size < 2 or min(raw.delta[0], raw.P[0]) <= 0:
+    return bool(raw.a.size > 1 and np.all(np.diff(raw.a) >= 0) and np.mean(np.diff(raw.a) == 0) > TUNING.repeats)
+
+
+def node_radii(raw: RawSeries) -> NodeRadii | None:
+    """The rows in contact as those of nodes; None where the radii are none of nodes: where they fall, or neither repeat
+    nor differ by multiples of one length while they scatter by it."""
+    rows = raw.touching
+    if rows.a.size < 2 or np.any(np.diff(rows.a) < 0) or min(rows.delta.min(), rows.P.min()) <= 0:
+        return None
+    untouched = raw.delta[(raw.a <= 0) & (raw.delta < rows.delta[0])]
+    before = max(float(np.max(untouched, initial=0.0)), 0.0)
+    if rows.element is not None:
+        return NodeRadii(rows, rows.element, before)
+    radii = np.unique(rows.a)
+    even = _even_spacing(radii)
+    if even is not None and rows.a[-1] <= TUNING.most * even and (_repeat(rows) or _scatters(rows, even)):
+        return NodeRadii(rows, np.full(rows.a.size, even), before)
+    if not has_plateaus(raw) or radii.size < 2:
+        return None
+    steps = np.diff(radii)
+    element = np.append(steps, steps[-1])[np.searchsorted(radii, rows.a)]
+    return NodeRadii(rows, element, before)
+
+
+def _repeat(rows: RawSeries) -> bool:
+    """Whether some radii repeat while displacement and load go on."""
+    again = np.diff(rows.a) == 0
+    return bool(np.any(again & (np.diff(rows.delta) > 0) & (np.diff(rows.P) > 0)))
+
+
+def _even_spacing(radii: Array) -> float | None:
+    """The largest length of which all differences of the ``radii`` are multiples; None where there is none."""
+    steps = np.diff(radii)
+    if steps.size < TUNING.fewest:
+        return None
+    for parts in range(1, TUNING.parts + 1):
+        multiples = np.round(steps * parts / steps.min())
+        length = float(steps.sum() / multiples.sum())
+        if np.abs(steps / length - multiples).max() < TUNING.multiple / parts:
+            return length
+    return None
+
+
+def _scatters(rows: RawSeries, element: float) -> bool:
+    """Whether radii that do not repeat lie off what two neighbours on either side make of them by parts of an element,
+    as those of nodes do."""
+    if rows.a.size < TUNING.few or np.any(np.diff(rows.delta) <= 0):
         return False
-    a, delta, P = (np.diff(values) for values in (raw.a, raw.delta, raw.P))
-    return bool(np.mean(a == 0) > 0.2 and np.all(a >= 0) and np.all(delta > 0) and np.all(P > 0))
-
-
-def touch_events(raw: RawSeries) -> tuple[RawSeries, dict[str, Array]]:
-    """The events "the next node is reached" of a series with plateaus, and the 90 % half-width of their radii [m].
-
-    Depth: the middle of the two increments around the event; load: at this depth on the line through the increments
-    in log P over log delta (they lie on P(delta), whatever the radius). The half-width is that of the depth, read as
-    one of the radius by the local slope of log a over log delta.
-    """
-    risen, _ = filter_plateaus(raw)
-    log_delta, log_P = np.log(raw.touching.delta), np.log(raw.touching.P)
-    after = risen.delta
-    before = np.array([np.max(raw.delta[raw.delta < depth], initial=0.0) for depth in after])
-    middle = (before + after) / 2
-    slope = np.gradient(np.log(risen.a), np.log(middle)) if risen.a.size > 1 else np.ones(1)
-    half_width = 0.9 / 2 * (after - before) / middle * np.abs(slope) * risen.a
-    first = (log_P[1] - log_P[0]) / (log_delta[1] - log_delta[0])
-    load = np.interp(np.log(middle), log_delta, log_P) + first * np.minimum(np.log(middle) - log_delta[0], 0)
-    return RawSeries(risen.a, middle, np.exp(load)), {"a": half_width}
+    turns = np.diff(np.round(np.diff(rows.a) / element))
+    if np.count_nonzero(turns[turns != 0][1:] * turns[turns != 0][:-1] < 0) < TUNING.turns:
+        return False
+    x, y = np.log(rows.delta), np.log(rows.a)
+    i = np.arange(2, x.size - 2)
+    others = np.stack([i - 2, i - 1, i + 1, i + 2])
+    weights = np.ones(others.shape)
+    for j in range(4):
+        for k in range(4):
+            if k != j:
+                weights[j] *= (x[i] - x[others[k]]) / (x[others[j]] - x[others[k]])
+    gap = np.abs(y[i] - np.sum(weights * y[others], axis=0)) * rows.a[i] / element
+    return bool(np.sqrt(np.mean(gap**2)) > TUNING.scatter)

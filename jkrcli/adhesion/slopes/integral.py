@@ -19,7 +19,7 @@ from scipy.special import stdtrit
 
 from ...base import SHOWN, TINY, Array, Estimate, InputError, Refusal, Unknown
 from ...series import RawSeries, Series
-from .events import has_plateaus, touch_events
+from .events import AS_THEY_ARE, Ahead, node_radii
 from .model import LogSplineModel, OnGrid, Shape, interpolate
 from .penalised import TUNING as PENALTIES
 from .penalised import PenalisedFit, Posterior, likeliest_correlation, minimise, posterior
@@ -50,6 +50,8 @@ class IntegralTuning:
     # Of the errors of the radii, each the largest of many rows, what is left of them in a smooth fit:
     radii: float = 0.1  # tuned on random bodies, by `make bounds`
     rates: float = 1.5  # and of the rates; tuned on random bodies, by `make bounds`
+    # Of the variance of loads, what all columns share where each mesh is one stiffness that is too large:
+    of_meshes: float = 0.98  # tuned on series of finite elements in increments, by `make node-study`
     floor: float = 1e-7  # theory: of the scatter, accuracy of the model's own integrals and linear algebra
 
 
@@ -62,7 +64,8 @@ class _Data:
 
     ``order``: that of recording where x follows it, as neighbours in it share their errors, else that of x; of all
     else, ``lever``: dx/dlog(a) = a/(a - a0), (n,), which grows without bound at the edge of a flat end; ``measured``
-    (2, n): logs of delta and P; ``stated``: relative variances of (a, delta, P), (3, n), or None.
+    (2, n): logs of delta and P; ``stated``: relative variances of (a, delta, P), (3, n), or None; ``known``: whether
+    these are what rows err by, at least.
     """
 
     order: Array
@@ -70,6 +73,7 @@ class _Data:
     lever: Array
     measured: Array
     stated: Array | None
+    known: bool = False
 
     @cached_property
     def _starts(self) -> Array:
@@ -99,27 +103,41 @@ def integral(series: Series) -> Slopes:
 
 
 def smoothed(
-    raw: RawSeries, a0: float = 0.0, S0: float | None = 0.0, own: Series | None = None
-) -> tuple[Series, Slopes]:
+    raw: RawSeries, a0: float = 0.0, S0: float | None = 0.0, own: Series | None = None, ahead: Ahead = AS_THEY_ARE,
+    load_errors: Array | None = None,
+) -> tuple[Series, Slopes]:  # fmt: skip
     """A series and its slopes from increments, also where they are too noisy to be a series (columns out of order).
 
-    Where radii repeat, as node-based ones do, the moments at which the next node is reached are found first
-    (``events.py``). The series holds the fitted columns at the data's radii, sorted and without repeats, but for those
-    of outliers beyond all others.
+    Where radii are those of nodes, the moments at which the next node is reached are found first (``events.py``), the
+    edge being ``ahead`` of it; ``load_errors`` (2, m): relative 90 % half-widths of the loads at equal depth, which
+    rows share, over displacements [m]. The series holds the fitted columns at the data's radii, sorted and without
+    repeats, but for those of outliers beyond all others.
     """
-    raw, errors = touch_events(raw) if has_plateaus(raw) else (raw.touching, {})
-    settled = _settle(raw, errors, a0, S0, own)
+    nodes, errors, shift = node_radii(raw), dict[str, Array](), None
+    raw = raw.touching
+    if nodes is not None:
+        touches = nodes.touches(ahead.elements)
+        raw, errors = touches.rows.only(touches.rows.a > a0), {"a": touches.errors[touches.rows.a > a0]}
+        element = touches.element[touches.rows.a > a0]
+    settled = _settle(raw, errors, a0, S0, own, known=nodes is not None)
     inliers = np.delete(raw.a, settled.outliers)
     a = np.unique(raw.a[(raw.a >= inliers.min()) & (raw.a <= inliers.max())])
-    fitted = _slopes(settled, raw, errors, a0, a)
+    if nodes is not None:
+        shift = ahead.error * np.interp(a, raw.a, element)
+    # where nodes are reached is known for each by itself: it is scatter, which the fit has
+    of_loads = {} if load_errors is None else {"P": raw.P * np.interp(raw.delta, *load_errors)}
+    fitted = _slopes(settled, raw, of_loads, a0, a)
     assert fitted.delta is not None
     assert fitted.P is not None
-    return Series(a, fitted.delta, fitted.P, a0=a0, S0=S0, own=own), fitted
+    return Series(a, fitted.delta, fitted.P, a0=a0, S0=S0, own=own, shift=shift), fitted
 
 
-def _settle(raw: RawSeries, errors: Mapping[str, Array], a0: float, S0: float | None, own: Series | None) -> _Settled:
-    """The fit of the columns (n,), in units of their largest values."""
-    data = _prepare(raw, errors, a0)
+def _settle(
+    raw: RawSeries, errors: Mapping[str, Array], a0: float, S0: float | None, own: Series | None, known: bool = False
+) -> _Settled:
+    """The fit of the columns (n,), in units of their largest values; ``known``: whether the ``errors`` are those of
+    each row for itself, however little rows scatter about a fit: those of nodes keep in step with the increments."""
+    data = replace(_prepare(raw, errors, a0), known=known)
     shape = None if own is None else Shape.of(own, float(np.max(raw.a) - a0))
     return _fine_enough(data, None if S0 is None else S0 * float(np.max(raw.delta)) / float(np.max(raw.P)), shape)
 
@@ -141,9 +159,11 @@ def _slopes(settled: _Settled, raw: RawSeries, errors: Mapping[str, Array], a0: 
             there |= {name: np.minimum(error, there.get(name, error)) for name, error in of_P.items()}
         if "a" in there:
             there["a"] = TUNING.radii * there["a"]
-        stated = covariance_from_errors(wanted, there, dS, ERRORS.at_displacement)
+        common = TUNING.of_meshes if settled.of_nodes else ERRORS.common
+        stated = covariance_from_errors(wanted, there, dS, ERRORS.at_displacement, common)
         assert stated is not None
-        shared = max(0.0, 1 - fit.phi) * stated  # what the scatter does not show is shared by all points
+        # what the scatter does not show is shared by all points; that of nodes shows nothing of it
+        shared = stated if settled.of_nodes else max(0.0, 1 - fit.phi) * stated
         joint[:, :4, :4] += shared
         # rates in their logs err as columns do that err smoothly: d(delta_H)/da as the radius, S'' as S'
         if wanted.size > 1 and "a" in there:
@@ -295,7 +315,8 @@ class _Task:
 @dataclass(frozen=True, eq=False)
 class _Settled:
     """A fit with all that was ``known`` in the end: ``outliers``: their points; ``noisy``: whether the residuals are
-    noise; ``few``: whether the points are too few to tell its correlation."""
+    noise; ``few``: whether the points are too few to tell its correlation; ``of_nodes``: whether the radii are those of
+    nodes."""
 
     model: LogSplineModel
     fit: PenalisedFit
@@ -303,6 +324,7 @@ class _Settled:
     outliers: Array
     noisy: bool
     few: bool
+    of_nodes: bool = False
 
     @property
     def hidden(self) -> bool:
@@ -343,7 +365,7 @@ def _fit(task: _Task) -> _Settled:
     rho, noisy, many = 0.0, False, data.x.size >= TUNING.tell_correlation
     for share in (1.0, TUNING.share, TUNING.share):
         variances = floored(variances, share, TUNING.floor**2)
-        floor = TUNING.floor**2 / float(np.mean(variances))
+        floor = 1.0 if data.known else TUNING.floor**2 / float(np.mean(variances))
         # a stiff fit first: far from the solution a linearised one takes all for signal
         start = best or task.minimise(_start(task), variances, stiff, floor, 0)
         fit = task.minimise(start.c, variances, start.lambdas, floor, PENALTIES.freeze, rho)
@@ -359,8 +381,8 @@ def _fit(task: _Task) -> _Settled:
             variances = stated
         rho = likeliest_correlation(best) if best is not None and noisy and many else 0.0
     fit = best or fit
-    known = posterior(fit, noisy, noisy and many)
-    return _Settled(task.model, fit, known, data.order[outliers], noisy, not many)
+    known = posterior(fit, noisy or data.known, noisy and many)
+    return _Settled(task.model, fit, known, data.order[outliers], noisy, not many, data.known)
 
 
 def _far_off(data: _Data) -> Array:

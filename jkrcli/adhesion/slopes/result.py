@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from ...base import Array, Estimate
-from ...series import COLUMNS
+from ...series import COLUMNS, Series
 
 Signs: TypeAlias = tuple[int, int, int, int]
 TWO_SIDED_90 = NormalDist().inv_cdf(0.95)  # half-width of a 90 % interval in standard deviations
@@ -43,6 +43,8 @@ class Slopes:
     ``error``: relative 90 % half-width of sqrt(a/S'), the median over the points, or why it is unknown.
     ``derived``: whether S' is the derivative of S, or S was kept apart from the smooth curve that S' comes from.
     ``flags``: sentences on where the slopes are to be trusted less; ``reason``: why this method was taken.
+    ``against``: by what a rule that does not see its own error is judged, the slopes "integral" with their series,
+    where they are of other rows than its own.
     """
 
     S: Array
@@ -59,6 +61,7 @@ class Slopes:
     quantile: float = TWO_SIDED_90
     correlation: Estimate | None = None
     derived: bool = True
+    against: tuple[Series, Slopes] | None = None
 
     def scaled(self, factor: float) -> Slopes:
         """The slopes of the same bodies with all moduli multiplied by ``factor``; ``delta`` does not change."""
@@ -67,7 +70,10 @@ class Slopes:
         covariance = None if self.covariance is None else self.covariance * np.outer(by, by)
         by = np.append(by, [1.0, factor])
         joint = None if self.joint is None else self.joint * np.outer(by, by)
-        return replace(self, S=self.S * factor, dS=self.dS * factor, P=P, covariance=covariance, joint=joint)
+        against = None if self.against is None else (self.against[0].scaled(factor), self.against[1].scaled(factor))
+        return replace(
+            self, S=self.S * factor, dS=self.dS * factor, P=P, covariance=covariance, joint=joint, against=against
+        )
 
     def under_profile(self, factor: float) -> Slopes:
         """The slopes of the same bodies under an indenter whose profile is ``factor`` times as high."""
@@ -84,21 +90,21 @@ class Slopes:
 
 
 def covariance_from_errors(
-    a: Array, errors: Mapping[str, Array], dS: Array, signs: Signs = TUNING.at_radius
+    a: Array, errors: Mapping[str, Array], dS: Array, signs: Signs = TUNING.at_radius, common: float = TUNING.common
 ) -> Array | None:
     """Covariance (n, 4, 4) of (delta_H, P_H, S, S') at radii ``a`` from a series' ``errors``, 90 % half-widths; None
     where there are none.
 
-    ``signs``: of what columns share. Errors of one body's compliance, as those of meshes and cuts mostly are, move S
-    and S' up and delta down together and leave P, like a spring in series. An error of the radius acts on the curve
-    through t = sqrt(4 pi w a/S'): a contact radius that is wrong by a fraction e makes S' = dS/da wrong by -e too, so t
-    by e. It is carried as an error 2 e of S', which does the same.
+    ``signs``: of what columns share, ``common`` of their variance. Errors of one body's compliance, as those of meshes
+    and cuts mostly are, move S and S' up and delta down together and leave P, like a spring in series. An error of the
+    radius acts on the curve through t = sqrt(4 pi w a/S'): a contact radius that is wrong by a fraction e makes
+    S' = dS/da wrong by -e too, so t by e. It is carried as an error 2 e of S', which does the same.
     """
     if not errors:
         return None
     sigma = {name: errors.get(name, np.zeros(a.size)) / TWO_SIDED_90 for name in COLUMNS}
     rows = np.stack([sigma[name] for name in ("delta", "P", "S", "dS")], axis=1)
-    together = TUNING.common * np.outer(signs, signs)
+    together = common * np.outer(signs, signs)
     np.fill_diagonal(together, 1.0)
     covariance = rows[:, :, None] * rows[:, None, :] * together
     covariance[:, 3, 3] += (2 * dS * sigma["a"] / a) ** 2

@@ -75,7 +75,7 @@ def assessed(run: Run, larger: Sequence[MeshLevel], ratio: float, truncation: Es
         return Assessment(budget, judged_from)
     errors = {"P": load + truncation, "a": radius} | _slopes(run, coarse, radii, radius)
     cut = truncation * float(np.sign(np.mean(there - P)))
-    other = _coarser(larger, delta, ratio, cut)
+    other = None if run.raw is not None else _coarser(larger, delta, ratio, cut)
     return Assessment(budget, judged_from, {name: values[rows] for name, values in errors.items()}, other)
 
 
@@ -204,6 +204,8 @@ def _slopes(run: Run, coarse: MeshLevel, caution: float, radius: Array) -> dict[
     of S what the error of the ``radius`` makes of it, as meshes agree by accident; empty where either level has none.
     """
     a, delta, _ = run.columns
+    if run.raw is not None:  # increments have no slopes of their own
+        return {}
     ours, theirs = run.level.slopes(a), coarse.slopes(a)
     if ours is None or theirs is None:
         return {}

@@ -38,7 +38,7 @@ def forecast(options: FEMOptions, problem: Problem, layout: Layout) -> Forecast:
     per_cell = _unknowns_per_cell(options, bool(mixed_layers(options, problem)))
     cells = layout.expected_cells()
     seconds = _seconds(options, cells * per_cell)
-    elsewhere = options.edge_correction and options.contact == "nested" and not problem.specimen.is_half_space
+    elsewhere = options.edge_correction and not problem.specimen.is_half_space
     if elsewhere:  # the edge correction needs a mesh of its own
         half_space = half_space_like(layout.body, layout.law.reach * layout.unit)
         seconds += _seconds(options, layout.on(half_space).expected_cells() * per_cell)

@@ -29,7 +29,8 @@ class FEM(FEMOptions):
 
     The default solves a paraboloid on a half-space to about 1e-4 in P(delta). Contact radii are those of vertices,
     corrected to the edge of the contact (``edge_correction``): exact for a paraboloid on a half-space, else about 1e-3
-    off. Increments, and "nested" without the correction, keep the vertex's radius, up to half a spacing too large.
+    off. Increments have the radius at which their outermost vertex was touched, so corrected; without the correction
+    all keep the vertex's radius, up to half a spacing too large.
     """
 
     def refusal(self, problem: Problem) -> str | None:

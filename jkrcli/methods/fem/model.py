@@ -184,6 +184,12 @@ class MeshLevel:
         factors = edge_correction(self.model.half_space, self.model.body, reach, self.indenter)
         return replace(self.touches, a=self.touches.a * factors[: self.touches.a.size])
 
+    def edge_at(self, vertices: Array) -> Array:
+        """The radius of the contact that just touches the vertices at radii ``vertices`` (n,) [m], 0 where there is
+        none."""
+        factors = np.interp(vertices, self.touches.a, self.events.a / self.touches.a)
+        return vertices * factors
+
     def slopes(self, a: Array) -> tuple[Array, Array] | None:
         """S [N/m] and dS/da [N/m^2] at radii ``a`` [m]; None where the contact has too few nodes, or no correction.
 
@@ -223,6 +229,10 @@ class Run:
     def of_increments(cls, problem: Problem, level: MeshLevel, increments: list[Increment]) -> Run:
         """The increments with those dropped whose radius is not their own (the paper's filter)."""
         raw = raw_series(level.model.surface, increments)
+        if level.correct:
+            raw = replace(
+                raw, a=level.edge_at(raw.a), element=level.edge_at(raw.a + raw.element) - level.edge_at(raw.a)
+            )
         series, dropped = filter_plateaus(raw)
         return cls(problem, level, (series.a, series.delta, series.P), tuple(increments), raw, dropped)
 
@@ -263,7 +273,7 @@ def run(options: FEMOptions, problem: Problem, clock: StageClock, reach: float |
     reach = expected_reach(options, problem) if reach is None else reach
     model, contact, touches = _solve_large_enough(options, problem, clock, reach)
     by_increments = options.contact == "incremental" or not touches.valid
-    level = MeshLevel(model, problem.indenter, contact, touches, options.edge_correction and not by_increments)
+    level = MeshLevel(model, problem.indenter, contact, touches, options.edge_correction and touches.valid)
     if by_increments and problem.sticks:
         raise Refusal(
             f"the contact is not a growing disc of nodes (violation {touches.violation:.1e}), so that it is not known "
@@ -271,7 +281,9 @@ def run(options: FEMOptions, problem: Problem, clock: StageClock, reach: float |
         )
     if by_increments:
         with clock("contact"):
-            return Run.of_increments(problem, level, _increments(problem, contact, touches))
+            increments = _increments(problem, contact, touches)
+        with clock("edge correction"):
+            return Run.of_increments(problem, level, increments)
     with clock("edge correction"):
         events = level.events
     return Run(problem, level, nested_columns(problem.loading, events, problem.indenter.a0))
@@ -421,8 +433,11 @@ def _depths_at(events: Events, quantity: str, values: Array, a0: float) -> Array
 
 def raw_series(surface: Surface, increments: list[Increment]) -> RawSeries:
     """Increments with the radius of the outermost active vertex (0 where there is none beyond the axis)."""
-    a = [float(np.max(surface.radii[step.active & surface.is_vertex], initial=0.0)) for step in increments]
-    return RawSeries(np.array(a), np.array([s.delta for s in increments]), np.array([s.P for s in increments]))
+    a = np.array([np.max(surface.radii[step.active & surface.is_vertex], initial=0.0) for step in increments])
+    delta, P = (np.array(values) for values in ([s.delta for s in increments], [s.P for s in increments]))
+    vertices = surface.radii[surface.is_vertex]
+    k = np.clip(np.searchsorted(vertices, a * (1 + ROUNDED), side="right"), 1, vertices.size - 1)
+    return RawSeries(a, delta, P, element=vertices[k] - vertices[k - 1])
 
 
 def pressures(surface: Surface, forces: Array) -> PressureTable:

@@ -34,7 +34,7 @@ class FEMOptions:
     ``growth``: increase of the element size per distance from the contact (default 0.15, first order 0.05; layout
     "zones" 0.25 and 0.08).
     ``margin``: candidates beyond the expected largest contact radius, as a factor of it.
-    ``edge_correction``: contact radii of "nested" calibrated on a half-space with the same surface mesh (``fem.edge``).
+    ``edge_correction``: contact radii calibrated on a half-space with the same surface mesh (``fem.edge``).
     ``estimate_error``: solve a mesh with doubled sizes too, for the error budget.
     ``tolerance``: of the series; spacing and growth then follow from it, mesh after mesh (layout "scaled").
     ``solver``: of the sparse factor: "auto" takes CHOLMOD for large meshes where the package cvxopt is installed.

@@ -68,7 +68,7 @@ def _facts(options: FEMOptions, run: Run, judged_from: float | None) -> dict[str
         "formulation": _formulation(model),
         "contact": "nested" if last is None else "incremental",
         "contact_reason": _contact_reason(options, run),
-        "edge_correction": not increments and options.edge_correction,
+        "edge_correction": run.level.correct,
         "solver": f"{model.factor.factor.name}, nested dissection, contact nodes last",
         "factor_entries": model.factor.factor.entries,
         "residual": surface.residual,
@@ -85,7 +85,8 @@ def _facts(options: FEMOptions, run: Run, judged_from: float | None) -> dict[str
 def _radii(run: Run) -> str:
     """Where the contact radii of the series come from."""
     if run.increments:
-        return "vertices in contact after each increment of the loading"
+        where = "where the outermost one just touches" if run.level.correct else "not corrected"
+        return f"vertices in contact after each increment of the loading, {where}"
     if run.problem.loading.spacing == "given":
         return "at the given values, interpolated between the vertices' first touches"
     return "nested contact has its own: first touches of vertices, and the loading's end; no use of points and spacing"

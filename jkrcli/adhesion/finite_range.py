@@ -216,7 +216,7 @@ class FiniteRangeCurve(EquilibriumCurve):
 
     def contact_radii(self, places: Array) -> Array:
         beyond = places - self._c0
-        return np.where(beyond > ROUNDED * self._c0, beyond, 0.0)
+        return np.where(beyond > 2 * ROUNDED * self._c0, beyond, 0.0)
 
     def attracted_radii(self, places: Array) -> Array:
         return np.where(places > self._c0, self._spline(self._stretched(places))[..., 0], places)

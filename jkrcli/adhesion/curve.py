@@ -577,7 +577,8 @@ class AdhesiveCurve(EquilibriumCurve):
             else "increase [loading] radius"
         )
         if end == "smallest" and self.series.a0 > 0:
-            remedy += f"; towards the rim of the flat end, a = {show(self.series.a0, 'length')}, where contact is lost at the latest"
+            rim = show(self.series.a0, "length")
+            remedy += f"; contact is lost at the rim of the flat end at the latest, a = {rim}"
         return (
             f"the {controlled(stiffness)} is lowest at the {end} radius of the series, a = {show(lowest.a, 'length')} "
             f"(P = {show(lowest.P, 'load')}, delta = {show(lowest.delta, 'length')}): pull-off lies outside it; "

@@ -277,9 +277,9 @@ KINDS = {
     "layered: cylinder": kind("method layered: the specimen has a finite radius of {} m, this method knows only "
         "laterally unbounded ones; use the method hybrid, or leave the radius out",
         {**LAYERED, "specimen": cylinder("60 um")}, HYBRID, {"specimen": {"radius": None, "side": None}}),
-    "layered: many nodes": kind(MUCH + ", or fewer points",
-        {**LAYERED, "loading": {"radius": "100 um", "points": 200}}, {"loading": {"radius": "2 um"}},
-        {"loading": {"points": 30}}, jkrcli__methods__layered__stack__TUNING__most_nodes=500),
+    "layered: many points": kind(MUCH + ", or fewer points",
+        {**LAYERED, "loading": {"radius": "100 um", "points": 2000}}, {"loading": {"points": 30}},
+        jkrcli__methods__layered__stack__TUNING__most_flops=2e8),
     "layered: a contact too large for any": kind(MUCH,
         {**LAYERED, "loading": {"radius": "100 um", "points": 1}}, {"loading": {"radius": "10 um"}},
         jkrcli__methods__layered__stack__TUNING__most_nodes=35),

@@ -143,7 +143,7 @@ class SideContact(KernelContact):
         return min(self.kernel.scale, self.wide.scale)
 
     def plan(self, radii: Array, tolerance: float) -> integral.Quadrature:
-        plan = self.wide.plan(radii, max(tolerance, TUNING.finest))
+        plan = self.wide.together(radii, max(tolerance, TUNING.finest))
         return replace(plan, widest=plan.widest * min(self.kernel.scale / self.wide.scale, 1.0))
 
     def solved(self, radii: Array, plan: integral.Quadrature) -> integral.EquationResult:

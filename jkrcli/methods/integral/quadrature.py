@@ -93,13 +93,15 @@ def phase_allowed(order: int, error: Array | float) -> Array | float:
 @dataclass(frozen=True)
 class Quadrature:
     """A planned quadrature: ``order`` Gauss nodes on panels no wider than ``widest`` [m], ``nodes`` in all;
-    ``crowding``: cuts of the last panel before each radius; ``inner``: Gauss nodes per panel in the integrals of F."""
+    ``crowding``: cuts of the last panel before each radius; ``inner``: Gauss nodes per panel in the integrals of F;
+    ``groups``: into how many the radii are dealt out in turn, each solved on ``nodes`` of its own."""
 
     order: int
     widest: float
     nodes: int
     crowding: int = 0
     inner: int = 20
+    groups: int = 1
 
     @classmethod
     def cheapest(

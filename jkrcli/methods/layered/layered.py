@@ -66,7 +66,7 @@ class Layered(LayeredOptions):
         seconds = (
             spectrum_seconds(problem.specimen) + self._operations(contact, problem, radii) / integral.FLOPS_PER_SECOND
         )
-        memory = 8 * 6 * (plan.nodes + radii.size) ** 2 / 2**20
+        memory = 8 * 6 * (plan.nodes + radii.size / getattr(plan, "groups", 1)) ** 2 / 2**20
         return Forecast(seconds, 5 + memory, self.attainable(problem.specimen), f"{plan.nodes} nodes, no mesh")
 
     def _operations(self, contact: Any, problem: Problem, radii: Array) -> float:

@@ -31,12 +31,18 @@ class ProductTuning:
     """Points of the integrals on panels that lie close to each other."""
 
     close: float = 2.0  # widths of the wider one, within which panels do; tuned on graded layers, by `make tuning`
-    crowded: int = 14  # points along each of two panels; tuned on graded layers, by `make tuning`
-    alone: int = 28  # points in the difference of two points of one panel; tuned on graded layers, by `make tuning`
+    # points along each of two panels, for each node of one: the polynomials of the nodes in a root of three
+    crowded: float = 3.0  # tuned on graded layers, by `make tuning`
+    least: int = 14  # of those points; tuned on graded layers, by `make tuning`
     per_decade: int = 250  # knots of the spline of tau, good to 1e-9; tuned on graded layers, by `make tuning`
 
 
 TUNING = ProductTuning()
+
+
+def _points(order: int) -> int:
+    """Points along a panel of ``order`` nodes."""
+    return max(TUNING.least, math.ceil(TUNING.crowded * order))
 
 
 def product_matrix(transform: Transform, panels: Panels) -> Array:
@@ -58,7 +64,7 @@ def _tabulated(transform: Transform, panels: Panels) -> Transform:
     """A spline over ln(s) in place of tau, several times as fast and good to 1e-9."""
     from scipy.interpolate import CubicSpline
 
-    smallest = float(np.diff(panels.edges).min()) * crowded_rule(TUNING.alone, 3)[0][0]
+    smallest = float(np.diff(panels.edges).min()) * crowded_rule(2 * _points(panels.order), 3)[0][0]
     ln_s = logarithms(smallest, 2 * float(panels.edges[-1]))
     spline = EvenCubic(ln_s[0], ln_s[1] - ln_s[0], CubicSpline(ln_s, transform(np.exp(ln_s))).c)
     return lambda s: spline(np.log(s))
@@ -77,9 +83,10 @@ def _entries(transform: Transform, panels: Panels, mirrored: bool) -> Array:
     plain = _symmetric(transform, panels.x, mirrored).reshape(count, order, count, order)
     gaps = lo[:, None] + lo if mirrored else lo[:, None] - panels.edges[1:]
     right, left = np.nonzero(np.tril(gaps < TUNING.close * np.maximum(width[:, None], width), 0 if mirrored else -1))
-    project = _projection(order, TUNING.crowded)
+    points = _points(order)
+    project = _projection(order, points)
     facing = project if mirrored else project[:, ::-1]
-    u = crowded_rule(TUNING.crowded, 3)[0]
+    u = crowded_rule(points, 3)[0]
     gap = np.maximum(gaps[right, left], 0.0)[:, None, None]
     values = transform(gap + width[right][:, None, None] * u[:, None] + width[left][:, None, None] * u)
     blocks = np.einsum("bqr,qi,rj->bij", values, project, facing, optimize=True)
@@ -87,7 +94,7 @@ def _entries(transform: Transform, panels: Panels, mirrored: bool) -> Array:
     plain[left, :, right, :] = blocks.transpose(0, 2, 1)
     if not mirrored:
         each = np.arange(count)
-        s, weights = _alone(order, TUNING.alone)
+        s, weights = _alone(order, 2 * points)
         plain[each, :, each, :] = np.tensordot(transform(width[:, None] * s), weights, 1)
     return plain.reshape(panels.x.size, -1)
 
@@ -101,8 +108,9 @@ def _columns(transform: Transform, panels: Panels, mirrored: bool) -> Array:
     gaps = (lo if mirrored else -panels.edges[1:])[:, None] + panels.radii
     inside = panels.edges[1:, None] <= panels.radii
     panel, radius = np.nonzero(inside & (gaps < TUNING.close * width[:, None]))
-    project = _projection(order, TUNING.crowded)
-    values = transform(gaps[panel, radius][:, None] + width[panel][:, None] * crowded_rule(TUNING.crowded, 3)[0])
+    points = _points(order)
+    project = _projection(order, points)
+    values = transform(gaps[panel, radius][:, None] + width[panel][:, None] * crowded_rule(points, 3)[0])
     plain[panel, :, radius] = values @ (project if mirrored else project[:, ::-1])
     return plain.reshape(panels.x.size, -1)
 

@@ -27,9 +27,14 @@ class LayeredTuning:
     checks: int = 12  # radii of the second quadrature, spread over all; tuned on random bodies, by `make failures`
     gaps: int = 6  # more of them, after the widest gaps; tuned on random bodies, by `make failures`
     safety: float = 4.0  # on the difference of the two quadratures; tuned on random bodies, by `make failures`
+    # radii on each side of one, from which its error is: differences go through zero
+    about: int = 2  # tuned on graded layers, by `make failures`
+    # of the largest difference of its column, and of its radius, which is stated where less is seen:
+    share: float = 0.01  # tuned on graded layers, by `make failures`
     most_nodes: int = 4000  # choice: a matrix of 128 MB
     most_flops: float = 4e11  # choice: minutes
-    crowd: int = 8  # nodes per radius, below which a refusal names the points as the cause; choice: for the message
+    group: int = 16  # least radii that are solved together; tuned on series of 100 to 10,000 points, by `make guards`
+    per_group: float = 2e7  # operations in place of what each group costs beside; tuned on the same, by `make guards`
     narrower: float = 8.0  # panels per length over which a graded modulus changes; choice: some 1e-5 of the load
     # operations per entry of a kernel's logarithmic part; tuned on bodies, by `make guards`: for forecasts
     logarithm: int = 400
@@ -132,39 +137,65 @@ class LayeredContact(IndenterOnLayers):
         return _spectrum(self.specimen, self.indenter.material)
 
     def plan(self, radii: Array, tolerance: float) -> integral.Quadrature:
-        """The cheapest quadrature expected to be accurate to ``tolerance`` at the increasing ``radii`` [m]."""
+        """The cheapest quadrature expected to be accurate to ``tolerance`` at the increasing ``radii`` [m].
+
+        Radii begin panels, which many radii would make more than the kernel needs: they are dealt out in groups.
+        """
+        plans = []
+        for groups in 2 ** np.arange(int(math.log2(max(radii.size / TUNING.group, 1))) + 1):
+            each = self.together(radii[(radii.size - 1) % groups :: groups], tolerance)
+            plans.append(replace(each, groups=int(groups)))
+        return min(plans, key=lambda plan: self.flops(radii, plan))
+
+    def together(self, radii: Array, tolerance: float) -> integral.Quadrature:
+        """The same for all ``radii`` on one set of panels."""
         own = radii, self.indenter.a0, self.scale, tolerance
         tail = self.spectrum.tail
         return integral.Quadrature.cheapest(*own) if tail is None else integral.Quadrature.crowded(*own, tail.strength)
 
     def flops(self, radii: Array, plan: integral.Quadrature) -> float:
         """Floating-point operations of one solve, about."""
-        spectrum = self.spectrum
+        spectrum, each = self.spectrum, math.ceil(radii.size / plan.groups)
         waves = 200 + 0.7 * spectrum.bandwidth(spectrum.floor) * 2 * radii[-1]
         waves += 0 if spectrum.tail is None else TUNING.logarithm
-        return float((plan.nodes + radii.size) ** 2 * waves + plan.nodes**3 / 3 + plan.nodes**2 * radii.size)
+        group = (plan.nodes + each) ** 2 * waves + plan.nodes**3 / 3 + plan.nodes**2 * each
+        return float(plan.groups * group + (plan.groups - 1) * TUNING.per_group)
 
     def guard(self, radii: Array, plan: integral.Quadrature) -> None:
         """Refuse what would take minutes or gigabytes."""
         if plan.nodes > TUNING.most_nodes or self.flops(radii, plan) > TUNING.most_flops:
-            fewer = ", or fewer points" if TUNING.crowd * radii.size > plan.nodes else ""  # each begins a panel
+            many = plan.groups > 1 and plan.nodes <= TUNING.most_nodes  # each group costs as much
+            fewer = ", or fewer points" if many else ""
             raise Refusal(
                 f"layered: a = {radii[-1]:g} m is {radii[-1] / self.spectrum.scale:.4g} times the length over which "
                 f"the layers act ({self.spectrum.scale:.3g} m) and needs {plan.nodes} nodes for {radii.size} radii "
                 f"(limit {TUNING.most_nodes}); ask for a smaller contact{fewer}"
             )
 
-    def solved(self, radii: Array, plan: integral.Quadrature) -> integral.EquationResult:
-        """Contact at the increasing ``radii`` [m]."""
+    def solved(self, radii: Array, plan: integral.Quadrature) -> integral.ContactResult:
+        """Contact at the increasing ``radii`` [m]; of one group with its densities, an ``EquationResult``."""
         self.guard(radii, plan)
-        panels = integral.Panels.through(radii, plan, self.indenter.a0)
-        return integral.solve(self.matrix(panels), panels, self.indenter, self.E_star, plan.inner)
+        kernel = self.spectrum.kernel(2 * float(radii[-1]), self.order)
+        if plan.groups == 1:
+            return self._group(radii, plan, kernel)
+        columns, rounding = np.empty((4, radii.size)), np.empty(radii.size)
+        for start in range(plan.groups):
+            dealt = slice(start, None, plan.groups)
+            part = self._group(radii[dealt], plan, kernel)
+            columns[:, dealt], rounding[dealt] = part.columns, part.rounding
+        delta, P, S, dS = columns
+        return integral.ContactResult(replace(part.panels, radii=radii), delta, P, S, dS, rounding)
 
-    def matrix(self, panels: integral.Panels) -> Array:
-        """K [1/m] at the places of the ``panels``."""
-        spectrum = self.spectrum
-        smooth = spectrum.kernel(2 * float(panels.edges[-1]), self.order).square(panels.places)
-        return smooth if spectrum.tail is None else smooth + product_matrix(spectrum.tail.transform, panels)
+    def _group(self, radii: Array, plan: integral.Quadrature, kernel: integral.CosineKernel) -> integral.EquationResult:
+        panels = integral.Panels.through(radii, plan, self.indenter.a0)
+        return integral.solve(self.matrix(panels, kernel), panels, self.indenter, self.E_star, plan.inner)
+
+    def matrix(self, panels: integral.Panels, kernel: integral.CosineKernel | None = None) -> Array:
+        """K [1/m] at the places of the ``panels``; ``kernel``: its smooth part, where it is known."""
+        tail = self.spectrum.tail
+        smooth = kernel or self.spectrum.kernel(2 * float(panels.edges[-1]), self.order)
+        K = smooth.square(panels.places)
+        return K if tail is None else K + product_matrix(tail.transform, panels)
 
     def attraction(self, reach: float, tolerance: float) -> integral.Attraction:
         """The pair of bodies ready for adhesion of finite range up to ``reach`` [m], K to the relative
@@ -198,9 +229,13 @@ def _spectrum(specimen: Specimen, indenter: Elastic | None) -> LayeredSpectrum:
 
 
 def _errors(main: integral.ContactResult, other: integral.ContactResult, some: Array) -> Array:
-    """Relative error of any column at every radius: the largest difference, with a safety, and rounding."""
-    seen = np.max(np.abs(other.columns / main.columns[:, some] - 1))
-    return TUNING.safety * seen + main.rounding
+    """Relative error of each column at every radius (4, radii): the largest difference at the ``some`` radii about it,
+    ``about`` and one on each side, with a safety, and rounding."""
+    seen, about = np.abs(other.columns / main.columns[:, some] - 1), TUNING.about
+    wide = np.lib.stride_tricks.sliding_window_view(np.pad(seen, ((0, 0), (about, about))), 2 * about + 1, axis=1)
+    near = np.maximum(wide.max(axis=-1), TUNING.share * np.maximum(seen.max(axis=0), seen.max(axis=1)[:, None]))
+    after = np.minimum(np.searchsorted(some, np.arange(main.delta.size)), some.size - 1)
+    return TUNING.safety * np.maximum(near[:, after], near[:, np.maximum(after - 1, 0)]) + main.rounding
 
 
 def checked(radii: Array) -> Array:

@@ -34,6 +34,22 @@ if TYPE_CHECKING:
     from .slopes.result import TWO_SIDED_90, Slopes
     from .stability import Behaviour, Cycle, behaviour, behaviours, branch, cycle, stable_radius, trace, turning_radius
     from .stability_inverse import FoundWork, work_from_pull_off
-    from .validity import LIMITS, REMEDY, Validity, end_of_body, faces, judge, refuse_wetting, regime, sizes, unresolved
+    from .validity import (
+        LIMITS,
+        REMEDY,
+        Strains,
+        Validity,
+        end_of_body,
+        faces,
+        judge,
+        large_strains,
+        refuse_wetting,
+        regime,
+        sizes,
+        strain_size,
+        strain_words,
+        unresolved,
+        with_large_strains,
+    )
 
 __getattr__ = lazily(__name__, __file__)

@@ -12,15 +12,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from ..base import SAME, Estimate, InputError, Refusal, Unknown, show
-from ..bodies import HalfSpace, Indenter, Problem
+from ..bodies import INCOMPRESSIBLE, Elastic, HalfSpace, Indenter, Problem
 from ..formulas.half_space import tabor
+from ..formulas.large_strain import BY_DISPLACEMENT, BY_LOAD, strained_pull_off
 from ..formulas.surface_tension import edge_angle
+
+if TYPE_CHECKING:
+    from .curve import Equilibrium
 
 
 @dataclass(frozen=True)
@@ -33,11 +37,14 @@ class TheoryLimits:
     a_over_R: float = 0.3  # choice: strains and slopes of order a/R
     edge_angle: float = 0.5  # choice: [rad], small slopes of Young and Dupre's law: tan errs by 9 %
     steepest: float = 2.0  # theory: [rad], theta = 2 at w = 2 Ups, complete wetting: no angle beyond
+    # of a/R, delta/h at pull-off, above which large strains of bodies are named of which no number is known
+    strained: float = 0.2  # choice: 8 % of the force where it is known
     atom: float = 1e-10  # theory: [m], below which there is no zone at the edge
     seen: int = 2  # theory: points per bend of a tabulated profile, with which slopes fitted through them see it
 
 
 LIMITS = TheoryLimits()
+Strains: TypeAlias = "tuple[float, float] | Unknown | None"  # least and largest relative change; None: negligible
 LARGEST, EDGE = "at the largest contact radius", "rad at the edge"
 STEEP = "theta = sqrt(2 w/Ups)"
 SMALL = 0.1  # choice: of what theories take as small: strains, zones at the edge, the contact in its mesh
@@ -70,7 +77,8 @@ class Validity:
     ``end_is_cut``: the specimen goes on where the model ends; the ends of a finite specimen are part of its solution.
     ``edge_angle``: between the surfaces at the edge under surface tension [rad]. ``strained``: the load at the largest
     depth over that of a rubber at large strains, less 1; ``sphere``: that of the exact sphere where it is better.
-    ``effect_of_range``: the pull-off force under load control at the range z0 over JKR's, less 1.
+    ``effect_of_range``: the pull-off force under load control at the range z0 over JKR's, less 1. ``large_strains``:
+    the least and the largest relative change of the pull-off force by them.
     """
 
     tabor: Estimate
@@ -85,6 +93,7 @@ class Validity:
     edge_angle: Estimate = NO_TENSION
     strained: Estimate = NO_EXCESS
     sphere: Estimate = NO_EXCESS
+    large_strains: Strains = None
 
     @property
     def warnings(self) -> list[str]:
@@ -96,6 +105,56 @@ class Validity:
             *(_above(self.a_over_L, SMALL, "a/L", "the cut of the mesh affects the result") if self.end_is_cut else ()),
             *_range_warning(self),
         ]
+
+
+def large_strains(problem: Problem, w: float, point: Equilibrium, loaded: bool = True) -> Strains:
+    """What large strains change of the pull-off force at the ``point``, under load control or another; None where that
+    is negligible.
+
+    Known of rigid spheres on incompressible half-spaces and layers as thick as R, up to (w/(E* R))^(1/3) = 0.3.
+    """
+    R, specimen = problem.indenter.tip_radius, problem.specimen
+    if R is None or w == 0:
+        return None
+    material = specimen.materials[0]
+    thick = min(specimen.top_thickness, specimen.yielding_depth) >= R and specimen.radius is None
+    plain = problem.indenter.material is None and not (problem.sticks or specimen.surface_tension)
+    soft = isinstance(material, Elastic) and material.nu >= INCOMPRESSIBLE
+    wc = (w / (problem.E_star * R)) ** (1 / 3)
+    if thick and plain and soft and problem.indenter.noun in EXCESS:
+        found = strained_pull_off(wc, BY_LOAD if loaded else BY_DISPLACEMENT, problem.indenter.noun == "sphere")
+        beyond = f"not estimated, large: (w/(E* R))^(1/3) = {wc:.3g} is above 0.3"
+        return Unknown(beyond) if found is None else found
+    ratios = {"a/R": point.a / R, "|delta|/h": abs(point.delta) / specimen.yielding_depth}
+    name = max(ratios, key=lambda each: ratios[each])
+    if ratios[name] <= LIMITS.strained:
+        return None
+    return Unknown(f"not estimated for this body, {name} = {ratios[name]:.2g} at pull-off")
+
+
+def strain_words(change: Strains) -> str:
+    """``large strains -4.4 to +1.2 %``; empty where they are negligible."""
+    if change is None:
+        return ""
+    if isinstance(change, Unknown):
+        return f"large strains {change}"
+    low, high = (float(f"{100 * value:.2g}") for value in change)
+    return f"large strains {low:+g} to {high:+g} %"
+
+
+def strain_size(change: Strains) -> float:
+    """The size of the change, relative: 1 where it is not estimated."""
+    return 0.0 if change is None else 1.0 if isinstance(change, Unknown) else max(map(abs, change))
+
+
+def with_large_strains(judged: Validity, change: Strains) -> Validity:
+    """What was ``judged``, with the ``change`` of the pull-off force by large strains: JKR does not hold where they are
+    more than may remain unsaid."""
+    regime = judged.regime
+    if strain_size(change) > LIMITS.effect:
+        small = regime.startswith("JKR holds")
+        regime = f"JKR is doubtful: {strain_words(change)}" if small else f"{regime}; {strain_words(change)}"
+    return replace(judged, regime=regime, large_strains=change)
 
 
 def sizes(problem: Problem) -> dict[str, Any]:
@@ -164,7 +223,8 @@ def judge(
         end_is_cut,
         effect_of_range,
         edge_angle(w, tension) if tension else NO_TENSION,
-        *(NO_EXCESS if tension else _excess(a, R, depth, name) for name in (profile, "sphere")),
+        strained=NO_EXCESS if tension else _excess(a, R, depth, profile),
+        sphere=NO_EXCESS if tension else _excess(a, R, depth, "sphere"),
     )
 
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
         rest_of,
         seconds_of_histories,
         solved_on,
+        strains_after,
         with_history_solved,
     )
     from .profile import profile_columns, radius_under

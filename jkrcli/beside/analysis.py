@@ -25,16 +25,20 @@ from ..adhesion import (
     Range,
     RangeRequest,
     Slopes,
+    Strains,
     Validity,
     behaviours,
     end_of_body,
     faces,
     judge,
+    large_strains,
     point_error,
     refuse_wetting,
     resolved,
     sizes,
+    strain_size,
     unresolved,
+    with_large_strains,
     yielding,
 )
 from ..adhesion.slopes.choice import slopes, smoothed
@@ -126,7 +130,16 @@ class Analysis:
                        L=end_of_body(problem, self.solution.facts), end_is_cut=problem.specimen.radius is None,
                        a_pull_off=max(radii, default=None),
                        effect_of_range=self.effect_of_range)  # fmt: skip
-        return judged if self.law is None else replace(judged, regime="adhesion of this range is solved")
+        if self.law is not None:
+            judged = replace(judged, regime="adhesion of this range is solved")
+        there = [point for point in points if isinstance(point, CriticalPoint)]
+        worst = max((self.large_strains(point) for point in there), key=strain_size, default=None)
+        return with_large_strains(judged, worst)
+
+    def large_strains(self, point: CriticalPoint) -> Strains:
+        """What large strains change of the pull-off force at the ``point``."""
+        loaded = self.pull_off["load"]
+        return large_strains(self.problem, self.w, point, isinstance(loaded, CriticalPoint) and loaded.a == point.a)
 
     @cached_property
     def comparison(self) -> Comparison | None:

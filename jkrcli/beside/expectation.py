@@ -14,7 +14,19 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion import LOAD_CONTROL, CriticalPoint, Validity, judge, refuse_wetting, resolved, sizes, transform
+from ..adhesion import (
+    LOAD_CONTROL,
+    CriticalPoint,
+    Strains,
+    Validity,
+    judge,
+    large_strains,
+    refuse_wetting,
+    resolved,
+    sizes,
+    transform,
+    with_large_strains,
+)
 from ..base import PATIENCE, Estimate, JkrError, Refusal, Unknown, show
 from ..bodies import (
     GEL_TENSION,
@@ -104,6 +116,8 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
             pulled = {"a_pull_off": point.a, "effect_of_range": effect_of_range(body, series, w, z0, point)}
         judged = judge(a=a, delta=delta, w=w, **sizes(problem), L=problem.specimen.radius, end_is_cut=False, z0=z0,
                        **pulled)  # fmt: skip
+        if isinstance(point, CriticalPoint):
+            judged = with_large_strains(judged, large_strains(problem, w, point))
         adhesion.append((w, point, judged))
     matter = _layers_matter(problem, delta, P)
     return Expectation(a, delta, P, matter, tuple(adhesion), series, solution.profile_error)
@@ -359,7 +373,15 @@ def _strains(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
         yield LeftOut(name, "", NO_STRAINS, NO_STRAINS)
         return
     load = 1 / (1 + judged.strained) - 1
-    yield LeftOut(name, "", load, TUNING.of_strains * load, {w: NO_PULL_OFF for w, *_ in expected.adhesion if w > 0})
+    pulls = {w: _largest(judged.large_strains) for w, _, judged in expected.adhesion if w > 0}
+    yield LeftOut(name, "", load, TUNING.of_strains * load, pulls)
+
+
+def _largest(change: Strains) -> Estimate:
+    """The end of a range of changes that is larger in size."""
+    if change is None or isinstance(change, Unknown):
+        return NO_PULL_OFF if change is None else change
+    return max(change, key=abs)
 
 
 def _weight(body: Problem, expected: Expectation) -> Iterator[LeftOut]:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..adhesion import (
+    LIMITS,
     AdhesiveCurve,
     CriticalPoint,
     Errors,
@@ -14,12 +15,14 @@ from ..adhesion import (
     LoadingHistory,
     Nonadhesive,
     Rest,
+    Strains,
     histories,
     history_error,
+    large_strains,
     resolved,
 )
 from ..base import MOST_STEPS, PATIENCE, InputError, JkrError, Refusal, Unknown
-from ..bodies import Loading
+from ..bodies import Loading, Problem
 from ..series import Solution
 from .again import again, method_behind
 from .analysis import Analysis, forecast, nonadhesive
@@ -108,6 +111,17 @@ def with_history_solved(
         return [point.a for point in points] + ([curve.rest.a] if isinstance(curve, FromRest) else [])
 
     return unit if further is None else refined(unit, further, wanted)
+
+
+def strains_after(problem: Problem, w: float, history: LoadingHistory, point: CriticalPoint, loaded: bool) -> Strains:
+    """What large strains change of the pull-off force at the ``point`` after a ``history``; not known of a dent that is
+    kept."""
+    R = problem.indenter.tip_radius
+    if history.profile == 1:
+        return large_strains(problem.scaled(history.moduli), w, point, loaded)
+    if R is None or point.a <= LIMITS.strained * R:
+        return None
+    return Unknown(f"not estimated, a/R = {point.a / R:.2g} at pull-off")
 
 
 def curves_from_rest(

@@ -9,17 +9,19 @@ from typing import Any, cast
 
 from ..adhesion import (
     CONTROLS,
+    LOAD_CONTROL,
     AdhesiveCurve,
     FoundWork,
     LoadingHistory,
     Nonadhesive,
     Rest,
+    Strains,
     history_error,
     work_from_pull_off,
 )
 from ..adhesion.stability_inverse import ELASTIC
 from ..base import Estimate, InputError, JkrError, Unknown, evenly, parse
-from ..beside import Analysis, adhesive, checked_histories, nonadhesive, solved_on, with_history_solved
+from ..beside import Analysis, adhesive, checked_histories, nonadhesive, solved_on, strains_after, with_history_solved
 from ..beside.again import method_behind
 from ..bodies import RADIUS, Loading, changed, checked_names, layer_names, nominal
 from ..series import Solution
@@ -43,6 +45,17 @@ class MeasuredWork:
     series: Estimate
     parts: Mapping[str, float]
     history: LoadingHistory = ELASTIC
+
+    @property
+    def large_strains(self) -> Strains:
+        """Relative change of w that large strains may make, of the sign opposite to that of the pull-off force: w is
+        as good as proportional to it."""
+        point, loaded = self.work.point, self.work.stiffness == LOAD_CONTROL
+        change = strains_after(self.result.problem, self.work.w, self.history, point, loaded)
+        if change is None or isinstance(change, Unknown):
+            return change
+        low, high = change
+        return 1 / (1 + high) - 1, 1 / (1 + low) - 1
 
     @property
     def error(self) -> Estimate:

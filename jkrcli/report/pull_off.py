@@ -17,11 +17,12 @@ from ..adhesion import (
     LoadingHistory,
     control,
     faces,
+    strain_words,
     yielding,
 )
 from ..adhesion.from_rest import AT_MOST, FROM_REST
 from ..base import InputError, Unknown, accuracy, known, show
-from ..beside import Analysis, Lost, LostByHistory, analyse, is_solved
+from ..beside import Analysis, Lost, LostByHistory, analyse, is_solved, strains_after
 from ..bodies import relaxing
 from ..series import Solution
 from . import tables
@@ -50,6 +51,8 @@ class PullOff(Result):
         for behaviour, error in lost:
             numbers = tables.under_control(behaviour)
             numbers["pull_off"] |= tables.errors(error)
+            if isinstance(behaviour.pull_off, CriticalPoint):
+                numbers["pull_off"] |= tables.strains(result.large_strains(behaviour.pull_off))
             if error is not None:
                 numbers["pull_off"]["interpolated"] = not _solved(result, behaviour)
             controls.append(tables.device(behaviour.stiffness) | numbers)
@@ -97,7 +100,7 @@ class PullOff(Result):
         elif self.histories:
             lines = [*_by_history(result, self.histories), *_validity(result, *self._points)]
             lines.append(f"  {self.histories[0].history.words}:")
-        return lines + [line for means, error in self.lost for line in _control(means, error, _solved(result, means))]
+        return lines + [line for means, error in self.lost for line in _control(result, means, error)]
 
 
 def _by_history(result: Analysis, found: Sequence[LostByHistory]) -> list[str]:
@@ -124,6 +127,13 @@ def _by_history(result: Analysis, found: Sequence[LostByHistory]) -> list[str]:
             lines.append(f"    {control(k):<21} {shown}")
             if isinstance(point, CriticalPoint) and error is not None:
                 errors.append(error if isinstance(error, Unknown) else error["P"] / abs(point.P))
+    changes = []
+    for one in found:
+        point = one.lost[controls[0]][0]
+        if isinstance(point, CriticalPoint):
+            change = strains_after(result.problem, result.w, one.history, point, controls[0] == LOAD_CONTROL)
+            changes += [f"{strain_words(change)} ({one.history.name})"] if change else []
+    lines += [f"  model: {'; '.join(changes)}"] if changes else []
     unknown = [error for error in errors if isinstance(error, Unknown)]
     worst = unknown[0] if unknown else max((error for error in errors if isinstance(error, float)), default=None)
     return lines + ([] if worst is None else [f"  pull-off: {accuracy(worst)} (90 %)"])
@@ -210,7 +220,7 @@ class MeasuredByHistory(Result):
             series = one.series if isinstance(one.series, Unknown) else one.series / one.work.w
             lines.append(
                 f"  {words}: w = {show(one.work.w, 'work')}{error}, {tables.state_words(one.work.point, 'a')}; "
-                f"{accuracy(series)} (90 %)"
+                f"{tables.error_words(series, one.large_strains)}"
             )
         if not any(one.parts for _, one in self.found if not isinstance(one, Unknown)):
             lines.append(f"  {OF_INPUTS}")
@@ -225,6 +235,7 @@ def _measured_as_json(means: MeasuredWork) -> dict[str, Any]:
         "w_err_by_input_J_per_m2": dict(means.parts),
         "w_err_of_series_J_per_m2": known(means.series),
         "pull_off": tables.point(means.work.point),
+        **tables.strains(means.large_strains),
     }
     return data | ({"error": means.error.reason} if isinstance(means.error, Unknown) else {})
 
@@ -249,9 +260,11 @@ class MeasuredPullOff(Result):
     def words(self) -> list[str]:
         means, work = self.means, self.means.work
         error = "" if isinstance(means.error, Unknown) or not means.parts else f" ± {show(means.error, 'work', 3)}"
+        change = means.large_strains
         lines = [
-            f"w = {show(work.w, 'work')}{error}: the pull-off force {show(work.load, 'load')} of "
-            f"{means.result.path} ({control(work.stiffness)}, {tables.state_words(work.point, 'a')})"
+            f"w = {show(work.w, 'work', tables.digits(work.w, change))}{error}: the pull-off force "
+            f"{show(work.load, 'load')} of {means.result.path} ({control(work.stiffness)}, "
+            f"{tables.state_words(work.point, 'a')})"
         ]
         if means.parts:
             parts = (f"{name} {show(part, 'work')}" for name, part in means.parts.items())
@@ -259,7 +272,7 @@ class MeasuredPullOff(Result):
         else:
             lines.append(f"  {OF_INPUTS}")
         series = means.series if isinstance(means.series, Unknown) else means.series / work.w
-        lines.append(f"  {accuracy(series)} (90 %)")
+        lines.append(f"  {tables.error_words(series, change)}")
         if work.half_space is None:
             lines.append("  no tip radius: 1.5 pi w R is not defined for this indenter")
         else:
@@ -275,16 +288,18 @@ def _solved(result: Analysis, behaviour: Behaviour) -> bool:
     return isinstance(behaviour.pull_off, Equilibrium) and is_solved(result.curve, behaviour.pull_off)
 
 
-def _control(behaviour: Behaviour, error: Errors | Unknown | None, solved: bool) -> list[str]:
-    """Points, jumps and energies under one control; the pull-off point ``solved`` or read off between the rows."""
-    between = "; interpolated" if not solved and error and not isinstance(error, Unknown) else ""
-    lines = [f"  {control(behaviour.stiffness)}", f"    pull-off            {_point(behaviour.pull_off)}{between}"]
+def _control(result: Analysis, behaviour: Behaviour, error: Errors | Unknown | None) -> list[str]:
+    """Points, jumps and energies under one control."""
+    point = behaviour.pull_off
+    digits = tables.digits(point.P, result.large_strains(point)) if isinstance(point, CriticalPoint) else 4
+    between = "; interpolated" if not _solved(result, behaviour) and error and not isinstance(error, Unknown) else ""
+    lines = [f"  {control(behaviour.stiffness)}", f"    pull-off            {_point(point, digits)}{between}"]
     if isinstance(error, Unknown):
         lines.append(f"    its error           {error}")
-    others = [point for point in behaviour.critical if point != behaviour.pull_off]
-    if not behaviour.critical and not isinstance(behaviour.pull_off, Unknown):
+    others = [other for other in behaviour.critical if other != point]
+    if not behaviour.critical and not isinstance(point, Unknown):
         lines.append("    critical points     none in the series")
-    lines += [f"    other {point.kind:<14}{_point(point)}" for point in others]
+    lines += [f"    other {other.kind:<14}{_point(other)}" for other in others]
     lines += [
         f"    jumps back          {_point(jump.start)}  to  {_point(jump.end)}"
         for jump in behaviour.partial
@@ -301,11 +316,12 @@ def _control(behaviour: Behaviour, error: Errors | Unknown | None, solved: bool)
     return lines
 
 
-def _point(point: Equilibrium | Unknown) -> str:
+def _point(point: Equilibrium | Unknown, digits: int = 4) -> str:
     if isinstance(point, Unknown):
         return f"none: {point.reason}"
     c = "" if point.c is None else f"  c = {show(point.c, 'length')}"
-    return f"P = {show(point.P, 'load'):<12} delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}{c}"
+    P = show(point.P, "load", digits)
+    return f"P = {P:<12} delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}{c}"
 
 
 def _bound(point: Equilibrium) -> str:

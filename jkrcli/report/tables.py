@@ -15,6 +15,7 @@ from ..base import SI, Array, Estimate, InputError, Unknown, accuracy, allowance
 from ..base import as_json as as_json
 from ..beside import Analysis
 
+SEEN = 0.01  # choice: of the model's error, from which on the numerical one is said beside it
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
 PRINTED = 1e-4  # choice: relative error from which each force is printed with its own
 WORD_COLUMNS = ("branch",)  # of a curve; all others are numbers
@@ -130,7 +131,8 @@ def summary(result: Analysis) -> dict[str, Any]:
         "smoothing_lambda": slopes.smoothing_lambda,
         "points": {"kept": len(result.curve.series), "dropped": result.dropped},
         "pull_off": {
-            name: point(place) | errors(result.pull_off_errors.get(name)) for name, place in result.pull_off.items()
+            name: point(place) | errors(result.pull_off_errors.get(name)) | strains(_strains_at(result, place))
+            for name, place in result.pull_off.items()
         },
         "stability": stability(result),
         "tabor": judged["tabor"],
@@ -159,6 +161,29 @@ def law_words(result: Analysis) -> str:
     return f", stress {show(result.law.stress, 'modulus')} up to {show(result.law.length, 'length')}"
 
 
+def digits(value: float, change: adhesion.Strains) -> int:
+    """How many digits of a ``value`` are worth showing that large strains ``change``: to the second of the change."""
+    error = abs(value) * adhesion.strain_size(change)
+    return 4 if error == 0 else min(max(math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2, 2), 4)
+
+
+def error_words(error: Estimate, change: adhesion.Strains) -> str:
+    """The relative numerical ``error``, and the model's: what large strains ``change``, far larger or not."""
+    if change is None:
+        return f"{accuracy(error)} (90 %)"
+    size = adhesion.strain_size(change)
+    seen = isinstance(error, Unknown) or error > SEEN * size
+    numerical = f"{accuracy(error)} (90 %)" if seen else "numerical error far smaller"
+    return f"{adhesion.strain_words(change)} (model), {numerical}"
+
+
+def strains(change: adhesion.Strains) -> dict[str, Any]:
+    """What large strains change of a pull-off force, relative: the least and the largest, or null and the reason."""
+    if isinstance(change, Unknown):
+        return {"large_strains": None, "large_strains_reason": change.reason}
+    return {} if change is None else {"large_strains": list(change)}
+
+
 def lost_words(
     result: Analysis, points: Mapping[str, tuple[adhesion.Equilibrium | Unknown, adhesion.Errors | Unknown | None]]
 ) -> list[str]:
@@ -171,8 +196,10 @@ def lost_words(
         if half and not isinstance(half, Unknown)
     }
     noticed = bool(errors) and max(errors.values()) >= PRINTED
+    changes = {name.removesuffix(" control"): _strains_at(result, at) for name, (at, _) in there.items()}
     forces = ", ".join(
-        f"{show(-at.P, 'load')}{f' ± {percent(errors[name])}' if noticed and name in errors else ''} ({name})"
+        f"{show(-at.P, 'load', digits(at.P, changes[name]))}"
+        f"{f' ± {percent(errors[name])}' if noticed and name in errors else ''} ({name})"
         for name, at in ((name.removesuffix(" control"), at) for name, (at, _) in there.items())
     )
     verdict = f"pull-off force {forces}" if there else "no pull-off in the series"
@@ -183,10 +210,16 @@ def lost_words(
     else:
         beside = ""
     lines = [f"{verdict} at w = {show(result.w, 'work')}{law_words(result)}{beside}: {result.path}"]
+    change = max(changes.values(), key=adhesion.strain_size, default=None)
     if noticed and len(errors) > 1:
         each = ", ".join(f"{percent(error)} ({name})" for name, error in errors.items())
-        return [*lines, f"  pull-off: numerical error {each}, 90 %"]
-    return lines + ([f"  pull-off: {accuracy(max(errors.values()))} (90 %)"] if errors else [])
+        model = "" if change is None else f"{adhesion.strain_words(change)} (model), "
+        return [*lines, f"  pull-off: {model}numerical error {each}, 90 %"]
+    return lines + ([f"  pull-off: {error_words(max(errors.values()), change)}"] if errors else [])
+
+
+def _strains_at(result: Analysis, point: adhesion.Equilibrium | Unknown) -> adhesion.Strains:
+    return result.large_strains(point) if isinstance(point, adhesion.CriticalPoint) else None
 
 
 def percent(error: float) -> str:

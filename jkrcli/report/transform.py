@@ -68,8 +68,9 @@ def _of_curve(result: Analysis) -> Iterator[str]:
     for name, point in result.pull_off.items():
         if isinstance(point, CriticalPoint):
             between = "" if is_solved(result.curve, point) else "; interpolated"
+            P = show(point.P, "load", tables.digits(point.P, result.large_strains(point)))
             yield (
-                f"{name + ' control':<21} P = {show(point.P, 'load'):<11} delta = {show(point.delta, 'length'):<12} "
+                f"{name + ' control':<21} P = {P:<11} delta = {show(point.delta, 'length'):<12} "
                 f"a = {show(point.a, 'length')}{between}"
             )
         elif result.w > 0:

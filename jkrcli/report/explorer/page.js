@@ -160,13 +160,26 @@ function judge(curve, point, chosen) {
   }
   if (tabor && curve.w > 0 && !wets(curve)) {
     const number = tabor.number * (curve.w / tabor.w / curve.factor) ** (2 / 3);
-    lines.push(`Tabor number ${plain(number, 3)}: ${tabor.limits.find(([limit]) => number > limit)[1]}.`);
+    const holds = tabor.limits.find(([limit]) => number > limit)[1], strains = strained(curve.w / curve.factor);
+    lines.push(`Tabor number ${plain(number, 3)}: ${strains && strains.size > 0.01 ? "JKR is doubtful" : holds}.`);
+    if (strains) lines.push(`Large strains: ${strains.words}.`);
   }
   if (R && !point.reason) lines.push(`a/R at pull-off: ${plain(point.a / R, 3)}.`);
   lines.push(`Estimated relative error of the solution: ${typeof error === "number" ? error.toExponential(1) : error}.`);
   const read = point.reason ? null : pointError(chosen, curve.w / curve.factor);
   if (read !== null) lines.push(`Of the pull-off force, read between its rows: ${read.toExponential(1)}; jkr pull-off solves it.`);
   byId("judged").textContent = lines.join(" ");
+}
+
+/* What large strains change of the pull-off force under load control, in words and its size; null where not known. */
+function strained(w) {
+  if (content.strains === null) return null;
+  const { unit, rows } = content.strains, wc = unit * Math.cbrt(w), i = rows.findIndex(([at]) => at >= wc);
+  if (i < 0) return { words: "their change of the pull-off force is not estimated, and large", size: 1 };
+  const [before, after] = [rows[Math.max(i - 1, 0)], rows[i]], part = i ? (wc - before[0]) / (after[0] - before[0]) : 0;
+  const [low, high] = [1, 2].map((k) => before[k] + part * (after[k] - before[k]));
+  const percent = (value) => `${value < 0 ? "\u2212" : "+"}${plain(100 * Math.abs(value), 2)}`;
+  return { words: `${percent(low)} to ${percent(high)} % of the pull-off force`, size: Math.max(-low, high) };
 }
 
 /* The relative error of the pull-off force at a w over the modulus factor: the larger of those on either side. */

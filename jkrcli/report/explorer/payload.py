@@ -15,10 +15,21 @@ from typing import Any
 import numpy as np
 
 from ... import __version__
-from ...adhesion import CONTROLS, LIMITS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, regime
+from ...adhesion import (
+    CONTROLS,
+    LIMITS,
+    LOAD_CONTROL,
+    AdhesiveCurve,
+    CriticalPoint,
+    Equilibrium,
+    Nonadhesive,
+    large_strains,
+    regime,
+)
 from ...base import DRAWN, SI, UNITS, Array, Unknown, decades, scale
 from ...beside import Analysis, analysis, nonadhesive
 from ...data import Curve
+from ...formulas.large_strain import MEASURED, strained_pull_off
 
 WORKS = 9  # works of adhesion at which the page knows the errors of its pull-off points
 
@@ -72,6 +83,7 @@ def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "a
         "band": _band(curve.nonadhesive),
         "tabor": _tabor(result),
         "relaxed": _relaxed(result),
+        "strains": _strains(result),
         "R": problem.indenter.tip_radius,
         "tension": tension,
         "angle": LIMITS.edge_angle,
@@ -154,6 +166,19 @@ def _tabor(result: Analysis) -> dict[str, Any] | None:
     limits = (LIMITS.tabor_jkr, LIMITS.tabor_dmt, 0.0)
     words = [regime(2 * limit if limit else LIMITS.tabor_dmt / 2) for limit in limits]
     return {"number": number, "w": result.w, "limits": [list(pair) for pair in zip(limits, words, strict=True)]}
+
+
+def _strains(result: Analysis) -> dict[str, Any] | None:
+    """What large strains change of the pull-off force under load control over (w/(E* R))^(1/3) at unit factor, and that
+    number at w = 1 J/m^2; None where it is not known."""
+    problem, R = result.problem, result.problem.indenter.tip_radius
+    tiny = large_strains(problem, 1e-12 * problem.E_star * (R or 0.0), Equilibrium(0.0, 0.0, 0.0))
+    if R is None or not isinstance(tiny, tuple):
+        return None
+    sphere = problem.indenter.noun == "sphere"
+    knots = np.linspace(0.0, MEASURED, 31)
+    rows = [[float(wc), *(strained_pull_off(float(wc), sphere=sphere) or ())] for wc in knots]
+    return {"unit": (problem.E_star * R) ** (-1 / 3), "rows": rows}
 
 
 def _relaxed(result: Analysis) -> float | None:

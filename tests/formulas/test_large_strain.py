@@ -1,0 +1,111 @@
+"""Pull-off at large strains: the first order by its energy, the ranges where elements measured them, who is told."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import jkrcli as jkr
+from jkrcli.adhesion.curve import Equilibrium
+from jkrcli.adhesion.validity import large_strains
+from jkrcli.base.unknown import Unknown
+from jkrcli.formulas.large_strain import BY_DISPLACEMENT, BY_LOAD, strained_pull_off
+
+CUBIC = (-0.11569, 0.34707, -0.43430, 0.2002)  # c_k of U3 = mu sum c_k D^(3-k) X^k
+
+
+@pytest.mark.parametrize(("control", "published"), [("load", BY_LOAD), ("displacement", BY_DISPLACEMENT)])
+def test_the_first_order_is_that_of_the_cubic_energy(control: str, published: float) -> None:
+    """E* = 4 mu = R = 1: JKR's energy and the cubic one, dU/da = 2 pi w a solved for delta at each radius."""
+    wc = 0.01
+    w = wc**3
+
+    def by_delta(a: float, delta: float) -> float:
+        D, X = a**2, a**2 - delta
+        cubic = sum(k * c * D ** (3 - k) * X ** (k - 1) for k, c in enumerate(CUBIC) if k)
+        return 2 * a * delta - 2 / 3 * a**3 - cubic / 4
+
+    def by_radius(a: float, delta: float) -> float:
+        D, X = a**2, a**2 - delta
+        cubic = sum((3 - k) * c * D ** (2 - k) * X**k for k, c in enumerate(CUBIC) if k < 3)
+        cubic += sum(k * c * D ** (3 - k) * X ** (k - 1) for k, c in enumerate(CUBIC) if k)
+        return (delta - a**2) ** 2 + cubic / 4 * 2 * a - 2 * math.pi * w * a
+
+    radii = wc * np.linspace(0.5, 2.0, 301)
+    shifts = np.sqrt(2 * math.pi * w * radii)
+    delta = np.array([brentq(lambda d, a=a: by_radius(a, d), a * a - 1.5 * t, a * a - t / 2, xtol=1e-18, rtol=1e-13)
+                      for a, t in zip(radii, shifts, strict=True)])  # fmt: skip
+    P = np.array([by_delta(a, d) for a, d in zip(radii, delta, strict=True)])
+    held, unit = (P, 1.5) if control == "load" else (delta, 5 / 6)
+    i = int(np.argmin(held))
+    parabola = np.polyfit(radii[i - 5 : i + 6] - radii[i], held[i - 5 : i + 6], 4)
+    a = radii[i] + brentq(np.poly1d(parabola).deriv(), radii[i - 1] - radii[i], radii[i + 1] - radii[i])
+    lowest = np.interp(a, radii, P)
+    assert (-lowest / (unit * math.pi * w) - 1) / wc == pytest.approx(published, abs=1e-3)
+
+
+def test_ranges() -> None:
+    assert strained_pull_off(0.1) == (pytest.approx(-0.045), pytest.approx(0.046 * 0.1 + 0.7 * 0.01))
+    assert strained_pull_off(0.3) == (pytest.approx(-0.27), pytest.approx(0.06))
+    assert strained_pull_off(0.301) is None
+    widths = np.array([strained_pull_off(wc) for wc in np.linspace(0, 0.3, 61)])
+    assert (np.diff(widths[:, 0]) < 0).all()
+    assert (np.diff(widths[:, 1]) > 0).all()
+    low, high = strained_pull_off(0.1, sphere=True)  # its linear theory is 0.9 wc^2 below the paraboloid's
+    assert (1 + low) * (1 - 0.009) == pytest.approx(1 - 0.045)
+    assert (1 + high) * (1 - 0.009) == pytest.approx(1 + 0.0116)
+
+
+def body(E: float = 5e3, nu: float = 0.5, h: float = math.inf, shape: type = jkr.Paraboloid) -> jkr.Problem:
+    material = jkr.Elastic(E, nu)
+    half = jkr.Specimen((), jkr.HalfSpace(material))
+    layered = jkr.Specimen((jkr.Layer(material, h),), jkr.Rigid()) if h < math.inf else half
+    return jkr.Problem(shape(5e-6), layered, jkr.Loading("radius", 4.9e-6, 100))
+
+
+POINT = Equilibrium(2.4e-6, -4e-7, -2e-8)  # a/R = 0.47
+
+
+def test_whose_change_is_known() -> None:
+    soft, stiff = large_strains(body(), 1e-3, POINT), large_strains(body(1e5), 1e-3, POINT)
+    assert isinstance(soft, Unknown)
+    assert "large" in soft.reason
+    assert stiff == strained_pull_off((1e-3 / (1e5 / 0.75 * 5e-6)) ** (1 / 3))
+    assert isinstance(large_strains(body(1e5, h=6e-6), 1e-3, POINT), tuple)
+    for other in (body(1e5, nu=0.3), body(1e5, h=1e-6), replace(body(1e5), sticks=True)):
+        assert "not estimated" in large_strains(other, 1e-3, POINT).reason
+        assert large_strains(other, 1e-3, Equilibrium(5e-7, -1e-9, -2e-8)) is None
+    assert large_strains(body(), 0.0, POINT) is None
+
+
+def test_no_nine_digits_where_strains_are_large(jkr: Callable) -> None:
+    """R 5 um, E 5 kPa, nu 1/2, w 1 mJ/m^2: once "below 1e-9", "JKR holds" at wc = 0.31."""
+    where = ("--shape", "paraboloid", "--radius", "5 um", "--nu", 0.5, "--w", "1 mJ/m^2")
+    done = jkr("pull-off", "--E", "5 kPa", *where)
+    assert done.code == 0, done.err
+    for gone in ("below 1e-", "JKR holds", "23.56 nN (load)"):
+        assert gone not in done.out
+    assert "large strains not estimated, large" in " ".join(done.out.split())
+    done = jkr("pull-off", "--E", "100 kPa", *where)
+    assert "pull-off force 23.6 nN (load)" in done.out
+    assert "large strains -5.9 to +1.4 % (model)" in done.out
+    found = json.loads(jkr("pull-off", "--E", "100 kPa", *where, "--json").out)["results"][0]
+    point = found["controls"][0]["pull_off"]
+    assert point["large_strains"] == [pytest.approx(-0.059, abs=1e-3), pytest.approx(0.0144, abs=1e-3)]
+    assert point["P_err_N"] < 1e-6 * abs(point["P_N"])  # the numerical error is its own
+    assert found["validity"]["regime"].startswith("JKR is doubtful")
+
+
+def test_every_w_of_a_force_carries_them(jkr: Callable) -> None:
+    words = ("pull-off", "--shape", "paraboloid", "--radius", "5 um", "--E", "100 kPa", "--nu", 0.5, "--load", "23 nN")
+    assert "large strains -1.4 to +6.2 % (model)" in jkr(*words).out
+    found = json.loads(jkr(*words, "--json").out)["results"][0]
+    assert found["large_strains"] == [pytest.approx(-0.0141, abs=1e-3), pytest.approx(0.062, abs=1e-3)]
+    glass = ("pull-off", "--radius", "5 um", "--E", "1 GPa", "--nu", 0.3, "--load", "1 uN")
+    assert "large strains" not in jkr(*glass).out

@@ -34,12 +34,19 @@ class LockingTuning:
     sticking: float = 0.4
 
 
-TUNING = LockingTuning()
+@dataclass(frozen=True)
+class EventTuning:
+    """Which events of the contact make a series."""
+
+    # of the distance to the next event; choice: one as close to the end gives way to it, no two rows alike
+    close: float = 0.05
+    fewest: int = 4  # events for slopes; theory: S takes two, dS/da three, and its error one more
+    # events beyond the end of the loading; theory: the end lies between two, and dS/da takes one more
+    spare: int = 2
+
+
+TUNING, EVENTS = LockingTuning(), EventTuning()
 Columns = tuple[Array, Array, Array]  # a [m], delta [m], P [N]
-# of the distance to the next event; choice: one as close to the end gives way to it, no two rows alike
-CLOSE = 0.05
-FEWEST = 4  # events for slopes; theory: S takes two, dS/da three, and its error one more
-SPARE = 2  # events beyond the end of the loading; theory: the end lies between two, and dS/da takes one more
 GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(3)
 
 
@@ -170,7 +177,9 @@ class MeshLevel:
         """Mesh and solve ``recipe`` out to the depth ``deepest`` [m], or its last candidate."""
         model = recipe.build(StageClock())
         contact = model.contact(indenter)
-        return cls(model, indenter, contact, nested_events(contact, indenter.a0, "depth", deepest, SPARE), correct)
+        return cls(
+            model, indenter, contact, nested_events(contact, indenter.a0, "depth", deepest, EVENTS.spare), correct
+        )
 
     @cached_property
     def events(self) -> Events:
@@ -197,7 +206,7 @@ class MeshLevel:
         the mean of those sets' stiffness, and belong to the mean radius on the way; dS/da are their differences.
         """
         events = self.events
-        if not (self.correct and events.valid) or events.a.size < FEWEST:
+        if not (self.correct and events.valid) or events.a.size < EVENTS.fewest:
             return None
         S, at = np.diff(events.P) / np.diff(events.delta), self._mean_radii()
         dS, middle = np.diff(S) / np.diff(at), (at[1:] + at[:-1]) / 2
@@ -301,7 +310,7 @@ def _solve_large_enough(
         model = recipe.build(clock)
         with clock("contact"):
             contact = model.contact(problem.indenter)
-            events = nested_events(contact, problem.indenter.a0, loading.to, loading.maximum, SPARE)
+            events = nested_events(contact, problem.indenter.a0, loading.to, loading.maximum, EVENTS.spare)
         needed = needed_radius(problem, events, reach)
         if needed is None:
             return model, contact, events
@@ -361,7 +370,7 @@ def nested_columns(loading: Loading, events: Events, a0: float) -> Columns:
     else:
         end = loading.maximum - shift
         ahead = min(max(int(np.searchsorted(x, end)), 1), x.size - 1)
-        before = x < end - CLOSE * (x[ahead] - x[ahead - 1])
+        before = x < end - EVENTS.close * (x[ahead] - x[ahead - 1])
         last = _at(table, x, np.array([end]))
         a, delta, P = (np.append(y[before], value) for y, value in zip(table.values(), last, strict=True))
     return a + a0, delta, P

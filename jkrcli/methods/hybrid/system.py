@@ -19,10 +19,18 @@ from ...base import AT_ONCE, RESIDUAL_LIMIT, Array, SolveError
 from .lines import LineElements
 from .region import Moduli, Region
 
-# Of the column's largest entry, what a diagonal entry must be: with pressures some are zero.
-PIVOT = 1e-3  # tuned on nearly incompressible bodies, by `make tuning`
-# Relative residual of a solve that is not repeated for what is left: great contrasts and distances leave 1e-7.
-CLOSE = 1e-9  # theory: K errs by its square only
+
+@dataclass(frozen=True)
+class SolveTuning:
+    """When a factor pivots, and when a solve is repeated."""
+
+    # Of the column's largest entry, what a diagonal entry must be: with pressures some are zero.
+    pivot: float = 1e-3  # tuned on nearly incompressible bodies, by `make tuning`
+    # Relative residual of a solve that is not repeated for what is left: great contrasts and distances leave 1e-7.
+    close: float = 1e-9  # theory: K errs by its square only
+
+
+TUNING = SolveTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,12 +172,12 @@ class Mesh:
         known[free] = 0.0
         right = (loads - K @ known)[free]
         matrix = K[free][:, free].tocsc()
-        threshold = PIVOT if self.pressure[1].shape[1] else 0.0
+        threshold = TUNING.pivot if self.pressure[1].shape[1] else 0.0
         options = {"SymmetricMode": True}
         lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=threshold, options=options)
         known[free] = lu.solve(right)
         size, left = np.abs(right).max(), right - matrix @ known[free]
-        if not np.abs(left).max() < CLOSE * size:
+        if not np.abs(left).max() < TUNING.close * size:
             known[free] += lu.solve(left)
             left = right - matrix @ known[free]
         residual = np.abs(left).max() / size

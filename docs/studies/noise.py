@@ -87,7 +87,7 @@ def noise_figure(cells: Sequence[NoiseCell], body: str) -> Figure:
         return figure
 
 
-def _panels(axes: np.ndarray, cells: Sequence[NoiseCell]) -> None:
+def _panels(axes: Sequence[Axes], cells: Sequence[NoiseCell]) -> None:
     for method, (color, style) in WAYS.items():
         line = sorted((cell for cell in cells if cell.method == method), key=attrgetter("noise"))
         look = {"color": color, "ms": 4, "mfc": "none", "label": method}

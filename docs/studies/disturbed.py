@@ -31,7 +31,7 @@ from .noise_cells import BODIES, Body
 
 DRIFT = 0.05  # of the load, over the record
 OUTLIERS = 0.05  # share of the readings, of ten times the noise
-NOISE = (1e-3, 1e-2, 3e-2)
+NOISE = (1e-3, 1e-2, 3e-2)  # relative, of a, delta and P
 
 
 @dataclass(frozen=True)

@@ -26,8 +26,8 @@ from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Spe
 from jkrcli.methods import method_class
 from jkrcli.series import RawSeries, Series
 
-POINTS = (15, 60, 300)
-NOISE = (0.0, 1e-5, 1e-4, 1e-3, 1e-2)
+POINTS = (15, 60, 300)  # rows of a series
+NOISE = (0.0, 1e-5, 1e-4, 1e-3, 1e-2)  # relative, of a, delta and P
 METHODS = ("integral", "loocv", "gcv")
 
 

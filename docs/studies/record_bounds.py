@@ -32,7 +32,7 @@ from jkrcli.identification.fit import FittedBody, fit
 from jkrcli.identification.fit.settings import settings_of
 from jkrcli.methods.layered.layered import Layered
 
-R = 5e-6
+R = 5e-6  # tip radius [m]
 LAYERS = [(h, nu) for h in (0.5e-6, 1.5e-6, 5e-6) for nu in (0.3, 0.45, 0.5)]
 TABLES = [(columns, rest) for columns in ("a,P", "delta,P", "a,delta,P") for rest in (True, False)]
 OFF = 3.0  # of the interval from the value towards the truth, beyond which an answer without a flag counts as wrong

@@ -42,7 +42,7 @@ from ..series import (
 from .reading import MOST_BYTES, Case, parse_case, parse_toml
 from .writing import case_of
 
-SERIES, VERSION = "jkr-series", 2
+SERIES, VERSION = "jkr-series", 2  # type and version of the file
 COARSER = ("coarser", "coarsest")  # groups of the series by larger and by still larger elements
 # What the resolved case of an earlier release left unsaid, by shape: a case of today says it
 EARLIER = {

@@ -15,7 +15,7 @@ from ..base import Array, InputError, as_json, hdf5, read_bytes, write_bytes
 from .result import SHOWN
 
 FITS, SWEEP_TABLE = FORMATS = ("jkr-fit", "jkr-sweep-table")
-VERSION = 3
+VERSION = 3  # of the file
 READ = (1, 2, VERSION)
 UNPROTECTED = 1  # the version that may lack a digest
 WRITE_AGAIN = "run the command that wrote it again"

@@ -16,7 +16,7 @@ from ..base import as_json as as_json
 from ..beside import Analysis
 
 SEEN = 0.01  # choice: of the model's error, from which on the numerical one is said beside it
-SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
+SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1  # type and version of the JSON
 PRINTED = 1e-4  # choice: relative error from which each force is printed with its own
 WORD_COLUMNS = ("branch",)  # of a curve; all others are numbers
 DIMENSIONS = {  # of quantities by their names

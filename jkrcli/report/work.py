@@ -22,8 +22,8 @@ from .rate import through_summary, through_words
 from .result import SHOWN, Figure, Result
 from .tables import stacked
 
-FORMAT, VERSION = "jkr-work", 1
-QUARTILES = (0.25, 0.5, 0.75)
+FORMAT, VERSION = "jkr-work", 1  # type and version of the JSON
+QUARTILES = (0.25, 0.5, 0.75)  # shares of the rows below each
 MANY = 0.1  # of the rows: as many without a work of adhesion are worth a warning
 
 

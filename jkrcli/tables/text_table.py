@@ -28,7 +28,7 @@ HEADINGS = ("columns:", "units:")  # before the names and units themselves, in c
 OTHER_UNITS = ("", "-", "1", "V", "mV")
 SHEETS = (".xls", ".xlsx", ".ods")  # endings of spreadsheets, which are no text
 MEND = ": correct it, or put # before it"
-WRONG_LINES_SHOWN = 5
+WRONG_LINES_SHOWN = 5  # of a table, one by one; the others are counted
 MOST_COLUMNS = 10_000  # choice: a map of 64 x 64 curves beside each other and more; as many lines at an end of a head
 
 _NUMBER = re.compile(r"[+-]?(\d+(?:[.]\d*)?|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)

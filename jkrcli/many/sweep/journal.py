@@ -16,7 +16,7 @@ from ... import __version__
 from ...base import InputError, JkrError, locks
 from .plan import FAILED, OK, Row
 
-FORMAT, VERSION = "jkr-sweep-journal", 2
+FORMAT, VERSION = "jkr-sweep-journal", 2  # type and version of the file
 HEAD = json.dumps({"format": FORMAT, "version": VERSION, "jkr": __version__}).encode() + b"\n"
 ENTRY = [str, str, str, list, float]  # of a line: identity, status, reason, values, CPU seconds; then their digest
 MOST_BYTES = 1 << 31  # theory: of all lines, which are read at once: MOST_CELLS numbers of 21 characters

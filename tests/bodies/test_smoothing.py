@@ -94,6 +94,11 @@ def test_the_smooth_profile_is_convex_and_has_the_corner_of_the_worn_end() -> No
         assert tip.r_max == r[-1]
 
 
+def test_a_corner_near_the_axis_is_sought_beyond_it() -> None:
+    """Of 200 points the first places of corners lie nearer to the axis than to each other: numbers were none."""
+    assert smoothed(*measured(1003, 200, noise=0.2e-9), noise=0.2e-9).smooth is not None
+
+
 def test_noise_is_found_from_the_scatter_and_told() -> None:
     r, f = measured(0, 121)
     assert scatter(r, f) == pytest.approx(NOISE, rel=0.4)  # of 121 points, by a median

@@ -119,7 +119,8 @@ class _Fit:
         places = places[np.all(np.abs(places[:, None] - np.array([-1.0, *self.corners])) > apart, axis=1)]
         scores = {place: self.tried(place).cp for place in places.tolist()}
         best = min(scores, key=lambda place: scores[place])
-        low, high, ratio = best - apart, best + apart, (math.sqrt(5) - 1) / 2
+        low, high = max(best - apart, float(self.x[1])), min(best + apart, float(self.x[-2]))
+        ratio = (math.sqrt(5) - 1) / 2
         for _ in range(TUNING.steps):
             left, right = high - ratio * (high - low), low + ratio * (high - low)
             low, high = (low, right) if self.tried(left).cp < self.tried(right).cp else (left, high)

@@ -76,7 +76,8 @@ def test_transform_names_its_files_by_it(jkr: Callable, pair: tuple[Path, Path])
     assert jkr("transform", "stiff.h5", "--no-plots").code == 0
     ours, theirs = (read_curve(Path(name)) for name in ("soft-w0.05-modulus3.csv", "stiff-w0.05.csv"))
     for name, values in theirs.items():
-        np.testing.assert_allclose(ours[name], values, rtol=0, atol=1e-8 * np.abs(values).max(), err_msg=name)
+        near = 1e-2 if "_err_" in name else 1e-8  # errors are estimates, here of 1e-10 of the values: of round-off
+        np.testing.assert_allclose(ours[name], values, rtol=0, atol=near * np.abs(values).max(), err_msg=name)
     assert json.loads(Path("soft-w0.05-modulus3.json").read_text())["modulus_factor"] == 3.0
     assert Path("soft-w0.05.csv").exists()
 

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         check_target,
         make_folder,
         opened,
+        packed,
         read_bytes,
         real_path,
         remove_file,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import functools
+import gzip
 import hashlib
 import os
 import re
@@ -12,12 +13,13 @@ import secrets
 import shutil
 import stat
 import time
+import zlib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, TypeAlias
+from typing import BinaryIO, TypeAlias, cast
 
 from . import allowance, locks
 from .errors import InputError, JkrError, nearest, writable
@@ -82,26 +84,36 @@ def read_bytes(path: Path, what: str, limit: int | None = None) -> bytes:
     what is allowed of any file)."""
     limit = allowance.TUNING.size if limit is None else limit
     with allowance.allowance_of(path), opened(path, what) as file:
-        if os.fstat(file.fileno()).st_size > limit:
-            raise InputError(f"{path}: {what} is larger than {limit >> 20} MiB")
-        return file.read()
+        if os.fstat(file.fileno()).st_size <= limit:
+            content = file.read(limit + 1) if packed(path) else file.read()
+            if len(content) <= limit:
+                return content
+        raise InputError(f"{path}: {what} is larger than {limit >> 20} MiB")
+
+
+def packed(path: Path) -> bool:
+    """Whether a file is named as one that gzip packed: it is read unpacked."""
+    return path.suffix.lower() == ".gz"
 
 
 @contextlib.contextmanager
 def opened(path: Path, what: str) -> Iterator[BinaryIO]:
-    """The file at ``path`` to read; InputError where it is missing, a folder, a device, a pipe or unreadable."""
+    """The file at ``path`` to read, unpacked where gzip packed it; InputError where it is missing, a folder, a device,
+    a pipe or unreadable."""
     try:
         if path.exists() and not (path.is_file() or path.is_dir()):
             raise InputError(f"{path}: is a device or a pipe, not a {what}")
         _finish(path.parent)
         with path.open("rb") as file:
-            yield file
+            yield cast(BinaryIO, gzip.GzipFile(fileobj=file)) if packed(path) else file
     except FileNotFoundError:
         raise InputError(f"{path}: {what} not found{_nearby(path)}") from None
     except IsADirectoryError:
         raise InputError(f"{path}: is a folder, not a {what}") from None
     except OSError as error:
-        raise InputError(f"{path}: {what} cannot be read ({error.strerror})") from None
+        raise InputError(f"{path}: {what} cannot be read ({error.strerror or error})") from None
+    except (EOFError, zlib.error) as error:
+        raise InputError(f"{path}: {what} cannot be unpacked ({error})") from None
     except ValueError as error:  # a null character in the name
         raise InputError(f"{path}: {what} cannot be read ({error})") from None
 

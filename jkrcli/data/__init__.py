@@ -13,6 +13,7 @@ if TYPE_CHECKING:
         APPROACH,
         ARBITRARY,
         AS_DEPTH,
+        GAPS,
         NOT_SUBTRACTED,
         OVERRULED,
         RETRACT,

@@ -85,6 +85,8 @@ class Vocabulary:
 
     def in_si(self, table: TextTable, key: str, index: int, unit: str | None = None) -> Array:
         """The values of a column in SI, by ``unit`` or that of its header: 100 um is exactly 1e-4 m."""
+        if unit is None:
+            table.refuse_contradicted(index)
         values, power = table.numbers(index), self._power(table, key, index, unit)
         beyond = np.abs(values) > LARGEST_SI
         if beyond.any():

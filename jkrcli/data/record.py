@@ -15,6 +15,7 @@ import numpy as np
 from ..base import FEWEST_ROWS, SAME, Array, Estimate, InputError, Unknown, known, show
 from .columns import NO_UNIT
 from .measured.curve import APPROACH, RETRACT, Curve
+from .measured.instruments import presses_outward
 from .measured.saturation import saturation
 
 PAUSE = "pause"
@@ -539,6 +540,14 @@ def _on_signs(curve: Curve, directions: Sequence[Direction]) -> Iterator[tuple[s
             which = f" of the {name}" if len(directions) > 1 else ""  # of one that returns the last bits chose the name
             sentence = f"the displacement{which} has the opposite sign: it is positive into the specimen (--flip delta)"
             yield "wrong way", sentence
+        elif len(directions) == 1 and presses_outward(curve.device[item.segment.rows], curve.load[item.segment.rows]):
+            yield (
+                "wrong way",
+                (
+                    "the load rises as the displacement goes away from the specimen, into which it is positive "
+                    "(--flip delta)"
+                ),
+            )
         elif _pulls_deepest(curve, item):
             sentence = f"the load of the {name} is least where the device presses deepest"
             yield "wrong sign", f"{sentence}: is compression negative (--flip P)?"

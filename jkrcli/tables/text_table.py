@@ -39,6 +39,10 @@ _THOUSANDS = {  # by the decimal mark: a number whose digits are grouped, always
 _GROUPED = re.compile(r"[1-9]\d{0,2},\d{3}\Z")
 _THREE = re.compile(r"(?<![\w.])\d{3}(?![\w.])")  # a number like 950 may stand there
 _MINUS = re.compile(r"\u2212(?=[.,]?\d)")  # the sign of a number, as typesetters and sheets write it
+# Where a program wrote no number: Fortran's overflow, the errors of spreadsheets in several languages, a narrow column.
+_FAILED = re.compile(r"(?:\*{2,}|#{2,}|#(?:[A-ZÀ-Ü]+(?:/\d)?[!?]|N/?[AV]\b|GETTING_DATA))\Z")
+_FAILED_FIRST = re.compile(r'\s*"?(?:\*{2,}|#{2,}|#(?:[A-ZÀ-Ü]+(?:/\d)?[!?]|N/?[AV]\b|GETTING_DATA))"?\s*[\s;,]')
+_NO_WORDS = re.compile(r"(?:nan|inf|[eEdD](?=[-+\d])|[^A-Za-zÀ-ÿ])*\Z", re.IGNORECASE)
 _LETTER = re.compile(r"[^\W\d]")
 _DIGIT = re.compile(r"\d")
 _WORD = re.compile(r"[^\W\d]|\d{1,2}:\d\d(?!\d)")  # a time of day is none of the numbers of a table
@@ -100,7 +104,9 @@ class Dialect:
             cells = ["0" if i in self.text else cell for i, cell in enumerate(cells)]
         if len(cells) > 1 and "" in cells and any(cells):
             cells = [cell or "nan" for cell in cells]
-        if gaps and (0 in self.text or _DIGIT.match(cells[0].lstrip("+-.,"))):
+        if gaps:
+            cells = ["nan" if _FAILED.match(cell) else cell for cell in cells]
+        if gaps and (0 in self.text or cells[0] == "nan" or _DIGIT.match(cells[0].lstrip("+-.,"))):
             cells = [cell if _DIGIT.search(cell) or _NUMBER.match(cell) else "nan" for cell in cells]
         if self.thousands:
             matches = [(cell, _THOUSANDS[self.decimal].match(cell)) for cell in cells]
@@ -119,7 +125,9 @@ class TextTable:
     """A table as read: ``values`` (rows, columns), the ``lines`` they stand in (from 1), ``names`` of the columns.
 
     ``text``: the cells of the columns (from 0) that hold words; ``head``: the lines before the numbers; ``notes``: the
-    comments between them, by their lines; ``remarks``: the lines of words behind the last row.
+    comments between them, by their lines; ``remarks``: the lines of words behind the last row. ``failed``: the lines
+    with a cell of Fortran's overflow or an error of a sheet. ``contradicted``: by columns, what a row of units says
+    against the names above it.
     """
 
     path: Path
@@ -131,6 +139,16 @@ class TextTable:
     head: tuple[str, ...] = ()
     notes: Mapping[int, str] = field(default_factory=dict)
     remarks: Mapping[int, str] = field(default_factory=dict)
+    failed: frozenset[int] = frozenset()
+    contradicted: Mapping[int, str] = field(default_factory=dict)
+
+    def refuse_contradicted(self, index: int) -> None:
+        """InputError where the row of units says otherwise than the name of a column."""
+        if unit := self.contradicted.get(index):
+            raise InputError(
+                f"{self.path}: {self.titled(index)} names one unit and the row of units below another, {unit}: correct "
+                "one of them, or give the right one by --unit"
+            )
 
     def rows(self, chosen: Array) -> TextTable:
         """The table at ``chosen`` rows alone (a mask or numbers)."""
@@ -251,10 +269,13 @@ def _table(
         rest = [item for item in body if item[0] not in notes and item[0] not in remarks]
         bad = set(lines[~np.isfinite(values).all(axis=1)].tolist()) if finite else set()
         _check_rows(path, rest, dialect, values.shape[1], rows - bad, bad)
-    names = _names(header, dialect, values.shape[1], dialect.ends(body[0][1]))
+    names, contradicted = _names(header, dialect, values.shape[1], dialect.ends(body[0][1]))
+    missing = set(lines[np.isnan(values).any(axis=1)].tolist())
+    failed = {n for n, line in body if n in missing and any(map(_FAILED.match, dialect.cells(line)))}
     cells = [dialect.cells(line) for n, line in body if n in rows] if dialect.text else []
     text = {i: tuple(row[i] if i < len(row) else "" for row in cells) for i in dialect.text}  # "" at the end of a line
-    return TextTable(path, names, values, lines, dialect, text, tuple(header), notes, remarks)
+    more_of = frozenset(failed), contradicted
+    return TextTable(path, names, values, lines, dialect, text, tuple(header), notes, remarks, *more_of)
 
 
 def _from(content: Lines, first: int) -> Lines:
@@ -335,8 +356,10 @@ def _rows(content: Lines, dialect: Dialect, gaps: bool) -> tuple[Array, Array]:
         return np.array([n for n, _ in body]), values
     rows = list(_data(body, dialect))
     if gaps:
-        more = list(_data(body, dialect, gaps=True))
-        rows = more if len(more) - len(rows) <= TUNING.gaps * len(more) else rows
+        more, whole = list(_data(body, dialect, gaps=True)), {n for n, _ in rows}
+        text = dict(body)
+        other = sum(n not in whole and not any(map(_FAILED.match, dialect.cells(text[n]))) for n, _ in more)
+        rows = more if other <= TUNING.gaps * len(more) else rows
     return np.array([n for n, _ in rows]), np.array([row for _, row in rows])
 
 
@@ -497,11 +520,18 @@ def some(lines: list[str]) -> list[str]:
 
 
 def _is_comment(line: str) -> bool:
-    return line.lstrip().startswith(COMMENTS)
+    """Whether a line is one of words: a row may begin with Fortran's overflow or an error of a sheet."""
+    if not line.lstrip().startswith(COMMENTS):
+        return False
+    if not (match := _FAILED_FIRST.match(line)):
+        return True
+    rest = re.split(r"[\s;,]+", line[match.end() :].strip())
+    return not (any(map(_DIGIT.search, rest)) and all(_FAILED.match(cell) or _NO_WORDS.match(cell) for cell in rest))
 
 
-def _names(header: list[str], dialect: Dialect, width: int, more: bool) -> tuple[str, ...]:
-    """Column names from the last lines before the numbers, a line of units under them taken in; else empty names.
+def _names(header: list[str], dialect: Dialect, width: int, more: bool) -> tuple[tuple[str, ...], dict[int, str]]:
+    """Column names from the last lines before the numbers, a line of units under them taken in, else empty names; the
+    units by column that contradict those in the names.
 
     ``more``: whether the rows end in a separator, behind which the header may name a column that holds nothing.
     """
@@ -514,12 +544,18 @@ def _names(header: list[str], dialect: Dialect, width: int, more: bool) -> tuple
     titles = [cells for cells in lines if len(cells) == width]
     titles = [cells for key in HEADINGS if len(cells := headed.get(key, [])) == width] or titles
     if not titles:
-        return ("",) * width
+        return ("",) * width, {}
     last = titles[-1]
     if len(titles) > 1 and all(map(_is_unit, last)):
-        units = (unit.strip("[]()") for unit in last)
-        return tuple(f"{name} [{unit}]" if unit else name for name, unit in zip(titles[-2], units, strict=True))
-    return tuple(last)
+        units = [unit.strip("[]()") for unit in last]
+        named = [split_name(name)[1] for name in titles[-2]]
+        against = {
+            i: f'"{unit}"' for i, (own, unit) in enumerate(zip(named, units, strict=True))
+            if own and unit not in ("", "-") and (unit_power(own) or own) != (unit_power(unit) or unit)
+        }  # fmt: skip
+        parts = zip(titles[-2], units, named, strict=True)
+        return tuple(f"{name} [{unit}]" if unit and not own else name for name, unit, own in parts), against
+    return tuple(last), {}
 
 
 def _header_cells(line: str, dialect: Dialect, width: int) -> list[str]:

@@ -396,7 +396,7 @@ def test_rows_that_lack_a_number_are_left_out_and_said(tmp_path: Path) -> None:
     kept = np.delete(np.arange(40), [7, 19, 30])
     np.testing.assert_allclose(curve.delta, 0.5e-6 * kept, rtol=1e-12)
     np.testing.assert_allclose(curve.P, 2e-6 * kept, rtol=1e-12)
-    assert "3 rows without a number left out (lines 10, 22, 33)" in curve.flags
+    assert "3 of 40 rows without a number left out (lines 10, 22, 33)" in curve.flags
 
 
 ENDS = {

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base import SHOWN, InputError, did_you_mean, format_of
+from ...base import SHOWN, InputError, did_you_mean, format_of, packed
 from . import afm, archive, instruments, nanoscope, text
 from .curve import APPROACH, LEAST_ROWS, AsRead, Curve, Reading
 from .tip_position import SUBTRACTED_TWICE, of_its_device, stiffness_of_noise
@@ -84,6 +84,11 @@ def _refuse_ours(path: Path) -> None:
 def _as_read(path: Path, reading: Reading) -> Iterator[AsRead]:
     """The curves by the reader of the format; of an unknown format by the second reader where the first fails."""
     _refuse_ours(path)
+    inner = path.name[: -len(path.suffix)]
+    if packed(path) and inner.lower().endswith((*AFM_ENDINGS, ".zip", ".tar")):
+        raise InputError(f"{path}: is a packed {Path(inner).suffix} file: unpack it, gunzip {path.name}")
+    if packed(path) and not (reading.format != "text" and nanoscope.knows(path)):
+        return text.curves(path, reading)
     if reading.format != "text" and nanoscope.knows(path):
         return nanoscope.curves(path, reading)
     if reading.format == "text" or (reading.format == "auto" and not path.name.endswith(AFM_ENDINGS)):

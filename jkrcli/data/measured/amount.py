@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...base import LOOKED_AT, InputError
+from ...base import LOOKED_AT, InputError, opened, packed
 from . import archive
 
 WIDE = 160.0  # bytes, from which on a row costs by its length; tuned on tables of 12 to 1000 columns, by `make guards`
@@ -26,6 +26,12 @@ def rows_expected(path: Path) -> float:
             return sum(_rows(item.file_size, head) + LOOKED_AT for item, head in zip(inside, heads, strict=True))
         if path.suffix.lower().startswith(".jpk"):
             return sum(item.file_size for item in archive.members(path)) / USUAL
+        if packed(path):
+            with path.open("rb") as file:
+                file.seek(-4, 2)
+                size = int.from_bytes(file.read(4), "little")  # RFC 1952: of what it unpacks to
+            with opened(path, "table") as file:
+                return _rows(size, file.read(archive.PIECE))
         with path.open("rb") as file:
             return _rows(path.stat().st_size, file.read(archive.PIECE))
     except (InputError, OSError, ValueError):

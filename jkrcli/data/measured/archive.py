@@ -53,12 +53,24 @@ def tables(path: Path) -> list[zipfile.ZipInfo]:
 def contents(path: Path, chosen: Sequence[zipfile.ZipInfo], most: int | None = None) -> Iterator[bytes]:
     """The contents of members, or ``most`` bytes from their begin, one after the other; InputError where one does not
     hold what its checksum and size say."""
+    for content in each_content(path, chosen, most):
+        if isinstance(content, InputError):
+            raise content
+        yield content
+
+
+def each_content(
+    path: Path, chosen: Sequence[zipfile.ZipInfo], most: int | None = None
+) -> Iterator[bytes | InputError]:
+    """The same, but that of a damaged member comes as its error, and the others follow."""
     with _opened(path) as file:
         for item in chosen:
+            content: bytes | InputError
             try:
-                yield _unpacked(file, item, most)
+                content = _unpacked(file, item, most)
             except WRONG as error:
-                raise InputError(f"{path}: {item.filename} cannot be unpacked ({first_line(error)})") from None
+                content = InputError(f"{path}: {item.filename} cannot be unpacked ({first_line(error)})")
+            yield content
 
 
 def titles(chosen: Sequence[zipfile.ZipInfo]) -> list[str]:

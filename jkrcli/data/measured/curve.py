@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from ...base import Array, InputError
+from ...base import Array, InputError, parse
 
 QUANTITIES = ("a", "delta", "P", "t")
 APPROACH, RETRACT = "approach", "retract"
@@ -27,6 +28,7 @@ class Pixel:
 
 
 NOT_SUBTRACTED = "the deflection of the device is not subtracted: give --stiffness"  # a flag of a curve
+GAPS = " without a number left out"  # in a flag
 AS_DEPTH = "the displacement is taken as the depth of the tip: give --stiffness if it is that of the device"  # another
 ARBITRARY = "arbitrary units until it is given by"  # in a flag
 TURNED = ", its sign turned"  # in a flag of a displacement: by name or load, or as told; --factor delta=-1 undoes it
@@ -147,6 +149,17 @@ class Curve:
 AsRead: TypeAlias = tuple[Curve | InputError, float | None]  # with the stiffness of its device [N/m]
 
 
+def quantity(name: str, value: float | str, dimension: str) -> float:
+    """A number as it is, SI, or that of a text with its unit; InputError where it is none."""
+    try:
+        number = parse(value, dimension) if isinstance(value, str) else float(value)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: {error}") from None
+    if math.isnan(number):
+        raise InputError(f"{name}: must be a number, got {value}")
+    return number
+
+
 def place(origin: Path, name: str) -> str:
     """File and name of a curve, for messages; a file of one curve gives it its name."""
     return str(origin) if name == origin.stem else f'{origin}: curve "{name}"'
@@ -185,6 +198,23 @@ class Reading:
     incomplete: bool = False
     rows: tuple[int, int] | None = None
     where: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Take texts with units for numbers, "0.6 N/m"; InputError where one is no such number."""
+        for name in ("stiffness", "sensitivity"):
+            value = getattr(self, name)
+            if value is None:
+                continue
+            number = math.inf if value == "rigid" and name == "stiffness" else quantity(name, value, name)
+            if not number > 0:
+                raise InputError(f"{name}: must be > 0, got {value}")
+            object.__setattr__(self, name, number)
+        dimensions = {"delta": "length", "P": "load"}
+        zero = {key: quantity(f"zero: {key}", value, dimensions.get(key, "length")) for key, value in self.zero.items()}
+        factors = {key: quantity(f"factors: {key}", value, "number") for key, value in self.factors.items()}
+        object.__setattr__(self, "zero", zero)
+        object.__setattr__(self, "factors", factors)
+        object.__setattr__(self, "flip", frozenset([self.flip] if isinstance(self.flip, str) else self.flip))
 
     def check_known_columns(self, path: Path) -> None:
         """Refuse columns, their units and rows by them for a file whose format names them."""

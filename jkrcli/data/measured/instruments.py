@@ -21,6 +21,7 @@ SEGMENTS = DIRECTIONS | OTHERS  # of cells and notes
 HOLDS, BESIDE = WORDS["notes"]["holds"], WORDS["notes"]["beside"]
 DEPTHS, DEFLECTIONS = WORDS["instruments"]["depths"], WORDS["instruments"]["deflections"]
 WHOLE = WORDS["measured"]["also"]["t"]  # times of a record whose segments have their own too
+ENDS = 0.1  # choice: of a range, what is an end of the way, and up to which a load is free
 NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
 
 
@@ -87,6 +88,17 @@ def toward(z: Array, P: Array) -> bool:
     return float(np.std(P[z >= low + 0.9 * way])) >= float(np.std(P[z <= low + 0.1 * way]))
 
 
+def presses_outward(z: Array, P: Array) -> bool:
+    """Whether a record of one direction presses most where ``z``, positive into the specimen, is least and is free over
+    its deepest third: then z counts the other way round."""
+    way, whole = float(np.ptp(z)), float(np.ptp(P))
+    if abs(float(z[-1] - z[0])) < (1 - ENDS) * way or whole == 0:
+        return False
+    deep, least = z >= z.max() - way / 3, z <= z.min() + ENDS * way
+    free = P[deep]
+    return float(np.ptp(free)) < ENDS * whole and float(P[least].max() - np.median(free)) > whole / 2
+
+
 def segment_of(line: str) -> str | None:
     """The word for a segment in a line of its own, "# segment: retract", "[Retract]" or "Approach data:"."""
     if len(line) > LONGEST:
@@ -100,18 +112,20 @@ def segment_of(line: str) -> str | None:
 
 
 def constants(head: tuple[str, ...]) -> Mapping[str, float]:
-    """Spring constant "stiffness" [N/m] and "sensitivity" [m/V] that the head of a file names; 1 stands for unknown."""
+    """Spring constant "stiffness" [N/m] and "sensitivity" [m/V] that the head of a file names; in the words of JPK and
+    Bruker a bare 1 stands for unknown."""
     values: dict[str, float] = {}
     for whole in head[:MOST_COLUMNS]:
         line = re.sub(r"\s+", lambda blank: "\t" if "\t" in blank[0] else " ", whole)
         if len(line) > LONGEST:
             continue
+        of_program = line
         if match := re.match(r"\W*(springConstant|sensitivity)\s*:\s*([-+.\deE]+)\s*\Z", line):  # of JPK, always SI
             line = f"{match[1]}: {match[2]} {'N/m' if match[1] == 'springConstant' else 'm/V'}"
         if match := re.match(rf"\W*(Spring Constant|Sens\. DeflSens):\s*(?:V\s+)?{NUMBER}(?:\s*nm/V)?\W*\Z", line):
             line = f"spring constant: {match[2]} N/m" if "Spring" in match[1] else f"sensitivity: {match[2]} nm/V"
         match = re.match(r'[\W_]*(.*?)\s*[,:=\t;]?\s*[\[(]?([a-zµμ]*[NmV]/[a-zµμ]*[mV])[\])]?[\s:=;,"]+(\S+)', line)
-        match = match or re.match(r'[\W_]*(.*?)\s*[:=;\t]\s*([-+.,\deE]+)\s*([a-zµμ]*[NmV]/[a-zµμ]*[mV])\s*"?\Z', line)
+        match = match or re.match(r'[\W_]*(.*?)\s*[:=;,\t]\s*([-+.,\deE]+)\s*([a-zµμ]*[NmV]/[a-zµμ]*[mV])\s*"?\Z', line)
         if not match:
             continue
         name, unit, number = match.groups()
@@ -122,7 +136,8 @@ def constants(head: tuple[str, ...]) -> Mapping[str, float]:
             kind, size = _kind(unit)
         except (ValueError, KeyError):
             continue
-        if plain(name) in WORDS["constants"].get(kind, ()) and value > 0 and value != 1:
+        unknown = value == 1 and line != of_program  # what JPK and Bruker write where nothing was calibrated
+        if plain(name) in WORDS["constants"].get(kind, ()) and value > 0 and not unknown:
             values.setdefault(kind, value * size)
     return values
 

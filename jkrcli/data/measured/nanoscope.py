@@ -106,7 +106,21 @@ class File:
         scan = self._of("Ciao scan list")
         if "volume" not in scan.get("operating mode", "").lower() and not self.is_capture:
             return 1, 1
-        return int(self._number(scan, "lines")), int(self._number(scan, "samps/line"))
+        lines, samples = int(self._number(scan, "lines")), int(self._number(scan, "samps/line"))
+        each = re.match(r"\d{1,9}", self._of("Ciao force list").get("force/line", ""))
+        columns = int(each[0]) if each and not self.is_capture else 0
+        if columns in (0, samples) or samples == 0:
+            return lines, samples
+        # curves are fewer than the pixels of the image, in as many lines as its aspect leaves, or in a square
+        shapes = [(max(round(lines * columns / samples), 1), columns), (columns, columns), (lines, samples)]
+        sizes = [
+            int(self._number(section, "data length"))
+            for title, section in self.sections
+            if title == CHANNEL and _name(section) == DEFLECTION
+        ]
+        of_counts = [{bytes_each * 2 * self.samples[0] * math.prod(shape) for bytes_each in (2, 4)} for shape in shapes]
+        fitting = [shape for shape, known in zip(shapes, of_counts, strict=True) if known & set(sizes)]
+        return fitting[0] if fitting else shapes[0]
 
     @property
     def is_capture(self) -> bool:

@@ -22,6 +22,7 @@ from .curve import (
     APPROACH,
     ARBITRARY,
     AS_DEPTH,
+    GAPS,
     LEAST_ROWS,
     NOT_SUBTRACTED,
     OVERRULED,
@@ -54,9 +55,11 @@ def curves(path: Path, reading: Reading, content: bytes | None = None) -> Iterat
         yield from _curves(path, path, path.stem, reading, content)
         return
     inside = archive.tables(path)
-    for name, content in zip(archive.titles(inside), archive.contents(path, inside), strict=True):
+    for name, unpacked in zip(archive.titles(inside), archive.each_content(path, inside), strict=True):
         try:
-            yield from _curves(path, path / name, name, reading, content)
+            if isinstance(unpacked, InputError):
+                raise unpacked
+            yield from _curves(path, path / name, name, reading, unpacked)
         except InputError as error:
             if len(inside) == 1:
                 raise
@@ -141,13 +144,15 @@ def _noted(table: TextTable) -> list[str]:
 
 def _without_gaps(table: TextTable, rows: Array, values: Mapping[str, Array]) -> tuple[Array, tuple[str, ...]]:
     """The ``rows`` of a curve but those in which a number is missing, and a sentence on these; all of them where such
-    rows are many: a column that is not understood."""
+    rows are many, a column that is not understood, and not all of them name an overflow or an error of a sheet."""
     gaps = np.any([np.isnan(column[rows]) for column in values.values()], axis=0)
     count = int(gaps.sum())
-    if not 0 < count <= TUNING.gaps * rows.size:
+    marked = table.failed.issuperset(table.lines[rows[gaps]].tolist())
+    if count == 0 or (count > TUNING.gaps * rows.size and not marked):
         return rows, ()
     lines = ", ".join(map(str, table.lines[rows[gaps]][:SHOWN])) + ", ..." * (count > SHOWN)
-    return rows[~gaps], (f"{count} row{'s' * (count > 1)} without a number left out (line{'s' * (count > 1)} {lines})",)
+    many = f"{count} of {rows.size:,} rows" if count > 1 else "1 row"
+    return rows[~gaps], (f"{many}{GAPS} (line{'s' * (count > 1)} {lines})",)
 
 
 def _in_time(rows: Array, t: Array | None, segments: Array | None) -> tuple[Array, tuple[str, ...]]:
@@ -234,6 +239,8 @@ class Columns:
                 values[key] = NAMES.in_si(self.table, key, index, self.reading.units.get(key))
             if key in values and key != "delta":
                 values[key] = values[key] * self.reading.factors.get(key, 1.0)
+            if key in NAMES.numbers and key not in self.reading.units:
+                self.table.refuse_contradicted(index)
         self._refuse_without_volts()
         flags += [
             flag for key, unit in self.reading.units.items() for flag in overruled(self.table, self.chosen[key], unit)
@@ -312,6 +319,9 @@ class Columns:
                 P = None if curve.P is None else curve.P * (-1.0 if "P" in reading.flip else 1.0)
                 sign = 1 if P is None or instruments.toward(curve.delta, P) else -1
                 reason = f"{self.position.noun}, at whose lower end the load is largest"
+            elif sign < 0 and curve.P is not None:
+                P = curve.P * (-1.0 if "P" in reading.flip else 1.0)
+                sign = 1 if instruments.presses_outward(-curve.delta, P) else -1
             turned = f"{TURNED}: {reason}" if sign < 0 else ", its sign as it is"
             if "delta" in reading.flip:
                 sign, turned = 1, f"{TURNED} as told"

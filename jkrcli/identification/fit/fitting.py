@@ -15,6 +15,7 @@ from ...bodies import Paraboloid, Sphere
 from ...data import (
     APPROACH,
     AS_DEPTH,
+    GAPS,
     NO_UNIT,
     NOT_SUBTRACTED,
     OVERRULED,
@@ -140,7 +141,7 @@ def fit(
         flags = [
             WARNED.get(flag, "") + flag
             for flag in curve.flags
-            if flag in WARNED or OVERRULED in flag or NO_UNIT in flag
+            if flag in WARNED or any(part in flag for part in (OVERRULED, NO_UNIT, GAPS))
         ]
         warnings = (*flags, *fitted.warnings)
         fitted = replace(fitted, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)

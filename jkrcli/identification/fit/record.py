@@ -177,6 +177,8 @@ def _fitted(
 ) -> tuple[FittedBody, ForceCurveFit]:
     """The model that fits best, and the body solved as far as it reaches."""
     for part in model.stretches:
+        if part.z.size == 0:
+            raise InputError(f"the {part.kind} has no row to fit: contact ends where it begins, or its signs are wrong")
         if np.ptp(part.z) == 0:
             raise SolveError(f"the {part.kind} has {part.z.size} rows to fit, all at one piezo position")
     body, best = _deep_enough(body, model), None

@@ -51,16 +51,24 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
             raise
         return None
     if not (required or _raw(record)):
-        return record if settings.contact == "auto" and _as_read(record, settings) else None
+        if settings.contact != "auto" or not _as_read(record, settings):
+            return None
+        _refuse_wrong_way(record)
+        return record
     idle = [name for name in settings.uncertain if name in CALIBRATED and curve.stiffness in (None, math.inf)]
     if idle:
         raise InputError(f"{curve.where}: --uncertain {idle[0]}: the record has no stiffness, so it has no effect here")
-    if reason := record.flags.get("wrong way"):
-        if any(TURNED in flag for flag in curve.flags):  # --flip is of the sign in the file
-            reason = reason.replace("--flip delta", "its sign was turned when it was read: --factor delta=-1")
-        raise InputError(f"{curve.where}: {reason}")
+    _refuse_wrong_way(record)
     _check_positions(curve, settings)
     return record
+
+
+def _refuse_wrong_way(record: ForceCurve) -> None:
+    """InputError where the displacement counts the other way round."""
+    if reason := record.flags.get("wrong way"):
+        if any(TURNED in flag for flag in record.curve.flags):  # --flip is of the sign in the file
+            reason = reason.replace("--flip delta", "its sign was turned when it was read: --factor delta=-1")
+        raise InputError(f"{record.curve.where}: {reason}")
 
 
 def _check_positions(curve: Curve, settings: Settings) -> None:

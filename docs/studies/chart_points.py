@@ -64,7 +64,7 @@ def _recipe(model: CaseModel) -> CaseModel:
     if problem.specimen.layers:
         size = min(size, problem.specimen.layers[0].thickness / 50)  # the paper's 0.02 h
     locks = max(material.surface.nu for material in problem.specimen.materials) > INCOMPRESSIBLE
-    tables = {
+    tables: dict[str, dict[str, Any]] = {
         "mesh": {
             "layout": "zones", "element": "quadrilateral", "order": 1, "element_size": size, "estimate_error": False,
             "integration": "reduced" if locks else "full", "depth": mesh.depth, "width": mesh.width,

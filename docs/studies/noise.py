@@ -35,7 +35,8 @@ def main(words: Sequence[str] | None = None) -> int:
     output = output_of(given)
     files = output.files(given.output / "noise-study", (".csv",))
     chosen, points = [body for body in BODIES if body.name in (given.body or names)], given.points or POINTS
-    pictures = {body.name: output.files(given.output / f"noise-{body.name}", PICTURES) for body in chosen}
+    drawn = chosen if output.plots else []
+    pictures = {body.name: output.files(given.output / f"noise-{body.name}", PICTURES) for body in drawn}
     runs = given.seeds * len(chosen) * len(points) * len(NOISE) * len(METHODS)
     with pool_of(given, 0.1 * runs) as pool:
         cells = noise_study(chosen, points, NOISE, METHODS, given.seeds, pool)
@@ -78,7 +79,7 @@ def noise_figure(cells: Sequence[NoiseCell], body: str) -> Figure:
     with drawing(WIDE if len(sizes) > 1 else NARROW, 5.4) as figure:
         axes = figure.subplots(3, len(sizes), sharex=True, sharey="row", squeeze=False, height_ratios=(2, 1, 1))
         for column, points in enumerate(sizes):
-            _panels(axes[:, column], [cell for cell in mine if cell.points == points])
+            _panels(list(axes[:, column]), [cell for cell in mine if cell.points == points])
             axes[0, column].set_title(f"{points} rows")
             axes[2, column].set_xlabel("relative noise of a, δ, P")
         for place, label in zip(axes[:, 0], ("median error", "band holds", "no result"), strict=True):

@@ -280,7 +280,7 @@ def main(words: Sequence[str] | None = None) -> int:
     curves = [] if given.measured is None else read(given.measured)
     points = next(((curve.depth + given.shift, curve.load) for curve in curves), None)
     output, cases, wanted = output_of(given), given.cases, given.only or FIGURES
-    files = {name: output.files(given.output / name, PICTURES) for name in wanted}
+    files = {name: output.files(given.output / name, PICTURES) for name in wanted} if output.plots else {}
     written = None if given.only else output.files(given.output / "paper", (".csv",))
 
     solved = dict[str, Solved]()

@@ -101,7 +101,9 @@ class Files:
         return self.stem.with_name(self.stem.name + ending)
 
     def __str__(self) -> str:
-        return f"{self.stem}{{{','.join(self.endings)}}}"
+        if len(self.endings) > 1:
+            return f"{self.stem}{{{','.join(self.endings)}}}"
+        return str(self[self.endings[0]]) if self.endings else "nothing"
 
     def draw(self, figure: Callable[[], Figure]) -> Figure | None:
         """What ``figure`` draws, where a picture is to be written."""

@@ -215,7 +215,10 @@ def lost_words(
         each = ", ".join(f"{percent(error)} ({name})" for name, error in errors.items())
         model = "" if change is None else f"{adhesion.strain_words(change)} (model), "
         return [*lines, f"  pull-off: {model}numerical error {each}, 90 %"]
-    return lines + ([f"  pull-off: {error_words(max(errors.values()), change)}"] if errors else [])
+    if errors:
+        return [*lines, f"  pull-off: {error_words(max(errors.values()), change)}"]
+    unknown = dict.fromkeys(half.reason for _, half in there.values() if isinstance(half, Unknown))
+    return lines + ([f"  pull-off: numerical error {'; '.join(unknown)}"] if unknown else [])
 
 
 def _strains_at(result: Analysis, point: adhesion.Equilibrium | Unknown) -> adhesion.Strains:

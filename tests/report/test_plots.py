@@ -34,7 +34,9 @@ from jkrcli.report.plots import looks
 from jkrcli.report.plots.curve import curve_figure, physical_units
 from jkrcli.report.plots.map import map_figure
 from jkrcli.report.plots.study import differences_figure
+from jkrcli.report.result import Files
 from jkrcli.series.differences import Difference
+from studies import paper
 from studies.chart import chart_figure
 from studies.chart_points import Measured, Setting
 from studies.chart_reference import Errors
@@ -365,3 +367,12 @@ def test_colour_bars_of_a_map_have_whole_numbers() -> None:
     figure = map_figure(Map(at, at, images))
     FigureCanvasAgg(figure).draw()
     assert [axes.yaxis.get_offset_text().get_text() for axes in figure.axes] == [""] * len(figure.axes)
+
+
+def test_names_of_written_files_are_those_that_are_there(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Braces for several alone; a study without pictures names none."""
+    assert str(Files(Path("x"), (".csv", ".json"))) == "x{.csv,.json}"
+    assert str(Files(Path("x"), (".csv",))) == "x.csv"
+    assert paper.main(["--only", "fig10", "--no-plots", "-o", str(tmp_path)]) == 0
+    assert "{}" not in capsys.readouterr().out
+    assert not list(tmp_path.iterdir())

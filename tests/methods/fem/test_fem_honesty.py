@@ -9,12 +9,15 @@ import pytest
 
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.base.unknown import Unknown
+from jkrcli.beside.analysis import analyse
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas.half_space import hertz
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.layered.layered import Layered
+from jkrcli.report.tables import lost_words
 from jkrcli.series import Series
 
 R, E, NU = 1e-4, 5e9, 0.4
@@ -80,6 +83,22 @@ def test_nested_contact_that_is_no_disc_becomes_increments() -> None:
     solution = FEM(spacing=0.1)(PLATE)
     assert solution.facts["contact"] == "incremental"
     assert any("nested contact does not hold here" in line for line in solution.warnings)
+
+
+def test_a_mesh_whose_error_is_not_estimated_states_none_at_pull_off() -> None:
+    """What a smooth series leaves of a fit, 1e-4, tells nothing of its mesh, which is off by more."""
+    plain, estimated = FEM(spacing=0.1, estimate_error=False, edge_correction=False), FEM(spacing=0.1)
+    (result,), (other,) = (analyse(method(DEFAULT), [50.0]) for method in (plain, estimated))
+    point, stated = result.pull_off["load"], result.pull_off_errors["load"]
+    assert isinstance(point, CriticalPoint)
+    assert abs(-point.P / (1.5 * np.pi * 50.0 * R) - 1) > 1e-3
+    assert isinstance(stated, Unknown)
+    assert "not estimated" in stated.reason
+    assert not result.curve.errors
+    assert isinstance(result.budget.total, Unknown)
+    assert not any("that was estimated" in line for line in result.warnings)
+    assert any("not estimated" in line for line in lost_words(result, {"load": (point, stated)}))
+    assert isinstance(other.pull_off_errors["load"], dict)
 
 
 @pytest.mark.parametrize("unit", [1e-6, 1e3])

@@ -413,10 +413,10 @@ class FiniteRangeBody:
 
     @classmethod
     def of(cls, solution: Solution) -> FiniteRangeBody:
-        """From a solution whose method knows the kernel, which is computed anew."""
+        """From a solution whose method knows the kernel, which is computed anew unless it has one that reaches."""
         if reason := unable(solution.problem, solution.method):
             raise Refusal(f"{solution.record.path}: {reason}")
-        return cls(solution.problem, solution.series, AttractedBody(solution.problem))
+        return cls(solution.problem, solution.series, AttractedBody(solution.problem, kept=solution.kernel))
 
     def seconds(self, law: Range) -> float:
         """CPU seconds of the curve for a ``law``, about; Refusal where it is known that there is none."""

@@ -59,12 +59,13 @@ def exact() -> list[Method]:
 
 
 def method_behind(solution: Solution) -> Method | None:
-    """The method that made ``solution``, with the options of its case."""
+    """The method that made ``solution``, with the options of its case and the kernel that it has found."""
     name, case = solution.method, solution.record.case
     if name not in METHODS:
         return None
-    method: Method = method_of(case.model, name) if isinstance(case, Case) else method_class(name)()
-    return method
+    method: Any = method_of(case.model, name) if isinstance(case, Case) else method_class(name)()
+    found: Method = method if solution.kernel is None else replace(method, known=solution)
+    return found
 
 
 def own_solution(problem: Problem, a: Array) -> Series | None:

@@ -37,7 +37,7 @@ def profile_columns(solution: Solution, a: float, w: float, request: RangeReques
     if problem.specimen.radius is None:
         return _columns(problem, a, w)
     _check_within(solution, a)
-    return _cylindrical(problem, a, w) if _kernel_is_known(problem, a) else _meshed(solution, a, w)
+    return _cylindrical(solution, a, w) if _kernel_is_known(problem, a) else _meshed(solution, a, w)
 
 
 def _check_within(solution: Solution, a: float) -> None:
@@ -70,12 +70,13 @@ def _attracted(solution: Solution, a: float, law: Range) -> dict[str, Array]:
     return _of_surface(body.problem, r, surface)
 
 
-def _cylindrical(problem: Problem, a: float, w: float) -> dict[str, Array]:
+def _cylindrical(solution: Solution, a: float, w: float) -> dict[str, Array]:
     """Pressure, displacement and gap on a cylinder out to 3 a, or half-way to its side, where the kernel costs
     little."""
     from ..methods.integral.attraction import adhesive_surface
 
-    body = AttractedBody(problem)
+    problem = solution.problem
+    body = AttractedBody(problem, kept=solution.kernel)
     half_way = (a + cast(float, problem.specimen.radius)) / 2
     attraction = body.attraction(min(3 * a, half_way, body.limit))
     r = _around(a, attraction.reach)

@@ -61,14 +61,14 @@ def solver_of(solution: Solution) -> Further | None:
     stated = {"delta", "dS"} <= series.errors.keys() and series.dS is not None
     if method is None or not stated or np.any(series.errors.get("a", 0.0)):
         return None
-    problem = replace(solution.problem, loading=Loading.given("radius", (float(series.a[-1]),)))
+    problem, kept = replace(solution.problem, loading=Loading.given("radius", (float(series.a[-1]),))), solution.kernel
     if method.refusal(problem):
         return None
 
     def further(a: Array) -> Nonadhesive:
         beyond = np.outer(a - series.a0, np.exp(TUNING.step * STEPS))
         radii = (series.a0 + beyond).ravel()
-        if "parameters" in solution.facts:
+        if "parameters" in solution.facts and (kept is None or radii.max() > kept.reach):
             end = min(series.a0 + TUNING.reach * float(np.max(a - series.a0)), float(series.a[-1]))
             radii = np.append(radii, max(end, radii.max()))
         radii, order = np.unique(radii, return_inverse=True)

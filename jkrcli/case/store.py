@@ -31,6 +31,7 @@ from ..series import (
     COLUMNS,
     Coarser,
     ErrorBudget,
+    KeptKernel,
     PressureTable,
     RawSeries,
     Record,
@@ -67,6 +68,11 @@ STORED = {
     "P": Column("P", "N", "load, compression positive"),
     "S": Column("S", "N/m", "slope dP/d(delta) of the nonadhesive contact"),
     "dS": Column("dS_da", "N/m^2", "derivative dS/da"),
+}
+KERNEL = {  # tables of a kernel that is kept: unit, and what they are
+    "coefficients": ("1/m", "of even Legendre polynomials, row by row: of the kernel, then of its companions"),
+    "weights": ("1", "part of a companion's change of delta, P, S, dS/da that is left as an error"),
+    "errors": ("1", "relative, of delta, P, S, dS/da: by elements, by polynomials, by the cut, at the radii"),
 }
 ELEMENT = "element"  # of the increments: distance of a node to the next
 PACKAGES = {"numpy": "numpy", "scipy": "scipy", "gmsh": "gmsh", "scikit-fem": "skfem", "h5py": "h5py"}  # modules
@@ -117,12 +123,24 @@ def _tree(solution: Solution, command_line: str) -> hdf5.Group:
     if raw is not None:
         rows = hdf5.unit_column(np.asarray(raw.rows), "1", "number of the row")
         members["increments"] = hdf5.Group({}, _columns(raw) | {"row": rows} | _element(raw))
+    if solution.kernel is not None:
+        members["kernel"] = _kernel(solution.kernel)
     if pressure is not None:
         r = hdf5.unit_column(pressure.r, "m", "radii of the contact nodes")
         p = hdf5.unit_column(pressure.p, "Pa", "contact pressure, one row per increment")
         members["contact"] = hdf5.sealed(hdf5.Group({}, {"r": r, "pressure": p}))
     identity = {"format": SERIES, "version": VERSION, "method": solution.method, "problem_key": solution.problem.key}
     return hdf5.Group(identity | {"command_line": record.command_line or command_line}, members)
+
+
+def _kernel(kept: KeptKernel) -> hdf5.Group:
+    """A kernel with what is known of its errors: tables, one after another as rows."""
+    facts = {name: getattr(kept, name) for name in ("accuracy", "least")}
+    rows = {name: getattr(kept, name).reshape(-1, getattr(kept, name).shape[-1]) for name in KERNEL}
+    tables = {name: hdf5.unit_column(rows[name], unit, words) for name, (unit, words) in KERNEL.items()}
+    radii = hdf5.unit_column(kept.radii, "m", "radii of the errors")
+    numbers = {"reach_m": kept.reach, "scale_m": kept.scale, "of_side": int(kept.of_side)} | facts
+    return hdf5.Group(numbers, {**tables, "radii": radii})
 
 
 def _larger_elements(series: Series) -> Iterator[tuple[str, hdf5.Group]]:
@@ -229,6 +247,7 @@ class _Reader:
             self.words("timings_s"),
             warnings if self.sealed else (*warnings, NO_DIGEST),
             replace(record, command_line=str(attributes.get("command_line", "")), versions=self.words("versions")),
+            kernel=self.kernel(),
         )
 
     def case(self) -> str:
@@ -278,6 +297,31 @@ class _Reader:
             return None
         r = self.numbers("contact", "r", 1)
         return PressureTable(r, self.numbers("contact", "pressure", 2, r.size))
+
+    def kernel(self) -> KeptKernel | None:
+        """The kernel that the solution was found with; files of earlier releases and other methods have none."""
+        if "kernel" not in self.root.members:
+            return None
+        attributes, radii = self.group("kernel").attributes, self.numbers("kernel", "radii", 1)
+        numbers = {name: _real(attributes.get(name)) for name in ("reach_m", "scale_m", "of_side", "accuracy", "least")}
+        for name, value in numbers.items():
+            if not (np.isfinite(value) and (value > 0 or (value == 0 and name in ("of_side", "least")))):
+                raise InputError(f"{self.path}: kernel: attribute {name} must be finite and > 0, got {value:g}")
+        reach, scale, of_side, accuracy, least = numbers.values()
+        size = self.dataset("kernel", "coefficients").shape[-1:]
+        coefficients = self.numbers("kernel", "coefficients", 2, *size)
+        weights = self.numbers("kernel", "weights", 2, 4)
+        errors = self.numbers("kernel", "errors", 2, radii.size)
+        count, rows = coefficients.shape[1], (1 + len(weights)) * coefficients.shape[1]
+        if coefficients.shape[0] != rows or len(errors) != 12 or np.any(np.diff(radii) <= 0):
+            raise InputError(
+                f"{self.path}: kernel: must have coefficients of the kernel and {len(weights)} companions, and 12 rows "
+                "of errors at increasing radii"
+            )
+        kernels = coefficients.reshape(-1, count, count)
+        return KeptKernel(
+            kernels, reach, scale, bool(of_side), weights, accuracy, least, radii, errors.reshape(3, 4, -1)
+        )
 
     def words(self, name: str) -> dict[str, Any]:
         """The numbers and texts of a group; the first format may lack it."""

@@ -1,7 +1,7 @@
 """A problem's bodies with their kernel as far as adhesion of finite range reaches.
 
-Wide bodies have the exact kernel of ``layered``, cylinders that of ``hybrid``. It is computed anew for each reach: how
-far the attraction reaches is known only with its range, which no series holds.
+Wide bodies have the exact kernel of ``layered``, cylinders that of ``hybrid``. It is computed anew for each reach that
+the kernel of the series does not cover: how far the attraction reaches is known only with its range.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 
 from ..base import MOST_STEPS, NOTICEABLE, ROUNDED, UNSEEN, Array, Refusal, show
 from ..bodies import HalfSpace, Problem, Specimen, unbounded
+from ..series import KeptKernel
 from .hybrid.options import HybridOptions
 from .integral import Attraction
 from .layered.spectrum import spectrum_seconds
@@ -52,10 +53,11 @@ TOLERANCES = (HybridOptions.tolerance, UNSEEN, NOTICEABLE)  # of cylinders, the 
 @dataclass(frozen=True, eq=False)
 class AttractedBody:
     """The bodies of a ``problem`` for adhesion of finite range, as far as it reaches; ``tolerance``: of K by its
-    polynomials."""
+    polynomials; ``kept``: the kernel of these bodies that their series was found with, where it has one."""
 
     problem: Problem
     tolerance: float = TUNING.tolerance
+    kept: KeptKernel | None = None
 
     @cached_property
     def _wide(self) -> LayeredContact:
@@ -120,7 +122,7 @@ class AttractedBody:
         def made() -> tuple[Attraction, KernelContact | None, ErrorEstimates | None]:
             if self._cylinder is None:
                 return self._wide.attraction(reach, self.tolerance), None, None
-            contact, errors = _met(self._cylinder, reach)
+            contact, errors = _met(self._cylinder, reach, self.kept)
             return contact.attraction(reach, self.tolerance), contact, errors
 
         return self._latest("kernel", reach, made)
@@ -172,8 +174,13 @@ class AttractedBody:
         )
 
 
-def _met(cylinder: AdaptiveKernel, reach: float) -> tuple[KernelContact, ErrorEstimates]:
-    """The contact up to ``reach`` [m] at the first tolerance that is met, and its errors."""
+def _met(
+    cylinder: AdaptiveKernel, reach: float, kept: KeptKernel | None = None
+) -> tuple[KernelContact, ErrorEstimates]:
+    """The contact up to ``reach`` [m] at the first tolerance that is met, and its errors; with the kernel that was
+    ``kept`` where that reaches and meets it."""
+    if kept is not None and reach <= kept.reach and kept.errors.sum(axis=0).max() <= TOLERANCES[0]:
+        return cylinder.from_kept(kept)
     for tolerance in TOLERANCES:
         with contextlib.suppress(Refusal):
             return replace(cylinder, tolerance=tolerance).accurate(reach)[:2]

@@ -248,13 +248,37 @@ class Companions(Protocol):
     def __call__(self, radii: Array) -> Array: ...
 
 
+@dataclass(frozen=True, eq=False)
+class KeptKernel:
+    """The kernel of the contact equation that a solution was found with, as far as it reaches, and what is known of its
+    errors: with it the same body is solved at other radii.
+
+    ``coefficients`` (1 + m, n, n): of the kernel [1/m] and of its m companions, in even Legendre polynomials P_2i(x/c)
+    P_2j(t/c) up to the radius c = ``reach`` [m]; it varies over the length ``scale`` [m]. ``of_side``: whether they are
+    only what the side adds to the laterally unbounded body, whose kernel is exact. ``weights`` (m, 4): the part of what
+    a companion changes of delta, P, S, S' that is left as an error; ``accuracy``: relative, to which that is computed;
+    ``least``: relative errors that nothing tells apart. ``errors`` (3, 4, k): relative errors of these columns at
+    ``radii`` (k,) [m] by elements, by the number of polynomials and by the cut.
+    """
+
+    coefficients: Array
+    reach: float
+    scale: float
+    of_side: bool
+    weights: Array
+    accuracy: float
+    least: float
+    radii: Array
+    errors: Array
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution:
     """A solved problem: what every method returns, and what its file gives back.
 
     ``raw``: the increments, where the method works in increments; ``facts``: plain numbers and words about mesh, solver
     and choices; ``timings``: CPU seconds per stage; ``warnings``: sentences with numbers; ``companions``: where the
-    method knows them.
+    method knows them; ``kernel``: where it took long to find and is small.
     """
 
     problem: Problem
@@ -268,6 +292,7 @@ class Solution:
     warnings: tuple[str, ...] = ()
     record: Record = field(default_factory=Record)
     companions: Companions | None = None
+    kernel: KeptKernel | None = None
 
     def __repr__(self) -> str:
         a = self.increments.a

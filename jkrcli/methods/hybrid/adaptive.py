@@ -10,6 +10,7 @@ import numpy as np
 
 from ...base import MOST_SOLVES, NO_CLAIM, TINY, Array, Refusal, SolveError, duration, show
 from ...bodies import Graded, HalfSpace, Indenter, Specimen, contact_modulus
+from ...series import KeptKernel
 from .. import integral
 from ..layered.stack import GRADED, LayeredContact
 from .kernel import STEP, CorrectionCost, KernelLevels, PolynomialKernel, convergence, count_for
@@ -207,6 +208,25 @@ class ErrorEstimates:
         rising = np.maximum.accumulate(self.total, axis=1)
         return np.array([np.interp(radii, self.radii, row) for row in rising])
 
+    @property
+    def kept(self) -> KeptKernel:
+        """The kernel of the ``companions`` with them and these errors; coefficients that one lacks are 0."""
+        assert self.companions is not None
+        contact, kernel = self.companions.contact, self.companions.contact.kernel
+        kernels = (kernel, *self.companions.kernels)
+        missing = [len(kernel.coefficients) - len(each.coefficients) for each in kernels]
+        return KeptKernel(
+            np.array([np.pad(each.coefficients, (0, n)) for each, n in zip(kernels, missing, strict=True)]),
+            kernel.reach,
+            kernel.scale,
+            isinstance(contact, SideContact),
+            np.array(self.companions.weights),
+            self.companions.accuracy,
+            self.companions.least,
+            self.radii,
+            np.array([self.elements, self.parameters, self.cut]),
+        )
+
 
 @dataclass(frozen=True)
 class Refinement:
@@ -332,8 +352,19 @@ class AdaptiveKernel:
 
     def _contact(self, levels: KernelLevels, degree: int) -> KernelContact:
         self.guard(levels, degree)
-        own = (self.indenter, self.E_star, levels.kernel(degree), levels.region.unit)
-        return KernelContact(*own) if levels.wide is None else SideContact(*own, self.wide)
+        return self._with(levels.kernel(degree), levels.wide is not None)
+
+    def _with(self, kernel: PolynomialKernel, of_side: bool) -> KernelContact:
+        own = (self.indenter, self.E_star, kernel, kernel.reach)
+        return SideContact(*own, self.wide) if of_side else KernelContact(*own)
+
+    def from_kept(self, kept: KeptKernel) -> tuple[KernelContact, ErrorEstimates]:
+        """The contact and its errors with a kernel of this body that was ``kept``: as ``accurate`` gave them."""
+        kernel, *others = (PolynomialKernel(each, kept.reach, kept.scale) for each in kept.coefficients)
+        contact = self._with(kernel, kept.of_side)
+        companions = Companions(contact, tuple(others), kept.accuracy, tuple(kept.weights), kept.least)
+        elements, parameters, cut = kept.errors
+        return contact, ErrorEstimates(kept.radii, elements, parameters, cut, companions)
 
     def accurate(self, reach: float) -> tuple[KernelContact, ErrorEstimates, KernelLevels, int]:
         """The contact for radii up to ``reach`` [m] that meets the tolerance, its errors, and its degree."""

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from ...base import MOST_SOLVES, NO_CLAIM, ROUNDED, JkrError, Refusal, StageClock, show
+from ...base import MOST_SOLVES, NO_CLAIM, ROUNDED, Array, JkrError, Refusal, StageClock, show
 from ...bodies import Graded, HalfSpace, Problem, TransverselyIsotropic
-from ...series import ErrorBudget, Solution
+from ...series import ErrorBudget, KeptKernel, Solution
 from .. import integral
 from ..layered.layered import expected_radius
 from ..protocol import Forecast, without_tension
 from ..radii import check_radius
 from .adaptive import TUNING as REFINING
-from .adaptive import AdaptiveKernel, fem_for, instead
+from .adaptive import AdaptiveKernel, ErrorEstimates, KernelContact, fem_for, instead
 from .kernel import STEP, KernelLevels
 from .options import HybridOptions
 
@@ -43,12 +43,16 @@ class Hybrid(HybridOptions):
     or cylinders with free, roller or clamped sides; layers below the uppermost may be graded or transversely isotropic,
     in cylinders the uppermost graded too. Any convex indenter, rigid or elastic. S and S' exact, as in ``layered``.
     ``tolerance``: relative error of delta, P, S and S' at every radius, estimated from coarser elements, fewer
-    parameters and a nearer cut.
+    parameters and a nearer cut. ``known``: a solution with its kernel, which is not computed anew for other radii on
+    the same bodies, as far as it reaches.
     """
+
+    known: Solution | None = field(default=None, repr=False, compare=False)
 
     def refusal(self, problem: Problem) -> str | None:
         """Why the correction cannot be computed, with the remedy; None where it can."""
-        if reason := _unable(problem):
+        reason = _unable(problem)
+        if reason or self._kept(problem):
             return reason
         loading, body = problem.loading, self._body(problem)
         if loading.to == "radius" and loading.maximum > body.limit:
@@ -65,6 +69,12 @@ class Hybrid(HybridOptions):
     def forecast(self, problem: Problem) -> Forecast:
         """Cost of the levels up to the one that the tolerance is expected to need, of the search, and of the solves."""
         body = self._body(problem)
+        nodes = 2 * problem.loading.points  # at least
+        equation = nodes**3 / 3 / integral.FLOPS_PER_SECOND
+        of_equation = 8 * 6 * nodes**2 / 2**20
+        if kept := self._kept(problem):
+            seconds = 0.02 + (0.8 if kept.of_side else 0.0) + (1 + len(kept.weights)) * equation
+            return Forecast(seconds, 20 + of_equation, self.tolerance, "with the kernel of the series")
         levels = body.levels(_expected_radius(problem, body))
         solves, last = body.expected_cost(levels)
         seconds = 0.02 + solves
@@ -72,10 +82,9 @@ class Hybrid(HybridOptions):
             seconds += TUNING.searches * levels.cost(REFINING.lowest + STEP).seconds
         if levels.wide is not None:
             seconds += 0.8  # the kernel of the wide body; measured by `make bench`
-        nodes = 2 * problem.loading.points  # at least
-        seconds += nodes**3 / 3 / integral.FLOPS_PER_SECOND
-        memory = 20 + last.memory_mib + 8 * 6 * nodes**2 / 2**20
-        return Forecast(seconds, memory, body.attainable, f"about {float(f'{last.unknowns:.2g}'):.0f} unknowns")
+        memory = 20 + last.memory_mib + of_equation
+        note = f"about {float(f'{last.unknowns:.2g}'):.0f} unknowns"
+        return Forecast(seconds + equation, memory, body.attainable, note)
 
     def __call__(self, problem: Problem) -> Solution:
         """Solve; errors: Refusal outside the validity or the tolerance, SolveError."""
@@ -85,8 +94,35 @@ class Hybrid(HybridOptions):
             return self._solution(problem)
 
     def _solution(self, problem: Problem) -> Solution:
-        clock = StageClock()
+        clock, kept = StageClock(), self._kept(problem)
         body = self._body(problem)
+        facts: dict[str, Any]
+        if kept is None:
+            contact, errors, radii, facts = self._found(problem, body, clock)
+            kept = errors.kept
+        else:
+            assert self.known is not None
+            contact, errors = body.from_kept(kept)
+            radii = integral.search(contact, problem.loading, kept.accuracy).radii
+            share = float(radii[-1] / self.known.series.a[-1])
+            facts = dict(self.known.facts)
+            facts["a_over_h"] *= share
+        with clock("solve"):
+            result, unsettled = contact.settled(radii, kept.accuracy)
+            S0 = integral.first_stiffness(contact, kept.accuracy)
+        with clock("full disc"):
+            integral.refuse_shrinking(radii, result.delta)
+            warnings = integral.disc_warnings(contact, problem.specimen, float(radii[-1]), lambda _: contact.kernel)
+        series = integral.series_of(result, errors.at(radii) + unsettled, problem.indenter.a0, S0)
+        budget = ErrorBudget(float((errors.elements + errors.parameters).max()), float(errors.cut.max()), radius=0.0)
+        facts["nodes"] = result.panels.x.size
+        told: dict[str, Any] = {"facts": facts, "timings": clock.seconds, "warnings": warnings}
+        return Solution(problem, series, budget, "hybrid", **told, companions=errors.companions, kernel=kept).widened()
+
+    def _found(
+        self, problem: Problem, body: AdaptiveKernel, clock: StageClock
+    ) -> tuple[KernelContact, ErrorEstimates, Array, dict[str, Any]]:
+        """The contact with its kernel, the errors, the radii [m], and facts about them."""
         with clock("largest radius"):
             reach = self._reach(problem, body)
         for _ in range(MOST_SOLVES):
@@ -95,20 +131,17 @@ class Hybrid(HybridOptions):
             with clock("radii"):
                 radii = integral.search(contact, problem.loading, max(NO_CLAIM * self.tolerance, 1e-12)).radii
             if radii[-1] <= contact.limit * (1 + ROUNDED):
-                break
+                return contact, errors, radii, _facts(levels, degree, float(radii[-1]))
             reach = self._further(problem, body, reach, float(radii[-1]))  # the first kernels had been too rough
-        else:
-            raise Refusal(_no_radius(problem, reach))
-        with clock("solve"):
-            result, unsettled = contact.settled(radii, NO_CLAIM * self.tolerance)
-            S0 = integral.first_stiffness(contact, NO_CLAIM * self.tolerance)
-        with clock("full disc"):
-            integral.refuse_shrinking(radii, result.delta)
-            warnings = integral.disc_warnings(contact, problem.specimen, float(radii[-1]), lambda _: contact.kernel)
-        series = integral.series_of(result, errors.at(radii) + unsettled, problem.indenter.a0, S0)
-        budget = ErrorBudget(float((errors.elements + errors.parameters).max()), float(errors.cut.max()), radius=0.0)
-        told: dict[str, Any] = {"facts": _facts(levels, degree, result), "timings": clock.seconds, "warnings": warnings}
-        return Solution(problem, series, budget, "hybrid", **told, companions=errors.companions).widened()
+        raise Refusal(_no_radius(problem, reach))
+
+    def _kept(self, problem: Problem) -> KeptKernel | None:
+        """The kernel of the known solution where it is of the bodies of ``problem`` and reaches as far as its radii."""
+        loading = problem.loading
+        kept = None if self.known is None else self.known.kernel
+        if self.known is None or kept is None or loading.to != "radius" or loading.maximum > kept.reach * (1 + ROUNDED):
+            return None
+        return kept if replace(self.known.problem, loading=loading).key == problem.key else None
 
     def _body(self, problem: Problem) -> AdaptiveKernel:
         return AdaptiveKernel(problem.indenter, problem.specimen, self.tolerance)
@@ -189,7 +222,7 @@ def _too_much(problem: Problem) -> str:
     )
 
 
-def _facts(levels: KernelLevels, degree: int, result: integral.EquationResult) -> dict[str, Any]:
+def _facts(levels: KernelLevels, degree: int, largest: float) -> dict[str, Any]:
     correction = levels.correction(degree)
     region = levels.region
     facts: dict[str, Any] = {
@@ -200,8 +233,7 @@ def _facts(levels: KernelLevels, degree: int, result: integral.EquationResult) -
         "parameters": levels.count,
         "asymmetry": correction.asymmetry,
         "formulation": "displacement and pressure" if any(region.mixed) else "displacement",
-        "nodes": result.panels.x.size,
-        "a_over_h": float(result.panels.radii[-1]) / (region.unit * region.thicknesses[0]),
+        "a_over_h": largest / (region.unit * region.thicknesses[0]),
     }
     if region.cut_beside:
         facts["cut_m"] = region.width * region.unit

@@ -37,6 +37,7 @@ OTHERS = {  # what to write for another value of an option, where that is not ha
     "width": 'width = "20 mm"', "contact_radius": 'contact_radius = "0.2 mm"', "growth": "growth = 0.3",
     "margin": "margin = 1.3", "edge_correction": "edge_correction = false", "estimate_error": "estimate_error = false",
     "tolerance": "tolerance = 1e-3", "solver": 'solver = "superlu"', "contact": 'algorithm = "incremental"',
+    "integration": 'integration = "reduced"\norder = 1\nelement = "quadrilateral"\nlayout = "zones"',
 }  # fmt: skip
 
 

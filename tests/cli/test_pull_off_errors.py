@@ -101,7 +101,7 @@ def test_uncertain_thickness_is_what_other_thicknesses_give(jkr) -> None:
         (("--load", "1 uN", "--uncertain", "hh=3%"), 'unknown parameter "hh"'),
         (("--load", "1 uN", "--uncertain", "R=0"), "the uncertainty of R must be > 0, got 0"),
         (("--load", "1 uN", "--uncertain", "R=two"), "--uncertain R: "),
-        (("--load", "1 uN", "--uncertain", "R=1%", "--uncertain", "R=2%"), "the uncertainty of R is given twice"),
+        (("--load", "1 uN", "--uncertain", "R=1%", "--uncertain", "R=2%"), "--uncertain: R is given twice"),
     ],
 )
 def test_mistakes_are_named(jkr, words: tuple[str, ...], message: str) -> None:

@@ -57,11 +57,14 @@ def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) ->
     [N/m] (0: load, inf: displacement), or why they are unknown."""
     if curve.w == 0:
         return Unknown(f"unknown: {NO_ADHESION}")
+    if not curve.errors:
+        return Unknown(f"unknown: {curve.slopes.error}")
+    if point.a == curve.a[0]:  # at the rim of a flat end
+        below = dict(zip(("delta", "P"), curve.below_first, strict=True))
+        return {name: float(error) + below[name] for name, error in curve.error_at(np.array(point.a)).items()}
     here = curve.interpolation_at(np.array(point.a))
     if isinstance(here, Unknown):
         return here
-    if not curve.errors:
-        return Unknown(f"unknown: {curve.slopes.error}")
     rest = _beyond_gaps(curve, point, stiffness)
     if isinstance(rest, Unknown):
         return rest

@@ -39,6 +39,7 @@ class CurveTuning:
     order: int = 3  # theory: with the spacing errors fall at least as its power, where splines end too
     middle: float = 0.5  # theory: of its largest value, in which a cubic Hermite errs by s^2 (1 - s)^2 of an interval
     looked_at: tuple[float, ...] = (0.25, 0.5, 0.75)  # theory: of a gap, where S' and delta_H err most
+    rim: float = 0.01  # choice: of the position, up to which a first row may lie above the rim, with that as error
     zero: float = 1e-14  # theory: rounding of the samples, logs of radii or fractions of the last place
 
 
@@ -325,8 +326,7 @@ class EquilibriumCurve(ABC):
             return float(position(point.delta, point.P, stiffness))
 
         minima = [point for point in self.critical(stiffness) if point.kind == "minimum"]
-        ends = self._ends
-        lowest = min(ends, key=lambda end: position_of(ends[end]))
+        ends, lowest = self._ends, self.lowest_end(stiffness)
         best = min(minima, key=position_of, default=None)
         if best is None or position_of(best) > position_of(ends[lowest]):
             return Unknown(self._outside(stiffness, lowest, ends[lowest]))
@@ -337,6 +337,11 @@ class EquilibriumCurve(ABC):
                 "smaller radius"
             )
         return best
+
+    def lowest_end(self, stiffness: float) -> str:
+        """At which end of the curve a device of ``stiffness`` [N/m] stands lower, "smallest" or "largest"."""
+        ends = self._ends
+        return min(ends, key=lambda end: float(position(ends[end].delta, ends[end].P, stiffness)))
 
     @cached_property
     def _ends(self) -> dict[str, Equilibrium]:
@@ -555,18 +560,35 @@ class AdhesiveCurve(EquilibriumCurve):
 
     @cached_property
     def _samples(self) -> Array:
-        x = np.log(self.a)
+        x = np.log(self.a - self.series.a0)  # of a, rounding would be felt just beyond a flat end
         inner = x[:-1, None] + np.diff(x)[:, None] * np.arange(TUNING.samples) / TUNING.samples
         return np.append(inner.ravel(), x[-1])
 
     def _place(self, x: Array) -> Array:
-        return np.exp(x)
+        return self.series.a0 + np.exp(x)
 
     def path(self, low: float, high: float) -> tuple[Array, Array]:
         edges = np.log(np.concatenate([[low], self.a[(self.a > low) & (self.a < high)], [high]]))
         x, weights = composite_gauss(edges)
         a = np.clip(np.exp(x), low, high)
         return a, weights * a
+
+    def pull_off(self, stiffness: float) -> CriticalPoint | Unknown:
+        """As of every curve; where the first row is as good as the rim of a flat end, contact is lost there."""
+        found = super().pull_off(stiffness)
+        if isinstance(found, Unknown) and self.w > 0 and self.lowest_end(stiffness) == "smallest":
+            first = self._ends["smallest"]
+            left = abs(float(position(*self.below_first, stiffness)))
+            if self.series.a0 > 0 and left <= TUNING.rim * abs(float(position(first.delta, first.P, stiffness))):
+                return CriticalPoint(**vars(first))
+        return found
+
+    @property
+    def below_first(self) -> tuple[float, float]:
+        """By how much delta [m] and P [N] may be lower below the first row: there -t and -S t are larger than here, and
+        delta_H and P_H not below zero."""
+        here = self.nonadhesive.parts(self.a[:1])
+        return float(here.delta_H[0]), float(here.P_H[0])
 
     def _outside(self, stiffness: float, end: str, lowest: Equilibrium) -> str:
         """Why pull-off lies outside the series."""

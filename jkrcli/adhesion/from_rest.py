@@ -179,7 +179,7 @@ class FromRest(EquilibriumCurve):
 
     @cached_property
     def _samples(self) -> Array:
-        x, end = self.whole._samples, math.log(self.rest.a)
+        x, end = self.whole._samples, math.log(self.rest.a - self.series.a0)
         return np.append(x[x < end], end)
 
     def _place(self, x: Array) -> Array:

@@ -51,7 +51,7 @@ from ..series import ErrorBudget, Series, Solution, is_series
 from .comparison import Comparison, compare_half_space
 from .nodes import Compared, compared
 from .range_effect import effect_of_range
-from .solved import seconds_of_points, solved, solver_of
+from .solved import seconds_of_points, solved, solved_below, solver_of
 
 SURE = 2.0  # theory: 90 % half-widths of a normal error that one in a thousand exceeds
 JKR: RangeRequest = RangeRequest()
@@ -194,17 +194,21 @@ def analyse(
     slopes_name: str = "auto",
     modulus_factor: float = 1.0,
     request: RangeRequest = JKR,
+    devices: Sequence[float] = (),
 ) -> list[Analysis]:
     """The adhesive curves of a solution for each work of adhesion [J/m^2], with solved pull-off points where the method
-    is exact; the slopes are found once.
+    is exact, and rows below the series where contact is lost there; the slopes are found once.
 
     ``modulus_factor``: of bodies whose moduli are all that many times those of the solution; nothing is solved anew.
-    ``request``: adhesion of finite range, where it has a stress or a length.
+    ``request``: adhesion of finite range, where it has a stress or a length. ``devices``: stiffnesses [N/m] of those
+    whose pull-off is asked for besides.
     """
     if request:
         return _of_finite_range(solution.scaled(modulus_factor), works, slopes_name, modulus_factor, request)
+    if slopes_name in ("auto", "exact"):
+        solution = solved_below(solution, works, modulus_factor, devices)
     body = nonadhesive(solution, slopes_name)
-    return [with_solved_points(adhesive(solution, body, w, modulus_factor)) for w in works]
+    return [with_solved_points(adhesive(solution, body, w, modulus_factor), *devices) for w in works]
 
 
 @dataclass(frozen=True)
@@ -310,7 +314,8 @@ def where_lost(
     ``stiffnesses`` [N/m], else of load and displacement."""
     controls = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)
     results = [
-        with_solved_points(result, *stiffnesses) for result in analyse(solution, works, slopes, modulus_factor, request)
+        with_solved_points(result, *stiffnesses)
+        for result in analyse(solution, works, slopes, modulus_factor, request, stiffnesses)
     ]
     return [(result, [_lost(result, each) for each in behaviours(result.curve, controls)]) for result in results]
 

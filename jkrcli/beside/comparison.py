@@ -25,6 +25,7 @@ class DistanceTuning:
     coarse: int = 129  # points of the exact curve in that window; choice: several to each of its bends
     fine: int = 17  # and in each refinement around the nearest; choice: time alone depends on it
     refinements: int = 17  # theory: by fine // 2 each, down to round-off of the radius
+    rim: float = 2e-6  # theory: of a0, the first sqrt(a^2 - a0^2): a - a0 is 1e4 times the round-off of a
     beyond: float = 3.0  # choice: of the pull-off radius of a paraboloid, up to which that of another tip is sought
 
 
@@ -71,6 +72,10 @@ def exact_curve(problem: Problem, w: float, a_max: float, points: int = 400) -> 
     indenter, E_star = problem.indenter, problem.E_star
     top = min(a_max, indenter.r_max * (1 - ROUNDED))
     a = indenter.a0 + (top - indenter.a0) * np.linspace(0, 1, points + 1)[1:] ** 2
+    if indenter.a0:
+        v = np.sqrt((a[0] - indenter.a0) * (a[0] + indenter.a0))
+        rim = np.hypot(indenter.a0, np.geomspace(min(TUNING.rim * indenter.a0, v / 2), v, TUNING.coarse)[:-1])
+        a = np.concatenate([rim, a])
     pair = indenter.half_space(a, E_star)
     if pair is None:
         return None

@@ -10,6 +10,7 @@ smooth where the profile is not: the first part is integrated, and the polynomia
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -18,8 +19,9 @@ import numpy as np
 
 from ..adhesion import CONTROLS, TWO_SIDED_90, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, Nonadhesive
 from ..adhesion.slopes.exact import exact
-from ..base import MOST_SOLVES, SAME, Array, JkrError, composite_gauss
+from ..base import MOST_SOLVES, PATIENCE, SAME, Array, JkrError, composite_gauss
 from ..bodies import Loading, Problem
+from ..methods import METHODS
 from ..series import Series, Solution
 from .again import again, method_behind
 
@@ -49,6 +51,10 @@ class SolvedTuning:
     reach: float = 1.6  # tuned on random bodies, by `make bounds`
     scatter: float = 1e-11  # of the columns from radius to radius; tuned on random bodies, by `make bounds`
     each: float = 0.3  # of that of a solve, the cost of a curve's points; tuned on 1 to 1000 layers, by `make bench`
+    # Rows below a series, in equal steps of log sqrt(a^2 - a0^2), and how many more below the least pull-off:
+    decade: int = 15  # choice: a little closer than the 25 of four decades of "log", per decade of a - a0
+    under: int = 4  # theory: of which splines and seven points around the point need some
+    rim: float = 2e-6  # theory: of a0, the first sqrt(a^2 - a0^2): a - a0 is 1e4 times the round-off of a
 
 
 TUNING = SolvedTuning()
@@ -210,6 +216,49 @@ def solved(curve: AdhesiveCurve, further: Further, *devices: float) -> AdhesiveC
         return [point.a for k in controls if isinstance(point := trial.pull_off(k), CriticalPoint)]
 
     return AdhesiveCurve(refined(curve.nonadhesive, further, wanted), curve.w)
+
+
+def solved_below(
+    solution: Solution, works: Sequence[float], modulus_factor: float = 1.0, devices: Sequence[float] = ()
+) -> Solution:  # fmt: skip
+    """The ``solution`` with rows below its first one, down to the least radius at which contact is lost with the
+    ``works`` of adhesion [J/m^2] under either control or by ``devices`` of a stiffness [N/m].
+
+    As it is where that lies within it, or its method is not exact. Down to z0, with a flat end to its rim, where
+    nothing is lost more.
+    """
+    method, series = method_behind(solution), solution.series
+    if method is None or not METHODS[solution.method].exact or series.dS is None or len(series) < 2:
+        return solution
+    controls = [*CONTROLS.values(), *devices]
+
+    def least(rows: Series) -> float:
+        """The least radius [m] of pull-off; 0 where one lies below the ``rows``."""
+        body, radii = Nonadhesive(rows, exact(rows)).scaled(modulus_factor), [math.inf]
+        for curve, k in itertools.product([AdhesiveCurve(body, w) for w in works if w > 0], controls):
+            point = curve.pull_off(k)
+            if isinstance(point, CriticalPoint) and point.a > rows.a[0]:
+                radii.append(point.a)
+            elif curve.lowest_end(k) == "smallest":
+                return 0.0
+        return min(radii)
+
+    first, a0 = float(np.sqrt((series.a[0] - series.a0) * (series.a[0] + series.a0))), series.a0
+    floor = TUNING.rim * a0 if a0 else solution.record.z0
+    if first <= floor or least(series) > 0:
+        return solution
+    steps = math.ceil(TUNING.decade * math.log10(first / floor))
+    below = np.hypot(a0, np.geomspace(floor, first, steps + 1)[:-1])
+    try:
+        rows = again(solution.problem, np.append(below, series.a), method, PATIENCE)
+        begin = np.searchsorted(below, least(rows.series)) - TUNING.under
+        if begin > 0:
+            below = below[begin:]
+            rows = again(solution.problem, np.append(below, series.a), method, PATIENCE)
+    except JkrError:
+        return solution
+    facts = {**solution.facts, "rows_below": below.size}
+    return replace(solution, series=rows.series, budget=rows.budget, companions=rows.companions, facts=facts)
 
 
 def refined(body: Nonadhesive, further: Further, wanted: Callable[[Nonadhesive], Sequence[float]]) -> Nonadhesive:

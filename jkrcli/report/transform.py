@@ -84,8 +84,10 @@ def _of_curve(result: Analysis) -> Iterator[str]:
         f"curve: {accuracy(budget.total)} (series {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)}); "
         f"between the rows up to {_estimate(result.curve.interpolation_error)} more"
     )
+    below = result.solution.facts.get("rows_below", 0)
+    more = f", {below} of them solved below its own for pull-off" if below else ""
     yield (
-        f"series: {len(result.curve.series)} points kept, {result.dropped} dropped; "
+        f"series: {len(result.curve.series)} points kept{more}, {result.dropped} dropped; "
         f"slopes {slopes.method} ({slopes.reason})"
     )
 

@@ -24,6 +24,7 @@ IsText: TypeAlias = Callable[[int, str], bool]  # whether a column, of its index
 BLANK = "blank"
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", BLANK: None}
 COMMENTS = ("#", "%", "//", "**", "!")
+SIGNS = "#%!*/ "  # with which a line of words, or a name in it, may begin
 HEADINGS = ("columns:", "units:")  # before the names and units themselves, in comment heads
 OTHER_UNITS = ("", "-", "1", "V", "mV")
 SHEETS = (".xls", ".xlsx", ".ods")  # endings of spreadsheets, which are no text
@@ -559,12 +560,15 @@ def _names(header: list[str], dialect: Dialect, width: int, more: bool) -> tuple
 
 
 def _header_cells(line: str, dialect: Dialect, width: int) -> list[str]:
-    """Cells of a header line; names may contain single blanks where the columns are separated by several."""
-    line = line.strip().lstrip("#%!*/ ")
-    if dialect.separator != BLANK:
-        return dialect.cells(line)
-    wide = re.split(r"\s{2,}|\t", line)
-    return wide if len(wide) == width else re.findall(r"\S+(?:\s+[\[(]\S+[\])])?", line)
+    """Cells of a header line, without the comment sign that each may begin with; names may contain single blanks where
+    the columns are separated by several, and blanks may part them where the numbers are parted otherwise."""
+    line = line.strip().lstrip(SIGNS)
+    cells = [line] if dialect.separator == BLANK else dialect.cells(line)
+    if dialect.separator == BLANK or (len(cells) == 1 < width):
+        wide = re.split(r"\s{2,}|\t", line)
+        words = wide if len(wide) == width else re.findall(r"\S+(?:\s+[\[(]\S+[\])])?", line)
+        cells = words if dialect.separator == BLANK or len(words) == width else cells
+    return [cell.lstrip(SIGNS) if len(cell) > 1 else cell for cell in cells]
 
 
 def _is_unit(cell: str) -> bool:

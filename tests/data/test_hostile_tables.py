@@ -16,6 +16,8 @@ from jkrcli.base.errors import InputError
 from jkrcli.data import Reading
 from jkrcli.data.measured import read, usable
 from jkrcli.data.measured.instruments import constants
+from jkrcli.tables.text_table import read_table
+from jkrcli.tables.titles import split_name
 
 DELTA = np.linspace(0, 1, 30)
 LOAD = np.maximum(DELTA - 0.4, 0) ** 1.5
@@ -223,3 +225,16 @@ def test_a_height_that_grows_into_the_specimen(tmp_path: Path, jkr: Callable) ->
     assert "--factor delta=-1" in turned.err
     assert jkr("fit", "height.csv", *words, "--flip", "delta", "--factor", "delta=-1").code == 0
     assert jkr_package.measured_curves(tmp_path / "height.csv")[0].depth[-1] > 0
+
+
+@pytest.mark.parametrize(
+    "head",
+    ["# k: 0.032\n#z [nm]\t#force [nN]", "# k: 0.032\nz [nm]\t#force [nN]", "#k = 0.032\n#z [nm] #force [nN]",
+     "% k: 0.032\n%z (nm)  %force (nN)"],
+)  # fmt: skip
+def test_names_that_begin_with_the_comment_sign_and_a_bare_spring_constant(tmp_path: Path, head: str) -> None:
+    path = tmp_path / "curve.txt"
+    path.write_text(head + "\n" + "".join(f"{i}\t{i * i / 90:.3f}\n" for i in range(40)))
+    table = read_table(path, least=2)
+    assert [split_name(name) for name in table.names] == [("z", "nm"), ("force", "nN")]
+    assert constants(tuple(head.split("\n")[:1])) == {"stiffness": 0.032}

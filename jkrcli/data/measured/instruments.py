@@ -124,6 +124,8 @@ def constants(head: tuple[str, ...]) -> Mapping[str, float]:
             line = f"{match[1]}: {match[2]} {'N/m' if match[1] == 'springConstant' else 'm/V'}"
         if match := re.match(rf"\W*(Spring Constant|Sens\. DeflSens):\s*(?:V\s+)?{NUMBER}(?:\s*nm/V)?\W*\Z", line):
             line = f"spring constant: {match[2]} N/m" if "Spring" in match[1] else f"sensitivity: {match[2]} nm/V"
+        if match := re.match(r"\W*([A-Za-z][A-Za-z ]*?)\s*[:=]\s*([-+.,\deE]+)\s*\Z", line):  # bare: N/m
+            line = f"{match[0]} N/m" if plain(match[1]) in WORDS["constants"]["stiffness"] else line
         match = re.match(r'[\W_]*(.*?)\s*[,:=\t;]?\s*[\[(]?([a-zµμ]*[NmV]/[a-zµμ]*[mV])[\])]?[\s:=;,"]+(\S+)', line)
         match = match or re.match(r'[\W_]*(.*?)\s*[:=;,\t]\s*([-+.,\deE]+)\s*([a-zµμ]*[NmV]/[a-zµμ]*[mV])\s*"?\Z', line)
         if not match:

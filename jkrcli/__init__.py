@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     )  # fmt: skip
     from .base import InputError, JkrError, Refusal, Unknown
     from .bodies import (
-        Elastic, Exponential, Graded, HalfSpace, Layer, Linear, Loading, Paraboloid, Power,
+        Coated, Elastic, Exponential, Graded, HalfSpace, Layer, Linear, Loading, Paraboloid, Power,
         PowerLaw, PowerRelaxation, Problem, Prony, Pyramid, Rigid, RoundedCone, RoundedFlat, Specimen, Sphere,
         StandardSolid, TableProfile, Tabulated, TransverselyIsotropic,
     )  # fmt: skip
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 
 __version__ = "0.2.0"
 __all__ = [
-    "FEM", "ClosedForm", "Elastic", "Exponential", "Graded", "HalfSpace", "Hybrid", "InputError", "JkrError", "Layer",
-    "Layered", "Limits", "Linear", "Loading", "LogRate", "Paraboloid", "Power", "PowerLaw", "PowerRate",
+    "FEM", "ClosedForm", "Coated", "Elastic", "Exponential", "Graded", "HalfSpace", "Hybrid", "InputError", "JkrError",
+    "Layer", "Layered", "Limits", "Linear", "Loading", "LogRate", "Paraboloid", "Power", "PowerLaw", "PowerRate",
     "PowerRelaxation", "Problem", "Program", "Prony", "Pyramid", "Reading", "Refusal", "Rigid", "RoundedCone",
     "RoundedFlat", "Specimen", "Sphere", "StandardSolid", "TableProfile", "Tabulated", "TransverselyIsotropic",
     "Unknown", "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "fit", "identify", "identify_joint",

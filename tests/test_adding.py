@@ -112,7 +112,7 @@ def test_keys_of_an_indenter_of_ones_own_are_checked(tmp_path: Path) -> None:
     key, shape = jkr("aspheric", ("check", tmp_path / "my.toml"), ("check", tmp_path / "no.toml"))
     assert key.err == (
         f"jkr: error: {tmp_path}/my.toml: indenter.kk: unknown key, did you mean \"k\"? "
-        "(allowed: E, nu, shape, radius, k)\n"
+        "(allowed: E, nu, layers, shape, radius, k)\n"
     )  # fmt: skip
     assert shape.err.endswith(
         "indenter.shape: must be one of sphere, paraboloid, power, cone, flat, table, rounded-cone, pyramid, "

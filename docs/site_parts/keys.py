@@ -16,7 +16,7 @@ from jkrcli.bodies.indenters import SHAPES
 from jkrcli.bodies.relaxation import RELAXATIONS
 from jkrcli.case.fields import Read, Table, as_several
 from jkrcli.case.laws import LawTable
-from jkrcli.case.materials import LayerTable, TransverseLayerTable
+from jkrcli.case.materials import CoatingTable, LayerTable, TransverseLayerTable
 from jkrcli.case.models import AdhesionTable, CapillaryTable, LoadingTable, SpecimenTable
 from jkrcli.methods import METHODS
 
@@ -41,6 +41,8 @@ def _sections() -> Iterator[str]:
         yield f'### `shape = "{name}"`'
         yield _prose(builder)
         yield _registered(SHAPES, name)
+    note = "A homogeneous layer on an elastic indenter, or a transversely isotropic one; the first is outermost."
+    yield from _model("[[indenter.layers]]", CoatingTable, note=note)
     yield from _model("[specimen]", SpecimenTable, leave=("layers", "half_space", "relaxation"))
     for name, builder in RELAXATIONS.items():
         yield f'### `relaxation = {{ law = "{name}", ... }}`'

@@ -20,9 +20,9 @@ from jkrcli.base.arrays import Array
 from jkrcli.base.errors import InputError
 from jkrcli.base.executors import Pool, in_order
 from jkrcli.base.unknown import Unknown
+from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods import method_class
 from jkrcli.series import RawSeries, Series
 

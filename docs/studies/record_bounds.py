@@ -23,9 +23,9 @@ from layer_contact import BondedLayer, half_space  # type: ignore[import-not-fou
 
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import JkrError
+from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
 from jkrcli.data.measured.curve import APPROACH, RETRACT
 from jkrcli.identification.fit import FittedBody, fit

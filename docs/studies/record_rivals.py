@@ -26,9 +26,9 @@ from wrong_records import SPEED, WRONG, Drawn, Wrong, right  # type: ignore[impo
 from jkrcli.adhesion import LIMITS
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import JkrError
+from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
 from jkrcli.identification.fit import Fit, FittedBody, fit, force_curve_fit, record_verdict
 from jkrcli.identification.fit.fitted_record import FittedRecord

@@ -104,20 +104,22 @@ def _orthonormal(fields: Array) -> Array:
     return np.stack([one, two / np.sqrt(np.sum(two**2, axis=0))], axis=1)
 
 
-def contact(specimen: Specimen, R: float, radii: Array) -> Array:
-    """Rows delta [m], P [N], S [N/m], S' [N/m^2] of a rigid paraboloid of the radius ``R`` [m] on isotropic layers, at
-    the contact ``radii`` [m]."""
-    edges = _edges(specimen, radii)
+def contact(specimen: Specimen, R: float, radii: Array, indenter: Specimen | None = None) -> Array:
+    """Rows delta [m], P [N], S [N/m], S' [N/m^2] of a paraboloid of the radius ``R`` [m] on isotropic layers, at the
+    contact ``radii`` [m]; ``indenter``: its own layers and core as a flat stack, where it is not rigid."""
+    bodies = [specimen] if indenter is None else [specimen, indenter]
+    E_star = 1 / sum(1 / body.surface.E_star for body in bodies)
+    edges = _edges(min(body.top_thickness for body in bodies), radii)
     x, w = legendre.leggauss(TUNING.nodes)
     half = np.diff(edges)[:, None] / 2
     k, weights = np.ravel(edges[:-1, None] + half * (1 + x)), np.ravel(half * w)
-    weights = weights * (compliance_ratio(specimen, k) - 1)
-    return np.stack([_at(float(a), k, weights, R, specimen.surface.E_star) for a in radii], axis=1)
+    weights = weights * sum(E_star / body.surface.E_star * (compliance_ratio(body, k) - 1) for body in bodies)
+    return np.stack([_at(float(a), k, weights, R, E_star) for a in radii], axis=1)
 
 
-def _edges(specimen: Specimen, radii: Array) -> Array:
+def _edges(thinnest: float, radii: Array) -> Array:
     """Panels in k [1/m]: octaves, and no wider than a turn at the largest radius."""
-    top, turn = TUNING.highest / specimen.top_thickness, 2 * math.pi / float(radii[-1])
+    top, turn = TUNING.highest / thinnest, 2 * math.pi / float(radii[-1])
     octaves = turn * 2.0 ** np.arange(math.floor(math.log2(TUNING.lowest)), 1)
     if top <= turn:
         return np.concatenate([[0.0], octaves[octaves < top], [top]])

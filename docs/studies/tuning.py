@@ -29,10 +29,10 @@ from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import SolveError
 from jkrcli.base.executors import Pool, completed
 from jkrcli.base.unknown import Unknown
+from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.bodies.grading import Exponential
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic, Graded
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
 from jkrcli.identification.fit import FittedBody, Parameter, Settings, fit
 from jkrcli.methods import METHODS, method_class

@@ -146,7 +146,7 @@ class Analysis:
     def comparison(self) -> Comparison | None:
         """The distance to the exact solution of the same indenter; None but for a half-space that slides."""
         specimen = self.problem.specimen
-        half_space = specimen.is_half_space and not (self.problem.sticks or specimen.surface_tension)
+        half_space = self.problem.is_half_space and not (self.problem.sticks or specimen.surface_tension)
         if not half_space or not isinstance(self.curve, AdhesiveCurve):
             return None
         return compare_half_space(self.curve, self.problem)
@@ -169,7 +169,7 @@ class Analysis:
         flags = self.curve.slopes.flags
         if self.curve.slopes.method != "exact":
             flags += unresolved(self.problem.indenter, self.curve.a)
-        flags += faces(self.problem.indenter, self.w, bool(self.problem.specimen.layers))
+        flags += faces(self.problem.indenter, self.w, bool(self.problem.layers))
         doubts = getattr(self.curve, "doubts", ())
         relaxes = relaxing(self.problem.specimen.relaxation)
         sentences = [*relaxes, *self.solution.warnings, *flags, *self.validity.warnings, *doubts]

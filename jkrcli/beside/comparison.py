@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..adhesion import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Slopes, transform
 from ..base import ROUNDED, Array, Estimate, Unknown, zeros_between
-from ..bodies import HalfSpace, Indenter, Problem, Specimen, Sphere
+from ..bodies import Indenter, Problem, Sphere
 from ..formulas import griffith, half_space
 from ..series import Series
 from .sticking import OUTSIDE
@@ -82,13 +82,6 @@ def exact_curve(problem: Problem, w: float, a_max: float, points: int = 400) -> 
     slope = np.full_like(a, 2 * E_star)
     series = Series(a, *pair, slope * a, slope, a0=indenter.a0, S0=2 * E_star * indenter.a0)
     return transform(series, Slopes(slope * a, slope, "exact", 0.0), w)
-
-
-def alone(problem: Problem) -> Problem:
-    """The same indenter on a half-space of the material at the surface, with its tension."""
-    specimen = problem.specimen
-    half_space = Specimen((), HalfSpace(specimen.surface), surface_tension=specimen.surface_tension)
-    return replace(problem, specimen=half_space)
 
 
 def half_space_pull_off(problem: Problem, w: float, stiffness: float) -> CriticalPoint | Unknown:

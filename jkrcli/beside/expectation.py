@@ -38,13 +38,14 @@ from ..bodies import (
     Problem,
     Rigid,
     Sphere,
+    alone,
     unbounded,
 )
 from ..formulas.gravity import over_hertz, over_jkr
 from ..methods import DENSE, Layered
 from ..series import Series
 from .again import again
-from .comparison import alone, half_space_pull_off
+from .comparison import half_space_pull_off
 from .range_effect import effect_of_range, ranged
 from .sticking import pull_off_ratio, sticking_effect
 
@@ -125,7 +126,7 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
 
 def _layers_matter(problem: Problem, delta: float, P: float) -> float | None:
     """Relative difference of the load to that of a half-space of the top material at the same displacement."""
-    if not problem.specimen.layers:
+    if not problem.layers:
         return None
     half_space = alone(replace(problem, sticks=False, loading=Loading("depth", delta, 1)))
     try:
@@ -231,7 +232,7 @@ def _neighbours(neighbours: Neighbours, sides: bool) -> Iterator[LeftOut]:
     """The things for which a neighbouring body is solved; ``sides``: whether the specimen has any."""
     specimen, indenter = neighbours.body.specimen, neighbours.body.indenter
     glass = show(GLASS.E, "modulus")
-    if specimen.layers:
+    if neighbours.body.layers:
         yield _half_space(neighbours)
     if isinstance(indenter, Paraboloid):
         sphere = Sphere(indenter.R, indenter.material)
@@ -249,7 +250,9 @@ def _neighbours(neighbours: Neighbours, sides: bool) -> Iterator[LeftOut]:
 def _half_space(neighbours: Neighbours) -> LeftOut:
     """The top material alone in place of the layers, as a half-space formula has it."""
     other = alone(neighbours.body)
-    formula = neighbours.with_("half-space formula, no layers", "", specimen=other.specimen, sticks=False)
+    formula = neighbours.with_(
+        "half-space formula, no layers", "", specimen=other.specimen, indenter=other.indenter, sticks=False
+    )
     pulls: dict[float, Estimate] = {}
     for w, point, _ in neighbours.expected.adhesion:
         if w > 0:
@@ -351,7 +354,7 @@ def _faces(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
         return
     assert series.S is not None
     assert series.dS is not None
-    power = float(expected.a * series.dS[-1] / series.S[-1]) if body.specimen.layers else 1.0
+    power = float(expected.a * series.dS[-1] / series.S[-1]) if body.layers else 1.0
     pulls = dict[float, Estimate]()
     for w, point in ((w, point) for w, point, _ in expected.adhesion if w > 0):
         fewer = transform(series, "exact", share * w).pull_off(LOAD_CONTROL)
@@ -387,7 +390,7 @@ def _largest(change: Strains) -> Estimate:
 def _weight(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
     """The weight of a half-space that keeps its volume; of others no formula is known."""
     material, R = body.specimen.surface, body.indenter.tip_radius
-    if R is None or not body.specimen.is_half_space or material.nu < INCOMPRESSIBLE or body.specimen.surface_tension:
+    if R is None or not body.is_half_space or material.nu < INCOMPRESSIBLE or body.specimen.surface_tension:
         return
     load, S = over_hertz(expected.a, material.E_star, TUNING.density)
     pulls = {w: over_jkr(point.a, material.E_star, TUNING.density) if isinstance(point, CriticalPoint) else point

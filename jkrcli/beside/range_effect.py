@@ -40,7 +40,7 @@ def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point
         return Unknown("adhesion of finite range is implemented for frictionless contact alone")
     if problem.specimen.surface_tension:
         return Unknown("adhesion of finite range is not derived with surface tension")
-    h = min(point.a, problem.specimen.top_thickness)
+    h = min(point.a, problem.top_thickness)
     if math.pi * z0**2 * problem.E_star / (4 * w) < TUNING.narrow * h:
         return 0.0
     try:

@@ -81,7 +81,7 @@ def _wider(problem: Problem, w: float, modulus_factor: float) -> Iterator[Soluti
     a, delta_H, P_H = half_space_radii(problem.indenter, E_star)
     _, P = adhesive_half_space(a, delta_H, P_H, E_star, w)
     widest = float(a[P <= 0].max(initial=a[0]))
-    layers = problem.specimen.layers
+    layers = problem.layers
     reach = min(TUNING.further * sum(layer.thickness for layer in layers), widest) if layers else widest
     while True:
         far = _to(problem, reach)

@@ -21,14 +21,17 @@ if TYPE_CHECKING:
     from .materials import (
         GEL_TENSION,
         INCOMPRESSIBLE,
+        Coated,
         Elastic,
         Graded,
+        Layer,
         Material,
+        Solid,
         TransverselyIsotropic,
         contact_modulus,
     )
-    from .parts import RADIUS, changed, checked_names, layer_names, nominal, unbounded
-    from .problem import NO_FINITE_RANGE, HalfSpace, Layer, Loading, Problem, Quantity, Rigid, Side, Specimen
+    from .parts import RADIUS, alone, changed, checked_names, layer_names, nominal, stacks, unbounded
+    from .problem import NO_FINITE_RANGE, HalfSpace, Loading, Problem, Quantity, Rigid, Side, Specimen
     from .relaxation import RELAXATIONS, Modes, PowerRelaxation, Prony, Relaxation, StandardSolid, relaxing
 
 __getattr__ = lazily(__name__, __file__)

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..base import Array, Registry
-from .materials import Elastic
+from .materials import Solid
 
 SHAPES = Registry(inherited="material", word="shape")
 shape = SHAPES.register  # decorator: the shape by which the table [indenter] of a case file calls it
@@ -25,7 +25,7 @@ class Indenter(ABC):
     Functions take arrays of radii [m] and return arrays of lengths [m], slopes arrays of numbers.
     """
 
-    material: Elastic | None
+    material: Solid | None
     noun: ClassVar[str]  # what messages call it: "tabulated profile"
 
     @property

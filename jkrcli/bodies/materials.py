@@ -1,17 +1,18 @@
 """Linear elastic materials: homogeneous and isotropic, graded over depth, transversely isotropic.
 
 Each has ``surface``, the isotropic half-space that the first touch of its top feels, ``scaled`` and ``words``;
-``Elastic`` and ``Graded`` have ``at(depth)``, Young's modulus over depth.
+``Elastic`` and ``Graded`` have ``at(depth)``, Young's modulus over depth. ``Layer``: a thickness of
+one; ``Coated``: what an indenter with layers is made of.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..base import Array, InputError, positive, show
+from ..base import ROUNDED, Array, InputError, positive, show
 from .grading import Law
 
 GEL_TENSION = 0.03  # theory: [N/m], of surfaces of gels and rubbers; silicones have 0.02, water 0.07
@@ -166,12 +167,81 @@ class TransverselyIsotropic:
 Material = Elastic | Graded | TransverselyIsotropic
 
 
+@dataclass(frozen=True)
+class Layer:
+    """One layer of a stack, perfectly bonded to what lies below; ``thickness`` in m."""
+
+    material: Material
+    thickness: float
+    name: str = field(default="", compare=False, repr=False)
+
+    def __post_init__(self) -> None:
+        positive("m", thickness=self.thickness)
+        if isinstance(self.material, Graded) and self.material.law.reach < self.thickness * (1 - ROUNDED):
+            raise InputError(
+                f"the law of E ends at a depth of {self.material.law.reach:g} m, above the bottom of the layer "
+                f"(thickness {self.thickness:g} m)"
+            )
+
+    @property
+    def words(self) -> str:
+        """``E = 1 MPa, nu = 0.4, h = 1 um``."""
+        return f"{self.material.words}, h = {show(self.thickness, 'length')}"
+
+    @property
+    def moduli(self) -> tuple[float, float]:
+        """The least and the largest Young's modulus in the layer [Pa] (every law is monotone between its kinks)."""
+        match self.material:
+            case Elastic(E=E):
+                return E, E
+            case Graded(law=law):
+                values = law.at(np.array([0.0, *(z for z in law.kinks if z < self.thickness), self.thickness]))
+                return float(values.min()), float(values.max())
+            case TransverselyIsotropic(E_p=E_p, E_z=E_z):
+                return min(E_p, E_z), max(E_p, E_z)
+
+
+@dataclass(frozen=True)
+class Coated:
+    """An elastic ``core`` under bonded, homogeneous ``layers``, outermost first: the material of an indenter.
+
+    Its surface is as compliant as that of the flat stack: what an indenter is, whose layers are thin beside its radius.
+    """
+
+    layers: tuple[Layer, ...]
+    core: Elastic
+
+    def __post_init__(self) -> None:
+        if not self.layers:
+            raise InputError("indenter.layers: must hold at least one layer")
+        if any(isinstance(layer.material, Graded) for layer in self.layers):
+            raise InputError("indenter.layers: must be homogeneous: cut a graded one into several")
+
+    @property
+    def surface(self) -> Elastic:
+        """What first touch feels: the outermost material, or the isotropic one of the same E*."""
+        return self.layers[0].material.surface
+
+    @property
+    def E_star(self) -> float:
+        """Contact modulus of the outermost material [Pa]."""
+        return self.surface.E_star
+
+    def scaled(self, factor: float) -> Coated:
+        """The same with every modulus multiplied by ``factor``."""
+        layers = tuple(replace(layer, material=layer.material.scaled(factor)) for layer in self.layers)
+        return Coated(layers, self.core.scaled(factor))
+
+
+Solid = Elastic | Coated  # of an indenter
+
+
 def _check_poisson(nu: float) -> None:
     if not -1 < nu <= 0.5:
         raise InputError(f"nu: must be > -1 and <= 0.5, got {nu:g}")
 
 
-def contact_modulus(first: Elastic, second: Elastic | None = None) -> float:
+def contact_modulus(first: Elastic, second: Solid | None = None) -> float:
     """Reduced modulus E* of two bodies in contact [Pa] (Eq. 4); ``second = None`` is a rigid body."""
     if second is None:
         return first.E_star

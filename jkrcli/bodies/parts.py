@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Any, cast
 
 from ..base import InputError, did_you_mean
-from .materials import Elastic
-from .problem import HalfSpace, Layer, Problem, Specimen
+from .materials import Coated, Elastic, Layer, Solid
+from .problem import HalfSpace, Problem, Specimen
 
 BASE = "base"  # name of an elastic half-space below the layers
 RADIUS = "radius"  # of the indenter, among the names of inputs
@@ -57,6 +57,24 @@ def changed(problem: Problem, values: Mapping[str, float]) -> Problem:
 def unbounded(problem: Problem) -> Problem:
     """The same problem without the sides of the specimen."""
     return replace(problem, specimen=replace(problem.specimen, radius=None, side=None))
+
+
+def alone(problem: Problem) -> Problem:
+    """The same indenter on a half-space of the material at the surface, with its tension, both without layers."""
+    specimen, indenter = problem.specimen, problem.indenter
+    half_space = Specimen((), HalfSpace(specimen.surface), surface_tension=specimen.surface_tension)
+    if problem.coatings:
+        indenter = replace(cast(Any, indenter), material=problem.coatings[0].material.surface)
+    return replace(problem, specimen=half_space, indenter=indenter)
+
+
+def stacks(specimen: Specimen, indenter: Solid | None = None) -> tuple[Specimen, ...]:
+    """The bodies whose compliance is not that of a half-space: the specimen and the coated indenter, as a flat stack on
+    its core."""
+    bodies = [specimen]
+    if isinstance(indenter, Coated):
+        bodies.append(Specimen(indenter.layers, HalfSpace(indenter.core)))
+    return tuple(body for body in bodies if body.layers)
 
 
 def _with(material: Any, quantity: str, value: float) -> Any:

@@ -7,11 +7,9 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, cast
 
-import numpy as np
-
-from ..base import ROUNDED, InputError, positive, show
+from ..base import InputError, positive, show
 from .indenter import Indenter
-from .materials import Elastic, Graded, Material, TransverselyIsotropic, contact_modulus
+from .materials import Coated, Elastic, Graded, Layer, Material, TransverselyIsotropic, contact_modulus
 from .relaxation import Relaxation
 
 Quantity = Literal["depth", "load", "radius"]
@@ -34,35 +32,6 @@ NOT_TOGETHER = {
     "tension: leave it out, or take a rigid indenter (no indenter.E and indenter.nu)",
 }
 MOST_PIECES = 1000  # of E over depth, in all layers; choice: minutes, each is solved by sublayers of its own
-
-
-@dataclass(frozen=True)
-class Layer:
-    """One layer of a stack, perfectly bonded to what lies below; ``thickness`` in m."""
-
-    material: Material
-    thickness: float
-    name: str = field(default="", compare=False, repr=False)
-
-    def __post_init__(self) -> None:
-        positive("m", thickness=self.thickness)
-        if isinstance(self.material, Graded) and self.material.law.reach < self.thickness * (1 - ROUNDED):
-            raise InputError(
-                f"the law of E ends at a depth of {self.material.law.reach:g} m, above the bottom of the layer "
-                f"(thickness {self.thickness:g} m)"
-            )
-
-    @property
-    def moduli(self) -> tuple[float, float]:
-        """The least and the largest Young's modulus in the layer [Pa] (every law is monotone between its kinks)."""
-        match self.material:
-            case Elastic(E=E):
-                return E, E
-            case Graded(law=law):
-                values = law.at(np.array([0.0, *(z for z in law.kinks if z < self.thickness), self.thickness]))
-                return float(values.min()), float(values.max())
-            case TransverselyIsotropic(E_p=E_p, E_z=E_z):
-                return min(E_p, E_z), max(E_p, E_z)
 
 
 @dataclass(frozen=True)
@@ -259,6 +228,27 @@ class Problem:
         return contact_modulus(self.specimen.surface, self.indenter.material)
 
     @property
+    def coatings(self) -> tuple[Layer, ...]:
+        """The layers of the indenter from its surface inwards."""
+        material = self.indenter.material
+        return material.layers if isinstance(material, Coated) else ()
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """All layers of both bodies."""
+        return (*self.specimen.layers, *self.coatings)
+
+    @property
+    def is_half_space(self) -> bool:
+        """True where E* is all that counts: a homogeneous half-space under a rigid or homogeneous indenter."""
+        return self.specimen.is_half_space and not self.coatings
+
+    @property
+    def top_thickness(self) -> float:
+        """Thickness of the thinner of the two layers that touch [m]; infinite between half-spaces."""
+        return min([self.specimen.top_thickness, *(layer.thickness for layer in self.coatings[:1])])
+
+    @property
     def surface(self) -> str:
         """What the surfaces do that touch: "sliding" without friction, or "sticking"."""
         return "sticking" if self.sticks else "sliding"
@@ -269,7 +259,11 @@ class Problem:
         loading, elastic = self.loading, "" if self.indenter.material is None else "elastic "
         quantity = "contact radius" if loading.to == "radius" else loading.to
         stuck = ", no slip," if self.sticks else ""
-        return f"{elastic}{self.indenter.words} on {self.specimen.words}{stuck} to a {quantity} of {loading.goal}"
+        more = " on top" if len(self.coatings) > 1 else ""
+        coated = f", coated ({self.coatings[0].words}{more})," if self.coatings else ""
+        return (
+            f"{elastic}{self.indenter.words}{coated} on {self.specimen.words}{stuck} to a {quantity} of {loading.goal}"
+        )
 
     def scaled(self, factor: float) -> Problem:
         """The same problem with every modulus, tension and prescribed load multiplied by ``factor``."""

@@ -6,28 +6,31 @@ import functools
 import operator
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, get_origin
+from typing import Annotated, Any, Literal, Self, cast, get_origin
 
-from pydantic import Field, ValidationInfo, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
 from ..base import InputError, read_bytes
-from ..bodies import SHAPES, Elastic, Indenter
+from ..bodies import SHAPES, Coated, Elastic, Indenter, Solid
 from ..tables.text_table import TextTable, read_table
 from ..tables.titles import split_name, unit_power
-from .fields import BuiltTable, Modulus, Poisson, findings, table_of, wrong
+from .fields import BuiltTable, Modulus, Poisson, as_tuple, findings, table_of, wrong
+from .materials import AnyCoating
 
 CALLED = {"r": ("r", "radius"), "f": ("f", "z", "height")}  # columns of a profile
 MOST_BYTES = 4 << 20  # choice: of a profile's file, a hundred thousand points are read in a second
 
 
 class IndenterTable(BuiltTable):
-    """Keys that every shape has: its name, E and nu of an elastic indenter (left out: rigid).
+    """Keys that every shape has: its name, E and nu of an elastic indenter (left out: rigid), and its homogeneous
+    ``layers``, outermost first.
 
     A shape by lists may be given as a ``file``, a table of text with a column for each: "r (nm)" for the key ``r``.
     """
 
     E: Modulus | None = None
     nu: Poisson | None = None
+    layers: Annotated[tuple[AnyCoating, ...], BeforeValidator(as_tuple)] = ()
     shape: str
 
     @model_validator(mode="before")
@@ -47,13 +50,20 @@ class IndenterTable(BuiltTable):
     def _buildable(self) -> Self:
         if (self.E is None) != (self.nu is None):
             raise wrong("an elastic indenter needs both E and nu (leave both out for a rigid one)")
+        if self.layers and self.E is None:
+            raise wrong(
+                "layers are on an elastic core: give E and nu of the core, below them (a stiff one is as rigid)"
+            )
         with findings():
             self.build()
         return self
 
     def build(self) -> Indenter:
         """The indenter of the table."""
-        indenter: Indenter = self.built(None if self.E is None or self.nu is None else Elastic(self.E, self.nu))
+        material: Solid | None = None if self.E is None or self.nu is None else Elastic(self.E, self.nu)
+        if self.layers and isinstance(material, Elastic):
+            material = Coated(tuple(table.build() for table in cast(Any, self.layers)), material)
+        indenter: Indenter = self.built(material)
         return indenter
 
     @classmethod

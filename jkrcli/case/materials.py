@@ -73,6 +73,16 @@ def _one_modulus(value: Any) -> Any:
     return value
 
 
+def _one_modulus_of_coating(value: Any) -> Any:
+    if isinstance(value, dict):
+        raise wrong("a layer of the indenter is homogeneous: cut a graded one into several")
+    return value
+
+
+class CoatingTable(LayerTable):
+    E: Annotated[Modulus, BeforeValidator(_one_modulus_of_coating)]
+
+
 class HalfSpaceTable(IsotropicTable):
     E: Annotated[Modulus, BeforeValidator(_one_modulus)]
 
@@ -83,4 +93,5 @@ def _tag(value: Any) -> str:
 
 
 AnyLayer = either(_tag, LayerTable, TransverseLayerTable)
+AnyCoating = either(_tag, CoatingTable, TransverseLayerTable)
 AnyHalfSpace = either(_tag, HalfSpaceTable, TransverseTable)

@@ -7,12 +7,14 @@ from typing import Any
 from ..bodies import (
     LAWS,
     RELAXATIONS,
+    Coated,
     Graded,
     HalfSpace,
     Layer,
     Loading,
     Material,
     Problem,
+    Solid,
     Specimen,
 )
 from .reading import Case, model_of
@@ -21,11 +23,17 @@ from .reading import Case, model_of
 def case_of(problem: Problem) -> Case:
     """A case of ``problem``, with defaults for all else; InputError where no case can say it."""
     tree = {
-        "indenter": problem.indenter.keys | _material(problem.indenter.material),
+        "indenter": problem.indenter.keys | _indenter(problem.indenter.material),
         "specimen": _specimen(problem.specimen) | ({"surface": "sticking"} if problem.sticks else {}),
         "loading": _loading(problem.loading),
     }
     return Case(model_of(tree, "problem"), "problem")
+
+
+def _indenter(material: Solid | None) -> dict[str, Any]:
+    if isinstance(material, Coated):
+        return _material(material.core) | {"layers": [_layer(layer) for layer in material.layers]}
+    return _material(material)
 
 
 def _material(material: Material | None) -> dict[str, Any]:

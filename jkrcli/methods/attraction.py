@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base import MOST_STEPS, NOTICEABLE, ROUNDED, UNSEEN, Array, Refusal, show
-from ..bodies import HalfSpace, Problem, Specimen, unbounded
+from ..bodies import Problem, alone, unbounded
 from ..series import KeptKernel
 from .hybrid.options import HybridOptions
 from .integral import Attraction
@@ -66,7 +66,8 @@ class AttractedBody:
 
     @cached_property
     def _half_space(self) -> LayeredContact:
-        return LayeredContact(self.problem.indenter, Specimen((), HalfSpace(self.problem.specimen.surface)))
+        half_spaces = alone(self.problem)
+        return LayeredContact(half_spaces.indenter, half_spaces.specimen)
 
     @cached_property
     def _cylinder(self) -> AdaptiveKernel | None:
@@ -133,7 +134,7 @@ class AttractedBody:
         wide = self._wide
         expected = TUNING.room * self._edge(self._half_space.attraction, 2 * a + math.sqrt(gap * a), a, s, gap)
         count = wide.attraction_panels(min(expected, self.limit), TUNING.tolerance).x.size
-        stack = TUNING.stack * spectrum_seconds(wide.specimen)
+        stack = TUNING.stack * spectrum_seconds(self.problem)
         sides = 0.0
         if self._cylinder is not None:
             sides, _ = self._cylinder.expected_cost(self._cylinder.levels(min(expected, self.limit)))

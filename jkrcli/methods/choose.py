@@ -109,11 +109,11 @@ def long_look(problem: Problem) -> str | None:
     from .layered.spectrum import spectrum_seconds
 
     specimen, looks = problem.specimen, 1 if problem.loading.to == "radius" else TUNING.looks
-    seconds = looks * spectrum_seconds(specimen)
+    seconds = looks * spectrum_seconds(problem)
     if seconds < SILENCE:
         return None
     pieces = f" with {specimen.pieces:,} pieces of E over depth" if specimen.is_graded else ""
-    layers = "a layer" if len(specimen.layers) == 1 else f"{len(specimen.layers):,} layers"
+    layers = "a layer" if len(problem.layers) == 1 else f"{len(problem.layers):,} layers"
     return f"{layers}{pieces}: estimating the cost of each method takes about {duration(seconds)} of CPU time"
 
 

@@ -60,7 +60,7 @@ class Descriptor:
     and ranges in the annotations, which stand in the case file's table ``table`` (its name where empty; or
     ``InTable``). ``automatic``: whether "auto" may choose it. ``exact``: to round-off or its tolerance, at next to no
     cost; ``kernel``: its bodies have the kernel of the contact equation (see ``methods.attraction``); ``tension``:
-    whether it represents surface tension.
+    whether it represents surface tension; ``coating``: layers of the indenter.
     """
 
     name: str
@@ -73,6 +73,7 @@ class Descriptor:
     exact: bool = False
     kernel: bool = False
     tension: bool = False
+    coating: bool = False
 
     @cached_property
     def places(self) -> dict[str, Place]:
@@ -110,7 +111,9 @@ def method_class(name: str) -> Any:
 def refusal_of(name: str, method: Method, problem: Problem) -> str | None:
     """Why the ``method`` called ``name`` cannot represent the problem, and the remedy; None where it can."""
     tense = name in METHODS and METHODS[name].tension
-    return (None if tense else without_tension(problem)) or method.refusal(problem)
+    coated = name in METHODS and METHODS[name].coating
+    missing = (None if tense else without_tension(problem)) or (None if coated else without_coating(problem))
+    return missing or method.refusal(problem)
 
 
 def without_tension(problem: Problem) -> str | None:
@@ -121,6 +124,15 @@ def without_tension(problem: Problem) -> str | None:
     if problem.specimen.radius is not None:
         able.remove("layered")
     return f"does not represent surface tension: use method {' or '.join(able)}, or leave specimen.surface_tension out"
+
+
+def without_coating(problem: Problem) -> str | None:
+    """Why a method that knows no layers of the indenter refuses the problem; None where it has none."""
+    if not problem.coatings:
+        return None
+    able = [method.name for method in METHODS.values() if method.coating and problem.specimen.radius is None]
+    use = f"use method {' or '.join(able)}, or " if able else ""
+    return f"does not represent layers of the indenter: {use}leave indenter.layers out"
 
 
 def least_first() -> tuple[str, ...]:

@@ -132,6 +132,6 @@ def _surface(curve: Analysis, a: float) -> Callable[[Array], Array] | None:
     from ..methods import surface_profile
 
     problem = curve.problem
-    if problem.indenter.material is None or problem.specimen.is_half_space:
+    if problem.indenter.material is None or problem.is_half_space:
         return None
     return lambda r: surface_profile(problem, a, curve.w, r_surface=r).displacement

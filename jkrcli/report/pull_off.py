@@ -338,6 +338,6 @@ def _validity(result: Analysis, *points: CriticalPoint | Unknown) -> list[str]:
     tabor = [f"Tabor number {judged.tabor:.3g}: {judged.regime}"] if isinstance(judged.tabor, float) else []
     warnings = [warning for warning in judged.warnings if not warning.startswith(ABOVE)]
     warnings += [*yielding(result.problem, result.curve), *getattr(result.curve, "doubts", ())]
-    warnings += faces(result.problem.indenter, result.w, bool(result.problem.specimen.layers))
+    warnings += faces(result.problem.indenter, result.w, bool(result.problem.layers))
     lines = [*tabor, ", ".join(tables.size_words(judged, SIZES)), *warnings]
     return [f"  {line}" for line in lines if line.strip()]

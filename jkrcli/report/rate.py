@@ -67,7 +67,7 @@ class CycledAtSpeed(adhesion.History, Result):
         x = adhesion.position(pulled.delta, pulled.P, contact.stiffness)
         G = float(contact.states(np.array([pulled.a]), np.array([x])).G[0])
         z0 = self.body.solution.record.z0
-        return zone(G, contact.w0, problem.E_star, pulled.a, problem.specimen.top_thickness, self.stress, z0)
+        return zone(G, contact.w0, problem.E_star, pulled.a, problem.top_thickness, self.stress, z0)
 
     def figure(self) -> Figure:
         from .plots.rate import history_figure

@@ -60,7 +60,7 @@ ONE_CHANGE = {
     "unknown key": (
         "radius =",
         "raduis =",
-        'indenter.raduis: unknown key, did you mean "radius"? (allowed: E, nu, shape, radius)',
+        'indenter.raduis: unknown key, did you mean "radius"? (allowed: E, nu, layers, shape, radius)',
     ),
     "unknown shape": (
         '"sphere"',

@@ -11,7 +11,7 @@ import numpy as np
 from ...base import AnyLength, Array, InputError, Key, Length, Ranged, positive, show
 from ...formulas import half_space
 from ..indenter import Indenter, shape
-from ..materials import Elastic
+from ..materials import Solid
 
 HalfAngle = Annotated[float, Ranged("angle", above=0, below=math.pi / 2)]
 
@@ -21,7 +21,7 @@ class _Round(Indenter):
     """An indenter that is known by the radius ``R`` [m] of its tip."""
 
     R: Annotated[Length, Key("radius")]
-    material: Elastic | None = None
+    material: Solid | None = None
 
     def __post_init__(self) -> None:
         positive(R=self.R)
@@ -91,7 +91,7 @@ class Paraboloid(_Round):
 
 
 @shape("paraboloid")
-def on_a_sphere(radius: Length, counter_radius: AnyLength | None = None, *, material: Elastic | None) -> Paraboloid:
+def on_a_sphere(radius: Length, counter_radius: AnyLength | None = None, *, material: Solid | None) -> Paraboloid:
     """The paraboloid of a case file; ``counter_radius``: of a spherical specimen (negative: a cavity)."""
     if counter_radius is None:
         return Paraboloid(radius, material)
@@ -109,7 +109,7 @@ class PowerLaw(Indenter):
 
     B: Annotated[float, Ranged("number", above=0), Key("coefficient")]
     d: Annotated[float, Ranged("number", least=1, most=20), Key("exponent")]
-    material: Elastic | None = None
+    material: Solid | None = None
     noun: ClassVar[str] = "power law"
 
     def __post_init__(self) -> None:
@@ -143,7 +143,7 @@ class PowerLaw(Indenter):
 
 
 @shape("cone")
-def of_half_angle(half_angle: HalfAngle, material: Elastic | None) -> PowerLaw:
+def of_half_angle(half_angle: HalfAngle, material: Solid | None) -> PowerLaw:
     """The cone of a case file; ``half_angle``: between the axis and the surface."""
     return PowerLaw(1 / math.tan(half_angle), 1.0, material)
 
@@ -158,7 +158,7 @@ class RoundedFlat(Indenter):
 
     b: Annotated[Length, Key("flat_radius")]
     edge_radius: Length
-    material: Elastic | None = None
+    material: Solid | None = None
     noun: ClassVar[str] = "rounded flat end"
 
     def __post_init__(self) -> None:

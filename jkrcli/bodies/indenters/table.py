@@ -27,7 +27,7 @@ from ...base import (
     spline_slopes,
 )
 from ..indenter import Indenter, shape
-from ..materials import Elastic
+from ..materials import Solid
 from .smoothing import TUNING as SMOOTHING
 from .smoothing import SmoothProfile, cut_at, scatter, smooth_convex
 
@@ -73,7 +73,7 @@ class TableProfile(Indenter):
     r: tuple[AnyLength, ...]
     heights: Annotated[tuple[AnyLength, ...], Key("f")]
     bends: tuple[AnyLength, ...] = ()
-    material: Elastic | None = None
+    material: Solid | None = None
     noise: Length | None = None
     smooth: SmoothProfile | None = field(init=False, repr=False, compare=False)
     knots: Array = field(init=False, repr=False, compare=False)

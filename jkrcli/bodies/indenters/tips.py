@@ -11,7 +11,7 @@ import numpy as np
 from ...base import Array, InputError, Key, Length, positive, show
 from ...formulas import half_space
 from ..indenter import Indenter, shape
-from ..materials import Elastic
+from ..materials import Solid
 from .analytic import HalfAngle, PowerLaw
 
 Cap: TypeAlias = Literal["sphere", "parabola"]
@@ -36,7 +36,7 @@ class RoundedCone(Indenter):
 
     R: Annotated[Length, Key("radius")]
     half_angle: HalfAngle
-    material: Elastic | None = None
+    material: Solid | None = None
     cap: Cap = "sphere"
     noun: ClassVar[str] = "rounded cone"
 
@@ -115,7 +115,7 @@ class Pyramid(PowerLaw):
     noun: ClassVar[str] = "pyramid"
 
     @classmethod
-    def of(cls, sides: int, half_angle: float, material: Elastic | None = None, equal: Equal = "load") -> Pyramid:
+    def of(cls, sides: int, half_angle: float, material: Solid | None = None, equal: Equal = "load") -> Pyramid:
         """The pyramid of 3 or 4 ``sides``."""
         if sides not in LOADS:
             raise InputError(f"sides: must be 3 or 4, got {sides}")
@@ -147,12 +147,12 @@ class Pyramid(PowerLaw):
 
 
 @shape("pyramid")
-def of_four_faces(half_angle: HalfAngle, material: Elastic | None, equal: Equal = "load") -> Pyramid:
+def of_four_faces(half_angle: HalfAngle, material: Solid | None, equal: Equal = "load") -> Pyramid:
     """The four-sided pyramid of a case file, of cantilevers and Vickers; ``half_angle``: between axis and face."""
     return Pyramid.of(4, half_angle, material, equal)
 
 
 @shape("three-sided-pyramid")
-def of_three_faces(half_angle: HalfAngle, material: Elastic | None, equal: Equal = "load") -> Pyramid:
+def of_three_faces(half_angle: HalfAngle, material: Solid | None, equal: Equal = "load") -> Pyramid:
     """The three-sided pyramid of a case file, Berkovich's or a cube's corner; ``half_angle``: between axis and face."""
     return Pyramid.of(3, half_angle, material, equal)

@@ -157,7 +157,7 @@ def _pull_off(fit: Fit, rivals: Rivals | None) -> Iterator[str]:
 
 def _elastic_indenter(fit: Fit, body: FittedBody) -> Iterator[str]:
     modulus, problem = fit.settings.known("modulus"), body.problem
-    if modulus.free and problem.indenter.material is not None and problem.specimen.layers:
+    if modulus.free and problem.indenter.material is not None and problem.layers:
         yield "the indenter is elastic: its modulus was scaled together with those of the layers"
 
 

@@ -167,7 +167,7 @@ def with_shape(fitted: Fit, body: FittedBody) -> Fit:
     if share == 1:
         return replace(fitted, tip=tip.remark)
     parts = body.nonadhesive.parts(np.clip(largest, body.series.a[0], body.series.a[-1]))
-    power = abs(float(largest * parts.dS / parts.S) - 1) if body.problem.specimen.layers else 0.0
+    power = abs(float(largest * parts.dS / parts.S) - 1) if body.problem.layers else 0.0
     left = {"modulus": power * abs(1 - math.sqrt(share)), "work": 1 / share - 1}
     estimates = tuple(
         replace(item, model={**(item.model or {}), OF_SHAPE: left[item.dimension] * item.value})

@@ -86,7 +86,7 @@ def range_rival_of(minimum: Minimum, variance: float, limit: float, settings: Se
     body = minimum.objective.body
     problem = body.problem
     own, values = any(p.of_body for p in minimum.objective.parameters), minimum.objective.values(minimum.x)
-    if own or problem.specimen.radius is not None or spectrum_seconds(problem.specimen) > TUNING.slow:
+    if own or problem.specimen.radius is not None or spectrum_seconds(problem) > TUNING.slow:
         return None
     if min(_works(values)) < NOTICEABLE * values["modulus"] * body.family.natural_work:
         return None

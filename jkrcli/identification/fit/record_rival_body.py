@@ -211,8 +211,8 @@ def tension(record: FittedRecord) -> Change | None:
     """Surface tension Ups of a half-space, kappa = 2 Ups/E* = amount times a_max, to first order in kappa/a: delta_H
     times 1 + 2 x (l - 1), P_H times 1 + 3 x l, S times 1 + x (l + 1), S' times 1 + x with x = kappa/(pi a) and l = ln(2
     a/kappa) + Euler's constant."""
-    specimen, a_max = record.body.problem.specimen, record.a_max
-    if specimen.layers or specimen.radius is not None:
+    problem, a_max = record.body.problem, record.a_max
+    if problem.layers or problem.specimen.radius is not None:
         return None
 
     def relative(family: Family, amount: float) -> Array:
@@ -248,7 +248,7 @@ def strains(record: FittedRecord) -> Array | None:
     becomes P_H/(1 + excess(a/R))."""
     problem = record.body.problem
     R, known = problem.indenter.tip_radius, EXCESS.get(problem.indenter.noun)
-    if known is None or problem.specimen.layers or R is None:
+    if known is None or problem.layers or R is None:
         return None
     excess = np.interp(record.a / R, STRAINED, known)
     return -excess / (1 + excess) * record.nonadhesive[0] * record.at_fixed_position

@@ -144,7 +144,7 @@ def _by_formula(problem: Problem, fit: ForceCurveFit) -> tuple[str, float | None
     depth = float(fit.model.depth(part, values)[i]) - load / fit.model.k
     if R is None or depth <= 0:
         return "", None
-    if not problem.specimen.layers:
+    if not problem.layers:
         return "Hertz", 3 * load / (4 * math.sqrt(R * depth**3)) if load > 0 else None
     w = max(values[f"q:{part.kind}"], 0.0) * math.exp(values["ln_s"])
     try:

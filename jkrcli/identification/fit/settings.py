@@ -250,7 +250,7 @@ def _longest_range(body: FittedBody, text: str) -> float:
 def _largest_tension(body: FittedBody, text: str) -> float:
     """The upper bound [N/m] of a surface tension that is left out."""
     specimen = body.problem.specimen
-    if specimen.layers or specimen.radius is not None or specimen.surface_tension:
+    if body.problem.layers or specimen.radius is not None or specimen.surface_tension:
         raise InputError(
             "fit: surface_tension: a bound is for half-spaces without one: set specimen.surface_tension, or give "
             "--free surface_tension and --tip-radius"

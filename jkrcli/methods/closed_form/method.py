@@ -13,7 +13,7 @@ from ...bodies import Elastic, Layer, Loading, Paraboloid, Problem, Rigid, Spher
 from ...formulas import thin_layer
 from ...series import COLUMNS, ErrorBudget, Series, Solution
 from ..layered.layered import Layered
-from ..protocol import Forecast, without_tension
+from ..protocol import Forecast, without_coating, without_tension
 from ..radii import ROUGH, Search
 
 
@@ -85,7 +85,7 @@ def _radii(problem: Problem, formula: Formula) -> Array:
 
 def _formula(problem: Problem) -> Formula:
     """The formula for this body; Refusal where there is none, with what to use instead."""
-    if reason := without_tension(problem):
+    if reason := without_tension(problem) or without_coating(problem):
         raise Refusal(reason)
     if problem.sticks and not _slides_all_the_same(problem):
         other = "layered" if problem.specimen.radius is None else "fem"
@@ -102,7 +102,9 @@ def _formula(problem: Problem) -> Formula:
 def _slides_all_the_same(problem: Problem) -> bool:
     """Whether sticking changes nothing: an incompressible half-space under a rigid or incompressible indenter."""
     indenter = problem.indenter.material
-    incompressible = problem.specimen.materials[0].surface.nu == 0.5 and (indenter is None or indenter.nu == 0.5)
+    incompressible = problem.specimen.materials[0].surface.nu == 0.5 and (
+        indenter is None or indenter.surface.nu == 0.5
+    )
     return problem.specimen.is_half_space and incompressible
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from ...base import Refusal, StageClock, Unknown, one_thread
 from ...bodies import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
-from ..protocol import Forecast
+from ..protocol import Forecast, without_coating
 from .budget import Assessment, assessed, truncation_of
 from .cost import forecast
 from .edge import finest_spacing
@@ -45,6 +45,8 @@ class FEM(FEMOptions):
     def _unable(self, problem: Problem) -> str | None:
         """Why no mesh can represent the problem."""
         specimen = problem.specimen
+        if reason := without_coating(problem):
+            return reason
         if problem.sticks and (reason := self._unable_to_stick(problem)):
             return reason
         if self.tolerance is not None and (self.spacing, self.growth) != (FEMOptions.spacing, FEMOptions.growth):

@@ -89,7 +89,7 @@ def contact_state(
     """
     if surface is not None:
         problem = replace(problem, indenter=replace(cast(Any, problem.indenter), material=None))
-    elif problem.indenter.material is not None and not problem.specimen.is_half_space:
+    elif problem.indenter.material is not None and not problem.is_half_space:
         raise Refusal("fields: under an elastic indenter the displacement of the body's surface must be given")
     reason = replace(method, contact_radius=a, layout="scaled", element_size=None, order=2).refusal(problem)
     if reason is not None:

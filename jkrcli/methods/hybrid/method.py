@@ -12,7 +12,7 @@ from ...bodies import Graded, HalfSpace, Problem, TransverselyIsotropic
 from ...series import ErrorBudget, KeptKernel, Solution
 from .. import integral
 from ..layered.layered import expected_radius
-from ..protocol import Forecast, without_tension
+from ..protocol import Forecast, without_coating, without_tension
 from ..radii import check_radius
 from .adaptive import TUNING as REFINING
 from .adaptive import AdaptiveKernel, ErrorEstimates, KernelContact, fem_for, instead
@@ -189,7 +189,7 @@ def _no_radius(problem: Problem, reach: float) -> str:
 
 def _unable(problem: Problem) -> str | None:
     specimen = problem.specimen
-    if reason := without_tension(problem):
+    if reason := without_tension(problem) or without_coating(problem):
         return reason
     if problem.sticks:
         return f"the correction is for frictionless contact: use method {instead(problem.indenter, specimen)}"

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base import SAME, Array, JkrError, Refusal, show
-from ...bodies import Specimen
+from ...bodies import Specimen, stacks
 from .density import Density, unsmooth
 from .kernel import FredholmKernel
 from .pair import Contact
@@ -53,7 +53,7 @@ def disc_warnings(
 
     ``kernel(reach)``: K for x + t <= ``reach`` [m]; outside, the surface is looked at no farther than it is known.
     """
-    if not _bends(specimen):
+    if not any(_bends(body) for body in (specimen, *stacks(specimen, contact.indenter.material))):
         return ()
     a0 = contact.indenter.a0
     radii = a0 + np.array(TUNING.fractions) * (largest - a0)

@@ -60,6 +60,11 @@ def surface_profile(
     reason = Layered().refusal(problem) or unsmooth(problem.specimen)
     if problem.sticks:
         reason = "profile: pressures of contact without slip are not those of one density: use the field of method fem"
+    if problem.coatings:
+        reason = (
+            "profile: how a coated indenter and the specimen share the displacement is not derived: take a homogeneous "
+            "indenter (leave indenter.layers out)"
+        )
     if reason is not None:
         raise Refusal(reason)
     r, r_surface = _sample(problem, a, w, r, r_surface)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...base import Array, Refusal, StageClock
-from ...bodies import Loading, Problem, Specimen, unbounded
+from ...bodies import Loading, Problem, Specimen, stacks, unbounded
 from ...series import ErrorBudget, Solution
 from .. import integral
 from ..protocol import Forecast
@@ -31,11 +31,11 @@ SolvedContact = LayeredContact | StuckLayeredContact | TenseContact
 class Layered(LayeredOptions):
     """Fredholm equation of the contact problem, all radii from one Cholesky factor; no mesh, S and S' exact.
 
-    Valid for any stack of bonded layers, isotropic (-1 < nu <= 1/2), graded over depth or transversely isotropic, on a
-    rigid base, bonded or frictionless, or on an elastic half-space, wider than the contact by so much that its sides do
-    not matter, with surface tension or without; any convex indenter, rigid or elastic. ``tolerance``: relative error of
-    delta, P, S and S' at every radius, estimated by a second quadrature; no smaller than ``GRADED`` where any layer is
-    graded, or ``TenseTuning.tolerance`` under surface tension.
+    Valid for any stack of bonded layers, isotropic (-1 < nu <= 1/2), graded over depth or transversely isotropic,
+    on a rigid base, bonded or frictionless, or on an elastic half-space, wider than the contact by so much that its
+    sides do not matter, with surface tension or without; any convex indenter, rigid, elastic or coated.
+    ``tolerance``: relative error of delta, P, S and S' at every radius, estimated by a second quadrature; no
+    smaller than ``GRADED`` where any layer is graded, or ``TenseTuning.tolerance`` under surface tension.
     """
 
     def refusal(self, problem: Problem) -> str | None:
@@ -63,9 +63,7 @@ class Layered(LayeredOptions):
         radii = np.linspace(problem.indenter.a0, largest_radius(problem), max(problem.loading.points, 1) + 1)[1:]
         plan: Any = contact.plan(radii, self.attainable(problem.specimen) / TUNING.margin)
         contact.guard(radii, plan)
-        seconds = (
-            spectrum_seconds(problem.specimen) + self._operations(contact, problem, radii) / integral.FLOPS_PER_SECOND
-        )
+        seconds = spectrum_seconds(problem) + self._operations(contact, problem, radii) / integral.FLOPS_PER_SECOND
         memory = 8 * 6 * (plan.nodes + radii.size / getattr(plan, "groups", 1)) ** 2 / 2**20
         return Forecast(seconds, 5 + memory, self.attainable(problem.specimen), f"{plan.nodes} nodes, no mesh")
 
@@ -141,5 +139,6 @@ def _facts(contact: SolvedContact, result: integral.ContactResult) -> dict[str, 
     facts: dict[str, float | int] = {"nodes": panels.x.size, "panels": panels.edges.size - 1, "order": panels.order}
     if contact.specimen.layers:
         facts["a_over_h"] = float(panels.radii[-1]) / contact.specimen.top_thickness
+    if stacks(contact.specimen, contact.indenter.material):
         facts["a_over_scale"] = float(panels.radii[-1]) / contact.spectrum.scale
     return facts

@@ -21,4 +21,8 @@ class LayeredOptions:
 
 SENTENCE = "The exact contact equation of any stack of layers much wider than the contact; no mesh."
 SOLVER = "jkrcli.methods.layered.layered:Layered"
-register(Descriptor("layered", SENTENCE, SOLVER, 20, LayeredOptions, exact=True, kernel=True, tension=True))
+register(
+    Descriptor(
+        "layered", SENTENCE, SOLVER, 20, LayeredOptions, exact=True, kernel=True, tension=True, coating=True
+    )
+)  # fmt: skip

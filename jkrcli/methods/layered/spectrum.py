@@ -19,7 +19,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ...base import Array, SolveError
-from ...bodies import Elastic, Specimen, TransverselyIsotropic, contact_modulus
+from ...bodies import Elastic, Problem, Solid, Specimen, TransverselyIsotropic, contact_modulus, stacks
 from ..integral import CosineKernel, gauss, phase_allowed, rule, split, to_legendre
 from .minors import TUNING as MINORS
 from .minors import Medium, minors_below, minors_of, shear_moduli, through_isotropic
@@ -49,15 +49,16 @@ class SpectrumTuning:
 TUNING = SpectrumTuning()
 
 
-def deviation(specimen: Specimen, k: Array, indenter: Elastic | None = None) -> Array:
+def deviation(specimen: Specimen, k: Array, indenter: Solid | None = None) -> Array:
     """Deviation g(k) - 1 at the wave numbers ``k`` >= 0 [1/m], shape of ``k``; small values keep their relative
     accuracy.
 
-    With an elastic ``indenter`` g belongs to both bodies together, normalised by E* of both: its own half-space adds a
-    constant to the compliance, so that only the factor E*/E*_top remains.
+    With an elastic ``indenter`` g belongs to both bodies together, normalised by E* of the surfaces: compliances add,
+    C = 2 g/(E* k) = 2 g_1/(E*_1 k) + 2 g_2/(E*_2 k), so that g - 1 = sum (E*/E*_i)(g_i - 1); a half-space adds none.
     """
-    factor = contact_modulus(specimen.surface, indenter) / specimen.surface.E_star
-    return factor * compliance(specimen, k)[1]
+    E_star = contact_modulus(specimen.surface, indenter)
+    parts = [E_star / body.surface.E_star * compliance(body, k)[1] for body in stacks(specimen, indenter)]
+    return sum(parts, np.zeros(np.shape(k)))
 
 
 def compliance(specimen: Specimen, k: Array) -> Array:
@@ -114,7 +115,7 @@ class LayeredSpectrum:
     reach."""
 
     specimen: Specimen
-    indenter: Elastic | None = None
+    indenter: Solid | None = None
 
     def __call__(self, k: Array) -> Array:
         rest = deviation(self.specimen, k, self.indenter)
@@ -138,15 +139,20 @@ class LayeredSpectrum:
 
     @property
     def _finest(self) -> float:
-        """The length [m] over which the specimen changes below the surface, as far as the contact feels it."""
-        top = self.specimen.layers[0]
-        if isinstance(top.material, TransverselyIsotropic):
-            return top.thickness * min(Medium.transverse(top.material).slowest, 1.0)
-        return top.thickness if self.tail is None else self.tail.finest
+        """The length [m] over which the bodies change below the surface, as far as the contact feels it."""
+        lengths = []
+        for body in stacks(self.specimen, self.indenter):
+            top = body.layers[0]
+            if isinstance(top.material, TransverselyIsotropic):
+                lengths.append(top.thickness * min(Medium.transverse(top.material).slowest, 1.0))
+            else:
+                own = None if body is not self.specimen else self.tail
+                lengths.append(top.thickness if own is None else own.finest)
+        return min(lengths)
 
     def bandwidth(self, level: float) -> float:
         """The k [1/m] beyond which the rest is below ``level``; 0 for a homogeneous half-space."""
-        if not self.specimen.layers:
+        if not stacks(self.specimen, self.indenter):
             return 0.0
         k, size = self.scan[0], np.abs(self.scan[1])
         above = np.flatnonzero(size >= level)
@@ -198,10 +204,11 @@ class LayeredSpectrum:
         return legendre.legval(local, (values @ to_legendre(TUNING.samples)).T[:, panel], tensor=False)
 
 
-def spectrum_seconds(specimen: Specimen) -> float:
-    """CPU seconds to resolve the spectrum of a stack and evaluate its kernels, about; a single look takes half."""
+def spectrum_seconds(problem: Problem) -> float:
+    """CPU seconds to resolve the spectrum of the bodies and evaluate its kernels, about; a single look takes half."""
+    specimen = problem.specimen
     graded = TUNING.graded_seconds * (2 + specimen.pieces) if specimen.is_graded else 0.0
-    return TUNING.start + TUNING.layer_seconds * len(specimen.layers) + graded
+    return TUNING.start + TUNING.layer_seconds * len(problem.layers) + graded
 
 
 def resolved(

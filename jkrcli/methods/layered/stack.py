@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...base import NO_CLAIM, Array, Refusal, SolveError
-from ...bodies import Elastic, Indenter, Specimen, contact_modulus
+from ...bodies import Indenter, Solid, Specimen, contact_modulus
 from .. import integral
 from .product import product_matrix
 from .spectrum import LayeredSpectrum
@@ -224,7 +224,7 @@ class LayeredContact(IndenterOnLayers):
 
 
 @lru_cache(maxsize=8)  # the radii of one body are often solved in several steps
-def _spectrum(specimen: Specimen, indenter: Elastic | None) -> LayeredSpectrum:
+def _spectrum(specimen: Specimen, indenter: Solid | None) -> LayeredSpectrum:
     return LayeredSpectrum(specimen, indenter)
 
 

@@ -1,7 +1,7 @@
 """One indenter that sticks to one layered specimen: its spectra, and contact at any radii.
 
-The minors of the stack hold the whole surface compliance, F_rr and F_rz beside F_zz. An elastic indenter adds its own
-half-space's, with F_rz of the opposite sign: both bodies squeeze towards the same side.
+The minors of the stack hold the whole surface compliance, F_rr and F_rz beside F_zz. An elastic indenter adds its own,
+a half-space's or that of its layers, with F_rz of the opposite sign: both bodies squeeze towards the same side.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from ...base import Array, Refusal
-from ...bodies import Graded, Indenter, Material, Specimen, TransverselyIsotropic
+from ...bodies import Coated, Graded, Indenter, Material, Specimen, TransverselyIsotropic, stacks
 from ..integral import EXACT, ContactResult, Panels, Quadrature, StuckDisc, StuckKernel
 from ..integral.growth import Growth, Pieces
 from .minors import Medium, minors_of, shear_moduli
@@ -87,22 +87,22 @@ class StuckSpectrum(LayeredSpectrum):
         """Compliances F_zz, F_zr, F_rr of the half-spaces of both materials that touch [1/Pa]."""
         zz, zr, rr = half_space_compliances(self.specimen.materials[0])
         if self.indenter is not None:
-            own = 1 / self.indenter.G
-            rr, zz = rr + own * (1 - self.indenter.nu), zz + own * (1 - self.indenter.nu)
-            zr -= own * (self.indenter.nu - 0.5)
+            outermost = self.indenter.layers[0].material if isinstance(self.indenter, Coated) else self.indenter
+            own_zz, own_zr, own_rr = half_space_compliances(outermost)
+            zz, zr, rr = zz + own_zz, zr - own_zr, rr + own_rr
         return zz, zr, rr
 
     def deviations(self, k: Array) -> Array:
         """g_zz - 1, g_zr - beta, g_rr - 1 (3, k) at the wave numbers ``k`` [1/m]."""
-        if not self.specimen.layers:
-            return np.zeros((3, k.size))
-        layer = self.specimen.layers[0]
-        m = minors_of(self.specimen, np.maximum(k, 1e-30 / self.specimen.top_thickness))
-        stack = m[[2, 3, 1]] / m[0] / shear_moduli(layer)[0]
+        total = np.zeros((3, k.size))
+        for body in stacks(self.specimen, self.indenter):
+            layer = body.layers[0]
+            m = minors_of(body, np.maximum(k, 1e-30 / layer.thickness))
+            own = m[[2, 3, 1]] / m[0] / shear_moduli(layer)[0]
+            own -= np.array(half_space_compliances(layer.material))[:, None]
+            total += own if body is self.specimen else own * np.array([[1], [-1], [1]])
         zz, _, rr = self._half_spaces
-        return (stack - np.array(half_space_compliances(layer.material))[:, None]) / np.array(
-            [[zz], [math.sqrt(zz * rr)], [rr]]
-        )
+        return total / np.array([[zz], [math.sqrt(zz * rr)], [rr]])
 
     @cached_property
     def panels(self) -> tuple[Array, Array, Array]:
@@ -117,7 +117,7 @@ class StuckSpectrum(LayeredSpectrum):
         F_rr over a sliding base goes like 1/k, and acts times k^2 for small k.
         """
         zz, zr, rr = self.deviations(k) + np.array([[1.0], [self.beta], [1.0]])
-        y = k * self.specimen.top_thickness
+        y = k * min((body.top_thickness for body in stacks(self.specimen, self.indenter)), default=math.inf)
         share = y / np.sqrt(1 + y**2)
         return (zz, zz + 2 * share * zr + share**2 * rr, share**2 * rr)[row] - 1
 

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base import Array
-from ...bodies import Elastic, Graded, Specimen, contact_modulus
+from ...bodies import Graded, Solid, Specimen, contact_modulus
 from .minors import smooth_parts
 
 COUNT = 6  # terms of the tail; tuned on graded layers, by `make tuning`
@@ -40,7 +40,7 @@ class Tail:
     finest: float
 
     @classmethod
-    def of(cls, specimen: Specimen, indenter: Elastic | None = None) -> Tail | None:
+    def of(cls, specimen: Specimen, indenter: Solid | None = None) -> Tail | None:
         """Tail of g - 1 of ``specimen`` under an ``indenter``; None where g - 1 decays exponentially."""
         material = specimen.layers[0].material if specimen.layers else None
         if not isinstance(material, Graded):

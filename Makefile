@@ -149,7 +149,7 @@ point-bounds: $(READY) ## whether stated errors of pull-off points by fem bound 
 	$(STUDY).point_bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/point-bounds
 
 node-study: $(READY) ## whether bands of imported series with contact radii of nodes hold, on 400 drawn series (five minutes)
-	$(STUDY).nodes -o $(RESULTS)/nodes
+	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.nodes -o $(RESULTS)/nodes
 
 guards: $(READY) ## forecasts against costs over all that grows, and how soon too much is refused (ten minutes)
 	$(STUDY).guards

@@ -68,7 +68,7 @@ def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) ->
     rest = _beyond_gaps(curve, point, stiffness)
     if isinstance(rest, Unknown):
         return rest
-    rest = rest + _by_shift(curve, point, stiffness)
+    rest = rest + _by_shift(curve, point, stiffness) + _by_description(curve, point, stiffness)
     return {name: float(here[name]) + more for name, more in zip(("delta", "P"), rest.tolist(), strict=True)}
 
 
@@ -84,6 +84,23 @@ def _by_shift(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> A
         return curve.shift_error_at(np.array(point.a))
     largest: Array = np.max([np.zeros(2), *moved], axis=0)
     return largest
+
+
+def _by_description(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
+    """How far delta and P of the ``point`` lie from those of the bodies that the series is said to be of, by what is
+    unexplained of the difference, (2,): which of the two is wrong is not known."""
+    other = _described(curve)
+    if other is None:
+        return np.zeros(2)
+    found = _pull_off(other, curve, stiffness)
+    return _distance(other.point(point.a) if isinstance(found, Unknown) else found, point)
+
+
+@lru_cache(maxsize=2)
+def _described(curve: AdhesiveCurve) -> AdhesiveCurve | None:
+    """The same curve with all that is unexplained put down to the series."""
+    body = curve.nonadhesive.described
+    return None if body is None else AdhesiveCurve(body, curve.w)
 
 
 @lru_cache(maxsize=2)

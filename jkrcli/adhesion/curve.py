@@ -450,19 +450,29 @@ class AdhesiveCurve(EquilibriumCurve):
     @cached_property
     def errors(self) -> Mapping[str, Array]:
         """90 % half-widths of "delta" [m] and "P" [N] at given radius, by first-order propagation of the slopes'
-        covariance, and what the radii share; empty where no error is known."""
+        covariance, what the radii share and what is unexplained; empty where no error is known."""
         covariance, root_w = self.slopes.covariance, math.sqrt(self.w)
         if covariance is None:
             return {}
         gradients = {name: fixed + root_w * rest for name, (fixed, rest) in self.nonadhesive.gradients.items()}
         return {
             name: self.slopes.quantile * np.sqrt(np.einsum("ni,nij,nj->n", gradient, covariance, gradient)) + shared
-            for (name, gradient), shared in zip(gradients.items(), self._by_shift, strict=True)
+            for (name, gradient), shared in zip(gradients.items(), self._by_shift + self._by_description, strict=True)
         }
 
     def shift_error_at(self, place: Array) -> Array:
         """What a shift of all radii makes of delta [m] and P [N] at a ``place`` [m], (2,)."""
         return np.array([np.interp(place, self.a, values) for values in self._by_shift])
+
+    @cached_property
+    def _by_description(self) -> Array:
+        """What is unexplained of the difference to the bodies described makes of delta [m] and P [N] at given radius,
+        (2, n)."""
+        described = self.nonadhesive.described
+        if described is None:
+            return np.zeros((2, self.a.size))
+        other = replace(self, nonadhesive=described)
+        return np.abs([other.delta - self.delta, other.P - self.P])
 
     @cached_property
     def _by_shift(self) -> Array:

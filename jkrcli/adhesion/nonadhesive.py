@@ -48,7 +48,8 @@ class Nonadhesive:
     Refused where S or S' is not positive. ``log_rates``: slopes (n, 2) of log delta_H and of log S' over the same
     logarithms where they are known, NaN elsewhere. ``further``: the functions at more radii, among those of the series,
     which what lies between passes through too. ``together``: whether what lies between belongs to one energy, or each
-    function is interpolated for itself.
+    function is interpolated for itself. ``unexplained``: factors of the profile and of all moduli that would make the
+    functions those of the bodies that the series is said to be of, where nothing explains that they are not.
     """
 
     series: Series
@@ -56,6 +57,7 @@ class Nonadhesive:
     log_rates: Array | None = None
     further: Nonadhesive | None = None
     together: bool = True
+    unexplained: tuple[float, float] = (1.0, 1.0)
 
     def __post_init__(self) -> None:
         bad = ~((self.slopes.dS > 0) & (self.slopes.S > 0))
@@ -102,6 +104,14 @@ class Nonadhesive:
             return ()
         stretch = np.gradient(shift, self.a)
         return tuple(self._moved(sign * shift, 1 + sign * stretch) for sign in (1, -1))
+
+    @cached_property
+    def described(self) -> Nonadhesive | None:
+        """The functions with all that is unexplained put down to the series; None where nothing is."""
+        profile, moduli = self.unexplained
+        if profile == moduli == 1:
+            return None
+        return replace(self.under_profile(profile).scaled(moduli), unexplained=(1.0, 1.0))
 
     def _moved(self, shift: Array, stretch: Array) -> Nonadhesive:
         """The functions with the radii (n,) larger by ``shift`` [m], which changes their distances by ``stretch``."""

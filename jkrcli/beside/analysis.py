@@ -342,7 +342,8 @@ def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:
     The integral fit takes increments as they are, plateaus and noise included; all else takes the paper's filter first.
     """
     try:
-        pair = _series_and_slopes(solution, slopes_name)
+        beside = _compared(solution)
+        pair = _series_and_slopes(solution, slopes_name, beside)
     except InputError as error:
         path = str(solution.record.path)
         raise InputError([line if line.startswith(path) else f"{path}: {line}" for line in error.lines]) from None
@@ -351,11 +352,10 @@ def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:
     if isinstance(unestimated, Unknown) and solution.facts.get("contact") == "nested":
         # rows of a smooth solution scatter by nothing: what they leave of a fit tells nothing of the mesh
         slopes = replace(slopes, error=unestimated, covariance=None, joint=None)
-    return Nonadhesive(series, slopes)
+    return Nonadhesive(series, slopes, unexplained=(1.0, 1.0) if beside is None else beside.unexplained)
 
 
-def _series_and_slopes(solution: Solution, name: str) -> tuple[Series, Slopes]:
-    beside = _compared(solution)
+def _series_and_slopes(solution: Solution, name: str, beside: Compared | None) -> tuple[Series, Slopes]:
     of_nodes = beside is not None and beside.nodes is not None
     own = beside.own if beside is not None else None
     if beside is not None and name in ("auto", "integral") and (of_nodes or not is_series(beside.raw.touching)):

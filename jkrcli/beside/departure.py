@@ -16,6 +16,8 @@ from scipy.interpolate import CubicSpline
 
 from ..adhesion.slopes.scatter import estimate, whitener
 from ..base import Array
+from ..series import RawSeries, Series
+from .nodes import TUNING as LOADS
 from .nodes import Compared
 
 
@@ -27,7 +29,7 @@ class DepartureTuning:
     chance: float = 2e-3  # probability that independent noise shows as much; choice: rare
     of_line: float = 2e-2  # that it shows as straight a line in the load; tuned on drifts, by `make noise-study`
     least: float = 5e-3  # choice: of delta or P; meshes of finite elements leave as much
-    of_nodes: float = 0.05  # and where radii are those of nodes; choice: cut and coarse bodies leave as much
+    of_nodes: float = 0.05  # of the load where radii are those of nodes; choice: cut and coarse bodies leave as much
     floor: float = 1e-14  # theory: variance below which nothing is known of the scatter
     longest: float = 0.99  # choice: correlation of neighbours; more is drift itself
 
@@ -38,11 +40,15 @@ TUNING = DepartureTuning()
 def departures(beside: Compared) -> tuple[str, ...]:
     """A sentence on how rows depart from the bodies' own solution by more than their scatter explains, if they do.
 
-    Nothing where no exact method represents the bodies, or where points are few.
+    Nothing where no exact method represents the bodies, or where points are few. Radii of nodes lie anywhere within an
+    element, which says nothing of the bodies: their loads are compared at equal displacement.
     """
-    raw, own = beside.rows, beside.own
+    own = beside.own
     if own is None:
         return ()
+    if beside.nodes is not None:
+        return _at_equal_displacement(beside.nodes.rows, own)
+    raw = beside.rows
     usable = (raw.a > own.a[0]) & (raw.a <= own.a[-1]) & (raw.delta > 0) & (raw.P > 0)
     a, delta, P = (values[usable] for values in (raw.a, raw.delta, raw.P))
     if a.size < TUNING.fewest:
@@ -50,13 +56,24 @@ def departures(beside: Compared) -> tuple[str, ...]:
     x, logs = np.log(own.a), np.log(np.stack([own.delta, own.P]))
     at = np.log(a)
     expected = CubicSpline(x, logs, axis=1)
-    least = TUNING.least if beside.nodes is None else TUNING.of_nodes
-    return _judged(np.log(np.stack([delta, P])) - expected(at), expected(at, 1), at, least)
+    return _judged(np.log(np.stack([delta, P])) - expected(at), expected(at, 1), at, TUNING.least, "contact radii")
 
 
-def _judged(gap: Array, rates: Array, x: Array, least: float) -> tuple[str, ...]:
+def _at_equal_displacement(rows: RawSeries, own: Series) -> tuple[str, ...]:
+    """The sentence on loads beyond the first elements."""
+    usable = (rows.delta > max(LOADS.deep * rows.delta.max(), own.delta[0])) & (rows.delta <= own.delta[-1])
+    if np.count_nonzero(usable) < TUNING.fewest:
+        return ()
+    x, logs = np.log(own.delta), np.log(np.stack([own.a, own.P]))
+    log_a, expected = CubicSpline(x, logs, axis=1)(np.log(rows.delta[usable]))
+    gap = np.log(rows.P[usable]) - expected
+    rates = CubicSpline(logs[0], np.stack([x, logs[1]]), axis=1)(log_a, 1)
+    return _judged(np.stack([0 * gap, gap]), rates, log_a, TUNING.of_nodes, "displacements")
+
+
+def _judged(gap: Array, rates: Array, x: Array, least: float, equal: str) -> tuple[str, ...]:
     """The sentence on the ``gap`` (2, n) of the logs of delta and P at log radii ``x`` from the bodies' own solution,
-    whose slopes over x are ``rates`` (2, n); none where it is scatter, or below ``least``."""
+    whose slopes over x are ``rates`` (2, n); none where it is scatter, or below ``least``. ``equal``: at what."""
     smooth = _smooth(gap, rates, x)
     if smooth is None:
         return ()
@@ -70,7 +87,7 @@ def _judged(gap: Array, rates: Array, x: Array, least: float) -> tuple[str, ...]
         return ()
     how = "drifts from" if name == "load" else "departs from"
     return (
-        f"the {name} {how} the solution of these bodies at the same contact radii by {spans[name]:+.1%}, beyond the "
+        f"the {name} {how} the solution of these bodies at the same {equal} by {spans[name]:+.1%}, beyond the "
         "scatter (the modulus left free): drift, a wrong zero point, or other bodies; the stated errors do not "
         "include it",
     )

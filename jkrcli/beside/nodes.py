@@ -154,14 +154,37 @@ class Compared:
         where = f"{abs(c):.2f} ± {error:.2f} elements {'ahead' if c >= 0 else 'behind'}"
         return f"{spacing}; the edge runs {where}: {how}"
 
+    @property
+    def unexplained(self) -> tuple[float, float]:
+        """Factors of the profile and of all moduli that would make the series that of the bodies, as far as the errors
+        of these numbers do not explain them; 1 where the radii are none of nodes, or the series is that of other
+        bodies, which is warned of.
+
+        At equal radii the displacements of the bodies are exp(s) times those of the series; at equal radii again, loads
+        over displacements are those of other moduli (Eq. 13: t does not feel the profile).
+        """
+        found, loads = self.found, self.loads()
+        if self.own is None or found is None or loads is None or not loads.fits:
+            return 1.0, 1.0
+        at_equal_radii = self._loads(self.own, found.stretch, True)
+        most = math.log(TUNING.loads)
+        if at_equal_radii is None or max(abs(found.stretch), abs(math.log(at_equal_radii.factor))) > most:
+            return 1.0, 1.0
+        of_profile = _beyond(found.stretch, TWO_SIDED_90 * found.stretch_error)
+        return math.exp(of_profile), math.exp(-_beyond(math.log(at_equal_radii.factor), at_equal_radii.error))
+
     def loads(self) -> Loads | None:
         """The factor of the loads over those of the bodies; None where these have no solution."""
-        own, rows = self.own, self.raw.touching
+        own = self.own
         if own is None:
             return None
         a, fits = self.rows, self.found is None or self.found.fit > TUNING.fits
         stretch = self._stretch(own, a) if self.found is None else self.found.stretch
-        stretch = stretch if abs(stretch) > TUNING.wrong else 0.0
+        return self._loads(own, stretch if abs(stretch) > TUNING.wrong else 0.0, fits)
+
+    def _loads(self, own: Series, stretch: float, fits: bool) -> Loads | None:
+        """The factor of the loads at displacements that are those of the bodies after a ``stretch`` of their logs."""
+        rows = self.raw.touching
         x = np.log(rows.delta[rows.delta > 0]) + stretch
         P = rows.P[rows.delta > 0]
         inside = (x > np.log(own.delta[0])) & (x < np.log(own.delta[-1])) & (P > 0)
@@ -185,6 +208,11 @@ class Compared:
         x = np.log(rows.a[there] - own.a0)
         gap = CubicSpline(np.log(own.a - own.a0), np.log(own.delta))(x) - np.log(rows.delta[there])
         return float(np.median(gap))
+
+
+def _beyond(value: float, error: float) -> float:
+    """What is left of a ``value`` whose square its ``error`` explains in part."""
+    return math.copysign(math.sqrt(max(value**2 - error**2, 0.0)), value)
 
 
 def compared(problem: Problem, raw: RawSeries, with_bodies: bool = True) -> Compared:

@@ -164,11 +164,13 @@ def cycle(
     def cycled(history: LoadingHistory | None) -> report.Cycled | report.CycledByProgram:
         if history is not None and history.rest is not None:
             pulled = curves_from_rest(solution, works, history, slopes, modulus_factor, k)
-            return report.Cycled.from_rest(solution.record.path, *pulled, k)
-        share = 1.0 if history is None else history.moduli
+            return report.Cycled.from_rest(solution.record.path, *pulled, k, history=history.words)
+        share, words = (1.0, "") if history is None else (history.moduli, history.words)
         pair = analyse(solution, works, slopes, modulus_factor * share, ranged)
         curves = [with_solved_points(curve, k) for curve in pair]
-        return report.Cycled.of(curves, k, *turn) if program is None else report.CycledByProgram.of(curves, k, program)
+        if program is not None:
+            return report.CycledByProgram.of(curves, k, program)
+        return report.Cycled.of(curves, k, *turn, history=words)
 
     rest = _rest(rest_load, rest_depth)
     return _in_limits(solution, cycled, rest, *turn, program is None and not ranged)
@@ -220,11 +222,12 @@ def cycle_at_speed(
     solution = _solution(solved, None)
 
     def cycled(history: LoadingHistory | None) -> report.CycledAtSpeed:
-        share = 1.0 if history is None else history.moduli
+        share, words = (1.0, "") if history is None else (history.moduli, history.words)
         result = with_solved_points(analyse(solution, [w0], slopes, share)[0], k)
         contact = RateContact(result.jkr.nonadhesive, _law(law), w0, w_a, k, inwards)
         driven = _driven("cycle_at_speed", contact, program, speed, speed_approach, to_load, to_depth, hold)
-        return report.CycledAtSpeed.of(contact, driven, result, stress=_maybe("stress", stress, "modulus"))
+        zone_stress = _maybe("stress", stress, "modulus")
+        return report.CycledAtSpeed.of(contact, driven, result, stress=zone_stress, history=words)
 
     return _in_limits(solution, cycled)
 

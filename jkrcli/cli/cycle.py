@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from ..adhesion import LoadingHistory
+from ..adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, LoadingHistory, Rest
 from ..base import InputError, show
 from ..beside import Analysis, analyse, curves_from_rest, rest_of, with_solved_points
 from ..methods import Limits
@@ -57,7 +57,8 @@ def cycle(
     fast as G/w0 says, rests between the works of adhesion, advances at once (--stress is then the cohesive stress of
     the dissipating zone). Else with --stress or --range the surfaces attract each other before they touch. A specimen
     that relaxes is followed over time without adhesion (w = 0); with adhesion very fast and very slow cycles are
-    traced, and one that is loaded slowly, rests and is pulled at once. Writes <stem>-cycle.csv, .png and .svg.
+    traced, and one that is loaded slowly, rests and is pulled at once. Writes <stem>-cycle.csv, .png and .svg; the
+    options that are given are added to the name in SI, as in <stem>-cycle-w-retract0.045-to-load0.0005.csv.
 
     \b
     jkr cycle data.h5 --stiffness "10 kN/m"
@@ -91,29 +92,51 @@ def cycle(
             "cycle: --rest-load and --rest-depth are for adhesion on a specimen that relaxes: leave them out"
         )
     names = [one.name for one in known] or [""]
-    stem = output.folder(file.parent) / f"{file.stem}-cycle{ranged.suffix}"
+    ends = f"{_told(w_approach, w_retract, stiffness)}{rates.suffix(stiffness)}{_told_rest(rest)}{ranged.suffix}"
+    if rates.stress is not None:
+        ends += f"-stress{rates.stress:g}"
+    factor = "" if how.modulus_factor == 1 else f"-modulus{how.modulus_factor:g}"
+    stem = output.folder(file.parent) / f"{file.stem}-cycle{ends}{factor}"
     named = [stem.with_name("-".join([stem.name, *name.split()])) for name in names]
     targets = [output.files(one, (".csv", *PICTURES), [file]) for one in named]
     begin_curves("cycle", [solution], [works], limits, [ranged])
 
     def after(history: LoadingHistory) -> Result:
         if history.rest is None:
-            return cycled(history.moduli)
+            return cycled(history.moduli, history.words)
         curves = curves_from_rest(solution, works, history, how.slopes, how.modulus_factor, stiffness)
-        return Cycled.from_rest(solution.record.path, *curves, stiffness, points)
+        return Cycled.from_rest(solution.record.path, *curves, stiffness, points, history.words)
 
-    def cycled(share: float = 1.0) -> Result:
+    def cycled(share: float = 1.0, history: str = "") -> Result:
         curves = analyse(solution, works, how.slopes, how.modulus_factor * share, ranged)
         results = [with_solved_points(curve, stiffness) for curve in curves]
         if law is not None and not in_limits:
             return run_relaxing(results[0], law, stiffness, points, rates)
-        return _traced(results, stiffness, points, rates)
+        return _traced(results, stiffness, points, rates, history)
 
     result = CycledInLimits.of(file, known, after) if known else cycled()
     cycles = [one for _, one in result.limits.values()] if isinstance(result, CycledInLimits) else [result]
     for one, files in zip(cycles, targets, strict=True):
         files.write(one.columns, figure=files.draw(one.figure))
     give(result, output.json, f"  written {', '.join(map(str, targets))}", file)
+
+
+def _told(approach: float | None, retraction: float | None, stiffness: float) -> str:
+    """What distinguishes names of files, of works of adhesion [J/m^2] and a ``stiffness`` [N/m] that were given."""
+    works = (("approach", approach), ("retract", retraction))
+    parts = [f"-w-{name}{w:g}" for name, w in works if w is not None]
+    if stiffness == LOAD_CONTROL:
+        parts.append("-stiffness-load")
+    elif stiffness != DISPLACEMENT_CONTROL:
+        parts.append(f"-stiffness{stiffness:g}")
+    return "".join(parts)
+
+
+def _told_rest(rest: Rest | None) -> str:
+    """The same of a rest."""
+    if rest is None:
+        return ""
+    return f"-rest-load{rest.load:g}" if rest.depth is None else f"-rest-depth{rest.depth:g}"
 
 
 def _begin_program(program: Path | None, points: int, limits: Limits) -> None:
@@ -135,13 +158,13 @@ def _refuse_range(rates: RateOptions, works: tuple[float, float]) -> None:
         )
 
 
-def _traced(results: list[Analysis], stiffness: float, points: int, rates: RateOptions) -> Result:
+def _traced(results: list[Analysis], stiffness: float, points: int, rates: RateOptions, history: str) -> Result:
     """The trace of bodies that do not relax: with speeds, by a table, or there and back."""
     if rates.rate is not None:
-        return run(results, stiffness, points, rates)
+        return run(results, stiffness, points, rates, history)
     if rates.program is not None:
         return CycledByProgram.of(results, stiffness, read_program(rates.program, stiffness), points)
-    return Cycled.of(results, stiffness, rates.to_load, rates.to_depth, points)
+    return Cycled.of(results, stiffness, rates.to_load, rates.to_depth, points, history)
 
 
 def _works(solution: Solution, approach: float | None, retract: float | None) -> tuple[float, float]:

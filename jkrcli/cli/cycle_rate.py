@@ -80,6 +80,21 @@ class RateOptions:
         if self.speed is not None:
             self._course.moves(stiffness == adhesion.LOAD_CONTROL, flag)
 
+    def suffix(self, stiffness: float) -> str:
+        """What distinguishes names of files, of the options that were given: ``-to-load0.0005-speed1e-05``, SI."""
+        si: dict[str, float | None] = {"to_load": self.to_load, "to_depth": self.to_depth}
+        parts = list[str]()
+        for name, pairs in (("rate", self.rate), ("rate_advance", self.rate_advance)):
+            if pairs is not None:
+                law, values = adhesion.parameters_of(adhesion.rate_law_of(pairs, flag(name)))
+                parts.append("-".join([f"{flag(name)[1:]}-{law}", *(f"{value:g}" for value in values.values())]))
+        if self.speed is not None:
+            moves = self._course.moves(stiffness == adhesion.LOAD_CONTROL, flag)
+            told = (moves.back, moves.there, moves.hold, moves.dwell, moves.dwell_time)
+            si |= {name: x for name, x in zip(ALONE, told, strict=True) if getattr(self, name) is not None}
+        parts += [f"{flag(name)[1:]}{x:g}" for name, x in si.items() if x is not None]
+        return "".join([*parts, "" if self.program is None else f"-program-{self.program.stem}"])
+
     @property
     def _course(self) -> adhesion.Course:
         return adhesion.Course(**{name: getattr(self, name) for name in ("to_load", "to_depth", *ALONE)})
@@ -88,13 +103,17 @@ class RateOptions:
 rate_options = as_one("rates", RateOptions)
 
 
-def run(curves: Sequence[beside.Analysis], stiffness: float, points: int, rates: RateOptions) -> report.CycledAtSpeed:
-    """What happens over time; ``curves``: those of approach and of retraction."""
+def run(
+    curves: Sequence[beside.Analysis], stiffness: float, points: int, rates: RateOptions, history: str = ""
+) -> report.CycledAtSpeed:
+    """What happens over time; ``curves``: those of approach and of retraction; ``history``: of a viscoelastic
+    specimen, in words."""
     inwards, outwards = curves
     law = adhesion.rate_law_of(rates.rate or {}, "--rate")
     advance = None if rates.rate_advance is None else adhesion.rate_law_of(rates.rate_advance, "--rate-advance")
     contact = adhesion.RateContact(outwards.jkr.nonadhesive, law, outwards.w, inwards.w, stiffness, advance)
-    return report.CycledAtSpeed.of(contact, rates.program_of(contact), outwards, stress=rates.stress, points=points)
+    program = rates.program_of(contact)
+    return report.CycledAtSpeed.of(contact, program, outwards, stress=rates.stress, points=points, history=history)
 
 
 def run_relaxing(

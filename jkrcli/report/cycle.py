@@ -33,30 +33,32 @@ from .result import Figure, Result
 @dataclass(frozen=True, eq=False)
 class Cycled(Result):
     """What a device records that presses bodies together and pulls them apart, however slowly; ``points``: rows of a
-    branch."""
+    branch; ``history``: of a viscoelastic specimen, in words."""
 
     file: Path
     cycle: Cycle
     points: int = ROWS
+    history: str = ""
 
     @classmethod
     def of(
         cls, curves: Sequence[Analysis], stiffness: float, load: float | None = None, depth: float | None = None,
-        points: int = ROWS,
+        points: int = ROWS, history: str = "",
     ) -> Cycled:  # fmt: skip
         """The cycle on the ``curves`` of approach and retraction that turns at a ``load`` [N] or ``depth`` [m]."""
         inwards, outwards = (result.curve for result in curves)
         whole = load is None and depth is None
         turn = None if whole else turning_radius(inwards, stiffness, load=load, depth=depth)
-        return cls.on(curves[0].path, inwards, outwards, stiffness, turn, points)
+        return cls.on(curves[0].path, inwards, outwards, stiffness, turn, points, history)
 
     @classmethod
     def from_rest(
-        cls, file: Path, relaxed: EquilibriumCurve, pulled: FromRest, stiffness: float, points: int = ROWS
+        cls, file: Path, relaxed: EquilibriumCurve, pulled: FromRest, stiffness: float, points: int = ROWS,
+        history: str = "",
     ) -> Cycled:  # fmt: skip
         """The cycle of a viscoelastic specimen that is loaded slowly to the rest of ``pulled``, then pulled at once."""
         try:
-            return cls.on(file, relaxed, pulled, stiffness, pulled.rest.a, points)
+            return cls.on(file, relaxed, pulled, stiffness, pulled.rest.a, points, history)
         except InputError as error:
             raise InputError(
                 [line if line.startswith(str(file)) else f"{file}: {line}" for line in error.lines]
@@ -65,13 +67,13 @@ class Cycled(Result):
     @classmethod
     def on(
         cls, file: Path, inwards: EquilibriumCurve, outwards: EquilibriumCurve, stiffness: float, turn: float | None,
-        points: int,
+        points: int, history: str = "",
     ) -> Cycled:  # fmt: skip
         """The cycle on one curve and back on another from the radius ``turn`` [m] (None: the end of the series)."""
         traced = cycle(inwards, outwards, stiffness, turn)
         if isinstance(traced, Unknown):
             raise InputError(f"{file}: {traced.reason}")
-        return cls(file, traced, points)
+        return cls(file, traced, points, history)
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]
@@ -80,7 +82,9 @@ class Cycled(Result):
     def figure(self) -> Figure:
         from .plots.curve import cycle_figure
 
-        return cycle_figure(self.columns, control(self.cycle.stiffness))
+        contact = self.cycle.contact
+        title = tables.cycle_title(control(self.cycle.stiffness), contact.advancing.w, contact.receding.w, self.history)
+        return cycle_figure(self.columns, title)
 
     @cached_property
     def _energies(self) -> tuple[tuple[str, Estimate, Estimate], ...]:
@@ -152,7 +156,9 @@ class CycledByProgram(Result):
     def figure(self) -> Figure:
         from .plots.rate import history_figure
 
-        return history_figure(self.columns, self.trace.jumps, self.trace.control)
+        inwards, outwards = self.trace.contact.advance.curve, self.trace.contact.recede.curve
+        title = tables.cycle_title(self.trace.control, inwards.w, outwards.w)
+        return history_figure(self.columns, self.trace.jumps, title)
 
     def summary(self) -> dict[str, Any]:
         trace = self.trace

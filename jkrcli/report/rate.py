@@ -14,7 +14,7 @@ from ..base import ROWS, SAME, UNSEEN, Array, InputError, SolveError, Unknown, k
 from ..beside import Analysis
 from ..identification.rate.through import LawThrough
 from .result import Figure, Result, as_result
-from .tables import device, state_words, timed, timed_jump, with_unit
+from .tables import cycle_title, device, speed_words, state_words, timed, timed_jump, with_unit
 
 VAGUE = 1.0  # relative standard error, theory: one as large as the parameter does not tell it from zero
 
@@ -39,11 +39,14 @@ def law_summary(law: adhesion.RateLaw | None) -> dict[str, Any] | None:
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class CycledAtSpeed(adhesion.History, Result):
     """A history as a result; ``body``: the curve of retraction, ``stress`` [Pa] in the zone at the edge,
-    ``points``: rows of a piece."""
+    ``points``: rows of a piece, ``history``: of a
+    viscoelastic specimen, in words."""
 
     body: Analysis
+    program: adhesion.Program
     stress: float | None = None
     points: int = ROWS
+    history: str = ""
 
     @classmethod
     def of(cls, contact: adhesion.RateContact, program: adhesion.Program, body: Analysis, **more: Any) -> CycledAtSpeed:
@@ -54,7 +57,7 @@ class CycledAtSpeed(adhesion.History, Result):
             raise InputError(f"{body.path}: {error}") from None
         if history.out_of_series is not None:
             raise InputError(f"{body.path}: {history.out_of_series}")
-        return as_result(cls, history, body=body, **more)
+        return as_result(cls, history, body=body, program=program, **more)
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]
@@ -72,7 +75,10 @@ class CycledAtSpeed(adhesion.History, Result):
     def figure(self) -> Figure:
         from .plots.rate import history_figure
 
-        return history_figure(self.columns, self.jumps, f"{self.control}, {law_words(self.contact.law)}")
+        contact = self.contact
+        how = f"{self.control}, {speed_words(self.program, contact.stiffness)}"
+        title = cycle_title(how, contact.w_advance, contact.w0, law_words(contact.law), self.history)
+        return history_figure(self.columns, self.jumps, title)
 
     def summary(self) -> dict[str, Any]:
         contact, zone = self.contact, self.zone

@@ -15,7 +15,7 @@ from ..beside import checked_histories
 from ..bodies import RELAXATIONS, Relaxation
 from ..series import Solution
 from .result import Figure, Result, Several, as_result
-from .tables import device, energies, state_words, timed, with_unit
+from .tables import cycle_title, device, energies, speed_words, state_words, timed, with_unit
 
 NEGLECTED = (
     "one relaxation function for all layers, and for the half-space below them, at constant Poisson's ratios; no "
@@ -54,7 +54,8 @@ class CycledRelaxing(RelaxedHistory, Result):
     def figure(self) -> Figure:
         from .plots.rate import history_figure
 
-        return history_figure(self.columns, [], f"{control(self.contact.stiffness)}, {self.contact.law}")
+        how = f"{self.control}, {speed_words(self.program, self.contact.stiffness)}"
+        return history_figure(self.columns, [], cycle_title(how, 0.0, 0.0, str(self.contact.law)))
 
     def summary(self) -> dict[str, Any]:
         return {

@@ -11,7 +11,20 @@ from typing import Any
 import numpy as np
 
 from .. import adhesion
-from ..base import SI, Array, Estimate, InputError, Unknown, accuracy, allowance_of, known, most_text, read_bytes, show
+from ..base import (
+    SAME,
+    SI,
+    Array,
+    Estimate,
+    InputError,
+    Unknown,
+    accuracy,
+    allowance_of,
+    known,
+    most_text,
+    read_bytes,
+    show,
+)
 from ..base import as_json as as_json
 from ..beside import Analysis
 
@@ -328,3 +341,25 @@ def energy_words(energy: Estimate, error: Estimate) -> str:
     if isinstance(energy, Unknown):
         return f"none: {energy}"
     return f"{energy:.4g} J" + ("" if isinstance(error, Unknown) else f" ± {error:.1g} J")
+
+
+def cycle_title(how: str, approach: float, retraction: float, *more: str) -> str:
+    """Of the picture of a cycle: ``how`` the device goes, the works of adhesion [J/m^2], and below them what is
+    ``more``."""
+    back = "" if approach == retraction else f" on approach, {show(retraction, 'work')} on retraction"
+    second = "; ".join(filter(None, more))
+    return f"{how}, w = {show(approach, 'work')}{back}" + (f"\n{second}" if second else "")
+
+
+def speed_words(program: adhesion.Program, stiffness: float) -> str:
+    """How fast a device of ``stiffness`` [N/m] goes in and out under ``program``; steps have no speed."""
+    lasts, ways = np.diff(program.t), np.diff(program.x)
+    rates = np.append(ways[lasts > 0] / lasts[lasts > 0], program.rate or 0.0)
+    dimension = "load rate" if stiffness == adhesion.LOAD_CONTROL else "speed"
+    words = list[str]()
+    for sense in (1, -1):
+        there = np.abs(rates[sense * rates > 0])
+        if there.size:
+            most = "" if np.ptp(there) <= SAME * there.max() else "up to "
+            words.append(f"{most}{show(float(there.max()), dimension, 3)}")
+    return " in, ".join(words) + " out" if len(set(words)) > 1 else words[0] if words else "at rest"

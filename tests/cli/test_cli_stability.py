@@ -171,8 +171,9 @@ def test_cycle_writes_what_the_device_records(jkr, body: Path) -> None:
     )
     assert (outcome.code, outcome.err) == (0, "")
     assert outcome.out.splitlines()[1] == "  device of 100 kN/m, w = 20 J/m^2 on approach, 80 J/m^2 on retraction"
-    assert sorted(path.name for path in body.glob("p-cycle*")) == ["p-cycle.csv", "p-cycle.png", "p-cycle.svg"]
-    table = rows(body / "p-cycle.csv")
+    stem = "p-cycle-w-approach20-w-retract80-stiffness100000-to-load0.04"
+    assert sorted(path.name for path in body.glob("p-cycle*")) == [f"{stem}{end}" for end in (".csv", ".png", ".svg")]
+    table = rows(body / f"{stem}.csv")
     assert list(table[0]) == ["a_m", "delta_m", "P_N", "device_m", "phase", "part"]
     P = np.array([float(row["P_N"]) for row in table])
     D = np.array([float(row["device_m"]) for row in table])

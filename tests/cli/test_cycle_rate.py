@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import jkrcli as jkr_
+
 CASE = """
 [indenter]
 shape = "paraboloid"
@@ -59,13 +61,15 @@ def test_the_trace_holds_every_moment(jkr: Callable, series: Path) -> None:
     done = jkr("cycle", series, *RATE, "--speed", "0.1", "--to-load", "0.5", "--hold", "2 s", "--stiffness", "2 N/m",
                "--w-retract", "1.5", "--points", 50)  # fmt: skip
     assert done.code == 0, done.err
-    with (series.parent / "unit-cycle.csv").open() as file:
+    with (
+        series.parent / "unit-cycle-w-retract1.5-stiffness2-rate-power-1-0.6-to-load0.5-speed0.1-hold2.csv"
+    ).open() as file:
         rows = list(csv.DictReader(file))
     t, delta, P, x = (np.array([float(row[name]) for row in rows]) for name in ("t_s", "delta_m", "P_N", "device_m"))
     assert (np.diff(t) >= 0).all()
     assert x == pytest.approx(delta + P / 2, abs=1e-12)
     assert [row["phase"] for row in rows][-1] == "recede"
-    assert (series.parent / "unit-cycle.svg").exists()
+    assert list(series.parent.glob("unit-cycle-*.svg"))
     assert "contact is lost at t = " in done.out
 
 
@@ -130,3 +134,28 @@ adhesion = { w = "50 mJ/m^2" }
     done = jkr("cycle", "l.toml", "--rate", "law=log,v0=1e-30,b=1", "--speed", "1e30", "--no-plots")
     assert done.code == 2
     assert "jkr: error: l.h5: the edge's motion could not be integrated beyond a = 0.0001 m: look at v0" in done.err
+
+
+def test_runs_of_cycle_that_differ_in_an_option_have_files_of_their_own(jkr: Callable, series: Path) -> None:
+    """Once each overwrote the one before."""
+    runs = [
+        (*RATE, "--speed", "0.1 m/s"), (*RATE, "--speed", "0.2 m/s"), ("--rate", "v0=2,n=0.6", "--speed", "0.2"),
+        (*RATE, "--speed", "1 N/s", "--stiffness", "load"), ("--to-depth", "0.2"), ("--to-depth", "0.3"), (),
+        ("--w-retract", "1.5"), ("--stiffness", "2 N/m"), ("--modulus-factor", "2"),
+    ]  # fmt: skip
+    for words in runs:
+        done = jkr("cycle", series, *words, "--no-plots", "--points", 20)
+        assert done.code == 0, done.err
+    names = sorted(path.name for path in series.parent.glob("*-cycle*"))
+    assert len(names) == len(runs)
+    assert {"unit-cycle.csv", "unit-cycle-to-depth0.2.csv", "unit-cycle-rate-power-1-0.6-speed0.1.csv"} <= set(names)
+
+
+def test_the_pictures_of_cycle_say_w_and_speed(series: Path) -> None:
+    """As text of the picture; once the control alone was said."""
+    title = jkr_.cycle(series, 1.5, w_approach=1.0).figure().get_suptitle()
+    assert "w = 1 J/m² on approach, 1.5 J/m² on retraction" in title
+    history = jkr_.cycle_at_speed(series, 1.0, {"v0": 1.0, "n": 0.6}, 0.1, speed_approach=0.2, to_load=0.0)
+    title = history.figure().get_suptitle()
+    assert "200 mm/s in, 100 mm/s out" in title
+    assert "w = 1 J/m²\n" in title

@@ -52,12 +52,12 @@ def test_the_trace_over_time(jkr: Callable, series: Path) -> None:
     assert done.code == 0, done.err
     assert "no adhesion; standard linear solid, ratio = 0.25, time = 1 s" in done.out
     assert "contact is lost at t = 1.624 s; it stopped growing at t = 1 s" in done.out
-    with (series.parent / "gel-cycle.csv").open() as file:
+    with (series.parent / "gel-cycle-speed1.csv").open() as file:
         rows = list(csv.DictReader(file))
     t, P = (np.array([float(row[name]) for row in rows]) for name in ("t_s", "P_N"))
     np.testing.assert_allclose(np.interp([0.5, 1.25, 1.5], t, P), [0.40976766, 0.45146169, 0.08167490], atol=1e-7)
     assert {row["phase"] for row in rows} == {"free", "advance", "recede"}
-    assert (series.parent / "gel-cycle.svg").exists()
+    assert (series.parent / "gel-cycle-speed1.svg").exists()
     history = jkr_.cycle_relaxing(series, speed=1.0)
     assert history.lost == pytest.approx(1.62384979, abs=1e-7)
     np.testing.assert_allclose(history.table(101)["P_N"], P, rtol=1e-8, atol=1e-12)
@@ -96,7 +96,8 @@ def test_a_turn_after_which_it_creeps_keeps_it_within_the_series(
     done = jkr("cycle", "gel.h5", "--speed", speed, "--stiffness", stiffness, "--hold", f"{hold} s", "--no-plots")
     assert done.code == 0, done.err
     assert ", at the end of the series; energy lost" in done.out
-    deepest = float(np.max(np.genfromtxt("gel-cycle.csv", delimiter=",", names=True, dtype=None)["delta_m"]))
+    (table,) = Path().glob("gel-cycle-*.csv")
+    deepest = float(np.max(np.genfromtxt(table, delimiter=",", names=True, dtype=None)["delta_m"]))
     assert 0.998e-4 < deepest < 1.0000001e-4
 
 
@@ -144,8 +145,8 @@ def test_limits_where_surfaces_adhere(jkr: Callable, series: Path) -> None:
     assert "very slow cycle, the moduli times 0.25:" in done.out
     assert "at rest at P = 0, then pulled at once:" in done.out
     assert "written" in done.out
-    assert (series.parent / "gel-cycle-very-slow.csv").exists()
-    assert (series.parent / "gel-cycle-from-rest.csv").exists()
+    assert (series.parent / "gel-cycle-w-approach0.01-very-slow.csv").exists()
+    assert (series.parent / "gel-cycle-w-approach0.01-from-rest.csv").exists()
 
 
 @pytest.mark.parametrize(("words", "line"), [
@@ -270,3 +271,13 @@ def test_the_shipped_case_comes_to_rest(jkr: Callable) -> None:
 def test_check_says_that_a_specimen_relaxes(jkr: Callable, series: Path) -> None:
     done = jkr("check", series.with_suffix(".toml"))
     assert "  relaxes   standard linear solid, ratio = 0.25, time = 1 s; loads here are those of t = 0" in done.out
+
+
+def test_the_pictures_of_limits_say_which(series: Path) -> None:
+    """Once three pictures of one title."""
+    found = jkr_.cycle(series, 0.01)
+    assert isinstance(found, jkr_.report.CycledInLimits)
+    for history, result in found.limits.values():
+        title = result.figure().get_suptitle()
+        assert "w = 10 mJ/m²" in title
+        assert history.words in title

@@ -78,7 +78,7 @@ def pair(legend: int, title: str = "") -> Iterator[tuple[Figure, list[Axes]]]:
     """Two panels beside each other over a ``legend`` of so many columns, in a fixed frame: the same from picture to
     picture, and at no cost, where finding one takes a fifth of the drawing. Its margins hold labels of six digits."""
     with drawing(WIDE, 3.4, layout=None) as figure:
-        frame = {"left": 0.1, "right": 0.985, "wspace": 0.3, "top": 0.87 if title else 0.94}
+        frame = {"left": 0.1, "right": 0.985, "wspace": 0.3, "top": 0.94 - 0.07 * len(title.splitlines())}
         panels = list(figure.subplots(1, 2, gridspec_kw=frame))
         figure.suptitle(title)
         for axes in panels:

@@ -138,7 +138,7 @@ def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
     over = "device_m" if "device_m" in columns else "delta_m"
     soft = not np.array_equal(columns[over], columns["delta_m"])
     name = r"device position $\delta + P/k$" if soft else LABELS["delta"]
-    with pair(4, title) as (figure, panels):
+    with pair(4, pretty(title)) as (figure, panels):
         length, x_unit = unit_of("length", columns[over])
         x = columns[over] / length
         for axes, quantity, column in ((panels[0], "P", "P_N"), (panels[1], "a", "a_m")):

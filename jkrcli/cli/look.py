@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import click
+
 from ..base import InputError
 from ..data import Reading
 from ..report import PICTURES, Output, Results
@@ -26,7 +28,8 @@ def look(files: tuple[Path, ...], flags: Flags, reading: Reading, output: Output
     with its noise, tilt and waviness, where contact begins and ends, jumps, the largest load and the adhesion force;
     and names what is wrong with a curve: no contact, a wavy base line, a detector at its limit. A file without
     spring constant or sensitivity is read in arbitrary units, with a warning. A tip (--radius, --shape) gives a rough
-    E* and w by the formulas of a half-space. Draws <stem>-look.png and .svg.
+    E* and w by the formulas of a half-space. Draws <stem>-look.png and .svg. Exit code 2 where a file could not be
+    read, though the others are shown.
 
     \b
     jkr look curve.jpk-force --radius "5 um"
@@ -50,3 +53,5 @@ def look(files: tuple[Path, ...], flags: Flags, reading: Reading, output: Output
             answer(whole.summary())
         raise InputError(whole.warnings)
     give(whole, output.json, f"  drawn in {', '.join(pictures)}" if pictures else "")
+    if not all(result.records for result in results):  # what could be read is shown, and a script still learns of it
+        click.get_current_context().exit(InputError.exit_code)

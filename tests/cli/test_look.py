@@ -246,3 +246,14 @@ def test_a_sensitivity_without_volts_is_refused(jkr, tmp_path: Path) -> None:
         "jkr: error: probe.csv: --sensitivity makes a deflection of volts, and this file holds none, its load is "
         'column 3 "P_nN": leave it out, or give the unit: --unit P=V\n'
     )
+
+
+@pytest.mark.parametrize("json_flag", [(), ("--json",)])
+def test_a_file_that_is_missing_among_good_ones_is_an_exit_code(
+    jkr: Callable[..., Outcome], table: Path, tmp_path: Path, json_flag: tuple[str, ...]
+) -> None:
+    done = jkr("look", str(tmp_path / "missing.txt"), str(table), "--stiffness", "0.05 N/m", "--no-plots", *json_flag)
+    assert done.code == 2
+    assert "missing.txt" in done.err
+    assert "2.38" in done.out or json_flag
+    assert "probe" in done.out

@@ -24,6 +24,9 @@ def test_unknown_study_is_named(jkr) -> None:
     assert outcome.err.startswith('jkr: error: unknown study "nois" (studies: ')
 
 
+SCRIPTS = {"figures": "paper"}  # that have another name than the study had
+
+
 @pytest.mark.parametrize(("name", "target"), MAKE.items())
 def test_a_study_that_left_is_found_in_make(jkr, name: str, target: str) -> None:
     outcome = jkr("study", name, "--seeds", 2)
@@ -31,13 +34,13 @@ def test_a_study_that_left_is_found_in_make(jkr, name: str, target: str) -> None
         2, f'jkr: error: "{name}" is now run as make {target}; see jkr study --help\n'
     )  # fmt: skip
     lines = (Path(__file__).parents[2] / "Makefile").read_text()
-    assert f"$(STUDY).{name} " in lines[lines.index(f"\n{target}:") :]
+    assert f"$(STUDY).{SCRIPTS.get(name, name)} " in lines[lines.index(f"\n{target}:") :]
 
 
 @pytest.mark.parametrize("name", [*MAKE, "tuning"])
 def test_studies_run_by_make_have_help(study, capsys: pytest.CaptureFixture[str], name: str) -> None:
     with pytest.raises(SystemExit, match="0"):
-        study(name, "--help")
+        study(SCRIPTS.get(name, name), "--help")
     assert "--output OUTPUT" in capsys.readouterr().out
 
 

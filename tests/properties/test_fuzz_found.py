@@ -125,7 +125,7 @@ def test_indenter_too_flat_to_tell_a_radius() -> None:
 
 
 def test_check_of_an_expensive_body_says_so(jkr: Callable) -> None:
-    text = (CASES / "gel.toml").read_text(encoding="utf-8").replace("points = 100", "points = 4000")
+    text = (CASES / "gel.toml").read_text(encoding="utf-8").replace("0.36 mm", "2 um")
     Path("x.toml").write_text(text, encoding="utf-8")
     done = jkr("check", "x.toml")
     assert done.code == 0, done.err

@@ -148,7 +148,7 @@ COSTLY = {"method": "layered", "loading": {"points": 500}}
 @pytest.mark.parametrize("limit", ["memory", "time"])
 def test_a_limit_can_be_raised_or_kept(jkr, limit: str) -> None:
     tables, option = merged(BASE, COSTLY), f"--limit-{limit}"
-    least = {"memory": 0.01, "time": 2e-5}[limit]
+    least = {"memory": 0.01, "time": 6e-6}[limit]
     *_, enough = said("jkr: error: " + OTHERS[limit] + "\n", run(jkr, tables, option, least).err)
     assert run(jkr, tables, option, enough).code == 0
     assert run(jkr, merged(tables, {"loading": {"points": 10}}), option, least).code == 0

@@ -95,7 +95,10 @@ def test_pull_off_and_cycle(tip: Path, capsys: pytest.CaptureFixture[str]) -> No
     assert around["jumps_on_retraction"][-1]["from"]["P_N"] == pytest.approx(found["pull_off"]["P_N"], rel=1e-9)
     assert around["energy_lost_J"] == pytest.approx(found["energy_lost_J"], rel=1e-12)
     assert around["jump_in"] == found["jump_in"]
-    assert "c_m" in Path("tip-cycle-range5e-10.csv").read_text().splitlines()[0]
+    [table] = Path().glob("tip-cycle*.csv")
+    assert "stiffness0.5" in table.name
+    assert "range5e-10" in table.name
+    assert "c_m" in table.read_text().splitlines()[0]
 
 
 @pytest.mark.parametrize(

@@ -170,7 +170,8 @@ def test_any_convex_table_keeps_its_points_and_stays_convex(growth: list[float],
     r = np.concatenate([[0], np.cumsum(widths[: slopes.size])])
     f = np.concatenate([[0], np.cumsum(slopes * np.diff(r))])
     table = TableProfile(tuple(r), tuple(f))
-    np.testing.assert_allclose(table.f(r), f, rtol=1e-9, atol=2e-10 * f[-1])  # a forced kink is rounded
+    # a forced kink is rounded, and a first rise of up to 1e-9 of the height belongs to the flat end
+    np.testing.assert_allclose(table.f(r), f, rtol=1e-9, atol=1.1e-9 * f[-1])
     fine = np.linspace(0, r[-1], 500)
     assert (np.diff(table.slope(fine)) >= -1e-12 * slopes[-1]).all()
     assert (np.diff(table.abel(fine)) >= -1e-12 * slopes[-1]).all()

@@ -18,9 +18,10 @@ from jkrcli.base.executors import completed
 from jkrcli.base.table import as_json
 from jkrcli.base.unknown import Unknown
 from jkrcli.beside.analysis import analyse, error_of_point, with_solved_points
-from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Side, Spacing, Specimen
+from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Side, Specimen
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import Spacing
 from jkrcli.formulas.griffith import shift
 from jkrcli.methods import method_class
 from jkrcli.methods.hybrid.method import Hybrid

@@ -67,9 +67,9 @@ def test_numbers_are_as_shipped_after_a_study_and_after_a_failure(monkeypatch: p
 
 @pytest.mark.slow
 def test_the_study_writes_a_row_per_number(study) -> None:
-    outcome = study("constants", "layered.minors", "--workers", 1)
+    outcome = study("constants", "layered.stack", "--workers", 1)
     assert (outcome.code, outcome.err) == (0, "")
     with Path("constants.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert {row["field"] for row in rows} == {"most"}
-    assert outcome.out.splitlines()[-1] == "moves: 0, refuses: 0, nothing moves: 0, not read: 1"
+    assert {row["field"] for row in rows} == {"refinements", "most_nodes", "most_flops", "narrower"}
+    assert outcome.out.splitlines()[-1] == "moves: 0, refuses: 0, nothing moves: 3, not read: 1"

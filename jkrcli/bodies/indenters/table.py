@@ -171,15 +171,11 @@ class TableProfile(Indenter):
         return np.minimum(r, self.r_max) - self.knots[i], self.pieces[:, i]
 
     def abel(self, x: Array) -> Array:
-        """F(x): slope alpha + beta r + gamma r^2 on each piece gives x [(alpha + gamma x^2/2) arcsin(r/x) - (beta +
-        gamma r/2) sqrt(x^2 - r^2)]."""
         x = np.asarray(x, dtype=float)
-        angles, roots, bent, _ = self._sums(np.where(x > 0, x, 1.0))
-        return x * (angles - roots + bent)
+        return np.where(x > 0, _images(self.knots, self.pieces, np.where(x > 0, x, 1.0))[0], 0.0)
 
     def abel_slope(self, x: Array) -> Array:
-        angles, roots, bent, jumps = self._sums(np.asarray(x, dtype=float))
-        return angles - 2 * roots + 3 * bent + jumps
+        return _images(self.knots, self.pieces, np.asarray(x, dtype=float))[1]
 
     def resolution(self, a: Array) -> Array:
         """Errors (2, n) of F [m] and of its slope [-] near radii ``a`` [m], as fewer points tell them: the error of the
@@ -266,9 +262,6 @@ class TableProfile(Indenter):
         rows = [np.unique([*fixed, *range(first, r.size, 2)]) for first in (0, 1)]
         return tuple(_Thinned(tuple(r[row]), tuple(f[row]), self.bends) for row in rows if row.size < r.size)
 
-    def _sums(self, x: Array) -> tuple[Array, Array, Array, Array]:
-        return _sums(self.knots, self.pieces, x)
-
 
 @lru_cache(maxsize=REMEMBERED)
 def _smoothed(r: tuple[float, ...], f: tuple[float, ...], noise: float, bends: tuple[float, ...]) -> SmoothProfile:
@@ -277,7 +270,8 @@ def _smoothed(r: tuple[float, ...], f: tuple[float, ...], noise: float, bends: t
 
 
 def _images(knots: Array, pieces: Array, x: Array) -> tuple[Array, Array]:
-    """F [m] and its slope [-] at radii x > 0, of any pieces."""
+    """F(x) [m] and its slope [-] at radii x > 0 of any pieces: the slope alpha + beta r + gamma r^2 of f on one gives
+    x [(alpha + gamma x^2/2) arcsin(r/x) - (beta + gamma r/2) sqrt(x^2 - r^2)]."""
     angles, roots, bent, jumps = _sums(knots, pieces, x)
     return x * (angles - roots + bent), angles - 2 * roots + 3 * bent + jumps
 

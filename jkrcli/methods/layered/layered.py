@@ -71,8 +71,9 @@ class Layered(LayeredOptions):
         """Floating-point operations: of the solve, of its check at some of the ``radii``, and of finding them all where
         depths or loads are prescribed."""
         tolerance, loading = self.attainable(problem.specimen), problem.loading
-        main = float(contact.flops(radii, contact.plan(radii, tolerance / TUNING.margin)))
-        some = radii[checked(radii)]
+        plan: Any = contact.plan(radii, tolerance / TUNING.margin)
+        main = float(contact.flops(radii, plan))
+        some = radii[checked(radii, getattr(plan, "groups", 1))]
         check = contact.flops(some, contact.plan(some, tolerance / TUNING.margin**3).finer())
         each_is_looked_for = loading.spacing == "depth" or (loading.to != "radius" and loading.values)
         return main * (SEARCHES if each_is_looked_for else 1) + float(check)

@@ -26,6 +26,7 @@ class LayeredTuning:
     refinements: int = 4  # at most; choice: each takes about twice the time
     checks: int = 12  # radii of the second quadrature, spread over all; tuned on random bodies, by `make failures`
     gaps: int = 6  # more of them, after the widest gaps; tuned on random bodies, by `make failures`
+    firsts: int = 4  # and first ones of groups; tuned on random bodies, by `make failures`
     safety: float = 4.0  # on the difference of the two quadratures; tuned on random bodies, by `make failures`
     # radii on each side of one, from which its error is: differences go through zero
     about: int = 2  # tuned on graded layers, by `make failures`
@@ -94,7 +95,8 @@ class IndenterOnLayers(ABC):
         """The result at ``radii`` and its estimated relative error at each, below ``tolerance``, from a second
         discretisation that differs in every part; it is done at some of the radii. Refusal where refinement does not
         reach the tolerance."""
-        plan, some, best = self.plan(radii, tolerance / TUNING.margin), checked(radii), math.inf
+        plan, best = self.plan(radii, tolerance / TUNING.margin), math.inf
+        some = checked(radii, getattr(plan, "groups", 1))
         failure = SolveError("contact equation: not solved")
         other, check = self.checking(radii[some], plan, tolerance)
         for _ in range(TUNING.refinements):
@@ -238,8 +240,10 @@ def _errors(main: integral.ContactResult, other: integral.ContactResult, some: A
     return TUNING.safety * np.maximum(near[:, after], near[:, np.maximum(after - 1, 0)]) + main.rounding
 
 
-def checked(radii: Array) -> Array:
-    """Indices of the radii at which a result is checked: spread over all, with the ends of the widest gaps."""
+def checked(radii: Array, groups: int = 1) -> Array:
+    """Indices of the radii at which a result is checked: spread over all, with the ends of the widest gaps and the
+    first radii of some ``groups``, inside which a single panel has to hold what F does next to the axis."""
     spread = np.linspace(0, radii.size - 1, TUNING.checks).astype(int)
     widest = np.argsort(np.diff(radii, prepend=0.0))[-TUNING.gaps :]
-    return np.unique(np.concatenate([spread, widest]))
+    firsts = np.geomspace(1, groups, TUNING.firsts).astype(int) - 1
+    return np.unique(np.concatenate([spread, widest, firsts]))

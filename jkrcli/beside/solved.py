@@ -150,6 +150,8 @@ def _joint(solution: Solution, sevens: Array, rates: Array, left: Array) -> Arra
     profile = np.stack([shift, S * shift, 0 * S, 0 * S, slope, 0 * S])
     covariance = np.sum(common[:, :, None] * common[:, None], axis=0)
     own = np.array(TUNING.own)[:, None] * kernel
+    if companions is None:  # by the quadrature of F, where S is known much better: no spring
+        own[0] = np.maximum(own[0], not_of[0])
     covariance[np.arange(6), np.arange(6)] += np.concatenate([own, of_rates]) ** 2 + profile**2
     return np.moveaxis(covariance, -1, 0) / TWO_SIDED_90**2
 

@@ -227,3 +227,16 @@ def test_rows_stay_beside_solved_radii_whatever_a_table_leaves_open() -> None:
     assert isinstance(found, CriticalPoint)
     assert found.a == pytest.approx(rows.a, rel=1e-3)
     assert found.P == pytest.approx(rows.P, rel=1e-6)
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.4995])
+@pytest.mark.parametrize("indenter", [Paraboloid(2e-5), Sphere(4e-5)], ids=["paraboloid", "sphere"])
+def test_what_the_profile_leaves_of_the_depth_is_no_spring_in_series(indenter: Indenter, nu: float) -> None:
+    """delta_H erred by 1e-10, S by 1e-12: delta under displacement control was 2 to 3 times beyond its error."""
+    specimen = Specimen((Layer(Elastic(3e4, nu), 5.8e-6),), Rigid())
+    result = analyse(Layered()(Problem(indenter, specimen, Loading("radius", 3.4e-6, 32, "log"))), [2e-9])[0]
+    point, stated = result.pull_off["displacement"], result.pull_off_errors["displacement"]
+    assert isinstance(point, CriticalPoint)
+    assert not isinstance(stated, Unknown)
+    _, delta = stationary(result.problem, result.w, point.a, "displacement")
+    assert abs(point.delta - delta) <= stated["delta"] < 1e-8 * abs(delta)

@@ -92,93 +92,53 @@ def _rising(x: Array, y: Array, slopes: Array) -> Array:
 def between(rows: Rows) -> Logs:
     """The functions between the ``rows``; those through the rows alone where the columns contradict each other so much
     that delta_H or S would have to fall in between, or S' is not the derivative of S."""
-    return (_Between(rows).logs if rows.derived else None) or rows.logs
+    plain = rows.logs
+    if not rows.derived:
+        return plain
 
+    # Places z = log(a - a0) close enough to each other, the rows among them, each in an interval i of the rows.
+    z, widths = plain.columns.x, np.diff(plain.columns.x)
+    counts = np.maximum(np.ceil(widths / TUNING.spacing).astype(int), 1)
+    first = np.repeat(np.arange(counts.size), counts)
+    inner = np.arange(first.size) - np.repeat(np.cumsum(counts) - counts, counts)
+    places, i = np.append(z[first] + widths[first] * inner / counts[first], z[-1]), np.append(first, first[-1])
 
-@dataclass(frozen=True, eq=False)
-class _Between:
-    """The functions between the ``rows``, at places z = log(a - a0)."""
+    # The quintic of log S over log a, through its slope a S'/S and the slope of that.
+    rate = rows.a * rows.dS / rows.S
+    bend = rate * (1 + plain.slopes(plain.slopes.x, 1)[:, 1] - rate)
+    log_S = PiecewiseQuintic(plain.slopes.x, np.log(rows.S), rate, bend, TUNING.close)
 
-    rows: Rows
-
-    @property
-    def logs(self) -> Logs | None:
-        """Cubics on the table; None where delta_H or S falls somewhere, or a load is none."""
-        z, first = self.table
-        delta, by_z = self.delta(z, np.append(first, first[-1]))
-        x = np.log(self.rows.a0 + np.exp(z))
-        log_S, rate, bend = (self.log_S(x, order) for order in range(3))
-        S, P = np.exp(log_S), self.loads
-        if not all((values > 0).all() for values in (by_z, rate, delta, P)):
-            return None
-        log_dS = log_S + np.log(rate) - x
-        by_P = S / P * by_z
-        return Logs(
-            PiecewiseCubic(z, np.log(np.stack([delta, P], 1)), np.stack([by_z / delta, by_P], 1)),
-            PiecewiseCubic(x, np.stack([log_S, log_dS], 1), np.stack([rate, rate + bend / rate - 1], 1)),
-        )
-
-    @cached_property
-    def z(self) -> Array:
-        return self.rows.logs.columns.x
-
-    @cached_property
-    def table(self) -> tuple[Array, Array]:
-        """Places close enough to each other, the rows among them, and the interval of the rows that begins or lies
-        before each but the last."""
-        widths = np.diff(self.z)
-        counts = np.maximum(np.ceil(widths / TUNING.spacing).astype(int), 1)
-        first = np.repeat(np.arange(counts.size), counts)
-        inner = np.arange(first.size) - np.repeat(np.cumsum(counts) - counts, counts)
-        return np.append(self.z[first] + widths[first] * inner / counts[first], self.z[-1]), first
-
-    @cached_property
-    def log_S(self) -> PiecewiseQuintic:
-        """log S over log a, with its slope a S'/S and the slope of that."""
-        rows, slopes = self.rows, self.rows.logs.slopes
-        rate = rows.a * rows.dS / rows.S
-        bend = rate * (1 + slopes(slopes.x, 1)[:, 1] - rate)
-        return PiecewiseQuintic(slopes.x, np.log(rows.S), rate, bend, TUNING.close)
-
-    @cached_property
-    def gained(self) -> tuple[Array, Array]:
-        """int S d(delta_H) between places of the table, of the cubic and of one s^2 (1 - s)^2, (n,) both."""
-        z, first = self.table
-        at, weights = composite_gauss(z)
-        S = np.exp(self.log_S(np.log(self.rows.a0 + np.exp(at))))
-        _, cubic = self.cubic(at)
-        _, hump = self.hump(at, first[:, None])
-        return np.sum(weights * S * cubic, 1), np.sum(weights * S * hump, 1)
-
-    @cached_property
-    def added(self) -> Array:
-        """The multiple [m] of s^2 (1 - s)^2 in each interval of the rows; 0 where the cubic misses round-off alone."""
-        cubic, hump = (np.bincount(self.table[1], values) for values in self.gained)
-        missed = np.diff(self.rows.P) - cubic
-        return np.where(np.abs(missed) > TUNING.rounding * self.rows.P[1:], missed / hump, 0.0)
-
-    @property
-    def loads(self) -> Array:
-        """P_H [N] at the table."""
-        cubic, hump = self.gained
-        within = self.table[1]
-        gains = cubic + self.added[within] * hump
-        gains *= (np.diff(self.rows.P) / np.bincount(within, gains))[within]  # round-off
-        return self.rows.P[0] + np.append(0.0, np.cumsum(gains))
-
-    def delta(self, z: Array, i: Array) -> tuple[Array, Array]:
-        """delta_H [m] and its slope over z at places in the intervals ``i``."""
-        (cubic, rate), (hump, by_z) = self.cubic(z), self.hump(z, i)
-        return cubic + self.added[i] * hump, rate + self.added[i] * by_z
-
-    def cubic(self, z: Array) -> tuple[Array, Array]:
+    def cubic(z: Array) -> tuple[Array, Array]:
         """exp of the cubic of log delta_H, and its slope over z."""
-        log_delta = self.rows.logs.columns
-        value = np.exp(log_delta(z)[..., 0])
-        return value, value * log_delta(z, 1)[..., 0]
+        value = np.exp(plain.columns(z)[..., 0])
+        return value, value * plain.columns(z, 1)[..., 0]
 
-    def hump(self, z: Array, i: Array) -> tuple[Array, Array]:
+    def hump(at: Array, i: Array) -> tuple[Array, Array]:
         """s^2 (1 - s)^2 in the intervals ``i`` of the rows, and its slope over z."""
-        width = np.diff(self.z)[i]
-        s = (z - self.z[i]) / width
-        return (s * (1 - s)) ** 2, 2 * s * (1 - s) * (1 - 2 * s) / width
+        s = (at - z[i]) / widths[i]
+        return (s * (1 - s)) ** 2, 2 * s * (1 - s) * (1 - 2 * s) / widths[i]
+
+    # int S d(delta_H) from place to place, of the cubic and of one hump, and in each interval as many humps as make up
+    # what P_H gains there; none where the cubic misses round-off alone.
+    at, weights = composite_gauss(places)
+    weights = weights * np.exp(log_S(np.log(rows.a0 + np.exp(at))))
+    gained, by_hump = (np.sum(weights * slope, 1) for _, slope in (cubic(at), hump(at, first[:, None])))
+    gain = np.diff(rows.P)
+    missed = gain - np.bincount(first, gained)
+    humps = np.where(np.abs(missed) > TUNING.rounding * rows.P[1:], missed / np.bincount(first, by_hump), 0.0)
+    gains = gained + humps[first] * by_hump
+    gains *= (gain / np.bincount(first, gains))[first]  # round-off
+    P = rows.P[0] + np.append(0.0, np.cumsum(gains))
+
+    # delta_H, S and S' at the places, with their slopes.
+    delta, by_z = (value + humps[i] * added for value, added in zip(cubic(places), hump(places, i), strict=True))
+    x = np.log(rows.a0 + np.exp(places))
+    log_S_here, rate, bend = (log_S(x, order) for order in range(3))
+    S = np.exp(log_S_here)
+    if not all((values > 0).all() for values in (by_z, rate, delta, P)):
+        return plain  # delta_H or S falls somewhere, or a load is none
+    log_dS = log_S_here + np.log(rate) - x
+    return Logs(
+        PiecewiseCubic(places, np.log(np.stack([delta, P], 1)), np.stack([by_z / delta, S / P * by_z], 1)),
+        PiecewiseCubic(x, np.stack([log_S_here, log_dS], 1), np.stack([rate, rate + bend / rate - 1], 1)),
+    )

@@ -227,7 +227,7 @@ def _pull_off(other: AdhesiveCurve, curve: AdhesiveCurve, stiffness: float) -> C
 @lru_cache(maxsize=2)
 def _apart(curve: AdhesiveCurve) -> AdhesiveCurve:
     """The same curve with its functions interpolated each for itself."""
-    return AdhesiveCurve(replace(curve.nonadhesive, together=False), curve.w)
+    return AdhesiveCurve(curve.nonadhesive.apart, curve.w)
 
 
 @lru_cache(maxsize=2)

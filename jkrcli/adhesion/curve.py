@@ -493,10 +493,7 @@ class AdhesiveCurve(EquilibriumCurve):
 
     def thinned(self, first: int) -> Self:
         """The curve through every second point that is known from ``first`` on, the ends and the kinks."""
-        knots = self.nonadhesive.knots
-        last = knots.a.size - 1
-        rows = np.unique(np.concatenate([np.arange(first, last + 1, 2), [0, last], knots.bends]))
-        return replace(self, nonadhesive=knots.at_rows(rows))
+        return replace(self, nonadhesive=self.nonadhesive.knots.thinned(first))
 
     @cached_property
     def interpolation_error(self) -> Estimate:

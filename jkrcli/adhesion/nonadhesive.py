@@ -204,6 +204,24 @@ class Nonadhesive:
         ends = np.isin(self.a, self.a[[0, -1]]) & beyond
         return ends | (distance > min(wrong**0.25, TUNING.apart) * (self.a - series.a0))
 
+    def thinned(self, first: int) -> Nonadhesive:
+        """The functions of every second point from ``first`` on, the ends and the kinks; the same for every w."""
+        if first not in self._thinned:
+            last = self.a.size - 1
+            rows = np.unique(np.concatenate([np.arange(first, last + 1, 2), [0, last], self.bends]))
+            self._thinned[first] = self.at_rows(rows)
+        return self._thinned[first]
+
+    @cached_property
+    def _thinned(self) -> dict[int, Nonadhesive]:
+        """The functions of fewer points that are known by now, by the first that is left out or kept."""
+        return {}
+
+    @cached_property
+    def apart(self) -> Nonadhesive:
+        """The same functions, each interpolated for itself."""
+        return replace(self, together=False)
+
     @cached_property
     def bends(self) -> Array:
         """Numbers of the rows at kinks of the profile."""

@@ -68,7 +68,6 @@ if TYPE_CHECKING:
     from .table import as_json, lists, write_csv
     from .threads import begin_with_one, one_thread
     from .units import (
-        LARGE_WORK,
         LARGEST_SI,
         SI,
         UNITS,
@@ -78,7 +77,9 @@ if TYPE_CHECKING:
         Ranged,
         check_ranges,
         decades,
+        doubtful_modulus,
         doubtful_work,
+        implausible_work,
         parse,
         ranges_of,
         reached,

@@ -55,6 +55,9 @@ DIMENSIONS = {
 SI = {name: dimension.SI for name, dimension in DIMENSIONS.items()}
 UNITS = {name: dimension.units for name, dimension in DIMENSIONS.items() if dimension.units}
 LARGEST_SI = 1e30  # of a quantity in SI, its inverse the least: beyond what exists, and products of a few stay finite
+MODULI = (1e3, 2e12)  # choice: Pa, of soft gels and of diamond; a bare number outside is remarked, never refused
+SMALL_WORK = 1e-4  # choice: J/m^2, below what solids of an E* from FIRM on have; remarked, never refused
+FIRM = 1e6  # choice: Pa; softer ones, cells and gels in liquids, may have less
 LARGE_WORK = 1.0  # choice: J/m^2, above what gels, polymers and contaminated metals have; remarked, never refused
 LONGEST = 100  # characters of a quantity
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.*?)\s*\Z")
@@ -141,6 +144,34 @@ def doubtful_work(w: float) -> str:
     return (
         f"{w:g} without a unit is {show(w, 'work')}, and surfaces have a few mJ/m^2 to {show(LARGE_WORK, 'work')}; "
         f'if it is meant, write "{w:g} J/m^2", if not, perhaps "{w:g} mJ/m^2"'
+    )
+
+
+def implausible_work(w: float, E_star: float) -> str:
+    """A remark on a work of adhesion w > 0 [J/m^2] that was found of a specimen of modulus ``E_star`` [Pa] and that
+    surfaces hardly have; empty where many have it."""
+    check = "check units of the data and the radius of the indenter"
+    if w > LARGE_WORK:
+        return (
+            f"w = {show(w, 'work')} is implausible, surfaces have a few mJ/m^2 to {show(LARGE_WORK, 'work')}: {check}"
+        )
+    if w < SMALL_WORK and E_star >= FIRM:
+        return (
+            f"w = {show(w, 'work')} is implausibly small for E* = {show(E_star, 'modulus')}: solids so stiff have a "
+            f"few mJ/m^2 in air and hardly less than {show(SMALL_WORK, 'work')} in liquids: {check}"
+        )
+    return ""
+
+
+def doubtful_modulus(E: float) -> str:
+    """A remark on a bare number [Pa] that hardly any solid has as its modulus; empty where many have."""
+    least, most = MODULI
+    if least <= E <= most:
+        return ""
+    perhaps = f', if not, perhaps "{E:g} MPa"' if E < least else ""
+    return (
+        f"{E:g} without a unit is {show(E, 'modulus')}, and solids have {show(least, 'modulus')} to "
+        f'{show(most, "modulus")}; if it is meant, write "{E:g} Pa"{perhaps}'
     )
 
 

@@ -6,7 +6,18 @@ from ..base.lazy import lazily
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from .analysis import JKR, Analysis, Lost, adhesive, analyse, forecast, nonadhesive, where_lost, with_solved_points
+    from .analysis import (
+        JKR,
+        Analysis,
+        Lost,
+        adhesive,
+        analyse,
+        forecast,
+        nonadhesive,
+        seconds_of_page,
+        where_lost,
+        with_solved_points,
+    )
     from .histories import (
         LostByHistory,
         checked_histories,

@@ -224,6 +224,7 @@ class CostTuning:
     per_row: float = 4e-5  # and per row; tuned on series of 1e5 rows, by `make bench`
     table_per_row: float = 3e-5  # and of its table; tuned on series of 1e5 rows, by `make bench`
     device: float = 7e-3  # of what is read off it for a device; tuned on 10 to 2,000 devices, by `make guards`
+    page_per_row: float = 2e-4  # of the explorer's page; tuned on series of 2e4 and 6e4 rows, by `make bench`
     figure: float = 0.6  # of its pictures; tuned on series of 100 rows, by `make bench`
 
 
@@ -242,6 +243,11 @@ def forecast(
     each = COST.curve + per_row * rows + figures * COST.figure + devices * COST.device
     each += _ranged(solution, works, request) if request else seconds_of_points(solution, devices)
     return Forecast(fitted + len(works) * each, COST.mib + mib * rows, 0.0)
+
+
+def seconds_of_page(solution: Solution) -> float:
+    """CPU seconds of the explorer's page of a solution, beside those of its curve."""
+    return COST.page_per_row * solution.increments.a.size
 
 
 def _ranged(solution: Solution, works: Sequence[float], request: RangeRequest) -> float:

@@ -16,7 +16,9 @@ import numpy as np
 
 from ..adhesion import (
     LOAD_CONTROL,
+    AdhesiveCurve,
     CriticalPoint,
+    Nonadhesive,
     Strains,
     Validity,
     judge,
@@ -47,7 +49,7 @@ from ..series import Series
 from .again import again
 from .comparison import half_space_pull_off
 from .range_effect import effect_of_range, ranged
-from .sticking import pull_off_ratio, sticking_effect
+from .sticking import pull_off_ratios, sticking_effect
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,7 @@ class LeftOutTuning:
     # of the largest radius, the least at which a tension is solved for; tuned on bodies, by `make constants`: half of
     # it moves what S changes by, by half a per cent
     smallest: float = 0.02
+    per_work: float = 0.09  # CPU seconds for each work of adhesion; tuned on a layer and 40 of them, by `make guards`
     few: int = 20  # radii of that; tuned on bodies, by `make constants`: half move what S changes by, by 7 %
 
 
@@ -107,10 +110,10 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
     solution = again(body, method=COARSE, longest=PATIENCE)
     series = solution.series
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
-    adhesion = []
+    adhesion, functions = [], Nonadhesive.of(series, "exact")
     for w in works:
         refuse_wetting(w, body.specimen.surface_tension)
-        curve = transform(series, "exact", w)
+        curve = AdhesiveCurve(functions, w)
         point = resolved(curve.pull_off(LOAD_CONTROL), curve, LOAD_CONTROL, z0)
         pulled: dict[str, Any] = {"effect_of_range": point}
         if isinstance(point, CriticalPoint):
@@ -173,6 +176,11 @@ class LeftOut:
                 "pull_off": pulls}  # fmt: skip
 
 
+def seconds_of_works(works: Sequence[float]) -> float:
+    """CPU seconds that the pull-off forces of so many ``works`` of adhesion take, of a body and its neighbours."""
+    return TUNING.per_work * len(works)
+
+
 def left_out(problem: Problem, expected: Expectation, works: Sequence[float], z0: float | None) -> list[LeftOut]:
     """What ``problem`` leaves out, worst first and what is not known last: at the depth ``expected`` and for each of
     the ``works`` of adhesion [J/m^2]; ``z0``: range of its forces [m], None where the case includes one."""
@@ -206,7 +214,7 @@ class Neighbours:
         """One series of the neighbour over one of the body; both reach the depth."""
         depth = float(plain.delta[-1])
         load, S = (new / old - 1 for new, old in zip(_at(other, depth), _at(plain, depth), strict=True))
-        return LeftOut(name, key, load, S, {w: _pull_off(plain, other, w) for w in self.works})
+        return LeftOut(name, key, load, S, _pull_offs(plain, other, self.works))
 
 
 def _at(series: Series, depth: float) -> tuple[float, float]:
@@ -219,13 +227,13 @@ def _at(series: Series, depth: float) -> tuple[float, float]:
     return float(load), float(stiffness)
 
 
-def _pull_off(plain: Series, other: Series, w: float) -> Estimate:
-    """Change of the pull-off force under load control."""
+def _pull_offs(plain: Series, other: Series, works: Sequence[float]) -> dict[float, Estimate]:
+    """Changes of the pull-off force under load control, by work of adhesion [J/m^2]."""
     try:
-        ratio = pull_off_ratio(other, plain, w, Unknown("pull-off lies outside the radii of the case"))
+        ratios = pull_off_ratios(other, plain, works, Unknown("pull-off lies outside the radii of the case"))
     except JkrError as error:
-        return Unknown(str(error))
-    return ratio if isinstance(ratio, Unknown) else ratio - 1
+        return dict.fromkeys(works, Unknown(str(error)))
+    return {w: ratio if isinstance(ratio, Unknown) else ratio - 1 for w, ratio in ratios.items()}
 
 
 def _neighbours(neighbours: Neighbours, sides: bool) -> Iterator[LeftOut]:

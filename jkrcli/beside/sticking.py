@@ -84,7 +84,7 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
     radii = radii[radii < body.indenter.r_max]
     try:
         sliding, sticking = (_series(contact, radii) for contact in pair)
-        pull_off = {w: pull_off_ratio(sticking, sliding, w) for w in works if w > 0}
+        pull_off = pull_off_ratios(sticking, sliding, [w for w in works if w > 0])
     except JkrError as error:
         return Unknown(f"effect of no slip unknown: {error}")
     last = min(TUNING.radii, radii.size) - 1
@@ -106,14 +106,19 @@ def _at(series: Series, column: Array, depth: float) -> float:
     return float(np.exp(np.interp(np.log(depth), np.log(series.delta), np.log(column))))
 
 
-def pull_off_ratio(one: Series, other: Series, w: float, outside: Unknown = OUTSIDE) -> Estimate:
-    """The pull-off force under load control of one series with exact slopes over that of the other."""
+def pull_off_ratios(
+    one: Series, other: Series, works: Sequence[float], outside: Unknown = OUTSIDE
+) -> dict[float, Estimate]:
+    """The pull-off force under load control of one series with exact slopes over that of the other, for each of the
+    ``works`` of adhesion [J/m^2]; what lies between the rows is found once for all of them."""
     from ..adhesion import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive
 
-    first, second = (AdhesiveCurve(Nonadhesive.of(each, "exact"), w).pull_off(LOAD_CONTROL) for each in (one, other))
-    if isinstance(first, CriticalPoint) and isinstance(second, CriticalPoint):
-        return first.P / second.P
-    return outside
+    pair, ratios = [Nonadhesive.of(each, "exact") for each in (one, other)], dict[float, Estimate]()
+    for w in works:
+        first, second = (AdhesiveCurve(functions, w).pull_off(LOAD_CONTROL) for functions in pair)
+        known = isinstance(first, CriticalPoint) and isinstance(second, CriticalPoint)
+        ratios[w] = first.P / second.P if known else outside  # type: ignore[union-attr]
+    return ratios
 
 
 def sticking_warnings(problem: Problem, effect: StickingEffect | Unknown) -> Iterator[str]:

@@ -115,7 +115,7 @@ def _tree(solution: Solution, command_line: str) -> hdf5.Group:
         "series": hdf5.Group(first, _columns(series)),
         "errors": hdf5.Group(budget, _errors(series)),
         "facts": hdf5.Group(solution.facts),
-        "timings_s": hdf5.Group(solution.timings),
+        "timings_s": hdf5.sealed(hdf5.Group(solution.timings)),  # by itself: two runs have one digest
         "versions": hdf5.Group(record.versions or versions()),
         "warnings": hdf5.Group({str(i): text for i, text in enumerate(solution.warnings)}),
     }
@@ -327,7 +327,8 @@ class _Reader:
         """The numbers and texts of a group; the first format may lack it."""
         if not self.sealed and name not in self.root.members:
             return {}
-        return {key: _plain(self.path, f"{name}.{key}", value) for key, value in self.group(name).attributes.items()}
+        entries = self.group(name).attributes.items()
+        return {key: _plain(self.path, f"{name}.{key}", value) for key, value in entries if key != hdf5.SEAL}
 
     def group(self, name: str) -> hdf5.Group:
         group = self.root.members.get(name)

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import click
 
 from .. import bodies, case
-from ..base import InputError, writable
+from ..base import InputError, doubtful_modulus, writable
 from ..identification import fit as fits
 from ..methods import Limits
 from .verb import as_one
@@ -112,7 +112,10 @@ def tables_of(verb: str, body: Flags, instead: str, modulus: str | None) -> dict
         if isinstance(size, float) and size >= 0.1:  # choice: [m], larger than what is pressed
             warn(f"{flag(name)} {texts[name]} without a unit is {size:g} m: give its unit, {flag(name)} "
                  f'"{texts[name]} um"')  # fmt: skip
-    material = {"E": entries["modulus"], "nu": entries["nu"]}
+    E = entries["modulus"]
+    if isinstance(E, float) and E > 0 and (doubt := doubtful_modulus(E)):
+        warn(f"--E: {doubt}")
+    material = {"E": E, "nu": entries["nu"]}
     specimen: dict[str, Any] = {"half_space": material}
     if entries["thickness"] is not None:
         layer = material | {"thickness": entries["thickness"]}

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..beside.expectation import seconds_of_works
 from ..case import load_case
 from ..methods import long_look
 from ..report import Check
 from .options import json_option
 from .verb import verb
-from .voice import give, note
+from .voice import announce, give, note
 
 
 @verb("case")
@@ -25,4 +26,6 @@ def check(case: Path, as_json: bool) -> None:
     loaded = load_case(case)
     if words := long_look(loaded.model.problem()):
         note(words)
+    works = loaded.model.adhesion.w
+    announce(f"check for {len(works):,} works of adhesion", seconds_of_works(works))
     give(Check.of(case, loaded), as_json)

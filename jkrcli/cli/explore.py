@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from ..base import InputError, write_text
-from ..beside import analyse
+from ..beside import analyse, seconds_of_page
 from ..data import Reading, measured
 from ..methods import Limits
 from ..report import Output
@@ -53,7 +53,7 @@ def explore(
     begin_reading("explore", data, limits)
     curves = [curve for path in data for curve in measured.read(path, reading)]
     works = (work,) if work is not None else tuple(w for w in solution.record.w if w > 0)[:1]
-    begin_curves("explore", [solution], [works or (1.0,)], limits)
+    begin_curves("explore", [solution], [works or (1.0,)], limits, beside=seconds_of_page(solution))
     result = analyse(solution, works or (1.0,), slopes)[0]
     if not works:
         result = analyse(solution, (start_work(result.jkr.nonadhesive),), slopes)[0]

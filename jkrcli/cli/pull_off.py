@@ -124,7 +124,9 @@ def _means(
         means = [measured_work(solution, force, one, *settings) for one in controls]
         effect = effect_on(solution, [means[0].work.w])
         warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
-        results += map(MeasuredPullOff, means)
+        measured = [MeasuredPullOff(one) for one in means]
+        warnings += dict.fromkeys(text for one in measured for text in one.warnings)
+        results += measured
     return Results(results, warnings)
 
 

@@ -39,6 +39,13 @@ GROUPS = {
         "output", "force", "json", "no-plots", "plot", "quiet", "verbose", "dimensionless", "scale", "together", "help",
     ),
 }  # fmt: skip
+# What the field calls what an option gives, where its name is no near miss.
+SYMBOLS = {
+    "R": "radius", "r": "radius", "alpha": "half-angle", "angle": "half-angle", "theta": "half-angle",
+    "h": "thickness", "t": "thickness", "modulus": "E", "young": "E", "Young": "E", "e": "E", "poisson": "nu",
+    "Poisson": "nu", "k": "stiffness", "spring-constant": "stiffness", "invOLS": "sensitivity", "W": "w", "gamma": "w",
+    "v": "speed", "F": "load", "P": "load",
+}  # fmt: skip
 # Options that mean something else to some verbs, where everybody needs them.
 FIRST = {"cycle": ("stiffness",), "pull-off": ("stiffness", "uncertain"), "rate-map": ("rate", "speed", "stiffness")}
 
@@ -92,7 +99,13 @@ class Verb(click.Command):
         """Parse, but refuse an option of one value that is given twice, and a key twice of one that takes pairs: the
         last would be taken in silence."""
         if not ctx.resilient_parsing:
-            *_, order = self.make_parser(ctx).parse_args(list(args))
+            try:
+                *_, order = self.make_parser(ctx).parse_args(list(args))
+            except click.NoSuchOption as error:
+                own = {option for parameter in self.params for option in parameter.opts}
+                if (meant := f"--{SYMBOLS.get(error.option_name.strip('-'), '')}") in own:
+                    error.possibilities = [meant]  # type: ignore[misc]
+                raise
             for parameter in order:
                 takes_more = (
                     parameter.multiple or getattr(parameter, "is_flag", False) or getattr(parameter, "count", False)

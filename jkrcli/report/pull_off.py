@@ -21,7 +21,7 @@ from ..adhesion import (
     yielding,
 )
 from ..adhesion.from_rest import AT_MOST, FROM_REST
-from ..base import InputError, Unknown, accuracy, known, show
+from ..base import InputError, Unknown, accuracy, implausible_work, known, show
 from ..beside import Analysis, Lost, LostByHistory, analyse, is_solved, strains_after
 from ..bodies import relaxing
 from ..series import Solution
@@ -245,6 +245,12 @@ class MeasuredPullOff(Result):
     """What a measured pull-off force means."""
 
     means: MeasuredWork
+
+    @property
+    def warnings(self) -> list[str]:
+        means = self.means
+        doubt = implausible_work(means.work.w, means.result.problem.E_star)
+        return [f"{means.result.path}: {doubt}"] if doubt else []
 
     def summary(self) -> dict[str, Any]:
         means, work = self.means, self.means.work

@@ -59,28 +59,67 @@ def pulled(tip: TableProfile, w: float) -> tuple[float, float]:
     return point["P_N"], point["P_err_N"]
 
 
-def misses(seeds: range, points: int, flat: float) -> np.ndarray:
-    """Errors of the pull-off force over the stated ones, by the seed of the noise."""
-    true, off = lowest(0.05, flat), []
+def misses(seeds: range, points: int, flat: float, noise: float = NOISE) -> tuple[np.ndarray, np.ndarray]:
+    """Errors of the pull-off force over the stated ones, by the seed of the noise, and these, relative."""
+    true, off, stated = lowest(0.05, flat), [], []
     for seed in seeds:
-        P, error = pulled(smoothed(*measured(seed, points, flat), noise=NOISE), 0.05)
-        assert error < 8e-3 * abs(true)  # a twentieth of a nanometre is no excuse
+        P, error = pulled(smoothed(*measured(seed, points, flat, noise), noise=noise), 0.05)
         off.append((P - true) / error)
-    return np.array(off)
+        stated.append(error / abs(true))
+    return np.array(off), np.array(stated)
 
 
 @pytest.mark.parametrize(("points", "flat"), [(61, FLAT), (30, 0.0)])
 def test_pull_off_under_a_noisy_tip_is_within_its_error(points: int, flat: float) -> None:
     """It was refused as not convex."""
-    assert np.count_nonzero(np.abs(misses(range(4), points, flat)) <= 1) >= 3
+    off, stated = misses(range(4), points, flat)
+    assert np.count_nonzero(np.abs(off) <= 1) >= 3
+    assert np.median(stated) < 3e-3  # a twentieth of a nanometre is no excuse
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("points", "flat"), [(61, FLAT), (30, 0.0), (121, FLAT)])
-def test_stated_errors_of_noisy_tips_hold_for_most_draws(points: int, flat: float) -> None:
-    off = misses(range(1000, 1060), points, flat)
+@pytest.mark.parametrize(
+    ("points", "flat", "noise", "median"),
+    [
+        (61, FLAT, NOISE, 2e-3),
+        (30, 0.0, NOISE, 2e-3),
+        (121, FLAT, NOISE, 2e-3),
+        (200, FLAT, 0.2e-9, 2.5e-2),
+        (400, FLAT, 0.5e-9, 5e-2),
+        (100, 0.0, 0.5e-9, 1e-2),
+        (400, 0.0, 0.02e-9, 5e-4),
+    ],
+)
+def test_stated_errors_of_noisy_tips_hold_for_most_draws(points: int, flat: float, noise: float, median: float) -> None:
+    """The median of the stated errors is judged: a draw whose worn end shows less than others states, rightly, several
+    times as much; none may state that it knows next to nothing."""
+    off, stated = misses(range(1000, 1060), points, flat, noise)
     assert np.count_nonzero(np.abs(off) <= 1) >= 48  # 54 of 60 expected
-    assert 0.3 < np.mean((1.645 * off) ** 2) < 2.0  # a width that is neither half nor double
+    assert 0.2 < np.mean((1.645 * off) ** 2) < 1.6  # measured 0.3 to 0.8: the worse of two radii counts
+    assert np.max(np.abs(off)) < 2
+    assert np.median(stated) < median
+    assert np.max(stated) < 0.15
+
+
+def test_a_worn_end_is_found_along_with_its_corner() -> None:
+    """A corner alone, with what is curved before it, was not told from a smooth tip: errors were five times larger."""
+    off, stated = misses(range(1000, 1003), 200, FLAT, 0.2e-9)
+    assert np.max(stated) < 5e-3
+    assert np.max(np.abs(off)) < 1
+    tip = smoothed(*measured(1000, 200, noise=0.2e-9), noise=0.2e-9)
+    assert tip.a0 == pytest.approx(FLAT, abs=2e-9)
+
+
+def test_a_corner_is_sought_with_all_that_may_be_smooth_beside_it() -> None:
+    """The strength of smoothing without the corner was kept: a worn end of 120 nm was put at 58 nm, the force 6.6
+    stated errors off."""
+    r = np.linspace(0, 300e-9, 100)
+    f = heights(r, 120e-9) + 0.1e-9 * np.random.default_rng(16).standard_normal(100)
+    tip = smoothed(r, f, noise=0.1e-9)
+    assert tip.a0 == pytest.approx(120e-9, abs=2e-9)
+    P, error = pulled(tip, 0.05)
+    at_rim = -math.sqrt(8 * math.pi * E_STAR * 0.05 * 120e-9**3)  # contact is lost where the worn end ends
+    assert abs(P - at_rim) < error < 0.05 * abs(at_rim)
 
 
 def test_the_smooth_profile_is_convex_and_has_the_corner_of_the_worn_end() -> None:

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from series_files import edit
 
+from jkrcli.base import hdf5
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
 from jkrcli.case import load_case, parse_case, store
@@ -95,6 +96,43 @@ def test_what_a_method_returns_is_what_its_file_gives_back(solution: Solution, t
     again = store.read_solution(path, with_pressure=True)
     assert_same(again, solution)
     assert again.record.command_line == "jkr run halfspace.toml"
+
+
+def root_of(path: Path) -> hdf5.Group:
+    return hdf5.tree_of(path, path.read_bytes(), ())
+
+
+def test_two_runs_of_a_case_have_one_digest(tmp_path: Path) -> None:
+    """The times that they took were under it; they are sealed by themselves."""
+    roots = []
+    for seconds in (1.0, 2.0):
+        path = tmp_path / f"{seconds}.h5"
+        store.write_solution(path, in_increments(timings={"solve": seconds}))
+        assert store.read_solution(path).timings == {"solve": seconds}
+        roots.append(root_of(path))
+    assert roots[0].attributes[hdf5.SEAL] == roots[1].attributes[hdf5.SEAL]
+
+
+def test_a_file_whose_times_are_under_its_digest_is_read(path: Path) -> None:
+    """As files were written before."""
+    before = store.read_solution(path).timings
+    with h5py.File(path, "r+") as file:
+        del file["timings_s"].attrs[hdf5.SEAL]
+    with pytest.raises(InputError, match="does not hold what was written"):
+        store.read_solution(path)
+    digest = hdf5.digest(root_of(path))
+    with h5py.File(path, "r+") as file:
+        file.attrs[hdf5.SEAL] = digest
+    assert store.read_solution(path).timings == before
+
+
+def test_changed_times_are_found(tmp_path: Path) -> None:
+    path = tmp_path / "x.h5"
+    store.write_solution(path, in_increments(timings={"solve": 1.0}))
+    with h5py.File(path, "r+") as file:
+        file["timings_s"].attrs["solve"] = 2.0
+    with pytest.raises(InputError, match="does not hold what was written"):
+        store.read_solution(path)
 
 
 def test_pressures_are_read_where_they_are_asked_for(tmp_path: Path) -> None:

@@ -26,7 +26,8 @@ class SmoothingTuning:
     knots: tuple[int, int] = (6, 24)  # choice: at least and at most, f'' is smoothed between them
     points_per_knot: int = 3  # choice: at least
     strengths: tuple[float, float, int] = (-12.0, 2.0, 15)  # choice: of log10 lambda, in units of noise and length
-    around: tuple[float, ...] = (0.1, 1.0, 10.0)  # choice: of lambda, where a corner is sought
+    # of log10 lambda, where a corner is sought; choice: with the corner the rest may be far smoother than without it
+    coarse: tuple[float, float, int] = (-11.0, 2.0, 5)
     corner: float = 12.0  # by which Cp must fall for a corner; choice: two unknowns, and forty places are tried
     flat: float = 4.0  # chi^2 by which a flat end may be worse; choice: two standard errors
     corners: int = 2  # choice: most that are found
@@ -94,45 +95,48 @@ def smooth_convex(r: Array, f: Array, noise: float, bends: Array) -> SmoothProfi
 @dataclass(frozen=True, eq=False)
 class _Fit:
     """A fit with given ``corners`` [-], in units of the largest radius and the noise; ``flat``: the profile up to the
-    first corner is. ``x`` (n,), ``y`` (n,): the points. ``near``: a lambda, near which the best one is looked for."""
+    first corner is. ``x`` (n,), ``y`` (n,): the points. ``coarse``: few lambdas are tried."""
 
     x: Array
     y: Array
     unit: tuple[float, float]  # of lengths r and f [m]
     corners: tuple[float, ...]
     flat: bool = False
-    near: float | None = None
+    coarse: bool = False
 
     @classmethod
     def of(cls, r: Array, f: Array, noise: float, bends: tuple[float, ...]) -> _Fit:
         length = float(r[-1])
         return cls(r / length, f / noise, (length, noise), tuple(bend / length for bend in bends))
 
-    def tried(self, corner: float) -> _Fit:
-        """The fit with a further corner, smoothed about as this one."""
-        return _Fit(self.x, self.y, self.unit, tuple(sorted((*self.corners, corner))), near=self.best[1])
+    def tried(self, corner: float, flat: bool) -> _Fit:
+        """The fit with a further corner, ``flat`` up to the first one; by few lambdas."""
+        return replace(self, corners=tuple(sorted((*self.corners, corner))), flat=flat, coarse=True)
 
     def with_corner(self) -> _Fit:
-        """The fit with the best further corner: a point at the axis, or one in between by a golden section."""
+        """The fit with the best further corner: a point at the axis, or one in between by a golden section. A flat end
+        is tried along with the corner: it leaves fewer unknowns, so that the points show the two where they do not
+        show a corner alone."""
         places = np.linspace(self.x[2], self.x[-3], min(TUNING.places, self.x.size))
         apart = float(places[1] - places[0])
         places = places[np.all(np.abs(places[:, None] - np.array([-1.0, *self.corners])) > apart, axis=1)]
-        scores = {place: self.tried(place).cp for place in places.tolist()}
-        best = min(scores, key=lambda place: scores[place])
-        low, high = max(best - apart, float(self.x[1])), min(best + apart, float(self.x[-2]))
+        ends = (False,) if 0.0 in self.corners else (False, True)
+        tries = [self.tried(place, flat) for place in places.tolist() for flat in ends]
+        best = min(tries, key=lambda fit: fit.cp)
+        (place,) = set(best.corners) - set(self.corners)
+        low, high = max(place - apart, float(self.x[1])), min(place + apart, float(self.x[-2]))
         ratio = (math.sqrt(5) - 1) / 2
         for _ in range(TUNING.steps):
             left, right = high - ratio * (high - low), low + ratio * (high - low)
-            low, high = (low, right) if self.tried(left).cp < self.tried(right).cp else (left, high)
-        if self.tried((low + high) / 2).cp < scores[best]:
-            best = (low + high) / 2
-        if 0.0 not in self.corners and self.tried(0.0).cp < self.tried(best).cp:
-            best = 0.0
-        return replace(self.tried(best), near=None)
+            closer = self.tried(left, best.flat).cp < self.tried(right, best.flat).cp
+            low, high = (low, right) if closer else (left, high)
+        last = [self.tried((low + high) / 2, best.flat)]
+        last += [] if 0.0 in self.corners else [self.tried(0.0, False)]
+        return replace(min([best, *last], key=lambda fit: fit.cp), coarse=False)
 
     def with_flat_end(self) -> _Fit:
         """The fit with a flat end up to the first corner, where the points allow one."""
-        if not self.corners or self.corners[0] == 0:
+        if not self.corners or self.corners[0] == 0 or self.flat:
             return self
         other = replace(self, flat=True)
         return other if other.chi2 < self.chi2 + TUNING.flat else self
@@ -157,7 +161,7 @@ class _Fit:
         """Numbers of the segments with a curvature."""
         return range(int(self.flat), len(self.segments))
 
-    def pieces_of(self, values: Array, knots: Array | None = None) -> Array:
+    def pieces_of(self, values: Array) -> Array:
         """f, f', f'', f''' (4, pieces) by jumps of the slope, then f'' at the nodes of the curved segments."""
         jumps, bent = np.split(values, [len(self.corners)])
         left, right = [], []
@@ -174,10 +178,18 @@ class _Fit:
 
     @cached_property
     def columns(self) -> Array:
-        """The points by each coefficient (n, p), the offset first."""
-        count = len(self.corners) + sum(self.segments[i].size for i in self.curved)
-        parts = [_at(self.knots, self.pieces_of(row), self.x) for row in np.eye(count)]
-        return np.stack([np.ones_like(self.x), *parts], axis=1)
+        """The points by each coefficient (n, p), the offset first: a jump of the slope at c gives (x - c)+, f'' that
+        rises by 1 over a piece of length h from k on ((x - k)+^3 - (x - k - h)+^3)/(6 h)."""
+        beyond = np.maximum(self.x[:, None] - np.array(self.corners), 0.0)
+        parts = [np.ones((self.x.size, 1)), beyond]
+        for i in self.curved:
+            nodes = self.segments[i]
+            step = np.maximum(self.x[:, None] - nodes, 0.0)
+            rises = (step[:, :-1] ** 3 - step[:, 1:] ** 3) / (6 * np.diff(nodes))
+            up = np.concatenate([step[:, :1] ** 2 / 2, rises], axis=1)
+            down = np.concatenate([rises, step[:, -1:] ** 2 / 2], axis=1)
+            parts.append(up - down)
+        return np.concatenate(parts, axis=1)
 
     @cached_property
     def penalty(self) -> Array:
@@ -202,7 +214,7 @@ class _Fit:
         q, reduced = np.linalg.qr(self.columns)
         target, rest = q.T @ self.y, float(np.sum((self.y - q @ (q.T @ self.y)) ** 2))
         found = []
-        for strength in np.multiply(self.near, TUNING.around) if self.near else np.logspace(*TUNING.strengths):
+        for strength in np.logspace(*(TUNING.coarse if self.coarse else TUNING.strengths)):
             stacked = np.concatenate([reduced, np.sqrt(strength) * self.penalty])
             goal = np.append(target, np.zeros(self.penalty.shape[0]))
             both = np.concatenate([stacked, -stacked[:, :1]], axis=1)  # the offset has either sign
@@ -270,11 +282,6 @@ def _integrated(h: Array, steps: Array, left: Array, right: Array) -> Array:
     slope = np.cumsum(steps) + np.append(0.0, np.cumsum((left + right) / 2 * h)[:-1])
     f = np.append(0.0, np.cumsum(h * slope + h**2 * (2 * left + right) / 6)[:-1])
     return np.array([f, slope, left, (right - left) / h])
-
-
-def _at(knots: Array, pieces: Array, x: Array) -> Array:
-    values: Array = cut_at(np.append(x, x[-1]), knots, pieces)[0]
-    return values
 
 
 def cut_at(places: Array, knots: Array, pieces: Array) -> Array:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...adhesion import REMEDY, judge
-from ...base import LARGE_WORK, SAME, Unknown, show
+from ...base import SAME, Unknown, implausible_work, show
 from ...series import Record
 from ..answer import word
 from ..parameters import POSITIONS
@@ -108,11 +108,10 @@ def _far_from_case(fit: Fit, body: FittedBody) -> Iterator[str]:
 
 
 def _doubtful_work(fit: Fit) -> Iterator[str]:
-    if "w" in fit.free and (w := fit.value("w")) > LARGE_WORK:
-        yield (
-            f"w = {show(w, 'work')} is implausible, surfaces have a few mJ/m^2 to {show(LARGE_WORK, 'work')}: "
-            "check units of the data and the radius of the indenter"
-        )
+    if "w" not in fit.free or fit.estimate("w").low == 0:  # not significantly above 0: of no adhesion
+        return
+    if doubt := implausible_work(fit.value("w"), fit.value("E_star")):
+        yield doubt
 
 
 def _structured(fit: Fit) -> Iterator[str]:

@@ -105,7 +105,12 @@ def _point_errors(curve: AdhesiveCurve, tension: float) -> dict[str, list[float 
     span, stiff = _work_control(curve, tension), _stiffness(curve)
     works = np.geomspace(span.low, span.high, WORKS)
     controls = {**CONTROLS, "machine": stiff}
-    errors = {name: [_point_error(replace(curve, w=float(w)), k) for w in works] for name, k in controls.items()}
+    rows = []
+    for w in works:  # one curve for all controls: what tells its errors is found once
+        at_w = replace(curve, w=float(w))
+        at_w.find_critical(controls.values())
+        rows.append([_point_error(at_w, k) for k in controls.values()])
+    errors = {name: list(column) for name, column in zip(controls, zip(*rows, strict=True), strict=True)}
     return {"w": works.tolist(), **errors}
 
 

@@ -35,16 +35,17 @@ class HybridTuning:
     # more near the largest, where polynomials err in their shortest waves: one radius alone may lie at a node of them
     near: tuple[float, ...] = (0.84, 0.92, 0.97)  # of it; tuned on random bodies, by `make bounds`
     # On the error that the last step of the degree leaves:
-    safety: float = 2.5  # tuned on random bodies, by `make bounds`
+    safety: float = 3.0  # tuned on random bodies, by `make bounds`
+    # Of the largest change that of a column, from which on it tells how fast errors fall:
+    telling: float = 0.1  # tuned on random bodies, by `make bounds`
     slowest: float = 3.0  # what a step divides it by, at least; tuned on random bodies, by `make failures`
     fastest: float = 300.0  # at most; tuned on random bodies, by `make bounds`
-    unproven: float = 18.0  # at most, after one step from the lowest; tuned on random bodies, by `make failures`
-    cornered: float = 8.0  # at most, with singular corners; tuned on random bodies, by `make failures`
+    unproven: float = 50.0  # at most, after one step from the lowest; tuned on random bodies, by `make bounds`
+    cornered: float = 8.0  # at most, with singular corners; tuned on random bodies, by `make bounds`
     irregular: int = 2  # elements, up to which no fall is trusted; tuned on random bodies, by `make bounds`
-    # Of the last step but one over the last, at most; where it falls by more, the last is small by accident:
-    plausible: float = 300.0  # tuned on random bodies, by `make bounds`
-    plausible_cornered: float = 50.0  # with singular corners; tuned on random bodies, by `make bounds`
-    small: float = 0.1  # a step that a level below the lowest tells of; tuned on random bodies, by `make bounds`
+    # Of a last step that is as much smaller than the one before as that of the other radii and columns:
+    accident: float = 0.8  # tuned on random bodies, by `make bounds`
+    plausible: float = 100.0  # so much smaller, of irregular elements; tuned on random bodies, by `make bounds`
     # Times what is small by accident, at pull-off points, after one step from the lowest:
     at_points: float = 2.0  # tuned on random bodies, by `make bounds`
     steeper: float = 2.0  # error of S' over that of the others, at least; tuned on random bodies, by `make failures`
@@ -410,19 +411,19 @@ class AdaptiveKernel:
         kernels += [levels.cut(degree)] if region.cut_beside else []
         companions = Companions(contact, tuple(kernels), precise)
         last, before, wave, other, rounding, *cuts = np.abs(companions.changes(radii))
-        fastest, plausible = TUNING.fastest, TUNING.plausible
-        if region.corners:
-            fastest, plausible = TUNING.cornered, TUNING.plausible_cornered
+        fastest = TUNING.cornered if region.corners else TUNING.fastest
         after_lowest = degree - 2 * STEP < TUNING.lowest
         fastest = min(fastest, TUNING.unproven) if after_lowest else fastest
         known = bool(np.isfinite(before).all())
         fast = known and levels.correction(degree).elements > TUNING.irregular
-        falls = _falls(before, last, fastest) if fast else np.full(radii.size, TUNING.slowest)
-        # Two levels may agree by accident, which the step before tells of; one from below the lowest only where it is a
-        # small one, or the last much smaller still:
-        by_accident = TUNING.safety / TUNING.slowest / plausible * known
-        small = known and bool(before.max() < TUNING.small or before.max() > plausible * last.max())
-        accident = by_accident * (before if known and (not after_lowest or small) else 0.0)
+        falls = np.full(radii.size, TUNING.slowest)
+        smaller = np.full(radii.size, TUNING.plausible)
+        if fast:
+            falls = _falls(before, last, fastest)
+            smaller = _falls(before, last, TUNING.cornered if region.corners else TUNING.fastest)
+        # Two levels may agree by accident at some radii in some columns: what the step before says of the last counts
+        by_accident = TUNING.accident * known / (smaller * falls)
+        accident = by_accident * (before if known else 0.0)
         left = max(TUNING.unseen / (convergence(region) - 1), TUNING.least)
         # The polynomial that is missing goes in waves: the last one shows one phase of them, the last but one another:
         parameters = left * np.hypot(wave, other / convergence(region))
@@ -431,7 +432,7 @@ class AdaptiveKernel:
         elements = np.hypot(TUNING.safety / falls * last, accident) + rounding + least
         steeper = np.minimum(TUNING.steeper * elements[:-1].max(axis=0), TUNING.allowed * self.attainable)
         elements[-1] = np.maximum(elements[-1], steeper)
-        at_points = by_accident * (TUNING.at_points if after_lowest else 1.0)
+        at_points = float(by_accident[-1]) * (TUNING.at_points if after_lowest else 1.0)
         parts = (TUNING.safety / float(falls[-1]), at_points, left, left / convergence(region), 1.0)
         weights = (*(part * ALL for part in parts), _of_cut(region))[: len(kernels)]
         companions = replace(companions, weights=weights, least=least + precise)
@@ -440,9 +441,11 @@ class AdaptiveKernel:
 
 def _falls(before: Array, last: Array, fastest: float) -> Array:
     """By what a step of the degree divides the error up to each of the radii, as the step ``before`` and the ``last``
-    one (4, radii) changed the columns: at smaller radii less than at the largest, where errors fall first."""
-    before, last = (np.maximum.accumulate(changes.max(axis=0)) for changes in (before, last))
-    falls: Array = np.clip(before / np.maximum(last, TINY) - 1, TUNING.slowest, fastest)
+    one (4, radii) changed the column that falls least, as another may seem to fall fast by accident; one that hardly
+    changes tells nothing. At smaller radii less than at the largest, where errors fall first."""
+    before, last = (np.maximum.accumulate(changes, axis=1) for changes in (before, last))
+    each = np.where(last >= TUNING.telling * last.max(axis=0), before / np.maximum(last, TINY), np.inf)
+    falls: Array = np.clip(each.min(axis=0) - 1, TUNING.slowest, fastest)
     return np.minimum(falls, falls[-1])
 
 

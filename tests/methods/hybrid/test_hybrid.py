@@ -16,6 +16,7 @@ from jkrcli.bodies.materials import Elastic, Graded, TransverselyIsotropic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods import method_class
 from jkrcli.methods.choose import choose_method
+from jkrcli.methods.hybrid.adaptive import TUNING as REFINING
 from jkrcli.methods.hybrid.adaptive import AdaptiveKernel, KernelContact
 from jkrcli.methods.hybrid.kernel import KernelLevels, count_for
 from jkrcli.methods.hybrid.method import Hybrid
@@ -98,16 +99,17 @@ def test_wide_bodies_within_the_tolerance(name: str) -> None:
 
 @pytest.mark.slow
 def test_estimates_are_between_one_and_twenty_times_the_error_in_nine_of_ten() -> None:
-    ratios = []
+    """Errors below a two-hundredth of the tolerance, which the method does not tell apart, count as that."""
+    ratios, least = [], REFINING.no_claim * 1e-4
     for specimen, a in WIDE.values():
         solution = solve(specimen, a, 1e-4)
-        ratios.append(stated(solution) / difference(solution.series, exact(specimen, a)))
+        ratios.append(stated(solution) / max(difference(solution.series, exact(specimen, a)), least))
     for specimen in FINITE.values():
         solution, expected = solve(specimen, 1.0, 1e-4), reference(specimen, 1.0)
         true = max(
             np.abs(getattr(solution.series, n) / row - 1).max() for n, row in zip(COLUMNS, expected, strict=True)
         )
-        ratios.append(stated(solution) / true)
+        ratios.append(stated(solution) / max(true, least))
     assert np.mean([1 <= ratio <= 20 for ratio in ratios]) >= 0.9, np.round(ratios, 1)
 
 

@@ -125,7 +125,7 @@ def test_no_correction_is_computed_again_for_more_parameters(monkeypatch: pytest
     solved = []
     monkeypatch.setattr(kernel, "correction", lambda *given: solved.append(given[2]) or correction(*given))
     problem = Problem(PARABOLOID, stack((1.0, 0.499, 1.0)), Loading("radius", 16.0, 10))
-    Hybrid()(problem)
+    Hybrid(1e-6)(problem)
     assert len(solved) <= 6
     assert solved.count(max(solved)) == 1
 

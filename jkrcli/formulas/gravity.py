@@ -15,7 +15,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.constants import g
+
+g = 9.80665  # theory: standard acceleration of gravity [m/s^2], by definition
 
 
 def over_hertz(a: float, E_star: float, density: float) -> tuple[float, float]:

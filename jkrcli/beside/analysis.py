@@ -355,8 +355,8 @@ def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:
         raise InputError([line if line.startswith(path) else f"{path}: {line}" for line in error.lines]) from None
     series, slopes = pair
     unestimated = solution.budget.discretisation
-    if isinstance(unestimated, Unknown) and solution.facts.get("contact") == "nested":
-        # rows of a smooth solution scatter by nothing: what they leave of a fit tells nothing of the mesh
+    if isinstance(unestimated, Unknown) and solution.method == "fem":
+        # what rows leave of a fit tells nothing of the mesh that all of them share, nor of its edge
         slopes = replace(slopes, error=unestimated, covariance=None, joint=None)
     return Nonadhesive(series, slopes, unexplained=(1.0, 1.0) if beside is None else beside.unexplained)
 

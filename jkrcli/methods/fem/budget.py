@@ -67,7 +67,9 @@ def assessed(run: Run, larger: Sequence[MeshLevel], ratio: float, truncation: Es
     values = [P, there, *(_load_on(level, run) for level in larger[1:])]
     change = loads * _change(values, TUNING.plausible) / _fallen(values, judged)
     width = a - fine.indenter.a0  # errors fall by no more than its square, as those of a uniform mesh do
-    load = _envelope(np.maximum.accumulate(change * width**2) / width**2, delta)
+    load = np.maximum.accumulate(change * width**2) / width**2
+    # the many rows of increments cross zero between nodes: what shallower rows leave of it is already that of a row
+    load = np.maximum.accumulate(load[::-1])[::-1] if run.raw is not None else _envelope(load, delta)
     worst = radius if isinstance(radius, Unknown) else float(radius[judged].max())
     budget = ErrorBudget(discretisation=float(load[judged].max()), truncation=truncation, radius=worst)
     judged_from = float(delta[rows][judged[rows]][0])

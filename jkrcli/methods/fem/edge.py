@@ -54,6 +54,9 @@ class EdgeTuning:
     accuracy: float = 1e-7  # theory: a thousandth of what the half-space's own mesh errs by, as below
     # theory: a tenth of a spacing is then half the error of the half-space's own mesh, 1e-4 of the radius
     resolved: float = 5e-4
+    # Node spacings over the radius, down to which the half-space's own mesh tells the fraction of a spacing; tuned on
+    # the thin layer of `make paper`, by `make paper`: below, what that mesh errs by as a whole is read as one
+    telling: float = 1e-2
     # Next to the edge the field of a compressible body oscillates with eta times the logarithm of the distance. Where
     # that is turned too far nodes fall out of step. choice: logarithm of where the turn begins, and the turn; on bonded
     # layers of nu = -0.5, -0.8, -0.95 nodes do below spacings of 0.045, 0.1, 0.16
@@ -70,7 +73,19 @@ def edge_correction(surface: Surface, body: MeshedBody, reach: float, indenter: 
     profile: Indenter = indenter if indenter.a0 > 0 else Paraboloid(reach)
     events = nested_events(SurfaceContact(surface, profile.f(surface.radii)), profile.a0, "radius", np.inf)
     exact = _under_tension(body, profile, events.a) if body.tension else profile.abel
-    return _edges(exact, profile.a0, events.delta, events.a) / events.a
+    return _in_step(_edges(exact, profile.a0, events.delta, events.a), profile.a0, events.a) / events.a
+
+
+def _in_step(edges: Array, a0: float, vertices: Array) -> Array:
+    """Radii of the edge (n,) at ``vertices`` [m], those where nodes are close by the fraction of a spacing that it lies
+    off the vertices before: it is the same at all radii."""
+    spacing = np.gradient(vertices)
+    told = spacing >= TUNING.telling * (vertices - a0)
+    last = told & (spacing < 2 * TUNING.telling * (vertices - a0))
+    if told.all() or not last.any():
+        return edges
+    fraction = float(np.mean((edges - vertices)[last] / spacing[last]))
+    return np.where(told, edges, vertices + fraction * spacing)
 
 
 def _under_tension(body: MeshedBody, profile: Indenter, radii: Array) -> Callable[[Array], Array]:

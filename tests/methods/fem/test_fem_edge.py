@@ -14,6 +14,7 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.many.study.converge import converge
 from jkrcli.methods.fem.body import half_space_like
+from jkrcli.methods.fem.edge import _in_step
 from jkrcli.methods.fem.grid import Strip
 from jkrcli.methods.fem.layout import Layout, layout_for
 from jkrcli.methods.fem.method import FEM
@@ -68,6 +69,41 @@ def test_a_calibration_of_fine_thin_layers_stays_small():
     layout = layout_for(method, problem, method.reach(problem))
     other = layout.on(half_space_like(layout.body, layout.law.reach * layout.unit))
     assert other.expected_cells() < layout.expected_cells()  # 61,000 of 73,000; millions with the body's own law
+
+
+def test_the_edge_keeps_step_where_nodes_are_close():
+    """A half-space's mesh that is 1e-3 too stiff as a whole moves no edge: 0.8 of a spacing on the paper's layer."""
+    vertices = np.arange(1, 901) * 0.02
+    edges = vertices - 0.23 * 0.02 - 8e-4 * vertices * (vertices / vertices[-1]) ** 1.35
+    kept = _in_step(edges, 0.0, vertices)
+    assert np.abs((kept - vertices) / 0.02 + 0.23).max() < 0.02
+    scaled = np.geomspace(0.01, 1, 40)
+    np.testing.assert_array_equal(_in_step(0.98 * scaled, 0.0, scaled), 0.98 * scaled)
+
+
+@pytest.mark.slow
+def test_the_edge_on_the_papers_layer_is_half_an_element_beyond_its_nodes_in_the_mean():
+    """Increments that pass several nodes: anywhere between the last one and the next, at small and large radii."""
+    problem = Problem(Paraboloid(1000.0), BONDED, Loading("depth", 0.15, 100, "depth"))
+    method = FEM(layout="zones", element="quadrilateral", order=1, element_size=0.02, width=30.0, contact="incremental",
+                 estimate_error=False)  # fmt: skip
+    rows = method(problem).series
+    exact = Layered()(replace(problem, loading=Loading.given("depth", tuple(rows.delta)))).series
+    beyond = (exact.a - rows.a) / 0.02
+    for part in np.array_split(beyond, 3):
+        assert 0.3 < part.mean() < 0.7  # it was 0.3, 1.0, 1.2
+    assert beyond.max() < 1.05
+
+
+def test_loads_of_increments_are_not_stated_many_times_too_large():
+    """On a uniform mesh they err as the square of the element over the radius: shallow rows are no measure of deep."""
+    problem = replace(UNIT, loading=Loading("depth", 0.1, 40, "depth"))
+    zones = FEM(layout="zones", element="quadrilateral", order=1, element_size=0.07, contact="incremental")
+    series = zones(problem).series
+    exact = Layered()(replace(problem, loading=Loading.given("depth", tuple(series.delta)))).series
+    error, deep = np.abs(series.P - exact.P), series.delta > 0.1 * series.delta[-1]
+    assert (error <= series.errors["P"]).all()
+    assert np.median(series.errors["P"][deep] / error[deep]) < 10  # 6; it was 18
 
 
 @pytest.mark.parametrize("problem", [UNIT, COATING, LAYER], ids=["half-space", "coating", "layer"])

@@ -85,10 +85,11 @@ def test_nested_contact_that_is_no_disc_becomes_increments() -> None:
     assert any("nested contact does not hold here" in line for line in solution.warnings)
 
 
-def test_a_mesh_whose_error_is_not_estimated_states_none_at_pull_off() -> None:
+@pytest.mark.parametrize("contact", ["nested", "incremental"])
+def test_a_mesh_whose_error_is_not_estimated_states_none_at_pull_off(contact: str) -> None:
     """What a smooth series leaves of a fit, 1e-4, tells nothing of its mesh, which is off by more."""
-    plain, estimated = FEM(spacing=0.1, estimate_error=False, edge_correction=False), FEM(spacing=0.1)
-    (result,), (other,) = (analyse(method(DEFAULT), [50.0]) for method in (plain, estimated))
+    plain = FEM(spacing=0.1, estimate_error=False, edge_correction=False, contact=contact)
+    (result,), (other,) = (analyse(method(DEFAULT), [50.0]) for method in (plain, FEM(spacing=0.1, contact=contact)))
     point, stated = result.pull_off["load"], result.pull_off_errors["load"]
     assert isinstance(point, CriticalPoint)
     assert abs(-point.P / (1.5 * np.pi * 50.0 * R) - 1) > 1e-3

@@ -31,10 +31,12 @@ from fit_data import (
 from jkrcli.adhesion.curve import transform
 from jkrcli.base.errors import InputError
 from jkrcli.base.executors import executor
+from jkrcli.case import parse_case
 from jkrcli.data.measured import Curve
 from jkrcli.data.measured.curve import NOT_SUBTRACTED
 from jkrcli.identification.fit import Fit, Parameter, Settings, fit, model
 from jkrcli.identification.fit import body as body_module
+from jkrcli.identification.fit.body import body_of as body_of_case
 from jkrcli.identification.fit.fitting import fit_all
 from jkrcli.identification.fit.points import points_of
 from jkrcli.identification.fit.settings import ConfidenceName
@@ -401,6 +403,44 @@ def test_the_end_of_a_curve_on_a_thin_layer_is_no_base_line() -> None:
         assert len(found) >= 59
     line = np.concatenate([np.linspace(4, -1, 30), np.zeros(30)])
     assert len(points_of(Curve("c", None, delta, line, None, None), None, "all", 3, None)) == 30
+
+
+@pytest.mark.parametrize("line", [7, 9, 12, 30])
+@pytest.mark.parametrize("power", [1.0, 1.5, 3.0])
+def test_a_base_line_of_few_rows_is_one(line: int, power: float) -> None:
+    """Up to ten rows of it were fitted as contact: "no curve of this body comes within 1.4 of the data's size"."""
+    depth = np.linspace(0.02, 1.0, 22)
+    delta = np.concatenate([0.03 * np.arange(-line, 0), depth])
+    for noise in (0.0, 1e-4):
+        P = np.where(delta > 0, np.abs(delta) ** power, 0.0)
+        P += noise * np.random.default_rng(1).standard_normal(P.size)
+        found = points_of(Curve("c", None, delta, P, None, None), None, "all", 3, None)
+        assert 20 <= len(found) <= 22
+        alone = points_of(Curve("c", None, depth, P[line:], None, None), None, "all", 3, None)
+        assert len(alone) == 22  # a curve that begins gently is none
+
+
+def test_rows_of_next_to_no_contact_do_not_end_a_fit() -> None:
+    """The body is solved to the least radii of the data, too: of a case "begin at smaller radii" was said."""
+    delta = np.array([1e-6, 3e-6, 1e-4, *np.linspace(0.01, 0.2, 20)])
+    P = 4 / 3 * delta**1.5
+    body = body_of_case(
+        parse_case(
+            b"""
+[indenter]
+shape = "paraboloid"
+radius = 1.0
+[specimen.half_space]
+E = 1.0
+nu = 0.0
+[loading]
+radius = 0.2
+""",
+            "gel",
+        )
+    )
+    found = fit(body, Curve("c", None, delta, P, None, None), Settings((*free("modulus"), Parameter("w", False, 0.0), Parameter("delta0", False, 0.0))))
+    assert found.value("E_star") == pytest.approx(1.0, rel=1e-4)
 
 
 def test_moduli_far_from_the_case_ask_for_the_units() -> None:

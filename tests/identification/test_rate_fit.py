@@ -234,6 +234,15 @@ def test_wrong_settings_are_one_line(words: dict, said: str) -> None:
     assert list(caught.value.lines) == [said]
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_device_that_only_moves_in_has_no_retraction() -> None:
+    """A line through its last row alone was fitted: NumPy's RankWarning, or numbers out of range."""
+    t = np.linspace(0, 1, 60)
+    for device in (t, np.full(60, 2.0), np.where(t < 1, t, 0.999)):
+        with pytest.raises(InputError, match="rows of a retraction, at least"):
+            rate_record(Curve("pressed", t=t, delta=device, P=t**1.5, stiffness=1.0), None)
+
+
 def test_a_time_that_falls_is_one_line() -> None:
     t = np.array([0.0, 1.0, 0.5, *range(2, 40)])
     curve = Curve("r", delta=-t, P=-t, t=t)

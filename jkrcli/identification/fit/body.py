@@ -162,6 +162,14 @@ class FittedBody:
         rounded = 10 ** (math.ceil(math.log10(a) * TUNING.per_decade) / TUNING.per_decade)
         return self._reaching(rounded if rounded < end else a)
 
+    def down_to(self, a: float) -> FittedBody:
+        """The same problem solved from the contact radius ``a`` [m] on, in proportion below the series' own."""
+        first, a0 = float(self.series.a[0]), self.series.a0
+        steps = math.ceil(math.log10((first - a0) / (a - a0)) * TUNING.per_decade)
+        below = a0 + (a - a0) * np.geomspace(1.0, (first - a0) / (a - a0), steps, endpoint=False)
+        loading = Loading.given("radius", (*below.tolist(), *self.series.a.tolist()))
+        return self._on(loading)
+
     def under(self, indenter: Indenter, a: float) -> FittedBody:
         """The same specimen under another ``indenter``, solved to the contact radius ``a`` [m] and beyond."""
         return self._reaching(min(max(a, float(self.series.a[-1])), indenter.r_max * (1 - ROUNDED)), indenter=indenter)
@@ -179,7 +187,10 @@ class FittedBody:
 
     def _reaching(self, a: float, **changes: Any) -> FittedBody:
         """The body of a changed problem solved up to contact radius ``a`` [m], as the user describes this one."""
-        loading = Loading("radius", a, max(len(self.series), TUNING.points), "radius")
+        return self._on(Loading("radius", a, max(len(self.series), TUNING.points), "radius"), **changes)
+
+    def _on(self, loading: Loading, **changes: Any) -> FittedBody:
+        """The body of a changed problem under another ``loading``, as the user describes this one."""
         other = _exact(replace(unbounded(self.problem), loading=loading, **changes), self.tolerance)
         return replace(other, **{name: getattr(self, name) for name in ("moduli_known", "range_of_case", "no_range")})
 

@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from ...base import FEWEST_ROWS, Array, InputError
+from ...base import FEWEST_ROWS, TINY, Array, InputError
 from ...data import APPROACH, RETRACT, Curve
 from .family import ADVANCING, RECEDING
 from .settings import BranchName, SegmentName
@@ -30,6 +30,7 @@ class RowsTuning:
     several: int = 5  # tuned on records by `make tuning`: readings that no jump leaves
     flat: float = 0.2  # tuned on records by `make tuning`: of the pull-off force: standing still
     adhesion: float = 6.0  # theory: standard deviations of normal noise that no reading of thousands reaches
+    longer: float = 2.0  # choice: times as far as any curve stays near its beginning, a base line reaches
     noise: float = 3.0  # theory: standard deviations that one reading in 370 exceeds
 
     largest_noise: float = 0.1  # tuned on records by `make tuning`: of the curve: rows in no order beyond it
@@ -244,9 +245,22 @@ def in_contact(values: Mapping[str, Array], level: float) -> Array:
     force = level - P[lowest]
     if force > TUNING.adhesion * noise or noise > TUNING.largest_noise * np.ptp(P):
         return ~_lost(delta < delta[lowest], (P - level) / force, TUNING.noise * noise / force)
-    quiet = np.abs(P - level) < TUNING.noise * noise
-    line = quiet.sum() > FEWEST_ROWS // 2  # a base line is half of a direction or more
+    quiet = np.abs(P - level) <= TUNING.noise * noise
+    # a base line is half of a direction or more, or stands longer than any curve that begins there
+    line = quiet.sum() > FEWEST_ROWS // 2 or _stands(delta, quiet, TUNING.noise * noise / max(float(np.ptp(P)), TINY))
     return touching & ((delta > delta[quiet].max()) if line else True)
+
+
+def _stands(delta: Array, quiet: Array, near: float) -> bool:
+    """Whether the rows at the smallest displacements ``delta`` [m] that are ``quiet``, within the part ``near`` of the
+    load's range, are several and reach farther than a load that grows with the third power of the depth, as on a thin
+    layer, stays so near."""
+    order = np.argsort(delta, kind="stable")
+    count = int(np.argmin(np.append(quiet[order], False)))
+    if count < TUNING.several:
+        return False
+    reach = float(delta[order[count - 1]] - delta[order[0]])
+    return reach > TUNING.longer * near ** (1 / 3) * float(np.ptp(delta))
 
 
 def _lost(beyond: Array, P: Array, near: float) -> Array:

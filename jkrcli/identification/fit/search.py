@@ -16,7 +16,7 @@ from functools import partial
 
 import numpy as np
 
-from ...base import MOST_SOLVES, NOTICEABLE, ROUNDED, SETTLED, UNSEEN, Array, InputError, JkrError, evenly, show
+from ...base import MOST_SOLVES, NOTICEABLE, ROUNDED, SAME, SETTLED, UNSEEN, Array, InputError, JkrError, evenly, show
 from ..least_squares import Least, LeastSquares, State
 from ..parameters import OF_A_CYCLE
 from .body import FittedBody
@@ -78,6 +78,8 @@ class FitSearchTuning:
     # choice: of the radii that the data reach, where a body is solved anew, and how far starts may reach beyond a
     # series before it is
     room: float = 1.25
+    # of the largest radius, to which the series must begin at most; theory: the depth there is 1e-6 of the largest
+    smallest: float = 1e-3
     least_used: float = 0.5  # choice: part of the series below which it is solved anew to smaller radii
 
 
@@ -452,16 +454,24 @@ def _of_a_branch(body: FittedBody, points: Points, settings: Settings) -> Minimu
             continue
         minimum = _best(body, points, settings, tried)
         reach = float(minimum.distances.a.max())
-        if not body.extensible or TUNING.least_used * high <= reach <= high * TUNING.past_end:
+        least, low = _least(minimum), float(body.series.a[0])
+        if body.extensible and not TUNING.least_used * high <= reach <= high * TUNING.past_end:
+            body = body.to_radius(TUNING.room * reach)
+        elif body.extensible and least < low / TUNING.past_end:
+            body = body.down_to(max(least / TUNING.room, body.series.a0 * (1 + SAME)))
+        else:
             break
-        body = body.to_radius(TUNING.room * reach)
     else:
         minimum = _best(body, points, settings, _all_starts(body, points, settings))
-    a = minimum.distances.a
-    # A curve of finite range begins at first touch, whatever the series does.
-    least = math.inf if minimum.objective.ranged else float(a.min())
-    _check_reach(minimum.objective.body, least, float(a.max()))
+    _check_reach(minimum.objective.body, _least(minimum), float(minimum.distances.a.max()))
     return minimum
+
+
+def _least(minimum: Minimum) -> float:
+    """The least contact radius [m] that the series must hold: of the data, but for what is so small that no row tells
+    it. A curve of finite range begins at first touch, whatever the series does."""
+    a = minimum.distances.a
+    return math.inf if minimum.objective.ranged else max(float(a.min()), TUNING.smallest * float(a.max()))
 
 
 def _among_radii(body: FittedBody, points: Points) -> FittedBody:

@@ -102,13 +102,17 @@ def rate_record(curve: Curve, segment: str | None, lost: float | None = None) ->
 
 
 def _retraction(t: Array, P: Array, device: Array, lost: float | None) -> Array:
-    """Rows from the turn of the device to loss of contact."""
+    """Rows from the turn of the device to loss of contact; none where the device does not move back."""
     top, end = float(np.quantile(device, 0.99)), float(np.min(device))
     moved = np.flatnonzero(device > top - TUNING.moving * (top - end))
     last = int(moved[-1]) if moved.size else 0
+    if last + 2 > t.size:
+        return np.empty(0, dtype=int)
     lowest = last + int(np.argmin(P[last:]))
     fitted = slice(last, max(lowest, last + 2))
-    rate, level = np.polyfit(t[fitted] - t[last], device[fitted], 1)
+    since, way = t[fitted] - t[last], device[fitted]  # of two rows at least, whose times rise
+    rate = float((since - since.mean()) @ way / np.sum((since - since.mean()) ** 2))
+    level = float(way.mean() - rate * since.mean())
     noise = third_differences(device)
     begin = 0
     if rate < 0 and level + rate * (t[0] - t[last]) > top + TUNING.still * noise:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -11,16 +11,19 @@ from typing import Any
 import numpy as np
 
 from ..adhesion import (
+    CriticalPoint,
     Cycle,
     EquilibriumCurve,
     FromRest,
     Jump,
     Program,
+    Strains,
     control,
     cycle,
     energy_lost_error,
     path,
     separation_error,
+    strain_words,
     trace,
     turning_radius,
 )
@@ -33,12 +36,13 @@ from .result import Figure, Result
 @dataclass(frozen=True, eq=False)
 class Cycled(Result):
     """What a device records that presses bodies together and pulls them apart, however slowly; ``points``: rows of a
-    branch; ``history``: of a viscoelastic specimen, in words."""
+    branch; ``history``: of a viscoelastic specimen, in words; ``large_strains``: of the pull-off force."""
 
     file: Path
     cycle: Cycle
     points: int = ROWS
     history: str = ""
+    large_strains: Strains = None
 
     @classmethod
     def of(
@@ -49,7 +53,9 @@ class Cycled(Result):
         inwards, outwards = (result.curve for result in curves)
         whole = load is None and depth is None
         turn = None if whole else turning_radius(inwards, stiffness, load=load, depth=depth)
-        return cls.on(curves[0].path, inwards, outwards, stiffness, turn, points, history)
+        found = cls.on(curves[0].path, inwards, outwards, stiffness, turn, points, history)
+        lost = outwards.pull_off(stiffness)
+        return replace(found, large_strains=curves[1].large_strains(lost)) if isinstance(lost, CriticalPoint) else found
 
     @classmethod
     def from_rest(
@@ -109,6 +115,7 @@ class Cycled(Result):
             "jumps_on_retraction": [tables.jump(jump) for jump in cycle.retraction.jumps],
             "contact_lost": cycle.retraction.ends == "lost",
             **tables.energies(energy_lost=self._energies[0][1:], work_of_separation=self._energies[1][1:]),
+            **tables.strains(self.large_strains),
         }
 
     def words(self) -> list[str]:
@@ -126,6 +133,8 @@ class Cycled(Result):
         ]
         if cycle.retraction.ends != "lost":
             lines.append("  contact is not lost within the series: the trace ends at its smallest radius")
+        elif self.large_strains is not None:
+            lines.append(f"  {strain_words(self.large_strains)} of the pull-off force (model)")
         return lines
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -270,3 +271,30 @@ def test_energies_say_why_there_are_none(jkr: Callable) -> None:
     assert done.out.splitlines()[0] == lost
     done = jkr("cycle", "gel.h5", "--stiffness", "load", "--no-plots", "--force")
     assert done.out.splitlines()[0] == f"{none}, not defined under load control: gel.h5"
+
+
+def test_large_strains_stand_beside_the_force_at_which_contact_is_lost(jkr: Callable, tmp_path: Path) -> None:
+    """A soft incompressible half-space, wc = 0.144: -4.5 wc^2 and 0.116 wc + 0.7 wc^2, over the exact sphere's 1 - 0.9
+    wc^2; the cycle said nothing. Of a stiff compressible one it still does not."""
+    case = tmp_path / "ball.toml"
+    text = """
+        [indenter]
+        shape = "sphere"
+        radius = "5 um"
+        [specimen.half_space]
+        E = "5 {unit}"
+        nu = 0.5
+        [loading]
+        radius = "3 um"
+        points = 40
+        [adhesion]
+        w = "0.1 mJ/m^2"
+    """
+    case.write_text(text.replace("{unit}", "kPa"))
+    printed = jkr("cycle", case, "--no-plots", "-o", tmp_path).out
+    wc = (1e-4 * 0.75 / (5e3 * 5e-6)) ** (1 / 3)
+    own = 1 - 0.9 * wc**2
+    low, high = ((1 + change) / own - 1 for change in (-4.5 * wc**2, 0.116 * wc + 0.7 * wc**2))
+    assert f"large strains {100 * low:+.2g} to {100 * high:+.2g} %" in printed
+    case.write_text(text.replace("{unit}", "GPa").replace("0.5\n", "0.3\n"))
+    assert "large strains" not in jkr("cycle", case, "--no-plots", "-o", tmp_path / "stiff").out

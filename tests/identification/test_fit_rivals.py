@@ -33,6 +33,7 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Specimen
 from jkrcli.data.measured import Curve
 from jkrcli.identification.fit import FittedBody, Parameter, fit
+from jkrcli.identification.fit.fitting import OF_STRAINS
 from jkrcli.identification.fit.model import Drift, Readings
 from jkrcli.identification.fit.result import Fit
 from jkrcli.identification.fit.rivals import RANGE, RIVALS, Rival
@@ -155,7 +156,7 @@ def test_the_second_part_falls_with_the_noise() -> None:
     parts = []
     for size in (1e-2, 1e-4):
         found = fit(half_space(), sphere(200, size, 3), usual()).estimate("w")
-        parts.append(math.hypot(*found.model.values()) / found.value)
+        parts.append(math.hypot(*(found.model[name] for name in found.model.keys() - {OF_STRAINS})) / found.value)
     assert parts[1] < 0.1 * parts[0] < 0.03
 
 
@@ -265,3 +266,23 @@ def test_the_example_of_perepelkin_and_others(noise: float) -> None:
     E, w = np.mean(pairs, axis=0)
     assert E == pytest.approx(1.0, abs=0.2 * noise)
     assert w == pytest.approx(1.0, abs=1.5 * noise)
+
+
+@pytest.mark.parametrize(("wc", "size"), [(0.2, 0.17), (0.02, 0.0), (0.4, None)])
+def test_large_strains_at_pull_off_are_a_part_of_w(wc: float, size: float | None) -> None:
+    """Of a soft incompressible half-space as far as they are known, -4.5 wc^2 up to 0.15 and -27 % at 0.3; where they
+    are less than a tenth of the interval, not a word; beyond, a warning."""
+    w = wc**3 * E_STAR * R
+    a = np.linspace(1.0, 3.0, 100) * (9 * np.pi * w * R**2 / (8 * E_STAR)) ** (1 / 3)
+    delta, P = adhesive(a, w=w)
+    random = np.random.default_rng(1)
+    P = P + 1e-3 * np.ptp(P) * random.standard_normal(a.size)
+    found = fit(half_space(reach=1.5 * float(a[-1])), Curve("soft", delta=delta, P=P), usual())
+    part = (found.work.model or {}).get(OF_STRAINS, 0.0)
+    said = [line for line in found.warnings if "large strains not estimated" in line]
+    if size is None:
+        assert "0.4" in said[0]
+        assert part == 0
+    else:
+        assert not said
+        assert part / found.work.value == pytest.approx(size, rel=0.3, abs=1e-9)

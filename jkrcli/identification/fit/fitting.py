@@ -10,7 +10,8 @@ from functools import partial
 
 import numpy as np
 
-from ...base import TOGETHER, InputError, JkrError, Pool, SolveError, completed, executor, show
+from ...adhesion import Equilibrium, large_strains, strain_words
+from ...base import TOGETHER, InputError, JkrError, Pool, SolveError, Unknown, completed, executor, show
 from ...bodies import Paraboloid, Sphere
 from ...data import (
     APPROACH,
@@ -38,7 +39,7 @@ from .points import EDGES, Points, directed, points_of
 from .record import beside, differ, fit_record, reduced
 from .record_flags import RESTS
 from .result import Fit
-from .rivals import Rivals, rivals_of
+from .rivals import Rivals, missed_pull_off, rivals_of
 from .search import Minimum, robust, search
 from .settings import CALIBRATED, TENSION, Settings
 from .statistics import covariance, structure
@@ -46,6 +47,8 @@ from .whole_record import beyond_the_record, whole_record
 
 OWN = {"w": "w_approach"}  # names of an approach alone
 OF_SHAPE = "the faces of the pyramid"
+OF_STRAINS = "large strains"
+NOTICED = 0.1  # choice: of the interval of w, the part by large strains from which on it is told
 FLAT = 0.2  # theory: of R, the contact radius up to which sphere and paraboloid agree to 1 % in the load
 SYMBOLS = {"E_star": "E*"}
 WARNED = {  # flags of a curve that matter
@@ -145,7 +148,7 @@ def fit(
         ]
         warnings = (*flags, *fitted.warnings)
         fitted = replace(fitted, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
-        return with_other_profile(with_shape(fitted, body), body, curve, settings)
+        return with_other_profile(with_strains(with_shape(fitted, body), body), body, curve, settings)
     except InputError as error:
         likely = "".join(f"; {flag}" for flag in (NOT_SUBTRACTED, SUBTRACTED_TWICE) if flag in curve.flags)
         lines = [line if line.startswith(curve.where) else f"{curve.where}: {line}" for line in error.lines]
@@ -175,6 +178,29 @@ def with_shape(fitted: Fit, body: FittedBody) -> Fit:
         for item in fitted.estimates
     )  # fmt: skip
     return replace(fitted, estimates=estimates, tip=tip.remark)
+
+
+def with_strains(fitted: Fit, body: FittedBody) -> Fit:
+    """The fit with what large strains at pull-off change of w, as a part of the model where that is more than
+    ``NOTICED`` of the interval; where it is not estimated, as a warning. w is as good as proportional to the force."""
+    found, modulus = fitted.work, fitted.estimate("E_star").value
+    if not (found.free and found.value > 0) or missed_pull_off(fitted.a, fitted.line) is not None:
+        return fitted
+    line, problem = fitted.line, body.problem.scaled(modulus / body.problem.E_star)
+    least = int(np.argmin(line["P"])) if "P" in line else int(np.argmin(line["a"]))
+    held = {name: float(line[name][least]) if name in line else 0.0 for name in ("a", "delta", "P")}
+    change = large_strains(problem, found.value, Equilibrium(**held))
+    if isinstance(change, Unknown):
+        return replace(fitted, warnings=(*fitted.warnings, f"w: {strain_words(change)}"))
+    moved = found.value * max((abs(1 / (1 + each) - 1) for each in change or ()), default=0.0)
+    interval = (found.high or found.value) - (found.low or found.value)
+    if found.error is None or moved <= NOTICED * interval:
+        return fitted
+    estimates = tuple(
+        replace(item, model={**(item.model or {}), OF_STRAINS: moved}) if item is found else item
+        for item in fitted.estimates
+    )
+    return replace(fitted, estimates=estimates)
 
 
 def with_other_profile(fitted: Fit, body: FittedBody, curve: Curve, settings: Settings) -> Fit:

@@ -135,7 +135,7 @@ def _radii_of_depth(delta: Array, indenter: Indenter) -> Array:
 
 
 def _curve_distance(computed: AdhesiveCurve, problem: Problem, unit: CriticalPoint) -> float:
-    """Greatest distance of the computed points from the exact curve, both axes in units of the exact pull-off.
+    """Greatest relative distance of the computed points from the exact curve; near pull-off in units of that point.
 
     Where its displacement nearly vanishes (f = B r^1.5), a tenth of the shift t = sqrt(2 pi w a/E*) is the unit.
     """
@@ -144,23 +144,27 @@ def _curve_distance(computed: AdhesiveCurve, problem: Problem, unit: CriticalPoi
     units = CriticalPoint(unit.a, max(abs(unit.delta), 0.1 * moved), unit.P)
     ends = (indenter.a0, indenter.r_max * (1 - 1e-12))
     return curve_distance(
-        computed.a, computed.delta, computed.P, lambda a: _formula(problem, computed.w, a), units, ends
+        computed.a, computed.delta, computed.P, lambda a: _formula(problem, computed.w, a), units, ends, relative=True
     )
 
 
 def curve_distance(
     a: Array, delta: Array, P: Array, exact: Callable[[Array], tuple[Array, Array]], unit: CriticalPoint,
-    ends: tuple[float, float],
+    ends: tuple[float, float], relative: bool = False,
 ) -> float:  # fmt: skip
     """Greatest distance of the points (``delta``, ``P``) from the curve ``exact`` of the radius, which is sought
-    near their radii ``a`` [m] between the ``ends`` [m]; the axes in units of the displacement and load of ``unit``."""
+    near their radii ``a`` [m] between the ``ends`` [m]; the axes in units of the displacement and load of ``unit``,
+    or, where ``relative``, of the point itself where these are larger."""
     low, high = np.maximum(a / TUNING.window, ends[0]), np.minimum(a * TUNING.window, ends[1])
     columns = np.arange(a.size)
+    pairs = (delta, abs(unit.delta)), (P, abs(unit.P))
+    sizes = [np.maximum(np.abs(values), size) if relative else size for values, size in pairs]
     v = np.broadcast_to(np.linspace(0, 1, TUNING.coarse)[:, None], (TUNING.coarse, a.size))  # of the way, squared
     step, least = 1 / (TUNING.coarse - 1), np.full(a.size, np.inf)
     for _ in range(TUNING.refinements):
         delta_there, P_there = exact(low + (high - low) * v**2)
-        distances = np.hypot((delta_there - delta) / abs(unit.delta), (P_there - P) / abs(unit.P))
+        off = (delta_there - delta) / sizes[0], (P_there - P) / sizes[1]
+        distances = np.hypot(*off)
         nearest = np.argmin(distances, axis=0)
         least = np.minimum(least, distances[nearest, columns])
         v = np.clip(v[nearest, columns] + step * np.linspace(-1, 1, TUNING.fine)[:, None], 0, 1)

@@ -33,6 +33,11 @@ KINDS = {  # what the file must hold, by pydantic's types of findings
     ("string_type",): "a text",
 }
 KeysAt = Callable[[tuple[str, ...]], list[str]]
+# Of keys that other tables have, which one of them means
+ELSEWHERE = {
+    "counter_radius": ', a spherical specimen goes with shape = "paraboloid" alone, whose radius it joins; for a '
+    "sphere on a flat specimen leave it out",
+}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -180,7 +185,8 @@ def _sentence(item: Any, tree: dict[str, Any], keys_at: KeysAt) -> str:
             return f"{where}: is required"
         case "extra_forbidden":
             keys = _allowed(item["loc"], keys_at)
-            return f"{where}: unknown key{did_you_mean(item['loc'][-1], keys)} (allowed: {', '.join(keys)})"
+            hint = ELSEWHERE.get(str(item["loc"][-1])) or did_you_mean(item["loc"][-1], keys)
+            return f"{where}: unknown key{hint} (allowed: {', '.join(keys)})"
         case "literal_error":
             allowed = [str(word).strip("'") for word in context["expected"].replace(" or ", ", ").split(", ")]
             return f"{where}: must be one of {', '.join(allowed)}, got {shown(value)}{did_you_mean(value, allowed)}"

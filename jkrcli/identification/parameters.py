@@ -264,9 +264,14 @@ class Nameable:
         return "modulus" if name == ALIAS else self.aliases.get(name, name)
 
     def known(self, pairs: Iterable[tuple[str, str]]) -> dict[str, float]:
-        """Values, SI, by the own names of the parameters, from names and texts."""
-        values = {}
+        """Values, SI, by the own names of the parameters, from names and texts; InputError where one is given twice, by
+        two of its names."""
+        values, named = dict[str, float](), dict[str, str]()
         for name, text in pairs:
             own, value = self.own(name), read_value(name, self.allowed[name], text)
+            if own in named:
+                both = name if name == named[own] else f"{named[own]} and {name} are one parameter, which"
+                raise InputError(f"fit: {both} is given twice")
+            named[own] = name
             values[own] = value / self.E_star if name == ALIAS else value
         return values

@@ -101,7 +101,7 @@ def _comparison(result: Analysis) -> Iterator[str]:
     if not isinstance(comparison.pull_off, Unknown):
         parts.append(f"pull-off force {comparison.pull_off:+.2e}")
     if not isinstance(comparison.curve, Unknown):
-        parts.append(f"curve within {comparison.curve:.2e} pull-off units")
+        parts.append(f"adhesive curve within {comparison.curve:.2e}")
     yield f"against the closed form of the same indenter: {', '.join(parts)}"
     if comparison.parabola is not None:
         yield (

@@ -66,6 +66,20 @@ def test_comparison_of_pull_off_is_with_the_formula() -> None:
     assert found.parabola == pytest.approx(1 - 1.49734 / 1.5, abs=1e-5)  # published to six digits
 
 
+def test_an_error_of_the_load_is_the_same_of_the_curve_far_from_pull_off() -> None:
+    """At loads of thousands of times that of pull-off 0.2 % of them were "2.98e+00 pull-off units"."""
+    problem = Problem(Paraboloid(R), GROUND, Loading("depth", 3e-6))
+    exact = ClosedForm()(problem).series
+    assert exact.S is not None
+    assert exact.dS is not None
+    wrong = replace(exact, P=1.002 * exact.P)
+    curve = transform(wrong, slopes(exact, "exact"), 1e-5)
+    assert wrong.P[-1] > 1e3 * abs(curve.P.min())
+    found = compare_half_space(curve, problem)
+    assert found.load == pytest.approx(2e-3, rel=0.01)
+    assert 5e-4 < found.curve < 2e-3  # to the nearest point of the curve
+
+
 def test_comparison_sees_an_error_of_the_load() -> None:
     exact = ClosedForm()(PROBLEM).series
     found = compare_half_space(curve_of(PROBLEM, P=exact.P * 1.01), PROBLEM)
@@ -77,8 +91,9 @@ def test_distance_of_the_curve_is_that_of_its_nearest_point() -> None:
     exact, step = curve_of(PROBLEM), 1e-6
     unit = exact.pull_off(0.0)
     ddelta, dP = exact.rates(exact.a[-1:])
-    steepness = float(dP[0] / ddelta[0]) * abs(unit.delta / unit.P)
-    P = exact.series.P + np.where(exact.a == exact.a[-1], step * abs(unit.P), 0.0)
+    sizes = [max(abs(one), abs(last)) for one, last in ((unit.delta, exact.delta[-1]), (unit.P, exact.P[-1]))]
+    steepness = float(dP[0] / ddelta[0]) * sizes[0] / sizes[1]
+    P = exact.series.P + np.where(exact.a == exact.a[-1], step * sizes[1], 0.0)
     moved = transform(replace(exact.series, P=P), exact.slopes, W)
     found = compare_half_space(moved, PROBLEM)
     assert found.curve == pytest.approx(step / np.hypot(1, steepness), rel=1e-6, abs=0)  # measured 8e-9

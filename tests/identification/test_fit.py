@@ -439,7 +439,11 @@ radius = 0.2
             "gel",
         )
     )
-    found = fit(body, Curve("c", None, delta, P, None, None), Settings((*free("modulus"), Parameter("w", False, 0.0), Parameter("delta0", False, 0.0))))
+    found = fit(
+        body,
+        Curve("c", None, delta, P, None, None),
+        Settings((*free("modulus"), Parameter("w", False, 0.0), Parameter("delta0", False, 0.0))),
+    )
     assert found.value("E_star") == pytest.approx(1.0, rel=1e-4)
 
 

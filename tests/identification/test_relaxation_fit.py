@@ -132,6 +132,12 @@ def test_what_cannot_be_fitted(body: FittedBody) -> None:
         relaxation_settings("sls", [("time", "-1")])
 
 
+def test_one_parameter_by_two_names_is_refused() -> None:
+    """The last was taken in silence."""
+    with pytest.raises(InputError, match="E_star and modulus are one parameter, which is given twice"):
+        relaxation_settings("sls", [("E_star", "1"), ("modulus", "2")])
+
+
 @pytest.mark.slow
 def test_the_command(jkr: Callable, body: FittedBody, tmp_path: Path) -> None:
     made = record(loads(body), 1.4, SOLID, HELD, rows=60, zero=0.0)

@@ -17,10 +17,11 @@ import numpy as np
 
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from jkrcli.adhesion.slopes import slopes_function
-from jkrcli.adhesion.slopes.choice import smoothed
 from jkrcli.base.arrays import Array
 from jkrcli.base.errors import InputError
 from jkrcli.base.units import scale, show
+from jkrcli.base.unknown import Unknown
+from jkrcli.beside.analysis import Analysis, analyse
 from jkrcli.bodies.problem import Loading, Problem
 from jkrcli.case import load_case
 from jkrcli.case.numerics import method_of
@@ -92,10 +93,9 @@ class Solved:
     def exact(self, w: float) -> AdhesiveCurve:
         return transform(self.exact_series, slopes_function("exact")(self.exact_series), w)
 
-    def default(self, w: float) -> AdhesiveCurve:
-        """The curve that ``jkr transform`` makes of the same increments, all of them, with its band."""
-        series, fitted = smoothed(self.solution.increments)
-        return transform(series, fitted, w)
+    def analysed(self, w: float, rule: str) -> Analysis:
+        """What ``jkr transform`` makes of the increments by the ``rule``."""
+        return analyse(self.solution, [w], "auto" if rule == DEFAULT else rule)[0]
 
 
 def half_space_figure(solved: Solved) -> Figure:
@@ -216,15 +216,17 @@ def table(solved: Solved) -> Iterator[Row]:
         for rule in RULES_SHOWN:
             counts = len(solved.series), solved.solution.increments.a.size
             try:
-                curve = solved.default(w) if rule == DEFAULT else solved.numerical(w, rule)
-                point = curve.pull_off(0.0)
+                result = solved.analysed(w, rule)
+                point, half_widths = result.pull_off["load"], result.pull_off_errors.get("load")
             except InputError as error:
                 yield Row(solved.name, w, rule, *counts, None, exact.P, None, error.lines[0])
                 continue
             if not isinstance(point, CriticalPoint):
                 yield Row(solved.name, w, rule, *counts, None, exact.P, None, point.reason)
                 continue
-            stated = float(curve.error_at(np.array(point.a))["P"]) / abs(point.P)
+            stated = None
+            if half_widths is not None and not isinstance(half_widths, Unknown):
+                stated = half_widths["P"] / abs(point.P)
             yield Row(solved.name, w, rule, *counts, point.P, exact.P, stated)
 
 

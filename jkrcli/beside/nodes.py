@@ -15,13 +15,13 @@ c, which tells which node it is whose radius is reported, and little more.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.special import ndtr
 
-from ..adhesion.slopes.events import AS_THEY_ARE, Ahead, NodeRadii, node_radii
+from ..adhesion.slopes.events import AS_THEY_ARE, Ahead, NodeRadii, evenly_spaced, node_radii
 from ..adhesion.slopes.result import TWO_SIDED_90
 from ..base import ROUNDED, Array, show
 from ..bodies import Indenter, Problem
@@ -59,6 +59,11 @@ class AheadTuning:
     # of the radius, from its square on, by which it does; tuned on node-based series, by `make node-study`
     powers: tuple[int, ...] = (2, 3)
     spare: int = 4  # touches beyond what is fitted; choice: fewer tell nothing
+    # Radii that increments reach by equal steps are those of nodes where the edge is this many elements off them, and
+    # so many standard errors, and loads at equal displacement are those of the bodies to this part:
+    off: float = 0.25  # choice: less is no matter
+    sure: float = 4.0  # choice: rare
+    same: float = 0.02  # choice: meshes that do not lock err by less
 
 
 TUNING = AheadTuning()
@@ -221,12 +226,39 @@ def compared(problem: Problem, raw: RawSeries, with_bodies: bool = True) -> Comp
     reached = touching.a if nodes is None else np.append(touching.a, touching.a[-1] + 2 * nodes.spacing)
     within = np.minimum(reached[reached > problem.indenter.a0], problem.indenter.r_max * (1 - ROUNDED))
     own = own_solution(problem, within) if with_bodies and within.size else None
+    if nodes is None and own is not None:
+        nodes = _beside_body(raw, Compared(problem, raw, None, own, AS_THEY_ARE, None))
+        raw = raw if nodes is None else replace(raw, element=np.full(raw.a.size, nodes.spacing))
     if nodes is None:
         return Compared(problem, raw, None, own, AS_THEY_ARE, None)
     found = None if own is None else by_body(nodes, own)
     if found is not None and found.fit > TUNING.fits:
         return Compared(problem, raw, nodes, own, found.ahead, found)
     return Compared(problem, raw, nodes, own, by_tip(nodes, problem.indenter), found)
+
+
+def _beside_body(raw: RawSeries, as_they_are: Compared) -> NodeRadii | None:
+    """Rows as those of nodes where the bodies alone tell that they are: increments that pass as many elements each have
+    evenly spaced radii, all the same part of an element off. None where they are the bodies' own, or loads at equal
+    displacement, which do not feel the radius, are those of other bodies."""
+    own, nodes = as_they_are.own, evenly_spaced(raw)
+    assert own is not None
+    if nodes is None:
+        return None
+    loads, rows, e = as_they_are._loads(own, 0.0, True), nodes.rows, nodes.element
+    inside = (rows.a > TUNING.first * e) & (rows.delta > own.delta[0]) & (rows.delta < own.delta[-1])
+    if loads is None or loads.error > TUNING.same or np.count_nonzero(inside) < 2 + TUNING.spare:
+        return None
+    beyond = CubicSpline(np.log(own.delta), np.log(own.a - own.a0))
+    x = np.log(rows.delta[inside])
+    a = own.a0 + np.exp(beyond(x))
+    columns = np.stack([np.ones(a.size), (a - own.a0) * beyond(x, 1) / e[inside]])  # what an error of R does, too
+    z = (a - rows.a[inside]) / e[inside]
+    (off, stretch), *_ = np.linalg.lstsq(columns.T, z, rcond=None)
+    left = z - np.array([off, stretch]) @ columns
+    variance = float(left @ left) / (z.size - 2) * float(np.linalg.inv(columns @ columns.T)[0, 0])
+    told = abs(off) > max(TUNING.off, TUNING.sure * math.sqrt(variance)) and np.abs(left).max() < 1
+    return nodes if told and by_body(nodes, own).fit > TUNING.fits else None
 
 
 @dataclass(frozen=True)

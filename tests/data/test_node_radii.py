@@ -103,6 +103,29 @@ def test_the_edge_is_found_beside_the_body_and_about_by_the_tip(body: NodeBody, 
     assert abs(by_tip.elements - (0.15 - behind)) < by_tip.error < 0.25
 
 
+@pytest.mark.parametrize(
+    ("name", "elements", "increments", "ahead"),
+    [("bonded 0.45", 61, 59, 0.3), ("half-space", 89, 88, 0.15), ("stiff coating", 52, 52, 0.27)],
+)
+def test_nodes_that_increments_pass_evenly_are_told_by_the_body(
+    name: str, elements: int, increments: int, ahead: float, tmp_path: Path
+) -> None:
+    """Nothing in such radii tells them from those that were asked for: 7, 2, 5 % of the force, 2 % stated."""
+    given = node_series(NAMED[name], elements, increments, ahead, spacing="radius")
+    solution = read(given, tmp_path)
+    assert solution.warnings == ()
+    error, stated = judged(given, solution)
+    assert abs(error) < min(stated, 0.005)
+
+
+def test_even_radii_of_the_bodies_own_solution_stay_as_they_are() -> None:
+    for factor in (1.0, 1.01):  # of displacements: a tip of another radius
+        a = LENGTH * 1.5 * np.arange(1, 51) / 50
+        delta, P = LAYER.columns(a / LENGTH)[:2]
+        given = RawSeries(a, factor * delta * LENGTH, P * MODULUS * LENGTH**2)
+        assert compared(LAYER.problem, given).nodes is None
+
+
 def test_a_modulus_does_not_move_the_edge_and_a_radius_of_the_tip_little() -> None:
     given = node_series(LAYER, 40, 200, 0.15)
     plain = compared(LAYER.problem, RawSeries(*given.columns)).ahead

@@ -125,21 +125,39 @@ def node_radii(raw: RawSeries) -> NodeRadii | None:
     """The rows in contact as those of nodes; None where the radii are none of nodes: where they fall, or neither repeat
     nor differ by multiples of one length while they scatter by it."""
     rows = raw.touching
-    if rows.a.size < 2 or np.any(np.diff(rows.a) < 0) or min(rows.delta.min(), rows.P.min()) <= 0:
+    if not _in_order(rows):
         return None
-    untouched = raw.delta[(raw.a <= 0) & (raw.delta < rows.delta[0])]
-    before = max(float(np.max(untouched, initial=0.0)), 0.0)
+    before, radii = _before(raw), np.unique(rows.a)
     if rows.element is not None:
         return NodeRadii(rows, rows.element, before)
-    radii = np.unique(rows.a)
-    even = _even_spacing(radii)
-    if even is not None and rows.a[-1] <= TUNING.most * even and (_repeat(rows) or _scatters(rows, even)):
-        return NodeRadii(rows, np.full(rows.a.size, even), before)
+    if (even := evenly_spaced(raw)) is not None and (_repeat(rows) or _scatters(rows, even.spacing)):
+        return even
     if not has_plateaus(raw) or radii.size < 2:
         return None
     steps = np.diff(radii)
     element = np.append(steps, steps[-1])[np.searchsorted(radii, rows.a)]
     return NodeRadii(rows, element, before)
+
+
+def evenly_spaced(raw: RawSeries) -> NodeRadii | None:
+    """The rows in contact as those of evenly spaced nodes, whether or not they are; None where their radii do not
+    differ by multiples of one length."""
+    rows = raw.touching
+    even = _even_spacing(np.unique(rows.a)) if _in_order(rows) else None
+    if even is None or rows.a[-1] > TUNING.most * even:
+        return None
+    return NodeRadii(rows, np.full(rows.a.size, even), _before(raw))
+
+
+def _in_order(rows: RawSeries) -> bool:
+    """Whether radii do not fall, and displacements and loads are positive."""
+    return bool(rows.a.size > 1 and np.all(np.diff(rows.a) >= 0) and min(rows.delta.min(), rows.P.min()) > 0)
+
+
+def _before(raw: RawSeries) -> float:
+    """The last displacement [m] at which no node carried, or 0."""
+    untouched = raw.delta[(raw.a <= 0) & (raw.delta < raw.touching.delta[0])]
+    return max(float(np.max(untouched, initial=0.0)), 0.0)
 
 
 def _repeat(rows: RawSeries) -> bool:

@@ -3,14 +3,35 @@
 Sources: ContactMechanics and Adhesion (GitHub ContactEngineering), MOOSE (modules/contact/test/tests/hertz_spherical),
 Code_Aster (V6.04.104, SSNV104), the biofilm code of K. Nam, Lethe (lethe-particles), AtomicJ (Hermanowicz et al., Rev.
 Sci. Instrum. 85 (2014) 063703), nanite, PyFMRheo, CellMechLab; Maugis and Barquins 1981, Kendall 1971, Bilodeau 1992,
-Chen et al. 2009. Rows of records that these programs keep with themselves (five of nanite, two of PyFMRheo) are not
-here: the records are not ours to copy. Graded half-spaces (Chen et al. 2009) and the synthetic records of CellMechLab
-stand with fem and with the readers of records.
+Chen et al. 2009.
+
+| source | rows | test |
+|---|---|---|
+| ContactMechanics, Hertz | 2 | test_hertz_of_contactmechanics |
+| MOOSE, two spheres | 2 | test_two_spheres_of_moose |
+| Code_Aster SSNV104 | 2 | test_two_spheres_of_code_aster |
+| biofilm code | 2 | test_jkr_of_a_biofilm_code |
+| Lethe | 2 | test_overlap_at_rest_of_lethe |
+| Adhesion (CE), Maugis-Dugdale | 5 | test_maugis_dugdale_of_adhesion |
+| AtomicJ, exact sphere | 2 | test_the_exact_sphere_of_atomicj |
+| Maugis and Barquins; Kendall | 2 | test_the_cone_of_maugis_and_barquins, test_the_flat_punch_of_kendall |
+| AtomicJ, paraboloid on layers | 8 | test_layers_of_atomicj |
+| AtomicJ, cone on layers; S of layers | 3 | test_cones_on_layers_of_atomicj, test_stiffness_of_layers_of_atomicj |
+| AtomicJ, blunt cone | 2 | test_blunt_cones_of_atomicj |
+| Bilodeau, pyramids | 2 | test_pyramids_of_nanite_and_atomicj |
+| PyFMRheo, Ting | 3 | test_ting_of_pyfmrheo, test_ting_of_pyfmrheo_under_a_cone |
+| Chen et al., graded half-spaces | 1 | test_graded_half_spaces_of_chen |
+| CellMechLab, synthetic record | 1 | test_a_synthetic_record_of_cellmechlab |
+| nanite: parabola, sphere, cone, pyramid | 4 | none: its repository keeps the records, not ours to copy |
+| PyFMRheo: map curve 0, elastic and viscous | 2 | none: its notebooks keep the map, not ours to copy |
 """
 
 from __future__ import annotations
 
+import json
 import math
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -38,6 +59,8 @@ from jkrcli import (
 )
 from jkrcli.adhesion import transform
 from jkrcli.bodies import Indenter
+from jkrcli.bodies.grading import Power
+from jkrcli.bodies.materials import Graded
 from jkrcli.series import Series
 
 
@@ -229,3 +252,39 @@ def test_cones_on_layers_of_atomicj(base: str) -> None:
     plain = [2 / math.pi * math.tan(math.radians(85)) * one["delta"] ** 2 for one in found]
     assert found[0]["P"] == pytest.approx(plain[0], rel=1e-3)
     assert found[1]["P"] > 1.5 * plain[1]
+
+
+def graded(k: float, length: float) -> float:
+    """-P/(pi w R) at pull-off of a paraboloid on E = top (1 + z/length)^k, nu = 0.3, at contact radii about 1 mm."""
+    R, modulus = 1.0, (1e-3 / length) ** k
+    body = Specimen((Layer(Graded(Power(1.0, length, k), 0.3), 1.0),), Rigid())
+    w = 8 * modulus * 1e-9 / (9 * math.pi * R**2)
+    solution = solve(Problem(Paraboloid(R), body, Loading("radius", 8e-3, 60, "log")))
+    point = pull_off(solution, w=w).summary()["controls"][0]["pull_off"]
+    return -float(point["P_N"]) / (math.pi * w * R)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("k", [0.3, 0.6])
+def test_graded_half_spaces_of_chen(k: float) -> None:
+    """(k + 3)/2 pi w R where E grows as z^k from none on: with a thousandth of the contact radius as the length of the
+    law 0.2 and 0.9 % less, which vanishes with it."""
+    far, near = ((k + 3) / 2 - graded(k, length) for length in (1e-5, 1e-6))
+    assert 0 < near < 0.01 * (k + 3) / 2
+    assert near < far / 2
+
+
+# ---------------------------------------------------------------------- a record made by another program's recipe
+def test_a_synthetic_record_of_cellmechlab(jkr: Callable, tmp_path: Path) -> None:
+    """Hertz of E = 5.3 kPa, R = 3.4 um, k = 0.032 N/m, noise 1 nN, under its header."""
+    delta = np.concatenate([np.linspace(-2e-6, 0, 300, endpoint=False), np.linspace(0, 2e-6, 300)])
+    P = 16 / 9 * 5.3e3 * math.sqrt(3.4e-6) * np.maximum(delta, 0.0) ** 1.5
+    read = P + 1e-9 * np.random.default_rng(1).standard_normal(P.size)
+    rows = np.stack([1e9 * (delta + P / 0.032), 1e9 * read], axis=1)
+    np.savetxt(tmp_path / "curve.txt", rows, header="k: 0.032\n#z [nm] #force [nN]", comments="#", fmt="%.4f")
+    done = jkr("fit", str(tmp_path / "curve.txt"), "--radius", "3.4 um", "--nu", "0.5", "--fix", "w=0", "--shape",
+               "paraboloid", "--no-plots", "--json")  # fmt: skip
+    assert done.code == 0, done.err
+    found = json.loads(done.out)["curves"][0]["estimates"]["E_star"]
+    assert found["value"] * 0.75 == pytest.approx(5.3e3, rel=0.02)
+    assert found["low"] <= 5.3e3 / 0.75 <= found["high"]

@@ -73,7 +73,7 @@ class Layered(LayeredOptions):
         tolerance, loading = self.attainable(problem.specimen), problem.loading
         plan: Any = contact.plan(radii, tolerance / TUNING.margin)
         main = float(contact.flops(radii, plan))
-        some = radii[checked(radii, getattr(plan, "groups", 1))]
+        some = radii[checked(radii, getattr(plan, "groups", 1), problem.specimen.is_graded)]
         check = contact.flops(some, contact.plan(some, tolerance / TUNING.margin**3).finer())
         each_is_looked_for = loading.spacing == "depth" or (loading.to != "radius" and loading.values)
         return main * (SEARCHES if each_is_looked_for else 1) + float(check)

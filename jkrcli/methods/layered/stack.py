@@ -25,6 +25,7 @@ class LayeredTuning:
     margin: float = 8.0  # tuned on random bodies, by `make failures`
     refinements: int = 4  # at most; choice: each takes about twice the time
     checks: int = 12  # radii of the second quadrature, spread over all; tuned on random bodies, by `make failures`
+    graded: int = 20  # under a modulus that varies over depth; tuned on graded layers, by `make failures`
     gaps: int = 6  # more of them, after the widest gaps; tuned on random bodies, by `make failures`
     firsts: int = 4  # and first ones of groups; tuned on random bodies, by `make failures`
     safety: float = 4.0  # on the difference of the two quadratures; tuned on random bodies, by `make failures`
@@ -96,7 +97,7 @@ class IndenterOnLayers(ABC):
         discretisation that differs in every part; it is done at some of the radii. Refusal where refinement does not
         reach the tolerance."""
         plan, best = self.plan(radii, tolerance / TUNING.margin), math.inf
-        some = checked(radii, getattr(plan, "groups", 1))
+        some = checked(radii, getattr(plan, "groups", 1), self.specimen.is_graded)
         failure = SolveError("contact equation: not solved")
         other, check = self.checking(radii[some], plan, tolerance)
         for _ in range(TUNING.refinements):
@@ -240,10 +241,11 @@ def _errors(main: integral.ContactResult, other: integral.ContactResult, some: A
     return TUNING.safety * np.maximum(near[:, after], near[:, np.maximum(after - 1, 0)]) + main.rounding
 
 
-def checked(radii: Array, groups: int = 1) -> Array:
-    """Indices of the radii at which a result is checked: spread over all, with the ends of the widest gaps and the
-    first radii of some ``groups``, inside which a single panel has to hold what F does next to the axis."""
-    spread = np.linspace(0, radii.size - 1, TUNING.checks).astype(int)
+def checked(radii: Array, groups: int = 1, graded: bool = False) -> Array:
+    """Indices of the radii at which a result is checked: spread over all, more of them under a ``graded`` modulus,
+    whose errors change from radius to radius, with the ends of the widest gaps and the first radii of some ``groups``,
+    inside which a single panel has to hold what F does next to the axis."""
+    spread = np.linspace(0, radii.size - 1, TUNING.graded if graded else TUNING.checks).astype(int)
     widest = np.argsort(np.diff(radii, prepend=0.0))[-TUNING.gaps :]
     firsts = np.geomspace(1, groups, TUNING.firsts).astype(int) - 1
     return np.unique(np.concatenate([spread, widest, firsts]))

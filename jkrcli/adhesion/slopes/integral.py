@@ -379,10 +379,9 @@ def _fit(task: _Task) -> _Settled:
             variances, outliers = task.scatter(best or start)
         else:
             variances = stated
-        rho = likeliest_correlation(best) if best is not None and (noisy or data.known) and many else 0.0
+        rho = likeliest_correlation(best) if best is not None and noisy and many else 0.0
     fit = best or fit
-    # where nodes are reached keeps in step with the increments for many rows on end: no noise, but correlated as it is
-    known = posterior(fit, noisy or data.known, (noisy or data.known) and many)
+    known = posterior(fit, noisy or data.known, noisy and many)
     return _Settled(task.model, fit, known, data.order[outliers], noisy, not many, data.known)
 
 

@@ -26,7 +26,9 @@ def _cheap(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def knob(module: str, field: str) -> Knob:
-    return Knob(module, "TUNING", field, getattr(importlib.import_module(module).TUNING, field))
+    held = vars(importlib.import_module(module))
+    (name,) = (name for name in held if name.endswith("TUNING") and hasattr(held[name], field))
+    return Knob(module, name, field, getattr(held[name], field))
 
 
 def test_no_result_depends_on_a_sample_of_choices() -> None:
@@ -54,7 +56,7 @@ def test_a_number_that_results_depend_on_is_told_with_where() -> None:
 
 def test_numbers_are_as_shipped_after_a_study_and_after_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
     held = knob("jkrcli.methods.layered.minors", "small")
-    tuning = importlib.import_module(held.module).TUNING
+    tuning = getattr(importlib.import_module(held.module), held.name)
     with constants.varied(held, 7.0):
         assert tuning.small == 7.0
     assert tuning.small == held.shipped

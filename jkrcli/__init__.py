@@ -14,10 +14,35 @@ TYPE_CHECKING = False  # typing's own takes as long to import as all else here, 
 if TYPE_CHECKING:
     from .adhesion import LogRate, PowerRate, Program
     from .api import (
-        check, compare, cycle, cycle_at_speed, cycle_relaxing, fit, identify, identify_joint, identify_law,
-        identify_relaxation, identify_tension, load_case, look, measured_curves, parse_case, plan, plot,
-        profile, pull_off, read, save, solve, study_map, summary, table, to_pandas, transform, work,
-    )  # fmt: skip
+        check,
+        compare,
+        cycle,
+        cycle_at_speed,
+        cycle_relaxing,
+        fit,
+        identify,
+        identify_joint,
+        identify_law,
+        identify_relaxation,
+        identify_tension,
+        look,
+        measured_curves,
+        parse_case,
+        plan,
+        plot,
+        profile,
+        pull_off,
+        read,
+        save,
+        solve,
+        study_map,
+        summary,
+        table,
+        to_pandas,
+        transform,
+        work,
+    )
+    from .case.reading import load_case  # fmt: skip
     from .base import InputError, JkrError, Refusal, Unknown
     from .bodies import (
         Coated, Elastic, Exponential, Graded, HalfSpace, Layer, Linear, Loading, Paraboloid, Power,

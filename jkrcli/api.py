@@ -51,19 +51,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from . import fitting as fits
 from . import report
 from .adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, LoadingHistory, RangeRequest, Rest
 from .base import InputError, check_series_target, one_thread, parse
-from .beside import analyse, nonadhesive, with_solved_points
 from .bodies import Problem
-from .case import Case, read_solution, write_solution
-from .case import load_case as load_case
+from .case import Case, load_case, read_solution, write_solution
 from .case import parse_case as _parse_case
 from .case import solve as _solve
 from .data import Curve, Reading, from_columns
 from .data import read as read_curves
-from .identification import fit as fits
 from .methods import Limits, Method
+from .resolve import analyse, nonadhesive, with_solved_points
 from .series import Solution
 
 __all__ = [
@@ -77,7 +76,7 @@ if TYPE_CHECKING:
 
     from .adhesion import Program, RateContact, RateLaw, RelaxingContact
     from .bodies import Indenter, Relaxation
-    from .many.study.maps import MapResult
+    from .many.maps import MapResult
 
 Body: TypeAlias = Case | Problem | Solution | str | Path  # to be solved, or solved; or the file of either
 Number: TypeAlias = float | str  # in SI, or text with its unit
@@ -154,7 +153,7 @@ def cycle(
     and very slow cycles, and at rest under ``rest_load`` or at ``rest_depth`` (default: at the turn, else at P = 0),
     then pulled at once.
     """
-    from .beside import curves_from_rest
+    from .resolve import curves_from_rest
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
     works = (_number("w", w if w_approach is None else w_approach, "work"), _number("w", w, "work"))
@@ -189,7 +188,7 @@ def _in_limits(
 
 def _rest(load: Number | None, depth: Number | None) -> Rest | None:
     """Where a viscoelastic specimen rests before it is pulled, in numbers or text."""
-    from .beside import rest_of
+    from .resolve import rest_of
 
     return rest_of(_maybe("rest_load", load, "load"), _maybe("rest_depth", depth, "length"))
 
@@ -323,7 +322,7 @@ def identify(
 
     ``body``: a case or problem (solved to the radii that the data ask for), a solved series, or the file of either.
     ``free``: more parameters ("P0", "E:film"); ``fix``: known ones, {"w": "50 mJ/m^2", "E_star": 2e6}; ``options``: see
-    jkrcli.identification.fit.Settings. Raises InputError where the data cannot be fitted.
+    jkrcli.fitting.Settings. Raises InputError where the data cannot be fitted.
     """
     arrays = {"a": a, "delta": delta, "P": P, "t": t}
     named = {name: values for name, values in arrays.items() if values is not None}
@@ -375,7 +374,7 @@ def identify_law(
     ``fix``: known ones, {"n": "0.5"}; ``options``: start, level, confidence, segment as of ``jkr fit --law``. Raises
     InputError where the records cannot be fitted.
     """
-    from .identification.rate.fitting import rate_fit, rate_settings
+    from .fitting.rate import rate_fit, rate_settings
 
     source = fits.body_of(body, slopes)
     start = _texts(options.pop("start", None))
@@ -392,7 +391,7 @@ def identify_relaxation(
     ``measured``: one curve of t, delta, P, or its file; ``fix``: known ones, {"ratio": "0.3"}; ``options``: level,
     confidence, terms as of ``jkr fit --relaxation``. Raises InputError where the record cannot be fitted.
     """
-    from .identification.relaxation import relaxation_fit, relaxation_settings
+    from .fitting.relaxation import relaxation_fit, relaxation_settings
 
     source = fits.body_of(body, slopes)
     curve = _curve_of(measured, None)
@@ -409,7 +408,7 @@ def identify_tension(
     ``measured``: curves or their files; ``tip_radii`` [m]: of each, or one of all (default: the body's); ``fix``: known
     values, {"w": "1 mJ/m^2"}. Raises InputError where a record cannot be used.
     """
-    from .identification.tension import TENSION, known_values, radii_of, tension_fit
+    from .fitting.surface_tension import TENSION, known_values, radii_of, tension_fit
 
     source = fits.body_of(body)
     problem = source.problem
@@ -464,7 +463,7 @@ def profile(
 ) -> report.Profile:  # fmt: skip
     """Pressure, displacement and gap around one contact, of radius ``a`` [m] or under a ``load`` [N], with the work of
     adhesion ``w`` [J/m^2] (default: none); ``stress`` and ``length`` as of ``transform``."""
-    from .beside import profile_columns, radius_under
+    from .resolve import profile_columns, radius_under
 
     if (a is None) == (load is None):
         raise InputError("profile: give exactly one of a and load")
@@ -490,8 +489,8 @@ def pull_off(
     A specimen that relaxes has several of both, by its history: very fast and very slow cycles, at rest under
     ``rest_load`` or at ``rest_depth`` (default: at P = 0) and then pulled at once, and the largest of any other.
     """
-    from .beside import lost_by_history, where_lost
-    from .identification.work_of_adhesion import measured_work, works_by_history
+    from .fitting.pull_off_work import measured_work, works_by_history
+    from .resolve import lost_by_history, where_lost
 
     if (w is None) == (load is None):
         raise InputError("pull_off: give exactly one of w and load")
@@ -519,7 +518,7 @@ def work(
     """The work of adhesion along the curves of a ``measured`` file, as ``jkr work`` says it; ``options``: use ("a,P"),
     segment, noise {"P": 2e-9}, window."""
     from .base import executor
-    from .identification.work import along_file, evaluation_of
+    from .fitting.work_along_curve import along_file, evaluation_of
 
     solution, path, reading = _solution(solved, None), Path(measured), reading or Reading()
     unit = nonadhesive(solution, slopes)
@@ -542,7 +541,7 @@ def compare(
 def study_map(name: str, **axes: Any) -> MapResult:
     """The map called ``name`` ("pull-off", "sticking", "transition", "adhesion", "rate") over its ``axes``, as of ``jkr
     study <name>-map``: study_map("pull-off", nu=[0.3], q=[0.1, 1]); its ``columns``, ``summary()`` and ``figure()``."""
-    from .many.study.maps import map_of
+    from .many.maps import map_of
 
     return one_thread()(map_of(name).over)(**axes)
 

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from jkrcli.base.arrays import Array
+from jkrcli.base.numerics import Array
 from jkrcli.base.units import Length, Ranged, show
 from jkrcli.bodies.indenters import Indenter, shape
 from jkrcli.bodies.materials import Elastic

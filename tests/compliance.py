@@ -7,7 +7,7 @@ import numpy as np
 from jkrcli import Elastic, Specimen
 from jkrcli.base import Array
 from jkrcli.bodies import contact_modulus
-from jkrcli.methods.layered.minors import minors_of, shear_moduli
+from jkrcli.methods.layered.spectrum import minors_of, shear_moduli
 
 
 def compliance_ratio(specimen: Specimen, k: Array, indenter: Elastic | None = None) -> Array:

@@ -121,7 +121,7 @@ def _study(
 @pytest.fixture(name="no_pictures")
 def _no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Those of sweeps are drawn in test_sweep_figure.py: each takes longer than the sweeps."""
-    monkeypatch.setattr("jkrcli.cli.sweep._draw", lambda *_: False)
+    monkeypatch.setattr("jkrcli.cli.study_verbs._draw", lambda *_: False)
 
 
 @pytest.fixture(name="solves")
@@ -129,8 +129,8 @@ def _solves(monkeypatch: pytest.MonkeyPatch) -> list[object]:
     """The problems that are really solved, in order."""
     seen: list[object] = []
 
-    from jkrcli.methods.closed_form.method import ClosedForm
-    from jkrcli.methods.layered.layered import Layered
+    from jkrcli.methods.closed_form import ClosedForm
+    from jkrcli.methods.layered.solver import Layered
 
     def counted(plain: Callable) -> Callable:
         return lambda method, body: seen.append(body.key) or plain(method, body)

@@ -6,7 +6,7 @@ import numpy as np
 
 from jkrcli.adhesion.slopes import Rule, register
 from jkrcli.adhesion.slopes.result import Slopes
-from jkrcli.base.unknown import Unknown
+from jkrcli.base.errors import Unknown
 from jkrcli.series import Series
 
 

@@ -11,12 +11,12 @@ from scipy.optimize import brentq
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.data.measured import Curve
-from jkrcli.identification.fit import FittedBody, Parameter, Settings
-from jkrcli.methods.closed_form.method import ClosedForm
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.data.curve import Curve
+from jkrcli.fitting import FittedBody, Parameter, Settings
+from jkrcli.methods.closed_form import ClosedForm
+from jkrcli.methods.layered.solver import Layered
 
 R, E_STAR, W = 10e-6, 1e6, 0.1  # the identification of Perepelkin et al., Nanomaterials 10 (2020) 15
 P_C = 1.5 * np.pi * W * R

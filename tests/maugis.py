@@ -11,8 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve
-from jkrcli.adhesion.law import Range
+from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve, Range
 from jkrcli.series import Solution
 
 Array = np.ndarray

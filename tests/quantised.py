@@ -10,9 +10,8 @@ import numpy as np
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes import slopes_function
 from jkrcli.adhesion.slopes.choice import smoothed
-from jkrcli.base.errors import InputError
-from jkrcli.base.unknown import Unknown
-from jkrcli.formulas.half_space import hertz
+from jkrcli.base.errors import InputError, Unknown
+from jkrcli.formulas import hertz
 from jkrcli.series import RawSeries, Series, filter_plateaus
 
 WAYS = ("integral from increments", "integral", "loocv")

@@ -8,8 +8,8 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from jkrcli.adhesion.nonadhesive import Nonadhesive
-from jkrcli.base.arrays import Array
+from jkrcli.adhesion.interpolation import Nonadhesive
+from jkrcli.base.numerics import Array
 
 
 def retraction(

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from relaxing_rings import stepped
 
-from jkrcli.base.arrays import Array
-from jkrcli.data.measured import Curve
+from jkrcli.base.numerics import Array
+from jkrcli.data.curve import Curve
 
 RINGS, STEPS = 400, 1500
 

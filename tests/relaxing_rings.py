@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from jkrcli.base.arrays import Array
+from jkrcli.base.numerics import Array
 
 
 def stepped(

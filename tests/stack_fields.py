@@ -12,7 +12,7 @@ from scipy.special import j0, j1
 
 from jkrcli.bodies.problem import HalfSpace, Problem
 from jkrcli.methods.integral.density import Density
-from jkrcli.methods.layered.stack import LayeredContact
+from jkrcli.methods.layered.contact import LayeredContact
 
 Modes = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 

@@ -11,10 +11,10 @@ from compliance import compliance_ratio
 from scipy.interpolate import CubicSpline
 from scipy.special import jv
 
-from jkrcli.base.arrays import Array
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Rigid, Specimen
-from jkrcli.data.measured import Curve
+from jkrcli.base.numerics import Array
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Rigid, Specimen
+from jkrcli.data.curve import Curve
 
 DEGREES = 40  # radii at which a body of records is solved
 

@@ -16,14 +16,14 @@ import numpy as np
 import pytest
 from conftest import Outcome
 
-from jkrcli.base.arrays import Array
 from jkrcli.base.errors import InputError
+from jkrcli.base.numerics import Array
 from jkrcli.base.units import Ranged, check_ranges
 from jkrcli.case import parse_case, store
-from jkrcli.case.numerics import method_of, options_of
-from jkrcli.formulas.thin_layer import foundation_modulus, thin_layer
+from jkrcli.case.models import method_of, options_of
+from jkrcli.formulas import foundation_modulus, thin_layer
 from jkrcli.methods import METHODS
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
 
 CASE = """
 method = "{method}"
@@ -115,8 +115,8 @@ def test_keys_of_an_indenter_of_ones_own_are_checked(tmp_path: Path) -> None:
         "(allowed: E, nu, layers, shape, radius, k)\n"
     )  # fmt: skip
     assert shape.err.endswith(
-        "indenter.shape: must be one of sphere, paraboloid, power, cone, flat, table, rounded-cone, pyramid, "
-        "three-sided-pyramid, aspheric, "
+        "indenter.shape: must be one of sphere, paraboloid, power, cone, flat, rounded-cone, pyramid, "
+        "three-sided-pyramid, table, aspheric, "
         'got "asferic", did you mean "aspheric"?\n'
     )
 

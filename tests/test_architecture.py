@@ -15,26 +15,26 @@ from sources import nodes
 PACKAGE = Path(__file__).parent.parent / "jkrcli"
 # The rooms, each above those that may import from it; what stands at the top of the package may import from all.
 ROOMS = (
-    "base", "tables", "formulas", "bodies", "series", "methods", "case", "adhesion", "beside", "data", "identification",
+    "base", "tables", "formulas", "bodies", "series", "methods", "case", "adhesion", "resolve", "data", "fitting",
     "report", "many", "cli",
 )  # fmt: skip
 MOST_AT_TOP = 4
 # Rooms, and folders in them, that offer names of their modules.
 OFFERING = (
-    "adhesion", "base", "beside", "bodies", "case", "data", "identification.fit", "methods", "methods.integral",
-    "report",
+    "adhesion", "base", "bodies", "case", "data", "fitting", "methods", "methods.integral",
+    "report", "resolve",
 )  # fmt: skip
 # Libraries and the one folder or module that may import each.
 DOORS = {
-    "afmformats": "data/measured/afm.py",
+    "afmformats": "data/afm_formats.py",
     "click": "cli",
-    "cvxopt": "methods/fem/factor.py",
+    "cvxopt": "methods/fem/contact.py",
     "distributed": "base/executors.py",
     "h5py": "base/hdf5.py",
     "gmsh": "methods/fem/mesh.py",
     "matplotlib": "report/plots",
     "meshio": "methods/fem/mesh.py",
-    "plotly": "report/explorer/page.py",
+    "plotly": "report/explorer/__init__.py",
     "pydantic": "case",
     "skfem": "methods/fem/elasticity.py",
 }

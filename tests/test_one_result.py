@@ -11,26 +11,24 @@ import numpy as np
 import pytest
 
 import jkrcli as python
-from jkrcli.beside.sticking import sticking_effect
 from jkrcli.case import store
-from jkrcli.case.numerics import fem_of, method_of
-from jkrcli.case.solving import solve
+from jkrcli.case.models import fem_of, method_of
+from jkrcli.case.store import solve
 from jkrcli.cli import VERBS
-from jkrcli.cli.study import STUDIES
+from jkrcli.cli.study_verbs import STUDIES
 from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.many.bench import Bench
-from jkrcli.many.study.converge import converge
-from jkrcli.many.study.convergence import Convergence
+from jkrcli.many.convergence import Convergence, converge
 from jkrcli.many.sweep.plan import load_plan
 from jkrcli.many.sweep.running import Means, alone, sweep
+from jkrcli.report.archive import Shown
 from jkrcli.report.dem import Exported
+from jkrcli.report.doctor import Machine
 from jkrcli.report.explorer import Explored, page, payload
-from jkrcli.report.fields import Fields
-from jkrcli.report.machine import Machine
-from jkrcli.report.mesh import Meshed
+from jkrcli.report.forward import Fields
 from jkrcli.report.result import Result
-from jkrcli.report.shown import Shown
-from jkrcli.report.solved import Imported, Solved
+from jkrcli.report.solved import Imported, Meshed, Solved
+from jkrcli.resolve.comparison import sticking_effect
 from jkrcli.series import Solution
 
 CASES = Path(__file__).parent.parent / "cases"

@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 
 from jkrcli.cli import VERBS
-from jkrcli.cli.study import STUDIES
+from jkrcli.cli.study_verbs import STUDIES
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"

@@ -10,7 +10,7 @@ import numpy as np
 
 from jkrcli.base.units import Ranged
 from jkrcli.bodies.problem import Problem
-from jkrcli.formulas.thin_layer import foundation_modulus, thin_layer_slopes
+from jkrcli.formulas import foundation_modulus, thin_layer_slopes
 from jkrcli.methods import Descriptor, Forecast, register
 from jkrcli.series import ErrorBudget, Series, Solution
 

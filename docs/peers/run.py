@@ -31,9 +31,9 @@ from jkrcli.adhesion.slopes.choice import smoothed
 from jkrcli.base.errors import JkrError
 from jkrcli.base.files import check_target, write_text
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.many.cost import Cost, process_cost
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.many.bench import Cost, process_cost
 from jkrcli.report import tables
 from jkrcli.series import RawSeries
 from studies.chart_measure import machine, yardstick

@@ -12,7 +12,7 @@ from sphinx.util.docutils import SphinxDirective
 
 import jkrcli
 from jkrcli.cli import GROUPS, jkr
-from jkrcli.cli.study import STUDIES
+from jkrcli.cli.study_verbs import STUDIES
 from jkrcli.cli.verb import ALL
 
 

@@ -11,13 +11,21 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BeforeValidator
 
 from jkrcli.base.units import DIMENSIONS, Ranged
-from jkrcli.bodies.grading import LAWS
 from jkrcli.bodies.indenters import SHAPES
-from jkrcli.bodies.relaxation import RELAXATIONS
-from jkrcli.case.fields import Read, Table, as_several
-from jkrcli.case.laws import LawTable
-from jkrcli.case.materials import CoatingTable, LayerTable, TransverseLayerTable
-from jkrcli.case.models import AdhesionTable, CapillaryTable, LoadingTable, SpecimenTable
+from jkrcli.bodies.materials import LAWS, RELAXATIONS
+from jkrcli.case.models import (
+    AdhesionTable,
+    CapillaryTable,
+    CoatingTable,
+    LawTable,
+    LayerTable,
+    LoadingTable,
+    Read,
+    SpecimenTable,
+    Table,
+    TransverseLayerTable,
+    as_several,
+)
 from jkrcli.methods import METHODS
 
 PLAIN = {str: "text", bool: "true or false", int: "a whole number", float: "a number", type(None): ""}

@@ -9,23 +9,21 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from jkrcli.adhesion.critical import Errors
-from jkrcli.adhesion.curve import CONTROLS, CriticalPoint
-from jkrcli.adhesion.sharp import resolved
-from jkrcli.base.arrays import Array
-from jkrcli.base.errors import JkrError
+from jkrcli.adhesion.curve import CONTROLS, CriticalPoint, resolved
+from jkrcli.adhesion.pull_off_error import Errors
+from jkrcli.base.errors import JkrError, Unknown
 from jkrcli.base.executors import completed
-from jkrcli.base.table import as_json
-from jkrcli.base.unknown import Unknown
-from jkrcli.beside.analysis import analyse, error_of_point, with_solved_points
+from jkrcli.base.files import as_json
+from jkrcli.base.numerics import Array
 from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Side, Specimen
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import Spacing
-from jkrcli.formulas.griffith import shift
+from jkrcli.formulas import shift
 from jkrcli.methods import method_class
 from jkrcli.methods.hybrid.method import Hybrid
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
+from jkrcli.resolve.analysis import analyse, error_of_point, with_solved_points
 from jkrcli.series import Series, Solution
 
 from .command import Main, call, output_of, parser_of, pool_of

@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from jkrcli.base.errors import InputError
-from jkrcli.base.table import as_json
-from jkrcli.base.unknown import known
+from jkrcli.base.errors import InputError, known
+from jkrcli.base.files import as_json
 from jkrcli.case import Case, load_case
 from jkrcli.methods import METHODS
 from jkrcli.report import PICTURES

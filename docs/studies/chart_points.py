@@ -10,19 +10,17 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from jkrcli.base.errors import InputError, JkrError
+from jkrcli.base.errors import Estimate, InputError, JkrError, Unknown
 from jkrcli.base.files import read_bytes
-from jkrcli.base.unknown import Estimate, Unknown
-from jkrcli.beside.analysis import Analysis, analyse
 from jkrcli.bodies.materials import INCOMPRESSIBLE
 from jkrcli.bodies.problem import Problem
 from jkrcli.case import Case, store
-from jkrcli.case.models import CaseModel
-from jkrcli.case.numerics import fem_of, method_of
-from jkrcli.many.cost import Cost, process_cost
+from jkrcli.case.models import CaseModel, fem_of, method_of
+from jkrcli.many.bench import Cost, process_cost
 from jkrcli.methods import METHODS, method_class
-from jkrcli.methods.choose import choose_method
-from jkrcli.methods.layered.layered import largest_radius
+from jkrcli.methods.layered.solver import largest_radius
+from jkrcli.methods.protocol import choose_method
+from jkrcli.resolve.analysis import Analysis, analyse
 
 from .chart_measure import timed, typical
 from .chart_reference import Errors, Reference

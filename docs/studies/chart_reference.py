@@ -9,13 +9,13 @@ from scipy.interpolate import CubicHermiteSpline
 
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, EquilibriumCurve, transform
 from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.base.arrays import Array
 from jkrcli.base.errors import JkrError, Refusal
-from jkrcli.beside.comparison import curve_distance
+from jkrcli.base.numerics import Array
 from jkrcli.bodies.problem import Loading, Problem
 from jkrcli.methods import Method, method_class
-from jkrcli.methods.integral.pair import InaccurateError
-from jkrcli.methods.layered.layered import Layered, largest_radius
+from jkrcli.methods.integral.fredholm import InaccurateError
+from jkrcli.methods.layered.solver import Layered, largest_radius
+from jkrcli.resolve.comparison import curve_distance
 from jkrcli.series import Series
 
 

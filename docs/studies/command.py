@@ -15,7 +15,7 @@ from typing import TypeAlias
 from jkrcli.base import units
 from jkrcli.base.errors import InputError, JkrError
 from jkrcli.base.executors import Pool, Step, executor
-from jkrcli.base.threads import pin_blas
+from jkrcli.base.process import pin_blas
 from jkrcli.report import Output
 
 Main: TypeAlias = Callable[[Sequence[str] | None], int]

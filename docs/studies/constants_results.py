@@ -16,10 +16,10 @@ from typing import Any, TypeAlias
 import numpy as np
 
 import jkrcli as jkr
-from jkrcli.base.unknown import Unknown
+from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import TableProfile
+from jkrcli.data.curve import Curve
 from jkrcli.data.foreign import SeriesReading, read_series
-from jkrcli.data.measured import Curve
 from jkrcli.methods import method_class
 from jkrcli.report.dem import Exported
 from jkrcli.series import Solution

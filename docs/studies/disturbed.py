@@ -20,11 +20,10 @@ import numpy as np
 
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.base.arrays import Array
-from jkrcli.base.errors import InputError
-from jkrcli.base.unknown import Unknown
-from jkrcli.beside.analysis import analyse
+from jkrcli.base.errors import InputError, Unknown
+from jkrcli.base.numerics import Array
 from jkrcli.data.foreign import SeriesReading, read_series
+from jkrcli.resolve.analysis import analyse
 from jkrcli.series import Record, Series
 
 from .noise_cells import BODIES, Body

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from jkrcli.base.table import as_json
+from jkrcli.base.files import as_json
 from jkrcli.methods import METHODS
 from jkrcli.report import PICTURES
 from jkrcli.report.plots import Axes, Figure, drawing

@@ -17,15 +17,13 @@ from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from jkrcli.adhesion.slopes.choice import slopes, smoothed
 from jkrcli.adhesion.slopes.result import Slopes
 from jkrcli.adhesion.validity import unresolved
-from jkrcli.base.arrays import Array
-from jkrcli.base.errors import JkrError
+from jkrcli.base.errors import JkrError, Unknown
 from jkrcli.base.executors import Pool, completed
-from jkrcli.base.unknown import Unknown
+from jkrcli.base.numerics import Array
 from jkrcli.bodies.problem import Loading, Problem
-from jkrcli.formulas.griffith import shift
+from jkrcli.formulas import shift
 from jkrcli.methods import METHODS, Method, method_class
-from jkrcli.methods.layered.fields import surface_profile
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered, surface_profile
 from jkrcli.series import RawSeries, Series, Solution, first_of_plateaus
 
 from .failures_cells import Cell, draw

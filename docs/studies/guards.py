@@ -18,24 +18,24 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from jkrcli.base.table import write_csv
-from jkrcli.beside.analysis import JKR, analyse, forecast
+from jkrcli.base.files import write_csv
 from jkrcli.bodies.problem import Problem
 from jkrcli.case import Case, parse_case
-from jkrcli.case.solving import solve
+from jkrcli.case.store import solve
 from jkrcli.cli import call as jkr
-from jkrcli.cli.measured import TUNING as TABLES
-from jkrcli.cli.series import PER_FILE
+from jkrcli.cli.inputs import PER_FILE
+from jkrcli.cli.inputs import TUNING as TABLES
+from jkrcli.data.afm_formats import rows_expected
 from jkrcli.data.measured import each
-from jkrcli.data.measured.amount import rows_expected
-from jkrcli.many.study.maps import map_of
+from jkrcli.many.maps import map_of
 from jkrcli.many.sweep.plan import load_plan
 from jkrcli.many.sweep.running import Means, sweep
 from jkrcli.many.sweep.running import forecast as forecast_of_sweep
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.hybrid.method import Hybrid
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
 from jkrcli.report.tables import curve_columns, summary
+from jkrcli.resolve.analysis import JKR, analyse, forecast
 from jkrcli.series import RawSeries, Solution
 
 from .command import call, parser_of

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from jkrcli.base.errors import InputError, SolveError
 from jkrcli.base.executors import completed
-from jkrcli.base.threads import ONE_THREAD
+from jkrcli.base.process import ONE_THREAD
 
 from .command import call, parser_of, pool_of
 

@@ -16,8 +16,8 @@ import numpy as np
 from node_series import NodeSeries, many  # type: ignore[import-not-found]
 
 from jkrcli.base import JkrError, Unknown
-from jkrcli.beside.analysis import analyse
 from jkrcli.data.foreign import SeriesReading, read_series
+from jkrcli.resolve.analysis import analyse
 
 from .command import call, parser_of
 

@@ -16,10 +16,9 @@ import numpy as np
 from jkrcli.adhesion.curve import AdhesiveCurve, transform
 from jkrcli.adhesion.slopes import slopes_function
 from jkrcli.adhesion.slopes.choice import slopes, smoothed
-from jkrcli.base.arrays import Array
-from jkrcli.base.errors import InputError
+from jkrcli.base.errors import InputError, Unknown
 from jkrcli.base.executors import Pool, in_order
-from jkrcli.base.unknown import Unknown
+from jkrcli.base.numerics import Array
 from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic

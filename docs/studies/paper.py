@@ -15,27 +15,26 @@ from pathlib import Path
 
 import numpy as np
 
+from jkrcli import formulas as half_space
+from jkrcli import formulas as thin_layer
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from jkrcli.adhesion.slopes import slopes_function
-from jkrcli.base.arrays import Array
-from jkrcli.base.errors import InputError
+from jkrcli.base.errors import InputError, Unknown
+from jkrcli.base.numerics import Array
 from jkrcli.base.units import scale, show
-from jkrcli.base.unknown import Unknown
-from jkrcli.beside.analysis import Analysis, analyse
 from jkrcli.bodies.problem import Loading, Problem
 from jkrcli.case import load_case
-from jkrcli.case.numerics import method_of
+from jkrcli.case.models import method_of
 from jkrcli.data.measured import read
-from jkrcli.formulas import half_space, thin_layer
-from jkrcli.many.study.converge import converge
-from jkrcli.many.study.converge_figure import COLORS, curves_panel, radius_panel
+from jkrcli.many.convergence import COLORS, converge, curves_panel, radius_panel
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
 from jkrcli.report import PICTURES
 from jkrcli.report.plots import Figure
 from jkrcli.report.plots.looks import BLACK, BLUE, GREEN, ORANGE, pretty
-from jkrcli.report.plots.study import Line, Panel, panels_figure
-from jkrcli.report.scaling import Scales, scales_of
+from jkrcli.report.plots.studies import Line, Panel, panels_figure
+from jkrcli.report.tables import Scales, scales_of
+from jkrcli.resolve.analysis import Analysis, analyse
 from jkrcli.series import Series, Solution
 
 from .command import call, output_of, parser_of, quantity

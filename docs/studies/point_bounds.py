@@ -9,16 +9,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jkrcli.adhesion.critical import point_error
 from jkrcli.adhesion.curve import CONTROLS, AdhesiveCurve, CriticalPoint
-from jkrcli.adhesion.nonadhesive import Nonadhesive
-from jkrcli.base.arrays import Array
-from jkrcli.base.errors import JkrError
-from jkrcli.base.unknown import Unknown
-from jkrcli.beside.analysis import nonadhesive
+from jkrcli.adhesion.interpolation import Nonadhesive
+from jkrcli.adhesion.pull_off_error import point_error
+from jkrcli.base.errors import JkrError, Unknown
+from jkrcli.base.numerics import Array
 from jkrcli.bodies.problem import Loading
-from jkrcli.formulas.griffith import shift
+from jkrcli.formulas import shift
 from jkrcli.methods import method_class
+from jkrcli.resolve.analysis import nonadhesive
 from jkrcli.series import Series
 
 from .bounds import PATIENCE, Bound, body, exact_at, study

@@ -9,18 +9,17 @@ from typing import Any
 import numpy as np
 
 from jkrcli.adhesion.curve import CONTROLS, CriticalPoint, position
-from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve
-from jkrcli.adhesion.law import Range
-from jkrcli.base.arrays import Array
+from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve, Range
 from jkrcli.base.errors import JkrError
+from jkrcli.base.numerics import Array
 from jkrcli.bodies import unbounded
 from jkrcli.bodies.problem import Problem
-from jkrcli.formulas.griffith import shift
-from jkrcli.methods.attraction import AttractedBody
-from jkrcli.methods.hybrid.adaptive import AdaptiveKernel
-from jkrcli.methods.integral.attraction import Attraction
-from jkrcli.methods.integral.quadrature import Panels, Quadrature
-from jkrcli.methods.layered.stack import LayeredContact
+from jkrcli.formulas import shift
+from jkrcli.methods.finite_range import AttractedBody
+from jkrcli.methods.hybrid.kernel import AdaptiveKernel
+from jkrcli.methods.integral.finite_range import Attraction
+from jkrcli.methods.integral.fredholm import Panels, Quadrature
+from jkrcli.methods.layered.contact import LayeredContact
 from jkrcli.series import Series
 
 Judged = tuple[str, float, float, bool]  # of a quantity: its name, ratio, stated error and whether it is clear

@@ -26,11 +26,10 @@ from jkrcli.base.errors import JkrError
 from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
-from jkrcli.data.measured import Curve
-from jkrcli.data.measured.curve import APPROACH, RETRACT
-from jkrcli.identification.fit import FittedBody, fit
-from jkrcli.identification.fit.settings import settings_of
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.data.curve import APPROACH, RETRACT, Curve
+from jkrcli.fitting import FittedBody, fit
+from jkrcli.fitting.settings import settings_of
+from jkrcli.methods.layered.solver import Layered
 
 R = 5e-6  # tip radius [m]
 LAYERS = [(h, nu) for h in (0.5e-6, 1.5e-6, 5e-6) for nu in (0.3, 0.45, 0.5)]

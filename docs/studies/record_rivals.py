@@ -29,14 +29,14 @@ from jkrcli.base.errors import JkrError
 from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.materials import Elastic
-from jkrcli.data.measured import Curve
-from jkrcli.identification.fit import Fit, FittedBody, fit, force_curve_fit, record_verdict
-from jkrcli.identification.fit.fitted_record import FittedRecord
-from jkrcli.identification.fit.record_change import AMOUNT, Change, RivalModel
-from jkrcli.identification.fit.record_rivals import RIVALS
-from jkrcli.identification.fit.record_scores import RecordRivals, relative_errors
-from jkrcli.identification.fit.settings import settings_of, uncertain_of
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.data.curve import Curve
+from jkrcli.fitting import Fit, FittedBody, fit
+from jkrcli.fitting import force_curve as force_curve_fit
+from jkrcli.fitting import verdict as record_verdict
+from jkrcli.fitting.alternative_tests import RecordRivals, relative_errors
+from jkrcli.fitting.alternatives import AMOUNT, RIVALS, Change, FittedRecord, RivalModel
+from jkrcli.fitting.settings import settings_of, uncertain_of
+from jkrcli.methods.layered.solver import Layered
 
 # Right records by what disturbs them, and how they are fitted:
 RIGHT: dict[str, dict[str, Any]] = {

@@ -16,11 +16,11 @@ import numpy as np
 from relaxation_records import record  # type: ignore[import-not-found]
 
 import jkrcli as jkr
-from jkrcli.adhesion.nonadhesive import Nonadhesive
-from jkrcli.adhesion.relaxation.path import Depths
+from jkrcli.adhesion.interpolation import Nonadhesive
+from jkrcli.adhesion.relaxation import Depths
 from jkrcli.base.errors import JkrError
-from jkrcli.identification.fit.body import FittedBody, body_of
-from jkrcli.identification.relaxation import relaxation_fit, relaxation_settings
+from jkrcli.fitting.forward_model import FittedBody, body_of
+from jkrcli.fitting.relaxation import relaxation_fit, relaxation_settings
 
 TRUTH = {"E_star": 1.0, "ratio": 0.25, "time": 1.0}
 

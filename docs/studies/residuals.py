@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from wrong_records import WRONG, Drawn, right  # type: ignore[import-not-found]
 
-from jkrcli.base.arrays import Array
-from jkrcli.data.measured.curve import APPROACH
-from jkrcli.identification.fit import Fit
-from jkrcli.identification.fit.force_curve_fit import ForceCurveFit
+from jkrcli.base.numerics import Array
+from jkrcli.data.curve import APPROACH
+from jkrcli.fitting import Fit
+from jkrcli.fitting.force_curve import ForceCurveFit
 from jkrcli.report import PICTURES
 from jkrcli.report.plots import Axes, Figure, drawing, few_ticks
 from jkrcli.report.plots.looks import BLUE, ORANGE, WIDE

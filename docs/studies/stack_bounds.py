@@ -10,7 +10,7 @@ import numpy as np
 from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
 
 from .bounds import Bound, study
 from .command import call

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from scipy.special import spherical_jn
 
-from jkrcli.base.arrays import Array
+from jkrcli.base.numerics import Array
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Specimen
 

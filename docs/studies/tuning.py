@@ -26,15 +26,13 @@ import numpy as np
 import jkrcli
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.base.errors import SolveError
+from jkrcli.base.errors import SolveError, Unknown
 from jkrcli.base.executors import Pool, completed
-from jkrcli.base.unknown import Unknown
 from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.bodies.grading import Exponential
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Graded
-from jkrcli.data.measured import Curve
-from jkrcli.identification.fit import FittedBody, Parameter, Settings, fit
+from jkrcli.bodies.materials import Elastic, Exponential, Graded
+from jkrcli.data.curve import Curve
+from jkrcli.fitting import FittedBody, Parameter, Settings, fit
 from jkrcli.methods import METHODS, method_class
 
 from . import noise_cells

@@ -197,7 +197,7 @@ def relaxation() -> Iterator[Row]:
 
 def paper() -> Iterator[Row]:
     """Numbers of the paper."""
-    from jkrcli.formulas.half_space import tabor
+    from jkrcli.formulas import tabor
 
     E_star = 5e9 / (1 - 0.4**2)
     for w, R, printed in ((50.0, 1e-4, 639), (10.0, 1e-3, 471)):

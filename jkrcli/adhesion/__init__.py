@@ -6,7 +6,6 @@ from ..base.lazy import lazily
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from .critical import Errors, point_error
     from .curve import (
         CONTROLS,
         DISPLACEMENT_CONTROL,
@@ -17,23 +16,43 @@ if TYPE_CHECKING:
         EquilibriumCurve,
         control,
         position,
+        resolved,
         transform,
+        yielding,
     )
+    from .device_path import REST, Course, Jump, Program, TimedState
     from .energy_error import energy_lost_error, separation_error
-    from .finite_range import FiniteRangeBody, FiniteRangeCurve, unable
+    from .finite_range import FiniteRangeBody, FiniteRangeCurve, Range, RangeRequest, unable
     from .from_rest import FromRest, LoadingHistory, Rest, histories, history_error
-    from .law import Range, RangeRequest
-    from .nonadhesive import Nonadhesive
-    from .path import REST, Jump, TimedState
-    from .program import Course, Program
-    from .rate.history import History, RateContact
-    from .rate.laws import RATE_LAWS, LogRate, PowerRate, RateLaw, parameters_of, rate_law_of, rate_parameters
-    from .relaxation.history import RelaxedHistory, RelaxingContact
-    from .sharp import resolved, yielding
+    from .interpolation import Nonadhesive
+    from .pull_off_error import Errors, point_error
+    from .rate import (
+        RATE_LAWS,
+        History,
+        LogRate,
+        PowerRate,
+        RateContact,
+        RateLaw,
+        parameters_of,
+        rate_law_of,
+        rate_parameters,
+    )
+    from .relaxation import RelaxedHistory, RelaxingContact
     from .slopes import RULES, checked_rule
     from .slopes.result import TWO_SIDED_90, Slopes
-    from .stability import Behaviour, Cycle, behaviour, behaviours, branch, cycle, stable_radius, trace, turning_radius
-    from .stability_inverse import FoundWork, work_from_pull_off
+    from .stability import (
+        Behaviour,
+        Cycle,
+        FoundWork,
+        behaviour,
+        behaviours,
+        branch,
+        cycle,
+        stable_radius,
+        trace,
+        turning_radius,
+        work_from_pull_off,
+    )
     from .validity import (
         LIMITS,
         REMEDY,

@@ -18,9 +18,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 import numpy as np
 
 from ..base import ROUNDED, UNSEEN, Array, Estimate, InputError, Unknown, composite_gauss, show, zeros_between
-from ..formulas.griffith import shift
+from ..bodies import Problem
+from ..formulas import shift
 from ..series import Series
-from .nonadhesive import Nonadhesive
+from .interpolation import Nonadhesive
 from .slopes.result import Slopes
 
 NO_ADHESION = Unknown("there is no adhesion at w = 0")
@@ -624,3 +625,56 @@ def _place_between(points: Array, x: Array) -> Array:
     """Place of each ``x`` between the increasing ``points`` on both sides of it, in logarithms, from 0 to 1."""
     at = _before(points, x)
     return np.clip(np.log(x / points[at]) / np.log(points[at + 1] / points[at]), 0.0, 1.0)
+
+
+# --------------------------------------------------------------------------------------------------
+# Contacts too small or too hard pressed for the theory: pull-off at radii below atoms, pressures that bodies yield
+# to.
+#
+# A cone has no length of its own, so that JKR theory goes on to any radius: a stiff one loses contact at picometres.
+
+
+@dataclass(frozen=True)
+class SharpTuning:
+    """When a contact is no longer one of an elastic continuum."""
+
+    near: float = 3.0  # choice: distances of atoms z0 within which the end of a series is as good as pull-off itself
+    pressure: float = 0.1  # theory: of E*, the order of the ideal strength; hardness is less (Johnson 1985, ch. 6)
+    stiff: float = 1e8  # choice: Pa; gels and rubbers below it stretch instead of flowing
+
+
+SHARP_TUNING = SharpTuning()
+
+
+def resolved(
+    point: CriticalPoint | Unknown, curve: EquilibriumCurve, stiffness: float, z0: float
+) -> CriticalPoint | Unknown:
+    """A pull-off point under a device of ``stiffness`` [N/m], or Unknown where it lies at a radius below ``z0`` [m]."""
+    if curve.ranged:  # its surfaces may attract each other without contact
+        return point
+    if isinstance(point, CriticalPoint):
+        small = point.a < z0
+    else:
+        small = curve.a[0] < SHARP_TUNING.near * z0 and np.argmin(position(curve.delta, curve.P, stiffness)) == 0
+    if not small:
+        return point
+    return Unknown(
+        f"contact would shrink below the interatomic spacing, z0 = {show(z0, 'length')}, before it is lost, where "
+        'nothing is a continuum: give the radius that every real tip has (shape = "sphere", or a profile as "table"); '
+        "of a tip so small that its Tabor number is below 0.1, forces of finite range pull off at about 2 pi w R"
+    )
+
+
+def yielding(problem: Problem, curve: EquilibriumCurve) -> list[str]:
+    """A warning where the mean pressure at the largest radius is one at which stiff bodies yield; confined layers,
+    whose pressure is hydrostatic, and gels are left out."""
+    a, P = float(curve.series.a[-1]), float(curve.series.P[-1])
+    mean = P / (math.pi * a**2 * problem.E_star)
+    confined = a > (problem.specimen.top_thickness or math.inf)
+    if mean <= SHARP_TUNING.pressure or problem.E_star < SHARP_TUNING.stiff or confined:
+        return []
+    return [
+        f"mean pressure {mean:.2g} E* at the largest contact radius is above "
+        f"{SHARP_TUNING.pressure:g} E*: most materials of "
+        "that stiffness flow plastically first, and the contact is then larger than an elastic one"
+    ]

@@ -17,10 +17,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ..base import Estimate, JkrError, Unknown
-from .critical import TUNING as MESHES
-from .critical import larger_elements
 from .curve import AdhesiveCurve, EquilibriumCurve, position
-from .path import Follow, Path, QuasiStatic, shrink
+from .device_path import Follow, Path, QuasiStatic, shrink
+from .pull_off_error import TUNING as MESHES
+from .pull_off_error import larger_elements
 from .stability import Cycle, cycle, separation_work
 
 TABULATED = 1e-10  # theory: share of an energy that cubics between the tabulated functions leave (``between.py``)

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -22,24 +22,97 @@ from ..base import (
     TINY,
     Array,
     Estimate,
+    InputError,
     Refusal,
     Unknown,
     composite_gauss,
+    positive,
     show,
     zeros_between,
 )
 from ..bodies import NO_FINITE_RANGE, Problem
 from ..methods import METHODS, AttractedBody
 from ..methods.integral import Attraction, Rims, refuse_narrow
-from ..methods.layered.stack import checked
-from ..series import Series, Solution
+from ..methods.layered.contact import checked
+from ..series import Record, Series, Solution
 from .curve import CONTROLS, CriticalPoint, Equilibrium, EquilibriumCurve, controlled, position
 from .curve import TUNING as CURVE
-from .fewer_points import TUNING as POINTS
-from .fewer_points import error_by_points
-from .law import Range
-from .nonadhesive import Nonadhesive, Parts
+from .interpolation import Nonadhesive, Parts
+from .pull_off_error import FEWER_POINTS_TUNING as POINTS
+from .pull_off_error import error_by_points
 from .slopes.result import Slopes
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
+
+# --------------------------------------------------------------------------------------------------
+# The law of attraction of finite range, and the request for one.
+
+
+@dataclass(frozen=True)
+class Range:
+    """The law of attraction of finite range: a constant tension ``stress`` [Pa] up to the separation ``length`` [m]
+    (Dugdale, as Maugis took it)."""
+
+    stress: float
+    length: float
+
+    def __post_init__(self) -> None:
+        positive("Pa", stress=self.stress)
+        positive("m", range=self.length)
+
+    @classmethod
+    def of(cls, w: float, *, stress: float | None = None, length: float | None = None) -> Range:
+        """The law of the work of adhesion ``w`` [J/m^2] with one of ``stress`` [Pa] and ``length`` [m]."""
+        if (stress is None) == (length is None):
+            raise InputError("adhesion of finite range: give either stress or range")
+        positive("J/m^2", w=w)
+        if stress is not None:
+            positive("Pa", stress=stress)
+            return cls(stress, w / stress)
+        assert length is not None
+        positive("m", range=length)
+        return cls(w / length, length)
+
+    @property
+    def w(self) -> float:
+        """Work of adhesion [J/m^2]."""
+        return self.stress * self.length
+
+
+@dataclass(frozen=True)
+class RangeRequest:
+    """The requested tension ``stress`` [Pa] or range ``length`` [m], for any work of adhesion; neither: JKR."""
+
+    stress: float | None = None
+    length: float | None = None
+
+    @classmethod
+    def of(cls, record: Record, stress: float | None = None, length: float | None = None) -> RangeRequest:
+        """The ``stress`` [Pa] or the ``length`` [m] if there is one, else those of the case in ``record``; InputError
+        where there are both."""
+        if stress is not None and length is not None:
+            raise InputError("give either --stress or --range, got both")
+        if stress is None and length is None:
+            return cls(record.stress, record.length)
+        return cls(stress, length)
+
+    def __bool__(self) -> bool:
+        """Whether adhesion has a range."""
+        return self.stress is not None or self.length is not None
+
+    def law(self, w: float) -> Range:
+        """The law for the work of adhesion ``w`` [J/m^2]."""
+        return Range.of(w, stress=self.stress, length=self.length)
+
+    @property
+    def suffix(self) -> str:
+        """What distinguishes names of files: ``-stress1e+08``, ``-range3e-10``."""
+        if self.stress is not None:
+            return f"-stress{self.stress:g}"
+        return "" if self.length is None else f"-range{self.length:g}"
 
 
 @dataclass(frozen=True)
@@ -73,8 +146,6 @@ class FiniteRangeTuning:
 
 
 TUNING = FiniteRangeTuning()
-if TYPE_CHECKING:
-    from scipy.interpolate import BSpline  # when called: commands that need no finite range start sooner
 
 
 @dataclass(frozen=True, eq=False)
@@ -463,7 +534,11 @@ class FiniteRangeBody:
         """States without contact up to first touch at ``c0`` [m], so many that a spline follows what the tension draws
         up between them: layers have scales of their own, however small against c0. Where surfaces would overlap, those
         beyond."""
-        free = _with_begin(pulled.free(np.linspace(0, c0, TUNING.apart + 1)[1:]), pulled.gap)
+        # The states without contact with the first one, in which the free bodies come within the range `gap` [m].
+        free = _joined(
+            Rims(*np.array([[0.0], [0.0], [-pulled.gap], [0.0], [pulled.gap]])),
+            pulled.free(np.linspace(0, c0, TUNING.apart + 1)[1:]),
+        )
         for _ in range(MOST_STEPS):
             between = pulled.free((free.c[1:] + free.c[:-1]) / 2)
             pulls, drawn = self.problem.indenter.f(between.c) - between.delta, _drawn(self.problem, free)
@@ -571,7 +646,13 @@ class FiniteRangeBody:
             return {}
         apart, _ = self.problem.indenter.resolution(curve.apart.c)
         gap = np.minimum(slope * (rims.c - rims.a), shift)
-        touching = np.stack([shift, S * shift]) + _by_gap(rims, pulled) * gap
+        # Derivatives (2, n) of delta [-] and P [N/m] by the separation at the edge of the attraction, at the same
+        # contact radii, without their sign.
+        discs, step = pulled.panels.discs(rims.a), TUNING.solved
+        more, less = (discs.rims((rims.c - rims.a) * (1 + side * step), pulled.s) for side in (1, -1))
+        touching = (
+            np.stack([shift, S * shift]) + np.abs((_columns(more) - _columns(less)) / (more.gap - less.gap)) * gap
+        )
         errors = np.concatenate([[apart, np.zeros_like(apart)], touching], axis=1)
         return dict(zip(("delta", "P"), errors, strict=True))
 
@@ -613,14 +694,6 @@ class FiniteRangeBody:
 def _columns(rims: Rims) -> Array:
     """delta and P, (2, n)."""
     return np.stack([rims.delta, rims.P])
-
-
-def _by_gap(rims: Rims, pulled: Pulled) -> Array:
-    """Derivatives (2, n) of delta [-] and P [N/m] by the separation at the edge of the attraction, at the same contact
-    radii, without their sign."""
-    discs, step = pulled.panels.discs(rims.a), TUNING.solved
-    more, less = (discs.rims((rims.c - rims.a) * (1 + side * step), pulled.s) for side in (1, -1))
-    return np.abs((_columns(more) - _columns(less)) / (more.gap - less.gap))
 
 
 def _judged_points(curve: FiniteRangeCurve, controls: Sequence[float]) -> Iterator[tuple[float, CriticalPoint]]:
@@ -681,11 +754,6 @@ def _doubts(pulled: Pulled, rims: Rims) -> tuple[str, ...]:
             where = show(float(one.a[0]), "length")
             return (f"finite range: at the contact radius {where} {words}: the curve is doubtful there",)
     return ()
-
-
-def _with_begin(apart: Rims, gap: float) -> Rims:
-    """The states without contact with the first one, in which the free bodies come within the range ``gap`` [m]."""
-    return _joined(Rims(*np.array([[0.0], [0.0], [-gap], [0.0], [gap]])), apart)
 
 
 def _some(rims: Rims, rows: Array | slice) -> Rims:

@@ -25,7 +25,6 @@ import numpy as np
 from ..base import SAME, Array, Estimate, InputError, Unknown, show
 from ..bodies import Relaxation
 from ..series import Series
-from .critical import Errors, gradients_at, point_error
 from .curve import (
     DISPLACEMENT_CONTROL,
     LOAD_CONTROL,
@@ -35,7 +34,8 @@ from .curve import (
     EquilibriumCurve,
     position,
 )
-from .nonadhesive import Nonadhesive
+from .interpolation import Nonadhesive
+from .pull_off_error import Errors, gradients_at, point_error
 from .slopes.result import Slopes
 
 FAST, SLOW, FROM_REST, AT_MOST = "very fast", "very slow", "from rest", "at most"

@@ -19,9 +19,7 @@ import numpy as np
 
 from ..base import SAME, Estimate, InputError, Refusal, Unknown, show
 from ..bodies import INCOMPRESSIBLE, Elastic, HalfSpace, Indenter, Problem
-from ..formulas.half_space import tabor
-from ..formulas.large_strain import BY_DISPLACEMENT, BY_LOAD, strained_pull_off
-from ..formulas.surface_tension import edge_angle
+from ..formulas import BY_DISPLACEMENT, BY_LOAD, edge_angle, strained_pull_off, tabor
 
 if TYPE_CHECKING:
     from .curve import Equilibrium

@@ -6,18 +6,18 @@ from .lazy import lazily
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from .allowance import allowance_of, most_text
-    from .arrays import Array, evenly
-    from .clock import PATIENCE, SILENCE, StageClock, duration
-    from .cubic import EvenCubic, PiecewiseCubic, PiecewiseQuintic, spline_slopes, zeros_between
-    from .draws import DISTRIBUTIONS, Distribution, draw
     from .errors import (
+        Estimate,
         InputError,
         JkrError,
         Refusal,
         SolveError,
+        Unknown,
+        accuracy,
         did_you_mean,
         first_line,
+        installs,
+        known,
         nearest,
         positive,
         printable,
@@ -25,10 +25,12 @@ if TYPE_CHECKING:
     )
     from .executors import Pool, Progress, completed, executor, in_order, silent
     from .files import (
+        as_json,
         atomic,
         beside,
         check_series_target,
         check_target,
+        lists,
         make_folder,
         opened,
         packed,
@@ -37,12 +39,13 @@ if TYPE_CHECKING:
         remove_file,
         together,
         write_bytes,
+        write_csv,
         write_text,
     )
     from .hdf5 import Dataset, Group, format_of, tree_of, unit_column
-    from .installing import installs
-    from .iteration import (
+    from .numerics import (
         AT_ONCE,
+        DISTRIBUTIONS,
         DRAWN,
         FEWEST_ROWS,
         LOOKED_AT,
@@ -61,12 +64,30 @@ if TYPE_CHECKING:
         TINY,
         TOGETHER,
         UNSEEN,
+        Array,
+        Distribution,
+        EvenCubic,
+        PiecewiseCubic,
+        PiecewiseQuintic,
+        composite_gauss,
+        draw,
+        evenly,
+        spline_slopes,
+        zeros_between,
     )
-    from .memory import SHARE, free_memory
-    from .quadrature import composite_gauss
+    from .process import (
+        PATIENCE,
+        SHARE,
+        SILENCE,
+        StageClock,
+        allowance_of,
+        begin_with_one,
+        duration,
+        free_memory,
+        most_text,
+        one_thread,
+    )
     from .registry import Key, Registry
-    from .table import as_json, lists, write_csv
-    from .threads import begin_with_one, one_thread
     from .units import (
         LARGEST_SI,
         SI,
@@ -86,6 +107,5 @@ if TYPE_CHECKING:
         scale,
         show,
     )
-    from .unknown import Estimate, Unknown, accuracy, known
 
 __getattr__ = lazily(__name__, __file__)

@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 import math
+import shlex
+import sys
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import TypeAlias
 
 
 def nearest(word: object, allowed: Iterable[object], cutoff: float = 0.5) -> str | None:
@@ -71,3 +77,58 @@ class Refusal(InputError):
 
 class SolveError(JkrError):
     """A numerical procedure did not reach what it promises (residual, complementarity, convergence)."""
+
+
+# --------------------------------------------------------------------------------------------------
+# A number, or why there is none.
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """Stands where a number is not known; ``reason``: a phrase for the reader, without a full stop."""
+
+    reason: str
+
+    def __str__(self) -> str:
+        return self.reason
+
+    def __bool__(self) -> bool:
+        """Never true, so that ``value or otherwise`` reads as it should."""
+        return False
+
+
+Estimate: TypeAlias = float | Unknown  # mostly a relative error
+
+
+def accuracy(error: Estimate) -> str:
+    """A relative numerical error in words: where it is small, a power of ten above it."""
+    if isinstance(error, Unknown):
+        return f"numerical error {error}"
+    if error >= 1e-4:
+        return f"numerical error {float(f'{100 * error:.2g}'):g} %"
+    return f"numerical error below {10.0 ** math.ceil(math.log10(max(error, 1e-15))):.0e}".replace("e-0", "e-")
+
+
+def known(value: Estimate) -> float | None:
+    """The number, or None where it is not known."""
+    return None if isinstance(value, Unknown) else value
+
+
+# --------------------------------------------------------------------------------------------------
+# What to type to install an optional part: in a checkout from there, with the Python that runs, else its packages.
+
+
+def installs(extra: str) -> str:
+    """The command that installs the optional part ``extra``, or what is required where it is empty."""
+    root = Path(__file__).parents[2]
+    if (root / "pyproject.toml").is_file():
+        words = ["-e", f"{root}[{extra}]" if extra else str(root)]
+    else:
+        # The packages of a part as the installed metadata name them: this one may be on no index.
+        try:
+            required = metadata.requires("jkrcli") or []
+        except metadata.PackageNotFoundError:
+            required = []
+        parts = (line.partition(";") for line in required)
+        words = [name.strip() for name, _, when in parts if (f'"{extra}"' in when if extra else not when)]
+    return shlex.join([sys.executable or "python3", "-m", "pip", "install", *words])

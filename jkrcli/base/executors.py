@@ -33,10 +33,9 @@ from multiprocessing.connection import Connection
 from typing import Any, TypeAlias, TypeVar
 
 from .. import __version__
-from .errors import InputError, JkrError, SolveError, first_line
-from .installing import installs
+from .errors import InputError, JkrError, SolveError, first_line, installs
 from .interrupts import Waiting
-from .threads import ONE_THREAD, pin_blas
+from .process import ONE_THREAD, pin_blas
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

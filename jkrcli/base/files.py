@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import csv
 import errno
 import functools
 import gzip
 import hashlib
+import io
+import json
+import math
 import os
 import re
 import secrets
@@ -15,16 +19,18 @@ import stat
 import time
 import zlib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
-from typing import BinaryIO, TypeAlias, cast
+from typing import Any, BinaryIO, TypeAlias, cast
 
-from . import allowance, locks
-from .errors import InputError, JkrError, nearest, writable
+from . import process as allowance
+from . import process as locks
+from .errors import InputError, JkrError, nearest, printable, writable
 from .interrupts import Waiting
-from .iteration import MOST_STEPS
+from .numerics import MOST_STEPS
 
 
 @dataclass(frozen=True)
@@ -134,20 +140,17 @@ def is_ours(path: Path) -> bool:
 
             return format_of(path).startswith("jkr-")
         if head.startswith(PARQUET):
-            return _parquet_mark(file)
+            # Whether the footer of a Parquet file (its length and a magic word are the last 8 bytes) names our
+            # format.
+            size = file.seek(-8, os.SEEK_END) + 8
+            length = int.from_bytes(file.read(4), "little")
+            file.seek(max(0, size - 8 - length))
+            return PARQUET_MARK in file.read(min(length, 1 << 24))
         file.seek(max(0, path.stat().st_size - 256))
         tail = file.read()
         marked = any(head.startswith(start) and mark in head for start, mark in HEADS.items())
         return marked or head.startswith(CSV_HEADS) or any(mark in tail for mark in TAILS)
     return False
-
-
-def _parquet_mark(file: BinaryIO) -> bool:
-    """Whether the footer of a Parquet file (its length and a magic word are the last 8 bytes) names our format."""
-    size = file.seek(-8, os.SEEK_END) + 8
-    length = int.from_bytes(file.read(4), "little")
-    file.seek(max(0, size - 8 - length))
-    return PARQUET_MARK in file.read(min(length, 1 << 24))
 
 
 def beside(stem: Path, names: Sequence[str]) -> list[Path]:
@@ -382,3 +385,48 @@ def write_bytes(path: Path, content: bytes) -> None:
     """Write ``content`` atomically."""
     with atomic(path) as temporary:
         temporary.write_bytes(content)
+
+
+# --------------------------------------------------------------------------------------------------
+# The one form of all tables (CSV) and summaries (JSON) that are written.
+
+FORMULA = ("=", "+", "-", "@")  # how a cell begins that spreadsheets carry out
+
+
+def write_csv(path: Path, columns: Mapping[str, Iterable[Any]]) -> None:
+    """Write columns of one length: a line of their names, then a line per row.
+
+    Numbers have full precision; cells without a value (None, NaN, infinite) are empty; words with commas are quoted;
+    words that a spreadsheet would take for a formula are led by an apostrophe, control characters are escapes.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(map(_cell, columns))
+    writer.writerows(zip(*(map(_cell, _plain(values)) for values in columns.values()), strict=True))
+    write_text(path, text.getvalue())
+
+
+def _plain(values: Any) -> Iterable[Any]:
+    """The numbers of an array as Python's own, which are written alike everywhere."""
+    plain: Iterable[Any] = values.tolist() if hasattr(values, "tolist") else values
+    return plain
+
+
+def lists(columns: Mapping[str, Iterable[Any]]) -> dict[str, list[Any]]:
+    """Columns for JSON: None where a number is NaN or infinite."""
+    return {name: [_finite(value) for value in _plain(values)] for name, values in columns.items()}
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, str):
+        return "'" * value.startswith(FORMULA) + printable(value)
+    return _finite(value)
+
+
+def as_json(data: Mapping[str, Any]) -> str:
+    """JSON with no NaN or infinity in it, ever; a reason where a number is unknown."""
+    return json.dumps(data, indent=2, allow_nan=False, default=attrgetter("reason")) + "\n"

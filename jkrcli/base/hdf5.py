@@ -13,9 +13,10 @@ from typing import Any
 import h5py
 import numpy as np
 
-from . import allowance, locks
-from .arrays import Array
+from . import process as allowance
+from . import process as locks
 from .errors import InputError, writable
+from .numerics import Array
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 SEAL = "sha256"  # attribute of a group: the digest of everything else in it

@@ -1,9 +1,24 @@
 """The process as the program ``jkr``: settings that nobody wants who imports jkrcli into a program of his own."""
 
+from __future__ import annotations
+
 import atexit
+import contextlib
+import functools
 import gc
+import math
 import os
+import re
 import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+from .errors import InputError
 
 RARELY = (1_000_000, 10, 10)  # containers made between two looks for cycles; choice: saves an eighth for 1 MB
 _begun: list[bool] = []
@@ -12,17 +27,8 @@ _begun: list[bool] = []
 def begin() -> None:
     """Streams that were closed are there; and, as commands are short, no time goes into what only long processes, or
     people at a prompt, have something of."""
-    _open_streams()
-    if not sys.argv[0].endswith("__main__.py"):  # of python -m, which may find this package in the folder at hand
-        os.environ["PYTHONSAFEPATH"] = "1"  # processes that are started here take no modules from there either
-    gc.set_threshold(*RARELY)
-    atexit.register(gc.freeze)  # else all is searched for cycles once more at the end: a quarter of a command's time
-    _begun.append(True)
-
-
-def _open_streams() -> None:
-    """Open stdin, stdout and stderr to nothing where the caller closed them: else the next file that is opened gets the
-    number of one, and what a library prints goes into it."""
+    # Open stdin, stdout and stderr to nothing where the caller closed them: else the next file that is opened gets
+    # the number of one, and what a library prints goes into it.
     for number in range(3):
         try:
             os.fstat(number)
@@ -31,8 +37,244 @@ def _open_streams() -> None:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115, PTH123 - to the end
+    if not sys.argv[0].endswith("__main__.py"):  # of python -m, which may find this package in the folder at hand
+        os.environ["PYTHONSAFEPATH"] = "1"  # processes that are started here take no modules from there either
+    gc.set_threshold(*RARELY)
+    atexit.register(gc.freeze)  # else all is searched for cycles once more at the end: a quarter of a command's time
+    _begun.append(True)
 
 
 def runs() -> bool:
     """Whether this process is the program."""
     return bool(_begun)
+
+
+# --------------------------------------------------------------------------------------------------
+# One BLAS thread: the same numbers on every machine, faster at these sizes, and no core works for two.
+
+# What libraries that are loaded later read from the environment.
+ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+
+_pinned: list[bool] = []  # holds True in a process that began with one thread
+
+
+def begin_with_one() -> None:
+    """One BLAS thread in this process, of which NumPy reads when it is first imported; too late after that."""
+    os.environ.update(ONE_THREAD)
+    _pinned[:] = [True] * ("numpy" not in sys.modules or bool(_pinned))
+
+
+@functools.cache
+def pin_blas() -> None:
+    """One BLAS thread in this process from now on, whatever is loaded already."""
+    from threadpoolctl import threadpool_limits
+
+    os.environ.update(ONE_THREAD)
+    threadpool_limits(1)
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Context, or decorator, in which linear algebra works on one thread, whatever the environment says: on small
+    matrices and many-column solves more only wait."""
+    if _pinned:
+        yield
+    else:
+        with _libraries("scipy.linalg" in sys.modules, "cvxopt" in sys.modules).limit(limits=1):
+            yield
+
+
+@functools.cache
+def _libraries(*loaded: bool) -> Any:
+    """All BLAS libraries, searched once for what is ``loaded`` (it takes milliseconds)."""
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
+
+
+# --------------------------------------------------------------------------------------------------
+# Memory: what this process may still take, and a fence around what takes more.
+
+SHARE = 0.8  # choice: of the free memory that is planned with; the rest is for what forecasts miss
+CGROUP = Path("/sys/fs/cgroup")
+_ALONE = threading.RLock()  # limits are those of the whole process
+
+
+def free_memory() -> float:
+    """MiB that this process may still use: the least of what machine, container and shell leave; inf if unknown."""
+    return min(_of_machine(), _of_container(), _of_shell())
+
+
+@contextlib.contextmanager
+def fence(most: int) -> Iterator[None]:
+    """A block in which what asks for ``most`` bytes more than this process holds meets a MemoryError; nothing is
+    limited on systems that cannot."""
+    try:
+        import resource
+
+        used = _address_space()
+    except (ImportError, OSError):
+        yield
+        return
+    with _ALONE:
+        soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+        limit = used + most if soft == resource.RLIM_INFINITY else min(soft, used + most)
+        resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
+        try:
+            yield
+        finally:
+            resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
+def _address_space() -> int:
+    """Bytes of address space of this process."""
+    import resource
+
+    return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
+
+
+def _of_machine() -> float:
+    with contextlib.suppress(OSError, ValueError, StopIteration):
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+        return next(float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")) / 1024
+    return math.inf
+
+
+def _of_container() -> float:
+    with contextlib.suppress(OSError, ValueError):  # "max" where there is no limit
+        most, used = (float((CGROUP / name).read_text(encoding="ascii")) for name in ("memory.max", "memory.current"))
+        return (most - used) / 2**20
+    return math.inf
+
+
+def _of_shell() -> float:
+    """What ``ulimit -v`` leaves; systems without it have no such module."""
+    with contextlib.suppress(ImportError, OSError):
+        import resource
+
+        most, _ = resource.getrlimit(resource.RLIMIT_AS)
+        return math.inf if most == resource.RLIM_INFINITY else (most - _address_space()) / 2**20
+    return math.inf
+
+
+# --------------------------------------------------------------------------------------------------
+# CPU time per named stage of a run, and durations in words.
+
+SILENCE = 2.0  # choice: CPU seconds without a word
+PATIENCE = 3.0  # choice: CPU seconds by its forecast, of a solution beside the requested one
+
+
+def duration(seconds: float) -> str:
+    """A duration in words: ``40 s``, ``12 min``, ``3.4 h``."""
+    if seconds < 90:
+        return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.3g} h"
+
+
+class StageClock:
+    """Adds up CPU seconds of this process per stage: ``with clock("mesh"): ...``; ``clock.seconds`` holds them."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def __call__(self, stage: str) -> Iterator[None]:
+        start = time.process_time()
+        try:
+            yield
+        finally:
+            self.seconds[stage] = self.seconds.get(stage, 0.0) + time.process_time() - start
+
+
+# --------------------------------------------------------------------------------------------------
+# What reading a foreign file may take: one allowance of bytes, parts, rows and memory, which every reader spends.
+
+
+@dataclass(frozen=True)
+class AllowanceTuning:
+    """The most that is read of one file."""
+
+    size: int = 1 << 30  # choice: bytes of a file as it lies there, and of all that it unpacks to
+    text: int = 1 << 28  # choice: bytes of tables in text, which take some ten times as much in memory
+    parts: int = 500_000  # choice: members, groups, data sets with their chunks and attributes, which take 50 us each
+    rows: int = 10_000_000  # choice: lines of text, words in columns
+    # choice: bytes of memory of a row of text and of each of its bytes, measured 250 to 530 and 8 to 18 on tables of 2
+    # to 400 columns
+    parsed: tuple[int, int] = (400, 8)
+    copies: int = 4  # choice: of a text in a binary file while it is read
+    chunk: int = 4000  # choice: bytes of memory that a library takes for each chunk of a data set, measured
+    little: int = 1 << 28  # choice: bytes of memory for which that of the machine is not looked up
+
+
+TUNING = AllowanceTuning()
+LINE_ENDS = "\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029"  # as ``str.splitlines`` has them
+REMEDY = "split it, free memory or raise ulimit -v"
+NO_ROOM = re.compile(r"(can't|unable to|cannot|not) allocate|allocation failed", re.IGNORECASE)  # as libraries say it
+
+
+class Allowance:
+    """The allowance of a foreign file at ``path``, ``size`` bytes of it at most, and what is taken of it; InputError in
+    one line where that is too much."""
+
+    def __init__(self, path: Path | str, size: int) -> None:
+        self.path, self.memory = path, 0
+        self.most = {"unpacked bytes": size, "parts": TUNING.parts, "rows": TUNING.rows}
+        self.taken = dict.fromkeys(self.most, 0)
+
+    def take(self, size: int = 0, parts: int = 0, rows: int = 0, memory: int = 0) -> None:
+        """Count what is about to be read; ``memory``: bytes that it takes beside its own."""
+        for name, more in zip(self.most, (size, parts, rows), strict=True):
+            self.taken[name] += more
+            if self.taken[name] > self.most[name]:
+                raise InputError(f"{self.path}: holds {self.taken[name]:,} {name} or more, at most "
+                                 f"{self.most[name]:,} are read of one file")  # fmt: skip
+        self.memory += size + memory
+        if self.memory > TUNING.little and self.memory > (most := SHARE * free_memory() * 2**20):
+            raise InputError(f"{self.path}: takes {self.memory / 2**30:.2g} GiB of memory or more to read, "
+                             f"{most / 2**30:.2g} GiB may be taken: {REMEDY}")  # fmt: skip
+
+    def take_text(self, text: str) -> None:
+        """Count a text that is about to be taken apart into rows."""
+        rows = sum(map(text.count, LINE_ENDS)) - text.count("\r\n")
+        per_row, per_byte = TUNING.parsed
+        self.take(len(text), rows=rows, memory=per_row * rows + per_byte * len(text))
+
+
+def most_text() -> int:
+    """Bytes of tables in text that are read of one file."""
+    return TUNING.text
+
+
+@contextlib.contextmanager
+def allowance_of(path: Path | str, size: int | None = None, fenced: bool = True) -> Iterator[Allowance]:
+    """The allowance of a block that reads the file at ``path``. One InputError where memory runs out, whatever the
+    library raises; ``fenced``: before a library takes more than the largest file and all that it unpacks to, whatever
+    a small file declares."""
+    try:
+        with fence(2 * TUNING.size) if fenced else contextlib.nullcontext():
+            yield Allowance(path, TUNING.size if size is None else size)
+    except Exception as error:
+        if isinstance(error, InputError) or not (isinstance(error, MemoryError) or NO_ROOM.search(str(error))):
+            raise
+        raise InputError(f"{path}: takes more memory to read than may be taken: {REMEDY}") from None
+
+
+# --------------------------------------------------------------------------------------------------
+# Locks on open files: they end with their process, and are seen from every container that runs on the same system.
+
+
+def taken(file: IO[Any], shared: bool = False) -> bool | None:
+    """Whether the lock of an open file was taken, to be held until it is closed; False where another process holds it,
+    None where the system or the disk has no such locks. Any number may hold it ``shared``."""
+    try:
+        import fcntl
+    except ImportError:  # Windows
+        return None
+    try:
+        fcntl.flock(file, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        return None
+    return True

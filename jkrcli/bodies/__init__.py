@@ -6,7 +6,6 @@ from ..base.lazy import lazily
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from .grading import LAWS, Exponential, Law, Linear, Power, Tabulated
     from .indenters import (
         SHAPES,
         Indenter,
@@ -21,17 +20,45 @@ if TYPE_CHECKING:
     from .materials import (
         GEL_TENSION,
         INCOMPRESSIBLE,
+        LAWS,
+        RELAXATIONS,
         Coated,
         Elastic,
+        Exponential,
         Graded,
+        Law,
         Layer,
+        Linear,
         Material,
+        Modes,
+        Power,
+        PowerRelaxation,
+        Prony,
+        Relaxation,
         Solid,
+        StandardSolid,
+        Tabulated,
         TransverselyIsotropic,
         contact_modulus,
+        relaxing,
     )
-    from .parts import RADIUS, alone, changed, checked_names, layer_names, nominal, stacks, unbounded
-    from .problem import NO_FINITE_RANGE, HalfSpace, Loading, Problem, Quantity, Rigid, Side, Specimen
-    from .relaxation import RELAXATIONS, Modes, PowerRelaxation, Prony, Relaxation, StandardSolid, relaxing
+    from .problem import (
+        NO_FINITE_RANGE,
+        RADIUS,
+        HalfSpace,
+        Loading,
+        Problem,
+        Quantity,
+        Rigid,
+        Side,
+        Specimen,
+        alone,
+        changed,
+        checked_names,
+        layer_names,
+        nominal,
+        stacks,
+        unbounded,
+    )
 
 __getattr__ = lazily(__name__, __file__)

@@ -2,43 +2,442 @@
 
 from __future__ import annotations
 
+import contextlib
+import functools
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Mapping
+import operator
+import re
+import types
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any, Literal, Self, cast, get_args
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, Union, cast, get_args, get_origin
 
 from pydantic import (
+    BaseModel,
     BeforeValidator,
+    ConfigDict,
+    Discriminator,
     Field,
+    GetCoreSchemaHandler,
     ModelWrapValidatorHandler,
+    Tag,
     ValidationError,
+    ValidationInfo,
     create_model,
     model_validator,
 )
+from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError
+from pydantic_core.core_schema import no_info_before_validator_function
 
-from ..bodies import NO_FINITE_RANGE, SHAPES, Loading, Problem, Quantity, Rigid, Specimen
-from ..formulas.capillary import capillary, kelvin_radius
-from ..methods import METHODS, Descriptor
-from ..series import Record
-from .fields import (
-    Force,
-    Length,
-    Modulus,
-    Table,
-    Tension,
-    Work,
-    as_tuple,
-    findings,
-    one_or_more,
-    quantity,
-    readable,
-    with_others,
-    wrong,
+from ..base import InputError, Ranged, Registry, did_you_mean, read_bytes, units
+from ..bodies import (
+    LAWS,
+    NO_FINITE_RANGE,
+    RELAXATIONS,
+    SHAPES,
+    Coated,
+    Elastic,
+    Graded,
+    HalfSpace,
+    Indenter,
+    Layer,
+    Loading,
+    Problem,
+    Quantity,
+    Rigid,
+    Solid,
+    Specimen,
+    TransverselyIsotropic,
 )
-from .indenter import IndenterTable, any_indenter
-from .laws import AnyRelaxation
-from .materials import AnyHalfSpace, AnyLayer
+from ..formulas import capillary, kelvin_radius
+from ..methods import METHODS, Descriptor, Method, method_class
+from ..series import Record
+from ..tables import TextTable, read_table, split_name, unit_power
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from ..methods import FEM
+
+
+# --------------------------------------------------------------------------------------------------
+# Building blocks of the case tables: types that read numbers with dimension and range, and the strict table itself.
+
+Made = TypeVar("Made")
+NUMBER = "number"  # tag of what is no table
+
+
+def wrong(message: str) -> PydanticCustomError:
+    """A finding in our own words; braces would be taken as a template."""
+    return PydanticCustomError("jkr", "{message}", {"message": message})
+
+
+@contextlib.contextmanager
+def findings(table: str = "") -> Iterator[None]:
+    """The lines of an InputError within, led by the name of the ``table`` or not, become findings on it."""
+    try:
+        yield
+    except InputError as error:
+        raise wrong(str(error).removeprefix(f"{table}: ")) from None
+
+
+def with_others(finding: str | None, data: Any, handler: Callable[[Any], Made]) -> Made:
+    """The table that ``handler`` makes of ``data``; a ``finding`` on its choice of keys is reported together with what
+    else is wrong, unless an unknown key may be the reason."""
+    if finding is None:
+        return handler(data)
+    items: list[Any] = []
+    try:
+        handler(data)
+    except ValidationError as error:
+        items = error.errors()
+    unknown = any(item["type"] == "extra_forbidden" and len(item["loc"]) == 1 for item in items)
+    own = [] if unknown else [InitErrorDetails(type=wrong(finding), input=data)]
+    raise ValidationError.from_exception_data("table", [*own, *map(_again, items)])
+
+
+def _again(item: Any) -> InitErrorDetails:
+    """A finding of pydantic's in the form in which it takes findings."""
+    kind = wrong(item["msg"]) if item["type"] == "jkr" else item["type"]
+    return InitErrorDetails(type=kind, loc=item["loc"], input=item["input"], ctx=item.get("ctx", {}))
+
+
+def readable(annotation: Any) -> Any:
+    """The type that reads ``annotation`` from a file: numbers by their ``Ranged``, tuples from lists."""
+    origin, parts = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        notes = [Read(note) for note in annotation.__metadata__ if isinstance(note, Ranged)]
+        return Annotated[(readable(parts[0]), *notes)] if notes else readable(parts[0])
+    if origin is tuple:
+        return Annotated[tuple[tuple(map(readable, parts))], BeforeValidator(as_tuple)]
+    if origin in (Union, types.UnionType):
+        return functools.reduce(operator.or_, map(readable, parts))
+    return annotation
+
+
+@dataclass(frozen=True)
+class Read:
+    """Reads a number of a case file by its ``ranged``; stands in ``Annotated``."""
+
+    ranged: Ranged
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return no_info_before_validator_function(self.read, handler(source))
+
+    def read(self, value: Any) -> float:
+        """The SI value."""
+        try:
+            return self.ranged.read(value)
+        except ValueError as error:
+            raise wrong(str(error)) from None
+
+
+def quantity(dimension: str, **bounds: float) -> Any:
+    """A finite number of ``dimension``, SI or text with a unit, within the ``bounds`` of ``Ranged``."""
+    return readable(Annotated[float, Ranged(dimension, **bounds)])
+
+
+Length, AnyLength, Modulus, Force, Work, Tension, Poisson = map(
+    readable, (units.Length, units.AnyLength, units.Modulus, units.Force, units.Work, units.Tension, units.Poisson)
+)
+
+
+def as_tuple(value: Any) -> Any:
+    """TOML lists become tuples; anything else is left for the type check."""
+    return tuple(value) if isinstance(value, list) else value
+
+
+def as_several(value: Any) -> Any:
+    """A single value is a tuple of one."""
+    return as_tuple(value) if isinstance(value, list | tuple) else (value,)
+
+
+def one_or_more(kind: Any) -> Any:
+    """A tuple of ``kind``; a single value in the file is a tuple of one."""
+    return Annotated[tuple[kind, ...], BeforeValidator(as_several)]
+
+
+class Table(BaseModel):
+    """A table of the case file: strict types, no unknown keys, frozen."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
+    tag: ClassVar[str] = ""  # tells it apart from others that may stand in its place
+
+    @classmethod
+    def allowed_keys(cls) -> list[str]:
+        """The keys that a file may hold here."""
+        return [field.alias or name for name, field in cls.model_fields.items()]
+
+
+def either(tag_of: Callable[[Any], str], *kinds: Any) -> Any:
+    """The type of one of several tables, or a number: ``tag_of`` says by which tag data are read."""
+
+    def tag(value: Any) -> str:
+        return f"<{value.tag if isinstance(value, Table) else tag_of(value)}>"
+
+    tagged = (Annotated[kind, Tag(f"<{getattr(kind, 'tag', NUMBER)}>")] for kind in kinds)
+    return Annotated[functools.reduce(operator.or_, tagged), Discriminator(tag)]
+
+
+class BuiltTable(Table):
+    """A table whose keys are the parameters of what builds it: ``table_of`` makes the model."""
+
+    builder: ClassVar[Callable[..., Any]]
+    parameters: ClassVar[dict[str, str]] = {}  # of the builder, by key
+    inherited: ClassVar[str | None] = None  # its parameter that the table around passes on
+
+    def built(self, inherited: Any = None) -> Any:
+        """What the table describes; InputError where its keys do not go together."""
+        values = {parameter: getattr(self, key) for key, parameter in self.parameters.items()}
+        return type(self).builder(**values | ({self.inherited: inherited} if self.inherited else {}))
+
+
+def table_of(registry: Registry, name: str, base: type[BuiltTable], **keys: Any) -> Any:
+    """The model of the table of what ``registry`` calls ``name``, with more ``keys`` (type, default) than its own."""
+    parameters = registry.parameters(name)
+    inherited = parameters.pop(registry.inherited, None)
+    keys |= {key: (readable(item.annotation), item.default) for key, item in parameters.items()}
+    table = create_model(name, __base__=base, **keys)
+    table.tag, table.builder = name, staticmethod(registry[name])
+    table.inherited = inherited.name if inherited else None
+    table.parameters = {key: item.name for key, item in parameters.items()}
+    return table
+
+
+# --------------------------------------------------------------------------------------------------
+# Tables of laws, one model per registered law: of E over depth, and of relaxation over time.
+
+
+class LawTable(BuiltTable):
+    """The parameters of a ``law``."""
+
+    law: str
+
+    @model_validator(mode="after")
+    def _usable(self) -> Self:
+        with findings("relaxation"):
+            self.built(1.0)
+        return self
+
+
+def _any_law(laws: Registry, check: Callable[[Any], Any], tag_of: Callable[[Any], str], *others: Any) -> Any:
+    """The type of any of the ``laws``, or of ``others``; ``check`` sees the data first."""
+    tables = (table_of(laws, name, LawTable, law=(Literal.__getitem__(name), name)) for name in laws)
+    return Annotated[either(tag_of, *others, *tables), BeforeValidator(check)]
+
+
+def _modulus(value: Any) -> Any:
+    """A table that names no known law is refused before its other keys are checked."""
+    if isinstance(value, dict) and not {"law", "depth"} & set(value):
+        raise wrong(f"needs a law, one of {', '.join(LAWS)}, got keys {', '.join(value) or 'none'}")
+    if isinstance(value, dict) and str(value.get("law", "table")) not in LAWS:
+        hint = did_you_mean(value["law"], LAWS)
+        raise wrong(f'law must be one of {", ".join(LAWS)}, got "{value["law"]}"{hint}')
+    return value
+
+
+def _relaxation(value: Any) -> Any:
+    if not isinstance(value, dict | LawTable):
+        raise wrong(f'must be a table, such as {{ law = "sls", ratio = 0.25, time = "1 s" }}, got {value}')
+    if isinstance(value, dict) and (name := str(value.get("law", "none"))) not in RELAXATIONS:
+        raise wrong(f"law must be one of {', '.join(RELAXATIONS)}, got {name}{did_you_mean(name, RELAXATIONS)}")
+    return value
+
+
+ModulusOrLaw = _any_law(
+    LAWS, _modulus, lambda value: str(value.get("law", "table")) if isinstance(value, dict) else NUMBER, Modulus
+)
+AnyRelaxation = _any_law(RELAXATIONS, _relaxation, lambda value: str(value["law"]))
+
+
+# --------------------------------------------------------------------------------------------------
+# Layers and half-spaces: homogeneous, graded over depth, or transversely isotropic.
+
+
+class _Part(Table):
+    @model_validator(mode="after")
+    def _usable(self) -> Self:
+        with findings():
+            self.build()
+        return self
+
+    def build(self) -> Layer | HalfSpace:
+        return HalfSpace(self.material(math.inf))
+
+    def material(self, thickness: float) -> Any:
+        """The material of a part of this ``thickness`` [m]."""
+        raise NotImplementedError
+
+
+class _Layer(_Part):
+    thickness: Length
+    name: str = ""
+
+    def build(self) -> Layer:
+        return Layer(self.material(self.thickness), self.thickness, self.name)
+
+
+class IsotropicTable(_Part):
+    """E, or its law over the depth, and nu."""
+
+    tag: ClassVar[str] = "isotropic"
+    E: ModulusOrLaw
+    nu: Poisson
+
+    def material(self, thickness: float) -> Elastic | Graded:
+        E: Any = self.E
+        return Graded(E.built(thickness), self.nu) if isinstance(E, LawTable) else Elastic(E, self.nu)
+
+
+class TransverseTable(_Part):
+    """The five constants of a transversely isotropic material: p in the plane, z along the depth."""
+
+    tag: ClassVar[str] = "transverse"
+    E_p: Modulus
+    E_z: Modulus
+    nu_p: quantity("number", above=-1, below=1)
+    nu_zp: quantity("number")
+    G_z: Modulus
+
+    def material(self, thickness: float) -> TransverselyIsotropic:
+        return TransverselyIsotropic(self.E_p, self.E_z, self.nu_p, self.nu_zp, self.G_z)
+
+
+class LayerTable(_Layer, IsotropicTable): ...
+
+
+class TransverseLayerTable(_Layer, TransverseTable): ...
+
+
+def _one_modulus(value: Any) -> Any:
+    if isinstance(value, dict):
+        raise wrong("a half-space is homogeneous: put a graded layer on it, so thick that the rest does not matter")
+    return value
+
+
+def _one_modulus_of_coating(value: Any) -> Any:
+    if isinstance(value, dict):
+        raise wrong("a layer of the indenter is homogeneous: cut a graded one into several")
+    return value
+
+
+class CoatingTable(LayerTable):
+    E: Annotated[Modulus, BeforeValidator(_one_modulus_of_coating)]
+
+
+class HalfSpaceTable(IsotropicTable):
+    E: Annotated[Modulus, BeforeValidator(_one_modulus)]
+
+
+def _tag(value: Any) -> str:
+    constants = isinstance(value, dict) and not TransverseTable.model_fields.keys().isdisjoint(value)
+    return (TransverseTable if constants else IsotropicTable).tag
+
+
+AnyLayer = either(_tag, LayerTable, TransverseLayerTable)
+AnyCoating = either(_tag, CoatingTable, TransverseLayerTable)
+AnyHalfSpace = either(_tag, HalfSpaceTable, TransverseTable)
+
+
+# --------------------------------------------------------------------------------------------------
+# The indenter table of a case file: one model per registered shape, made from its keys.
+
+CALLED = {"r": ("r", "radius"), "f": ("f", "z", "height")}  # columns of a profile
+MOST_BYTES = 4 << 20  # choice: of a profile's file, a hundred thousand points are read in a second
+
+
+class IndenterTable(BuiltTable):
+    """Keys that every shape has: its name, E and nu of an elastic indenter (left out: rigid), and its homogeneous
+    ``layers``, outermost first.
+
+    A shape by lists may be given as a ``file``, a table of text with a column for each: "r (nm)" for the key ``r``.
+    """
+
+    E: Modulus | None = None
+    nu: Poisson | None = None
+    layers: Annotated[tuple[AnyCoating, ...], BeforeValidator(as_tuple)] = ()
+    shape: str
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_file(cls, data: Any, info: ValidationInfo) -> Any:
+        lists = cls.lists()
+        if not (lists and isinstance(data, dict) and "file" in data):
+            return data
+        data = dict(data)
+        name = data.pop("file")
+        if not isinstance(name, str) or any(key in data for key in lists):
+            raise wrong(f"give either file or the lists {' and '.join(lists)}")
+        folder = (info.context or {}).get("folder") or Path()
+        return data | read_columns(folder / name, lists)
+
+    @model_validator(mode="after")
+    def _buildable(self) -> Self:
+        if (self.E is None) != (self.nu is None):
+            raise wrong("an elastic indenter needs both E and nu (leave both out for a rigid one)")
+        if self.layers and self.E is None:
+            raise wrong(
+                "layers are on an elastic core: give E and nu of the core, below them (a stiff one is as rigid)"
+            )
+        with findings():
+            self.build()
+        return self
+
+    def build(self) -> Indenter:
+        """The indenter of the table."""
+        material: Solid | None = None if self.E is None or self.nu is None else Elastic(self.E, self.nu)
+        if self.layers and isinstance(material, Elastic):
+            material = Coated(tuple(table.build() for table in cast(Any, self.layers)), material)
+        indenter: Indenter = self.built(material)
+        return indenter
+
+    @classmethod
+    def lists(cls) -> list[str]:
+        """Required keys that are lists of lengths."""
+        fields = {key: cls.model_fields[key] for key in cls.parameters}
+        return [key for key, field in fields.items() if field.is_required() and get_origin(field.annotation) is tuple]
+
+    @classmethod
+    def allowed_keys(cls) -> list[str]:
+        return [*super().allowed_keys(), *(["file"] if cls.lists() else [])]
+
+
+def any_indenter(shapes: Iterable[str]) -> Any:
+    """The type of the table of any of the registered ``shapes``, distinguished by their names."""
+    tables = [table_of(SHAPES, name, IndenterTable, shape=(Literal.__getitem__(name), ...)) for name in shapes]
+    union = functools.reduce(operator.or_, tables)
+    return Annotated[union, Field(discriminator="shape")] if len(tables) > 1 else union
+
+
+def read_columns(path: Path, wanted: list[str]) -> dict[str, tuple[float, ...]]:
+    """The columns ``wanted``, lengths in m, of a table of text by their names, with a unit in the header or in m."""
+    try:
+        content = read_bytes(path, "profile file", MOST_BYTES)
+        table = read_table(path, least=len(wanted), content=content)
+        chosen = {name: _column(table, name) for name in wanted}
+    except InputError as error:
+        raise wrong("; ".join(error.lines)) from None
+    return {name: tuple((scale * table.values[:, i]).tolist()) for name, (i, scale) in chosen.items()}
+
+
+def _column(table: TextTable, name: str) -> tuple[int, float]:
+    """Number of the column called ``name`` and its unit in m."""
+    titles = [split_name(title) for title in table.names]
+    matches = [i for i, (title, _) in enumerate(titles) if title.strip().lower() in CALLED.get(name, (name,))]
+    if len(matches) != 1:
+        count = "no column" if not matches else f"{len(matches)} columns"
+        raise InputError(
+            f'{table.path}: {count} "{name}": the header must name r and f with their unit, "r (nm)", "f (nm)" or r_m, '
+            f"f_m ({table.choice})"
+        )
+    unit = titles[matches[0]][1] or "m"
+    power = unit_power(unit)
+    if power is None or power[0] != "length":
+        raise InputError(f'{table.path}: {table.titled(matches[0])}: must be a length, "{name} (nm)"')
+    return matches[0], 10.0 ** power[1]
+
 
 GOALS: tuple[Quantity, ...] = ("depth", "load", "radius")
 
@@ -317,3 +716,52 @@ def _tables_in(annotation: Any) -> Iterator[type[Table]]:
         yield annotation
     for part in get_args(annotation):
         yield from _tables_in(part)
+
+
+# --------------------------------------------------------------------------------------------------
+# Configured methods from the numerical tables of a case.
+
+
+def method_of(model: CaseModel, name: str) -> Method:
+    """The method called ``name`` with the options that the case gives it."""
+    return method_class(name)(**options_of(model, name))
+
+
+def fem_of(model: CaseModel) -> FEM:
+    """The finite-element method as the case's tables say."""
+    return method_class("fem")(**options_of(model, "fem"))
+
+
+def options_of(model: CaseModel, name: str) -> dict[str, Any]:
+    """The options of the method called ``name`` that the case gives, or that have a default."""
+    values = {option: getattr(getattr(model, place.table), place.key) for option, place in METHODS[name].places.items()}
+    return {option: value for option, value in values.items() if value is not None}
+
+
+# --------------------------------------------------------------------------------------------------
+# Numbers with a unit that stand in a TOML file without quotes: ``radius = 10 um``, which is no TOML.
+
+NUMERAL = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+UNIT = r"[a-zA-ZµμÅ°][\w/^²*.-]*"
+UNQUOTED = re.compile(
+    rf"""(?P<key>(?:^|[{{,])[ \t]*[\w."'-]+)[ \t]*=[ \t]*(?P<value>{NUMERAL}[ \t]*{UNIT})[ \t]*(?=[\#,}}]|\r?$)""",
+    re.MULTILINE,
+)
+QUOTES_NUMERAL = re.compile(r"0[xob][0-9a-fA-F_]+")  # TOML's own numbers with letters
+
+
+class UnquotedError(InputError):
+    """Values with a unit lack their quotes, one in each of the ``lines``; ``quoted``: the text with them."""
+
+    def __init__(self, source: str, text: str):
+        self.quoted = UNQUOTED.sub(_quoted, text)
+        super().__init__([
+            f"{source}: line {text.count(chr(10), 0, match.start('value')) + 1}: text with a unit must stand in "
+            f"quotes: {_quoted(match).strip('{, ')}"
+            for match in UNQUOTED.finditer(text)
+            if not QUOTES_NUMERAL.fullmatch(match["value"])
+        ])  # fmt: skip
+
+
+def _quoted(match: re.Match[str]) -> str:
+    return match[0] if QUOTES_NUMERAL.fullmatch(match["value"]) else f'{match["key"]} = "{match["value"]}"'

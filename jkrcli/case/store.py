@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import platform
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,13 +21,16 @@ from ..base import (
     Array,
     Estimate,
     InputError,
+    JkrError,
     Unknown,
-    allowance,
     hdf5,
+    one_thread,
     read_bytes,
     write_bytes,
 )
+from ..base import process as allowance
 from ..bodies import Problem
+from ..methods import Choice, Limits, Method, admit, choose_method, long_look, method_class
 from ..series import (
     COLUMNS,
     Coarser,
@@ -40,8 +44,8 @@ from ..series import (
     first_of_plateaus,
     is_series,
 )
-from .reading import MOST_BYTES, Case, parse_case, parse_toml
-from .writing import case_of
+from .models import method_of
+from .reading import MOST_BYTES, Case, case_of, parse_case, parse_toml
 
 SERIES, VERSION = "jkr-series", 2  # type and version of the file
 COARSER = ("coarser", "coarsest")  # groups of the series by larger and by still larger elements
@@ -191,21 +195,19 @@ def read_solution(path: str | Path, problem: Problem | None = None, with_pressur
         raise InputError(f"{path}: is not an HDF5 file{remedy}")
     root = hdf5.tree_of(path, content, () if with_pressure else ("contact",))
     try:
-        _check(path, root, content)
+        # Refuse what is no series file of ours, of another release, or not as it was written.
+        kind, version = root.attributes.get("format", ""), root.attributes.get("version", 0)
+        if kind != SERIES:
+            raise InputError(f'{path}: format must be "{SERIES}", got "{kind}"; was this file written by jkr?')
+        if version not in (UNPROTECTED, VERSION):
+            raise InputError(
+                f"{path}: version must be {VERSION}, got {version}; this file needs another release of jkr"
+            )
+        if not hdf5.is_sound(root) and (version == VERSION or hdf5.SEAL in root.attributes):
+            raise hdf5.unreadable(path, content, " (it does not hold what was written)")
         return _Reader(path, root).solution(problem)
     except hdf5.UNREADABLE:  # a list where a number or a text belongs, and the like
         raise hdf5.unreadable(path, content) from None
-
-
-def _check(path: Path, root: hdf5.Group, content: bytes) -> None:
-    """Refuse what is no series file of ours, of another release, or not as it was written."""
-    kind, version = root.attributes.get("format", ""), root.attributes.get("version", 0)
-    if kind != SERIES:
-        raise InputError(f'{path}: format must be "{SERIES}", got "{kind}"; was this file written by jkr?')
-    if version not in (UNPROTECTED, VERSION):
-        raise InputError(f"{path}: version must be {VERSION}, got {version}; this file needs another release of jkr")
-    if not hdf5.is_sound(root) and (version == VERSION or hdf5.SEAL in root.attributes):
-        raise hdf5.unreadable(path, content, " (it does not hold what was written)")
 
 
 def _as_written(text: str, source: str) -> str:
@@ -405,3 +407,44 @@ def _plain(path: Path, where: str, value: Any) -> Any:
     if not isinstance(value, str | int | float):
         raise InputError(f"{path}: attribute {where} must be a number or a text, got {type(value).__name__}")
     return str(value) if isinstance(value, float) and not np.isfinite(value) else value
+
+
+# --------------------------------------------------------------------------------------------------
+# A validated case, or a problem made in Python, to a solution, by the method that it names or needs.
+
+Announce = Callable[[str], None]
+
+
+@one_thread()
+def solve(
+    source: Case | Problem,
+    method: str | Method | None = None,
+    limits: Limits | None = None,
+    announce: Announce | None = None,
+) -> tuple[Choice, Solution]:
+    """Solve by ``method`` (None: the case's own, "auto" for a problem); under "auto" the next one where one fails.
+
+    Refusal where it would cost more than ``limits``; ``announce`` gets the forecast of its cost where that is much.
+    """
+    problem, record, named, build = _parts(source)
+    if announce and (words := long_look(problem)):
+        announce(words)
+    choice: Choice | None = choose_method(problem, method or named, build)
+    while True:
+        assert choice is not None
+        cost = admit(f"method {choice.name}", choice.forecast(problem), limits or Limits())
+        if cost and announce:
+            announce(cost)
+        try:
+            return choice, replace(choice.method(problem), record=record)
+        except JkrError as error:
+            choice = choice.after_failure(error, build)
+            if choice is None:
+                raise
+
+
+def _parts(source: Case | Problem) -> tuple[Problem, Record, str, Callable[[str], Method]]:
+    """The problem, what goes with it into a file, the method's name and how methods are configured."""
+    if isinstance(source, Problem):
+        return source, Record(), "auto", lambda name: method_class(name)()
+    return source.model.problem(), record_of(source), source.model.method, partial(method_of, source.model)

@@ -9,8 +9,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from ..base import DISTRIBUTIONS, read_bytes
-from .fields import Length, Table, as_tuple, one_or_more, quantity, wrong
-from .models import RootTable
+from .models import Length, RootTable, Table, as_tuple, one_or_more, quantity, wrong
 from .reading import parse_toml, validated
 
 MOST_CASES = 2_000_000  # of one sweep, about 2 kB of memory each in the process that collects their rows

@@ -15,8 +15,8 @@ import click
 
 from .. import __version__
 from ..base import InputError, JkrError, begin_with_one, did_you_mean, interrupts, printable
+from .output import folded, give_up, tell, warn
 from .verb import LateGroup
-from .voice import folded, give_up, tell, warn
 
 begin_with_one()  # the same numbers everywhere, and faster at these sizes
 os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # nothing foreign reads along, and no search for it
@@ -64,6 +64,20 @@ GROUPS = {
         "completion": "Print the completion script of a shell.",
     },
 }
+MODULES = {  # where each verb is
+    verb: module
+    for module, verbs in {
+        "case_verbs": ("new", "run", "import", "mesh"),
+        "check": ("check",),
+        "curve_verbs": ("transform", "pull-off", "profile", "fields", "export", "explore"),
+        "cycle": ("cycle",),
+        "fit": ("fit",),
+        "measurement_verbs": ("look", "work"),
+        "study_verbs": ("compare", "sweep", "study", "bench"),
+        "help_verbs": ("show", "doctor", "completion"),
+    }.items()
+    for verb in verbs
+}
 VERBS = {verb: text for group in GROUPS.values() for verb, text in group.items()}
 SILENT = frozenset({"completion", "study"})  # what one prints is a script, the other is a group
 
@@ -75,7 +89,7 @@ class Verbs(LateGroup):
 
     def made(self, name: str) -> click.Command:
         attribute = name.replace("-", "_") + "_" * keyword.iskeyword(name)
-        command: click.Command = getattr(importlib.import_module(f"{__name__}.{attribute}"), attribute)
+        command: click.Command = getattr(importlib.import_module(f"{__name__}.{MODULES[name]}"), attribute)
         interrupts.raise_from_here()
         return command
 
@@ -121,7 +135,12 @@ def call(arguments: Sequence[str] | None = None) -> int:
         if len(words) > MOST_WORDS:
             raise InputError(f"the command line holds {len(words):,} words, at most {MOST_WORDS:,} are read")
         _say_little_space()
-        _leave_out_odd_date()
+        # Say that a date for reproducible builds is none: libraries end in a ValueError of their own over it.
+        try:
+            int(date := os.environ.get("SOURCE_DATE_EPOCH", "0"))
+        except ValueError:
+            warn(f'SOURCE_DATE_EPOCH must be a whole number, got "{date}": it is left out')
+            del os.environ["SOURCE_DATE_EPOCH"]
         with warnings.catch_warnings(), _interrupts_first():
             warnings.filterwarnings("error", ARITHMETIC, RuntimeWarning)
             code = jkr.main(args=words, prog_name="jkr", standalone_mode=False, obj=["jkr", *words])
@@ -134,7 +153,10 @@ def call(arguments: Sequence[str] | None = None) -> int:
         click.echo(error.format_message())
         return 0
     except click.ClickException as error:
-        return _fail([_one_line(error)], 2)
+        message = " ".join(line.strip() for line in error.format_message().splitlines()).strip().rstrip(".")
+        if isinstance(error, click.UsageError) and error.ctx is not None:
+            message += f"; see {error.ctx.command_path} --help"
+        return _fail([message[:1].lower() + message[1:]], 2)
     except (KeyboardInterrupt, click.Abort):
         return _fail([interrupts.SAID], interrupts.CODE)
     except (RuntimeWarning, OverflowError) as error:
@@ -170,15 +192,6 @@ def _say_little_space() -> None:
         warn(f"the address space is limited to {most >> 20} MiB: libraries may not load, or hang; raise ulimit -v")
 
 
-def _leave_out_odd_date() -> None:
-    """Say that a date for reproducible builds is none: libraries end in a ValueError of their own over it."""
-    try:
-        int(date := os.environ.get("SOURCE_DATE_EPOCH", "0"))
-    except ValueError:
-        warn(f'SOURCE_DATE_EPOCH must be a whole number, got "{date}": it is left out')
-        del os.environ["SOURCE_DATE_EPOCH"]
-
-
 @contextlib.contextmanager
 def _interrupts_first() -> Iterator[None]:
     """An error behind a Ctrl-C is reported as the interruption."""
@@ -188,13 +201,6 @@ def _interrupts_first() -> Iterator[None]:
         if interrupts.came():
             raise KeyboardInterrupt from None
         raise
-
-
-def _one_line(error: click.ClickException) -> str:
-    message = " ".join(line.strip() for line in error.format_message().splitlines()).strip().rstrip(".")
-    if isinstance(error, click.UsageError) and error.ctx is not None:
-        message += f"; see {error.ctx.command_path} --help"
-    return message[:1].lower() + message[1:]
 
 
 def _fail(lines: Sequence[str], code: int) -> int:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..beside.expectation import seconds_of_works
 from ..case import load_case
 from ..methods import long_look
 from ..report import Check
+from ..resolve.neglected import seconds_of_works
 from .options import json_option
+from .output import announce, give, note
 from .verb import verb
-from .voice import announce, give, note
 
 
 @verb("case")

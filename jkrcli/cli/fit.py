@@ -2,27 +2,286 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+import contextlib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias, TypeVar
 
 import click
+from click.core import ParameterSource
 
+from .. import data, report
+from .. import fitting as fits
 from ..adhesion import RATE_LAWS
-from ..base import InputError, beside, files
+from ..base import InputError, SolveError, beside, executor, files, one_thread, together
 from ..bodies import RELAXATIONS
 from ..data import Reading
-from ..identification import fit as fits
-from ..methods import Limits
-from ..report import PICTURES, SHOWN, Files, Output
+from ..methods import Forecast, Limits
+from ..report import PICTURES, SHOWN, Output
 from . import options
-from .body import Flags, body_and_measured, body_options, fitted_body
-from .fit_curves import FEWER, fit_curves, refits_of
-from .fit_idle import EACH, LAW, RELAXATION, SHARED, TENSION, refuse_idle, typed_options
-from .fit_together import FitRequest, fit_joint, fit_law, fit_relaxation, fit_tension, has_tension
-from .measured import TUNING, begin_reading, reading_options
-from .verb import several, verb
+from .inputs import TUNING, Flags, begin_reading, body_and_measured, body_options, fitted_body, reading_options
+from .options import Parallel, begin
+from .output import give, note, progress, say, warn
+from .verb import flag, several, verb
+
+# --------------------------------------------------------------------------------------------------
+# Which options have an effect on which kind of fit: one table; whatever is given besides is refused.
+
+EACH, LAW, RELAXATION, SHARED, TENSION = "each", "--law", "--relaxation", "--shared", "surface_tension"
+EFFECT: Mapping[str, tuple[str, ...]] = {  # others have one on every kind
+    "law": (LAW,), "relaxation": (RELAXATION,), "terms": (RELAXATION,), "shared": (SHARED,), "own": (SHARED,),
+    "tip_radius": (SHARED, TENSION), "start": (EACH, SHARED, LAW), "bound": (EACH, SHARED),
+    "segment": (EACH, SHARED, LAW, RELAXATION), "base_line": (EACH, SHARED), "branch": (EACH, SHARED),
+    "noise": (EACH, SHARED), "loss": (EACH,), "confidence": (EACH, SHARED, LAW, RELAXATION), "samples": (EACH,),
+    "seed": (EACH,), "rivals": (EACH,), "model": (EACH,), "plan": (EACH,), "surface": (EACH,), "uncertain": (EACH,),
+    "contact": (EACH, SHARED, LAW, RELAXATION), "slopes": (EACH, SHARED, LAW),
+}  # fmt: skip
+NOT = {("contact", "fitted"): (LAW, RELAXATION), ("confidence", "bootstrap"): (SHARED, LAW, RELAXATION)}
+GOES_WITH = {
+    "terms": "--relaxation prony", "own": "--shared", "tip_radius": "--shared or --free surface_tension",
+    "samples": "--confidence bootstrap", "seed": "--confidence bootstrap",
+}  # fmt: skip
+
+
+def typed_options() -> dict[str, Any]:
+    """The options that the user gave, by their names, with their values."""
+    context = click.get_current_context()
+    names = (name for name in context.params if context.get_parameter_source(name) is ParameterSource.COMMANDLINE)
+    return {name: context.params[name] for name in names}
+
+
+def refuse_idle(kind: str, options: Mapping[str, Any]) -> None:
+    """InputError where one of the ``options`` that were given has no effect on this ``kind`` of fit."""
+    idle = [name for name in options if kind not in EFFECT.get(name, (kind,))]
+    if options.get("confidence") != "bootstrap":
+        idle += [name for name in ("samples", "seed") if name in options]
+    if kind == RELAXATION and options["relaxation"] != "prony":
+        idle += [name for name in ("terms",) if name in options]
+    idle += [name for (name, value), kinds in NOT.items() if kind in kinds and options.get(name) == value]
+    if "slopes" in options and options.get("tip_radius") and kind == SHARED:
+        raise InputError("fit: --slopes does not go with --tip-radius, whose bodies have exact ones: leave it out")
+    for name in idle:
+        value = f" {options[name]}" if isinstance(options[name], str) else ""
+        if name in GOES_WITH and (kind == EACH or kind in EFFECT[name]):
+            raise InputError(f"fit: {flag(name)}: goes with {GOES_WITH[name]}: leave it out")
+        by = "" if kind == EACH else f"{kind} does not take {flag(name)}{value}: leave it out"
+        raise InputError(f"fit: {by}")
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr fit`` of records together: what they share, a law of w over the edge's speed, a surface tension; and of laws
+# of relaxation.
+
+Beside = TypeVar("Beside")
+
+
+@dataclass(frozen=True, eq=False)
+class FitRequest:
+    """What is fitted to what, how the files are read, and where it goes; ``names``: of what is free beside the usual;
+    ``body_words``: the ``body`` in words; ``options``: of the fit, by name; ``inputs``: files not to write over."""
+
+    body: fits.FittedBody
+    measured: Sequence[Path]
+    reading: data.Reading
+    names: Sequence[str]
+    options: dict[str, Any]
+    targets: report.Files
+    body_words: str
+    output: report.Output
+    inputs: Sequence[Path]
+
+    def curves(self, beside: Sequence[Beside]) -> tuple[list[data.Curve], list[Beside]]:
+        """The curves in all files, each with what stands ``beside`` its file; InputError where one cannot be read."""
+        pairs = [(item, one) for path, one in zip(self.measured, beside, strict=True)
+                 for item in data.each(path, self.reading)]  # fmt: skip
+        for item, _ in pairs:
+            if isinstance(item, InputError):
+                raise item
+        return [item for item, _ in pairs if not isinstance(item, InputError)], [one for _, one in pairs]
+
+    def conclude(self, kind: type[report.Result], fit: Callable[[], Any], **more: Any) -> None:
+        """One fit of all curves as a result of a ``kind``, with what is ``more``: its table, summary and, where it has
+        one, picture."""
+        try:
+            with one_thread():
+                result = report.as_result(kind, fit(), body=self.body_words, **more)
+        except SolveError as error:
+            raise InputError(f"{self.measured[0]}: {error}") from None
+        self.write(result)
+
+    def write(self, result: report.Result) -> None:
+        """The files of a ``result``, and what is said of it."""
+        self.targets.write(result.columns, result.summary(), self.targets.draw(result.figure))
+        give(result, self.output.json, f"  written {self.targets}")
+
+
+def fit_joint(request: FitRequest, settings: fits.Settings) -> None:
+    """What all records have in common, from all of them together."""
+    shared, own = ([name for group in request.options[kind] for name in group] for kind in ("shared", "own"))
+    names = fits.shared_of(shared, own, settings)
+    curves, bodies = request.curves(fits.with_radii(request.body, request.options["tip_radius"], len(request.measured)))
+    request.conclude(report.JointFitted, lambda: fits.joint_fit(bodies, curves, settings, names), level=settings.level)
+
+
+def fit_law(request: FitRequest) -> None:
+    """w0, the law's parameters, E* and zeros from records at one or several speeds."""
+    from ..fitting.rate import rate_fit, rate_settings
+
+    law, fix, start = (request.options[name] for name in ("law", "fix", "start"))
+    how = {name: request.options[name] for name in ("level", "segment", "confidence")}
+    settings = rate_settings(request.body, law, request.names, fix, start, **how)
+    curves, _ = request.curves(request.measured)
+    request.conclude(report.LawFit, lambda: rate_fit(request.body, curves, settings))
+
+
+def has_tension(request: FitRequest) -> bool:
+    """Whether surface tension has a part in the fit."""
+    named = TENSION in request.names or TENSION in dict(request.options["fix"])
+    return named or request.body.problem.specimen.surface_tension > 0
+
+
+def fit_tension(request: FitRequest) -> None:
+    """The surface tension, E*, w and zeros from records by tips of several radii."""
+    from ..fitting.surface_tension import known_values, radii_of, tension_fit
+
+    problem, level = request.body.problem, request.options["level"]
+    fixed = known_values(problem, request.names, request.options["fix"])
+    curves, tips = request.curves(radii_of(problem, request.options["tip_radius"], len(request.measured)))
+    request.conclude(report.TensionFitted, lambda: tension_fit(problem, curves, tips, fixed, level), level=level)
+
+
+def fit_relaxation(request: FitRequest) -> None:
+    """The modulus, a law of relaxation and zeros from records over time, each for itself; curves that cannot be used
+    are skipped and said."""
+    from ..fitting.relaxation import relaxation_fit, relaxation_settings
+
+    body, options = request.body, request.options
+    terms = {} if options["terms"] is None else {"terms": options["terms"]}
+    how = {name: options[name] for name in ("level", "confidence")} | terms
+    settings = relaxation_settings(options["relaxation"], options["fix"], request.names, body.problem.E_star, **how)
+    curves, skipped = data.usable(request.measured, request.reading)
+    done = []
+    for curve in curves:
+        try:
+            part = curve if options["segment"] in (None, "both") else curve.only(options["segment"])
+            with one_thread():
+                done.append(relaxation_fit(body, part, settings))
+        except InputError as error:
+            skipped += error.lines
+    if not done:
+        raise InputError(data.some(skipped))
+    for line in skipped:
+        warn(f"skipped: {line}")
+    request.write(report.RelaxationFits(done, request.body_words))
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr fit`` of curves one by one: their table, summary, archive and pictures.
+
+Outcome: TypeAlias = "fits.Fit | fits.Failure"
+Pictures: TypeAlias = "list[tuple[Outcome, report.Files]]"
+FEWER = "fewer rows, curves or samples"
+
+
+def refits_of(confidence: str, samples: int, uncertain: int) -> int:
+    """How often a curve is fitted anew for its intervals, and for as many ``uncertain`` inputs."""
+    anew = {"covariance": 0, "profile": TUNING.profiled, "bootstrap": samples}
+    return anew[confidence] + TUNING.carried * uncertain
+
+
+def fit_curves(
+    request: FitRequest, bodies: list[fits.FittedBody], settings: fits.Settings, refits: int, limits: Limits,
+    parallel: Parallel,
+) -> None:  # fmt: skip
+    """Each curve on each of the ``bodies``, which are one under different surfaces: table, archive and pictures."""
+    from ..fitting.procedure import friction_warnings, preferences
+
+    output = request.output
+    curves, reasons = data.usable(request.measured, request.reading)
+    each_curve = (TUNING.fit_per_curve + refits * (TUNING.refit + TUNING.refit_per_row * len(one)) for one in curves)
+    seconds = sum(each_curve)
+    begin(f"fit of {len(curves):,} curves", Forecast(len(bodies) * seconds, 0.0, 0.0), limits, FEWER)
+    each = []
+    for one in bodies:
+        with executor(*parallel, progress, seconds) as pool:
+            each.append(fits.fit_all(one, curves, settings, pool))
+    outcomes = [item for items in each for item in items]
+    if request.options["rivals"] and not any(isinstance(item, fits.Fit) and item.verdict for item in outcomes):
+        raise InputError("fit: --rivals is for raw records, which none of these was fitted as: leave it out")
+    if request.options["plan"]:
+        outcomes = [fits.planned(one, item) if isinstance(item, fits.Fit) else item
+                 for one, items in zip(bodies, each, strict=True) for item in items]  # fmt: skip
+    reasons += [line for item in each[0] if isinstance(item, fits.Failure) for line in item.lines]
+    pictures = _pictures(request, each, bodies) if output.plots else []
+    preferred = list(preferences(outcomes)) if len(bodies) > 1 else []
+    friction = [] if len(bodies) > 1 else list(friction_warnings(request.body, outcomes))
+    result = report.Fits(outcomes, request.body_words, friction)
+    map_file = _write(request, result, reasons, pictures)
+    for line in reasons:
+        warn(f"skipped: {line}")
+    drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
+    more = f" ({len(result.fits) - SHOWN:,} more curves)" if len(result.fits) > SHOWN else ""
+    scan = f", the map in {map_file}" if map_file else ""
+    give(result, output.json, f"  written {request.targets}{drawn}{scan}{more}")
+    for item in result.fits[:SHOWN] if not output.json else []:
+        if lines := [*(report.rivals_table(item) if request.options["rivals"] else []), *report.plan_table(item)]:
+            say("\n".join(lines))
+    for line in preferred:
+        (note if output.json else say)(line)
+
+
+def _write(request: FitRequest, result: report.Fits, reasons: list[str], pictures: Pictures) -> report.Files | None:
+    """Write table, summary, archive and pictures; the files of the map, if there is one. InputError, when all that can
+    be written is, where no curve could be used."""
+    from ..report import archive as fit_archive
+    from ..report import map as scans
+
+    if not result.outcomes:
+        raise InputError(data.some(reasons))
+    targets, output, summary = request.targets, request.output, result.summary()
+    scan = scans.map_of(result.outcomes) if output.plots else None
+    of_map = None if scan is None else output.files(Path(f"{targets.stem}-map"), PICTURES, request.inputs)
+    with together():
+        targets.write(result.columns, summary)
+        fit_archive.write_fits(targets[".h5"], result.outcomes, summary)
+        if pictures:
+            _draw(pictures)
+        if scan is not None and of_map is not None:
+            from ..report.plots.inverse import map_figure
+
+            of_map.write(figure=map_figure(scan))
+    if not result.fits:
+        raise InputError(data.some(reasons))
+    return of_map
+
+
+def _pictures(request: FitRequest, each: list[list[Outcome]], bodies: list[fits.FittedBody]) -> Pictures:
+    """Curves to draw, fitted or not, each with its files, named after its file, itself where it is not alone, and, of
+    several, the surface; none where they are many."""
+    named: list[tuple[Outcome, str]] = []
+    for items, body in zip(each, bodies, strict=True):
+        shown = [item for item in items if isinstance(item, fits.Fit) or {"delta", "P"} <= set(item.curve.measured)]
+        for item in shown if len(shown) <= SHOWN else []:
+            file, name = (item.file, item.name) if isinstance(item, fits.Fit) else (item.curve.origin, item.curve.name)
+            words = [Path(file or "").stem, *[name] * (len(shown) > 1), *[body.problem.surface] * (len(bodies) > 1)]
+            named.append((item, "-".join(words)))
+    stems = beside(request.targets.stem, [name for _, name in named])
+    return [(item, request.output.files(stem, PICTURES, request.inputs))
+            for (item, _), stem in zip(named, stems, strict=True)]  # fmt: skip
+
+
+def _draw(drawn: Pictures) -> None:
+    """The fitted curve over its data; of a curve that could not be fitted its record, if it can be taken apart."""
+    from ..report.plots.inverse import fit_figure, record_figure
+
+    for item, target in drawn:
+        if not isinstance(item, fits.Failure):
+            target.write(figure=fit_figure(item))
+            continue
+        with contextlib.suppress(InputError):
+            target.write(figure=record_figure([data.examine(item.curve)]))
+
 
 SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}
 HOW = ("segment", "base_line", "branch", "loss", "confidence", "model", "level", "samples", "seed")
@@ -120,10 +379,19 @@ def fit(
     """
     source, paths = body_and_measured(body, measured, flags)
     inputs = (body, *measured)
-    typed, kind = typed_options(), _kind(values)
+    # The kind of fit by its options; that of a surface tension shows in the parameters.
+    if values["relaxation"] is None and "relaxation" in _flat(values["free"]):
+        raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
+    kinds = {RELAXATION: values["relaxation"], LAW: values["law"], SHARED: values["shared"]}
+    typed, kind = typed_options(), next((kind for kind, value in kinds.items() if value), EACH)
     if kind != EACH:
         refuse_idle(kind, typed)
-    targets = _targets(body, kind != EACH, inputs, output)
+    # What is written, but for pictures of curves, whose names are known when they are read.
+    timed = kind != EACH
+    endings = (".csv", ".json", *PICTURES) if timed else (".csv", ".json", ".h5")
+    targets = output.files(output.folder(body.parent) / f"{body.stem}-fit", endings, inputs)
+    for longest in [] if timed else beside(targets.stem, ["x" * files.TUNING.letters[0]]):
+        output.files(longest, PICTURES, inputs)
     refits = refits_of(values["confidence"], values["samples"], len(values["uncertain"]))
     surfaces = SURFACES.get(values["surface"], ("",))
     per_row, per_file = TUNING.fit_per_row + refits * TUNING.refit_per_row, refits * TUNING.refit
@@ -132,7 +400,10 @@ def fit(
     if kind in (LAW, RELAXATION) and fitted.range_of_case:
         raise InputError(f"fit: {kind} {NO_RANGE}")
     words = str(source) if isinstance(source, Path) else fitted.problem.words
-    request = FitRequest(fitted, paths, reading, _names(values), values, targets, words, output, inputs)
+    # The parameters that are free beside the usual ones, those that records share or have each among them.
+    known = (*fits.USUALLY_FREE, fits.ALIAS, *dict(values["fix"]))
+    own = [name for name in _flat((*values["shared"], *values["own"])) if name not in known]
+    request = FitRequest(fitted, paths, reading, [*_flat(values["free"]), *own], values, targets, words, output, inputs)
     if kind in (EACH, SHARED):
         kind = TENSION if has_tension(request) else kind
         refuse_idle(kind, typed)
@@ -148,30 +419,6 @@ def fit(
     else:
         bodies = [fitted.on_surface(one) for one in SURFACES[values["surface"] or fitted.problem.surface]]
         fit_curves(request, bodies, _settings(request, reading.contact), refits, limits, parallel)
-
-
-def _kind(values: Mapping[str, Any]) -> str:
-    """The kind of fit by its options; that of a surface tension shows in the parameters."""
-    if values["relaxation"] is None and "relaxation" in _flat(values["free"]):
-        raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
-    kinds = {RELAXATION: values["relaxation"], LAW: values["law"], SHARED: values["shared"]}
-    return next((kind for kind, value in kinds.items() if value), EACH)
-
-
-def _names(values: Mapping[str, Any]) -> list[str]:
-    """The parameters that are free beside the usual ones, those that records share or have each among them."""
-    known = (*fits.USUALLY_FREE, fits.ALIAS, *dict(values["fix"]))
-    own = [name for name in _flat((*values["shared"], *values["own"])) if name not in known]
-    return [*_flat(values["free"]), *own]
-
-
-def _targets(body_file: Path, timed: bool, inputs: tuple[Path, ...], output: Output) -> Files:
-    """What is written, but for pictures of curves, whose names are known when they are read."""
-    endings = (".csv", ".json", *PICTURES) if timed else (".csv", ".json", ".h5")
-    targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", endings, inputs)
-    for longest in [] if timed else beside(targets.stem, ["x" * files.TUNING.letters[0]]):
-        output.files(longest, PICTURES, inputs)
-    return targets
 
 
 def _settings(request: FitRequest, contact: str) -> fits.Settings:

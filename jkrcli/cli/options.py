@@ -17,8 +17,8 @@ from ..base import LARGEST_SI, InputError, doubtful_work, parse
 from ..methods import LESS, Forecast, Limits, admit
 from ..report import Output
 from ..series import Solution
+from .output import forewarn, warn
 from .verb import Options, as_one, typed
-from .voice import forewarn, warn
 
 if TYPE_CHECKING:
     ParamType = click.ParamType[Any, Any]

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 import click
 
-from .voice import level_options
+from .output import level_options
 
 ALL = "jkr.help_all"
 LINES = 80  # of the help of a verb: two screens

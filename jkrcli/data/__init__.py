@@ -6,10 +6,8 @@ from ..base.lazy import lazily
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from ..tables.text_table import MOST_COLUMNS, SEPARATORS, some
-    from .columns import NO_UNIT
-    from .measured import each, from_columns, read, usable
-    from .measured.curve import (
+    from ..tables import MOST_COLUMNS, SEPARATORS, some
+    from .curve import (
         APPROACH,
         ARBITRARY,
         AS_DEPTH,
@@ -22,9 +20,8 @@ if TYPE_CHECKING:
         Pixel,
         Reading,
     )
-    from .measured.saturation import saturation
-    from .measured.tip_position import SUBTRACTED_TWICE
-    from .record import BaseLine, Direction, ForceCurve, examine
-    from .zero_points import with_zero_points
+    from .measured import each, from_columns, read, usable
+    from .segmentation import SUBTRACTED_TWICE, BaseLine, Direction, ForceCurve, examine, saturation, with_zero_points
+    from .tables import NO_UNIT
 
 __getattr__ = lazily(__name__, __file__)

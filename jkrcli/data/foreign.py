@@ -6,19 +6,20 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from ..base import LARGEST_SI, Array, InputError, Unknown
 from ..bodies import Indenter, Loading, Problem, Sphere
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus, is_series
-from ..tables.text_table import TextTable, read_table, some
-from .columns import check_chosen, vocabulary, with_units
-from .noisy_rows import is_noise, near_first_touch
+from ..tables import TextTable, read_table, some, split_name, unit_power
+from .tables import check_chosen, is_noise, near_first_touch, vocabulary, with_units
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from ..beside.nodes import Compared
+    from ..resolve.node_radii import Compared
+
 
 LEAST_ROWS = 5  # theory: of a series; leaving one of fewer out leaves no cubic for its slopes
 MOST_ROWS = 100_000  # theory: as many points as a case may ask for
@@ -55,14 +56,19 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
 
     InputError names lines and columns.
     """
-    from ..beside.departure import departures
-    from ..beside.nodes import compared
+    from ..resolve.consistency_check import departures
+    from ..resolve.node_radii import compared
 
     indenter = problem.indenter
     table = read_table(path, reading.separator, reading.decimal)
     table, units, unit_flags = with_units(table, reading.units, NAMES.quantities)
     reading = replace(reading, units=units)
-    chosen = _columns(table, reading)
+    # Index of the column for each key: the one of `reading`, else by its name; the radius goes before the area.
+    named = {key: table.called(name, key) for key, name in reading.columns.items()}
+    by_area = "area" in named or bool(NAMES.named(table, "area") and not NAMES.named(table, "a"))
+    wanted = ("delta", "P", "area" if by_area and "a" not in named else "a")
+    chosen = {key: named[key] if key in named else NAMES.guess(table, key) for key in wanted}
+    check_chosen(table, named | chosen)
     values = {key: _values(table, key, index, reading) for key, index in chosen.items()}
     lines = table.lines
     if beyond := [key for key, column in values.items() if np.abs(column).max() > LARGEST_SI]:
@@ -127,7 +133,7 @@ def _by_fit(path: Path, raw: RawSeries, problem: Problem, compare: bool) -> tupl
     Rows near first touch at which noise hides the contact (delta or P <= 0) are left out, and so are outliers beyond.
     """
     from ..adhesion.slopes.choice import smoothed
-    from ..beside.nodes import compared
+    from ..resolve.node_radii import compared
 
     assert raw.rows is not None
     indenter = problem.indenter
@@ -149,17 +155,6 @@ def _by_fit(path: Path, raw: RawSeries, problem: Problem, compare: bool) -> tupl
         what = f"{len(alone)} of {raw.a.size} rows left out, whose radius, displacement or load is not positive"
         words.append(f"{what}: {', '.join(some(alone))}")
     return beside, series, (*words, *slopes.flags)
-
-
-# ---------------------------------------------------------------------- columns and units
-def _columns(table: TextTable, reading: SeriesReading) -> dict[str, int]:
-    """Index of the column for each key: the one of ``reading``, else by its name; the radius goes before the area."""
-    named = {key: table.called(name, key) for key, name in reading.columns.items()}
-    by_area = "area" in named or bool(NAMES.named(table, "area") and not NAMES.named(table, "a"))
-    wanted = ("delta", "P", "area" if by_area and "a" not in named else "a")
-    chosen = {key: named[key] if key in named else NAMES.guess(table, key) for key in wanted}
-    check_chosen(table, named | chosen)
-    return chosen
 
 
 def _values(table: TextTable, key: str, index: int, reading: SeriesReading) -> Array:
@@ -278,3 +273,25 @@ def radius_from_area(area: Array, indenter: Indenter) -> Array:
         if (np.abs(change) <= 1e-14 * a**2).all():
             break
     return np.sqrt(square)
+
+
+# --------------------------------------------------------------------------------------------------
+# What a device does over time, from a table of two columns.
+
+
+def read_program(path: Path, dimension: str) -> tuple[Array, Array]:
+    """Times [s] and positions [m], or loads [N] where ``dimension`` is "load", of the table at ``path``.
+
+    Its first column is the time, its second what the device holds; names may carry units ("t_ms,x_um"), else SI.
+    """
+    table = read_table(path, least=2)
+    if table.values.shape[1] != 2:
+        raise InputError(f"{path}: a program has two columns, time and position, got {table.values.shape[1]}")
+    columns = []
+    for index, wanted in enumerate(("time", dimension)):
+        unit = split_name(table.names[index])[1] if table.names else None
+        power = (wanted, 0) if not unit else unit_power(unit)
+        if power is None or power[0] != wanted:
+            raise InputError(f'{path}: column {index + 1} is to be a {wanted}, got the unit "{unit}"')
+        columns.append(table.values[:, index] * 10.0 ** power[1])
+    return columns[0], columns[1]

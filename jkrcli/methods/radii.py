@@ -216,12 +216,19 @@ def _followed(response: Response, log_v: Array, log_target: Array, a0: float, ac
     before = np.full(log_target.size, np.inf)
     for _ in range(MOST_STEPS):
         log_values = np.log(response(np.hypot(a0, np.exp(log_v))))
-        miss, doubt = np.abs(log_values - log_target), _doubt(log_v, log_values)
+        # Part of a miss that may be left after a step along the tangent: by how much the secants on both sides
+        # differ.
+        secants = np.diff(log_v) / np.diff(log_values)
+        jumps = np.abs(np.diff(secants)) / np.minimum(np.abs(secants[1:]), np.abs(secants[:-1]))
+        inner = np.pad(jumps, 1, mode="edge") if jumps.size else np.zeros(log_v.size)
+        miss, doubt = np.abs(log_values - log_target), np.clip(np.nan_to_num(inner, nan=1.0), 1 / TUNING.near, 1.0)
         tangent = _inverse(log_v, log_values, log_target)
         near = miss * doubt <= accuracy
         if near[:-1].all():
             return np.append(np.sort(np.where(doubt < TUNING.doubtful, tangent, log_v)[:-1]), log_v[-1])
-        known = _with(known, log_v, log_values)
+        # All known points, both coordinates increasing.
+        all_v, first = np.unique(np.concatenate([known[0], log_v]), return_index=True)
+        known = all_v, np.maximum.accumulate(np.concatenate([known[1], log_values])[first])
         low, high, secant, middle = _bracketed(known, log_target)
         step = np.where(doubt < TUNING.doubtful, tangent, secant)
         step = np.where((low < step) & (step < high) & (near | (miss < before / 2)), step, middle)
@@ -238,14 +245,6 @@ def _inverse(log_v: Array, log_values: Array, log_target: Array) -> Array:
     return log_v[near] + slopes[near] * (log_target - log_values[near])
 
 
-def _doubt(log_v: Array, log_values: Array) -> Array:
-    """Part of a miss that may be left after a step along the tangent: by how much the secants on both sides differ."""
-    secants = np.diff(log_v) / np.diff(log_values)
-    jumps = np.abs(np.diff(secants)) / np.minimum(np.abs(secants[1:]), np.abs(secants[:-1]))
-    inner = np.pad(jumps, 1, mode="edge") if jumps.size else np.zeros(log_v.size)
-    return np.clip(np.nan_to_num(inner, nan=1.0), 1 / TUNING.near, 1.0)
-
-
 def _bracketed(known: tuple[Array, Array], log_target: Array) -> tuple[Array, Array, Array, Array]:
     """Of points whose coordinates log v and log response both increase: log v on both sides of each target, infinite
     where there is none; the secant between them, and a point that narrows every bracket, half-way to the secant, so
@@ -259,12 +258,6 @@ def _bracketed(known: tuple[Array, Array], log_target: Array) -> tuple[Array, Ar
     beyond = math.log(TUNING.stride) * np.isinf(low)
     secant, middle = (v[left] + x * (v[right] - v[left]) - beyond for x in (part, 0.25 + 0.5 * part))
     return low, high, secant, middle
-
-
-def _with(known: tuple[Array, Array], log_v: Array, log_values: Array) -> tuple[Array, Array]:
-    """All known points, both coordinates increasing."""
-    all_v, first = np.unique(np.concatenate([known[0], log_v]), return_index=True)
-    return all_v, np.maximum.accumulate(np.concatenate([known[1], log_values])[first])
 
 
 def _v(a: float, a0: float) -> float:

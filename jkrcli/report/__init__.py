@@ -7,22 +7,36 @@ from ..base.lazy import lazily
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .check import Check
-    from .compare import Compared
-    from .cycle import Cycled, CycledByProgram
     from .dem import Exported
-    from .fields import COMPONENTS, Fields, Profile
-    from .fit import Fits, Fitted, plan_table, rivals_table
-    from .fit_together import JointFitted, LawFit, TensionFitted
-    from .look import Look
-    from .mesh import Meshed
-    from .plots.maps import MU, MapPanel, filled_figure, is_filled, lines_figure, zones_figure
-    from .pull_off import MeasuredByHistory, MeasuredPullOff, PullOff
-    from .rate import CycledAtSpeed
-    from .relaxation import CycledInLimits, CycledRelaxing, traced_histories
-    from .relaxation_fit import RelaxationFits, RelaxationFitted
+    from .forward import (
+        COMPONENTS,
+        Compared,
+        Cycled,
+        CycledByProgram,
+        Fields,
+        MeasuredByHistory,
+        MeasuredPullOff,
+        Profile,
+        PullOff,
+        Transformed,
+        figure_of,
+    )
+    from .inverse import (
+        Fits,
+        Fitted,
+        JointFitted,
+        LawFit,
+        Look,
+        RelaxationFits,
+        RelaxationFitted,
+        TensionFitted,
+        Work,
+        plan_table,
+        rivals_table,
+    )
+    from .plots.studies import MU, MapPanel, filled_figure, is_filled, lines_figure, zones_figure
+    from .rate import CycledAtSpeed, CycledInLimits, CycledRelaxing, traced_histories
     from .result import PICTURES, SHOWN, AnyResult, Figure, Files, Output, Result, Results, as_result
-    from .solved import Imported, Solved
-    from .transform import Transformed, figure_of
-    from .work import Work
+    from .solved import Imported, Meshed, Solved
 
 __getattr__ = lazily(__name__, __file__)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,12 +11,27 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from ..base import Array, InputError, as_json, hdf5, read_bytes, write_bytes
-from .result import SHOWN
+from ..base import (
+    Array,
+    Dataset,
+    Group,
+    InputError,
+    accuracy,
+    as_json,
+    hdf5,
+    read_bytes,
+    show,
+    unit_column,
+    write_bytes,
+)
+from ..fitting import Failure, Fit
+from ..series import COLUMNS, Solution
+from .map import images_of, map_of
+from .result import SHOWN, Several
 
 FITS, SWEEP_TABLE = FORMATS = ("jkr-fit", "jkr-sweep-table")
-VERSION = 3  # of the file
-READ = (1, 2, VERSION)
+ARCHIVE_VERSION = 3  # of the file
+READ = (1, 2, ARCHIVE_VERSION)
 UNPROTECTED = 1  # the version that may lack a digest
 WRITE_AGAIN = "run the command that wrote it again"
 DOUBT = f"the archive is of version 1 without a digest: damage may go unnoticed; {WRITE_AGAIN} for full protection"
@@ -34,7 +49,7 @@ class Archive:
 
 def write(path: Path, format: str, attributes: Mapping[str, Any], members: Mapping[str, hdf5.Group]) -> None:
     """Write ``members`` to ``path``, whole or not at all."""
-    identity = {"format": np.bytes_(format), "version": VERSION, "jkr": __version__}
+    identity = {"format": np.bytes_(format), "version": ARCHIVE_VERSION, "jkr": __version__}
     write_bytes(path, hdf5.image(hdf5.Group({**identity, **attributes}, members)))
 
 
@@ -51,7 +66,9 @@ def read(path: Path) -> Archive:
     if kind not in FORMATS:
         raise InputError(f'{path}: format must be one of {", ".join(FORMATS)}, got "{kind}"')
     if version not in map(str, READ):
-        raise InputError(f"{path}: version must be {VERSION}, got {version}; this file needs another release of jkr")
+        raise InputError(
+            f"{path}: version must be {ARCHIVE_VERSION}, got {version}; this file needs another release of jkr"
+        )
     is_sealed = version != str(UNPROTECTED) or hdf5.SEAL in root.attributes
     if is_sealed and not hdf5.is_sound(root):
         raise hdf5.unreadable(path, content, " (it does not hold what was written)", WRITE_AGAIN)
@@ -59,7 +76,7 @@ def read(path: Path) -> Archive:
 
 
 # ---------------------------------------------------------------------- what it holds
-def summary(archive: Archive) -> dict[str, Any]:
+def archive_summary(archive: Archive) -> dict[str, Any]:
     """What an archive holds, for machines: the fits of all curves, or the columns of a table with their ends."""
     attributes = archive.root.attributes
     try:
@@ -71,7 +88,7 @@ def summary(archive: Archive) -> dict[str, Any]:
         }
         contents = _fits(archive.root) if archive.format == FITS else _table(archive.root)
         listing = identity | contents | {"warnings": [] if archive.is_protected else [DOUBT]}
-        words(listing), as_json(listing)  # what cannot be told is none
+        archive_words(listing), as_json(listing)  # what cannot be told is none
     except (*hdf5.UNREADABLE, AttributeError, RecursionError):  # a number where a group belongs, and the like
         raise InputError(f"{archive.path}: does not hold what an archive of format {archive.format} does") from None
     return listing
@@ -115,7 +132,7 @@ def _ends(values: Array | list[str]) -> list[Any]:
     return [there.min().item(), there.max().item()] if there.size else []
 
 
-def words(listing: Mapping[str, Any]) -> list[str]:
+def archive_words(listing: Mapping[str, Any]) -> list[str]:
     """The ``summary`` of an archive as lines of text."""
     by = f"format {listing['format']} {listing['version']}, jkr {listing['jkr']}"
     if listing["format"] == FITS:
@@ -141,3 +158,121 @@ def _span(ends: list[Any]) -> str:
     if ends and isinstance(ends[0], str):
         return ", ".join(ends)
     return " to ".join(f"{end:.6g}" for end in dict.fromkeys(ends))
+
+
+# --------------------------------------------------------------------------------------------------
+# Fits in HDF5: one table each of the rows, the fitted curves and the samples of all curves together, and summaries.
+
+UNITS = {"a": "m", "delta": "m", "P": "N", "foot_a": "m", "row": "1", "curve": "1"}
+
+
+def write_fits(path: Path, outcomes: Sequence[Fit | Failure], summary: Mapping[str, Any]) -> None:
+    """Write all fits to ``path`` with their ``summary``, in which a curve has its number from 0 in order."""
+    fits = [(number, item) for number, item in enumerate(outcomes) if isinstance(item, Fit)]
+    tables = {
+        "data": [(number, _rows(item)) for number, item in fits],
+        "fitted": [(number, dict(item.line)) for number, item in fits],
+        "bootstrap": [(number, _samples(item)) for number, item in fits if item.samples is not None],
+    }
+    curves: dict[str, Group | Dataset] = {name: _joined(table) for name, table in tables.items() if table}
+    curves["summary"] = Dataset([json.dumps(one) for one in summary["curves"]])
+    images = {"map": images_of(scan)} if (scan := map_of(outcomes)) else {}
+    write(path, FITS, {"body": summary["body"]}, {"curves": Group({}, curves), **images})
+
+
+def _rows(item: Fit) -> dict[str, Array]:
+    """The rows of a fit: readings, their numbers from 1, contact radii, and residuals in units of the scatter."""
+    names = ["residuals"] if len(item.residuals) == 1 else [f"residuals_{name}" for name in item.scales]
+    residuals = dict(zip(names, item.residuals, strict=True))
+    return {**item.data, "row": item.rows + 1, "foot_a": item.a, **residuals}
+
+
+def _samples(item: Fit) -> dict[str, Array]:
+    assert item.samples is not None
+    return dict(zip(item.free, item.samples.T, strict=True))
+
+
+def _joined(tables: Sequence[tuple[int, Mapping[str, Array]]]) -> Group:
+    """Tables of several curves as one, with a column of their numbers; NaN where a curve has no such column."""
+    sizes = [next(iter(table.values())).size for _, table in tables]
+    members = {"curve": unit_column(np.repeat([number for number, _ in tables], sizes), UNITS["curve"])}
+    for name in dict.fromkeys(name for _, table in tables for name in table):
+        parts = (table.get(name, np.full(size, np.nan)) for (_, table), size in zip(tables, sizes, strict=True))
+        members[name] = unit_column(np.concatenate([*parts]), UNITS.get(name, "1" if "residuals" in name else "SI"))
+    return Group({}, members)
+
+
+# --------------------------------------------------------------------------------------------------
+# What files hold, for people and machines: series with their errors, facts and case; archives of fits and sweeps.
+
+
+@dataclass(frozen=True, eq=False)
+class Shown(Several):
+    """What each file holds: a series, or the summary of an archive."""
+
+    contents: Sequence[Solution | Mapping[str, Any]]
+
+    def summary(self) -> dict[str, Any]:
+        return {"files": [_as_dict(item) if isinstance(item, Solution) else item for item in self.contents]}
+
+    @property
+    def parts(self) -> Sequence[Sequence[str]]:
+        return [_words(item) if isinstance(item, Solution) else archive_words(item) for item in self.contents]
+
+
+def _as_dict(solution: Solution) -> dict[str, Any]:
+    raw = solution.increments
+    return {
+        "file": str(solution.record.path),
+        "method": solution.method,
+        "problem_key": solution.problem.key,
+        "surface": solution.problem.surface,
+        "command_line": solution.record.command_line,
+        "rows": raw.a.size,
+        "columns": _columns(solution),
+        "range": {"a_m": _ends_of_shown(raw.a), "delta_m": _ends_of_shown(raw.delta), "P_N": _ends_of_shown(raw.P)},
+        "errors": solution.budget.as_dict(),
+        "facts": {name: _plain(value) for name, value in solution.facts.items()},
+        "timings_s": dict(solution.timings),
+        "versions": dict(solution.record.versions),
+        "warnings": list(solution.warnings),
+    }
+
+
+def _words(solution: Solution) -> list[str]:
+    raw = solution.increments
+    lines = [
+        f"{raw.a.size} rows by method {solution.method}, {accuracy(solution.budget.total)}: {solution.record.path}",
+        f"  columns   {', '.join(_columns(solution))}",
+        f"  a         {show(raw.a[0], 'length')} to {show(raw.a[-1], 'length')}",
+        f"  delta     {show(raw.delta[0], 'length')} to {show(raw.delta[-1], 'length')}",
+        f"  P         {show(raw.P[0], 'load')} to {show(raw.P[-1], 'load')}",
+        f"  surface   {solution.problem.surface}",
+        f"  written   by: {solution.record.command_line or 'unknown'}",
+    ]
+    lines += [f"  warning   {warning}" for warning in solution.warnings]
+    lines += [f"  error     {name}: {_number(value)}" for name, value in solution.budget.as_dict().items()]
+    lines += [f"  fact      {name}: {_number(_plain(value))}" for name, value in solution.facts.items()]
+    lines += [f"  time      {name}: {_seconds(seconds)} s CPU" for name, seconds in solution.timings.items()]
+    lines += [f"  version   {name} {version}" for name, version in solution.record.versions.items()]
+    return [*lines, "  case", *(f"    {line}" for line in solution.record.toml.splitlines() if line)]
+
+
+def _columns(solution: Solution) -> list[str]:
+    return [name for name in COLUMNS if getattr(solution.filtered, name) is not None]
+
+
+def _ends_of_shown(values: Any) -> list[float]:
+    return [float(values[0]), float(values[-1])]
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _seconds(value: Any) -> str:
+    return f"{value:.3f}" if isinstance(value, int | float) else str(value)
+
+
+def _number(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

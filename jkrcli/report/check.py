@@ -9,10 +9,10 @@ from typing import Any
 
 from ..adhesion import unable
 from ..base import NOTICEABLE, Estimate, Refusal, Unknown, reached, show
-from ..beside.expectation import Expectation, LeftOut, expect, left_out
 from ..bodies import Problem
 from ..case import Case, CaseModel, method_of
 from ..methods import Choice, Option, choose_method, survey
+from ..resolve.neglected import Expectation, LeftOut, expect, left_out
 from . import tables
 from .result import Result
 

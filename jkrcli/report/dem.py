@@ -12,8 +12,8 @@ import numpy as np
 
 from ..adhesion.dem import DemLaw
 from ..base import Array, InputError, show
-from ..beside import Analysis
-from ..formulas.half_space import jkr
+from ..formulas import jkr
+from ..resolve import Analysis
 from .result import Result
 from .tables import quantities, state_words
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import SI, Array, Group, unit_column
-from ..identification.fit import Failure, Fit
+from ..fitting import Failure, Fit
 
 IMAGES = {  # name: dimension
     "E_star": "modulus",

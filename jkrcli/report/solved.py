@@ -7,13 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..adhesion import end_of_body, judge, sizes
-from ..base import Array, Estimate, Unknown, accuracy, reached
-from ..beside import StickingEffect, effect_as_json, sticking_warnings
+from ..base import Array, Estimate, Unknown, accuracy, reached, show
 from ..bodies import relaxing
 from ..methods import Choice
+from ..methods.fem.mesh import Grid
+from ..resolve import StickingEffect, effect_as_json, sticking_warnings
 from ..series import COLUMNS, Series, Solution
-from .result import Result
+from .result import Figure, Result
 
 
 def end_of(series: Series) -> dict[str, Any]:
@@ -137,3 +140,50 @@ def _geometry(solution: Solution) -> list[str]:
     )
     few = [f"only {len(series)} points: adhesive curves need at least 5"] if len(series) < 5 else []
     return [*judged.warnings, *few]
+
+
+# --------------------------------------------------------------------------------------------------
+# The finite-element mesh of a case as a result: its size and quality, its picture.
+
+
+@dataclass(frozen=True, eq=False)
+class Meshed(Result):
+    """The ``mesh`` of the case in ``file``, fine within the ``reach`` [m] of the expected contact."""
+
+    file: Path
+    mesh: Grid
+    reach: float
+
+    def summary(self) -> dict[str, Any]:
+        mesh, quality = self.mesh, self.mesh.quality()
+        return {
+            "file": str(self.file),
+            "element": mesh.element,
+            "elements": len(mesh.cells),
+            "vertices": len(mesh.points),
+            "r_m": mesh.width,
+            "depth_m": mesh.depth,
+            "reach_m": self.reach,
+            "vertices_within_reach": int(np.sum(mesh.surface_radii() <= self.reach)),
+            "quality": {
+                "least": float(quality.min()),
+                "median": float(np.median(quality)),
+                "greatest": float(quality.max()),
+            },
+        }
+
+    def words(self) -> list[str]:
+        summary = self.summary()
+        low, middle, high = (summary["quality"][name] for name in ("least", "median", "greatest"))
+        return [
+            f"{summary['elements']} {summary['element']}s, {summary['vertices']} vertices: {self.file}",
+            f"  body      r <= {show(summary['r_m'], 'length')}, depth {show(summary['depth_m'], 'length')}; "
+            f"{summary['vertices_within_reach']} surface vertices within the expected contact of "
+            f"{show(self.reach, 'length')}",
+            f"  quality   {low:.3f} to {high:.3f}, median {middle:.3f} (1 is best)",
+        ]
+
+    def figure(self) -> Figure:
+        from .plots.forward import mesh_figure
+
+        return mesh_figure(self.mesh, self.reach)

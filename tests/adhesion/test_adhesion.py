@@ -11,11 +11,18 @@ import pytest
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.slopes.result import Slopes
-from jkrcli.base.errors import InputError
-from jkrcli.base.unknown import Unknown
-from jkrcli.formulas.half_space import adhesive_half_space, hertz, jkr, rounded_flat, sneddon_sphere
-from jkrcli.formulas.scales import scales_half_space, scales_thin_layer
-from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
+from jkrcli.base.errors import InputError, Unknown
+from jkrcli.formulas import (
+    adhesive_half_space,
+    hertz,
+    jkr,
+    rounded_flat,
+    scales_half_space,
+    scales_thin_layer,
+    sneddon_sphere,
+    thin_incompressible_layer,
+    thin_layer,
+)
 from jkrcli.series import Series
 
 E_STAR, R, W = 5e9 / 0.84, 1e-4, 50.0

@@ -9,18 +9,16 @@ import pytest
 from scipy.integrate import quad
 from stopwatch import takes_less_than
 
-from jkrcli.adhesion.between import Rows
-from jkrcli.adhesion.nonadhesive import Nonadhesive
-from jkrcli.adhesion.program import there_and_back
-from jkrcli.adhesion.rate.history import RateContact
-from jkrcli.adhesion.rate.laws import PowerRate
+from jkrcli.adhesion.device_path import there_and_back
+from jkrcli.adhesion.interpolation import Nonadhesive, Rows
+from jkrcli.adhesion.rate import PowerRate, RateContact
 from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.base.arrays import Array
+from jkrcli.base.numerics import Array
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.formulas.half_space import hertz
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import Loading, Problem, Rigid, Specimen
+from jkrcli.formulas import hertz
+from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Series
 
 GEL = Specimen((Layer(Elastic(15e3, 0.499), 0.36e-3),), Rigid(True))

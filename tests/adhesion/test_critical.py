@@ -11,18 +11,18 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from jkrcli.adhesion import critical
-from jkrcli.adhesion.critical import point_error
+from jkrcli.adhesion import pull_off_error as critical
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
-from jkrcli.adhesion.nonadhesive import Nonadhesive
+from jkrcli.adhesion.interpolation import Nonadhesive
+from jkrcli.adhesion.pull_off_error import point_error
 from jkrcli.adhesion.slopes.choice import slopes, smoothed
-from jkrcli.base.unknown import Unknown
-from jkrcli.beside.analysis import nonadhesive
+from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import Loading, Problem, Rigid, Specimen
 from jkrcli.methods import method_class
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
+from jkrcli.resolve.analysis import nonadhesive
 from jkrcli.series import Coarser, Series
 from studies.noise_cells import noisy
 

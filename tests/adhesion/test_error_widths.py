@@ -13,10 +13,10 @@ from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.slopes.integral import smoothed
 from jkrcli.adhesion.slopes.loocv import loocv
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Specimen
-from jkrcli.formulas.half_space import hertz
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.formulas import hertz
+from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import RawSeries, Series
 
 R, E_STAR, W = 1e-3, 1e6, 0.02

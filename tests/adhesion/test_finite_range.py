@@ -15,14 +15,13 @@ from uncontacted import Uncontacted
 
 import jkrcli as jkr
 from jkrcli.adhesion.curve import CriticalPoint, Equilibrium, position
-from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve
-from jkrcli.adhesion.law import Range
-from jkrcli.adhesion.stability import Jump, behaviour, branch, cycle
-from jkrcli.methods.attraction import AttractedBody
-from jkrcli.methods.integral.attraction import AttractedSurface, Rims, attracted_surface
-from jkrcli.methods.integral.equation import DiscreteEquation
-from jkrcli.methods.integral.quadrature import Panels
-from jkrcli.methods.layered.stack import LayeredContact
+from jkrcli.adhesion.device_path import Jump
+from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve, Range
+from jkrcli.adhesion.stability import behaviour, branch, cycle
+from jkrcli.methods.finite_range import AttractedBody
+from jkrcli.methods.integral.finite_range import AttractedSurface, Rims, attracted_surface
+from jkrcli.methods.integral.fredholm import DiscreteEquation, Panels
+from jkrcli.methods.layered.contact import LayeredContact
 
 HALF_SPACE = jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(1 - 0.3**2, 0.3)))  # E* = 1
 LOAD, DISPLACEMENT = 0.0, math.inf

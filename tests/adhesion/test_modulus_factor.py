@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jkrcli.beside.analysis import analyse
 from jkrcli.case import store
 from jkrcli.report.tables import read_curve
+from jkrcli.resolve.analysis import analyse
 
 CASE = (
     '[indenter]\nshape = "paraboloid"\nradius = "50 um"\n'

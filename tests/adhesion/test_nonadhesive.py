@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from jkrcli.adhesion.curve import AdhesiveCurve, transform
-from jkrcli.adhesion.nonadhesive import Nonadhesive
+from jkrcli.adhesion.interpolation import Nonadhesive
 from jkrcli.adhesion.slopes.choice import slopes, smoothed
-from jkrcli.formulas.griffith import shift
-from jkrcli.formulas.half_space import hertz
+from jkrcli.formulas import hertz, shift
 from jkrcli.report.explorer import start_work
 from jkrcli.series import RawSeries, Series
 

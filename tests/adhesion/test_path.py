@@ -10,13 +10,11 @@ import pytest
 
 import jkrcli as python
 from jkrcli.adhesion.curve import LOAD_CONTROL, AdhesiveCurve, position
-from jkrcli.adhesion.nonadhesive import Nonadhesive
-from jkrcli.adhesion.path import QuasiStatic, path
-from jkrcli.adhesion.program import Program, there_and_back
-from jkrcli.adhesion.rate.history import RateContact
-from jkrcli.adhesion.rate.laws import PowerRate
+from jkrcli.adhesion.device_path import Program, QuasiStatic, path, there_and_back
+from jkrcli.adhesion.interpolation import Nonadhesive
+from jkrcli.adhesion.rate import PowerRate, RateContact
 from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.formulas.half_space import hertz
+from jkrcli.formulas import hertz
 from jkrcli.series import Series
 
 RIGID = math.inf

@@ -12,19 +12,17 @@ from scipy.integrate import quad, solve_ivp
 from stopwatch import takes_less_than
 
 from jkrcli.adhesion.curve import AdhesiveCurve
-from jkrcli.adhesion.nonadhesive import Nonadhesive
-from jkrcli.adhesion.program import Program, there_and_back
-from jkrcli.adhesion.rate.history import TUNING, History, RateContact
-from jkrcli.adhesion.rate.laws import RATE_LAWS, LogRate, PowerRate
+from jkrcli.adhesion.device_path import Program, there_and_back
+from jkrcli.adhesion.interpolation import Nonadhesive
+from jkrcli.adhesion.rate import HISTORY_TUNING, RATE_LAWS, History, LogRate, PowerRate, RateContact
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.stability import cycle
-from jkrcli.base.errors import InputError
-from jkrcli.base.unknown import Unknown
+from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.formulas.half_space import hertz
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import Loading, Problem, Rigid, Specimen
+from jkrcli.formulas import hertz
+from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Series
 
 RIGID = math.inf
@@ -58,7 +56,7 @@ def gel() -> Nonadhesive:
     return Nonadhesive(series, slopes(series))
 
 
-def pulled(V: float, n: float, stiffness: float = RIGID, tolerance: float = TUNING.tolerance) -> History:
+def pulled(V: float, n: float, stiffness: float = RIGID, tolerance: float = HISTORY_TUNING.tolerance) -> History:
     """Back at the speed ``V`` from equilibrium at no load."""
     contact = RateContact(half_space(), PowerRate(1.0, n), 1.0, 1.0, stiffness, tolerance=tolerance)
     x = float(contact.edge.position_at(np.array(UNLOADED), 1.0))

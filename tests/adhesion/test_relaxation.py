@@ -10,16 +10,13 @@ import pytest
 from relaxing_rings import stepped
 
 import jkrcli as jkr
-from jkrcli.adhesion.program import Program
-from jkrcli.adhesion.relaxation.driven import Drive
-from jkrcli.adhesion.relaxation.history import RelaxingContact
-from jkrcli.adhesion.relaxation.memory import moments
-from jkrcli.adhesion.relaxation.path import Depths, RelaxedPath, depth_controlled
-from jkrcli.base.arrays import Array
+from jkrcli.adhesion.device_path import Program
+from jkrcli.adhesion.relaxation import Depths, Drive, RelaxedPath, RelaxingContact, depth_controlled, moments
 from jkrcli.base.errors import InputError
-from jkrcli.beside.analysis import nonadhesive
+from jkrcli.base.numerics import Array
 from jkrcli.bodies.indenter import Indenter
-from jkrcli.bodies.relaxation import PowerRelaxation, Prony, Relaxation, StandardSolid
+from jkrcli.bodies.materials import PowerRelaxation, Prony, Relaxation, StandardSolid
+from jkrcli.resolve.analysis import nonadhesive
 
 SOLID = StandardSolid(0.25, 1.0)
 POWER = PowerRelaxation(1.0, 0.3)

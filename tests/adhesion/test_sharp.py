@@ -6,14 +6,13 @@ import math
 
 import pytest
 
-from jkrcli.adhesion.curve import CriticalPoint
-from jkrcli.adhesion.sharp import TUNING
-from jkrcli.base.unknown import Unknown
-from jkrcli.beside.analysis import analyse
+from jkrcli.adhesion.curve import SHARP_TUNING, CriticalPoint
+from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.case.solving import solve
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.case.store import solve
+from jkrcli.resolve.analysis import analyse
 
 CONE = PowerLaw(1 / math.tan(math.radians(70)), 1.0)
 W = 0.05
@@ -60,7 +59,7 @@ def said(E: float, half_angle: float, specimen: Specimen | None = None) -> bool:
 
 
 def test_plasticity_is_hinted_at_where_the_mean_pressure_exceeds_a_tenth_of_the_modulus() -> None:
-    limit = math.degrees(math.atan(1 / (2 * TUNING.pressure)))  # Sneddon's cone: mean pressure = E* cot(angle)/2
+    limit = math.degrees(math.atan(1 / (2 * SHARP_TUNING.pressure)))  # Sneddon's cone: mean pressure = E* cot(angle)/2
     assert said(70e9, limit - 1)
     assert not said(70e9, limit + 1)
     assert not said(1e6, limit - 1), "a gel does not flow"

@@ -9,17 +9,14 @@ from stopwatch import takes_less_than
 
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes, smoothed
-from jkrcli.adhesion.slopes.events import node_radii
-from jkrcli.adhesion.slopes.integral import integral
+from jkrcli.adhesion.slopes.integral import LogSplineModel, Shape, correlation_length, integral
 from jkrcli.adhesion.slopes.loocv import loocv
-from jkrcli.adhesion.slopes.model import LogSplineModel, Shape
-from jkrcli.adhesion.slopes.scatter import correlation_length
+from jkrcli.adhesion.slopes.node_radii import node_radii
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
-from jkrcli.formulas.half_space import hertz, power_law, rounded_flat
-from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.formulas import hertz, power_law, rounded_flat, thin_incompressible_layer, thin_layer
+from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import RawSeries, Series
 from studies.failures_cells import indenter_of, specimen_of
 from studies.noise_cells import BODIES, cell, noise_study, noisy

@@ -11,8 +11,7 @@ from jkrcli.adhesion.slopes import slopes_function
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.slopes.loocv import interpolated_slope, loocv
 from jkrcli.base.errors import InputError, Refusal
-from jkrcli.formulas.half_space import hertz
-from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
+from jkrcli.formulas import hertz, thin_incompressible_layer, thin_layer
 from jkrcli.series import Series
 from studies.noise_cells import noisy
 

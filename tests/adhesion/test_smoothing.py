@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline, make_smoothing_spline
 from stopwatch import takes_less_than
 
-from jkrcli.adhesion.slopes.smoothing import linear_fit, smoothing_spline
+from jkrcli.adhesion.slopes.loocv import linear_fit, smoothing_spline
 from jkrcli.base.errors import InputError
 
 

@@ -13,13 +13,12 @@ from hypothesis import strategies as st
 from scipy.integrate import cumulative_simpson, quad
 from scipy.optimize import brentq
 
-from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, control, position, transform
-from jkrcli.adhesion.path import QuasiStatic, grow, largest_stable, shrink
+from jkrcli.adhesion.curve import NO_ADHESION, AdhesiveCurve, CriticalPoint, control, position, transform
+from jkrcli.adhesion.device_path import QuasiStatic, grow, largest_stable, shrink
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.slopes.result import Slopes
 from jkrcli.adhesion.stability import (
     GRIPPED,
-    NO_ADHESION,
     STABLE,
     UNBOUNDED,
     UNSTABLE,
@@ -29,14 +28,12 @@ from jkrcli.adhesion.stability import (
     branch,
     cycle,
 )
-from jkrcli.base.unknown import Unknown
+from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Specimen
-from jkrcli.formulas.half_space import hertz, jkr
-from jkrcli.formulas.scales import scales_half_space
-from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.formulas import hertz, jkr, scales_half_space, thin_incompressible_layer, thin_layer
+from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Series
 
 E_STAR, R, W = 5e9 / 0.84, 1e-4, 50.0

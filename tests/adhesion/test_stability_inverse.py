@@ -11,15 +11,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.nonadhesive import Nonadhesive
+from jkrcli.adhesion.interpolation import Nonadhesive
 from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.adhesion.stability_inverse import work_from_pull_off
+from jkrcli.adhesion.stability import work_from_pull_off
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.formulas.half_space import hertz
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.formulas import hertz
+from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Series
 
 E_STAR, R = 5e9 / 0.84, 1e-4

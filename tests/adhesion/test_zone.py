@@ -7,7 +7,7 @@ import math
 import pytest
 
 from jkrcli.adhesion.validity import zone
-from jkrcli.base.unknown import Unknown
+from jkrcli.base.errors import Unknown
 
 
 def test_the_width_is_dugdales_and_its_shares_are_said() -> None:

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline
 from scipy.optimize import brentq
 
-from jkrcli.base.arrays import Array
-from jkrcli.base.cubic import PiecewiseCubic, PiecewiseQuintic, spline_slopes, zeros_between
+from jkrcli.base.numerics import Array, PiecewiseCubic, PiecewiseQuintic, spline_slopes, zeros_between
 
 steps = st.lists(st.floats(0.02, 50.0), min_size=1, max_size=30)
 

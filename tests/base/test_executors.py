@@ -14,9 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from jkrcli.base.errors import InputError, JkrError, SolveError
+from jkrcli.base.errors import InputError, JkrError, SolveError, installs
 from jkrcli.base.executors import completed, executor, in_order, run_chunk
-from jkrcli.base.installing import installs
 
 DEADLINE = 60.0  # seconds to wait for processes on a machine that others use too
 

@@ -184,7 +184,7 @@ def test_new_replaces_no_case_that_appears(jkr: Callable[..., Outcome], monkeypa
         path.write_text("mine")
         files.write_text(path, text)
 
-    monkeypatch.setattr("jkrcli.cli.new.write_text", write)
+    monkeypatch.setattr("jkrcli.cli.case_verbs.write_text", write)
     done = jkr("new", "my.toml")
     assert (done.code, done.err.count("\n"), Path("my.toml").read_text()) == (2, 1, "mine")
 

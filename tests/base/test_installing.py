@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from jkrcli.base import installing
+from jkrcli.base import errors as installing
 
 ROOT = Path(__file__).parents[2]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jkrcli.base.table import write_csv
+from jkrcli.base.files import write_csv
 
 
 def test_numbers_keep_every_bit_and_words_their_commas(tmp_path: Path) -> None:

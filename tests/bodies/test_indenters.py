@@ -21,7 +21,7 @@ from jkrcli.bodies.indenters import (
     Sphere,
     TableProfile,
 )
-from jkrcli.formulas.half_space import abel_factor, tangent_minus_angle
+from jkrcli.formulas import abel_factor, tangent_minus_angle
 
 R = 3e-5
 GRID = np.linspace(0, 0.5 * R, 31)

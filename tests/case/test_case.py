@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 
 from jkrcli.base import units
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Rigid, Specimen
-from jkrcli.case import load_case, parse_case, writing
-from jkrcli.cli.new import TEMPLATE
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Rigid, Specimen
+from jkrcli.case import load_case, parse_case
+from jkrcli.case import reading as writing
+from jkrcli.cli.case_verbs import TEMPLATE
 
 SHIPPED = Path(__file__).parents[2] / "cases"
 CASES = sorted([*SHIPPED.glob("*.toml"), *SHIPPED.glob("paper/*.toml")])

@@ -71,8 +71,8 @@ ONE_CHANGE = {
     "unknown shape": (
         '"sphere"',
         '"spere"',
-        "indenter.shape: must be one of sphere, paraboloid, power, cone, flat, table, rounded-cone, "
-        "pyramid, three-sided-pyramid, "
+        "indenter.shape: must be one of sphere, paraboloid, power, cone, flat, rounded-cone, "
+        "pyramid, three-sided-pyramid, table, "
         'got "spere", did you mean "sphere"?',
     ),
     "missing shape": ('shape = "sphere"', "", "indenter.shape: is required"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jkrcli.case import parse_case
-from jkrcli.case.solving import solve
+from jkrcli.case.store import solve
 
 BODY = """
 [indenter]

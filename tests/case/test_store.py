@@ -19,10 +19,9 @@ import pytest
 from series_files import edit
 
 from jkrcli.base import hdf5
-from jkrcli.base.errors import InputError
-from jkrcli.base.unknown import Unknown
+from jkrcli.base.errors import InputError, Unknown
 from jkrcli.case import load_case, parse_case, store
-from jkrcli.methods.closed_form.method import ClosedForm
+from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.series import COLUMNS, Coarser, ErrorBudget, PressureTable, RawSeries, Series, Solution
 
 CASE = load_case(Path(__file__).parents[2] / "cases" / "halfspace.toml")

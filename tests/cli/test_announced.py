@@ -44,7 +44,7 @@ def test_check_says_what_many_works_of_adhesion_take(jkr: Callable, monkeypatch:
 
 def test_the_explorer_counts_its_page(jkr: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
     """100,000 rows were announced as 4 s and took 38: the page's errors were not counted."""
-    from jkrcli.beside import analysis
+    from jkrcli.resolve import analysis
 
     Path("gel.toml").write_text(CASE.format("0.01"))
     assert jkr("run", "gel.toml").code == 0

@@ -13,7 +13,7 @@ from conftest import CASES
 from jkrcli import __version__
 from jkrcli.case import store
 from jkrcli.cli import VERBS
-from jkrcli.formulas.half_space import jkr_dimensionless
+from jkrcli.formulas import jkr_dimensionless
 from jkrcli.report.tables import read_curve
 
 HALFSPACE = CASES / "halfspace.toml"

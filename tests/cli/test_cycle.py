@@ -13,10 +13,8 @@ from conftest import CASES
 from jkrcli.adhesion.curve import AdhesiveCurve, transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.stability import UNBOUNDED, Cycle, cycle, trace, turning_radius
-from jkrcli.base.errors import InputError
-from jkrcli.base.unknown import Unknown
-from jkrcli.formulas.half_space import hertz
-from jkrcli.formulas.thin_layer import thin_layer
+from jkrcli.base.errors import InputError, Unknown
+from jkrcli.formulas import hertz, thin_layer
 from jkrcli.series import Series
 
 E_STAR, R = 5e9 / 0.84, 1e-4

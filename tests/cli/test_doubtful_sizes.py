@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from jkrcli.base import implausible_work
-from jkrcli.cli.body import tables_of
+from jkrcli.cli.inputs import tables_of
 
 BODY = {"shape": None, "half_angle": None, "cap": None, "thickness": None, "base": None, "radius": "10 um", "nu": "0.5"}
 

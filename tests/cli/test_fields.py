@@ -17,12 +17,12 @@ import stack_fields
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.base.files import is_ours
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, TransverselyIsotropic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.materials import Elastic, Layer, TransverselyIsotropic
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.fem.fields import ContactState, contact_state
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.fem.state import ContactState, contact_state
-from jkrcli.methods.layered.fields import surface_profile
-from jkrcli.report.plots.body import contact_zone_figure, magnification
+from jkrcli.methods.layered.solver import surface_profile
+from jkrcli.report.plots.forward import contact_zone_figure, magnification
 
 R, E, NU, W, A = 100e-6, 1e6, 0.3, 0.02, 10e-6
 E_STAR = E / (1 - NU**2)

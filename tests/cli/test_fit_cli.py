@@ -15,7 +15,7 @@ from conftest import CASES, Outcome
 from fit_data import A_C, A_END, DELTA_C, E_STAR, P_C, W, adhesive, coating, measured, sphere
 
 from jkrcli.bodies.indenters import PowerLaw, Pyramid, RoundedCone
-from jkrcli.formulas.half_space import adhesive_half_space
+from jkrcli.formulas import adhesive_half_space
 
 CASE = (
     '[indenter]\nshape="paraboloid"\nradius="10 um"\n[specimen.half_space]\nE="1.5 MPa"\nnu=0.5\n'

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from rate_records import retraction
 
-from jkrcli.beside.analysis import nonadhesive
 from jkrcli.case import store
+from jkrcli.resolve.analysis import nonadhesive
 
 CASE = """
 [indenter]

@@ -17,13 +17,13 @@ from rate_records import retraction
 
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.beside.analysis import nonadhesive
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
 from jkrcli.case import store
 from jkrcli.cli.fit import fit
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
+from jkrcli.resolve.analysis import nonadhesive
 
 CASE = """
 [indenter]

@@ -16,13 +16,13 @@ from pathlib import Path
 import click
 import pytest
 
-from jkrcli.base.installing import installs
+from jkrcli.base.errors import installs
 from jkrcli.cli import GROUPS, VERBS
 from jkrcli.cli import jkr as root
-from jkrcli.cli.study import STUDIES
+from jkrcli.cli.study_verbs import STUDIES
 from jkrcli.cli.verb import GROUPS as OPTIONS
 from jkrcli.cli.verb import LINES
-from jkrcli.report import machine
+from jkrcli.report import doctor as machine
 
 BIN = Path(sys.executable).parent
 

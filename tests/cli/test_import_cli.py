@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from jkrcli.case import parse_case, store
-from jkrcli.formulas.half_space import hertz
+from jkrcli.formulas import hertz
 
 DATA = Path(__file__).parents[1] / "references" / "calculix"
 PEERS = Path(__file__).parents[2] / "docs" / "peers"

@@ -18,7 +18,7 @@ import pytest
 from jkrcli import cli
 from jkrcli.base.errors import InputError
 from jkrcli.case import parse_case
-from jkrcli.case.numerics import method_of
+from jkrcli.case.models import method_of
 from jkrcli.methods import METHODS
 
 CASE = """

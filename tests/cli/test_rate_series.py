@@ -13,8 +13,8 @@ import pytest
 from conftest import CASES
 from rate_records import retraction
 
-from jkrcli.beside.analysis import nonadhesive
 from jkrcli.case import store
+from jkrcli.resolve.analysis import nonadhesive
 
 LAW = (0.04, 2e-6, 0.5)  # w0, v0, n
 ORIGINS = ["hybrid", pytest.param("fem", marks=pytest.mark.slow), "imported", "noisy"]

@@ -11,19 +11,19 @@ from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.stability import stable_radius
 from jkrcli.base.errors import InputError, Refusal, SolveError
-from jkrcli.base.table import write_csv
-from jkrcli.beside.analysis import Analysis
-from jkrcli.beside.comparison import compare_half_space, exact_curve
-from jkrcli.beside.expectation import expect
+from jkrcli.base.files import write_csv
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.methods import Forecast, method_class
-from jkrcli.methods.choose import choose_method
-from jkrcli.methods.closed_form.method import ClosedForm
+from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.integral import InaccurateError
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
+from jkrcli.methods.protocol import choose_method
 from jkrcli.report import tables
+from jkrcli.resolve.analysis import Analysis
+from jkrcli.resolve.comparison import compare_half_space, exact_curve
+from jkrcli.resolve.neglected import expect
 from jkrcli.series import ErrorBudget, Series, Solution
 from jkrcli.series.differences import curve_differences, series_differences
 

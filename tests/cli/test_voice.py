@@ -8,7 +8,8 @@ import math
 import click
 import pytest
 
-from jkrcli.cli.voice import SILENCE, announce, progress
+from jkrcli.base.process import SILENCE
+from jkrcli.cli.output import announce, progress
 
 
 class Terminal(io.StringIO):

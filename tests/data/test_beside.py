@@ -9,7 +9,7 @@ import pytest
 
 from jkrcli.base.errors import InputError
 from jkrcli.data import measured
-from jkrcli.data.measured import Reading
+from jkrcli.data.curve import Reading
 
 Z = np.array([0.0, 1.0, 2.0, 3.0, 3.0, 2.0, 1.0, 0.5]) * 1e-3  # m, toward the specimen and back
 LOAD = np.array([0.0, 0.5, 2.0, 9.0, 8.0, 1.0, -3.0, 0.5])

@@ -10,15 +10,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jkrcli.base.errors import InputError
-from jkrcli.base.unknown import Unknown
-from jkrcli.beside.analysis import analyse
+from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.foreign import SeriesReading, radius_from_area, read_series, surface_area
-from jkrcli.formulas.half_space import hertz
-from jkrcli.tables.titles import split_name, unit_power
+from jkrcli.formulas import hertz
+from jkrcli.resolve.analysis import analyse
+from jkrcli.tables import split_name, unit_power
 
 R, E_STAR = 1e-3, 2e6
 BALL = Paraboloid(R)

@@ -14,10 +14,9 @@ import pytest
 import jkrcli as jkr_package
 from jkrcli.base.errors import InputError
 from jkrcli.data import Reading
+from jkrcli.data.instruments import constants
 from jkrcli.data.measured import read, usable
-from jkrcli.data.measured.instruments import constants
-from jkrcli.tables.text_table import read_table
-from jkrcli.tables.titles import split_name
+from jkrcli.tables import read_table, split_name
 
 DELTA = np.linspace(0, 1, 30)
 LOAD = np.maximum(DELTA - 0.4, 0) ** 1.5

@@ -11,7 +11,7 @@ from vendors import FORCE, HEIGHT, ROWS, K
 
 from jkrcli.base.errors import InputError
 from jkrcli.data import measured
-from jkrcli.data.measured import Curve, Reading
+from jkrcli.data.curve import Curve, Reading
 
 COUNT = vendors.PER_COUNT * vendors.SENSITIVITY  # m of deflection
 WAYS = ["approach"] * ROWS + ["retract"] * ROWS

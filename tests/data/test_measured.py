@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 
 from jkrcli.base.errors import InputError
 from jkrcli.data import measured
-from jkrcli.data.measured import Curve, Reading
-from jkrcli.data.measured.saturation import saturation
-from jkrcli.data.zero_points import with_zero_points
+from jkrcli.data.curve import Curve, Reading
+from jkrcli.data.segmentation import saturation, with_zero_points
 
 MEND = ": correct it, or put # before it"
 A = np.array([1.0, 2.0, 3.0, 2.5]) * 1e-5

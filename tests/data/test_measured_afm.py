@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from jkrcli.base.errors import InputError
-from jkrcli.base.installing import installs
+from jkrcli.base.errors import InputError, installs
 from jkrcli.data import measured
-from jkrcli.data.measured import Curve, Reading
-from jkrcli.data.record import examine
+from jkrcli.data.curve import Curve, Reading
+from jkrcli.data.segmentation import examine
 
 HEIGHT = np.array([9.0, 5.0, 1.0, 3.0, 8.0]) * 1e-6  # grows away from the specimen
 FORCE = np.array([0.0, 1.0, 40.0, 10.0, -3.0]) * 1e-9

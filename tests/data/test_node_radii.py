@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from node_series import BODIES, LENGTH, MODULUS, NodeBody, NodeSeries, compliance, many, node_series
 
-from jkrcli.adhesion.slopes.events import node_radii
 from jkrcli.adhesion.slopes.integral import smoothed
+from jkrcli.adhesion.slopes.node_radii import node_radii
 from jkrcli.base import Unknown
-from jkrcli.beside.analysis import analyse
-from jkrcli.beside.departure import departures
-from jkrcli.beside.nodes import compared
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.foreign import SeriesReading, read_series
+from jkrcli.resolve.analysis import analyse
+from jkrcli.resolve.consistency_check import departures
+from jkrcli.resolve.node_radii import compared
 from jkrcli.series import RawSeries, Solution
 
 CALCULIX = Path(__file__).parents[1] / "references" / "calculix"

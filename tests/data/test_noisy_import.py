@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from jkrcli.base.errors import InputError
-from jkrcli.beside.analysis import analyse
 from jkrcli.data.foreign import SeriesReading, read_series
-from jkrcli.data.noisy_rows import is_noise
+from jkrcli.data.tables import is_noise
+from jkrcli.resolve.analysis import analyse
 from jkrcli.series import Solution
 from studies.disturbed import cell, disturbed
 from studies.noise_cells import BODIES

@@ -13,9 +13,8 @@ import pytest
 
 from jkrcli.base.errors import InputError
 from jkrcli.data import measured
-from jkrcli.data.measured import Curve, Reading
-from jkrcli.data.measured.curve import AS_DEPTH
-from jkrcli.tables.text_table import decoded, read_table
+from jkrcli.data.curve import AS_DEPTH, Curve, Reading
+from jkrcli.tables import decoded, read_table
 
 Z = np.array([0.0, 1.0, 2.0, 3.0, 2.0, 1.0]) * 1e-6  # toward the specimen
 LOAD = np.array([0.0, 0.0, 2.0, 9.0, 1.0, -3.0]) * 1e-9
@@ -524,7 +523,7 @@ WRONG: dict[str, tuple[Callable[[Path], Path], str]] = {
 
 @pytest.mark.parametrize("mistake", WRONG)
 def test_mistakes_are_told_in_one_line(tmp_path: Path, mistake: str, tuned) -> None:
-    tuned("jkrcli.base.allowance.TUNING.text", 100_000)
+    tuned("jkrcli.base.process.TUNING.text", 100_000)
     make, expected = WRONG[mistake]
     path = make(tmp_path)
     with pytest.raises(InputError) as caught:

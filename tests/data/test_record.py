@@ -9,10 +9,9 @@ import pytest
 from cycle_records import drawn
 from force_curves import Instrument, equilibrium, record
 
-from jkrcli.base.errors import InputError
-from jkrcli.base.unknown import Unknown
-from jkrcli.data.measured import APPROACH, Curve
-from jkrcli.data.record import ForceCurve, examine, resolution
+from jkrcli.base.errors import InputError, Unknown
+from jkrcli.data.curve import APPROACH, Curve
+from jkrcli.data.segmentation import ForceCurve, examine, resolution
 
 E_STAR, R, W = 20e3, 5e-6, 1e-4
 PULL_OFF = 1.5 * np.pi * W * R

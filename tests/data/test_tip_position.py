@@ -10,10 +10,12 @@ from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
-from jkrcli.data.measured import SUBTRACTED_TWICE, Curve, Reading, from_columns
-from jkrcli.identification.fit import FittedBody, fit
-from jkrcli.identification.fit.settings import settings_of
-from jkrcli.methods.closed_form.method import ClosedForm
+from jkrcli.data.curve import Curve, Reading
+from jkrcli.data.measured import from_columns
+from jkrcli.data.segmentation import SUBTRACTED_TWICE
+from jkrcli.fitting import FittedBody, fit
+from jkrcli.fitting.settings import settings_of
+from jkrcli.methods.closed_form import ClosedForm
 
 E_STAR, R, W = 1e5, 5e-6, 2e-4
 S = 2 * E_STAR * 1e-6  # of the contact, about [N/m]

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from jkrcli import formulas as half_space
+from jkrcli import formulas as thin_layer
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
-from jkrcli.formulas import half_space, thin_layer
-from jkrcli.methods.closed_form.method import TUNING, ClosedForm
+from jkrcli.methods.closed_form import TUNING, ClosedForm
 
 E_STAR, R = 7.0e5, 2e-3
 SHAPES = [Sphere(R), Paraboloid(R), PowerLaw(0.3, 1.0), PowerLaw(5e6, 4.0), RoundedFlat(0.1 * R, R)]

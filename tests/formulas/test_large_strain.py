@@ -14,8 +14,8 @@ from scipy.optimize import brentq
 import jkrcli as jkr
 from jkrcli.adhesion.curve import Equilibrium
 from jkrcli.adhesion.validity import large_strains
-from jkrcli.base.unknown import Unknown
-from jkrcli.formulas.large_strain import BY_DISPLACEMENT, BY_LOAD, strained_pull_off
+from jkrcli.base.errors import Unknown
+from jkrcli.formulas import BY_DISPLACEMENT, BY_LOAD, strained_pull_off
 
 CUBIC = (-0.11569, 0.34707, -0.43430, 0.2002)  # c_k of U3 = mu sum c_k D^(3-k) X^k
 

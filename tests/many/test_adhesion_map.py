@@ -10,7 +10,7 @@ import pytest
 from maugis import Maugis
 
 import jkrcli
-from jkrcli.many.study.adhesion_map import ZONES
+from jkrcli.many.maps import ZONES
 
 
 @pytest.mark.parametrize("mu", [0.03, 0.5, 20.0])

@@ -12,13 +12,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jkrcli.base.errors import InputError
-from jkrcli.base.unknown import Unknown
+from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.many.study.converge import coarser, converge, edge_size
-from jkrcli.many.study.meshes import richardson
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.many.convergence import coarser, converge, edge_size, richardson
 from jkrcli.methods.fem.method import FEM
 
 MATERIAL = Elastic(1.0, 0.3)

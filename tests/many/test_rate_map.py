@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import jkrcli
-from jkrcli.many.study.rate_map import MAP
+from jkrcli.many.maps import RATE_MAP
 
 
 @pytest.mark.slow
@@ -27,7 +27,7 @@ def test_both_logarithmic_panels_hold_their_lines() -> None:
     """Limits of a linear axis were kept: energies that span a decade were drawn above a panel of negative energies."""
     columns = {"V_over_v0": [1e-3, 1.0, 1e2], "h_over_R": [math.inf] * 3, "k_over_Estar_R": [math.inf] * 3,
                "minus_P_over_pi_w0_R": [1.5, 2.3, 8.3], "dissipated_over_w0_pi_a2": [1.0, 3.0, 40.0]}  # fmt: skip
-    figure = MAP.draw({name: np.array(values) for name, values in columns.items()})
+    figure = RATE_MAP.draw({name: np.array(values) for name, values in columns.items()})
     for axes, (low, high) in zip(figure.axes, ((1.5, 8.3), (1.0, 40.0)), strict=True):
         assert 0 < axes.get_ylim()[0] < low
         assert axes.get_ylim()[1] > high

@@ -13,9 +13,8 @@ from conftest import CASES
 from sweep_files import AXIS, BAD, HALF_SPACE, TWO_LAYERS, R, axis, plan_of, rows
 
 from jkrcli.base.errors import InputError
-from jkrcli.formulas.half_space import jkr as jkr_curve
-from jkrcli.many.sweep.paths import with_values
-from jkrcli.many.sweep.quantities import NAMES, names_of
+from jkrcli.formulas import jkr as jkr_curve
+from jkrcli.many.sweep.plan import NAMES, names_of, with_values
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
 

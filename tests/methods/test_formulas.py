@@ -7,10 +7,10 @@ import pytest
 
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, TableProfile
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.closed_form.method import TUNING, ClosedForm
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.closed_form import TUNING, ClosedForm
+from jkrcli.methods.layered.solver import Layered
 
 R, H = 1000.0, 1.0
 

@@ -12,14 +12,14 @@ from pathlib import Path
 
 import pytest
 
-from jkrcli.base import memory
-from jkrcli.base.clock import duration
+from jkrcli.base import process as memory
 from jkrcli.base.errors import Refusal
 from jkrcli.base.executors import available_cores
+from jkrcli.base.process import duration
 from jkrcli.case import load_case
-from jkrcli.case.solving import solve
+from jkrcli.case.store import solve
 from jkrcli.methods import Forecast
-from jkrcli.methods.guards import Limits, admit
+from jkrcli.methods.protocol import Limits, admit
 
 CASES = Path(__file__).parents[2] / "cases"
 CASE = """

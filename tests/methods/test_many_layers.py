@@ -9,16 +9,15 @@ import pytest
 from stopwatch import seconds_of, takes_less_than
 
 from jkrcli.base.errors import InputError
-from jkrcli.bodies.grading import Tabulated
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Graded
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.choose import long_look, survey
-from jkrcli.methods.closed_form.method import ClosedForm
+from jkrcli.bodies.materials import Elastic, Graded, Layer, Tabulated
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.closed_form import ClosedForm
+from jkrcli.methods.fem.mesh import SizeLaw, expected_triangles
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.fem.sizes import SizeLaw, expected_triangles
 from jkrcli.methods.hybrid.method import Hybrid
-from jkrcli.methods.layered.layered import Layered, largest_radius
+from jkrcli.methods.layered.solver import Layered, largest_radius
+from jkrcli.methods.protocol import long_look, survey
 
 METHODS = {"closed-form": ClosedForm(), "layered": Layered(), "hybrid": Hybrid(), "fem": FEM()}
 

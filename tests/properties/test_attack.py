@@ -17,15 +17,15 @@ import sweep_files
 from series_files import edit
 from stopwatch import seconds_of, takes_less_than
 
-from jkrcli.adhesion.law import RangeRequest
+from jkrcli.adhesion.finite_range import RangeRequest
 from jkrcli.base.errors import InputError
-from jkrcli.base.table import as_json, write_csv
-from jkrcli.beside.analysis import JKR, analyse, forecast
+from jkrcli.base.files import as_json, write_csv
 from jkrcli.case import parse_case, plain_toml, store
-from jkrcli.case.solving import solve
+from jkrcli.case.store import solve
 from jkrcli.many.sweep.plan import load_plan
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
 from jkrcli.report.tables import curve_columns, summary
+from jkrcli.resolve.analysis import JKR, analyse, forecast
 
 ROOT = Path(__file__).parents[2]
 HALF_SPACE = ROOT / "cases" / "halfspace.toml"
@@ -375,7 +375,7 @@ def test_a_library_that_finds_no_room_is_out_of_memory(said: str, jkr, series: P
     def load(*_: object, **__: object) -> None:
         raise ImportError(said)
 
-    monkeypatch.setattr("jkrcli.cli.show.read_series", load)
+    monkeypatch.setattr("jkrcli.cli.help_verbs.read_series", load)
     done = jkr("show", series)
     assert (done.code, done.err.startswith("jkr: error: out of memory: ")) == (1, True)
 
@@ -384,7 +384,7 @@ def test_a_library_that_is_not_there_is_not(jkr, series: Path, monkeypatch) -> N
     def load(*_: object, **__: object) -> None:
         raise ImportError("no module")
 
-    monkeypatch.setattr("jkrcli.cli.show.read_series", load)
+    monkeypatch.setattr("jkrcli.cli.help_verbs.read_series", load)
     with pytest.raises(ImportError, match="no module"):
         jkr("show", series)
 

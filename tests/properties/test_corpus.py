@@ -16,7 +16,7 @@ from series_files import edit
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.problem import Problem
 from jkrcli.case import Case, load_case, parse_case, plain_toml, store
-from jkrcli.case.solving import solve
+from jkrcli.case.store import solve
 from jkrcli.data import foreign, measured
 
 CORPUS = Path(__file__).parent / "corpus"

@@ -25,9 +25,9 @@ from series_files import edit
 
 from jkrcli.base.errors import JkrError
 from jkrcli.case import load_case, parse_case, store
-from jkrcli.case.numerics import method_of
-from jkrcli.methods.choose import survey
-from jkrcli.methods.closed_form.method import ClosedForm
+from jkrcli.case.models import method_of
+from jkrcli.methods.closed_form import ClosedForm
+from jkrcli.methods.protocol import survey
 from jkrcli.series import PressureTable
 
 CASES = Path(__file__).parents[2] / "cases"

@@ -18,14 +18,13 @@ import pytest
 from fuzzing import bounded
 from series_files import edit
 
-from jkrcli.base.errors import InputError, Refusal, SolveError
+from jkrcli.base.errors import InputError, Refusal, SolveError, Unknown
 from jkrcli.base.files import read_bytes
 from jkrcli.base.units import parse
-from jkrcli.base.unknown import Unknown
 from jkrcli.bodies.indenters import TableProfile
 from jkrcli.case import load_case, parse_case, store
-from jkrcli.methods.closed_form.method import ClosedForm
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.closed_form import ClosedForm
+from jkrcli.methods.layered.solver import Layered
 
 CASES = Path(__file__).parents[2] / "cases"
 GOOD = """
@@ -298,7 +297,7 @@ def test_names_that_the_terminal_cannot_show(jkr: Callable, path: Path) -> None:
 
 def test_a_long_stretch_of_equal_elements_does_not_overflow() -> None:
     """Found by many_cases: more than 709 points of one size on a line."""
-    from jkrcli.methods.fem.sizes import graded_points
+    from jkrcli.methods.fem.mesh import graded_points
 
     points = graded_points(0.0, 1.0, lambda x: np.full_like(x, 1e-3))
     assert points.size == 1001

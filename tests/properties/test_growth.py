@@ -14,20 +14,18 @@ from stopwatch import takes_less_than
 from jkrcli.adhesion.curve import AdhesiveCurve
 from jkrcli.adhesion.slopes.choice import smoothed
 from jkrcli.base.errors import InputError
+from jkrcli.base.process import SILENCE
 from jkrcli.case import parse_case
 from jkrcli.cli import MOST_WORDS
-from jkrcli.cli.measured import TUNING
-from jkrcli.cli.voice import SILENCE
-from jkrcli.data import foreign, measured
-from jkrcli.data.measured import instruments
-from jkrcli.data.measured.amount import rows_expected
-from jkrcli.many.sweep.plan import load_plan, solve_group
-from jkrcli.many.sweep.quantities import Wanted
+from jkrcli.cli.inputs import TUNING
+from jkrcli.data import foreign, instruments, measured
+from jkrcli.data.afm_formats import rows_expected
+from jkrcli.many.sweep.plan import Wanted, load_plan, solve_group
 from jkrcli.many.sweep.running import forecast
 from jkrcli.methods.fem.method import FEM
 from jkrcli.report.tables import read_curve
 from jkrcli.series import RawSeries
-from jkrcli.tables.text_table import MOST_COLUMNS, Dialect, read_table
+from jkrcli.tables import MOST_COLUMNS, Dialect, read_table
 
 ROWS = "".join(f"{i}e-6\t{i * i}e-6\n" for i in range(1, 31))
 HALF_SPACE = """
@@ -67,9 +65,9 @@ def test_long_tables_are_announced_before_they_are_read(
     def reading(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("jkrcli.identification.work.each", reading)  # first: what it imports is no patch
+    monkeypatch.setattr("jkrcli.fitting.work_along_curve.each", reading)  # first: what it imports is no patch
     monkeypatch.setattr("jkrcli.data.measured.each", reading)
-    monkeypatch.setattr("jkrcli.report.compare.read_curve", reading)
+    monkeypatch.setattr("jkrcli.report.forward.read_curve", reading)
     monkeypatch.setattr("jkrcli.cli.fit.fitted_body", reading)
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
     Path("long.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 1_000_000)
@@ -106,8 +104,8 @@ def stopped(monkeypatch: pytest.MonkeyPatch, *names: str) -> None:
     ("verb", "first"),
     [
         ("show", "jkrcli.report.archive.is_archive"),
-        ("transform", "jkrcli.cli.series.series_file"),
-        ("pull-off", "jkrcli.cli.series.series_file"),
+        ("transform", "jkrcli.cli.inputs.series_file"),
+        ("pull-off", "jkrcli.cli.inputs.series_file"),
     ],
 )
 def test_many_files_are_announced_before_the_first_is_opened(
@@ -153,7 +151,7 @@ def test_a_long_program_is_announced_and_refused_before_it_is_read(jkr, monkeypa
     """30 s for 10,000 rows."""
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
     Path("x.csv").write_text("t_s,x_m\n" + "".join(f"{i:05d},1e-6\n" for i in range(10_000)))
-    stopped(monkeypatch, "jkrcli.data.device_program.read_program")
+    stopped(monkeypatch, "jkrcli.data.foreign.read_program")
     words = ("cycle", "s.toml", "--rate", "v0=1e-6,n=0.6", "--program", "x.csv")
     assert "cycle --program of about 10,000 rows needs about 0.495 GiB of memory and 2 min" in jkr(*words).err
     done = jkr(*words, "--limit-time", "0.01")
@@ -164,7 +162,7 @@ def test_a_long_program_is_announced_and_refused_before_it_is_read(jkr, monkeypa
 def test_devices_count_in_what_is_announced_and_refused(jkr, monkeypatch: pytest.MonkeyPatch) -> None:
     """40 s for 2,000 of them."""
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
-    stopped(monkeypatch, "jkrcli.beside.analysis.analyse")
+    stopped(monkeypatch, "jkrcli.resolve.analysis.analyse")
     words = ("pull-off", "s.toml", *(word for i in range(2_000) for word in ("--stiffness", f"{i + 1}")))
     assert "pull-off of 100 rows for 1 works of adhesion under 2,000 controls needs about 0.108 GiB" in jkr(*words).err
     done = jkr(*words, "--limit-time", "1e-3")

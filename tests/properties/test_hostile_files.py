@@ -19,14 +19,14 @@ from fuzzing import address_space, bounded, outcome
 from hostile import harm_hdf5, harm_jpk, harm_zip
 from series_files import edit
 
-from jkrcli.base import allowance, hdf5
-from jkrcli.base.allowance import LINE_ENDS
+from jkrcli.base import hdf5
+from jkrcli.base import process as allowance
 from jkrcli.base.errors import InputError
 from jkrcli.base.files import TUNING, beside
-from jkrcli.base.memory import fence
+from jkrcli.base.process import LINE_ENDS, fence
 from jkrcli.data import measured
-from jkrcli.data.measured import Curve, Reading
-from jkrcli.data.measured.amount import rows_expected
+from jkrcli.data.afm_formats import rows_expected
+from jkrcli.data.curve import Curve, Reading
 from jkrcli.report import archive
 
 Run = Callable[..., Outcome]
@@ -142,8 +142,8 @@ def test_a_member_lost_from_the_list_is_missed(jkr: Run) -> None:
 @pytest.mark.parametrize("ending", ["jpk-force", "zip"])
 def test_what_unpacks_to_much_is_refused_before_it_is_unpacked(jkr: Run, tuned, ending: str) -> None:
     """7 MB of a JPK file became 6 GB."""
-    tuned("jkrcli.base.allowance.TUNING.size", 1 << 20)
-    tuned("jkrcli.base.allowance.TUNING.text", 1 << 20)
+    tuned("jkrcli.base.process.TUNING.size", 1 << 20)
+    tuned("jkrcli.base.process.TUNING.text", 1 << 20)
     vendors.zipped(Path(f"x.{ending}"), vendors.jpk_members() | {"more.csv": bytes(2 << 20)})
     assert Path(f"x.{ending}").stat().st_size < 1 << 15
     refused(jkr("look", f"x.{ending}", "--no-plots"), " unpacked bytes or more, at most 1,048,576 are read of one file")
@@ -258,7 +258,7 @@ HDF5: dict[str, tuple[Callable[[h5py.File], object], str]] = {
 @pytest.mark.parametrize("name", HDF5)
 def test_a_small_hdf5_file_that_becomes_large_is_refused_soon(jkr: Run, series: Path, tuned, name: str) -> None:
     """No end, or all memory, and then it was called damaged."""
-    tuned("jkrcli.base.allowance.TUNING.size", 1 << 24)
+    tuned("jkrcli.base.process.TUNING.size", 1 << 24)
     change, words = HDF5[name]
     edit(series, change)
     with bounded(SECONDS), address_space():
@@ -273,20 +273,20 @@ def test_every_verb_refuses_it(jkr: Run, series: Path, tuned, words: tuple[str, 
     Path("x.h5").write_bytes(series.read_bytes())
     edit(Path("x.h5"), bomb)
     Path("m.csv").write_bytes(TABLE)
-    tuned("jkrcli.base.allowance.TUNING.size", 1 << 24)
+    tuned("jkrcli.base.process.TUNING.size", 1 << 24)
     done = jkr(*words)
     assert (done.code, done.err.count("\n"), "damaged" in done.err) == (2, 1, False), done.err
 
 
 def test_texts_of_any_length_are_read_in_pieces(tmp_path: Path, tuned) -> None:
     """Each of them may be all that the file holds: half a megabyte in 10,000 places."""
-    tuned("jkrcli.base.allowance.TUNING.size", 1 << 21)
+    tuned("jkrcli.base.process.TUNING.size", 1 << 21)
     with h5py.File(tmp_path / "x.h5", "w") as file:
         file.create_dataset("words", data=["x" * 500, *[""] * 5000], dtype=h5py.string_dtype())
     content = (tmp_path / "x.h5").read_bytes()
     held = hdf5.tree_of(tmp_path / "x.h5", content).members["words"]
     assert [len(text) for text in held.values[:3]] == [500, 0, 0]
-    tuned("jkrcli.base.allowance.TUNING.size", 400)
+    tuned("jkrcli.base.process.TUNING.size", 400)
     with pytest.raises(InputError, match="unpacked bytes or more, at most 400 are read"):
         hdf5.tree_of(tmp_path / "x.h5", content)
 
@@ -314,11 +314,11 @@ def test_memory_that_runs_out_is_not_called_damage(tmp_path: Path, tuned, monkey
         file.create_dataset("zz", (10**7,), "f8", chunks=(10**6,))
     with h5py.File(tmp_path / "large.h5", "w") as file:  # more than what other tests may have left free in the heap
         file.create_dataset("zz", (9 * 10**6,), "S100", chunks=(10**6,))
-    monkeypatch.setattr("jkrcli.base.allowance.fence", lambda most: fence(1 << 24))
-    tuned("jkrcli.base.allowance.TUNING.little", 1 << 40)
+    monkeypatch.setattr("jkrcli.base.process.fence", lambda most: fence(1 << 24))
+    tuned("jkrcli.base.process.TUNING.little", 1 << 40)
     with pytest.raises(InputError, match="takes more memory to read than may be taken: split it, free memory or raise"):
         hdf5.tree_of(tmp_path / "large.h5", (tmp_path / "large.h5").read_bytes())
-    tuned("jkrcli.base.allowance.TUNING.little", 1 << 20)
+    tuned("jkrcli.base.process.TUNING.little", 1 << 20)
     with pytest.raises(InputError, match=r"takes 0\.075 GiB of memory or more to read, 0\.01. GiB may be taken: split"):
         hdf5.tree_of(path, path.read_bytes())
     monkeypatch.setattr(allowance, "free_memory", lambda: 10.0)
@@ -379,14 +379,14 @@ def test_the_rows_of_an_archive_are_told_from_what_it_unpacks_to(tmp_path: Path)
 
 @pytest.mark.parametrize("end", [*LINE_ENDS, "\r\n"], ids=ascii)
 def test_more_rows_than_are_read_are_counted_before_they_are_taken_apart(tmp_path: Path, tuned, end: str) -> None:
-    tuned("jkrcli.base.allowance.TUNING.rows", 1000)
+    tuned("jkrcli.base.process.TUNING.rows", 1000)
     (tmp_path / "x.csv").write_bytes(f"1,2{end}".encode() * 1001)
     with pytest.raises(InputError, match=r"x\.csv: holds 1,001 rows or more, at most 1,000 are read of one file"):
         measured.read(tmp_path / "x.csv")
 
 
 def test_more_members_than_are_read_are_counted_before_they_are_listed(tmp_path: Path, tuned) -> None:
-    tuned("jkrcli.base.allowance.TUNING.parts", 100)
+    tuned("jkrcli.base.process.TUNING.parts", 100)
     vendors.zipped(tmp_path / "x.zip", {f"{i}.csv": TABLE for i in range(101)})
     with pytest.raises(InputError, match=r"x\.zip: holds 101 parts or more, at most 100 are read of one file"):
         measured.read(tmp_path / "x.zip")
@@ -402,7 +402,7 @@ def test_an_archive_of_very_many_members_is_read(tmp_path: Path, monkeypatch: py
 
 def test_curves_of_long_names_are_fitted_and_drawn(jkr: Run, series: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A name of 300 letters failed after all work."""
-    monkeypatch.setattr("jkrcli.report.plots.fit.fit_figure", lambda item: None)  # its files are named before
+    monkeypatch.setattr("jkrcli.report.plots.inverse.fit_figure", lambda item: None)  # its files are named before
     a = np.linspace(2e-5, 9e-5, 40)
     P = 4e6 / 0.91 * a**3 / 3e-3 - np.sqrt(8 * np.pi * a**3 * 0.05e6 / 0.91)
     rows = "".join(f"{x},{y}\n" for x, y in zip(a.tolist(), P.tolist(), strict=True)).encode()

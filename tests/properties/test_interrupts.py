@@ -108,7 +108,7 @@ def interrupted(folder: Path, words: tuple[str, ...], seconds: float) -> tuple[i
 
 def test_every_verb_is_among_them() -> None:
     assert {words[0] for words in VERBS.values()} == set(cli.VERBS)
-    from jkrcli.cli.study import study
+    from jkrcli.cli.study_verbs import study
 
     assert {words[1] for words in VERBS.values() if words[0] == "study"} == set(study.list_commands(None))
 
@@ -214,7 +214,7 @@ def test_what_compiled_code_makes_of_an_interrupt_is_told_as_one(
             raise RuntimeError("SchemaError") from None
 
     monkeypatch.setattr("jkrcli.base.interrupts._came", False)
-    monkeypatch.setattr("jkrcli.cli.show.read_series", build)
+    monkeypatch.setattr("jkrcli.cli.help_verbs.read_series", build)
     assert (cli.call(["show", "x.h5"]), capsys.readouterr().err) == (interrupts.CODE, LINE)
 
 

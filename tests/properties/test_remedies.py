@@ -33,12 +33,11 @@ from jkrcli import parse_case
 from jkrcli.adhesion.slopes import RULES
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.parts import unbounded
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen, unbounded
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.hybrid.method import Hybrid
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
 from studies.chart_reference import reference_of
 
 PACKAGE = Path(__file__).parents[2] / "jkrcli"
@@ -156,7 +155,7 @@ def test_a_limit_can_be_raised_or_kept(jkr, limit: str) -> None:
 
 @pytest.mark.parametrize("verb", ["run", "mesh", "fit", "bench"])
 def test_a_remedy_names_options_that_the_verb_has(jkr, monkeypatch: pytest.MonkeyPatch, verb: str) -> None:
-    monkeypatch.setattr("jkrcli.methods.guards.SHARE", 1e-9)
+    monkeypatch.setattr("jkrcli.methods.protocol.SHARE", 1e-9)
     Path("x.toml").write_text(tomli_w.dumps(merged(BASE, COSTLY)), encoding="utf-8")
     Path("m.csv").write_text("delta_m,P_N\n" + "1e-6,1e-6\n" * 9, encoding="utf-8")
     outcome = jkr(verb, "x.toml", *(["m.csv"] if verb == "fit" else []))
@@ -288,7 +287,7 @@ BEHIND = (  # never seen, as something else is told before, or seen as no refusa
     "mesh: {} x {} lines make too many quadrilaterals",  # their number is estimated first
     "nu: 0.5 needs the mixed form",  # fem says so before it builds anything
     "needs a contact beyond the profile: load less, or give a larger profile",  # found on the wide body first
-    "method {}: {}",  # of jkrcli.methods.choose: leads the reasons above
+    "method {}: {}",  # of jkrcli.methods.protocol: leads the reasons above
     "the coarse solution would take about {}",  # of jkr check, which goes on without
     "no exact method represents these bodies",  # the reason of the last one is told
 )

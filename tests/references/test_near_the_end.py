@@ -8,16 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jkrcli.base.unknown import Unknown
-from jkrcli.beside.analysis import analyse, nonadhesive
+from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.case import load_case
-from jkrcli.formulas.griffith import shift
+from jkrcli.formulas import shift
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.hybrid.method import Hybrid
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
+from jkrcli.resolve.analysis import analyse, nonadhesive
 
 CASES = Path(__file__).parents[2] / "cases"
 

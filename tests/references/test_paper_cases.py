@@ -14,16 +14,16 @@ import numpy as np
 import pytest
 from conftest import CASES
 
+from jkrcli import formulas as half_space
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Side, Specimen
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Side, Specimen
 from jkrcli.case import load_case, parse_case
-from jkrcli.formulas import half_space
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Array, Series
 
 PLAIN = FEM(estimate_error=False, edge_correction=False)  # where radii play no part: a quarter of the time

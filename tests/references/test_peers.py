@@ -59,8 +59,7 @@ from jkrcli import (
 )
 from jkrcli.adhesion import transform
 from jkrcli.bodies import Indenter
-from jkrcli.bodies.grading import Power
-from jkrcli.bodies.materials import Graded
+from jkrcli.bodies.materials import Graded, Power
 from jkrcli.series import Series
 
 

@@ -7,11 +7,11 @@ import pytest
 
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.beside.comparison import exact_curve
 from jkrcli.bodies.indenters import Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
 from jkrcli.methods.fem.method import FEM
+from jkrcli.resolve.comparison import exact_curve
 
 R, W = 100e-6, 50.0
 PROBLEM = Problem(Sphere(R), Specimen((), HalfSpace(Elastic(5e9, 0.4))), Loading("depth", 0.03 * R))

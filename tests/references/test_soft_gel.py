@@ -5,9 +5,9 @@ import math
 import pytest
 from conftest import CASES
 
-from jkrcli.beside.analysis import analyse
 from jkrcli.case import load_case
-from jkrcli.case.solving import solve
+from jkrcli.case.store import solve
+from jkrcli.resolve.analysis import analyse
 
 FORCE = 1.212696  # -P_min/(pi w R) of q = 1, beta = 1, nu = 1/2: an integral equation and elements, apart from this
 

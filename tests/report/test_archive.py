@@ -15,7 +15,7 @@ from sweep_files import HALF_SPACE
 from jkrcli.base import hdf5
 from jkrcli.base.errors import InputError
 from jkrcli.case import load_case, store
-from jkrcli.case.solving import solve
+from jkrcli.case.store import solve
 from jkrcli.many.sweep import plan
 from jkrcli.report import archive
 
@@ -169,7 +169,7 @@ def test_a_group_for_each_curve_is_read(tmp_path: Path) -> None:
     curves = hdf5.Group({}, {"000000": hdf5.Group({"summary": json.dumps(told)})})
     identity = {"format": archive.FITS, "version": 2, "jkr": "0", "body": "x"}
     (tmp_path / "old.h5").write_bytes(hdf5.image(hdf5.Group(identity, {"curves": curves})))
-    assert archive.summary(archive.read(tmp_path / "old.h5"))["curves"] == [told]
+    assert archive.archive_summary(archive.read(tmp_path / "old.h5"))["curves"] == [told]
 
 
 def test_a_version_without_its_digest_is_refused(jkr, archives: dict[str, Path]) -> None:

@@ -17,13 +17,13 @@ from scipy.interpolate import PPoly
 
 from jkrcli.adhesion.curve import AdhesiveCurve
 from jkrcli.base import DRAWN
+from jkrcli.base.errors import installs
 from jkrcli.base.files import is_ours
-from jkrcli.base.installing import installs
-from jkrcli.beside.analysis import adhesive, analyse, nonadhesive
 from jkrcli.case import store
 from jkrcli.cli import call
-from jkrcli.data.measured import Curve
+from jkrcli.data.curve import Curve
 from jkrcli.report.explorer import payload
+from jkrcli.resolve.analysis import adhesive, analyse, nonadhesive
 
 pytest.importorskip("plotly")
 ROUND_OFF = 1e-13  # logs, splines and exponentials of both sides, a few rounding errors each

@@ -25,16 +25,16 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 from jkrcli.adhesion.curve import CriticalPoint, transform
-from jkrcli.beside.analysis import Analysis, analyse
 from jkrcli.case import store
-from jkrcli.many.cost import Cost
+from jkrcli.many.bench import Cost
 from jkrcli.report import plots
 from jkrcli.report.map import Map
 from jkrcli.report.plots import looks
-from jkrcli.report.plots.curve import curve_figure, physical_units
-from jkrcli.report.plots.map import map_figure
-from jkrcli.report.plots.study import differences_figure
+from jkrcli.report.plots.forward import curve_figure, physical_units
+from jkrcli.report.plots.inverse import map_figure
+from jkrcli.report.plots.studies import differences_figure
 from jkrcli.report.result import Files
+from jkrcli.resolve.analysis import Analysis, analyse
 from jkrcli.series.differences import Difference
 from studies import paper
 from studies.chart import chart_figure
@@ -352,7 +352,7 @@ def test_matplotlib_keeps_its_own_words_but_in_the_program(begun: bool) -> None:
 
 def test_phases_of_a_history_are_drawn_apart_and_without_gaps() -> None:
     """A first row out of contact once gave its colour to all of the approach."""
-    from jkrcli.report.plots.rate import _runs
+    from jkrcli.report.plots.forward import _runs
 
     phases = np.array(["free", "advance", "advance", "rest", "recede", "recede"])
     held = list(_runs({"phase": phases, "part": np.array([1, 1, 1, 2, 3, 3])}))

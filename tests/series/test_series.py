@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jkrcli.base.errors import InputError
-from jkrcli.base.unknown import Unknown
+from jkrcli.base.errors import InputError, Unknown
 from jkrcli.series import ErrorBudget, RawSeries, Series, filter_plateaus, first_of_plateaus
 
 A = np.array([1.0, 2.0, 3.0])

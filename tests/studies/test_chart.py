@@ -16,13 +16,13 @@ from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import InputError, Refusal, SolveError
 from jkrcli.bodies.indenters import Paraboloid, Sphere
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.case import load_case
-from jkrcli.case.numerics import method_of
-from jkrcli.many.cost import Cost, process_cost
-from jkrcli.methods.choose import choose_method
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.case.models import method_of
+from jkrcli.many.bench import Cost, process_cost
+from jkrcli.methods.layered.solver import Layered
+from jkrcli.methods.protocol import choose_method
 from studies.chart_measure import typical
 from studies.chart_points import DEFAULT, SETTINGS, automatic, beside_front, front, read_peers, settings_of
 from studies.chart_reference import reference_of

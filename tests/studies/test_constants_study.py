@@ -13,8 +13,8 @@ from studies.tuning import Knob
 
 CHEAP = ("half-space by layered", "layer by layered", "gel by layered", "transverse by layered", "table", "loads")
 SAMPLE = {
-    "jkrcli.methods.layered.minors": ("small", "small_transverse"),
-    "jkrcli.methods.layered.stack": ("refinements", "most_nodes", "most_flops"),
+    "jkrcli.methods.layered.spectrum": ("small", "small_transverse"),
+    "jkrcli.methods.layered.contact": ("refinements", "most_nodes", "most_flops"),
     "jkrcli.bodies.indenters.table": ("pointed", "few"),
 }
 
@@ -39,7 +39,7 @@ def test_no_result_depends_on_a_sample_of_choices() -> None:
 
 
 def test_numbers_that_stand_alone_are_varied_wherever_they_are_known() -> None:
-    (same,) = (item for item in constants.alone(["base.iteration"], "choice:") if item.name == "SAME")
+    (same,) = (item for item in constants.alone(["base.numerics"], "choice:") if item.name == "SAME")
     radii = importlib.import_module("jkrcli.methods.radii")
     with constants.varied(same, 1e-3):
         assert (radii.SAME, importlib.import_module(same.module).SAME) == (1e-3, 1e-3)
@@ -48,14 +48,14 @@ def test_numbers_that_stand_alone_are_varied_wherever_they_are_known() -> None:
 
 
 def test_a_number_that_results_depend_on_is_told_with_where() -> None:
-    found = constants.moved(knob("jkrcli.methods.integral.quadrature", "most_nodes"))
+    found = constants.moved(knob("jkrcli.methods.integral.fredholm", "most_nodes"))
     assert found.verdict == "moves"
     assert found.where.startswith("loads: P[")
     assert found.cost[0] > 0
 
 
 def test_numbers_are_as_shipped_after_a_study_and_after_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
-    held = knob("jkrcli.methods.layered.minors", "small")
+    held = knob("jkrcli.methods.layered.spectrum", "small")
     tuning = getattr(importlib.import_module(held.module), held.name)
     with constants.varied(held, 7.0):
         assert tuning.small == 7.0
@@ -69,7 +69,7 @@ def test_numbers_are_as_shipped_after_a_study_and_after_a_failure(monkeypatch: p
 
 @pytest.mark.slow
 def test_the_study_writes_a_row_per_number(study) -> None:
-    outcome = study("constants", "layered.stack", "--workers", 1)
+    outcome = study("constants", "layered.contact", "--workers", 1)
     assert (outcome.code, outcome.err) == (0, "")
     with Path("constants.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))

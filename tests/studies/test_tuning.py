@@ -9,7 +9,7 @@ from types import ModuleType
 
 import pytest
 
-from jkrcli.methods.layered import layered
+from jkrcli.methods.layered import solver as layered
 from studies import tuning
 
 MADE_UP = '''

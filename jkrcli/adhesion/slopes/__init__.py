@@ -7,7 +7,6 @@ of one's own may do so in any module that has been imported.
 from __future__ import annotations
 
 import importlib
-import pkgutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -63,5 +62,4 @@ def slopes_function(name: str) -> Rule:
     return RULES[name] if name in RULES else RULES[checked_rule(name)]
 
 
-for _module in pkgutil.iter_modules([f"{folder}/rules" for folder in __path__]):
-    importlib.import_module(f"{__name__}.rules.{_module.name}")
+importlib.import_module(f"{__name__}.rules")

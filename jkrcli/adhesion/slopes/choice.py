@@ -10,7 +10,7 @@ import numpy as np
 from ...base import UNSEEN, Array, InputError, Unknown
 from ...series import RawSeries, Series
 from . import slopes_function
-from .events import AS_THEY_ARE, Ahead
+from .node_radii import AS_THEY_ARE, Ahead
 from .result import Slopes
 
 

@@ -9,23 +9,754 @@ follow their neighbours show what the splines cannot bend to: they get more knot
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from scipy.interpolate import BSpline, CubicSpline
+from scipy.linalg import lapack
+from scipy.optimize import minimize_scalar
 from scipy.special import stdtrit
 
-from ...base import SHOWN, TINY, Array, Estimate, InputError, Refusal, Unknown
+from ...base import MOST_SOLVES, MOST_STEPS, SHOWN, TINY, UNSEEN, Array, Estimate, InputError, Refusal, Unknown
 from ...series import RawSeries, Series
-from .events import AS_THEY_ARE, Ahead, node_radii
-from .model import LogSplineModel, OnGrid, Shape, interpolate
-from .penalised import TUNING as PENALTIES
-from .penalised import PenalisedFit, Posterior, likeliest_correlation, minimise, posterior
+from .node_radii import AS_THEY_ARE, Ahead, node_radii
 from .result import TUNING as ERRORS
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
-from .scatter import correlation_length, estimate, floored, whitener
+
+# --------------------------------------------------------------------------------------------------
+# A smooth nonadhesive series given by log g and log s as B-splines in the log of the radius.
+#
+# With y = a - a0, x = log y, g = d(delta_H)/da = exp(v(x)) and s = S' = exp(u(x)), both positive by construction:
+#
+#     delta_H = int_0^y g dy        S = S0 + int_0^y s dy        P_H = int_0^y S g dy
+#
+# Well below the first radius v and u go on as straight lines, that is g and s as power laws, integrated in closed
+# form. Power laws (Hertz, cones, thin layers) are straight lines throughout: the roughness int (v'')^2 dx does not
+# see them. All quantities here are dimensionless, scaled by their largest values.
+
+Points = tuple[Array, Array, Array]
+OnGrid = tuple[tuple[tuple[Array, Array], tuple[Array, Array]], ...]
+GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(3)
+
+
+@dataclass(frozen=True)
+class SplineTuning:
+    """The splines of log g and log s, and the grid on which they are integrated."""
+
+    degree: int = 5  # tuned on noisy series, by `make tuning`
+    below: float = 2.5  # in x, how far they reach below the first point; tuned on the same, by `make tuning`
+    intervals_below: int = 3  # there; tuned on the same, by `make tuning`
+    step: float = 0.04  # of the grid in x; theory: Hermite and Gauss errors stay below 1e-9
+    # of an integral towards zero radius, kept positive below it; tuned on imported tables, by `make constants`: no body
+    # has less
+    small_exponent: float = 0.2
+
+
+MODEL_TUNING = SplineTuning()
+
+
+class LogColumns(NamedTuple):
+    """``logs`` (4, m) of delta, P, S, S' at some radii, ``rates`` (2, m), the d/dx of the first two, and the
+    ``jacobian`` (4, m, p) of the logs with respect to all coefficients."""
+
+    logs: Array
+    rates: Array
+    jacobian: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """What is known of v and u, but for their levels: a solution at rising log radii ``x`` (m,).
+
+    ``logs``, (2, m): v and u. ``starts``, (3,): delta, S - S0 and P - S0 delta at x[0] over what they would be were g
+    and s power laws below. ``log_S0``: over the level of u, where the slope at first touch is above 0.
+    """
+
+    x: Array
+    logs: Array
+    starts: Array
+    log_S0: float
+
+    @classmethod
+    def of(cls, series: Series, y_scale: float) -> Shape | None:
+        """That of an exact ``series``; radii beyond the flat end over ``y_scale`` [m]. None where S' is unknown."""
+        if series.S is None or series.dS is None:
+            return None
+        x, S0 = np.log((series.a - series.a0) / y_scale), series.S0 or 0.0
+        log_delta = CubicSpline(x, np.log(series.delta / series.delta[-1]))
+        S_scale = float(series.P[-1] / series.delta[-1])
+        logs = np.stack([log_delta(x) + np.log(log_delta(x, 1)) - x, np.log(series.dS * y_scale / S_scale)])
+        q, m = CubicSpline(x, logs, axis=1)(x[0], 1)
+        gy, sy = np.exp(logs[:, 0] + x[0])
+        delta, S = series.delta[0] / series.delta[-1], (series.S[0] - S0) / S_scale
+        P = (series.P[0] - S0 * series.delta[0]) / series.P[-1]
+        starts = np.array([delta * (q + 1) / gy, S * (m + 1) / sy, P / S * (q + m + 2) / gy])
+        return cls(x, logs, starts, math.log(S0 / S_scale) if S0 > 0 else 0.0)
+
+    def __call__(self, x: Array, order: int = 0) -> Array:
+        """v and u at log radii ``x`` (m,), or their first derivatives, (2, m); beyond those known they are straight."""
+        known = CubicSpline(self.x, self.logs, axis=1)
+        near = np.clip(x, self.x[0], self.x[-1])
+        rates: Array = known(near, 1)
+        return rates if order == 1 else known(near) + (x - near) * rates
+
+
+class LogSplineModel:
+    """The integrals above on a fixed grid of x, for any coefficients.
+
+    ``x``: the data's log radii, shape (n,), any order. Coefficients are those of v, those of u, and log S0 where it is
+    free; in each of v and u the first two are value and slope of a straight line in x, and the sum of squares of the
+    others (``rough_v``, ``rough_u``) is the roughness int (v'')^2 dx. With a ``shape`` v, u and log S0 are those over
+    its own.
+    """
+
+    def __init__(self, x: Array, intervals: int, S0: float | None, shape: Shape | None = None):
+        low, high = float(np.min(x)) - MODEL_TUNING.below, float(np.max(x))
+        self.knots = _knots(np.sort(x), intervals)
+        self.size = self.knots.size - MODEL_TUNING.degree - 1
+        self.shapes = self._shapes()
+        self.S0 = S0
+        self.x = np.linspace(low, high, int(np.ceil((high - low) / MODEL_TUNING.step)) + 2)
+        self.step = self.x[1] - self.x[0]
+        inner = (self.x[:-1, None] + self.step * (1 + GAUSS_X) / 2).ravel()
+        self.inner_y = np.exp(inner)
+        self.y = np.exp(self.x)
+        panels = np.repeat(np.arange(self.x.size - 1), GAUSS_X.size)
+        self.inner = panels, *_hermite(np.tile((1 + GAUSS_X) / 2, self.x.size - 1), self.step)
+        self.basis, self.inner_basis = self.design(self.x), self.design(inner)
+        self.first_slope = self.design(self.x[:1], 1)[0]
+        self.parameters = 2 * self.size + (S0 is None)
+        self.v, self.u = slice(0, self.size), slice(self.size, 2 * self.size)
+        self.rough_v, self.rough_u = slice(2, self.size), slice(self.size + 2, 2 * self.size)
+        self.shape, self.log_S0 = shape, 0.0 if shape is None else shape.log_S0
+        self.starts = np.ones(3) if shape is None else shape.starts
+        self.known, self.known_rates = self.of_shape(self.x), self.of_shape(self.x, 1)
+        self.known_inner = self.of_shape(inner)
+
+    def of_shape(self, x: Array, order: int = 0) -> Array:
+        """v and u of the ``shape`` at ``x`` (m,), or their first derivatives, (2, m)."""
+        return np.zeros((2, x.size)) if self.shape is None else self.shape(x, order)
+
+    def straight(self, v: tuple[float, float], u: tuple[float, float], log_S0: float) -> Array:
+        """Coefficients of v = v[0] + v[1] x and u = u[0] + u[1] x."""
+        coefficients = np.zeros(self.parameters)
+        coefficients[self.v][:2], coefficients[self.u][:2] = v, u
+        if self.S0 is None:
+            coefficients[-1] = log_S0
+        return coefficients
+
+    def interpolation(self, x: Array) -> Points:
+        """Grid index and the cubic Hermite weights (for values, for x-derivatives) of the points ``x``."""
+        i = np.clip(((x - self.x[0]) / self.step).astype(int), 0, self.x.size - 2)
+        return (i, *_hermite((x - self.x[i]) / self.step, self.step))
+
+    def columns(self, coefficients: Array, at: Points, basis: Array, grid: OnGrid | None = None) -> LogColumns:
+        """The columns at the points of ``at`` (from ``interpolation``), whose spline values are ``basis``."""
+        (log_delta, d_delta), (log_P, d_P), (log_S, d_S) = grid or self.on_grid(coefficients)
+        jacobian = np.zeros((4, basis.shape[0], self.parameters))
+        for row, derivatives in enumerate((d_delta, d_P, d_S)):
+            jacobian[row] = interpolate(at, *derivatives)
+        jacobian[3, :, self.u] = basis
+        delta, P, S = (interpolate(at, *pair) for pair in (log_delta, log_P, log_S))
+        known_v, known_u = (interpolate(at, *pair) for pair in zip(self.known, self.known_rates, strict=True))
+        v, u = known_v + basis @ coefficients[self.v], known_u + basis @ coefficients[self.u]
+        rate = np.exp(interpolate(at, self.x, np.ones_like(self.x)) + v)
+        rates = np.stack([rate / np.exp(delta), rate * np.exp(S - P)])
+        return LogColumns(np.stack([delta, P, S, u]), rates, jacobian)
+
+    def on_grid(self, c: Array) -> OnGrid:
+        """Logs of delta, P, S on the grid with their d/dx, and the same two of the logs' Jacobians."""
+        g, s = np.exp(self.known[0] + self.basis @ c[self.v]), np.exp(self.known[1] + self.basis @ c[self.u])
+        gy, sy = g * self.y, s * self.y
+        inner_gy = np.exp(self.known_inner[0] + self.inner_basis @ c[self.v]) * self.inner_y
+        inner_sy = np.exp(self.known_inner[1] + self.inner_basis @ c[self.u]) * self.inner_y
+        q, m = (self.known_rates[i, 0] + self.first_slope @ c[part] for i, part in enumerate((self.v, self.u)))
+        (q1, dq1), (m1, dm1), (qm2, dqm2) = (_floored_exponent(power) for power in (q + 1, m + 1, q + m + 2))
+        S_start = np.exp(self.log_S0 + c[-1]) if self.S0 is None else self.S0
+        first_delta, first_S, first_P = self.starts * (gy[0] / q1, sy[0] / m1, gy[0] / qm2)
+        first_P *= first_S
+        b, db = self.basis[0], self.first_slope
+
+        delta = first_delta + self._cumulate(inner_gy)
+        S = S_start + first_S + self._cumulate(inner_sy)
+        d_delta, d_gy = np.zeros((2, self.x.size, self.parameters))
+        d_delta[:, self.v] = first_delta * (b - db * dq1 / q1) + self._cumulate(inner_gy[:, None] * self.inner_basis)
+        d_gy[:, self.v] = gy[:, None] * self.basis
+        d_S = np.zeros((self.x.size, self.parameters))
+        d_S[:, self.u] = first_S * (b - db * dm1 / m1) + self._cumulate(inner_sy[:, None] * self.inner_basis)
+        d_sy = np.zeros_like(d_S)
+        d_sy[:, self.u] = sy[:, None] * self.basis
+        first_dP = np.zeros(self.parameters)
+        first_dP[self.v] = S_start * first_delta * (b - db * dq1 / q1) + first_P * (b - db * dqm2 / qm2)
+        first_dP[self.u] = first_P * (b - db * dm1 / m1 - db * dqm2 / qm2)
+        if self.S0 is None:
+            d_S[:, -1] = S_start
+            first_dP[-1] = S_start * first_delta
+
+        log_S = _logs(S, sy, d_S, d_sy)
+        inner = self.inner
+        inner_S = np.exp(interpolate(inner, *log_S[0]))
+        inner_rate = inner_S * inner_gy
+        integrand = inner_rate[:, None] * interpolate(inner, *log_S[1])
+        integrand[:, self.v] += inner_rate[:, None] * self.inner_basis
+        P = S_start * first_delta + first_P + self._cumulate(inner_rate)
+        d_P = first_dP + self._cumulate(integrand)
+        d_rate = d_S * gy[:, None] + S[:, None] * d_gy
+        return _logs(delta, gy, d_delta, d_gy), _logs(P, S * gy, d_P, d_rate), log_S
+
+    def _cumulate(self, integrand: Array) -> Array:
+        """Integral over x from the first grid point to each: (inner points, ...) -> (grid, ...)."""
+        out = np.zeros((self.x.size, *integrand.shape[1:]))
+        for j, weight in enumerate(GAUSS_W * self.step / 2):
+            out[1:] += weight * integrand[j :: GAUSS_W.size]
+        return np.cumsum(out, axis=0)
+
+    def design(self, x: Array, order: int = 0) -> Array:
+        """Values at ``x`` of what the coefficients of v (and of u) multiply, or their derivatives, shape (m, size)."""
+        return self._splines(np.clip(x, self.x[0], self.x[-1]), order) @ self.shapes
+
+    def _splines(self, x: Array, order: int) -> Array:
+        """B-splines (or derivatives) at ``x``, shape (m, size)."""
+        if order == 0:
+            return BSpline.design_matrix(
+                np.clip(x, self.knots[0], self.knots[-1]), self.knots, MODEL_TUNING.degree
+            ).toarray()
+        return BSpline(self.knots, np.eye(self.size), MODEL_TUNING.degree)(x, order)
+
+    def _shapes(self) -> Array:
+        """B-spline coefficients, by columns, of 1, of x, and of shapes of unit roughness orthogonal in it."""
+        sites = sliding_window_view(self.knots[1:-1], MODEL_TUNING.degree).mean(axis=1)  # Greville: they give x
+        # Gram matrix of second derivatives, int B_i'' B_j'' dx, exact by Gauss points in every interval.
+        breaks = self.knots[MODEL_TUNING.degree : self.size + 1]
+        nodes, weights = np.polynomial.legendre.leggauss(MODEL_TUNING.degree - 1)
+        h = np.diff(breaks)[:, None]
+        x = (breaks[:-1, None] + h * (1 + nodes) / 2).ravel()
+        second = self._splines(x, 2)
+        rough, vectors = np.linalg.eigh(second.T @ (second * (h * weights / 2).ravel()[:, None]))
+        return np.column_stack([np.ones(self.size), sites, vectors[:, 2:] / np.sqrt(rough[2:])])
+
+
+def _floored_exponent(power: float) -> tuple[float, float]:
+    """``power`` and 1 (its derivative), continued smoothly to positive values below TUNING.small_exponent."""
+    if power >= MODEL_TUNING.small_exponent:
+        return power, 1.0
+    slope = float(np.exp(max(power / MODEL_TUNING.small_exponent - 1, -50.0)))
+    return MODEL_TUNING.small_exponent * slope, slope
+
+
+def _hermite(t: Array, step: float) -> tuple[Array, Array]:
+    """Weights of the end values and of the end derivatives at the fraction ``t`` of an interval, (2, m) each."""
+    values = np.array([(1 + 2 * t) * (1 - t) ** 2, t**2 * (3 - 2 * t)])
+    slopes = np.array([t * (1 - t) ** 2, t**2 * (t - 1)]) * step
+    return values, slopes
+
+
+def _logs(value: Array, rate: Array, d_value: Array, d_rate: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """(log, its d/dx) of a column from its value and d/dx, and the same two of the log's Jacobian (grid, p)."""
+    log_rate = rate / value
+    d_log = d_value / value[:, None]
+    return (np.log(value), log_rate), (d_log, d_rate / value[:, None] - log_rate[:, None] * d_log)
+
+
+def interpolate(at: Points, values: Array, slopes: Array) -> Array:
+    """Hermite interpolation of grid values (grid, ...) with given x-derivatives."""
+    i, (h0, h1), (k0, k1) = at
+    shape = (i.size,) + (1,) * (values.ndim - 1)
+    h0, h1, k0, k1 = (weight.reshape(shape) for weight in (h0, h1, k0, k1))
+    return h0 * values[i] + h1 * values[i + 1] + k0 * slopes[i] + k1 * slopes[i + 1]
+
+
+def _knots(x: Array, intervals: int) -> Array:
+    """Clamped knots for sorted ``x``: breakpoints half after the data and half even in x, and few below the data."""
+    low, high = x[0], x[-1]
+    even = np.linspace(0, 1, x.size)
+    rank = (even + (x - low) / (high - low)) / 2
+    breaks = np.interp(np.linspace(0, 1, intervals + 1), rank, x)
+    below = np.linspace(low - MODEL_TUNING.below, low, MODEL_TUNING.intervals_below, endpoint=False)
+    return np.concatenate([[below[0]] * MODEL_TUNING.degree, below, breaks, [high] * MODEL_TUNING.degree])
+
+
+# --------------------------------------------------------------------------------------------------
+# Penalised nonlinear least squares with the penalties' weights estimated from the data.
+#
+# Minimises |r(c)|^2 + sum_j lambda_j |c_j|^2, c_j being blocks of the coefficients c, by Gauss-Newton. The lambdas
+# maximise the restricted likelihood of each linearised problem (each penalty is a Gaussian prior of unknown variance
+# on its block), by the fixed point of Wood and Fasiolo (Biometrics 73 (2017) 1071):
+#
+#     lambda_j <- lambda_j * phi (size_j/lambda_j - tr V_jj) / |c_j|^2        V = (J^T J + Lambda)^-1
+#
+# phi V is the covariance of the coefficients seen as a posterior (Nychka 1988: intervals from it hold on average over
+# the curve). It is the scatter that noise causes, phi V J^T J V, and an allowance for smoothing bias, phi V Lambda V;
+# bodies bend less than draws of the prior do, and where noise hides the bending a part of the allowance is right. The
+# lambdas are known the less the fewer the data, and so is how far errors of neighbours go together: the covariance is
+# the mean over all that the data leave possible.
+#
+# Residuals come in rows (rows, n) in the order of recording. Neighbours in a row correlate by rho, AR(1), so that r_i
+# - rho r_(i-1) are independent, and this change of variables belongs to the likelihood: rho and the lambdas are told
+# apart together (Krivobokova and Kauermann, J. Am. Stat. Assoc. 102 (2007) 1328).
+
+Linearised = tuple[Array, Array]  # residuals (rows, n) and their Jacobian (rows, n, p)
+Residuals = Callable[[Array], Linearised]
+
+
+@dataclass(frozen=True)
+class PenaltyTuning:
+    """How the fit steps, how the penalties follow the data, and when both are settled."""
+
+    least: float = 1e-15  # lambda, in units of the mean diagonal of J^T J over the block; theory: round-off
+    most: float = 100.0  # and the largest; tuned on imported tables, by `make constants`: it leaves none of the block
+    # variance of a coefficient before data are seen; tuned on imported tables, by `make constants`: bodies do not bend
+    # more
+    most_prior: float = 10.0
+    spread: tuple[float, ...] = tuple(4.0**n for n in range(-7, 3))  # about a lambda; choice: beyond, weights vanish
+    bias: float = 0.2  # of the allowance for smoothing bias, in noise; tuned on noisy series, by `make noise-study`
+    factor: float = 100.0  # most that an update changes a lambda by; tuned on noisy series, by `make tuning`
+    settled: float = 0.02  # change of log(lambda); tuned on the same, by `make tuning`
+    freeze: int = 25  # steps, after which the lambdas stay; tuned on the same, by `make tuning`
+    steps: int = 50  # tuned on imported tables, by `make constants`: what has not settled then does not
+    damping: float = 1e-8  # least, of the diagonal of the linearised problem; tuned on the same, by `make tuning`
+    poor_step: float = 0.2  # below it the next step is damped (Levenberg); tuned on the same, by `make tuning`
+    halvings: int = 30  # theory: down to a billionth of a step
+    # of a coefficient; tuned on imported tables, by `make constants`: all of them belong to logarithms
+    longest_step: float = 5.0
+    tolerance: float = 3e-2  # of a step, in standard deviations of the fit; tuned on the same, by `make tuning`
+    stuck: float = 0.5  # standard deviations of a step still open at the end; choice: more is flagged as not settled
+    # Correlations of neighbours that are thought possible beside none; choice: beyond the last, noise is drift
+    correlations: tuple[float, ...] = (0.15, 0.3, 0.45, 0.6, 0.7, 0.78, 0.85, 0.9, 0.94, 0.97, 0.985)
+    uncorrelated: float = 0.5  # probability of no correlation before data are seen; theory: as likely as any
+    worth: float = 2.0  # log of a likelihood ratio that makes a correlation believed; choice: none is simpler
+    beyond: float = 4.0  # standard errors of the residuals' own correlation; choice: above, none is tried
+    # tuned on imported tables, by `make constants`: residuals over those of the fit, beyond which a correlation's are
+    # not believed
+    linear: float = 2.0
+
+
+PENALISED_TUNING = PenaltyTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class PenalisedFit:
+    """A penalised fit: coefficients ``c`` (p,) and what is left, residuals (rows, n), Jacobian (rows, n, p).
+
+    Both before neighbours are decorrelated by ``rho``. ``lambdas`` of the ``blocks``: in units of the mean diagonal of
+    J^T J. ``spent``: the effective number of parameters. ``settled``: whether the steps became small.
+    ``phi_floor``: the least ``phi``, of round-off.
+    """
+
+    c: Array
+    residuals: Array
+    jacobian: Array
+    blocks: Sequence[slice]
+    rho: float
+    phi: float
+    phi_floor: float
+    lambdas: Array
+    spent: float
+    settled: bool
+
+    @property
+    def independent(self) -> Array:
+        """The residuals with the correlation ``rho`` of neighbours taken out, (rows, n)."""
+        return decorrelated(self.residuals, self.rho)
+
+    def flat(self, rho: float) -> Linearised:
+        """Residuals and Jacobian with the correlation ``rho`` taken out."""
+        return _flat((self.residuals, self.jacobian), rho)
+
+
+@dataclass(frozen=True, eq=False)
+class _Linear:
+    """The solution of one linearised problem."""
+
+    step: Array
+    penalty: Array
+    phi: float
+    lambdas: Array
+    spent: float
+    deviations: float
+
+
+def decorrelated(values: Array, rho: float) -> Array:
+    """Rows ``values`` (rows, n, ...) of which neighbours correlate by ``rho``, made independent at equal variance."""
+    if rho == 0:
+        return values
+    out = values.copy()
+    out[:, 1:] = (values[:, 1:] - rho * values[:, :-1]) / math.sqrt(1 - rho**2)
+    return out
+
+
+def minimise(
+    residuals: Residuals,
+    start: Array,
+    blocks: Sequence[slice],
+    phi_floor: float,
+    lambdas: Array,
+    freeze: int,
+    rho: float,
+) -> PenalisedFit:
+    """The fit from ``start``. ``residuals(c)``: (r, Jacobian of r); ``lambdas``: first guess.
+
+    After ``freeze`` steps the lambdas stay as they are.
+    """
+    c, damping = start, 0.0
+    seen = residuals(c)
+    for step in range(PENALISED_TUNING.steps):
+        now = _flat(seen, rho)
+        linear = _linear(now, c, blocks, lambdas, phi_floor, damping, updates=MOST_STEPS if step < freeze else 0)
+        lambdas = linear.lambdas
+        c, seen, taken = _line_search(residuals, c, seen, linear, rho)
+        moved = taken * linear.deviations
+        if linear.deviations < PENALISED_TUNING.tolerance or moved < 1e-3 * PENALISED_TUNING.tolerance:
+            break
+        damping = (
+            max(10 * damping, PENALISED_TUNING.damping)
+            if taken < PENALISED_TUNING.poor_step
+            else damping / 3 * (damping > PENALISED_TUNING.damping)
+        )
+    settled = moved < PENALISED_TUNING.stuck and (taken > 0 or linear.deviations < PENALISED_TUNING.stuck)
+    return PenalisedFit(c, *seen, blocks, rho, linear.phi, phi_floor, lambdas, linear.spent, settled)
+
+
+def _flat(seen: Linearised, rho: float) -> Linearised:
+    """Residuals (m,) and Jacobian (m, p) with the correlation of neighbours taken out."""
+    r, J = seen
+    return decorrelated(r, rho).ravel(), decorrelated(J, rho).reshape(-1, J.shape[-1])
+
+
+# ---------------------------------------------------------------------- what the data leave possible
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """The mean over lambdas and correlations: ``V`` (p, p), covariance of the coefficients over the fit's phi.
+
+    ``inner``: the same with no more smoothing bias than there is away from the ends; for what is read off within.
+    ``rho``: the correlation of neighbours with the greatest probability; ``evidence``: log of the greatest likelihood
+    of any over that of none.
+    """
+
+    V: Array
+    inner: Array
+    rho: float
+    evidence: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Guess:
+    """One choice of the lambdas: its log likelihood, log of the coefficients' size, Cholesky factor, penalty, phi over
+    the fit's, step to its minimum."""
+
+    height: float
+    log_size: float
+    factor: Array
+    penalty: Array
+    ratio: float
+    step: Array
+
+
+def posterior(fit: PenalisedFit, noise: bool, correlated: bool) -> Posterior:
+    """What lambdas and, where ``correlated``, correlations the data leave possible, and the covariance over all.
+
+    The prior is even in the size of a block's coefficients, 1/sqrt(lambda) (Gelman 2006); that of ``inner``, in
+    ``noise``, in the log of this size, for many bodies do not bend at all.
+    """
+    rhos = np.array(_possible(fit, PENALISED_TUNING.correlations)) if correlated else np.zeros(1)
+    spread = PENALISED_TUNING.spread[1::2] if correlated else PENALISED_TUNING.spread
+    priors = np.full(rhos.size, (1 - PENALISED_TUNING.uncorrelated) / max(rhos.size - 1, 1))
+    priors[0] = PENALISED_TUNING.uncorrelated if correlated else 1.0
+    best = [_at_best(fit, float(rho)) for rho in rhos]
+    heights = np.array([height for height, _ in best])
+    guesses: list[_Guess] = []
+    masses = np.full(rhos.size, -np.inf)
+    for i, rho in enumerate(rhos):
+        if heights[i] > heights.max() + math.log(UNSEEN):
+            weight = _log_det(fit, rho) + math.log(priors[i])
+            of_rho = list(_guesses(fit, fit.flat(rho), best[i][1], weight, spread))
+            masses[i] = np.logaddexp.reduce([guess.height for guess in of_rho])
+            guesses += of_rho
+    full = _mean_covariance(guesses, fit.phi, 1.0, 1.0)
+    inner = _mean_covariance(guesses, fit.phi, 0.0, PENALISED_TUNING.bias) if noise else full
+    return Posterior(full, inner, float(rhos[np.argmax(masses)]), float(heights.max() - heights[0]))
+
+
+def likeliest_correlation(fit: PenalisedFit) -> float:
+    """The correlation of neighbours, among every other up to 0.9, with the greatest likelihood: a fit that leaves more
+    to it follows what drifts."""
+    rhos = _possible(fit, PENALISED_TUNING.correlations[1:8:2])
+    heights = [_at_best(fit, rho)[0] for rho in rhos]
+    heights[0] += PENALISED_TUNING.worth
+    return rhos[int(np.argmax(heights))]
+
+
+def _possible(fit: PenalisedFit, rhos: Sequence[float]) -> tuple[float, ...]:
+    """0 and those of ``rhos`` that the residuals' own correlation allows, and what the fit has taken from it: beyond,
+    a likelihood is that of a linearised fit far from where it holds."""
+    r, n = fit.residuals, fit.residuals.shape[1]
+    lag1 = float(np.sum(r[:, 1:] * r[:, :-1]) / max(np.sum(r**2), TINY))
+    limit = lag1 + PENALISED_TUNING.beyond / math.sqrt(n) + (1 + 3 * max(lag1, 0.0)) * fit.spent / n
+    return (0.0, *(rho for rho in rhos if rho <= limit))
+
+
+def _log_det(fit: PenalisedFit, rho: float) -> float:
+    """Log of the determinant of what ``decorrelated`` does to the rows."""
+    rows, n = fit.residuals.shape
+    return -rows * (n - 1) / 2 * math.log1p(-(rho**2))
+
+
+def _at_best(fit: PenalisedFit, rho: float) -> tuple[float, Array]:
+    """Log of the restricted likelihood of ``rho`` at its best lambdas, and these times the scales of their blocks.
+
+    Minus infinity where it is that of a step so long that the linearised problem says nothing of it.
+    """
+    now, lambdas = fit.flat(rho), fit.lambdas
+    if rho != fit.rho:
+        lambdas = _linear(now, fit.c, fit.blocks, lambdas, fit.phi_floor, 0.0, MOST_STEPS).lambdas
+    diagonal = np.einsum("mp,mp->p", now[1], now[1])
+    best = np.array([lam * diagonal[block].mean() for lam, block in zip(lambdas, fit.blocks, strict=True)])
+    (guess,) = _guesses(fit, now, best, _log_det(fit, rho), (1.0,))
+    there = np.sum((fit.residuals + fit.jacobian @ guess.step) ** 2)
+    return guess.height if there <= PENALISED_TUNING.linear**2 * np.sum(fit.residuals**2) else -math.inf, best
+
+
+def _guesses(
+    fit: PenalisedFit, now: Linearised, best: Array, log_prior: float, spread: tuple[float, ...]
+) -> Iterator[_Guess]:
+    """All lambdas about the best ones with their restricted likelihood: others are part of the error."""
+    (r, J), c, blocks = now, fit.c, fit.blocks
+    normal, gradient = J.T @ J, J.T @ r
+    ridge = 1e-15 * np.diag(normal).max()
+    free = r.size - c.size + sum(c[block].size for block in blocks)
+    for factors in itertools.product(spread, repeat=len(blocks)):
+        penalty, log_weight, log_size = np.zeros(c.size), log_prior, 0.0
+        for block, lam, factor in zip(blocks, best, factors, strict=True):
+            penalty[block] = lam * factor
+            log_weight += c[block].size * math.log(lam * factor) / 2
+            log_size -= math.log(lam * factor) / 2
+        system = _factor(normal, penalty + ridge)
+        step = -_solve(system, gradient + penalty * c)
+        objective = float(r @ r + 2 * gradient @ step + step @ normal @ step + penalty @ (c + step) ** 2)
+        phi = max(objective / free, fit.phi_floor)
+        log_det = 2 * float(np.log(np.diag(system)).sum())
+        height = log_weight - (log_det + free * math.log(phi) + objective / phi) / 2
+        yield _Guess(height, log_size, system, penalty, phi / fit.phi, step)
+
+
+def _mean_covariance(guesses: Sequence[_Guess], phi: float, prior: float, bias: float) -> Array:
+    """Covariance over ``phi`` of the mixture of all guesses, about where the fit stands, with the part ``bias`` of the
+    allowance for smoothing bias; ``prior``: power of the coefficients' size."""
+    heights = np.array([guess.height + prior * guess.log_size for guess in guesses])
+    weights = np.exp(heights - heights.max())
+    V = np.zeros_like(guesses[0].factor)
+    for weight, guess in zip(weights / weights.sum(), guesses, strict=True):
+        if weight > UNSEEN:
+            posterior_V = _inverse(guess.factor)
+            allowance = (1 - bias) * (posterior_V * guess.penalty) @ posterior_V if bias < 1 else 0.0
+            V += weight * (guess.ratio * (posterior_V - allowance) + np.outer(guess.step, guess.step) / phi)
+    return V
+
+
+def _factor(normal: Array, added: Array) -> Array:
+    """Upper Cholesky factor of ``normal`` with ``added`` on its diagonal."""
+    system = normal.copy()
+    system.flat[:: added.size + 1] += added
+    factor, wrong = lapack.dpotrf(system.T, overwrite_a=True)  # in place: LAPACK's order is by columns
+    if wrong:
+        raise np.linalg.LinAlgError("the penalised normal matrix is not positive definite")
+    return np.asarray(factor)
+
+
+def _solve(factor: Array, right: Array) -> Array:
+    return np.asarray(lapack.dpotrs(factor, right)[0])
+
+
+def _inverse(factor: Array) -> Array:
+    upper = lapack.dpotri(factor)[0]  # zero below the diagonal, as its factor is
+    full: Array = upper + upper.T
+    full.flat[:: upper.shape[0] + 1] /= 2
+    return full
+
+
+def _linear(
+    now: Linearised, c: Array, blocks: Sequence[slice], lambdas: Array, phi_floor: float, damping: float, updates: int
+) -> _Linear:
+    """The linearised problem solved at ``c``, its lambdas iterated to the maximum of the restricted likelihood."""
+    r, J = now
+    normal, gradient = J.T @ J, J.T @ r
+    diagonal = np.diag(normal)
+    scales = np.array([diagonal[block].mean() for block in blocks])
+    for update in range(updates + 1):
+        penalty = np.zeros(c.size)
+        for block, lam in zip(blocks, lambdas * scales, strict=True):
+            penalty[block] = lam
+        V = _inverse(_factor(normal, penalty + 1e-15 * diagonal.max()))
+        step = -V @ (gradient + penalty * c)
+        spent = float(np.sum(V * normal))
+        rss = max(float(r @ r + 2 * gradient @ step + step @ normal @ step), 0.0)
+        phi = max(rss / max(r.size - spent, 1.0), phi_floor)
+        if update == updates:
+            break
+        pieces = zip(blocks, lambdas, scales, strict=True)
+        updated = np.array([_update(lam, scale, (c + step)[b], V[b, b], phi) for b, lam, scale in pieces])
+        if np.abs(np.log(updated / lambdas)).max() < PENALISED_TUNING.settled:
+            break
+        lambdas = updated
+    system = normal + np.diag(penalty + 1e-15 * diagonal.max())
+    deviations = float(np.sqrt(max(step @ system @ step, 0.0) / phi))
+    if damping > 0:
+        step = -_solve(_factor(system, damping * np.diag(system)), gradient + penalty * c)
+    return _Linear(step, penalty, phi, lambdas, spent, deviations)
+
+
+def _update(lam: float, scale: float, c: Array, V: Array, phi: float) -> float:
+    free = max(c.size - lam * scale * float(np.trace(V)), 1e-12 * c.size)
+    rough = max(lam * scale * float(c @ c), TINY)
+    ratio = np.clip(phi * free / rough, 1 / PENALISED_TUNING.factor, PENALISED_TUNING.factor)
+    return float(
+        np.clip(
+            lam * ratio, max(PENALISED_TUNING.least, phi / (scale * PENALISED_TUNING.most_prior)), PENALISED_TUNING.most
+        )
+    )
+
+
+def _line_search(
+    residuals: Residuals, c: Array, now: Linearised, linear: _Linear, rho: float
+) -> tuple[Array, Linearised, float]:
+    """The first of the steps 1, 1/2, 1/4 ... that does not raise the objective by more than a rounding of phi."""
+
+    def objective(r: Array, c: Array) -> float:
+        return float(np.sum(decorrelated(r, rho) ** 2) + linear.penalty @ c**2)
+
+    before = objective(now[0], c) + 1e-6 * linear.phi
+    taken = min(1.0, PENALISED_TUNING.longest_step / max(float(np.max(np.abs(linear.step))), TINY))
+    for _ in range(PENALISED_TUNING.halvings):
+        trial = c + taken * linear.step
+        there = residuals(trial)
+        if objective(there[0], trial) <= before:
+            return trial, there, taken
+        taken /= 2
+    return c, now, 0.0
+
+
+# --------------------------------------------------------------------------------------------------
+# The scatter of the data about a fitted model: how much of it each column carries, and where.
+#
+# Relative variances of a, delta and P at every point. An error of the radius moves delta and P together, by the
+# slopes k = dlog(delta)/dlog(a) and m = dlog(P)/dlog(a) (effective variance; Orear, Am. J. Phys. 50 (1982) 912):
+#
+#     cov(log delta, log P) = diag(var_delta, var_P) + var_a (k, m)^T (k, m)
+
+
+@dataclass(frozen=True)
+class ScatterTuning:
+    """What the residuals are believed to tell about the scatter of the data."""
+
+    trace: float = 1e-3  # the least share of a column; tuned on noisy series, by `make tuning`
+    most_trend: float = 4.0  # exponent of the variance over the radius; tuned on the same, by `make tuning`
+    outlier: float = 3.0  # standard deviations where points begin to count less; tuned on the same, by `make tuning`
+    free: int = 20  # points that tell the errors of a, delta, P apart; tuned on the same, by `make tuning`
+    false: float = 5e-3  # probability of an outlier reported in a series without any; choice: rare
+    chance: float = 2.5  # theory: standard deviations of the correlation of neighbours that chance brings once in 160
+
+
+SCATTER_TUNING = ScatterTuning()
+
+
+def floored(variances: Array, share: float, floor: float) -> Array:
+    """Variances (3, n), each at least ``share`` of the largest of its point, and ``floor``."""
+    return np.maximum(variances, np.maximum(share * variances.max(axis=0), floor))
+
+
+def whitener(variances: Array, k: Array, m: Array) -> Array:
+    """Inverse Cholesky factors, shape (2, 2, n), of the covariance of (log delta, log P)."""
+    radius, delta, P = np.broadcast_to(variances, (3, k.size))
+    l11 = np.sqrt(delta + k**2 * radius)
+    l21 = k * m * radius / l11
+    l22 = np.sqrt(P + m**2 * radius * delta / (delta + k**2 * radius))
+    out = np.zeros((2, 2, k.size))
+    out[0, 0] = 1 / l11
+    out[1, 0], out[1, 1] = -l21 / (l11 * l22), 1 / l22
+    return out
+
+
+def estimate(x: Array, residuals: Array, k: Array, m: Array, spent: float, floor: float) -> tuple[Array, Array]:
+    """The scatter that ``residuals`` (2, n) of log delta and log P at ``x`` show: relative variances (3, n) of a,
+    delta, P, the largest share being 1, and which points (n,) are outliers.
+
+    Three shares by moments, a power law of the radius by maximum likelihood, and less weight for points far out: those
+    that chance does not bring count as one standard deviation off. Few points tell neither shares nor power.
+    ``spent``: effective number of parameters of the fit; ``floor``: variance below which nothing is known.
+    """
+    shares, size = np.ones((3, 1)), np.ones(x.size)
+    inliers = np.ones(x.size, dtype=bool)
+    for round_ in range(MOST_SOLVES):
+        if x.size >= SCATTER_TUNING.free:
+            shares = _shares(residuals[:, inliers], k[inliers], m[inliers], spent, floor)
+        white = np.einsum("ijn,jn->in", whitener(shares, k, m), residuals)
+        squares = np.mean(white**2, axis=0)
+        if not np.mean(squares[inliers]) > floor:
+            return np.ones((3, x.size)), np.zeros(x.size, dtype=bool)
+        if x.size >= SCATTER_TUNING.free:
+            size = np.exp(_trend(x[inliers], squares[inliers]) * x)
+        relative = squares / size
+        # theory: the sum of two squares is exponential, of median log 2; outliers hide in a mean that holds them
+        unit = np.median(relative) / math.log(2) if round_ == 0 else np.mean(relative[inliers])
+        before, inliers = inliers, relative <= unit * _rare(inliers.sum() - spent / 2, x.size)
+        if round_ > 0 and (before == inliers).all():
+            break
+    distance = np.sqrt(relative / np.mean(relative[inliers]))
+    far = np.where(inliers, np.maximum(1.0, distance / SCATTER_TUNING.outlier), distance)
+    return shares * size * far**2, ~inliers
+
+
+def _rare(free: float, n: int) -> float:
+    """The square, in units of the mean of ``free`` others, that chance brings among ``n`` with probability
+    ``TUNING.false``: both are exponential, so that their ratio exceeds t with probability (1 + t/free)^-free."""
+    free = max(free, 2.0)
+    return float(free * math.expm1(math.log(n / SCATTER_TUNING.false) / free))
+
+
+def _shares(residuals: Array, k: Array, m: Array, spent: float, floor: float) -> Array:
+    """Relative variances of a, delta and P, shape (3, 1), largest 1: the three second moments hold all three."""
+    r, s = residuals
+    n = r.size
+    freedom = max(n - spent / 2, 1.0) / n
+    radius = max(float(np.mean(r * s / (k * m))), 0.0) / freedom
+    delta = float(np.mean(r**2)) / freedom - radius * float(np.mean(k**2))
+    P = float(np.mean(s**2)) / freedom - radius * float(np.mean(m**2))
+    largest = max(radius, delta, P)
+    if largest <= floor:
+        return np.ones((3, 1))
+    return np.maximum(np.array([[radius], [delta], [P]]) / largest, SCATTER_TUNING.trace)
+
+
+def _trend(x: Array, squares: Array) -> float:
+    """Exponent b of variance ~ a^b: the maximum of the Gaussian likelihood, one size parameter profiled out."""
+    centred = x - x.mean()
+    minimum = minimize_scalar(
+        lambda b: float(np.log(np.mean(squares * np.exp(-b * centred)))),
+        bounds=(-SCATTER_TUNING.most_trend, SCATTER_TUNING.most_trend),
+        method="bounded",
+    )
+    return float(minimum.x)
+
+
+def correlation_length(residuals: Array) -> float:
+    """Number of neighbours in each row of ``residuals`` (rows, n), in order, that are worth one independent value:
+    1 + 2 sum of the autocorrelations up to the first that is not positive, of the worst row; 1 where neighbours
+    correlate by no more than chance brings, 1/sqrt(n). (Geyer, Statist. Sci. 7 (1992) 473, Sec. 3.3.)"""
+    n = residuals.shape[1]
+    lengths = [1.0]
+    for row in residuals:
+        correlations = np.correlate(row, row, "full")[n:] / max(float(row @ row), TINY)
+        if correlations[0] * np.sqrt(n) > SCATTER_TUNING.chance:
+            positive = np.logical_and.accumulate(correlations > 0)
+            lengths.append(1 + 2 * float(correlations[positive].sum()))
+    return max(lengths)
+
 
 TOO_FEW = "the correlation of neighbouring rows cannot be estimated from so few points"
 UNSETTLED = "the fit did not converge: a, delta and P contradict each other; look for outliers"
@@ -344,7 +1075,7 @@ def _fine_enough(data: _Data, S0: float | None, shape: Shape | None) -> _Settled
     for intervals in (TUNING.intervals, 2 * TUNING.intervals):
         settled = _fit(_Task(LogSplineModel(data.x, intervals, S0, shape), data))
         length = 1.0 if _explained(settled.fit, data) else correlation_length(settled.fit.independent)
-        if length == 1 and settled.known.rho < max(PENALTIES.correlations):
+        if length == 1 and settled.known.rho < max(PENALISED_TUNING.correlations):
             break
     known = replace(settled.known, V=length * settled.known.V, inner=length * settled.known.inner)
     return replace(settled, known=known)
@@ -368,7 +1099,7 @@ def _fit(task: _Task) -> _Settled:
         floor = 1.0 if data.known else TUNING.floor**2 / float(np.mean(variances))
         # a stiff fit first: far from the solution a linearised one takes all for signal
         start = best or task.minimise(_start(task), variances, stiff, floor, 0)
-        fit = task.minimise(start.c, variances, start.lambdas, floor, PENALTIES.freeze, rho)
+        fit = task.minimise(start.c, variances, start.lambdas, floor, PENALISED_TUNING.freeze, rho)
         if best is not None and not fit.settled:
             break  # weights too uneven to go on: the last fit stands
         if fit.settled:
@@ -414,19 +1145,17 @@ def _start(task: _Task) -> Array:
     """Coefficients of the bodies' own shape, brought to the level of the data; else of power laws through their logs.
     The large radii count most, they are surest."""
     if task.model.shape is None:
-        return _power_laws(task.model, task.data)
+        # Coefficients of straight lines through the logs of the data.
+        (k, log_k), (m, log_m) = (
+            np.polyfit(task.data.x, logs, 1, w=np.exp(task.data.x)) for logs in task.data.measured
+        )
+        k = max(float(k), 0.2)
+        excess = max(float(m) - k, 0.2)
+        log_S = float(np.log(1 + excess / k)) + log_m - log_k  # S = P' / delta'
+        half = float(np.log(0.5)) if task.model.S0 is None or task.model.S0 > 0 else 0.0
+        v = (float(np.log(k) + log_k), k - 1)
+        u = (float(np.log(excess)) + log_S + half, excess - 1)
+        return task.model.straight(v, u, log_S + half)
     gap = task.difference(task.model.on_grid(np.zeros(task.model.parameters)))
     level_delta, level_P = -np.average(gap, axis=1, weights=np.exp(task.data.x))
     return task.model.straight((level_delta, 0.0), (level_P - level_delta, 0.0), level_P - level_delta)
-
-
-def _power_laws(model: LogSplineModel, data: _Data) -> Array:
-    """Coefficients of straight lines through the logs of the data."""
-    (k, log_k), (m, log_m) = (np.polyfit(data.x, logs, 1, w=np.exp(data.x)) for logs in data.measured)
-    k = max(float(k), 0.2)
-    excess = max(float(m) - k, 0.2)
-    log_S = float(np.log(1 + excess / k)) + log_m - log_k  # S = P' / delta'
-    half = float(np.log(0.5)) if model.S0 is None or model.S0 > 0 else 0.0
-    v = (float(np.log(k) + log_k), k - 1)
-    u = (float(np.log(excess)) + log_S + half, excess - 1)
-    return model.straight(v, u, log_S + half)

@@ -14,15 +14,246 @@ flagged.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
+from scipy.optimize import minimize_scalar
 
 from ...base import NOTICEABLE, Array, InputError, Refusal
 from ...series import Series
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
-from .smoothing import Criterion, SmoothingSpline, linear_fit, smoothing_spline
+
+# --------------------------------------------------------------------------------------------------
+# Cubic smoothing spline with exact leave-one-out cross-validation, in O(n) by banded matrices.
+#
+# Minimises sum_i W_i (y_i - g(x_i))^2 + lambda int g''^2 dx (Eq. B1) over natural cubic splines g with knots x_i, in
+# the form of Reinsch (1967), as in Green and Silverman, Nonparametric Regression and Generalized Linear Models
+# (1994), Ch. 2-3. With the second differences Q and the curvature's Gram matrix T:
+#
+#     (T + lambda Q^T W^-1 Q) gamma = Q^T y        g = y - lambda W^-1 Q gamma        gamma = g'' at the inner points
+#
+# The central bands of the inverse (Hutchinson and de Hoog 1985) give the leverages A_ii. As 1 - A_ii and the residual
+# both carry the factor lambda/W_i, the left-out residual is (Q gamma)_i / (Q B^-1 Q^T)_ii: no cancellation, any
+# lambda. A point with infinite weight is met exactly (W^-1 = 0).
+
+Criterion = Literal["loocv", "gcv"]
+
+
+@dataclass(frozen=True)
+class SmoothingTuning:
+    """Bounds of the smoothing parameter, in units of the mean spacing."""
+
+    least: float = 1e-8  # theory: below, the penalty drowns in round-off
+    most: float = 1e13  # theory: above, the Gram matrix does
+    near: float = 0.1  # choice: of log(lambda), within which a minimum lies at a bound; Brent stops within 1e-4
+
+
+SMOOTHING_TUNING = SmoothingTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothingSpline:
+    """A natural cubic spline by its values ``g`` and second derivatives ``curvature`` at the knots ``x``.
+
+    ``smoothing_lambda`` belongs to abscissae scaled to unit mean spacing; ``score`` is the minimised criterion with
+    ordinates of unit range; ``left_out``: y_i minus the fit without point i (NaN-free; 0 at infinite weight).
+    """
+
+    x: Array
+    g: Array
+    curvature: Array
+    smoothing_lambda: float
+    score: float
+    left_out: Array
+
+    @property
+    def at_bound(self) -> Literal["lower", "upper"] | None:
+        """Which bound of the range of the smoothing parameter the minimum of the criterion lies at; None: inside."""
+        if math.log(self.smoothing_lambda / SMOOTHING_TUNING.least) < SMOOTHING_TUNING.near:
+            return "lower"
+        return "upper" if math.log(SMOOTHING_TUNING.most / self.smoothing_lambda) < SMOOTHING_TUNING.near else None
+
+    def __call__(self, x: Array, order: int = 0) -> Array:
+        """Value (``order`` 0), first or second derivative at ``x``; straight beyond the ends."""
+        x = np.asarray(x, dtype=float)
+        i = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, self.x.size - 2)
+        inside = np.clip(x, self.x[0], self.x[-1])
+        h = self.x[i + 1] - self.x[i]
+        right, left = (inside - self.x[i]) / h, (self.x[i + 1] - inside) / h
+        c0, c1 = self.curvature[i], self.curvature[i + 1]
+        if order == 2:
+            return np.where(x == inside, left * c0 + right * c1, 0.0)
+        slope = (self.g[i + 1] - self.g[i]) / h + h / 6 * ((3 * right**2 - 1) * c1 - (3 * left**2 - 1) * c0)
+        if order == 1:
+            return slope
+        bulge = h**2 / 6 * ((right**3 - right) * c1 + (left**3 - left) * c0)
+        return left * self.g[i] + right * self.g[i + 1] + bulge + slope * (x - inside)
+
+
+class _Smoother:
+    """Matrices of one set of abscissae (unit mean spacing) and weights."""
+
+    def __init__(self, x: Array, inverse_weights: Array):
+        h = np.diff(x)
+        self.q = np.array([1 / h[:-1], -1 / h[:-1] - 1 / h[1:], 1 / h[1:]])  # rows j, j+1, j+2 of column j of Q
+        self.inverse_weights = inverse_weights
+        self.gram = _bands((h[:-1] + h[1:]) / 3, h[1:-1] / 6, np.zeros(max(h.size - 3, 0)))
+        u, q = inverse_weights, self.q
+        self.penalty = _bands(
+            u[:-2] * q[0] ** 2 + u[1:-1] * q[1] ** 2 + u[2:] * q[2] ** 2,
+            u[1:-2] * q[1, :-1] * q[0, 1:] + u[2:-1] * q[2, :-1] * q[1, 1:],
+            u[2:-2] * q[2, :-2] * q[0, 2:],
+        )
+
+    def times_q(self, gamma: Array) -> Array:
+        """Q gamma, shape (n, ...)."""
+        out = np.zeros((gamma.shape[0] + 2, *gamma.shape[1:]))
+        for k in range(3):
+            out[k : out.shape[0] - 2 + k] += (self.q[k] * gamma.T).T
+        return out
+
+    def times_q_transposed(self, y: Array) -> Array:
+        """Q^T y: second divided differences, shape (n - 2, ...)."""
+        return sum((self.q[k] * y[k : y.shape[0] - 2 + k].T).T for k in range(3))
+
+    def factor(self, lam: float) -> Array:
+        return cholesky_banded(self.gram + lam * self.penalty, check_finite=False)
+
+    def gamma(self, factor: Array, y: Array) -> Array:
+        return cho_solve_banded((factor, False), self.times_q_transposed(y), check_finite=False)
+
+    def influence(self, factor: Array) -> Array:
+        """(Q B^-1 Q^T)_ii with B the factored matrix, shape (n,): (1 - A_ii) W_i/lambda."""
+        s0, s1, s2 = _inverse_bands(factor)
+        q = self.q
+        out = np.zeros(q.shape[1] + 2)
+        for k in range(3):
+            out[k : out.size - 2 + k] += q[k] ** 2 * s0
+        # point i meets columns i-2, i-1, i of Q with the entries q[2], q[1], q[0]
+        out[1:-2] += 2 * q[1, :-1] * q[0, 1:] * s1
+        out[2:-1] += 2 * q[2, :-1] * q[1, 1:] * s1
+        out[2:-2] += 2 * q[2, :-2] * q[0, 2:] * s2
+        return out
+
+
+def _bands(diagonal: Array, first: Array, second: Array) -> Array:
+    """Upper banded storage of a symmetric pentadiagonal matrix."""
+    out = np.zeros((3, diagonal.size))
+    out[2] = diagonal
+    out[1, 1:] = first
+    out[0, 2:] = second
+    return out
+
+
+def _inverse_bands(factor: Array) -> tuple[Array, Array, Array]:
+    """Central bands of B^-1 from B = U^T U (Hutchinson and de Hoog): plain floats, the recursion is sequential."""
+    m = factor.shape[1]
+    first, second = np.zeros(m), np.zeros(m)
+    first[:-1] = factor[1, 1:] / factor[2, :-1]
+    second[:-2] = factor[0, 2:] / factor[2, :-2]
+    rows = zip((1 / factor[2] ** 2)[::-1].tolist(), first[::-1].tolist(), second[::-1].tolist(), strict=True)
+    next0 = next1 = beyond0 = 0.0  # B^-1 at (i+1, i+1), (i+1, i+2), (i+2, i+2)
+    bands = []
+    for pivot, l1, l2 in rows:
+        s2 = -l1 * next1 - l2 * beyond0
+        s1 = -l1 * next0 - l2 * next1
+        s0 = pivot - l1 * s1 - l2 * s2
+        bands.append((s0, s1, s2))
+        next0, next1, beyond0 = s0, s1, next0
+    s0, s1, s2 = np.array(bands[::-1]).T
+    return s0, s1[:-1], s2[:-2]
+
+
+def smoothing_spline(
+    x: Array,
+    y: Array,
+    weights: Array | None = None,
+    smoothing_lambda: float | None = None,
+    criterion: Criterion = "loocv",
+) -> SmoothingSpline:
+    """Leave-one-out smoothing: a cubic smoothing spline of ``y`` (n,) at strictly increasing ``x`` (n,); n >= 4.
+
+    ``weights``: positive, infinite for a value to be met exactly. ``smoothing_lambda``: in units of the mean spacing
+    (abscissae) and of the weights; by default it minimises the left-out residuals ("loocv") or the generalised
+    cross-validation score ("gcv") over a continuous range. The data are brought to unit mean spacing and unit range
+    first, so that the result does not depend on the units.
+    """
+    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    weights = np.ones(x.size) if weights is None else np.asarray(weights, dtype=float)
+    _check(x, y, weights)
+    width = (x[-1] - x[0]) / (x.size - 1)
+    height = float(np.ptp(y)) or 1.0
+    smoother = _Smoother((x - x[0]) / width, 1 / weights)
+    scaled = (y - y[0]) / height
+    score = _score(smoother, scaled, weights, criterion)
+    if smoothing_lambda is None:
+        # Lambda at the least score: a coarse grid in log(lambda) finds the valley, Brent's method its floor.
+        decades = round(math.log10(SMOOTHING_TUNING.most / SMOOTHING_TUNING.least))
+        grid = np.linspace(math.log(SMOOTHING_TUNING.least), math.log(SMOOTHING_TUNING.most), decades + 1)
+        values = [score(value) for value in grid]
+        best = int(np.argmin(values))
+        low, high = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
+        minimum = minimize_scalar(score, bounds=(low, high), method="bounded", options={"xatol": 1e-4, "maxiter": 40})
+        smoothing_lambda = math.exp(minimum.x if minimum.fun <= values[best] else grid[best])
+    factor = smoother.factor(smoothing_lambda)
+    gamma = smoother.gamma(factor, scaled)
+    residual = smoother.times_q(gamma)
+    left_out = np.where(np.isinf(weights), 0.0, height * residual / smoother.influence(factor))
+    return SmoothingSpline(
+        x,
+        y - height * smoothing_lambda / weights * residual,
+        np.concatenate([[0.0], gamma, [0.0]]) * height / width**2,
+        smoothing_lambda,
+        score(math.log(smoothing_lambda)),
+        left_out,
+    )
+
+
+def linear_fit(spline: SmoothingSpline, weights: Array, y: Array) -> tuple[Array, Array]:
+    """Values and slopes at the knots that other ordinates ``y`` (n, k) would get with the same lambda and weights."""
+    width = (spline.x[-1] - spline.x[0]) / (spline.x.size - 1)
+    smoother = _Smoother((spline.x - spline.x[0]) / width, 1 / weights)
+    gamma = smoother.gamma(smoother.factor(spline.smoothing_lambda), y)
+    g = y - (spline.smoothing_lambda / weights * smoother.times_q(gamma).T).T
+    h = np.diff(spline.x)[:, None]
+    c = np.concatenate([np.zeros((1, y.shape[1])), gamma, np.zeros((1, y.shape[1]))]) / width**2
+    slopes = np.diff(g, axis=0) / h
+    first = slopes - h / 6 * (2 * c[:-1] + c[1:])
+    return g, np.concatenate([first, slopes[-1:] + h[-1:] / 6 * (c[-2:-1] + 2 * c[-1:])])
+
+
+def _check(x: Array, y: Array, weights: Array) -> None:
+    if x.ndim != 1 or x.shape != y.shape or x.shape != weights.shape:
+        raise InputError(f"smoothing spline: x, y and weights differ in shape: {x.shape}, {y.shape}, {weights.shape}")
+    if x.size < 4:
+        raise InputError(f"smoothing spline: needs at least 4 points, got {x.size}")
+    if not (np.isfinite(x).all() and np.isfinite(y).all() and (weights > 0).all()):
+        raise InputError("smoothing spline: x and y must be finite and the weights > 0")
+    if (np.diff(x) <= 0).any():
+        i = int(np.argmax(np.diff(x) <= 0)) + 1
+        raise InputError(f"smoothing spline: x must increase, point {i + 1} is {x[i]:g} after {x[i - 1]:g}")
+
+
+def _score(smoother: _Smoother, y: Array, weights: Array, criterion: Criterion) -> Callable[[float], float]:
+    """The criterion as a function of log(lambda); points of infinite weight do not count."""
+    free = np.isfinite(weights)
+
+    def score(log_lambda: float) -> float:
+        try:
+            factor = smoother.factor(math.exp(log_lambda))
+        except LinAlgError:  # spacings so uneven that this much smoothing drowns in round-off: out of reach
+            return math.inf
+        residual, influence = smoother.times_q(smoother.gamma(factor, y)), smoother.influence(factor)
+        if criterion == "loocv":
+            return float(np.mean(weights[free] * (residual / influence)[free] ** 2))
+        trace = np.mean((influence / weights)[free])
+        return float(np.mean(weights[free] * (residual / weights)[free] ** 2) / trace**2)
+
+    return score
 
 
 @dataclass(frozen=True)
@@ -56,8 +287,22 @@ def loocv(series: Series, criterion: Criterion = "loocv", keep_S: bool = False) 
     a, ordinates, weights = _with_first_touch(series, raw)
     spline = smoothing_spline(a, ordinates, weights, criterion=criterion)
     S, dS = raw if keep_S else spline(series.a), spline(series.a, 1)
-    _refuse_falling(series, S, dS)
-    bias = _end_bias(spline, series.a)
+    bad = (dS <= 0) | (S <= 0)
+    if bad.any():
+        radii = ", ".join(f"{a:.4g}" for a in series.a[bad][:5]) + (", ..." if bad.sum() > 5 else "")
+        raise InputError(
+            f"slopes 'loocv': S or dS/da is not positive at {int(bad.sum())} of {len(series)} radii ({radii} m), where "
+            "Eq. 13 has no solution: the data are too noisy there; use the slopes 'integral', or drop those points"
+        )
+    # Estimated error of S' [N/m^2] caused by S'' = 0 at the last point, at every radius.
+    x = spline.x
+    width = (x[-1] - x[0]) / (x.size - 1)
+    h = x[-1] - x[-2]
+    layer = math.sqrt(2) * spline.smoothing_lambda**0.25 * width
+    length = h / math.log(2 + math.sqrt(3)) + layer
+    probe = max(x[-1] - 4 * length, (x[0] + x[-1]) / 2)
+    curvature = float(spline(np.array(probe), 2))
+    bias = curvature * (h / (2 * math.sqrt(3)) + layer) * np.exp(-(x[-1] - series.a) / length)
     covariance = _covariance(series, spline, weights, dS, bias, keep_S)
     flags = tuple(_end_flags(series, dS, bias))
     error = shift_error(dS, covariance, TWO_SIDED_90)
@@ -111,33 +356,6 @@ def _with_first_touch(series: Series, S: Array) -> tuple[Array, Array, Array]:
     weights = np.ones(S.size + 1)
     weights[0] = math.inf
     return np.concatenate([[series.a0], series.a]), np.concatenate([[series.S0], S]), weights
-
-
-def _refuse_falling(series: Series, S: Array, dS: Array) -> None:
-    bad = (dS <= 0) | (S <= 0)
-    if bad.any():
-        radii = ", ".join(f"{a:.4g}" for a in series.a[bad][:5]) + (", ..." if bad.sum() > 5 else "")
-        raise InputError(
-            f"slopes 'loocv': S or dS/da is not positive at {int(bad.sum())} of {len(series)} radii ({radii} m), where "
-            "Eq. 13 has no solution: the data are too noisy there; use the slopes 'integral', or drop those points"
-        )
-
-
-def _end_bias(spline: SmoothingSpline, a: Array) -> Array:
-    """Estimated error of S' [N/m^2] caused by S'' = 0 at the last point, at every radius.
-
-    A cubic spline with a wrong end curvature c errs in its slope by c h/(2 sqrt 3), falling by 2 - sqrt 3 per point;
-    the smoother's boundary layer (lambda e'''' + e = 0, length l = sqrt 2 lambda^(1/4)) errs by c l, falling as
-    exp(-x/l). c is read off the spline where the end no longer reaches.
-    """
-    x = spline.x
-    width = (x[-1] - x[0]) / (x.size - 1)
-    h = x[-1] - x[-2]
-    layer = math.sqrt(2) * spline.smoothing_lambda**0.25 * width
-    length = h / math.log(2 + math.sqrt(3)) + layer
-    probe = max(x[-1] - 4 * length, (x[0] + x[-1]) / 2)
-    curvature = float(spline(np.array(probe), 2))
-    return curvature * (h / (2 * math.sqrt(3)) + layer) * np.exp(-(x[-1] - a) / length)
 
 
 def _end_flags(series: Series, dS: Array, bias: Array) -> list[str]:

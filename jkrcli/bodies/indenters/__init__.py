@@ -6,9 +6,8 @@ import importlib
 import pkgutil
 
 from ..indenter import SHAPES, Indenter, shape
-from .analytic import Paraboloid, PowerLaw, RoundedFlat, Sphere
+from .analytic import Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere
 from .table import TableProfile
-from .tips import Pyramid, RoundedCone
 
 for _module in pkgutil.iter_modules(__path__):
     importlib.import_module(f"{__name__}.{_module.name}")

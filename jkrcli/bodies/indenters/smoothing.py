@@ -267,7 +267,14 @@ class _Fit:
             knots, pieces = self.knots, self.pieces_of(vector[1:count])
             for place, shift in zip(moved, vector[count:], strict=True):
                 width = min(max(np.sqrt(inverse[count, count]), 1e-3), place / 2, (1 - place) / 2)
-                knots, pieces = _with_ramp(knots, pieces, place, width, -jumps[place] * shift)
+                # The pieces with a rise by `height` over `width` on either side of a `place`.
+                height = -jumps[place] * shift
+                low, high = place - width, place + width
+                more = np.union1d(knots, [low, high])
+                cut = cut_at(more, knots, pieces)
+                cut[0] += height * np.clip((more[:-1] - low) / (2 * width), 0.0, 1.0)
+                cut[1] += np.where((more[:-1] >= low) & (more[:-1] < high), height / (2 * width), 0.0)
+                knots, pieces = more, cut
             modes.append(self._si(knots, pieces * np.sqrt(max(size, 0.0))))
         return tuple(modes)
 
@@ -297,13 +304,3 @@ def cut_at(places: Array, knots: Array, pieces: Array) -> Array:
             third,
         ]
     )
-
-
-def _with_ramp(knots: Array, pieces: Array, place: float, width: float, height: float) -> tuple[Array, Array]:
-    """The pieces with a rise by ``height`` over ``width`` on either side of a ``place``."""
-    low, high = place - width, place + width
-    more = np.union1d(knots, [low, high])
-    cut = cut_at(more, knots, pieces)
-    cut[0] += height * np.clip((more[:-1] - low) / (2 * width), 0.0, 1.0)
-    cut[1] += np.where((more[:-1] >= low) & (more[:-1] < high), height / (2 * width), 0.0)
-    return more, cut

@@ -87,7 +87,12 @@ class TableProfile(Indenter):
         if smooth is not None:
             knots, pieces = smooth.knots, smooth.pieces
         else:
-            knots, pieces = _profile(*_with_corners(r, _flattened(r, f), np.searchsorted(r, self.bends)))
+            # The heights [m], those next to the axis 0 up to where the profile rises beyond rounding: of a flat end.
+            chord = np.diff(f) / np.diff(r)
+            level = np.logical_and.accumulate(chord <= ROUNDED * np.max(chord))
+            knots, pieces = _profile(
+                *_with_corners(r, np.where(np.append(True, level), 0.0, f), np.searchsorted(r, self.bends))
+            )
         for name, array in (("knots", knots), ("pieces", pieces)):
             array.setflags(write=False)
             object.__setattr__(self, name, array)
@@ -99,7 +104,12 @@ class TableProfile(Indenter):
         if noise is not None:
             positive(noise=noise)
         _check_table(r, f, noise is None)
-        _check_bends(self.bends, r)
+        wrong = [bend for bend in self.bends if bend not in r[1:-1]]
+        if wrong or any(not b > a for a, b in itertools.pairwise(self.bends)):
+            raise InputError(
+                f"profile table: bends must be radii of the table between its ends, increasing, got {list(self.bends)} "
+                f"({f'{wrong[0]:g} is none' if wrong else 'not increasing'})"
+            )
         if noise is None:
             dip = _first_dip(r, f)
             if dip is None:
@@ -367,22 +377,6 @@ def _first_dip(r: Array, f: Array) -> int | None:
     if chord[0] < 0:
         return 0
     return int(np.argmax(dips)) + 1 if dips.any() else None
-
-
-def _check_bends(bends: tuple[float, ...], r: Array) -> None:
-    wrong = [bend for bend in bends if bend not in r[1:-1]]
-    if wrong or any(not b > a for a, b in itertools.pairwise(bends)):
-        raise InputError(
-            f"profile table: bends must be radii of the table between its ends, increasing, got {list(bends)} "
-            f"({f'{wrong[0]:g} is none' if wrong else 'not increasing'})"
-        )
-
-
-def _flattened(r: Array, f: Array) -> Array:
-    """The heights [m], those next to the axis 0 up to where the profile rises beyond rounding: of a flat end."""
-    chord = np.diff(f) / np.diff(r)
-    level = np.logical_and.accumulate(chord <= ROUNDED * np.max(chord))
-    return np.where(np.append(True, level), 0.0, f)
 
 
 def _straight(chord: Array, start: float) -> Array:

@@ -8,26 +8,42 @@ which of several cases asked for it first.
 from __future__ import annotations
 
 import contextlib
+import copy
 import hashlib
 import itertools
 import math
+import re
 import shlex
 import time
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from ... import __version__
-from ...adhesion import Nonadhesive, checked_rule
-from ...base import MOST_CELLS, InputError, JkrError, Unknown, check_target
-from ...beside import adhesive, nonadhesive
+from ...adhesion import DISPLACEMENT_CONTROL, AdhesiveCurve, Equilibrium, Nonadhesive, behaviour, checked_rule
+from ...base import (
+    DISTRIBUTIONS,
+    MOST_CELLS,
+    Distribution,
+    InputError,
+    JkrError,
+    Unknown,
+    check_target,
+    did_you_mean,
+    draw,
+)
 from ...bodies import Problem
 from ...case import (
     MOST_CASES,
+    AxisTable,
     Case,
     CaseModel,
+    DistributionTable,
+    SamplesTable,
     SweepModel,
     load_sweep,
     method_of,
@@ -36,11 +52,377 @@ from ...case import (
     write_solution,
 )
 from ...methods import Choice, Method, choose_method, least_first, survey
+from ...report import tables
+from ...resolve import Analysis, adhesive, nonadhesive, with_solved_points
 from ...series import Record, Solution
-from ...tables.text_table import MOST_COLUMNS
-from .axes import Axis, W, resolve
-from .paths import LAYER_COUNT, Tables, unit_of, with_values
-from .quantities import ALONG, POINT, Value, Wanted, names_of
+from ...tables import MOST_COLUMNS
+
+# --------------------------------------------------------------------------------------------------
+# Keys of a case file as paths, "specimen.layers[0].nu": written into its tables, read from its model.
+
+KeyPath = tuple[str | int, ...]
+Tables = dict[str, Any]
+LAYER_COUNT = "specimen.layers.count"  # a key of sweeps alone: the first so many layers of the base case
+_KEY = re.compile(r"[A-Za-z_]\w*(\[\d+\])?(\.[A-Za-z_]\w*(\[\d+\])?)*")
+UNITS = {"m": "m", "Pa": "Pa", "N": "N", "J/m^2": "J_per_m2", "N/m": "N_per_m", "rad": "rad"}
+
+
+def parse(key: str) -> KeyPath:
+    """``"specimen.layers[0].nu"`` -> ``("specimen", "layers", 0, "nu")``."""
+    if not _KEY.fullmatch(key):
+        raise InputError(f'must be a key of a case such as "specimen.layers[0].nu", got "{key}"')
+    return tuple(int(part) if part.isdigit() else part for part in re.findall(r"\w+", key))
+
+
+def with_values(tables: Tables, values: Mapping[str, Any]) -> Tables:
+    """A copy of a case's tables in which every key has its value."""
+    changed = copy.deepcopy(tables)
+    for key, value in values.items():
+        if key != LAYER_COUNT:
+            _assign(changed, key, copy.deepcopy(value))
+    if LAYER_COUNT in values:
+        count = values[LAYER_COUNT]
+        layers = changed.get("specimen", {}).get("layers", [])
+        number = isinstance(count, int | float) and not isinstance(count, bool)
+        if not (number and 0 <= count <= len(layers) and count == int(count)):
+            raise InputError(f"{LAYER_COUNT}: must be a whole number from 0 to {len(layers)}, got {count}")
+        changed["specimen"]["layers"] = layers[: int(count)]
+    return changed
+
+
+def _assign(tables: Tables, key: str, value: Any) -> None:
+    *parents, last = parse(key)
+    here: Any = tables
+    for i, part in enumerate([*parents, last]):
+        is_list = isinstance(here, list | tuple)
+        if isinstance(part, int) and not (is_list and part < len(here)):
+            raise InputError(f"{key}: the base case has {len(here) if is_list else 0} entries there, numbered from 0")
+        if isinstance(part, str) and not isinstance(here, dict):
+            listed = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in parents[:i]).removeprefix(".")
+            remedy = f"a list, its entries are {listed}[0], [1], ..." if is_list else "no table"
+            raise InputError(f'{key}: has no "{part}": {listed} is {remedy}')
+        if i == len(parents):
+            here[part] = value
+        else:
+            here = here[part] if isinstance(part, int) else here.setdefault(part, {})
+
+
+def value_at(model: CaseModel, key: str) -> Any:
+    """The value of ``key`` in SI; tables as plain dicts, a list of one number as the number."""
+    if key == LAYER_COUNT:
+        return len(model.specimen.layers)
+    here: Any = model.model_dump(exclude_none=True)
+    for part in parse(key):
+        here = here[part]
+    if isinstance(here, tuple) and len(here) == 1 and isinstance(here[0], float):
+        return here[0]
+    return here
+
+
+def unit_of(tables: Tables, key: str, value: Any, folder: Path | None) -> str:
+    """The SI unit of ``key`` for a column's name, "" for plain numbers and words: the one that the case accepts."""
+    if key == LAYER_COUNT or isinstance(value, bool) or not isinstance(value, int | float):
+        return ""
+    for unit, name in UNITS.items():
+        try:
+            model_of(with_values(tables, {key: f"{value!r} {unit}"}), "", folder)
+        except InputError:
+            continue
+        return name
+    return ""
+
+
+# --------------------------------------------------------------------------------------------------
+# The axes of a sweep in SI: every value that a key takes, checked in a case before anything is solved.
+
+W = "adhesion.w"
+
+
+@dataclass(frozen=True)
+class Axis:
+    """``keys`` that vary together; each of ``rows`` holds one value per key, in SI."""
+
+    keys: tuple[str, ...]
+    rows: tuple[tuple[Any, ...], ...]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """The case in which values are tried: ``tables`` with the first value of every axis, and with all layers, however
+    many a sweep keeps of them."""
+
+    tables: Tables
+    first: Mapping[str, Any]
+    folder: Path
+
+    def model(self, values: Mapping[str, Any]) -> CaseModel:
+        """The case with ``values`` in place of those of ``first``; InputError says what is wrong with it."""
+        return model_of(with_values(self.tables, {**self.first, **values}), "", self.folder)
+
+    def si(self, values: Mapping[str, Any]) -> tuple[Any, ...]:
+        """The values of keys that go together, in SI."""
+        whole = self.model({key: value for key, value in values.items() if key != LAYER_COUNT})
+        cut = self.model(values) if LAYER_COUNT in values else whole
+        return tuple(value_at(cut if key == LAYER_COUNT else whole, key) for key in values)
+
+
+def resolve(model: SweepModel, tables: Tables, folder: Path, source: str) -> tuple[tuple[Axis, ...], CaseModel]:
+    """All axes, samples and several works of adhesion included, and the first case; a line per mistake."""
+    _each_once(model, source)
+    trial = Trial(tables, _first(model), folder)
+    lines: list[str] = []
+    with _noted(lines, f"{source}: base"):
+        first = trial.model({})
+    if lines:
+        raise InputError(lines)
+    axes = []
+    for i, axis in enumerate(model.axes):
+        with _noted(lines, f"{source}: axes[{i}]"):
+            axes.append(_axis(axis, trial))
+    if model.samples is not None:
+        with _noted(lines, f"{source}: samples.of"):
+            axes.append(_samples(model.samples, trial))
+    if lines:
+        raise InputError(list(dict.fromkeys(lines)))
+    if not any(W in axis.keys for axis in axes) and len(first.adhesion.w) > 1:
+        axes.append(Axis((W,), tuple((w,) for w in first.adhesion.w)))
+    return tuple(axes), first
+
+
+@contextlib.contextmanager
+def _noted(lines: list[str], where: str) -> Iterator[None]:
+    """A block whose mistakes are added to ``lines``, led by the name of the table they are in."""
+    try:
+        yield
+    except InputError as error:
+        lines += [f"{where}: {line.removeprefix(': ')}" for line in error.lines]
+
+
+def _listed(axis: AxisTable) -> Mapping[str, Sequence[Any]]:
+    """The values of each key of an axis as they stand in the file, of a range where it begins."""
+    if axis.zip is not None:
+        return axis.zip
+    return {str(axis.key): (axis.start,) if axis.values is None else axis.values}
+
+
+def _each_once(model: SweepModel, source: str) -> None:
+    keys = [key for axis in model.axes for key in _listed(axis)] + list(model.samples.of if model.samples else ())
+    if not keys:
+        raise InputError(f"{source}: nothing varies: give [[axes]] or [samples]")
+    if twice := sorted({key for key in keys if keys.count(key) > 1}):
+        raise InputError(f"{source}: {twice[0]}: is varied twice; keys that go together stand in one zip")
+    for key in keys:
+        try:
+            parse(key)
+        except InputError as error:
+            raise InputError(f"{source}: axes: {error}") from None
+
+
+def _first(model: SweepModel) -> dict[str, Any]:
+    """A value of every varied key that stands in the file, but for the number of layers."""
+    first = {key: values[0] for axis in model.axes for key, values in _listed(axis).items()}
+    for key, item in (model.samples.of if model.samples else {}).items():
+        value = item.parameters[DISTRIBUTIONS[item.distribution].needed[0]]
+        first[key] = value[0] if item.distribution == "choice" else value
+    first.pop(LAYER_COUNT, None)
+    return first
+
+
+def _axis(axis: AxisTable, trial: Trial) -> Axis:
+    listed = _listed(axis)
+    keys = tuple(listed)
+    if axis.zip is None and axis.values is None:
+        return Axis(keys, tuple((value,) for value in _range(axis, trial)))
+    rows = zip(*listed.values(), strict=True)
+    return Axis(keys, tuple(trial.si(dict(zip(keys, row, strict=True))) for row in rows))
+
+
+def _range(axis: AxisTable, trial: Trial) -> list[Any]:
+    key, count = str(axis.key), axis.count or 2
+    start, end = (_number(trial, key, value) for value in (axis.start, axis.end))
+    if axis.spacing == "log" and not min(start, end) > 0:
+        raise InputError(f"{key}: a log range needs from and to > 0, got {start:g} and {end:g}")
+    spaced = (np.geomspace if axis.spacing == "log" else np.linspace)(start, end, count)
+    spaced[[0, -1]] = start, end
+    if isinstance(start, int) and isinstance(end, int):
+        return sorted({round(value) for value in spaced.tolist()}, reverse=start > end)
+    return spaced.tolist()
+
+
+def _number(trial: Trial, key: str, value: Any) -> Any:
+    (number,) = trial.si({key: value})
+    if isinstance(number, bool) or not isinstance(number, int | float):
+        raise InputError(f"{key}: is no number: give its values as a list")
+    return number
+
+
+def _samples(samples: SamplesTable, trial: Trial) -> Axis:
+    distributions = [_distribution(key, table, trial) for key, table in samples.of.items()]
+    return Axis(tuple(samples.of), tuple(draw(distributions, samples.count, samples.method, samples.seed)))
+
+
+def _distribution(key: str, table: DistributionTable, trial: Trial) -> Distribution:
+    if table.values is not None:
+        return Distribution("choice", {"values": tuple(trial.si({key: value})[0] for value in table.values)})
+    parameters = {
+        name: value if name == "factor" else _number(trial, key, value) for name, value in table.parameters.items()
+    }
+    try:
+        return Distribution(table.distribution, parameters)
+    except InputError as error:
+        raise InputError(f"{key}: {error}") from None
+
+
+# --------------------------------------------------------------------------------------------------
+# What a sweep can tell of a case: the numbers of the summary that ``jkr transform`` writes, by the same names.
+
+Value = float | int | str
+Section = Callable[[Analysis], Mapping[str, Any]]
+POINT = ("P_N", "delta_m", "a_m")
+ERROR = ("P_err_N", "delta_err_m")
+
+
+def _solved_by(result: Analysis) -> dict[str, Any]:
+    return {"method": result.solution.method, "slopes": result.curve.slopes.method}
+
+
+def _at_end(result: Analysis) -> dict[str, Any]:
+    series = result.curve.series
+    return {"points": len(series), "a_m": series.a[-1], "delta_H_m": series.delta[-1], "P_H_N": series.P[-1]}
+
+
+def _pull_off(result: Analysis) -> dict[str, Any]:
+    load, displacement = (_point(name, result.pull_off[name]) for name in ("load", "displacement"))
+    return load | displacement | {"load.over_pi_w_R": _ratio(result)}
+
+
+def _ratio(result: Analysis) -> float | Unknown:
+    """The pull-off force under load control as -P/(pi w R): 3/2 on a half-space."""
+    point, R = result.pull_off["load"], result.problem.indenter.tip_radius
+    if isinstance(point, Unknown):
+        return point
+    return Unknown("the indenter has no tip radius") if R is None else -point.P / (math.pi * result.w * R)
+
+
+def _point(name: str, state: Equilibrium | Unknown) -> dict[str, Any]:
+    columns = tables.point(state)
+    return {f"{name}.{key}": Unknown(columns["reason"]) if columns[key] is None else columns[key] for key in POINT}
+
+
+def _point_errors(result: Analysis) -> dict[str, Any]:
+    """Half-widths of P and delta of each pull-off point, or why there are none."""
+    errors: dict[str, Any] = {}
+    for name, point in result.pull_off.items():
+        error = point if isinstance(point, Unknown) else result.pull_off_errors[name]
+        for key, quantity in zip(ERROR, ("P", "delta"), strict=True):
+            errors[f"{name}.{key}"] = error if isinstance(error, Unknown) else error[quantity]
+    return errors
+
+
+def _stability(result: Analysis) -> dict[str, Any]:
+    pulled = behaviour(result.curve, DISPLACEMENT_CONTROL)
+    energies = {"energy_lost_J": pulled.energy_lost, "work_of_separation_J": pulled.separation}
+    return energies | _point("jump_in", pulled.jump_in)
+
+
+def _errors(result: Analysis) -> dict[str, Any]:
+    return result.budget.as_dict()
+
+
+def _comparison(result: Analysis) -> dict[str, Any]:
+    return {"pull_off": result.comparison.pull_off if result.comparison else Unknown("")}
+
+
+def _of_both(keys: Sequence[str]) -> Iterator[str]:
+    """The names of the ``keys`` under control of load and of displacement."""
+    return (f"{control}.{key}" for control in ("load", "displacement") for key in keys)
+
+
+VALIDITY = ("tabor", "a_over_R", "a_over_R_pull_off", "delta_over_h", "a_over_h", "a_over_L")
+SECTIONS: dict[str, tuple[Section, tuple[str, ...]]] = {
+    "solved_by": (_solved_by, ("method", "slopes")),
+    "contact": (lambda result: {"E_star_Pa": result.problem.E_star}, ("E_star_Pa",)),
+    "end": (_at_end, ("points", "a_m", "delta_H_m", "P_H_N")),
+    "pull_off": (_pull_off, (*_of_both(POINT), "load.over_pi_w_R")),
+    "pull_off_errors": (_point_errors, tuple(_of_both(ERROR))),
+    "stability": (_stability, ("energy_lost_J", "work_of_separation_J", *(f"jump_in.{key}" for key in POINT))),
+    "validity": (tables.validity, VALIDITY),
+    "errors": (_errors, ("discretisation", "truncation", "radius", "smoothing", "total")),
+    "comparison": (_comparison, ("pull_off",)),
+}
+NAMES = tuple(f"{section}.{key}" for section, (_, keys) in SECTIONS.items() for key in keys)
+NEED_W = ("pull_off", "pull_off_errors", "stability")
+OF_THE_KIND = ("validity.", "comparison.")  # absent by the kind of body, the same in every case: no reason is given
+ALONG = ("P_N", "delta_m", "P_H_N", "delta_H_m", "S_N_per_m", "dS_da_N_per_m2")
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """The columns of a sweep's table: ``names`` among ``NAMES``; all of ``ALONG`` at each of ``radii`` [m]; the
+    pull-off by devices of each ``stiffness`` [N/m]. ``slopes``: how S and S' are found."""
+
+    names: tuple[str, ...]
+    radii: tuple[float, ...] = ()
+    stiffness: tuple[float, ...] = ()
+    slopes: str = "auto"
+    columns: tuple[str, ...] = field(init=False)
+
+    def __post_init__(self) -> None:
+        devices = [f"pull_off.{k:g}_N_per_m.{key}" for k in self.stiffness for key in POINT]
+        along = [f"at_{a:g}_m.{key}" for a in self.radii for key in ALONG]
+        object.__setattr__(self, "columns", (*self.names, *devices, *along))
+
+    @property
+    def needs_w(self) -> bool:
+        """Whether any column means nothing without a work of adhesion."""
+        return bool(self.stiffness) or any(name.split(".")[0] in NEED_W for name in self.names)
+
+    def values(self, result: Analysis) -> list[Value | Unknown]:
+        """One value per column."""
+        result = with_solved_points(result, *self.stiffness) if self.stiffness else result
+        told: dict[str, Any] = {}
+        for section in dict.fromkeys(name.split(".")[0] for name in self.names):
+            told |= {f"{section}.{key}": value for key, value in SECTIONS[section][0](result).items()}
+        values = [_value(name, told[name]) for name in self.names]
+        for k in self.stiffness:
+            values += _point("device", result.curve.pull_off(k)).values()
+        return [*values, *_along(result.jkr, self.radii)]
+
+
+def _value(name: str, value: Any) -> Value | Unknown:
+    """A number or word, or why there is none."""
+    if isinstance(value, Unknown):
+        return Unknown("") if name.startswith(OF_THE_KIND) else value
+    if isinstance(value, int | str):
+        return value
+    return float(value) if math.isfinite(value) else Unknown(f"{name} is not finite")
+
+
+def _along(curve: AdhesiveCurve, radii: Sequence[float]) -> Iterator[Value | Unknown]:
+    """``ALONG`` of the curve at each of the contact radii [m]; index H: without adhesion."""
+    a = np.array(radii)
+    beyond = curve.beyond(a)
+    delta, P = curve.at(a[~beyond])
+    delta_H, P_H, S, dS, _ = curve.nonadhesive.parts(a[~beyond])
+    rows = iter(np.stack([P, delta, P_H, delta_H, S, dS], axis=1).tolist())
+    for place, out in zip(radii, beyond.tolist(), strict=True):
+        yield from [Unknown(curve.beyond_words(place))] * len(ALONG) if out else next(rows)
+
+
+def names_of(words: Sequence[str], source: str) -> tuple[str, ...]:
+    """All names that the ``words`` mean, those of groups ("pull_off", "pull_off.load") each; InputError for others."""
+    names: dict[str, None] = {}
+    for word in words:
+        meant = [name for name in NAMES if name == word or name.startswith(f"{word}.")]
+        if not meant:
+            hint = did_you_mean(word, [*SECTIONS, *NAMES])
+            raise InputError(
+                f'{source}: outputs.quantities: unknown quantity "{word}"{hint} (groups: {", ".join(SECTIONS)}; '
+                f"single ones: {', '.join(NAMES)})"
+            )
+        names |= dict.fromkeys(meant)
+    return tuple(names)
+
 
 FIRM = ("radius", "thickness", "nu")  # how keys end whose values tell bodies apart
 PHYSICS = {"title", "indenter", "specimen", "loading", "adhesion"}
@@ -114,7 +496,22 @@ class Plan:
         """Solves that all cases together need at least: values that may cancel (w, moduli, a load over them) or be cut
         off with their layer count as none."""
         cut = LAYER_COUNT in self.keys
-        return math.prod(len({repr(_firm(axis.keys, row, cut)) for row in axis.rows}) for axis in self.axes)
+        # Those values of a row of an axis that make another body, whatever the moduli and the number of layers are.
+        return math.prod(
+            len(
+                {
+                    repr(
+                        [
+                            value
+                            for key, value in zip(axis.keys, row, strict=True)
+                            if key.endswith(FIRM) and not (cut and "layers" in key)
+                        ]
+                    )
+                    for row in axis.rows
+                }
+            )
+            for axis in self.axes
+        )
 
     def identity(self, number: int) -> str:
         """A hash of everything that the row of a case depends on: what journals know it by."""
@@ -171,11 +568,6 @@ def _rounded(value: Any) -> Any:
     if is_dataclass(value) and not isinstance(value, type):
         return replace(value, **{item.name: _rounded(getattr(value, item.name)) for item in fields(value) if item.init})
     return value
-
-
-def _firm(keys: Sequence[str], row: Sequence[Any], cut: bool) -> list[Any]:
-    """Those values of a row of an axis that make another body, whatever the moduli and the number of layers are."""
-    return [value for key, value in zip(keys, row, strict=True) if key.endswith(FIRM) and not (cut and "layers" in key)]
 
 
 def load_plan(path: Path) -> Plan:
@@ -266,15 +658,11 @@ def _solved(body: Problem, model: CaseModel, folder: Path | None) -> Solution:
     raise failure
 
 
-def _key(problem: Problem, method: Method) -> str:
-    """A hash of all that a solve depends on: the physics, the method with its options, the release."""
-    return hashlib.sha256(f"{problem.key}\n{method!r}\n{__version__}".encode()).hexdigest()[:24]
-
-
 def solved_once(problem: Problem, method: Method, folder: Path | None = None) -> Solution:
     """The solution of ``problem`` by ``method``: from ``folder`` where it is kept there, else solved, and kept there
     where that was expensive (``SharingTuning``)."""
-    key = _key(problem, method)
+    # A hash of all that a solve depends on: the physics, the method with its options, the release.
+    key = hashlib.sha256(f"{problem.key}\n{method!r}\n{__version__}".encode()).hexdigest()[:24]
     path = None if folder is None else folder / f"{key}.h5"
     if path is not None and (stored := _kept(path, problem, key)) is not None:
         return stored

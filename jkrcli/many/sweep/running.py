@@ -2,30 +2,393 @@
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
+import importlib.util
+import io
+import json
 import math
-from collections.abc import Callable, Sequence
+import os
+import re
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any, TypeAlias
 
+import numpy as np
+
+from ... import __version__
 from ...base import (
     SILENCE,
+    Array,
+    Dataset,
+    Group,
     InputError,
     JkrError,
     Progress,
+    atomic,
     check_target,
     completed,
     duration,
     executor,
     make_folder,
+    printable,
     remove_file,
+    scale,
+    show,
     silent,
     together,
     write_csv,
 )
-from .journal import Journal, opened
-from .plan import Cases, Plan, at_unit_modulus, failed, least, solve_group
-from .result import STEM, Swept, SweptCase, endings, table, write
+from ...base import process as locks
+from ...report import Result, archive
+from ...report.plots import Figure, looks
+from ...report.plots import studies as study
+from .plan import FAILED, OK, Cases, Plan, Row, at_unit_modulus, failed, least, solve_group
+
+# --------------------------------------------------------------------------------------------------
+# The figure of a sweep: its results over the axis with the most values, a line for each value of the next.
+
+PULL_OFF = re.compile(r"pull_off\.(load|displacement)\.(P|delta|a)")
+MARKS = "os^Dvx"  # of lines in this order: one that covers another shows it
+DIMENSIONS = {"_N": "load", "_J_per_m2": "work", "_Pa": "modulus", "_m": "length"}
+
+
+def sweep_figure(plan: Plan, table: Mapping[str, Sequence[Any]]) -> Figure | None:
+    """Forces where there are some, else the first results, at most two of them; other axes at their first value, which
+    the title says. None where no axis or no result is a number."""
+    numbers = {name: np.array(values, dtype=float) for name, values in table.items()
+               if all(value is None or isinstance(value, int | float) for value in values)}  # fmt: skip
+    axes = sorted(_axes(plan, numbers), key=lambda name: -np.unique(numbers[name]).size)
+    results = [name for name in plan.recipe.wanted.columns if name in numbers and "err" not in name]
+    results = ([name for name in results if name.endswith(".P_N")] or results)[:2]
+    if not axes or not results:
+        return None
+    x, *others = axes
+    first = {name: numbers[name][0] for name in others[1:]}
+    rows = np.logical_and.reduce([np.isfinite(numbers[x]), *(numbers[name] == at for name, at in first.items())])
+    shown = {name: values[rows] for name, values in numbers.items()}
+    joint = any(x in plan.key_columns and len(axis.keys) > 1 for axis in plan.axes)
+    panels = [_panel(shown, x, others[:1], name, "" if joint else "-") for name in results]
+    return study.panels_figure(panels, ", ".join(_value(name, at) for name, at in first.items()))
+
+
+def _axes(plan: Plan, numbers: Mapping[str, Array]) -> Iterator[str]:
+    """The first column of each axis that holds several numbers."""
+    columns = iter(plan.key_columns)
+    for axis in plan.axes:
+        names = [next(columns) for _ in axis.keys]
+        yield from [name for name in names if name in numbers and np.unique(numbers[name]).size > 1][:1]
+
+
+def _panel(columns: Mapping[str, Array], x: str, beside: list[str], y: str, style: str) -> study.Panel:
+    (along, x_label), (up, y_label) = (_scaled(columns, name) for name in (x, y))
+    groups = np.unique(columns[beside[0]])[: len(looks.COLORS)] if beside else [None]
+    lines = []
+    for at, color, mark in zip(groups, looks.COLORS, MARKS, strict=False):
+        rows = np.flatnonzero(columns[beside[0]] == at) if beside else np.arange(along.size)
+        rows = rows[np.argsort(along[rows], kind="stable")]
+        lines.append(study.Line(along[rows], up[rows], _value(beside[0], at) if beside else "", mark + style, color))
+    wide = 0 < 5 * along.min() < along.max()
+    title = f"{match[1]} control" if (match := PULL_OFF.match(y)) else ""
+    return study.Panel(x_label, y_label, lines, title, logs="x" if wide else "")
+
+
+def _scaled(columns: Mapping[str, Array], column: str) -> tuple[Array, str]:
+    """A column in the unit that people would use, and the label of its axis."""
+    stem, dimension = _split(column)
+    factor, unit = scale(float(np.nanmax(np.abs(columns[column]))), dimension)
+    return columns[column] / factor, f"{_words(stem)} ({looks.pretty(unit)})" if unit else _words(stem)
+
+
+def _words(stem: str) -> str:
+    """What a result or a key is called on an axis: "pull_off.load.P" the load at pull-off; others as they are."""
+    if match := PULL_OFF.fullmatch(stem):
+        return f"{looks.LABELS[match[2]]} at pull-off"
+    if match := re.fullmatch(r"specimen\.layers\[(\d+)\]\.(\w+)", stem):
+        return f"{match[2]} of layer {int(match[1]) + 1}"
+    return stem
+
+
+def _value(column: str, value: float) -> str:
+    stem, dimension = _split(column)
+    return f"{stem.rpartition('.')[2]} = {looks.pretty(show(value, dimension))}"
+
+
+def _split(column: str) -> tuple[str, str]:
+    """A column's name without its unit, and its dimension."""
+    ending = next((ending for ending in DIMENSIONS if column.endswith(ending)), "")
+    return column.removesuffix(ending), DIMENSIONS.get(ending, "number")
+
+
+# --------------------------------------------------------------------------------------------------
+# The journal of a sweep: a line per finished case, appended as results come in and readable after any end.
+
+FORMAT, VERSION = "jkr-sweep-journal", 2  # type and version of the file
+HEAD = json.dumps({"format": FORMAT, "version": VERSION, "jkr": __version__}).encode() + b"\n"
+ENTRY = [str, str, str, list, float]  # of a line: identity, status, reason, values, CPU seconds; then their digest
+MOST_BYTES = 1 << 31  # theory: of all lines, which are read at once: MOST_CELLS numbers of 21 characters
+
+
+class Journal:
+    """Finished cases by their identity (a hash of all that a row depends on), in memory and in the file behind it.
+
+    ``damaged``: numbers of the lines that do not hold what was written; their cases count as not done.
+    """
+
+    def __init__(self, path: Path, file: io.FileIO):
+        self.path = path
+        self.rows: dict[str, Row] = {}
+        self.damaged: list[int] = []
+        self._file = file
+        self._synced = time.monotonic()
+
+    def append(self, identity: str, row: Row) -> None:
+        """Keep a finished case; a repeated identity replaces the earlier row."""
+        entry = [identity, row.status, row.reason, row.values, round(row.seconds, 6)]
+        self._write(_sealed(json.dumps(entry, allow_nan=False).encode()) + b"\n")
+        self.rows[identity] = row
+        if time.monotonic() - self._synced > 5.0:  # that a power failure may cost; a killed process loses nothing
+            self.sync()
+
+    def _write(self, line: bytes) -> None:
+        """Append to the file as far as there is room; what is cut off then, the next run takes away."""
+        try:
+            while line:
+                line = line[self._file.write(line) :]
+        except OSError as error:
+            raise JkrError(f"{self.path}: cannot be written ({error.strerror})") from None
+
+    def sync(self) -> None:
+        """Make sure that the file is on the disk."""
+        try:
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            raise JkrError(f"{self.path}: cannot be written ({error.strerror})") from None
+        self._synced = time.monotonic()
+
+    def forget_failed(self) -> int:
+        """Count failed cases as not done; returns how many."""
+        wrong = [identity for identity, row in self.rows.items() if row.status == FAILED]
+        for identity in wrong:
+            del self.rows[identity]
+        return len(wrong)
+
+    def read(self) -> None:
+        """Take in what earlier runs appended; a last line without its end was being written when they were killed."""
+        content = self._file.read()
+        if HEAD.startswith(content):
+            self._file.seek(0)
+            self._write(HEAD)
+            return
+        whole = content.rfind(b"\n") + 1
+        head, *lines = content[:whole].splitlines() or [b""]
+        self._check_head(head)
+        self._file.truncate(whole)
+        self._file.seek(whole)
+        for number, line in enumerate(lines, start=2):
+            if (entry := _entry(line)) is None:
+                self.damaged.append(number)
+                continue
+            identity, status, reason, values, seconds = entry
+            self.rows[identity] = Row(-1, status, reason, tuple(values), seconds)
+
+    def _check_head(self, line: bytes) -> None:
+        """Refuse to append to what is no journal of this format."""
+        head = _parsed(line)
+        if not isinstance(head, dict) or head.get("format") != FORMAT or head.get("version") != VERSION:
+            raise InputError(
+                f"{self.path}: is no journal of a sweep (line 1 must name the format {FORMAT}, version {VERSION}); "
+                "give another folder"
+            )
+
+
+def _sealed(entry: bytes) -> bytes:
+    """A list in JSON with the digest of its text as its last item."""
+    return entry[:-1] + b', "' + hashlib.sha256(entry).hexdigest()[:16].encode() + b'"]'
+
+
+def _entry(line: bytes) -> list[Any] | None:
+    """The entry of a line; None where the line is not as it was written."""
+    entry = line.rpartition(b", ")[0] + b"]"
+    values = _parsed(entry) if _sealed(entry) == line else None
+    is_sound = isinstance(values, list) and list(map(type, values)) == ENTRY and values[1] in (OK, FAILED)
+    return values if is_sound else None
+
+
+def _parsed(line: bytes) -> Any:
+    try:
+        return json.loads(line)
+    except (ValueError, RecursionError):
+        return None
+
+
+@contextlib.contextmanager
+def opened(path: Path) -> Iterator[Journal]:
+    """The journal at ``path``, made where there is none; InputError where another process is writing it, or it is none
+    that can be read."""
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: is a folder, a device or a pipe, not a journal; give another folder")
+    try:
+        file = path.open("r+b" if path.exists() else "w+b", buffering=0)
+    except OSError as error:
+        raise JkrError(f"{path}: cannot be opened ({error.strerror})") from None
+    with file:
+        if locks.taken(file) is False:
+            raise InputError(f"{path}: another jkr sweep is writing there; wait for it, or give another folder")
+        if os.fstat(file.fileno()).st_size > MOST_BYTES:
+            raise InputError(f"{path}: journal is larger than {MOST_BYTES >> 20} MiB; give another folder")
+        journal = Journal(path, file)
+        journal.read()
+        try:
+            yield journal
+        finally:
+            journal.sync()
+
+
+# --------------------------------------------------------------------------------------------------
+# A sweep, and one case of it, as results; its table, a row per case, as CSV, HDF5 and, with pyarrow, Parquet.
+
+STEM = "table"
+MISSING = "NaN: there is no value; the column reason says why"
+Columns: TypeAlias = dict[str, list[Any]]  # of one length; None where there is no value
+
+
+@dataclass(frozen=True, eq=False)
+class Swept(Result):
+    """All cases of a ``plan`` in a table of ``columns``, a row each, and the ``files`` that hold it."""
+
+    plan: Plan
+    columns: Columns
+    files: Sequence[Path] = ()
+
+    @property
+    def failed(self) -> list[tuple[int, str]]:
+        """Numbers and reasons of the cases without a result."""
+        rows = zip(*(self.columns[name] for name in ("case", "status", "reason")), strict=True)
+        return [(number, reason) for number, status, reason in rows if status == FAILED]
+
+    @property
+    def warnings(self) -> list[str]:
+        failed = self.failed
+        return [f"{len(failed):,} cases failed, the first because: {failed[0][1]}"] if failed else []
+
+    def summary(self) -> dict[str, Any]:
+        return {
+            "format": "jkr-sweep-summary",
+            "cases": self.plan.count,
+            FAILED: len(self.failed),
+            "columns": list(self.columns),
+            "files": [str(path) for path in self.files],
+        }
+
+    def words(self) -> list[str]:
+        plan, failed = self.plan, self.failed
+        return [
+            f"{plan.count:,} cases, {len(failed):,} of them failed: {plan.title or plan.source}",
+            f"  one case  {plan.command(failed[0][0] if failed else 0)}",
+        ]
+
+    def figure(self) -> Figure:
+
+        if (figure := sweep_figure(self.plan, self.columns)) is None:
+            raise InputError(f"{self.plan.source}: no axis or no result is a number: there is nothing to draw")
+        return figure
+
+
+@dataclass(frozen=True, eq=False)
+class SweptCase(Result):
+    """The ``row`` of one case of a ``plan``."""
+
+    plan: Plan
+    row: Row
+
+    def summary(self) -> dict[str, Any]:
+        row, plan = self.row, self.plan
+        inputs = dict(zip(plan.key_columns, plan.values(row.number).values(), strict=True))
+        outputs = dict(zip(plan.recipe.wanted.columns, row.values, strict=True))
+        return {"case": row.number, "status": row.status, "reason": row.reason, **inputs, **outputs}
+
+    def words(self) -> list[str]:
+        cells = self.summary().items()
+        return [printable(f"{name:<40} {'' if value is None else value}".rstrip()) for name, value in cells]
+
+
+def table(plan: Plan, journal: Journal) -> Columns:
+    """The finished cases of a plan in the order of their numbers."""
+    names = ("case", "status", "reason", *plan.key_columns, *plan.recipe.wanted.columns)
+    columns: Columns = {name: [] for name in names}
+    for number in range(plan.count):
+        row = journal.rows.get(plan.identity(number))
+        if row is not None:
+            cells = (number, row.status, row.reason, *map(_cell, plan.values(number).values()), *row.values)
+            for column, cell in zip(columns.values(), cells, strict=True):
+                column.append(cell)
+    return columns
+
+
+def _cell(value: Any) -> Any:
+    """A value of a key as one cell: tables and lists as JSON."""
+    return json.dumps(value) if isinstance(value, dict | list | tuple) else value
+
+
+def endings() -> tuple[str, ...]:
+    """The kinds of files that can be written here."""
+    return (".csv", ".h5", ".parquet") if importlib.util.find_spec("pyarrow") else (".csv", ".h5")
+
+
+def write(folder: Path, columns: Columns) -> list[Path]:
+    """Write the table in every form, each whole or not at all; returns the files."""
+    writers = {".csv": write_csv, ".h5": _write_hdf5, ".parquet": _write_parquet}
+    paths = [folder / f"{STEM}{ending}" for ending in endings()]
+    for path in paths:
+        writers[path.suffix](path, columns)
+    return paths
+
+
+def _write_hdf5(path: Path, columns: Columns) -> None:
+    datasets = {name: Dataset(_as_dataset(values, name == "case")) for name, values in columns.items()}
+    archive.write(path, archive.SWEEP_TABLE, {"missing": MISSING}, {"table": Group({}, datasets)})
+
+
+def _as_dataset(values: list[Any], whole: bool) -> Array | list[str]:
+    """A column of whole numbers, numbers or words: NaN or an empty text where there is no value."""
+    if whole or all(
+        value is None or (isinstance(value, int | float) and not isinstance(value, bool)) for value in values
+    ):
+        return np.array(values, dtype=np.int64 if whole else np.float64)
+    return ["" if value is None else str(value) for value in values]
+
+
+def _write_parquet(path: Path, columns: Columns) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    arrays = [_arrow(values, name == "case") for name, values in columns.items()]
+    metadata = {"format": archive.SWEEP_TABLE, "jkr": __version__}
+    with atomic(path) as temporary:
+        parquet.write_table(pyarrow.Table.from_arrays(arrays, names=list(columns), metadata=metadata), temporary)
+
+
+def _arrow(values: list[Any], whole: bool) -> Any:
+    """A column of whole numbers, numbers or words, null where there is no value.
+
+    From buffers: pyarrow's other constructors import pandas, which costs more than everything else here.
+    """
+    import pyarrow
+
+    valid = pyarrow.py_buffer(np.packbits([value is not None for value in values], bitorder="little"))
+    column = _as_dataset(values, whole)
+    if isinstance(column, np.ndarray):
+        kind = pyarrow.int64() if whole else pyarrow.float64()
+        return pyarrow.Array.from_buffers(kind, len(values), [valid, pyarrow.py_buffer(column)])
+    encoded = [word.encode() for word in column]
+    ends = np.concatenate([[0], np.cumsum([len(word) for word in encoded])]).astype(np.int64)
+    buffers = [valid, pyarrow.py_buffer(ends), pyarrow.py_buffer(b"".join(encoded))]
+    return pyarrow.Array.from_buffers(pyarrow.large_string(), len(values), buffers)
+
 
 JOURNAL, FAILED_TABLE, SOLVES = "journal.jsonl", "failed.csv", "solves"
 Say = Callable[[str], None]
@@ -75,7 +438,10 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> Swep
             "solved"
         )
     with opened(folder / JOURNAL) as journal:
-        _say_damage(journal, say)
+        # Say which lines are not believed, a few of them by number.
+        if journal.damaged:
+            lines = ", ".join(map(str, journal.damaged[:5])) + (", ..." if len(journal.damaged) > 5 else "")
+            say(f"{journal.path}: {len(journal.damaged):,} damaged lines ({lines}): their cases are solved again")
         if means.retry and (forgotten := journal.forget_failed()):
             say(f"{forgotten} failed cases are tried again")
         if look > SILENCE:
@@ -104,13 +470,6 @@ def _guard_early(plan: Plan, journal: Journal, hours: float, say: Say) -> None:
     most, least = (left * (_beside(plan, plan.count) + count * solve) for count in (plan.count, plan.least_solves))
     say(f"all cases: at most about {duration(most)} of CPU time, were each solved on its own as the first")
     _guard(f"{plan.count:,} cases with at least {plan.least_solves:,} solves", least, hours, ", as the first case does")
-
-
-def _say_damage(journal: Journal, say: Say) -> None:
-    """Say which lines are not believed, a few of them by number."""
-    if journal.damaged:
-        lines = ", ".join(map(str, journal.damaged[:5])) + (", ..." if len(journal.damaged) > 5 else "")
-        say(f"{journal.path}: {len(journal.damaged):,} damaged lines ({lines}): their cases are solved again")
 
 
 def _left(plan: Plan, journal: Journal, say: Say) -> list[Cases]:

@@ -23,8 +23,7 @@ from scipy.sparse import block_diag, bmat, csr_matrix
 
 from ...base import Array, Refusal
 from ...bodies import Elastic, Graded, Material, TransverselyIsotropic
-from .body import MeshedBody
-from .grid import Grid, sides
+from .mesh import Grid, MeshedBody, sides
 
 ELEMENTS = {  # of first order, second, ...
     "triangle": (skfem.ElementTriP1, skfem.ElementTriP2, skfem.ElementTriP3, skfem.ElementTriP4),
@@ -218,9 +217,24 @@ def assemble(
     the whole surface.
     """
     materials = body.materials
-    basis = _basis(grid, order, 2 * order + (GRADED_DEGREE if any(isinstance(m, Graded) for m in materials) else 0))
+    # Scalar basis on the grid with its boundaries named; quadrature exact for polynomials of `degree`.
+    kind = skfem.MeshTri if grid.element == "triangle" else skfem.MeshQuad
+    mesh = kind(np.ascontiguousarray(grid.points.T), np.ascontiguousarray(grid.cells.T))
+    middles = mesh.p[:, mesh.facets].mean(axis=1)
+    named = sides(middles.T, grid.width, grid.depth)
+    mesh = mesh.with_boundaries({name: np.flatnonzero(on_side) for name, on_side in named.items()})
+    basis = skfem.Basis(
+        mesh,
+        ELEMENTS[grid.element][order - 1](),
+        intorder=2 * order + (GRADED_DEGREE if any(isinstance(m, Graded) for m in materials) else 0),
+    )
     if reduced:
-        K, pressure_nodes = _reduced_stiffness(basis, grid, materials), np.zeros(0, dtype=int)
+        # Stiffness of linear quadrilaterals by one Gauss point each, with hourglass control.
+        centre = skfem.Basis(basis.mesh, basis.elem, quadrature=CENTRE)
+        at_centre, in_full = (_constants(b, grid, materials, ()) for b in (centre, basis))
+        shear = HOURGLASS * np.array([2.0, 0.0, 0.0, 2.0, 1.0])[:, None, None]
+        terms = [(centre, at_centre - shear * at_centre[4]), (basis, shear * in_full[4])]
+        K, pressure_nodes = sum(_displacement_blocks(b, C) for b, C in terms), np.zeros(0, dtype=int)
     else:
         K, pressure_nodes = _stiffness(basis, grid, materials, tuple(mixed))
     surface = basis.get_dofs("surface").all()
@@ -234,16 +248,6 @@ def assemble(
     free = np.setdiff1d(np.arange(K.shape[0]), _constrained(basis, body))
     areas = measure.assemble(top)[surface]
     return ElasticSystem(grid, materials, tuple(mixed), basis, K, node_of, free, surface, areas)
-
-
-def _basis(grid: Grid, order: int, degree: int) -> skfem.Basis:
-    """Scalar basis on the grid with its boundaries named; quadrature exact for polynomials of ``degree``."""
-    kind = skfem.MeshTri if grid.element == "triangle" else skfem.MeshQuad
-    mesh = kind(np.ascontiguousarray(grid.points.T), np.ascontiguousarray(grid.cells.T))
-    middles = mesh.p[:, mesh.facets].mean(axis=1)
-    named = sides(middles.T, grid.width, grid.depth)
-    mesh = mesh.with_boundaries({name: np.flatnonzero(on_side) for name, on_side in named.items()})
-    return skfem.Basis(mesh, ELEMENTS[grid.element][order - 1](), intorder=degree)
 
 
 def _of_pressure(basis: skfem.Basis, grid: Grid) -> Any:
@@ -271,20 +275,6 @@ def _stiffness(
     for k, (B, (_, _, M, _)) in enumerate(zip(coupling, pressures, strict=True)):
         blocks.append([B, *(-M if i == k else None for i in range(len(mixed)))])
     return bmat(blocks, format="csr"), np.concatenate([np.zeros(0, dtype=int), *(nodes for *_, nodes in pressures)])
-
-
-def _reduced_stiffness(basis: skfem.Basis, grid: Grid, materials: Sequence[Material]) -> csr_matrix:
-    """Stiffness of linear quadrilaterals by one Gauss point each, with hourglass control.
-
-    One point sees no hourglass, so that nothing locks and nothing resists it either. A small part of the shear
-    stiffness, H = HOURGLASS (2 G, 0, 0, 2 G, G), is integrated in full instead: K = K_1(C - H) + K_4(H). The two rules
-    agree on uniform strains, so that the order of convergence stays.
-    """
-    centre = skfem.Basis(basis.mesh, basis.elem, quadrature=CENTRE)
-    at_centre, in_full = (_constants(b, grid, materials, ()) for b in (centre, basis))
-    shear = HOURGLASS * np.array([2.0, 0.0, 0.0, 2.0, 1.0])[:, None, None]
-    terms = [(centre, at_centre - shear * at_centre[4]), (basis, shear * in_full[4])]
-    return sum(_displacement_blocks(b, C) for b, C in terms)
 
 
 def _displacement_blocks(basis: skfem.Basis, constants: Array) -> csr_matrix:

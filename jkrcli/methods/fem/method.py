@@ -5,19 +5,187 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from ...base import Refusal, StageClock, Unknown, one_thread
+import numpy as np
+
+from ...base import MOST_SOLVES, Estimate, Refusal, StageClock, Unknown, one_thread
 from ...bodies import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
+from ..options import DOUBLED, FEMOptions
 from ..protocol import Forecast, without_coating
-from .budget import Assessment, assessed, truncation_of
-from .cost import forecast
-from .edge import finest_spacing
-from .grid import Grid
-from .layout import Layout, layout_for
-from .model import Run, expected_reach, run
-from .options import DOUBLED, FEMOptions
-from .refinement import adapted, first
-from .report import finished
+from .mesh import Grid, Layout, half_space_like, layout_for
+from .model import BUDGET_TUNING as BUDGET
+from .model import Assessment, Run, assessed, expected_reach, finest_spacing, finished, mixed_layers, run, truncation_of
+
+# --------------------------------------------------------------------------------------------------
+# What a solve by ``fem`` costs and how accurate it is, before it is begun.
+
+
+@dataclass(frozen=True)
+class ForecastTuning:
+    """Cost and accuracy as measured."""
+
+    start: float = 0.03  # CPU seconds of any model; tuned on the cases of `make bench`, by `make bench`
+    per_unknown: float = 2.5e-5  # and per unknown of a small one; tuned on the same, by `make bench`
+    large: float = 1e5  # unknowns, from which they grow like the power 3/2; tuned on the same, by `make bench`
+    per_row: float = 1.5e-4  # and per depth, load or radius of a list; tuned on lists of 1e5, by `make guards`
+    mib_per_row: float = 8e-3  # memory of one; tuned on the same, by `make guards`
+    mib: float = 100.0  # memory of any model; tuned on the same, by `make bench`
+    mib_per_unknown: float = 5e-3  # tuned on the same, by `make bench`
+    load: float = 3e-4  # error of the default spacing, second order; tuned on the bodies of `make chart`, by it
+    load_order: float = 2.3  # by which it falls; tuned on the same, by `make chart`
+    load_first: float = 1e-2  # error with first-order elements; tuned on the same, by `make chart`
+    graded: float = 0.15  # of what a graded top leaves unresolved; tuned on power laws of depth, by `make bounds`
+    radius: float = 6e-4  # error of calibrated radii; tuned on the same, by `make chart`
+
+
+TUNING = ForecastTuning()
+
+
+def forecast(options: FEMOptions, problem: Problem, layout: Layout) -> Forecast:
+    """Cost and error from the expected number of elements of ``layout``."""
+    # Unknowns per element of large meshes: a triangle has half a vertex, and two displacements per node.
+    first_order = 1.0 if options.element == "triangle" else 2.0
+    per_cell = (
+        first_order * (1.0 if options.order == 1 else 4.2) * (1.1 if bool(mixed_layers(options, problem)) else 1.0)
+    )
+    cells = layout.expected_cells()
+    seconds = _seconds(options, cells * per_cell)
+    elsewhere = options.edge_correction and not problem.specimen.is_half_space
+    if elsewhere:  # the edge correction needs a mesh of its own
+        half_space = half_space_like(layout.body, layout.law.reach * layout.unit)
+        seconds += _seconds(options, layout.on(half_space).expected_cells() * per_cell)
+    rows = len(problem.loading.values)
+    seconds += TUNING.per_row * rows
+    memory = TUNING.mib + cells * per_cell * TUNING.mib_per_unknown + TUNING.mib_per_row * rows
+    note = f"about {float(f'{cells:.2g}'):.0f} elements"
+    return Forecast(seconds, memory, _error(options, layout, elsewhere), note)
+
+
+def _seconds(options: FEMOptions, unknowns: float) -> float:
+    """CPU seconds to mesh, assemble, factorise and condense a model, and its companion for the error estimate."""
+    models = (unknowns, unknowns / DOUBLED**2) if options.estimate_error else (unknowns,)
+    return sum(TUNING.start + TUNING.per_unknown * n * (1 + (n / TUNING.large) ** 0.5) for n in models)
+
+
+def _error(options: FEMOptions, layout: Layout, calibrated: bool) -> float:
+    """Expected relative error of loads and radii together; zones leave no less than the default's, however small."""
+    spacing = layout.law.slope or layout.law.floor / layout.law.reach
+    coarseness = spacing / FEMOptions.spacing if options.layout == "scaled" else max(spacing / FEMOptions.spacing, 1.0)
+    rates = TUNING
+    load = rates.load * coarseness**rates.load_order if options.order == 2 else rates.load_first * coarseness**2
+    load += rates.graded * layout.unresolved
+    if options.contact == "incremental" or not options.edge_correction:
+        return load + spacing
+    return load + (TUNING.radius * coarseness if calibrated else 0.0)
+
+
+# --------------------------------------------------------------------------------------------------
+# Meshes refined until a tolerance is reached, each from what the one before leaves.
+
+
+@dataclass(frozen=True)
+class RefinementTuning:
+    """Spacings from a tolerance, and from one mesh to the next.
+
+    The spacing of the first mesh is guessed from the tolerance. Every finer mesh is judged against the one before, so
+    that each is solved once; the first against a companion whose sizes are not doubled as for a single series: what a
+    smaller step changes tells the error more closely where meshes converge faster than to first order, which the
+    estimate assumes.
+    """
+
+    coarsest: float = 0.12  # spacing of the first mesh; tuned on the bodies of `make tuning`, by `make tuning`
+    finest: float = 5e-4  # of any; choice: more unknowns than machines have memory for
+    usual_spacing: float = 0.04  # theory: the default, whose usual error is
+    usual: float = 4e-4  # tuned on the bodies of `make failures`, by `make failures`
+    order: float = 1.7  # by which it falls with the spacing; tuned on the same, by `make failures`
+    aim: float = 0.6  # of the tolerance; tuned on the bodies of `make tuning`, by `make tuning`
+    least: float = 0.4  # by what the spacing may shrink at once; tuned on the same, by `make tuning`
+    most: float = 0.75  # and must; tuned on the same, by `make tuning`
+    steepest: float = 0.4  # growth; tuned on the same, by `make tuning`
+    companion: float = 2**0.5  # element sizes the first mesh is judged against; tuned on the same, by `make tuning`
+
+
+REFINEMENT_TUNING = RefinementTuning()
+
+
+def adapted(options: FEMOptions, problem: Problem, clock: StageClock) -> Solution:
+    """Solve ``problem`` to the tolerance; Refusal with the error reached where that is not possible."""
+    tolerance = options.tolerance
+    assert tolerance is not None
+    options = first(options, problem)
+    spacing, ratio = options.spacing, REFINEMENT_TUNING.companion
+    solved = run(options, problem, clock)
+    with clock("error estimate"):
+        coarse = solved.companion(ratio)
+        truncation = truncation_of(solved, coarse)
+    for _ in range(MOST_SOLVES):
+        with clock("error estimate"):
+            judged = assessed(solved, [coarse], ratio, truncation)
+        reached = judged.budget.series
+        if isinstance(reached, float) and reached <= tolerance:
+            return finished(sized(options, spacing), solved, judged, clock)
+        finer = spacing * _shrinkage(tolerance, reached, truncation)
+        if finer < _finest(problem) or (isinstance(truncation, float) and truncation >= tolerance):
+            break
+        coarse, ratio, spacing = solved.level, spacing / finer, finer
+        solved = _finer(sized(options, spacing), problem, clock, solved, _unreached(tolerance, reached, solved))
+    raise _unreached(tolerance, reached, solved)
+
+
+def first(options: FEMOptions, problem: Problem) -> FEMOptions:
+    """The options with the sizes of the first mesh: their own, or what the tolerance begins with."""
+    if options.tolerance is None:
+        return options
+    guess = REFINEMENT_TUNING.usual_spacing * (REFINEMENT_TUNING.aim * options.tolerance / REFINEMENT_TUNING.usual) ** (
+        1 / REFINEMENT_TUNING.order
+    )
+    spacing = max(min(REFINEMENT_TUNING.coarsest, guess), _finest(problem))
+    # Fraction of the reach down to which the spacing follows the radius: half the width at the least depth judged.
+    reach = expected_reach(options, problem)
+    width = np.geomspace(1e-4, 1, 400) * (reach - problem.indenter.a0)
+    depths = problem.indenter.abel(problem.indenter.a0 + width)
+    judged = np.interp(np.log(BUDGET.judged_depth * depths[-1]), np.log(depths), np.log(width))
+    smallest = min(options.smallest, 0.5 * float(np.exp(judged)) / (reach - problem.indenter.a0))
+    return sized(replace(options, smallest=smallest), spacing)
+
+
+def _finest(problem: Problem) -> float:
+    """Least spacing that the problem is solved with."""
+    follows = finest_spacing(problem.specimen.materials[0]) if problem.sticks else 0.0
+    return max(REFINEMENT_TUNING.finest, follows)
+
+
+def sized(options: FEMOptions, spacing: float) -> FEMOptions:
+    """The options with elements in proportion to ``spacing``, as far as the growth may go."""
+    growth = min(options.growth_of_sizes * spacing / options.spacing, REFINEMENT_TUNING.steepest)
+    return replace(options, spacing=spacing, growth=growth)
+
+
+def _shrinkage(tolerance: float, reached: Estimate, truncation: Estimate) -> float:
+    """Factor by which the spacing is to shrink; what the truncation takes of the tolerance is lost."""
+    if isinstance(reached, Unknown) or isinstance(truncation, Unknown) or truncation >= tolerance:
+        return REFINEMENT_TUNING.least
+    wanted = (REFINEMENT_TUNING.aim * (tolerance - truncation) / (reached - truncation)) ** (
+        1 / REFINEMENT_TUNING.order
+    )
+    return min(max(wanted, REFINEMENT_TUNING.least), REFINEMENT_TUNING.most)
+
+
+def _finer(options: FEMOptions, problem: Problem, clock: StageClock, before: Run, unreached: Refusal) -> Run:
+    """The next mesh, for the contact radius found on the one before."""
+    try:
+        return run(options, problem, clock, before.level.model.discretisation.reach)
+    except Refusal as refusal:
+        raise Refusal([*unreached.lines, *refusal.lines]) from None
+
+
+def _unreached(tolerance: float, reached: Estimate, solved: Run) -> Refusal:
+    error = reached if isinstance(reached, Unknown) else f"the estimated error is {reached:.1e}"
+    unknowns = solved.level.model.system.free.size
+    return Refusal(
+        f"mesh.tolerance: {tolerance:g} is not reached: with {unknowns} unknowns {error}; ask for a larger one, leave "
+        "out mesh.depth and mesh.width, or use the method layered where it represents the body"
+    )
 
 
 @dataclass(frozen=True)

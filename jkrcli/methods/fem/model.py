@@ -2,26 +2,313 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.polynomial import polynomial
+from scipy.linalg import cholesky, solve_triangular
 
-from ...base import MOST_SOLVES, ROUNDED, Array, JkrError, Refusal, StageClock
-from ...bodies import Graded, Indenter, Loading, Material, Problem
-from ...series import PressureTable, RawSeries, filter_plateaus
-from ..layered.layered import largest_radius
-from ..radii import ROOM, graded_radii
-from .body import MeshedBody, at_surface, half_space_like
-from .edge import edge_correction, edge_rows
+from ... import formulas as boussinesq
+from ...base import (
+    MOST_SOLVES,
+    MOST_STEPS,
+    ROUNDED,
+    SAME,
+    SETTLED,
+    Array,
+    Estimate,
+    InputError,
+    JkrError,
+    Refusal,
+    StageClock,
+    Unknown,
+)
+from ...bodies import (
+    Elastic,
+    Graded,
+    HalfSpace,
+    Indenter,
+    Loading,
+    Material,
+    Paraboloid,
+    Problem,
+    Specimen,
+    TransverselyIsotropic,
+)
+from ...bodies.materials import INCOMPRESSIBLE
+from ...series import Coarser, ErrorBudget, PressureTable, RawSeries, Series, Solution, filter_plateaus
+from ..integral import ring_transforms
+from ..integral.no_slip import coulomb_series
+from ..layered.no_slip import half_space_compliances
+from ..layered.solver import largest_radius
+from ..layered.surface_tension import TenseContact
+from ..options import FEMOptions, Solver
+from ..radii import DENSE, ROOM, graded_radii
+from .contact import (
+    Events,
+    Increment,
+    StiffnessFactor,
+    StuckContact,
+    Surface,
+    SurfaceContact,
+    condense,
+    factorise,
+    nested_events,
+    solve_depths,
+    solve_loads,
+)
 from .elasticity import ElasticSystem, assemble
-from .far_field import missing_displacement
-from .layout import Layout, layout_for
-from .nested import Events, Increment, StuckContact, SurfaceContact, nested_events, solve_depths, solve_loads
-from .options import FEMOptions, Solver
-from .surface import StiffnessFactor, Surface, condense, factorise
+from .mesh import Layout, MeshedBody, at_surface, half_space_like, layout_for
+
+# --------------------------------------------------------------------------------------------------
+# What cutting a half-space at finite depth and width changes: an estimate by Betti's theorem.
+#
+# Far from the contact the half-space carries the field of a point force: Boussinesq's (Johnson 1985, Sec. 3.2), or
+# that of a transversely isotropic material. The cut body holds its base still and leaves its side free instead. With
+# u the cut body's field under a unit load, the missing displacement of the contact is
+#
+#     w = -sum(base reactions . u_point) + int_side t_point . u dA,
+#
+# to leading order in contact radius over the body's size; at equal depth the load is then off by S w, relatively.
+
+# theory: equal roots, as of an isotropic material, are taken this far apart; the field changes by the square of it
+EQUAL_ROOTS = 1e-4
+
+
+def missing_displacement(system: ElasticSystem, material: Elastic | TransverselyIsotropic, solution: Array) -> float:
+    """Displacement of the contact that the cut body lacks, per unit load [m/N]; ``solution``: its field under a unit
+    load near the origin, pressing down."""
+    force = point_force(material)
+    reactions_r, reactions_z = system.components(system.reactions(solution))
+    r, z = system.nodes.T
+    supported = np.flatnonzero((r > 0) & (np.hypot(r, z) > 0.5 * min(r.max(), -z.min())))
+    u_r, u_z = force.displacement(r[supported], z[supported])
+    at_base = reactions_r[supported] @ u_r + reactions_z[supported] @ u_z
+    axis = np.flatnonzero((r == 0) & (z < 0))
+    at_base += reactions_z[axis] @ force.displacement(r[axis], z[axis])[1]
+    u_r, u_z = system.components(solution)
+    at_side = system.side_load(lambda r, z: force.side_traction(r, z)[0]) @ u_r
+    at_side += system.side_load(lambda r, z: force.side_traction(r, z)[1]) @ u_z
+    return float(-at_base + at_side)
+
+
+@dataclass(frozen=True)
+class Boussinesq:
+    """Field of a unit force that presses down on an isotropic half-space z <= 0 at the origin.
+
+    Johnson (1985), Sec. 3.2.
+    """
+
+    material: Elastic
+
+    def displacement(self, r: Array, z: Array) -> tuple[Array, Array]:
+        """u_r, u_z [m/N], u_z upwards."""
+        u_r, u_z = boussinesq.point_force(r, -z, self.material.E, self.material.nu)
+        return u_r, -u_z
+
+    def side_traction(self, r: Array, z: Array) -> tuple[Array, Array]:
+        """sigma_rr, sigma_rz [1/m^2]: the traction on a cylinder r = const, outward normal, z upwards."""
+        nu, depth = self.material.nu, -z
+        rho = np.hypot(r, depth)
+        s_rr = ((1 - 2 * nu) / (rho * (rho + depth)) - 3 * r**2 * depth / rho**5) / (2 * np.pi)
+        return s_rr, 3 * r * depth**2 / rho**5 / (2 * np.pi)
+
+
+@dataclass(frozen=True)
+class TransversePointForce:
+    """Field of a unit force that presses down on a transversely isotropic half-space z <= 0 at the origin.
+
+    Elliott (1949), Hanson (J. Appl. Mech. 1992). In Hankel space the displacements are sums of exp(-s_j k z), z
+    downwards, with the two roots s_j, Re s_j > 0, of
+
+        C33 C44 s^4 - (C11 C33 - C13^2 - 2 C13 C44) s^2 + C11 C44 = 0,
+
+    real or conjugate, and u_z/u_r = m_j = (C13 + C44) s_j/(C33 s_j^2 - C44). No shear at the surface and the unit force
+    fix the two factors; int exp(-k z) J0(kr) dk = 1/sqrt(r^2 + z^2) and its derivatives do the rest.
+    """
+
+    material: TransverselyIsotropic
+
+    @cached_property
+    def _terms(self) -> list[tuple[complex, complex, complex]]:
+        """Roots s_j [-], ratios m_j [-] and the factor c_j [1/Pa] of both terms."""
+        C11, _, C13, C33, C44 = self.material.stiffness
+        middle = (C11 * C33 - C13**2 - 2 * C13 * C44) / (2 * C33 * C44)
+        apart = np.sqrt(complex(middle**2 - C11 / C33))
+        if abs(apart) < EQUAL_ROOTS * middle:
+            apart = complex(EQUAL_ROOTS * middle)
+        s = np.sqrt(np.array([middle + apart, middle - apart]))
+        m = (C13 + C44) * s / (C33 * s**2 - C44)
+        c = np.linalg.solve(np.array([s + m, C13 - C33 * m * s]), np.array([0.0, -1 / (2 * np.pi)]))
+        return list(zip(s, m, c, strict=True))
+
+    def displacement(self, r: Array, z: Array) -> tuple[Array, Array]:
+        """u_r, u_z [m/N], u_z upwards."""
+        along_r, along_z = np.zeros(np.shape(r), complex), np.zeros(np.shape(r), complex)
+        for s, m, c in self._terms:
+            deep, rho = -s * z, np.sqrt(r**2 + (s * z) ** 2)
+            along_r += c * r / (rho * (rho + deep))
+            along_z -= c * m / rho
+        return along_r.real, along_z.real
+
+    def side_traction(self, r: Array, z: Array) -> tuple[Array, Array]:
+        """sigma_rr, sigma_rz [1/m^2]: the traction on a cylinder r = const, outward normal, z upwards."""
+        C11, C12, C13, _, C44 = self.material.stiffness
+        s_rr, s_rz = np.zeros(np.shape(r), complex), np.zeros(np.shape(r), complex)
+        for s, m, c in self._terms:
+            deep, rho = -s * z, np.sqrt(r**2 + (s * z) ** 2)
+            s_rr += c * ((C11 * s - C13 * m * s**2) * -z / rho**3 - (C11 - C12) / (rho * (rho + deep)))
+            s_rz += C44 * c * (s + m) * r / rho**3
+        return s_rr.real, s_rz.real
+
+
+def point_force(material: Elastic | TransverselyIsotropic) -> Boussinesq | TransversePointForce:
+    """Field of a unit force on a half-space of ``material``."""
+    return TransversePointForce(material) if isinstance(material, TransverselyIsotropic) else Boussinesq(material)
+
+
+# --------------------------------------------------------------------------------------------------
+# What a mesh makes of the edge of the contact, known from a half-space with the same surface vertices.
+#
+# The vertex that just touches is not the edge of the contact: it lies beyond it by a fraction of the local node
+# spacing that depends on the mesh near the surface, not on the body below. On a half-space the edge is known, delta =
+# F(a), or the exact one of the same surface tension, so one solve with the same surface vertices and elements gives
+# the factor a / r for every vertex.
+#
+# Where surfaces stick, the rows of L for a node read the field next to the edge of the disc that ends there: with the
+# densities xi of a stuck disc (``integral.stuck``), whose value at the edge is the amplitude of its singular fields,
+# the halves in both rows of the node at r are
+#
+#     y delta - z = M xi(r) + N xi'(r)
+#
+# up to the second order of the spacing, M and N (2, 2) of the mesh and its uppermost material alone. On the half-
+# space xi is known in closed form where its surface is displaced by 1, r^2 downwards or r, r^3 outwards. The
+# transform of a ring's tractions gives the work that they do on such a displacement: with the coefficients C_n, Q_n
+# of rho^n in C, Q,
+#
+#     xi(r) = (2/pi) (C_0, -4 C_2 r^2, 2 Q_1 r, -16 Q_3 r^3).
+#
+# A contact that grows has xi = 0 at its edge a, and xi(r) = xi_1 (delta - delta_H(r)) where a disc of radius r would
+# have xi_1 under a unit displacement: with y = M xi_1, and ramps N xi_1,
+#
+#     z = delta_H(r) y + delta_H'(r) N xi_1.
+
+
+@dataclass(frozen=True)
+class EdgeTuning:
+    """The exact half-space under surface tension, and node spacings over the radius between which meshes tell where the
+    edge is."""
+
+    near: float = 0.8  # of the vertices' radii, beyond which their contact radii do not lie; choice: spare
+    accuracy: float = 1e-7  # theory: a thousandth of what the half-space's own mesh errs by, as below
+    # theory: a tenth of a spacing is then half the error of the half-space's own mesh, 1e-4 of the radius
+    resolved: float = 5e-4
+    # Node spacings over the radius, down to which the half-space's own mesh tells the fraction of a spacing; tuned on
+    # the thin layer of `make paper`, by `make paper`: below, what that mesh errs by as a whole is read as one
+    telling: float = 1e-2
+    # Next to the edge the field of a compressible body oscillates with eta times the logarithm of the distance. Where
+    # that is turned too far nodes fall out of step. choice: logarithm of where the turn begins, and the turn; on bonded
+    # layers of nu = -0.5, -0.8, -0.95 nodes do below spacings of 0.045, 0.1, 0.16
+    phase: tuple[float, float] = (3.8, 1.7)
+
+
+EDGE_TUNING = EdgeTuning()
+
+
+def edge_correction(surface: Surface, body: MeshedBody, reach: float, indenter: Indenter) -> Array:
+    """Edge correction of surfaces that slide: contact radius over vertex radius for the candidate vertices beyond the
+    flat radius, by increasing radius, out to ``reach`` [m], from the ``surface`` of a half-space like that of the
+    ``body``."""
+    profile: Indenter = indenter if indenter.a0 > 0 else Paraboloid(reach)
+    events = nested_events(SurfaceContact(surface, profile.f(surface.radii)), profile.a0, "radius", np.inf)
+    exact = _under_tension(body, profile, events.a) if body.tension else profile.abel
+    # Radii where the `exact` displacement is delta: Newton's method in logarithms from the vertex radii.
+    u, step = np.log(events.a - profile.a0), SAME
+    for _ in range(MOST_STEPS):
+        value, ahead = (np.log(exact(profile.a0 + np.exp(at))) for at in (u, u + step))
+        change = (value - np.log(events.delta)) * step / (ahead - value)
+        u -= change
+        if np.abs(change).max() < SETTLED:
+            break
+    return _in_step(profile.a0 + np.exp(u), profile.a0, events.a) / events.a
+
+
+def _in_step(edges: Array, a0: float, vertices: Array) -> Array:
+    """Radii of the edge (n,) at ``vertices`` [m], those where nodes are close by the fraction of a spacing that it lies
+    off the vertices before: it is the same at all radii."""
+    spacing = np.gradient(vertices)
+    told = spacing >= EDGE_TUNING.telling * (vertices - a0)
+    last = told & (spacing < 2 * EDGE_TUNING.telling * (vertices - a0))
+    if told.all() or not last.any():
+        return edges
+    fraction = float(np.mean((edges - vertices)[last] / spacing[last]))
+    return np.where(told, edges, vertices + fraction * spacing)
+
+
+def _under_tension(body: MeshedBody, profile: Indenter, radii: Array) -> Callable[[Array], Array]:
+    """delta_H [m] over the contact radius [m] near the ``radii``, on a half-space with the surface tension of the
+    ``body``."""
+    from scipy.interpolate import CubicSpline
+
+    specimen = Specimen((), HalfSpace(at_surface(body.materials[0])), surface_tension=body.tension)
+    contact, a0 = TenseContact(profile, specimen), profile.a0
+    beyond = np.geomspace(EDGE_TUNING.near * (radii[0] - a0), (radii[-1] - a0) / EDGE_TUNING.near, DENSE)
+    result = contact.solved(a0 + beyond, contact.plan(a0 + beyond, EDGE_TUNING.accuracy))
+    spline = CubicSpline(np.log(beyond), np.log(result.delta))
+    return lambda a: np.exp(spline(np.log(a - a0)))
+
+
+# ---------------------------------------------------------------------- surfaces that stick
+def finest_spacing(material: Material) -> float:
+    """Least spacing of surface vertices over the radius that follows a contact that sticks to the ``material``."""
+    eta = abs(_oscillation(at_surface(material))[1])
+    start, turn = EDGE_TUNING.phase
+    return math.exp(start - turn / eta) if eta else 0.0
+
+
+def _oscillation(material: Material) -> tuple[float, float]:
+    """Dundurs's constant of the material under a rigid indenter, and the oscillation index."""
+    zz, zr, rr = half_space_compliances(material)
+    beta = zr / math.sqrt(zz * rr)
+    return beta, math.atanh(beta) / math.pi
+
+
+def edge_rows(surface: Surface, material: Material) -> Array:
+    """N M^-1 (n, 2, 2) [m] of each node on the ``surface`` of a half-space of the ``material``, which makes the ramps
+    N xi_1 of y; zero on the axis, and where nodes are so close that it does not matter."""
+    beyond = surface.radii > 0
+    r, rows = surface.radii[beyond], np.column_stack([surface.normal, surface.last])[beyond]
+    displaced = np.zeros((len(surface.C), 4))
+    displaced[surface.normal, :2] = surface.radii[:, None] ** [0, 2]
+    displaced[rows[:, 1], 2:] = r[:, None] ** [1, 3]
+    halves = solve_triangular(cholesky(surface.C, lower=True), displaced, lower=True)[rows]
+    # xi pi/2 (n, 2, 4) at `r` (n,) for the displacements 1, r^2 downwards and r, r^3 outwards, and its slope.
+    beta, eta = _oscillation(material)
+    zz, _, rr = half_space_compliances(material)
+    waves = [(F[:4], polynomial.polyder(F)[:4]) for F in (coulomb_series(-eta), coulomb_series(eta))]
+    C, Q = (np.array(pair) for pair in ring_transforms(beta, *waves))
+    outward = math.sqrt(zz / rr)
+    factors = np.column_stack([C[:, 0], -4 * C[:, 2], 2 * outward * Q[:, 1], -16 * outward * Q[:, 3]])
+    powers = np.array([0, 2, 1, 3])
+    xi, slope = factors * r[:, None, None] ** powers, factors * powers * r[:, None, None] ** np.maximum(powers - 1, 0)
+    unit, profile = [0, 2], [1, 3]
+    edge = np.linalg.solve(xi[..., unit], xi[..., profile])  # displacements that take profiles' xi off at r
+    M = _over(halves[..., unit], xi[..., unit])
+    N = _over(halves[..., unit] @ edge - halves[..., profile], slope[..., unit] @ edge - slope[..., profile])
+    reading = np.zeros((surface.radii.size, 2, 2))
+    close = np.gradient(surface.radii)[beyond] < EDGE_TUNING.resolved * r
+    reading[beyond] = np.where(close[:, None, None], 0.0, _over(N, M))
+    return reading
+
+
+def _over(A: Array, B: Array) -> Array:
+    """A B^-1 of the pairs of matrices (n, 2, 2)."""
+    return np.swapaxes(np.linalg.solve(np.swapaxes(B, 1, 2), np.swapaxes(A, 1, 2)), 1, 2)
 
 
 @dataclass(frozen=True)
@@ -208,18 +495,15 @@ class MeshLevel:
         events = self.events
         if not (self.correct and events.valid) or events.a.size < EVENTS.fewest:
             return None
-        S, at = np.diff(events.P) / np.diff(events.delta), self._mean_radii()
+        # Mean of the radius over delta from each touch to the next [m].
+        delta, a0 = self.events.delta, self.indenter.a0
+        inner = delta[:-1, None] + np.diff(delta)[:, None] * (1 + GAUSS_X) / 2
+        radii = power_interpolated(delta, self.events.a - a0, inner.ravel()).reshape(inner.shape)
+        S, at = np.diff(events.P) / np.diff(events.delta), a0 + radii @ GAUSS_W / 2
         dS, middle = np.diff(S) / np.diff(at), (at[1:] + at[:-1]) / 2
         if not (dS > 0).all():
             return None
         return power_interpolated(at, S, a), power_interpolated(middle, dS, a)
-
-    def _mean_radii(self) -> Array:
-        """Mean of the radius over delta from each touch to the next [m]."""
-        delta, a0 = self.events.delta, self.indenter.a0
-        inner = delta[:-1, None] + np.diff(delta)[:, None] * (1 + GAUSS_X) / 2
-        radii = power_interpolated(delta, self.events.a - a0, inner.ravel()).reshape(inner.shape)
-        return a0 + radii @ GAUSS_W / 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -363,7 +647,13 @@ def nested_columns(loading: Loading, events: Events, a0: float) -> Columns:
     table = {"radius": events.a - a0, "depth": events.delta, "load": events.P}
     x, shift = table[loading.to], a0 if loading.to == "radius" else 0.0
     if loading.spacing == "given":
-        _refuse_unresolved(loading, float(x[0]) + shift)
+        first = float(x[0]) + shift
+        unit = {"depth": "m", "load": "N", "radius": "m"}[loading.to]
+        if loading.values[0] < first * (1 - ROUNDED):
+            raise Refusal(
+                f"loading: {loading.to} {loading.values[0]:g} {unit} lies below the first that the mesh resolves, "
+                f"{first:.3g} {unit}: take a smaller mesh.smallest (layout zones: mesh.element_size), or larger values"
+            )
         a, delta, P = _at(table, x, np.array(loading.values) - shift)
     elif x.size < 2:
         return events.a, events.delta, events.P
@@ -379,15 +669,6 @@ def nested_columns(loading: Loading, events: Events, a0: float) -> Columns:
 def _at(table: dict[str, Array], x: Array, values: Array) -> list[Array]:
     """All columns of the table at ``values`` of the column ``x``."""
     return [values if y is x else power_interpolated(x, y, values) for y in table.values()]
-
-
-def _refuse_unresolved(loading: Loading, first: float) -> None:
-    unit = {"depth": "m", "load": "N", "radius": "m"}[loading.to]
-    if loading.values[0] < first * (1 - ROUNDED):
-        raise Refusal(
-            f"loading: {loading.to} {loading.values[0]:g} {unit} lies below the first that the mesh resolves, "
-            f"{first:.3g} {unit}: take a smaller mesh.smallest (layout zones: mesh.element_size), or larger values"
-        )
 
 
 def nodal_forces(contact: SurfaceContact, events: Events, delta: Array) -> Array:
@@ -455,3 +736,350 @@ def pressures(surface: Surface, forces: Array) -> PressureTable:
     areas, radii = surface.areas, surface.radii
     wide = areas > 1e-6 * areas.max() * (radii / radii[-1]) ** 2
     return PressureTable(radii[wide], forces[:, wide] / areas[wide])
+
+
+# --------------------------------------------------------------------------------------------------
+# Error budget of a finite-element series: against a second mesh with larger elements, and for what the cut costs.
+
+
+@dataclass(frozen=True)
+class BudgetTuning:
+    """How errors are concluded from what larger elements change."""
+
+    # of the largest depth: below it few nodes are in contact, and the budget leaves the rows out; tuned on bodies, by
+    # `make constants`: says so
+    judged_depth: float = 0.01
+    # errors in what doubling the sizes changes: first order leaves 1, and meshes differ by luck
+    loads: float = 1.4  # tuned on the bodies of `make failures`, by `make failures`
+    radii: float = 2.0  # tuned on the bodies of `make failures`, by `make failures`
+    fallen: float = 1.5  # of changes over errors, at most; tuned on random bodies, by `make bounds`: 3 is second order
+    # Of what doubling changed before over what it changes, at most; where that falls by more, the meshes agree by
+    # accident:
+    plausible: float = 12.0  # of loads; tuned on random bodies, by `make bounds`
+    plausible_radii: float = 4.0  # of radii; tuned on random bodies, by `make bounds`
+    tension: float = 2.0  # times that of radii; choice: calibrated radii then err by up to the estimate itself
+    round_off: float = 1e-12  # of radii; theory: 1e4 eps, as they come from a search
+
+
+BUDGET_TUNING = BudgetTuning()
+TOO_FEW = Unknown("fewer than four vertices in contact")
+
+
+@dataclass(frozen=True, eq=False)
+class Assessment:
+    """The error budget over the judged part of a series, from the depth ``judged_from`` [m] on, and the relative
+    ``errors`` row by row of P (at equal depth), a, S and dS where known, larger where few nodes are in contact;
+    ``coarser``: what they are concluded from."""
+
+    budget: ErrorBudget
+    judged_from: float | None = None
+    errors: Mapping[str, Array] = field(default_factory=dict)
+    coarser: Coarser | None = None
+
+
+def assessed(run: Run, larger: Sequence[MeshLevel], ratio: float, truncation: Estimate) -> Assessment:
+    """Relative errors of P at equal depth (discretisation) and of a (radius), by comparison with a level whose elements
+    are ``ratio`` times as large, the first of the ``larger``, and of that with one of elements as much larger once
+    more, where there is such; ``truncation``: as found by ``truncation_of``."""
+    coarse = larger[0]
+    if coarse.touches.a.size < 4 or run.level.touches.a.size < 4:
+        return Assessment(ErrorBudget(TOO_FEW, truncation, TOO_FEW))
+    run, rows = _with_events(run)
+    fine, (a, delta, P) = run.level, run.columns
+    judged = delta >= BUDGET_TUNING.judged_depth * delta[-1]
+    loads, radii = BUDGET_TUNING.loads / (ratio - 1), BUDGET_TUNING.radii / (ratio - 1)
+    radii *= BUDGET_TUNING.tension if fine.model.body.tension else 1.0
+    if not all(level.touches.valid and level.touches.a.size >= 4 for level in larger):
+        larger = [coarse]
+    there, radius = _on_coarse(run, larger, radii)
+    values = [P, there, *(_load_on(level, run) for level in larger[1:])]
+    change = loads * _change(values, BUDGET_TUNING.plausible) / _fallen(values, judged)
+    width = a - fine.indenter.a0  # errors fall by no more than its square, as those of a uniform mesh do
+    load = np.maximum.accumulate(change * width**2) / width**2
+    # the many rows of increments cross zero between nodes: what shallower rows leave of it is already that of a row
+    load = np.maximum.accumulate(load[::-1])[::-1] if run.raw is not None else _envelope(load, delta)
+    worst = radius if isinstance(radius, Unknown) else float(radius[judged].max())
+    budget = ErrorBudget(discretisation=float(load[judged].max()), truncation=truncation, radius=worst)
+    judged_from = float(delta[rows][judged[rows]][0])
+    if isinstance(radius, Unknown) or isinstance(truncation, Unknown):
+        return Assessment(budget, judged_from)
+    errors = {"P": load + truncation, "a": radius} | _slopes(run, coarse, radii, radius)
+    cut = truncation * float(np.sign(np.mean(there - P)))
+    other = None if run.raw is not None else _coarser(larger, delta, ratio, cut)
+    return Assessment(budget, judged_from, {name: values[rows] for name, values in errors.items()}, other)
+
+
+def _coarser(levels: Sequence[MeshLevel], delta: Array, ratio: float, cut: float) -> Coarser | None:
+    """The series of the ``levels``, each of elements ``ratio`` times as large as those before, as deep as ``delta``
+    [m], of a body that is stiffer by the fraction ``cut``; None where the first one's contact is no disc that only
+    grows, or too small."""
+    if not levels:
+        return None
+    level, *larger = levels
+    events = level.events.rising
+    rows = slice(int(np.searchsorted(events.delta, delta[-1])) + 1)
+    a, slopes = events.a[rows], level.slopes(events.a[rows])
+    if slopes is None:
+        return None
+    P, S, dS = ((1 + cut) * values for values in (events.P[rows], *slopes))
+    beyond = _coarser(larger, delta, ratio, cut)
+    try:
+        return Coarser(Series(a, events.delta[rows], P, S, dS, a0=level.indenter.a0, coarser=beyond), ratio)
+    except InputError:
+        return None
+
+
+def _with_events(run: Run) -> tuple[Run, Array]:
+    """The run with all events up to its end among its columns, and the numbers of its own rows: two meshes agree by
+    accident at a few given values more easily than at all of them."""
+    a, delta, P = run.columns
+    events = run.level.events
+    if run.raw is not None or run.problem.loading.spacing != "given":
+        return run, np.arange(a.size)
+    others = events.delta < delta[-1]
+    own = np.concatenate([np.ones(a.size, bool), np.zeros(int(others.sum()), bool)])
+    columns = zip((a, delta, P), (events.a, events.delta, events.P), strict=True)
+    merged = np.stack([np.append(ours, theirs[others]) for ours, theirs in columns])
+    order = np.argsort(merged[1], kind="stable")
+    return replace(run, columns=tuple(merged[:, order])), np.flatnonzero(own[order])
+
+
+def _changes(values: Sequence[Array]) -> list[Array]:
+    """What larger elements change, relatively, from each mesh to the next."""
+    return [np.abs(coarser / finer - 1) for finer, coarser in itertools.pairwise(values)]
+
+
+def _change(values: Sequence[Array], plausible: float) -> Array:
+    """What larger elements change, relatively, and at least a ``plausible`` part of what still larger ones do."""
+    change, *before = _changes(values)
+    return np.max([change, *(other / plausible for other in before)], axis=0)
+
+
+def _fallen(values: Sequence[Array], judged: Array) -> float:
+    """What larger elements change over the error that is left, by the order that the ``judged`` rows show where it is
+    least, in their mean or where they change most: 1 of first order, and where no third mesh tells it."""
+    if len(values) < 3:
+        return 1.0
+    change, before = (changes[judged] for changes in _changes(values))
+    if not change.any():
+        return BUDGET_TUNING.fallen
+    order = min(before.mean() / change.mean(), before[np.argmax(change)] / change.max()) - 1
+    return float(np.clip(order, 1.0, BUDGET_TUNING.fallen))
+
+
+def _on_coarse(run: Run, larger: Sequence[MeshLevel], caution: float) -> tuple[Array, Array | Unknown]:
+    """P [N] of the first coarser mesh at the depths of the series, and the relative error of the radius."""
+    fine, coarse, (a, delta, _) = run.level, larger[0], run.columns
+    if not (fine.touches.valid and coarse.touches.valid):
+        # P [N] of the coarser mesh at depths `delta` [m], and the error of the radius, where the contact is no disc
+        # that only grows: what larger elements change, at least the distance to the next vertex.
+        there = raw_series(coarse.model.surface, solve_depths(coarse.contact, delta))
+        surface = fine.contact.surface
+        vertices = surface.radii[surface.is_vertex]
+        k = np.clip(np.searchsorted(vertices, a * (1 - ROUNDED)), 0, vertices.size - 2)
+        change = np.maximum(caution * np.abs(there.a / a - 1), (vertices[k + 1] - vertices[k]) / a)
+        return there.P, _envelope(change, delta)
+    return _load_on(coarse, run), _radius([level.events for level in (fine, *larger)], a, delta, caution)
+
+
+def _load_on(level: MeshLevel, run: Run) -> Array:
+    """P [N] of a coarser ``level`` at the depths of the series, where its contact is a disc that only grows."""
+    delta, touches = run.columns[1], level.touches
+    there = load_at(level.contact, delta)
+    if run.raw is not None:
+        return there
+    # a series of touches interpolates between them
+    return np.where(delta < touches.delta[0], there, power_interpolated(touches.delta, touches.P, delta))
+
+
+def _envelope(errors: Array, delta: Array) -> Array:
+    """Largest of the errors from each depth up to the deepest, and at least of those in the deepest decade: the
+    changes between two meshes pass through zero here and there, the errors need not."""
+    deepest = float(np.max(errors[delta >= 0.1 * delta[-1]]))
+    return np.maximum(np.maximum.accumulate(errors[::-1])[::-1], deepest)
+
+
+def load_at(contact: SurfaceContact, delta: Array) -> Array:
+    """P [N] at depths ``delta`` [m] of a disc that grows node by node: linear between the nodes' touches."""
+    k = contact.set_at(delta)
+    return contact.S[k] * delta - contact.T[k]
+
+
+def _radius(levels: Sequence[Events], a: Array, delta: Array, caution: float) -> Array | Unknown:
+    """Relative error of the radius: what larger elements change at equal depth (a vertex radius is off by a fraction of
+    the spacing), plus where the series' radii differ from the events' (increments); ``levels``: from the finest on.
+
+    Below the meshes' first events, where the spacing is uniform, the change grows like the inverse radius.
+    """
+    events, coarse = levels[:2]
+    first, last = max(coarse.delta[0], events.delta[0]), min(coarse.delta[-1], events.delta[-1])
+    if first >= last or delta[-1] < first:
+        return Unknown("no radius common to the mesh and its coarser companion")
+    fine = power_interpolated(events.delta, events.a, delta)
+    samples = np.unique(np.clip(np.concatenate([delta, coarse.delta, events.delta]), first, last))
+    radii = [power_interpolated(level.delta, level.a, samples) for level in levels]
+    changes = np.maximum(caution * _change(radii, BUDGET_TUNING.plausible_radii), BUDGET_TUNING.round_off)
+    changes = _envelope(changes, samples)
+    at_first = power_interpolated(events.delta, events.a, np.array([first]))
+    change = np.interp(delta, samples, changes) * np.maximum(at_first / fine, 1.0)
+    return _envelope(change + np.abs(a / fine - 1), delta)
+
+
+def _slopes(run: Run, coarse: MeshLevel, caution: float, radius: Array) -> dict[str, Array]:
+    """Relative errors of S and dS: what larger elements change at equal radius, which is most that of the radius, and
+    of S what the error of the ``radius`` makes of it, as meshes agree by accident; empty where either level has none.
+    """
+    a, delta, _ = run.columns
+    if run.raw is not None:  # increments have no slopes of their own
+        return {}
+    ours, theirs = run.level.slopes(a), coarse.slopes(a)
+    if ours is None or theirs is None:
+        return {}
+    S, dS = (_envelope(caution * np.abs(other / own - 1), delta) for own, other in zip(ours, theirs, strict=True))
+    return {"S": np.maximum(S, a * ours[1] / ours[0] * radius), "dS": dS}
+
+
+def truncation_of(run: Run, coarse: MeshLevel) -> Estimate:
+    """Relative error of P at the deepest point from where the body is cut. Half-spaces: Betti's theorem, to first order
+    in contact radius over size, which a completed body contains. Stacks on a rigid base: a free against a roller side,
+    on the mesh of ``coarse``."""
+    model, events, body = run.level.model, run.level.touches, run.level.model.body
+    if body.cut_below:
+        reached = events.delta >= run.deepest * (1 - ROUNDED)
+        last = int(np.argmax(reached)) if events.valid and reached.any() else events.S.size - 1
+        lacking = abs(model.missing) * float(events.S[last])
+        return lacking**2 if body.completed else lacking
+    if not body.cut_beside:
+        return 0.0
+    free = coarse.contact
+    roller = replace(free, surface=coarse.model.with_roller().surface)
+    depth = np.array([run.deepest])
+    if events.valid:
+        return float(abs(load_at(roller, depth)[0] / load_at(free, depth)[0] - 1))
+    return abs(solve_depths(roller, depth)[0].P / solve_depths(free, depth)[0].P - 1)
+
+
+# --------------------------------------------------------------------------------------------------
+# What is returned of a finite-element run: series with errors, facts, and warnings with numbers.
+
+
+def finished(options: FEMOptions, run: Run, judged: Assessment, clock: StageClock) -> Solution:
+    """The solution: series, pressures, facts and warnings."""
+    level = run.level
+    with clock("contact"):
+        if run.raw is None:
+            forces = nodal_forces(level.contact, level.touches, run.columns[1])
+        else:
+            forces = np.array([step.p for step in run.increments])
+        series, pressure = _series(run, judged), pressures(level.model.surface, forces)
+    facts, warnings = _facts(options, run, judged.judged_from), tuple(_warnings(options, run))
+    solution = Solution(
+        run.problem, series, judged.budget, "fem", run.raw, pressure,
+        facts=facts, timings=clock.seconds, warnings=warnings,
+    )  # fmt: skip
+    return solution.widened()
+
+
+def _series(run: Run, judged: Assessment) -> Series:
+    """The nonadhesive series with the errors that are known; S and dS/da only where theirs are."""
+    a, delta, P = run.columns
+    a0, contact = run.problem.indenter.a0, run.level.contact
+    flat = int(np.count_nonzero(contact.surface.radii <= a0 * (1 + ROUNDED)))
+    S0 = float(contact.S[flat - 1]) if a0 > 0 else 0.0
+    S, dS = (run.level.slopes(a) if "dS" in judged.errors else None) or (None, None)
+    values = {"a": a, "P": P, "S": S, "dS": dS}
+    errors = {name: error * values[name] for name, error in judged.errors.items()}
+    return Series(a, delta, P, S, dS, errors=errors, a0=a0, S0=S0, coarser=judged.coarser)
+
+
+def _facts(options: FEMOptions, run: Run, judged_from: float | None) -> dict[str, Any]:
+    """Plain numbers and words about mesh, solver and checks; ``judged_from``: least depth of the error budget [m]."""
+    model, events, increments = run.level.model, run.level.touches, run.increments
+    system, surface = model.system, model.surface
+    grid, quality = system.grid, system.grid.quality()
+    last = increments[-1] if increments else None
+    p, P = (last.p, last.P) if last is not None else (events.p[-1], float(events.P[-1]))
+    violation = max((step.violation for step in increments), default=events.violation)
+    return {
+        "layout": options.layout,
+        "element": grid.element,
+        "order": options.order,
+        "integration": options.integration,
+        "elements": len(grid.cells),
+        "vertices": len(grid.points),
+        "unknowns": int(system.free.size),
+        "candidates": int(surface.radii.size),
+        "quality_min": float(quality.min()),
+        "quality_median": float(np.median(quality)),
+        "depth_m": grid.depth,
+        "width_m": grid.width,
+        "formulation": _formulation(model),
+        "contact": "nested" if last is None else "incremental",
+        "contact_reason": _contact_reason(options, run),
+        "edge_correction": run.level.correct,
+        "solver": f"{model.factor.factor.name}, nested dissection, contact nodes last",
+        "factor_entries": model.factor.factor.entries,
+        "residual": surface.residual,
+        "asymmetry": surface.asymmetry,
+        "balance": abs(system.vertical_reaction(model.field(p)) / P - 1),
+        "complementarity": max(violation, 0.0),
+        "increments": len(increments),
+        "dropped": run.dropped,
+        "events": int(events.a.size),
+        "radii": _radii(run),
+    } | ({} if judged_from is None else {"judged_from_m": judged_from})
+
+
+def _radii(run: Run) -> str:
+    """Where the contact radii of the series come from."""
+    if run.increments:
+        where = "where the outermost one just touches" if run.level.correct else "not corrected"
+        return f"vertices in contact after each increment of the loading, {where}"
+    if run.problem.loading.spacing == "given":
+        return "at the given values, interpolated between the vertices' first touches"
+    return "nested contact has its own: first touches of vertices, and the loading's end; no use of points and spacing"
+
+
+def _formulation(model: Model) -> str:
+    mixed = model.system.mixed
+    if not mixed:
+        return "displacement"
+    nu = max(model.body.materials[i].surface.nu for i in mixed)
+    return f"displacement and pressure in layers {', '.join(str(i + 1) for i in mixed)} (nu = {nu:g})"
+
+
+def _contact_reason(options: FEMOptions, run: Run) -> str:
+    if run.increments and options.contact == "nested":
+        violation = run.level.touches.violation
+        return f"the contact is not a growing disc of nodes (violation {violation:.1e}): solved by increments"
+    return "as asked"
+
+
+def _warnings(options: FEMOptions, run: Run) -> Iterator[str]:
+    """Sentences on what may spoil the result."""
+    problem, events, increments = run.problem, run.level.touches, run.increments
+    nu = max(material.surface.nu for material in problem.specimen.materials)
+    if options.order == 1 and options.integration == "full" and nu > INCOMPRESSIBLE:
+        quads = ', or mesh.integration = "reduced"' if options.element == "quadrilateral" else ""
+        yield (
+            f"first-order elements lock near incompressibility: nu = {nu:g} > {INCOMPRESSIBLE:g}, the load may be "
+            f"several per cent too large; take mesh.order = 2{quads}"
+        )
+    if options.contact == "nested" and not events.valid:
+        yield (
+            "nested contact does not hold here (a force or gap is negative by "
+            f"{events.violation:.1e}, relative): increments were solved instead"
+        )
+    broken = sum(not step.is_disc for step in increments)
+    if broken:
+        yield (
+            f"in {broken} of {len(increments)} increments the contact is no full disc: its middle lifts off, or the "
+            "surfaces touch again beyond the edge; the radius is that of the outermost vertex, and the adhesive curve "
+            "is right only where adhesion holds the disc together: load less"
+        )
+    if run.dropped and (problem.loading.spacing in ("given", "log") or 2 * run.dropped > len(increments)):
+        yield (
+            f"{run.dropped} of {len(increments)} requested values share a node with another or lie below the first "
+            "node and are not in the series: take a finer mesh (mesh.spacing, mesh.smallest, mesh.element_size), or "
+            "fewer values"
+        )

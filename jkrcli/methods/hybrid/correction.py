@@ -14,17 +14,659 @@ nothing is taken near the contact. ``RingField`` is the half-space's field u_t, 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
+import math
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import cache, cached_property
 
 import numpy as np
+from numpy.polynomial import legendre
+from scipy.sparse import bmat, coo_matrix, csr_matrix
+from scipy.sparse.linalg import splu
 
-from ...base import AT_ONCE, Array
-from ...formulas.boussinesq import point_force
+from ...base import AT_ONCE, RESIDUAL_LIMIT, ROUNDED, Array, Refusal, SolveError
+from ...bodies import Elastic, Graded, HalfSpace, Material, Rigid, Specimen, TransverselyIsotropic
+from ...formulas import point_force
 from ..integral import rule
-from .lines import LineElements, extended, lines
-from .region import Moduli, Region
-from .system import Mesh
+
+# --------------------------------------------------------------------------------------------------
+# The rectangle in which the correction is computed: layers with supports, in units of the largest contact radius.
+
+
+@dataclass(frozen=True)
+class RegionTuning:
+    """Which layers get a pressure, and where an unbounded body is cut."""
+
+    nearly_incompressible: float = 0.49  # above it a layer gets a pressure; tuned on reference bodies, by `make tuning`
+    # of a second cut, which shows what the first one costs; tuned on bodies, by `make constants`: as cheap as it can be
+    shrink: float = 3.0
+    # degree of the elements that show it, at least: with 4 those between both cuts err by more
+    least: int = 6  # tuned on reference bodies, by `make tuning`
+    decays: float = 40.0  # lengths, where the field falls exponentially; tuned on reference bodies, by `make tuning`
+    # Left by extrapolation over its change, times size/length:
+    next_order: float = 12.0  # tuned on random bodies, by `make bounds`
+    # Poisson's ratio of a half-space, from which on it does not move sideways where it is pulled from far:
+    vanishing: float = 0.45  # tuned on random bodies, by `make bounds`
+    # Relative error left elsewhere, times (size/length)^3:
+    cut: float = 2.0  # tuned on reference bodies, by `make tuning`
+
+
+REGION_TUNING = RegionTuning()
+
+
+@dataclass(frozen=True)
+class Region:
+    """Layers from the surface down, 0 <= r <= ``width``, 0 <= z <= sum of ``thicknesses``, in units of ``unit`` [m].
+
+    ``base, side``: whether u_r and whether u_z are prescribed there; what is not is free. ``far``: the half-space that
+    begins with the lowest layer, where there is one; base and side then move as under a point force on it. ``length``:
+    over which the field decays far away. ``cut_again``: whether this is
+    what the second cut of an unbounded body leaves.
+    """
+
+    thicknesses: tuple[float, ...]
+    materials: tuple[Material, ...]
+    width: float
+    base: tuple[bool, bool]
+    side: tuple[bool, bool]
+    far: Elastic | None
+    unit: float
+    cut_beside: bool
+    length: float
+    cut_again: bool = False
+
+    @classmethod
+    def of(cls, specimen: Specimen, reach: float, error: float) -> Region:
+        """The region for contact radii up to ``reach`` [m]; where a body is unbounded, cut off with about ``error``."""
+        thick = [layer.thickness / reach for layer in specimen.layers]
+        length, size = _size(specimen, thick, error)
+        far = None
+        if isinstance(specimen.base, HalfSpace):
+            assert isinstance(specimen.base.material, Elastic)
+            far = specimen.base.material
+            thick.append(size - sum(thick))
+            base = side = True, True
+        else:
+            bonded = specimen.base.bonded
+            support = specimen.side if specimen.radius is not None else "clamped"
+            base, side = (bonded, True), (support != "free", support == "clamped")
+        if specimen.radius is not None:
+            size = specimen.radius / reach
+        return cls(tuple(thick), specimen.materials, size, base, side, far, reach, specimen.radius is None, length)
+
+    @property
+    def depth(self) -> float:
+        return sum(self.thicknesses)
+
+    @property
+    def first(self) -> float:
+        """Depth of the first interface, or of the base."""
+        return self.thicknesses[0]
+
+    @property
+    def changing(self) -> bool:
+        """Whether the modulus changes from the contact on."""
+        return isinstance(self.materials[0], Graded)
+
+    @property
+    def tops(self) -> tuple[float, ...]:
+        """Depth of the upper side of every layer."""
+        return (0.0, *np.cumsum(self.thicknesses)[:-1].tolist())
+
+    @property
+    def reference(self) -> Elastic:
+        """The half-space that is the exact part: the material at the contact."""
+        return self.materials[0].surface
+
+    @property
+    def algebraic(self) -> bool:
+        """Whether what the cut costs falls with a power of its distance only."""
+        return self.cut_beside and not (self.far is None and self.base[0])
+
+    @property
+    def next_order(self) -> float:
+        """Part of the change by extrapolating the cut that is left as its error, about."""
+        return min(REGION_TUNING.next_order * self.length / self.width, 1.0)
+
+    @property
+    def higher_order(self) -> bool:
+        """Whether the leading term of the far field on a half-space nearly vanishes, which extrapolation rests on."""
+        return self.far is not None and self.far.nu > REGION_TUNING.vanishing
+
+    @property
+    def cuts(self) -> tuple[float, ...]:
+        """Where the second cut of an unbounded body goes, along r, and along z if it is unbounded there too.
+
+        What it leaves has no such line of its own: its elements are those of the whole body up to there, and their
+        errors drop out of the difference.
+        """
+        if not self.cut_beside or self.cut_again:
+            return ()
+        inner = 0.0 if self.algebraic else 1.0
+        return (inner + (self.width - inner) / REGION_TUNING.shrink,)
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """Depths at which the side meets the surface or the base in a singular corner: one of them fixed, one free."""
+        if self.cut_beside:
+            return ()
+        return (0.0,) * self.side[1] + (self.depth,) * (self.base[0] and not self.side[0])
+
+    @property
+    def free_edges(self) -> tuple[float, ...]:
+        """Depths at which an interface meets the side in a weaker singularity; none at a roller."""
+        return () if self.cut_beside or self.side[0] != self.side[1] else self.tops[1:]
+
+    def nearer(self) -> Region:
+        """The same body after the second cut."""
+        (width,) = self.cuts
+        last = self.thicknesses[-1] - (self.width - width if self.far is not None else 0.0)
+        return replace(self, width=width, thicknesses=(*self.thicknesses[:-1], last), cut_again=True)
+
+    @property
+    def kinks(self) -> list[float]:
+        """Depths inside the layers at which the modulus has a kink."""
+        kinks = []
+        for top, thickness, material in zip(self.tops, self.thicknesses, self.materials, strict=True):
+            if isinstance(material, Graded):
+                kinks += [top + z / self.unit for z in material.law.kinks if z / self.unit < thickness * (1 - ROUNDED)]
+        return kinks
+
+    def layer_at(self, z: Array) -> Array:
+        """The layer of every depth ``z``."""
+        return np.searchsorted(np.array(self.tops[1:]), z, side="right")
+
+    @cached_property
+    def mixed(self) -> tuple[bool, ...]:
+        """Which layers have a pressure unknown."""
+        limit = REGION_TUNING.nearly_incompressible
+        return tuple(not isinstance(m, TransverselyIsotropic) and m.nu > limit for m in self.materials)
+
+    def moduli(self, z: Array) -> Moduli:
+        """Stiffnesses at the depths ``z``, in units of E of the reference."""
+        layer = self.layer_at(z)
+        C, inverse = np.zeros((5, z.size)), np.zeros(z.size)
+        for i, (top, material) in enumerate(zip(self.tops, self.materials, strict=True)):
+            at = layer == i
+            if isinstance(material, TransverselyIsotropic):
+                C[:, at] = np.array(material.stiffness)[:, None]
+                continue
+            E, nu = material.at((z[at] - top) * self.unit), material.nu
+            G = E / (2 * (1 + nu))
+            bulk = 0.0 * E if self.mixed[i] else E * nu / ((1 + nu) * (1 - 2 * nu))
+            inverse[at] = (1 + nu) * (1 - 2 * nu) / (E * nu) if self.mixed[i] else 0.0
+            C[:, at] = [bulk + 2 * G, bulk, bulk, bulk + 2 * G, G]
+        E0 = self.reference.E
+        return Moduli(C / E0, inverse * E0, np.array(self.mixed)[layer])
+
+    def differs(self, z: Array) -> Array:
+        """Whether the material at each depth ``z`` is another than the reference."""
+        return np.array([material != self.reference for material in self.materials])[self.layer_at(z)]
+
+
+@dataclass(frozen=True, eq=False)
+class Moduli:
+    """Rows C11, C12, C13, C33, C44 over depth (without lambda where ``mixed``) and 1/lambda where ``mixed``."""
+
+    C: Array
+    inverse_lame: Array
+    mixed: Array
+
+    def at(self, rows: Array | slice) -> Moduli:
+        """Moduli at some depths."""
+        return Moduli(self.C[:, rows], self.inverse_lame[rows], self.mixed[rows])
+
+
+def _size(specimen: Specimen, thick: list[float], error: float) -> tuple[float, float]:
+    """Length over which the field decays, and radius (and depth, of a half-space) at which an unbounded body is cut.
+
+    A stack on a rigid base, if bonded, has a field that decays exponentially, the slower the stiffer its stiffest
+    layer.
+    On a half-space or a sliding base the layers' own far field, less that of the point force, dies with a power of
+    (length over distance); the length is the thickness, of stiff layers on a half-space as a membrane.
+    """
+    stiffest = max(layer.moduli[1] for layer in specimen.layers)
+    softest = min(layer.moduli[0] for layer in specimen.layers)
+    if isinstance(specimen.base, Rigid):
+        length = sum(thick)
+        if specimen.base.bonded:
+            length *= (stiffest / softest) ** 0.25
+            return length, 1.0 + REGION_TUNING.decays * length
+    else:
+        assert isinstance(specimen.base.material, Elastic)
+        soft = specimen.base.material.E
+        length = sum(t * max(layer.moduli[1] / soft, 1.0) for t, layer in zip(thick, specimen.layers, strict=True))
+    length = max(1.0, 2 * length)
+    return length, length * (REGION_TUNING.cut / error) ** (1 / 3)
+
+
+def nearest(region: Region) -> float:
+    """Distance from the contact to the nearest place where the body ends or changes."""
+    return min(region.first, math.inf if region.cut_beside else region.width - 1.0)
+
+
+# --------------------------------------------------------------------------------------------------
+# High-order elements along one line, and where their intervals end; elements of a rectangle are products of two.
+#
+# On every interval between ``edges`` stand Lagrange polynomials on the Gauss-Lobatto points of its own degree. A
+# field that is smooth on an interval is met with an error that falls exponentially with the degree (Babuska and Suri
+# 1994).
+#
+# Intervals are short where the correction varies fast, and towards singular corners: seen from a place where the body
+# ends or changes, the contact is a ring source at some distance; the correction varies over that distance there, and
+# over ever longer ones away from it.
+
+
+@dataclass(frozen=True)
+class LineTuning:
+    """How long intervals are, and of which degree towards singular corners."""
+
+    extra: int = 2  # Gauss points per interval beyond the degree; tuned on reference bodies, by `make tuning`
+    spare: float = 0.2  # part of an interval that is done without; choice: with 0.3 errors of thick layers change sign
+    length: float = 1.5  # of intervals, over the distance of the source; tuned on reference bodies, by `make tuning`
+    growth: float = 0.67  # of lengths with the distance from the contact; tuned on reference bodies, by `make tuning`
+    far_growth: float = 1.0  # the same far from it; tuned on reference bodies, by `make tuning`
+    far: float = 10.0  # contact radii, or depths of the first interface; tuned on reference bodies, by `make tuning`
+    # Of a field that decays exponentially, in lengths: over which it changes, and after which it is gone:
+    decaying: float = 0.5  # tuned on random bodies, by `make bounds`
+    decayed: float = 2.0  # tuned on random bodies, by `make bounds`
+    corner: float = 0.15  # ratio of intervals towards a singular corner; theory: Babuska and Suri 1994, about 0.15
+    corner_degree: int = 2  # on the smallest of them, growing by one per interval; theory: likewise
+    most: int = 10_000  # intervals between two stops; choice: no solve of the cost that is allowed has as many
+
+
+LINES_TUNING = LineTuning()
+SAMPLES = np.unique(np.concatenate([np.linspace(0, 1, 65), np.geomspace(1e-5, 1, 65), 1 - np.geomspace(1e-5, 1, 65)]))
+
+
+@cache
+def lobatto(degree: int) -> Array:
+    """Gauss-Lobatto points on [-1, 1], ends included; of degree 0 the centre."""
+    if degree == 0:
+        return np.zeros(1)
+    inner = legendre.legroots(legendre.legder([0.0] * degree + [1.0])).real if degree > 1 else np.zeros(0)
+    return np.concatenate([[-1.0], inner, [1.0]])
+
+
+@cache
+def _inverse(degree: int) -> Array:
+    """Matrix from values at the Gauss-Lobatto points to Legendre coefficients."""
+    return np.linalg.inv(legendre.legvander(lobatto(degree), degree))
+
+
+def shapes(degree: int, x: Array) -> tuple[Array, Array]:
+    """Lagrange polynomials of ``degree`` and their derivatives at ``x`` in [-1, 1], (x.size, degree + 1)."""
+    inverse = _inverse(degree)
+    slopes = legendre.legvander(x, max(degree - 1, 0)) @ legendre.legder(inverse) if degree else np.zeros((x.size, 1))
+    return legendre.legvander(x, degree) @ inverse, slopes
+
+
+@dataclass(frozen=True, eq=False)
+class LineElements:
+    """Continuous elements between increasing ``edges``, interval i of degree ``degrees[i]`` >= 1."""
+
+    edges: Array
+    degrees: Array
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Positions of the unknowns, increasing."""
+        inner = [
+            (a + b) / 2 + (b - a) / 2 * lobatto(int(p))[1:]
+            for a, b, p in zip(self.edges[:-1], self.edges[1:], self.degrees, strict=True)
+        ]
+        return np.concatenate([self.edges[:1], *inner])
+
+    @cached_property
+    def rule(self) -> tuple[Array, Array]:
+        """Gauss points and weights, interval by interval."""
+        parts = [rule(int(p) + LINES_TUNING.extra) for p in self.degrees]
+        half = np.diff(self.edges) / 2
+        centre = self.edges[:-1] + half
+        x = np.concatenate([c + h * u for c, h, (u, _) in zip(centre, half, parts, strict=True)])
+        return x, np.concatenate([h * v for h, (_, v) in zip(half, parts, strict=True)])
+
+    @cached_property
+    def basis(self) -> tuple[Array, Array]:
+        """Shape functions and their derivatives at the Gauss points, (points, unknowns)."""
+        return self._collocated(self.degrees, np.ones(self.degrees.size - 1, dtype=bool))
+
+    def pressure(self, joined: Array) -> Array:
+        """Shape functions of one degree less at the Gauss points, continuous at inner edge i where ``joined[i]``."""
+        return self._collocated(self.degrees - 1, joined)[0]
+
+    def at(self, x: Array, joined: Array) -> tuple[Array, Array, Array]:
+        """Shape functions, derivatives, and those of the pressure at any increasing ``x`` off the edges."""
+        owner = np.searchsorted(self.edges, x) - 1
+        local = 2 * (x - self.edges[owner]) / np.diff(self.edges)[owner] - 1
+        values, slopes = _assembled(owner, local, self.degrees, np.ones_like(joined), np.diff(self.edges))
+        return values, slopes, _assembled(owner, local, self.degrees - 1, joined, np.diff(self.edges))[0]
+
+    def _collocated(self, degrees: Array, joined: Array) -> tuple[Array, Array]:
+        local = np.concatenate([rule(int(p) + LINES_TUNING.extra)[0] for p in self.degrees])
+        owner = np.repeat(np.arange(self.degrees.size), self.degrees + LINES_TUNING.extra)
+        return _assembled(owner, local, degrees, joined, np.diff(self.edges))
+
+
+def _assembled(owner: Array, local: Array, degrees: Array, joined: Array, widths: Array) -> tuple[Array, Array]:
+    """Shape functions and derivatives at the places ``local`` in [-1, 1] of the intervals ``owner``."""
+    starts = np.concatenate([[0], np.cumsum(degrees + 1 - np.append(joined, False))])
+    values, slopes = np.zeros((2, local.size, starts[-1]))
+    for i, degree in enumerate(degrees.tolist()):
+        rows = np.flatnonzero(owner == i)
+        block = np.ix_(rows, starts[i] + np.arange(degree + 1))
+        values[block], slopes[block] = shapes(degree, local[rows])
+        slopes[block] *= 2 / widths[i]
+    return values, slopes
+
+
+def lines(region: Region, degree: int) -> tuple[LineElements, LineElements]:
+    """Elements of a ``degree`` along r and along z."""
+    first = region.first
+    gap = region.width - 1 if not region.cut_beside else np.inf
+
+    def radial(r: Array) -> Array:
+        size = np.minimum(first + _grown(r - 1, first), gap + region.width - r)
+        return LINES_TUNING.length * np.minimum(size, _decaying(r, region))
+
+    def vertical(z: Array) -> Array:
+        return LINES_TUNING.length * np.minimum(first + _grown(z - first, first), gap + z)
+
+    # As many graded intervals as let both errors fall together; fewer where the singularity is weaker.
+    corners = [(z, degree // 2) for z in region.corners] + [(z, max(degree // 2 - 1, 1)) for z in region.free_edges]
+    at_side = max((count for _, count in corners), default=0)
+    r = _partition([0.0, *region.cuts, region.width], radial, region.cut_beside)
+    z = _partition(
+        [*region.tops, *region.kinks, *(region.cuts if region.far else ()), region.depth], vertical, region.cut_beside
+    )
+    return _graded(r, [(region.width, at_side)], degree), _graded(z, corners, degree)
+
+
+def extended(r: LineElements, region: Region, degree: int) -> LineElements:
+    """The line ``r`` and intervals on to the end of the wider ``region``."""
+    end = float(r.edges[-1])
+
+    def beyond(x: Array) -> Array:
+        return LINES_TUNING.length * np.minimum(region.first + _grown(x - 1, region.first), _decaying(x, region))
+
+    more = _partition([end, region.width], beyond, region.cut_beside)[1:]
+    degrees = np.full(more.size, degree)
+    return LineElements(np.concatenate([r.edges, more]), np.concatenate([r.degrees, degrees]))
+
+
+def _grown(beyond: Array, first: float) -> Array:
+    """What lengths gain at the distance ``beyond`` the contact, or below the ``first`` interface."""
+    faster = (LINES_TUNING.far_growth - LINES_TUNING.growth) * np.maximum(
+        beyond - LINES_TUNING.far * max(1.0, first), 0.0
+    )
+    return LINES_TUNING.growth * np.maximum(beyond, 0.0) + faster
+
+
+def _decaying(r: Array, region: Region) -> Array:
+    """Distance over which a field that decays exponentially changes, under a stiff layer many thicknesses, and where it
+    has decayed more."""
+    if region.algebraic or not region.cut_beside:
+        return np.full(np.shape(r), np.inf)
+    gone = r - 1 - LINES_TUNING.decayed * region.length
+    return LINES_TUNING.decaying * region.length + LINES_TUNING.growth * np.maximum(gone, 0.0)
+
+
+def _partition(stops: Iterable[float], size: Callable[[Array], Array], wide: bool) -> Array:
+    """Edges between the ``stops``, the intervals hardly longer than ``size`` says in them: those of thick layers are so
+    few that otherwise errors change sign with the degree, and two degrees agree by accident."""
+    ends = np.unique(list(stops))
+    edges: list[Array] = [ends[:1]]
+    for lo, hi in itertools.pairwise(ends):
+        x = lo + (hi - lo) * SAMPLES
+        density = 1 / size(x)
+        count = np.concatenate([[0.0], np.cumsum(np.diff(x) * (density[1:] + density[:-1]) / 2)])
+        if count[-1] > LINES_TUNING.most:
+            instead = "layered or fem" if wide else "fem (with a rigid indenter)"
+            raise Refusal(
+                f"hybrid: the contact or body is so large against the nearest interface that elements would lie in "
+                f"{count[-1]:.2g} rows (limit {LINES_TUNING.most}); "
+                f"ask for a smaller contact, or use the method {instead}"
+            )
+        pieces = max(1, math.ceil(float(count[-1]) - LINES_TUNING.spare))
+        edges += [np.interp(np.arange(1, pieces) * count[-1] / pieces, count, x), np.array([hi])]
+    return np.concatenate(edges)
+
+
+def _graded(edges: Array, corners: list[tuple[float, int]], degree: int) -> LineElements:
+    """Intervals next to every corner cut geometrically, with degrees that fall towards it."""
+    pieces = [(a, b, degree) for a, b in itertools.pairwise(edges.tolist())]
+    for corner, count in corners:
+        pieces = [part for piece in pieces for part in _cut(piece, corner, count)]
+    return LineElements(np.array([0.0, *(b for _, b, _ in pieces)]), np.array([p for *_, p in pieces]))
+
+
+def _cut(piece: tuple[float, float, int], corner: float, count: int) -> list[tuple[float, float, int]]:
+    """A piece that ends at the ``corner`` cut ``count`` times, every time at ``TUNING.corner`` of the distance."""
+    a, b, degree = piece
+    if not count or corner not in (a, b):
+        return [piece]
+    far = b if a == corner else a
+    marks = [far, *(corner + (far - corner) * LINES_TUNING.corner**k for k in range(1, count + 1)), corner]
+    degrees = [degree, *(min(degree, LINES_TUNING.corner_degree + k) for k in range(count - 1, -1, -1))]
+    return sorted((min(p, q), max(p, q), d) for (p, q), d in zip(itertools.pairwise(marks), degrees, strict=True))
+
+
+# --------------------------------------------------------------------------------------------------
+# Axisymmetric elasticity on a rectangle of products of line elements: every block is a sum of Kronecker products.
+#
+# Moduli depend on depth alone, so that each integral over the rectangle is a product of one along r and one along z.
+# Unknowns: u_r of all nodes (z by z), u_z of all nodes, and in nearly incompressible layers a pressure of one degree
+# less, continuous in the layer (Taylor and Hood 1973). All integrals carry the weight 2 pi r.
+
+
+@dataclass(frozen=True)
+class SolveTuning:
+    """When a factor pivots, and when a solve is repeated."""
+
+    # Of the column's largest entry, what a diagonal entry must be: with pressures some are zero.
+    pivot: float = 1e-3  # tuned on nearly incompressible bodies, by `make tuning`
+    # Relative residual of a solve that is not repeated for what is left: great contrasts and distances leave 1e-7.
+    close: float = 1e-9  # theory: K errs by its square only
+
+
+SYSTEM_TUNING = SolveTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Mesh of a region: line elements along ``r`` and ``z``; fields at nodes or Gauss points have the shape (..., z,
+    r)."""
+
+    region: Region
+    r: LineElements
+    z: LineElements
+
+    @cached_property
+    def moduli(self) -> Moduli:
+        """Stiffnesses at the Gauss points along z."""
+        return self.region.moduli(self.z.rule[0])
+
+    @cached_property
+    def shape(self) -> tuple[int, int]:
+        """Number of nodes along z and along r."""
+        return self.z.nodes.size, self.r.nodes.size
+
+    @property
+    def nodes(self) -> int:
+        return self.shape[0] * self.shape[1]
+
+    @cached_property
+    def joined(self) -> tuple[Array, Array]:
+        """Inner edges along r and along z at which a pressure is continuous: not at interfaces."""
+        layer = self.region.layer_at((self.z.edges[1:] + self.z.edges[:-1]) / 2)
+        return np.ones(self.r.degrees.size - 1, dtype=bool), layer[1:] == layer[:-1]
+
+    @cached_property
+    def used(self) -> Array:
+        """Which pressure functions along z belong to layers with a pressure."""
+        return np.any(self.z.pressure(self.joined[1])[self.moduli.mixed] != 0, axis=0)
+
+    @cached_property
+    def pressure(self) -> tuple[Array, Array]:
+        """Pressure functions at the Gauss points along r and along z; none along z where no layer needs them."""
+        return self.r.pressure(self.joined[0]), self.z.pressure(self.joined[1])[:, self.used]
+
+    @cached_property
+    def constrained(self) -> Array:
+        """Mask (2, z, r) of the displacements that the supports or the axis prescribe."""
+        mask = np.zeros((2, *self.shape), dtype=bool)
+        mask[0, :, 0] = True
+        mask[:, -1, :] |= np.array(self.region.base)[:, None]
+        mask[:, :, -1] |= np.array(self.region.side)[:, None]
+        return mask
+
+    @cached_property
+    def stiffness(self) -> csr_matrix:
+        """The symmetric matrix of all unknowns; indefinite with pressures."""
+        C11, C12, C13, C33, C44 = self.moduli.C
+        r, w = self.r.rule
+        w = 2 * np.pi * w
+        (V, D), (V_z, D_z) = self.r.basis, self.z.basis
+        mass, slope, mixed = _integral(V, w * r, V), _integral(D, w * r, D), _integral(D, w * r, V)
+        hoop, cross, whole = _integral(V, w / r, V), _integral(D, w, V), _integral(V, w, V)
+
+        def over_z(left: Array, weight: Array | float, right: Array) -> Array:
+            return _integral(left, self.z.rule[1] * weight, right)
+
+        product = _Product(_touching(V_z, V_z), _touching(V, V))
+        rr = product(
+            (over_z(V_z, C11, V_z), slope + hoop),
+            (over_z(V_z, C12, V_z), cross + cross.T),
+            (over_z(D_z, C44, D_z), mass),
+        )
+        rz = product((over_z(V_z, C13, D_z), mixed + whole), (over_z(D_z, C44, V_z), mixed.T))
+        zz = product((over_z(D_z, C33, D_z), mass), (over_z(V_z, C44, V_z), slope))
+        Q, Q_z = self.pressure
+        if not Q_z.shape[1]:
+            return bmat([[rr, rz], [rz.T, zz]], format="csr")
+        coupling = _Product(_touching(Q_z, V_z), _touching(Q, V))
+        p_r = coupling((over_z(Q_z, 1.0, V_z), _integral(Q, w * r, D) + _integral(Q, w, V)))
+        p_z = coupling((over_z(Q_z, 1.0, D_z), _integral(Q, w * r, V)))
+        inverse = over_z(Q_z, self.moduli.inverse_lame, Q_z)
+        pp = _Product(_touching(Q_z, Q_z), _touching(Q, Q))((inverse, _integral(Q, w * r, Q)))
+        return bmat([[rr, rz, -p_r.T], [rz.T, zz, -p_z.T], [-p_r, -p_z, -pp]], format="csr")
+
+    def work(self, U: Array) -> tuple[Array, Array]:
+        """The work (m, m) of the stresses of each of the fields ``U`` (n, m) in the strains of the others, and how far
+        rounding can move it.
+
+        It is gathered from strains: what rounding leaves of U^T A U grows with the square of motions that strain
+        nothing, as those of the top of a slender rod, a thousand times what the contact changes there.
+        """
+        weights = 2 * np.pi * self.z.rule[1][:, None] * (self.r.rule[1] * self.r.rule[0])
+        work, moved = np.zeros((2, U.shape[1], U.shape[1]))
+        fields, sizes = self._along_r(U), self._along_r(np.abs(U), np.abs)
+        for rows in self._slabs(U.shape[1]):
+            rr, tt, zz, rz, p = strains = self._strains(fields, rows)
+            C11, C12, C13, C33, C44 = self.moduli.C[:, rows, None, None]
+            misfit = rr + tt + zz + self.moduli.inverse_lame[rows, None, None] * p
+            s_rr, s_tt = C11 * rr + C12 * tt + C13 * zz - p, C12 * rr + C11 * tt + C13 * zz - p
+            stresses = s_rr, s_tt, C13 * (rr + tt) + C33 * zz - p, C44 * rz, -misfit
+            for stress, strain, size in zip(stresses, strains, self._strains(sizes, rows, np.abs), strict=True):
+                stress *= weights[rows, :, None]
+                work += _pairs(stress, strain)
+                moved += _pairs(np.abs(stress), size)
+        return work, np.finfo(float).eps * (moved + moved.T)
+
+    def _slabs(self, count: int) -> Iterator[slice]:
+        """Gauss points along z for fields of ``count`` at a time within the memory allowed."""
+        points = self.z.rule[0].size
+        size = max(1, AT_ONCE // (count * self.r.rule[0].size))
+        return (slice(start, start + size) for start in range(0, points, size))
+
+    def _along_r(self, U: Array, of: Callable[[Array], Array] = np.asarray) -> list[Array]:
+        """What strains and pressures need of the fields ``U`` (n, m) at the Gauss points along r, by nodes along z: of
+        u_r its slope, its value and u_r/r, of u_z its slope and its value, and p, each (z, r * m)."""
+        (nz, nr), n, m = self.shape, self.nodes, U.shape[1]
+        (V, D), (Q, Q_z) = self.r.basis, self.pressure
+        hoop = V / self.r.rule[0][:, None]
+        u_r, u_z = U[: 2 * n].reshape(2, nz, nr, m)
+        p = U[2 * n :].reshape(Q_z.shape[1], Q.shape[1], m)
+        pairs = ((D, u_r), (V, u_r), (hoop, u_r), (D, u_z), (V, u_z), (Q, p))
+        return [_applied(of(A), np.moveaxis(field, 0, 1)) for A, field in pairs]
+
+    def _strains(self, along: list[Array], rows: slice, of: Callable[[Array], Array] = np.asarray) -> list[Array]:
+        """Strains rr, tt, zz, 2 rz and the pressure (z, r, m) at some ``rows`` of Gauss points, from ``_along_r``."""
+        V, D, Q = (csr_matrix(of(A[rows])) for A in (*self.z.basis, self.pressure[1]))
+        slope_r, u_r, hoop, slope_z, u_z, p = along
+        points = self.r.rule[0].size
+        strains = V @ slope_r, V @ hoop, D @ u_z, D @ u_r + V @ slope_z, Q @ p
+        return [strain.reshape(len(strain), points, strain.shape[1] // points) for strain in strains]
+
+    @cached_property
+    def free(self) -> Array:
+        """Numbers of the unknowns that nothing prescribes."""
+        constrained = np.flatnonzero(self.constrained.ravel())
+        return np.setdiff1d(np.arange(self.stiffness.shape[0]), constrained)
+
+    def solve(self, loads: Array, prescribed: Array) -> Array:
+        """Unknowns (n, m) in balance with ``loads`` (n, m) where free, equal to ``prescribed`` (n, m) elsewhere."""
+        free, K = self.free, self.stiffness
+        known = prescribed.copy()
+        known[free] = 0.0
+        right = (loads - K @ known)[free]
+        matrix = K[free][:, free].tocsc()
+        threshold = SYSTEM_TUNING.pivot if self.pressure[1].shape[1] else 0.0
+        options = {"SymmetricMode": True}
+        lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=threshold, options=options)
+        known[free] = lu.solve(right)
+        size, left = np.abs(right).max(), right - matrix @ known[free]
+        if not np.abs(left).max() < SYSTEM_TUNING.close * size:
+            known[free] += lu.solve(left)
+            left = right - matrix @ known[free]
+        residual = np.abs(left).max() / size
+        if not residual < RESIDUAL_LIMIT:
+            raise SolveError(
+                f"hybrid: the correction leaves a residual of {residual:.1e}, allowed {RESIDUAL_LIMIT:g}: moduli or "
+                "sizes differ by too much for elements; leave out what is far softer, stiffer or thinner than all "
+                "else, or, of a wide body, use method layered"
+            )
+        return known
+
+
+@dataclass(frozen=True, eq=False)
+class _Product:
+    """Sums of Kronecker products of a matrix along z and one along r, from the entries where functions overlap."""
+
+    z: Array
+    r: Array
+
+    def __call__(self, *terms: tuple[Array, Array]) -> coo_matrix:
+        (rows_z, columns_z), (rows_r, columns_r) = np.nonzero(self.z), np.nonzero(self.r)
+        values = sum(np.multiply.outer(A[rows_z, columns_z], B[rows_r, columns_r]) for A, B in terms)
+        rows = np.add.outer(rows_z * self.r.shape[0], rows_r)
+        columns = np.add.outer(columns_z * self.r.shape[1], columns_r)
+        shape = (self.z.shape[0] * self.r.shape[0], self.z.shape[1] * self.r.shape[1])
+        return coo_matrix((np.ravel(values), (rows.ravel(), columns.ravel())), shape=shape)
+
+
+def _applied(A: Array, fields: Array) -> Array:
+    """A (points, r) along the first axis of ``fields`` (r, z, m): (z, points * m)."""
+    r, z, m = fields.shape
+    values = csr_matrix(A) @ fields.reshape(r, z * m)
+    return np.moveaxis(values.reshape(len(A), z, m), 0, 1).reshape(z, len(A) * m)
+
+
+def _pairs(stress: Array, strain: Array) -> Array:
+    """Sums (m, m) over all points of the products of every ``stress`` (z, r, m) with every ``strain``."""
+    m = stress.shape[-1]
+    return stress.reshape(-1, m).T @ strain.reshape(-1, m)
+
+
+def _touching(left: Array, right: Array) -> Array:
+    """Which functions are both not zero somewhere."""
+    return (left != 0).astype(float).T @ (right != 0).astype(float) > 0
+
+
+def _integral(left: Array, weights: Array, right: Array) -> Array:
+    """Integral of ``left`` times ``right`` with the given weights at the Gauss points."""
+    return left.T @ (weights[:, None] * right)
 
 
 @dataclass(frozen=True)

@@ -1,22 +1,27 @@
-"""The kernel K(x, t) of a body of revolution as even polynomials in x and t, from finite-element corrections."""
+"""An indenter on a body whose kernel finite elements compute: refined until the contact meets a tolerance."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...base import AT_ONCE, Array
+from ...base import AT_ONCE, MOST_SOLVES, NO_CLAIM, TINY, Array, Refusal, SolveError, duration, show
+from ...bodies import Graded, HalfSpace, Indenter, Specimen, contact_modulus
+from ...series import KeptKernel
+from .. import integral
 from ..integral import rule
-from .correction import Correction, correction, side_correction
-from .lines import TUNING as LINES
-from .lines import LineElements, lines
-from .region import TUNING as REGIONS
-from .region import Region, nearest
+from ..layered.contact import GRADED, LayeredContact
+from .correction import LINES_TUNING as LINES
+from .correction import REGION_TUNING as REGIONS
+from .correction import Correction, LineElements, Region, correction, lines, nearest, side_correction
+
+# --------------------------------------------------------------------------------------------------
+# The kernel K(x, t) of a body of revolution as even polynomials in x and t, from finite-element corrections.
 
 STEP = 2  # in the degree, from level to level; tuned on bodies by hybrid, by `make constants`: odd ones gain little
 
@@ -202,3 +207,486 @@ class KernelLevels:
         even = _even(t, self.count) * w[:, None] * (4 * np.arange(self.count) + 1)
         unit = self.region.unit
         return PolynomialKernel(self.factor / unit * (even.T @ K @ even), unit, unit * nearest(self.region))
+
+
+@dataclass(frozen=True)
+class HybridTuning:
+    """How the tolerance is shared out, how errors are judged from what they change, and when refinement ends."""
+
+    edge: float = 0.98  # largest contact radius over the radius of the body; choice: a side so near needs other means
+    rough: float = 1e-3  # accuracy of the kernel with which radii are searched; choice: what costs least
+    # Shares of the tolerance:
+    # Planned for the number of t; conditioning takes the rest:
+    parameters: float = 1e-2  # tuned on reference bodies, by `make tuning`
+    cut: float = 0.1  # of an unbounded body; choice: a tenth
+    no_claim: float = 0.005  # smaller errors are not distinguished; tuned on random bodies, by `make bounds`
+    finest: float = 1e-7  # accuracy of K where the modulus changes from the contact on; choice: below ``GRADED``
+    # Errors from what a step changes, at some radii:
+    samples: int = 13  # radii; tuned on random bodies, by `make bounds`
+    smallest: float = 0.02  # of the largest, the first of them; tuned on random bodies, by `make bounds`
+    # more near the largest, where polynomials err in their shortest waves: one radius alone may lie at a node of them
+    near: tuple[float, ...] = (0.84, 0.92, 0.97)  # of it; tuned on random bodies, by `make bounds`
+    # On the error that the last step of the degree leaves:
+    safety: float = 3.0  # tuned on random bodies, by `make bounds`
+    # Of the largest change that of a column, from which on it tells how fast errors fall:
+    telling: float = 0.1  # tuned on random bodies, by `make bounds`
+    slowest: float = 3.0  # what a step divides it by, at least; tuned on random bodies, by `make failures`
+    fastest: float = 300.0  # at most; tuned on random bodies, by `make bounds`
+    unproven: float = 50.0  # at most, after one step from the lowest; tuned on random bodies, by `make bounds`
+    cornered: float = 8.0  # at most, with singular corners; tuned on random bodies, by `make bounds`
+    irregular: int = 2  # elements, up to which no fall is trusted; tuned on random bodies, by `make bounds`
+    # Of a last step that is as much smaller than the one before as that of the other radii and columns:
+    accident: float = 0.8  # tuned on random bodies, by `make bounds`
+    plausible: float = 100.0  # so much smaller, of irregular elements; tuned on random bodies, by `make bounds`
+    # Times what is small by accident, at pull-off points, after one step from the lowest:
+    at_points: float = 2.0  # tuned on random bodies, by `make bounds`
+    steeper: float = 2.0  # error of S' over that of the others, at least; tuned on random bodies, by `make failures`
+    allowed: float = 0.5  # of the tolerance, up to which ``steeper`` asks for no finer elements; choice: half
+    unseen: float = 3.0  # times the last polynomial's change / (convergence - 1): its error; theory: geometric series
+    least: float = 0.5  # of that change, at least; tuned on random bodies, by `make failures`
+    # Error of S' by the cut over that of S, at least; theory: the next order changes S by a^3 relative to S ~ a
+    steeper_cut: float = 3.0
+    # Of the largest change by extrapolating the cut, where the order that it rests on vanishes and others may cancel
+    cancelled: float = 1.5  # tuned on random bodies, by `make bounds`
+    # Of what the second cut changes where fields decay exponentially:
+    decayed: float = 0.05  # tuned on random bodies, by `make failures`
+    # Refinement:
+    lowest: int = 4  # degree; tuned on reference bodies, by `make tuning`
+    highest: int = 16  # degree; choice: rounding sets the limit beyond
+    # Of the tolerance, to which parameters and cut are brought:
+    share: float = 0.25  # tuned on reference bodies, by `make tuning`
+    again: int = 2  # times that parameters are added, and that the cut is moved out; choice: each costs a solve
+    stalls: int = 1  # times that a step may bring next to nothing; choice: corners need one
+    hopeless: float = 30.0  # times the tolerance, where none is forgiven; tuned on random bodies, by `make failures`
+    # Forecasts of the degree, in steps from the lowest:
+    per_decade: float = 0.5  # of moduli; tuned on bodies, by `make guards`: for forecasts
+    per_decade_wide: float = 0.6  # of contact radius over depth; tuned on bodies, by `make guards`: for forecasts
+    # more for nearly incompressible layers with sides; tuned on bodies, by `make guards`: for forecasts
+    at_sides: float = 1.0
+    # Limits of one level:
+    most_seconds: float = 60.0  # CPU time; choice: what a user waits for
+    most_mib: float = 4096.0  # choice: what a laptop has
+
+
+TUNING = HybridTuning()
+ALL = np.ones(4)  # of delta, P, S, S' alike
+
+
+@dataclass(frozen=True, eq=False)
+class KernelContact:
+    """An indenter on a body of the known ``kernel``, up to the radius ``limit`` [m]."""
+
+    indenter: Indenter
+    E_star: float
+    kernel: PolynomialKernel
+    limit: float
+
+    @property
+    def scale(self) -> float:
+        return self.kernel.scale
+
+    def plan(self, radii: Array, tolerance: float) -> integral.Quadrature:
+        """A quadrature accurate to ``tolerance`` at the increasing ``radii`` [m]."""
+        return integral.Quadrature.cheapest(radii, self.indenter.a0, self.scale, tolerance)
+
+    def solved(self, radii: Array, plan: integral.Quadrature) -> integral.EquationResult:
+        """Nonadhesive contact at the increasing ``radii`` [m]."""
+        panels = integral.Panels.through(radii, plan, self.indenter.a0)
+        return integral.solve(self.matrix(panels), panels, self.indenter, self.E_star, plan.inner)
+
+    def matrix(self, panels: integral.Panels) -> Array:
+        """K [1/m] at the places of the ``panels``."""
+        return self.kernel.square(panels.places)
+
+    def attraction(self, reach: float, tolerance: float) -> integral.Attraction:
+        """The pair of bodies ready for adhesion of finite range up to ``reach`` <= ``limit`` [m]."""
+        panels = self.attraction_panels(reach, tolerance)
+        return integral.Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels))
+
+    def attraction_panels(self, reach: float, tolerance: float) -> integral.Panels:
+        """The panels of ``attraction``; Refusal where they are too many."""
+        return integral.panels_for(reach, self.indenter.a0, self.scale, tolerance, 1.0)
+
+    def settled(self, radii: Array, tolerance: float) -> tuple[integral.EquationResult, Array]:
+        """Contact at ``radii`` [m] by quadratures ever finer until they agree to the ``tolerance``, and the last change
+        of the columns (4, radii), relative: a profile that ends close by is no polynomial."""
+        plan = self.plan(radii, tolerance)
+        result, change = self.solved(radii, plan), np.inf * np.ones((4, radii.size))
+        for _ in range(MOST_SOLVES):
+            if change.max() <= tolerance:
+                break
+            plan = plan.finer()
+            before, result = result, self.solved(radii, plan)
+            change = np.abs(before.columns / result.columns - 1)
+        return result, change
+
+    def columns(self, radii: Array, tolerance: float) -> Array:
+        """Rows delta, P, S, S' at ``radii`` [m]."""
+        return self.solved(radii, self.plan(radii, tolerance)).columns
+
+
+@dataclass(frozen=True, eq=False)
+class SideContact(KernelContact):
+    """An indenter on a body whose ``kernel`` is only what the side adds to the K of the ``wide`` body, which is known
+    exactly."""
+
+    wide: LayeredContact
+
+    @property
+    def scale(self) -> float:
+        return min(self.kernel.scale, self.wide.scale)
+
+    def plan(self, radii: Array, tolerance: float) -> integral.Quadrature:
+        plan = self.wide.together(radii, max(tolerance, TUNING.finest))
+        return replace(plan, widest=plan.widest * min(self.kernel.scale / self.wide.scale, 1.0))
+
+    def solved(self, radii: Array, plan: integral.Quadrature) -> integral.EquationResult:
+        self.wide.guard(radii, plan)
+        return super().solved(radii, plan)
+
+    def matrix(self, panels: integral.Panels) -> Array:
+        return self.wide.matrix(panels) + super().matrix(panels)
+
+    def attraction_panels(self, reach: float, tolerance: float) -> integral.Panels:
+        return self.wide.attraction_panels(reach, tolerance)
+
+
+@dataclass(frozen=True, eq=False)
+class Companions:
+    """A ``contact`` beside others with one of the ``kernels``, each without one thing: finer elements, the last
+    polynomial, digits, the cut's distance; found to the relative ``accuracy``. ``weights``: the part of each change
+    that is left as an error, of each column; ``least``: relative errors that nothing tells apart."""
+
+    contact: KernelContact
+    kernels: tuple[PolynomialKernel, ...]
+    accuracy: float
+    weights: tuple[Array, ...] = ()
+    least: float = 0.0
+
+    def changes(self, radii: Array) -> Array:
+        """Relative changes, with their signs, of delta, P, S, S' (kernels, 4, radii) at ``radii`` [m]; infinite where
+        the equation is not positive definite."""
+        best = self.contact.columns(radii, self.accuracy)
+        return np.array([self._of(kernel, radii, best) for kernel in self.kernels])
+
+    def _of(self, kernel: PolynomialKernel, radii: Array, best: Array) -> Array:
+        try:
+            return replace(self.contact, kernel=kernel).columns(radii, self.accuracy) / best - 1
+        except SolveError:
+            return np.full_like(best, np.inf)
+
+    def __call__(self, radii: Array) -> Array:
+        """What is left, relative errors (n, 4, radii), those of one companion alike from radius to radius."""
+        changes = self.changes(radii)
+        return np.array(self.weights)[:, :, None] * np.where(np.isfinite(changes), changes, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorEstimates:
+    """Estimated relative errors (columns, radii) at ``radii`` [m]: of elements, of the parameters t, of the cut; and
+    the ``companions`` that show them."""
+
+    radii: Array
+    elements: Array
+    parameters: Array
+    cut: Array
+    companions: Companions | None = None
+
+    @property
+    def total(self) -> Array:
+        return self.elements + self.parameters + self.cut
+
+    def at(self, radii: Array) -> Array:
+        """Total errors (columns, radii) at any radii: never less than at a smaller one."""
+        rising = np.maximum.accumulate(self.total, axis=1)
+        return np.array([np.interp(radii, self.radii, row) for row in rising])
+
+    @property
+    def kept(self) -> KeptKernel:
+        """The kernel of the ``companions`` with them and these errors; coefficients that one lacks are 0."""
+        assert self.companions is not None
+        contact, kernel = self.companions.contact, self.companions.contact.kernel
+        kernels = (kernel, *self.companions.kernels)
+        missing = [len(kernel.coefficients) - len(each.coefficients) for each in kernels]
+        return KeptKernel(
+            np.array([np.pad(each.coefficients, (0, n)) for each, n in zip(kernels, missing, strict=True)]),
+            kernel.reach,
+            kernel.scale,
+            isinstance(contact, SideContact),
+            np.array(self.companions.weights),
+            self.companions.accuracy,
+            self.companions.least,
+            self.radii,
+            np.array([self.elements, self.parameters, self.cut]),
+        )
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """State of a refinement: elements of ``degree``, ``more`` parameters t than planned, and the cut planned for an
+    error that is ``sharper`` times as small; how often parameters were ``added``, the cut was ``widened``, and a higher
+    degree ``stalled``: left more than half of the ``least`` error so far, last seen ``at`` a lower degree."""
+
+    degree: int = field(default_factory=lambda: TUNING.lowest + STEP)
+    more: int = 0
+    sharper: float = 1.0
+    added: int = 0
+    widened: int = 0
+    stalled: int = 0
+    least: float = math.inf
+    at: int = field(default_factory=lambda: TUNING.highest)
+
+    def after(self, errors: ErrorEstimates, tolerance: float, region: Region) -> Refinement | None:
+        """The next refinement, which lessens the largest of the ``errors``; None where nothing does."""
+        total = float(errors.total.max())
+        stalled = self.stalled + (self.degree > self.at and total > self.least / 2)
+        if stalled > (self.stalled if total > TUNING.hopeless * tolerance else TUNING.stalls):
+            return None
+        here = replace(self, stalled=stalled, least=min(self.least, total), at=self.degree)
+        elements, parameters, cut = (float(e.max()) for e in (errors.elements, errors.parameters, errors.cut))
+        goal = TUNING.share * tolerance
+        fuller = here
+        if math.inf > parameters > goal and self.added < TUNING.again:
+            missing = math.ceil(math.log(parameters / goal) / math.log(convergence(region)))
+            fuller = replace(here, more=self.more + max(missing, 1), added=self.added + 1)
+            if parameters > max(elements, cut):
+                return fuller
+        if math.inf > cut > max(elements, parameters, goal) and region.algebraic:
+            wider = replace(here, sharper=self.sharper * cut / goal, widened=self.widened + 1)
+            return wider if wider.widened <= TUNING.again else None
+        if self.degree >= TUNING.highest:
+            return None
+        # what is missing at every degree is not computed anew at a higher one
+        return replace(fuller if parameters > (1 - TUNING.share) * tolerance else here, degree=self.degree + STEP)
+
+
+@dataclass(frozen=True, eq=False)
+class AdaptiveKernel:
+    """Kernel of a ``specimen`` under an ``indenter``, refined until delta, P, S, S' meet a relative ``tolerance``."""
+
+    indenter: Indenter
+    specimen: Specimen
+    tolerance: float
+
+    @property
+    def E_star(self) -> float:
+        return contact_modulus(self.specimen.surface, self.indenter.material)
+
+    @property
+    def limit(self) -> float:
+        """Largest contact radius [m]."""
+        return np.inf if self.specimen.radius is None else TUNING.edge * self.specimen.radius
+
+    @property
+    def attainable(self) -> float:
+        """The tolerance that holds for this body."""
+        return max(self.tolerance, 2 * GRADED) if isinstance(self.specimen.materials[0], Graded) else self.tolerance
+
+    @cached_property
+    def wide(self) -> LayeredContact:
+        """Contact with the body without its sides, solved exactly."""
+        return LayeredContact(self.indenter, replace(self.specimen, radius=None, side=None))
+
+    def levels(self, reach: float, step: Refinement | None = None) -> KernelLevels:
+        """Levels for contact radii up to ``reach`` [m], as far as ``step`` has refined what was planned."""
+        step = step or Refinement()
+        cut = TUNING.cut * self.tolerance / step.sharper
+        region = Region.of(self.specimen, reach, cut)
+        error = TUNING.parameters * self.tolerance / math.sqrt(_stiffening(region))
+        count = count_for(region, error) + step.more
+        wide = Region.of(self.wide.specimen, reach, cut) if region.changing else None
+        return KernelLevels(region, count, self.E_star / self.specimen.surface.E_star, wide)
+
+    def guard(self, levels: KernelLevels, degree: int) -> None:
+        """Refuse what would take minutes or gigabytes."""
+        cost, unit = levels.cost(degree), levels.region.unit
+        away = show(nearest(levels.region) * unit, "length")
+        if cost.seconds > TUNING.most_seconds or cost.memory_mib > TUNING.most_mib:
+            raise Refusal(
+                f"hybrid: contact radii up to {show(unit, 'length')} need elements of degree {degree} with about "
+                f"{cost.unknowns} unknowns for {levels.count} right-hand sides, {duration(cost.seconds)} and "
+                f"{cost.memory_mib:.0f} MiB (limits {TUNING.most_seconds:g} s, {TUNING.most_mib:g} MiB): the contact "
+                f"is large against the nearest interface or side ({away} away); "
+                "ask for a smaller contact or a larger hybrid.tolerance, or use method "
+                f"{instead(self.indenter, self.specimen)}"
+            )
+
+    def expected_steps(self, levels: KernelLevels) -> float:
+        """How many steps of the degree from the lowest on the tolerance will need."""
+        moduli = [modulus for layer in self.specimen.layers for modulus in layer.moduli]
+        if isinstance(self.specimen.base, HalfSpace):
+            moduli.append(self.specimen.base.material.surface.E)
+        contrast = math.log10(max(moduli) / min(moduli))
+        wide = math.log10(max(1 / levels.region.first, 1.0))
+        steps = -math.log10(self.tolerance) - 3 + TUNING.per_decade * contrast + TUNING.per_decade_wide * wide
+        if any(levels.region.mixed) and not levels.region.cut_beside:
+            steps += TUNING.at_sides
+        return min(max(steps, 1.0), (TUNING.highest - TUNING.lowest) / STEP)
+
+    def expected_cost(self, levels: KernelLevels) -> tuple[float, CorrectionCost]:
+        """CPU seconds of all levels up to the one that the tolerance is expected to need, and the cost of that one."""
+        steps = self.expected_steps(levels)
+        degrees = range(TUNING.lowest, TUNING.lowest + STEP * math.ceil(steps) + 1, STEP)
+        costs = [levels.cost(degree) for degree in degrees]
+        shares = np.clip(steps - np.arange(len(costs)) + 1, 0, 1)  # the last level is needed in some of such bodies
+        return float(shares @ [cost.seconds for cost in costs]), costs[-1]
+
+    def rough(self, reach: float) -> KernelContact:
+        """Contact for finding radii: by the first level from the second on that gives a positive definite equation."""
+        levels = replace(self, tolerance=max(self.tolerance, TUNING.rough)).levels(reach)
+        for degree in range(TUNING.lowest + STEP, TUNING.highest, STEP):
+            contact = self._contact(levels, degree)
+            try:
+                contact.columns(np.array([reach]), TUNING.rough)
+            except SolveError:
+                continue
+            return contact
+        return self._contact(levels, TUNING.highest)
+
+    def _contact(self, levels: KernelLevels, degree: int) -> KernelContact:
+        self.guard(levels, degree)
+        return self._with(levels.kernel(degree), levels.wide is not None)
+
+    def _with(self, kernel: PolynomialKernel, of_side: bool) -> KernelContact:
+        own = (self.indenter, self.E_star, kernel, kernel.reach)
+        return SideContact(*own, self.wide) if of_side else KernelContact(*own)
+
+    def from_kept(self, kept: KeptKernel) -> tuple[KernelContact, ErrorEstimates]:
+        """The contact and its errors with a kernel of this body that was ``kept``: as ``accurate`` gave them."""
+        kernel, *others = (PolynomialKernel(each, kept.reach, kept.scale) for each in kept.coefficients)
+        contact = self._with(kernel, kept.of_side)
+        companions = Companions(contact, tuple(others), kept.accuracy, tuple(kept.weights), kept.least)
+        elements, parameters, cut = kept.errors
+        return contact, ErrorEstimates(kept.radii, elements, parameters, cut, companions)
+
+    def accurate(self, reach: float) -> tuple[KernelContact, ErrorEstimates, KernelLevels, int]:
+        """The contact for radii up to ``reach`` [m] that meets the tolerance, its errors, and its degree."""
+        levels = self.levels(reach)
+        step: Refinement | None = Refinement(degree=self._first(levels))
+        while step is not None:
+            tried = step
+            contact = self._contact(levels, step.degree)
+            try:
+                errors = self._judge(contact, levels, step.degree)
+            except SolveError:  # not positive definite: too coarse for a great contrast of moduli
+                if step.degree == TUNING.highest:
+                    raise
+                step = replace(step, degree=step.degree + STEP)
+                continue
+            if errors.total.max() <= self.attainable:
+                return contact, errors, levels, step.degree
+            step = step.after(errors, self.attainable, levels.region)
+            if step is not None and (step.more, step.sharper) != (tried.more, tried.sharper):
+                levels = self.levels(reach, step)
+        remedy = integral.tolerance_remedy("hybrid", float(errors.total.max()))
+        raise Refusal(
+            f"hybrid: the estimated relative error is {errors.total.max():.1e} with elements of degree {tried.degree}, "
+            f"above the tolerance {self.tolerance:.1e}; {remedy}ask for a smaller contact radius or use method "
+            f"{instead(self.indenter, self.specimen)}"
+        )
+
+    def _first(self, levels: KernelLevels) -> int:
+        """The lowest degree that is judged, by the two below it: of one element the lowest may be right by accident, so
+        that the next two differ by no more than it errs."""
+        higher = TUNING.lowest + 2 * STEP
+        is_one = levels.cost(higher).unknowns < 3 * (higher + 1) ** 2  # two unknowns a node and pressures; of two: 4
+        return higher if is_one else TUNING.lowest + STEP
+
+    def _judge(self, contact: KernelContact, levels: KernelLevels, degree: int) -> ErrorEstimates:
+        """Errors at some radii, from what lower levels, one polynomial less and the cut change."""
+        a0, end = self.indenter.a0, levels.region.unit
+        radii = a0 + (end - a0) * np.union1d(np.geomspace(TUNING.smallest, 1, TUNING.samples), TUNING.near)
+        region, precise = levels.region, NO_CLAIM * self.tolerance
+        shorter = contact.kernel.shorter()
+        kernels = [levels.kernel(degree, coarser=1), levels.kernel(degree, coarser=2), shorter, shorter.shorter()]
+        kernels += [levels.rounded(degree)]
+        kernels += [levels.cut(degree)] if region.cut_beside else []
+        companions = Companions(contact, tuple(kernels), precise)
+        last, before, wave, other, rounding, *cuts = np.abs(companions.changes(radii))
+        fastest = TUNING.cornered if region.corners else TUNING.fastest
+        after_lowest = degree - 2 * STEP < TUNING.lowest
+        fastest = min(fastest, TUNING.unproven) if after_lowest else fastest
+        known = bool(np.isfinite(before).all())
+        fast = known and levels.correction(degree).elements > TUNING.irregular
+        falls = np.full(radii.size, TUNING.slowest)
+        smaller = np.full(radii.size, TUNING.plausible)
+        if fast:
+            falls = _falls(before, last, fastest)
+            smaller = _falls(before, last, TUNING.cornered if region.corners else TUNING.fastest)
+        # Two levels may agree by accident at some radii in some columns: what the step before says of the last counts
+        by_accident = TUNING.accident * known / (smaller * falls)
+        accident = by_accident * (before if known else 0.0)
+        left = max(TUNING.unseen / (convergence(region) - 1), TUNING.least)
+        # The polynomial that is missing goes in waves: the last one shows one phase of them, the last but one another:
+        parameters = left * np.hypot(wave, other / convergence(region))
+        cut = _left_by_cut(region, cuts[0]) if cuts else np.zeros_like(last)
+        least = TUNING.no_claim * self.tolerance + (GRADED if levels.wide is not None else 0.0)
+        elements = np.hypot(TUNING.safety / falls * last, accident) + rounding + least
+        steeper = np.minimum(TUNING.steeper * elements[:-1].max(axis=0), TUNING.allowed * self.attainable)
+        elements[-1] = np.maximum(elements[-1], steeper)
+        at_points = float(by_accident[-1]) * (TUNING.at_points if after_lowest else 1.0)
+        parts = (TUNING.safety / float(falls[-1]), at_points, left, left / convergence(region), 1.0)
+        weights = (*(part * ALL for part in parts), _of_cut(region))[: len(kernels)]
+        companions = replace(companions, weights=weights, least=least + precise)
+        return ErrorEstimates(radii, elements, parameters, cut, companions)
+
+
+def _falls(before: Array, last: Array, fastest: float) -> Array:
+    """By what a step of the degree divides the error up to each of the radii, as the step ``before`` and the ``last``
+    one (4, radii) changed the column that falls least, as another may seem to fall fast by accident; one that hardly
+    changes tells nothing. At smaller radii less than at the largest, where errors fall first."""
+    before, last = (np.maximum.accumulate(changes, axis=1) for changes in (before, last))
+    each = np.where(last >= TUNING.telling * last.max(axis=0), before / np.maximum(last, TINY), np.inf)
+    falls: Array = np.clip(each.min(axis=0) - 1, TUNING.slowest, fastest)
+    return np.minimum(falls, falls[-1])
+
+
+def _left_by_cut(region: Region, change: Array) -> Array:
+    """Error that the cut leaves, where extrapolating it makes a ``change``, of the next order, or, of fields that decay
+    exponentially, the second cut."""
+    left = _of_cut(region)[:, None] * change
+    if not region.algebraic:
+        return left
+    *others, last = left
+    left = np.stack([*others, np.maximum(last, TUNING.steeper_cut * left[2])])
+    return np.maximum(left, left[:-1].max()) if region.higher_order else left
+
+
+def _of_cut(region: Region) -> Array:
+    """What is left of such a change of delta, P, S, S'; of P all, which the spring that extrapolating adds leaves."""
+    if not region.algebraic:
+        return np.full(4, TUNING.decayed)
+    if region.higher_order:
+        return np.full(4, TUNING.cancelled)
+    return np.where([False, True, False, False], 1.0, region.next_order)
+
+
+def instead(indenter: Indenter, specimen: Specimen) -> str:
+    """Another method as a remedy: ``layered`` without sides, else ``fem``."""
+    return "layered" if specimen.radius is None else fem_for(indenter)
+
+
+def fem_for(indenter: Indenter) -> str:
+    """The method ``fem`` as a remedy: it knows no elastic indenter on the bodies that belong here."""
+    return "fem" if indenter.material is None else "fem (with a rigid indenter)"
+
+
+def _stiffening(region: Region) -> float:
+    """Contact stiffness of a wide contact over that of the half-space, about, at least 1: relative errors of K count so
+    many times in S.
+
+    Layers in series, each of the compliance h/(pi a^2 M) where it is compressed, M its oedometric modulus, and
+    2 h^3/(3 pi G a^4) where it is squeezed out between bonded surfaces; a sliding base does not hold it.
+    """
+    compliance = 0.0
+    layers = region.thicknesses[:-1] if region.far is not None else region.thicknesses
+    for h, material in zip(layers, region.materials, strict=False):
+        surface, nu = material.surface, material.surface.nu
+        if region.base[0]:
+            oedometric = surface.E_star * (1 - nu) ** 2 / (1 - 2 * nu) if nu < 0.5 else math.inf
+            compliance += h / (math.pi * oedometric) + 2 * h**3 / (3 * math.pi * surface.G)
+        else:
+            compliance += h / (math.pi * surface.E_star)
+    if region.far is not None:
+        compliance += 1 / (2 * region.far.E_star)
+    return max(1 / (2 * region.reference.E_star * compliance), 1.0)

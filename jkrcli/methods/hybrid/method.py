@@ -11,13 +11,12 @@ from ...base import MOST_SOLVES, NO_CLAIM, ROUNDED, Array, JkrError, Refusal, St
 from ...bodies import Graded, HalfSpace, Problem, TransverselyIsotropic
 from ...series import ErrorBudget, KeptKernel, Solution
 from .. import integral
-from ..layered.layered import expected_radius
+from ..layered.solver import expected_radius
+from ..options import HybridOptions
 from ..protocol import Forecast, without_coating, without_tension
 from ..radii import check_radius
-from .adaptive import TUNING as REFINING
-from .adaptive import AdaptiveKernel, ErrorEstimates, KernelContact, fem_for, instead
-from .kernel import STEP, KernelLevels
-from .options import HybridOptions
+from .kernel import STEP, AdaptiveKernel, ErrorEstimates, KernelContact, KernelLevels, fem_for, instead
+from .kernel import TUNING as REFINING
 
 
 @dataclass(frozen=True)

@@ -12,23 +12,33 @@ from ...base.lazy import lazily
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from .attraction import Attraction, Discs, Rims, panels_for, refuse_narrow
-    from .disc import disc_warnings, refuse_shrinking
-    from .equation import ContactResult, DiscreteEquation, EquationResult, panel_means, solve
-    from .kernel import CosineKernel, FredholmKernel
-    from .pair import FLOPS_PER_SECOND, InaccurateError, first_stiffness, search, series_of, tolerance_remedy
-    from .quadrature import (
+    from .density import disc_warnings, refuse_shrinking
+    from .finite_range import Attraction, Discs, Rims, panels_for, refuse_narrow
+    from .fredholm import (
         EXACT,
+        FLOPS_PER_SECOND,
+        ContactResult,
+        CosineKernel,
+        DiscreteEquation,
+        EquationResult,
+        FredholmKernel,
+        InaccurateError,
         Panels,
         Quadrature,
         crowded,
         crowded_rule,
+        first_stiffness,
         gauss,
+        panel_means,
         phase_allowed,
         rule,
+        search,
+        series_of,
+        solve,
         split,
         to_legendre,
+        tolerance_remedy,
     )
-    from .stuck import StuckDisc, StuckKernel, ring_transforms
+    from .no_slip import StuckDisc, StuckKernel, ring_transforms
 
 __getattr__ = lazily(__name__, __file__)

@@ -12,8 +12,7 @@ import numpy as np
 
 from ... import __version__
 from ...base import Array, atomic, printable
-from .looks import COLORS, WIDE
-from .quick import without_tables
+from .looks import COLORS, WIDE, without_tables
 
 with without_tables():
     import matplotlib as mpl
@@ -158,18 +157,6 @@ def log_ticks(*axes: Axis) -> None:
         axis.set_minor_formatter(NullFormatter())
 
 
-def _take_as_it_is(text: Text) -> None:
-    """Foreign words do nothing: control characters, of which SVG may hold none, as escapes, and what is no formula in
-    TeX's language as it stands."""
-    words = "\n".join([printable(line) for line in text.get_text().split("\n")])  # map is a module of this room
-    text.set_text(words)
-    if "$" in words:
-        try:
-            MathTextParser("path").parse(words)
-        except ValueError:
-            text.set_parse_math(False)
-
-
 def save(figure: Figure, paths: Iterable[Path]) -> None:
     """Write a figure to files, each atomically; PNG or SVG by the ending, reproducible to the byte, marked as ours.
 
@@ -179,7 +166,15 @@ def save(figure: Figure, paths: Iterable[Path]) -> None:
     with style(), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)  # drawn as a box
         for text in figure.findobj(Text):
-            _take_as_it_is(text)
+            # Foreign words do nothing: control characters, of which SVG may hold none, as escapes, and what is no
+            # formula in TeX's language as it stands.
+            words = "\n".join([printable(line) for line in text.get_text().split("\n")])  # map is a module of this room
+            text.set_text(words)
+            if "$" in words:
+                try:
+                    MathTextParser("path").parse(words)
+                except ValueError:
+                    text.set_parse_math(False)
         figure.set_dpi(DPI)
         svg, png = FigureCanvasSVG(figure), FigureCanvasAgg(figure)  # the layout is that of the last, by its letters
         if (engine := figure.get_layout_engine()) is not None:

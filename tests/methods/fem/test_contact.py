@@ -7,14 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jkrcli.base.clock import StageClock
+from jkrcli.base.process import StageClock
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat
 from jkrcli.bodies.materials import Elastic
-from jkrcli.methods.fem.body import MeshedBody
-from jkrcli.methods.fem.layout import scaled_layout
+from jkrcli.methods.fem.contact import Surface, SurfaceContact, nested_events, solve_depths, solve_loads
+from jkrcli.methods.fem.mesh import MeshedBody, scaled_layout
 from jkrcli.methods.fem.model import Discretisation
-from jkrcli.methods.fem.nested import SurfaceContact, nested_events, solve_depths, solve_loads
-from jkrcli.methods.fem.surface import Surface
 
 SOFT = Elastic(2.0, 0.35)
 
@@ -63,7 +61,7 @@ def test_increments_find_the_one_solution_of_any_positive_definite_problem(seed)
 def test_least_squares_find_the_contact_where_newton_s_method_does_not(models, order, monkeypatch):
     contact, depths = models[order].contact(Paraboloid(10.0)), np.linspace(0.01, 0.09, 5)
     loads = [step.P for step in solve_depths(contact, depths)]
-    monkeypatch.setattr("jkrcli.methods.fem.nested.MOST_STEPS", 0)
+    monkeypatch.setattr("jkrcli.methods.fem.contact.MOST_STEPS", 0)
     np.testing.assert_allclose([step.P for step in solve_depths(contact, depths)], loads, rtol=1e-10)  # measured: 1e-13
 
 

@@ -5,11 +5,9 @@ import pytest
 
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.materials import Elastic
-from jkrcli.methods.fem.body import MeshedBody
+from jkrcli.methods.fem.contact import condense, factorise
 from jkrcli.methods.fem.elasticity import assemble
-from jkrcli.methods.fem.grid import make_grid, ringed_quads, tensor_quads
-from jkrcli.methods.fem.mesh import triangles
-from jkrcli.methods.fem.surface import condense, factorise
+from jkrcli.methods.fem.mesh import MeshedBody, make_grid, ringed_quads, tensor_quads, triangles
 
 HEIGHT, WIDTH = 1.5, 2.0
 CASES = [

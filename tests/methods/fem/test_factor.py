@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_matrix, diags
 
-from jkrcli.base.clock import StageClock
-from jkrcli.base.errors import InputError, SolveError
-from jkrcli.base.installing import installs
+from jkrcli.base.errors import InputError, SolveError, installs
+from jkrcli.base.process import StageClock
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.fem import factor
-from jkrcli.methods.fem.factor import sparse_factor
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.fem import contact as factor
+from jkrcli.methods.fem.contact import sparse_factor
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.model import Discretisation, Model, run
 
@@ -95,5 +94,5 @@ def test_a_missing_library_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_auto_takes_cholmod_where_it_pays(tuned) -> None:
     pytest.importorskip("cvxopt")
     assert sparse_factor(chain(50), 2, True, "auto").name == "SuperLU"
-    tuned("jkrcli.methods.fem.factor.TUNING.small", 10)
+    tuned("jkrcli.methods.fem.contact.TUNING.small", 10)
     assert sparse_factor(chain(50), 2, True, "auto").name == "CHOLMOD"

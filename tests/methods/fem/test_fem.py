@@ -6,23 +6,20 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from jkrcli.base.clock import StageClock
 from jkrcli.base.errors import InputError, Refusal, SolveError
+from jkrcli.base.process import StageClock
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.formulas.half_space import hertz
-from jkrcli.methods.fem import surface
-from jkrcli.methods.fem.body import MeshedBody
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.formulas import hertz
+from jkrcli.methods.fem import contact as surface
+from jkrcli.methods.fem.contact import factorise, nested_events
 from jkrcli.methods.fem.elasticity import assemble
-from jkrcli.methods.fem.layout import scaled_layout
-from jkrcli.methods.fem.mesh import triangles
+from jkrcli.methods.fem.mesh import MeshedBody, scaled_layout, triangles
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.model import Discretisation
-from jkrcli.methods.fem.nested import nested_events
-from jkrcli.methods.fem.surface import factorise
 from jkrcli.methods.hybrid.method import Hybrid
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
 
 SUBSTRATE = Specimen((), HalfSpace(Elastic(5e9, 0.4)))
 SPHERE = Sphere(1e-4)

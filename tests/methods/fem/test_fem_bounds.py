@@ -8,15 +8,14 @@ import h5py
 import numpy as np
 import pytest
 
-from jkrcli.beside.analysis import analyse, error_of_point
-from jkrcli.bodies.grading import Power
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Sphere
-from jkrcli.bodies.materials import Elastic, Graded
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.materials import Elastic, Graded, Layer, Power
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.case import store
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.hybrid.method import Hybrid
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
+from jkrcli.resolve.analysis import analyse, error_of_point
 from jkrcli.series import Series
 
 COATING = Problem(

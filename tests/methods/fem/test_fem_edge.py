@@ -10,16 +10,13 @@ import pytest
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.many.study.converge import converge
-from jkrcli.methods.fem.body import half_space_like
-from jkrcli.methods.fem.edge import _in_step
-from jkrcli.methods.fem.grid import Strip
-from jkrcli.methods.fem.layout import Layout, layout_for
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.many.convergence import converge
+from jkrcli.methods.fem.mesh import Layout, Strip, half_space_like, layout_for
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.fem.model import Discretisation
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.fem.model import Discretisation, _in_step
+from jkrcli.methods.layered.solver import Layered
 
 UNIT = Problem(Paraboloid(10.0), Specimen((), HalfSpace(Elastic(1.0, 0.3))), Loading("radius", 1.0))
 BONDED = Specimen((Layer(Elastic(1.0, 0.4), 1.0),), Rigid())

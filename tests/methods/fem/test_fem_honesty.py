@@ -9,15 +9,15 @@ import pytest
 
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.base.unknown import Unknown
-from jkrcli.beside.analysis import analyse
+from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, TableProfile
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.formulas.half_space import hertz
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.formulas import hertz
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
 from jkrcli.report.tables import lost_words
+from jkrcli.resolve.analysis import analyse
 from jkrcli.series import Series
 
 R, E, NU = 1e-4, 5e9, 0.4

@@ -6,18 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jkrcli.base.clock import StageClock
 from jkrcli.base.errors import Refusal
-from jkrcli.bodies.grading import Exponential
+from jkrcli.base.process import StageClock
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat
-from jkrcli.bodies.materials import Elastic, Graded
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.fem.body import MeshedBody
-from jkrcli.methods.fem.layout import scaled_layout
+from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.fem.fields import contact_state
+from jkrcli.methods.fem.mesh import MeshedBody, scaled_layout
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.model import Discretisation
-from jkrcli.methods.fem.state import contact_state
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
 
 PARABOLOID = Paraboloid(1000.0)
 

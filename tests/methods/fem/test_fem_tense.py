@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jkrcli.bodies.grading import Exponential
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat
-from jkrcli.bodies.materials import Elastic, Graded, TransverselyIsotropic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer, TransverselyIsotropic
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
 
 SOFT, STIFF, RUBBER = Elastic(0.84, 0.4), Elastic(10.0, 0.25), Elastic(0.75, 0.5)
 GRADED = Graded(Exponential(0.84, 8.4, 1.0), 0.4)

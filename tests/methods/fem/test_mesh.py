@@ -9,12 +9,19 @@ import pytest
 
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.fem.grid import make_grid, ringed_quads, tensor_quads
-from jkrcli.methods.fem.mesh import triangles, write_msh, write_vtu
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.fem.mesh import (
+    SizeLaw,
+    graded_points,
+    make_grid,
+    ringed_quads,
+    tensor_quads,
+    triangles,
+    write_msh,
+    write_vtu,
+)
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.fem.sizes import SizeLaw, graded_points
 
 SOFT, STIFF = Elastic(1.0, 0.3), Elastic(10.0, 0.2)
 LAW = SizeLaw(

@@ -10,21 +10,18 @@ from finite_bodies import FINITE, cylinder, stack
 from numpy.testing import assert_allclose
 
 from jkrcli.base.errors import InputError, Refusal
-from jkrcli.bodies.grading import Exponential, Linear
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
-from jkrcli.bodies.materials import Elastic, Graded, TransverselyIsotropic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer, Linear, TransverselyIsotropic
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.methods import method_class
-from jkrcli.methods.choose import choose_method
-from jkrcli.methods.hybrid.adaptive import TUNING as REFINING
-from jkrcli.methods.hybrid.adaptive import AdaptiveKernel, KernelContact
-from jkrcli.methods.hybrid.kernel import KernelLevels, count_for
+from jkrcli.methods.hybrid.correction import Region
+from jkrcli.methods.hybrid.kernel import TUNING as REFINING
+from jkrcli.methods.hybrid.kernel import AdaptiveKernel, KernelContact, KernelLevels, count_for
 from jkrcli.methods.hybrid.method import Hybrid
-from jkrcli.methods.hybrid.region import Region
-from jkrcli.methods.integral.pair import COLUMNS
-from jkrcli.methods.integral.quadrature import rule
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.integral.fredholm import COLUMNS, rule
+from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.spectrum import LayeredSpectrum
+from jkrcli.methods.protocol import choose_method
 from jkrcli.series import Series, Solution
 
 PARABOLOID = Paraboloid(1000.0)

@@ -7,12 +7,12 @@ import pytest
 
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Sphere
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.methods import Method
-from jkrcli.methods.hybrid.adaptive import TUNING, AdaptiveKernel
+from jkrcli.methods.hybrid.kernel import TUNING, AdaptiveKernel
 from jkrcli.methods.hybrid.method import Hybrid
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
 
 COLUMNS = ("delta", "P", "S", "dS")
 STACK = Specimen(

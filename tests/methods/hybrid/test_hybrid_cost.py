@@ -11,14 +11,13 @@ from stopwatch import seconds_of, takes_less_than
 
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.hybrid import kernel
-from jkrcli.methods.hybrid.adaptive import AdaptiveKernel, ErrorEstimates, Refinement
-from jkrcli.methods.hybrid.correction import correction
+from jkrcli.methods.hybrid.correction import Region, correction
+from jkrcli.methods.hybrid.kernel import AdaptiveKernel, ErrorEstimates, Refinement
 from jkrcli.methods.hybrid.method import Hybrid
-from jkrcli.methods.hybrid.region import Region
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.solver import Layered
 
 PARABOLOID = Paraboloid(1000.0)
 BODIES = {

@@ -10,13 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Rigid, Specimen
-from jkrcli.formulas.boussinesq import point_force
-from jkrcli.methods.hybrid.correction import RingField
-from jkrcli.methods.hybrid.lines import TUNING, LineElements, lines
-from jkrcli.methods.hybrid.region import Region
-from jkrcli.methods.hybrid.system import Mesh
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Rigid, Specimen
+from jkrcli.formulas import point_force
+from jkrcli.methods.hybrid.correction import LINES_TUNING, LineElements, Mesh, Region, RingField, lines
 
 T = np.array([0.2, 0.7])
 STEP = 1e-5
@@ -142,7 +139,7 @@ def test_intervals() -> None:
     assert (r.edges[-1], z.edges[-1]) == (region.width, region.depth)
     assert (np.diff(z.edges) > 0).all()
     gaps = np.diff(r.edges)[-4:]
-    assert_allclose(gaps[1:3] / gaps[:2], TUNING.corner, rtol=1e-9)
+    assert_allclose(gaps[1:3] / gaps[:2], LINES_TUNING.corner, rtol=1e-9)
     assert list(r.degrees[-4:]) == [5, 4, 3, 2]
     smooth = Region.of(replace(body(), side="roller"), 1.0, 1e-5)
     assert set(lines(smooth, 8)[1].degrees) == {8}

@@ -11,12 +11,11 @@ from scipy.linalg import solve_triangular
 
 from jkrcli.base.errors import SolveError
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Rigid, Specimen
-from jkrcli.methods.integral.equation import forward_substitution, panel_means, solve
-from jkrcli.methods.integral.quadrature import Panels, Quadrature, phase_allowed
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Rigid, Specimen
+from jkrcli.methods.integral.fredholm import Panels, Quadrature, forward_substitution, panel_means, phase_allowed, solve
+from jkrcli.methods.layered.contact import LayeredContact, checked
 from jkrcli.methods.layered.spectrum import LayeredSpectrum, deviation, resolved
-from jkrcli.methods.layered.stack import LayeredContact, checked
 
 BONDED = Specimen((Layer(Elastic(1.0, 0.4), 1.0),), Rigid())
 INCOMPRESSIBLE = Specimen((Layer(Elastic(1.0, 0.5), 1.0),), Rigid())

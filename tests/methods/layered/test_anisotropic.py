@@ -11,18 +11,16 @@ from scipy.linalg import expm
 
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, TransverselyIsotropic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.materials import Elastic, Layer, TransverselyIsotropic
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.case import parse_case
-from jkrcli.formulas.half_space import hertz
-from jkrcli.methods.fem.body import MeshedBody
+from jkrcli.formulas import hertz
 from jkrcli.methods.fem.elasticity import assemble
-from jkrcli.methods.fem.far_field import Boussinesq, TransversePointForce
-from jkrcli.methods.fem.mesh import triangles
+from jkrcli.methods.fem.mesh import MeshedBody, triangles
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.layered.layered import Layered
-from jkrcli.methods.layered.minors import Medium
-from jkrcli.methods.layered.spectrum import deviation
+from jkrcli.methods.fem.model import Boussinesq, TransversePointForce
+from jkrcli.methods.layered.solver import Layered
+from jkrcli.methods.layered.spectrum import Medium, deviation
 
 ISOTROPIC, AS_FIVE = Elastic(2.6, 0.3), TransverselyIsotropic(2.6, 2.6, 0.3, 0.3, 1.0)
 REAL, CONJUGATE = TransverselyIsotropic(1.0, 3.0, 0.2, 0.3, 0.5), TransverselyIsotropic(5.0, 1.0, 0.2, 0.1, 3.0)

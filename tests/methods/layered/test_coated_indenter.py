@@ -23,12 +23,10 @@ from jkrcli.bodies import (
     TransverselyIsotropic,
     alone,
 )
-from jkrcli.case.reading import parse_case
-from jkrcli.case.writing import case_of
-from jkrcli.methods.layered.fields import surface_profile
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.case.reading import case_of, parse_case
+from jkrcli.methods.layered.no_slip import StuckSpectrum
+from jkrcli.methods.layered.solver import Layered, surface_profile
 from jkrcli.methods.layered.spectrum import deviation
-from jkrcli.methods.layered.stuck import StuckSpectrum
 from jkrcli.methods.protocol import METHODS, method_class, refusal_of
 from studies.stack_judge import compliance_ratio, compliances, contact
 

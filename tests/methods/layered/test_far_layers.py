@@ -11,13 +11,12 @@ import pytest
 from numpy.polynomial import legendre
 
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.layered.fields import surface_profile
-from jkrcli.methods.layered.layered import Layered
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.layered.no_slip import StuckSpectrum
+from jkrcli.methods.layered.solver import Layered, surface_profile
 from jkrcli.methods.layered.spectrum import LayeredSpectrum
-from jkrcli.methods.layered.stuck import StuckSpectrum
-from jkrcli.methods.layered.tense import TenseSpectrum
+from jkrcli.methods.layered.surface_tension import TenseSpectrum
 from studies.stack_judge import compliances, contact
 
 RUBBER = HalfSpace(Elastic(1e6, 0.5))

@@ -17,20 +17,16 @@ from scipy.linalg import expm
 from scipy.special import spherical_jn
 
 from jkrcli.base.errors import InputError, Refusal
-from jkrcli.bodies.grading import Exponential, Linear, Power, Tabulated
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Graded
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer, Linear, Power, Tabulated
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.case import parse_case
-from jkrcli.methods.closed_form.method import ClosedForm
+from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.integral.quadrature import Panels, Quadrature
-from jkrcli.methods.layered.fields import surface_profile
-from jkrcli.methods.layered.layered import GRADED, Layered
-from jkrcli.methods.layered.product import product_matrix
-from jkrcli.methods.layered.spectrum import LayeredSpectrum, deviation
-from jkrcli.methods.layered.stack import LayeredContact
-from jkrcli.methods.layered.tail import Tail, surface_series
+from jkrcli.methods.integral.fredholm import Panels, Quadrature
+from jkrcli.methods.layered.contact import GRADED, LayeredContact, product_matrix
+from jkrcli.methods.layered.solver import Layered, surface_profile
+from jkrcli.methods.layered.spectrum import LayeredSpectrum, Tail, deviation, surface_series
 
 LAWS = [
     Linear(1.0, 5.0, 1.0),

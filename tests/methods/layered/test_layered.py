@@ -12,19 +12,14 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from jkrcli.base.errors import InputError, JkrError, Refusal, SolveError
-from jkrcli.bodies.grading import Linear
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic, Graded
-from jkrcli.bodies.parts import unbounded
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Quantity, Rigid, Specimen
-from jkrcli.formulas.half_space import adhesive_half_space
-from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
-from jkrcli.methods.integral import pair
-from jkrcli.methods.integral.equation import EquationResult
-from jkrcli.methods.integral.pair import response
-from jkrcli.methods.integral.quadrature import Quadrature
-from jkrcli.methods.layered.layered import Layered, largest_radius
-from jkrcli.methods.layered.stack import LayeredContact
+from jkrcli.bodies.materials import Elastic, Graded, Layer, Linear
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Quantity, Rigid, Specimen, unbounded
+from jkrcli.formulas import adhesive_half_space, thin_incompressible_layer, thin_layer
+from jkrcli.methods.integral import fredholm as pair
+from jkrcli.methods.integral.fredholm import EquationResult, Quadrature, response
+from jkrcli.methods.layered.contact import LayeredContact
+from jkrcli.methods.layered.solver import Layered, largest_radius
 from jkrcli.methods.radii import Response
 from jkrcli.series import Solution
 
@@ -473,7 +468,7 @@ def test_few_radii_on_a_steeply_graded_layer(points: int) -> None:
 def test_a_remedy_is_a_tolerance_above_the_one_missed_and_allowed(
     tuned: Callable[[str, object], None], frequency: float, radius: float, message: str
 ) -> None:
-    tuned("jkrcli.methods.integral.quadrature.TUNING.frequency", frequency)
+    tuned("jkrcli.methods.integral.fredholm.TUNING.frequency", frequency)
     with pytest.raises(Refusal) as caught:
         at(bonded(0.5), Paraboloid(1000.0), radius)
     found = str(caught.value)

@@ -7,15 +7,14 @@ import numpy as np
 import pytest
 
 from jkrcli.base.errors import Refusal
-from jkrcli.bodies.grading import Exponential
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
-from jkrcli.bodies.materials import Elastic, Graded, TransverselyIsotropic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer, TransverselyIsotropic
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.integral.quadrature import Panels, Quadrature
-from jkrcli.methods.integral.stuck import StuckDisc
-from jkrcli.methods.layered.layered import Layered
-from jkrcli.methods.layered.stuck import StuckLayeredContact
+from jkrcli.methods.integral.fredholm import Panels, Quadrature
+from jkrcli.methods.integral.no_slip import StuckDisc
+from jkrcli.methods.layered.no_slip import StuckLayeredContact
+from jkrcli.methods.layered.solver import Layered
 
 PARABOLOID = Paraboloid(1000.0)
 # S/(2 E* a) of a stuck flat end on a bonded layer, nu = 1/2, by tied finite elements and an integral equation

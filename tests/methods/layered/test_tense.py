@@ -5,20 +5,17 @@ import pytest
 from scipy.optimize import minimize_scalar
 from tension_records import galerkin
 
-from jkrcli import study_map
+from jkrcli import formulas, study_map
 from jkrcli.adhesion.curve import LOAD_CONTROL, transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import Refusal
-from jkrcli.beside.solved import solved, solver_of
-from jkrcli.bodies.grading import Exponential
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
-from jkrcli.bodies.materials import Elastic, Graded, TransverselyIsotropic
-from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.formulas import surface_tension as formulas
-from jkrcli.methods.layered.angles import Angles
-from jkrcli.methods.layered.layered import Layered
-from jkrcli.methods.layered.product import lagrange
-from jkrcli.methods.layered.tense import TenseContact
+from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer, TransverselyIsotropic
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.layered.contact import lagrange
+from jkrcli.methods.layered.solver import Layered
+from jkrcli.methods.layered.surface_tension import Angles, TenseContact
+from jkrcli.resolve.refine_pull_off import solved, solver_of
 
 UNIT = Paraboloid(1.0)
 SOFT, STIFF = Elastic(1.0, 0.4), Elastic(10.0, 0.25)

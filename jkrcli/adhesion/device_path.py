@@ -1,0 +1,933 @@
+"""The path of a device: what a contact does while the device presses, waits and goes back, turning wherever it may.
+
+The contact is free, or its edge advances, rests, or recedes; it jumps where no stable state goes on. A device of
+stiffness k holds D = delta + P/k (load control: P). At fixed D the contact at radius a is stable where dD/da > 0, the
+energy release rate then falls as the contact shrinks (Maugis, J. Phys. D 18 (1985) 293). A rule that can be exchanged
+says how the edge moves each way: in equilibrium with a curve, G = w_a or w_r, or of finite range (``EdgeRule``), or at
+a speed (``rate/motion.py: ByLaw``). Between the two it rests: P over delta is a straight line of slope S.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from abc import ABC, abstractmethod
+from bisect import bisect_right
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+import numpy as np
+
+from ..base import MOST_STEPS, ROUNDED, SAME, Array, InputError, Unknown, parse, show, zeros_between
+from .curve import LOAD_CONTROL, AdhesiveCurve, Equilibrium, EquilibriumCurve, control, position
+from .from_rest import FromRest
+from .interpolation import Nonadhesive
+
+# --------------------------------------------------------------------------------------------------
+# The edge of a contact in a device: its energy release rate at every radius and position of the device.
+#
+# A device of stiffness k prescribes its position x = delta + P/k (load control: x = P). With the lag L = delta_H -
+# delta of the displacement behind the nonadhesive one, P = P_H - S L (Eq. 13), so that x = x_H - c L with c = 1 + S/k
+# (load control: c = S) and G = S' L^2/(4 pi a), at once for every radius, in equilibrium or not.
+
+
+class EdgeState(NamedTuple):
+    """Displacement ``delta`` [m], load ``P`` [N], energy release rate ``G`` [J/m^2] and lag [m] at some radii."""
+
+    delta: Array
+    P: Array
+    G: Array
+    lag: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Edge:
+    """The edge of the contact of a ``body`` in a device of ``stiffness`` [N/m] (0: load control, infinite: rigid)."""
+
+    body: Nonadhesive
+    stiffness: float
+
+    def state(self, a: Array, x: Array) -> EdgeState:
+        """The state at the radii ``a`` [m] and the device's positions ``x``."""
+        here = self.body.parts(a)
+        lag = (position(here.delta_H, here.P_H, self.stiffness) - x) / self._give(here.S)
+        P = here.P_H - here.S * lag if self.stiffness != LOAD_CONTROL else np.broadcast_to(x, lag.shape)
+        return EdgeState(here.delta_H - lag, P, here.dS * lag**2 / (4 * math.pi * a), lag)
+
+    def position_at(self, a: Array, G: float) -> Array:
+        """The device's position where the edge at radius ``a`` [m] has the energy release rate ``G``."""
+        here = self.body.parts(a)
+        return position(here.delta_H, here.P_H, self.stiffness) - self._give(here.S) * math.sqrt(G) * here.t
+
+    def _give(self, S: Array) -> Array:
+        """c = -dx/dL at constant radius: 1 + S/k, under load control S [N/m]."""
+        return position(np.ones_like(S), S, self.stiffness)
+
+    def stored(self, first: tuple[float, float], last: tuple[float, float]) -> float:
+        """Change of the elastic energy [J] of body and device from one state (a, x) to another.
+
+        U = int P_H d(delta_H) - P_H L + S L^2/2, as dU = P d(delta) + G d(pi a^2); the device's spring has P^2/(2 k).
+        """
+        return self.free.work(first[0], last[0]) + self._beside(*last) - self._beside(*first)
+
+    @cached_property
+    def free(self) -> AdhesiveCurve:
+        """The contact without adhesion."""
+        return AdhesiveCurve(self.body, 0.0)
+
+    def _beside(self, a: float, x: float) -> float:
+        here, state = self.body.parts(np.array(a)), self.state(np.array(a), np.array(x))
+        spring = 0.0 if self.stiffness in (LOAD_CONTROL, math.inf) else float(state.P) ** 2 / (2 * self.stiffness)
+        return float(-here.P_H * state.lag + here.S * state.lag**2 / 2) + spring
+
+    def at(self, u: float, x: float) -> tuple[tuple[float, ...], float, float, float]:
+        """The ``pointwise`` functions at one radius, log a = ``u``, the lag [m] (none below 0), c and G [J/m^2] there
+        at the device's position ``x``: ``state`` in plain floats."""
+        here = self.pointwise(u)
+        delta_H, P_H, S, dS, *_ = here
+        loaded = self.stiffness == LOAD_CONTROL
+        c = S if loaded else 1 + S * self.give
+        lag = max(((P_H if loaded else delta_H + P_H * self.give) - x) / c, 0.0)
+        return here, lag, c, dS * lag * lag / (4 * math.pi * math.exp(u))
+
+    @cached_property
+    def give(self) -> float:
+        """1/k [m/N] of the device; 0 where it is rigid, or prescribes the load."""
+        return 0.0 if self.stiffness in (LOAD_CONTROL, math.inf) else 1 / self.stiffness
+
+    @cached_property
+    def pointwise(self) -> Pointwise:
+        """The functions of the body at one radius at a time."""
+        return Pointwise.of(self.body)
+
+
+@dataclass(frozen=True, eq=False)
+class Pointwise:
+    """delta_H [m], P_H [N], S [N/m], S' [N/m^2] at one radius, in plain floats: the rule of ``Nonadhesive.parts``, at a
+    thirtieth of the cost of arrays of one. ``a0``: radius of first contact [m]."""
+
+    nodes: list[float]
+    starts: list[float]
+    cubics: Array
+    a0: float
+    known: dict[int, list[list[float]]] = field(default_factory=dict)  # those used by now, as lists
+
+    @classmethod
+    def of(cls, body: Nonadhesive) -> Pointwise:
+        columns, slopes = body.logs
+        cubics = np.concatenate([columns.c, slopes.c], axis=2)  # (order, interval, function)
+        return cls(slopes.x.tolist(), columns.x.tolist(), cubics.transpose(1, 2, 0), body.series.a0)
+
+    def __call__(self, u: float) -> tuple[float, float, float, float, float, float]:
+        """The four functions at log a = ``u``, and d(delta_H)/du [m] and d(log S')/du; the outer cubics go on beyond
+        the ends."""
+        i = min(max(bisect_right(self.nodes, u) - 1, 0), len(self.cubics) - 1)
+        if i not in self.known:
+            self.known[i] = self.cubics[i].tolist()
+        y, beyond = u - self.nodes[i], math.exp(u) - self.a0
+        z = (math.log(beyond) if self.a0 else u) - self.starts[i]
+        delta, P, S, dS = self.known[i]
+        delta_H = _exp(delta, z)
+        rate = delta_H * _slope(delta, z) * (1 + self.a0 / beyond)
+        return delta_H, _exp(P, z), _exp(S, y), _exp(dS, y), rate, _slope(dS, y)
+
+
+def _exp(cubic: list[float], x: float) -> float:
+    c3, c2, c1, c0 = cubic
+    return math.exp(((c3 * x + c2) * x + c1) * x + c0)
+
+
+def _slope(cubic: list[float], x: float) -> float:
+    c3, c2, c1, _ = cubic
+    return (3 * c3 * x + 2 * c2) * x + c1
+
+
+# --------------------------------------------------------------------------------------------------
+# What a device does over time: it moves to and fro, waits, steps; under load control the same of the load. A course
+# is the usual way there and back by turn, speeds and hold; on a contact it becomes a program.
+
+
+@dataclass(frozen=True)
+class Ramp:
+    """The device's position [m], under load control the load [N], linear from ``x`` at the time ``t`` [s] to ``x_end``
+    at ``t_end``. ``rate``: dx/dt [m/s or N/s]; equal times are a step."""
+
+    t: float
+    x: float
+    t_end: float
+    x_end: float
+    rate: float
+
+    @classmethod
+    def between(cls, t: float, x: float, t_end: float, x_end: float) -> Ramp:
+        """The ramp between two points."""
+        rate = (x_end - x) / (t_end - t) if t_end > t else math.copysign(math.inf, x_end - x)
+        return cls(t, x, t_end, x_end, rate)
+
+    @property
+    def is_step(self) -> bool:
+        return self.t_end == self.t
+
+    def at(self, t: Any) -> Any:
+        """The positions at the times ``t`` [s] of a ramp that is no step."""
+        return self.x + self.rate * (t - self.t)
+
+    def positions(self, t: Array) -> Array:
+        """The positions at the times ``t`` [s]; a step goes evenly from row to row."""
+        if self.is_step:
+            return np.linspace(self.x, self.x_end, t.size) if t.size > 1 else np.array([self.x_end])
+        return np.asarray(self.at(t))
+
+    def when(self, x: float) -> float:
+        """The time [s] of the position ``x``; where it stands, the end."""
+        return self.t_end if self.rate == 0 else self.t + (x - self.x) / self.rate
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """The points ``t`` [s] (never falling), ``x`` [m, or N] between which the device moves evenly, and its ``rate``
+    [m/s, or N/s] after the last, for as long as there is contact; None: it ends there. Two points at one time: a step.
+    """
+
+    t: Array
+    x: Array
+    rate: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("t", "x"):
+            values = np.array(getattr(self, name), dtype=float)
+            values.setflags(write=False)
+            object.__setattr__(self, name, values)
+            if values.ndim != 1 or not np.isfinite(values).all():
+                raise InputError(f"program: {name} must be a column of finite numbers")
+        if self.t.size != self.x.size or self.t.size < (1 if self.rate else 2):
+            raise InputError(f"program: needs two or more points, and as many times as positions, got {self.t.size}")
+        if (falls := np.flatnonzero(np.diff(self.t) < 0)).size:
+            row = int(falls[0])
+            raise InputError(
+                f"program: time must not fall, got t = {self.t[row + 1]:g} s after {self.t[row]:g} s in row {row + 2}"
+            )
+
+    @classmethod
+    def on(cls, x: float, rate: float) -> Program:
+        """From ``x`` on at a ``rate``."""
+        return cls(np.zeros(1), np.array([x]), rate)
+
+    def dwelling(self, x: float, lasts: float) -> Program:
+        """The same, but going on back only as far as ``x``, where the device stays for the time ``lasts`` [s]."""
+        turn, rate = float(self.x[-1]), self.rate or math.nan
+        if not x < turn:
+            raise InputError(f"program: the dwell must lie before the turn at {turn:g}, got {x:g}")
+        if not lasts > 0:
+            raise InputError(f"program: the dwell must last > 0 s, got {lasts:g}")
+        reached = float(self.t[-1]) + (x - turn) / rate
+        return Program(np.append(self.t, [reached, reached + lasts]), np.append(self.x, [x, x]))
+
+    def highest(self, t: float) -> float:
+        """The largest position after the time ``t`` [s]."""
+        return math.inf if (self.rate or 0) > 0 else float(np.max(self.x[self.t > t], initial=-math.inf))
+
+    def ramps(self) -> Iterator[Ramp]:
+        """The ramps in order; the last has no end where the program has a ``rate``."""
+        for one, two in itertools.pairwise(zip(self.t.tolist(), self.x.tolist(), strict=True)):
+            yield Ramp.between(*one, *two)
+        if self.rate is not None:
+            end = math.copysign(math.inf, self.rate)
+            yield Ramp(float(self.t[-1]), float(self.x[-1]), math.inf, end, self.rate)
+
+
+def there_and_back(turn: float, inwards: float, outwards: float, hold: float = 0.0, start: float = 0.0) -> Program:
+    """From ``start`` on at the speed ``inwards`` up to ``turn``, ``hold`` [s], then back at the speed ``outwards``."""
+    for name, speed in (("approach", inwards), ("retraction", outwards)):
+        if not (speed > 0 and math.isfinite(speed)):
+            raise InputError(f"program: the speed of {name} must be > 0, got {speed:g}")
+    if not hold >= 0:
+        raise InputError(f"program: the hold must last >= 0 s, got {hold:g}")
+    reached = abs(turn - start) / inwards
+    return Program(np.array([0.0, reached, reached + hold]), np.array([start, turn, turn]), -outwards)
+
+
+# ---------------------------------------------------------------------- there and back
+class Turning(Protocol):
+    """A contact in a device of ``stiffness`` [N/m]: where it begins, and where an approach comes to its turn."""
+
+    @property
+    def stiffness(self) -> float: ...
+    @property
+    def least(self) -> float: ...
+    def turning(self, load: float | None, depth: float | None, speed: float) -> float: ...
+    def within(self, program: Callable[[float], Program], x: float) -> float: ...
+
+
+class Moves(NamedTuple):
+    """Speeds ``there`` and ``back``, the time of a ``hold``, the position of a ``dwell`` on the way back (None: there
+    is none) and its ``dwell_time``; SI."""
+
+    there: float
+    back: float
+    hold: float
+    dwell: float | None = None
+    dwell_time: float = 0.0
+
+
+@dataclass(frozen=True)
+class Course:
+    """The device presses at ``speed_approach`` (default: ``speed``) to ``to_load`` [N] or ``to_depth`` [m], both None
+    to the end of the series, waits for ``hold`` and goes back at ``speed``, as far as ``dwell`` where it then stays for
+    ``dwell_time``. Numbers are SI, text carries its unit; under load control speeds are N/s and ``dwell`` is a load.
+    """
+
+    speed: float | str
+    speed_approach: float | str | None = None
+    to_load: float | None = None
+    to_depth: float | None = None
+    hold: float | str | None = None
+    dwell: float | str | None = None
+    dwell_time: float | str | None = None
+
+    def moves(self, loaded: bool, called: Callable[[str], str] = str) -> Moves:
+        """The fields in SI, under load control where ``loaded``; InputError that names one as it is ``called``."""
+
+        length, speed = ("load", "load rate") if loaded else ("length", "speed")
+        back = self._si("speed", called, speed)
+        there = back if self.speed_approach is None else self._si("speed_approach", called, speed)
+        hold = 0.0 if self.hold is None else self._si("hold", called, "time", least=0.0)
+        if self.dwell is None:
+            return Moves(there, back, hold)
+        dwell = self._si("dwell", called, length, least=-math.inf)
+        return Moves(there, back, hold, dwell, self._si("dwell_time", called, "time"))
+
+    def program(self, contact: Turning, called: Callable[[str], str] = str) -> Program:
+        """What the device does to ``contact``; InputError that names the field as it is ``called``."""
+        if self.to_load is not None and self.to_depth is not None:
+            raise InputError("cycle: give the turn as a load or as a depth, not both")
+        moves = self.moves(contact.stiffness == LOAD_CONTROL, called)
+        x = contact.turning(self.to_load, self.to_depth, moves.there)
+
+        def turned(x: float) -> Program:
+            whole = there_and_back(x, moves.there, moves.back, moves.hold, contact.least)
+            return whole if moves.dwell is None else whole.dwelling(moves.dwell, moves.dwell_time)
+
+        has_turn = self.to_load is not None or self.to_depth is not None
+        return turned(x if has_turn else contact.within(turned, x))
+
+    def _si(self, field: str, called: Callable[[str], str], dimension: str, least: float | None = None) -> float:
+        """A field in SI, of a number or text with its unit; > 0 where no ``least`` is given."""
+        entry, name = getattr(self, field), called(field)
+        try:
+            value = parse(entry, dimension) if isinstance(entry, str) else float(entry)
+        except ValueError as error:
+            raise InputError(f"{name}: {error}") from None
+        wrong = value <= 0 if least is None else value < least
+        if wrong or not math.isfinite(value):
+            raise InputError(f"{name}: must be {'> 0' if least is None else f'>= {least:g}'}, got {entry}")
+        return value
+
+
+RESTS = 1e-11  # theory: of positions, what round-off of times and radii leaves
+ADVANCE, REST, RECEDE, FREE = "advance", "rest", "recede", "free"
+
+
+# ---------------------------------------------------------------------- what a path is made of
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Piece(ABC):
+    """What the contact does on one ``ramp``, from ``first`` to ``last``: time [s] and place [m], 0 out of contact.
+
+    ``ends``: "ramp"; "rest", G has come to w; "fold", from where it jumps to the place ``lands``; "fast", too fast for
+    equilibrium; "series", at the end of the data; "jump", out of the data; "lost". ``phase``: a word for it; ``work``
+    [J] of the device, under load control of the load; ``dissipated``: - int G d(pi a^2) [J].
+    """
+
+    phase: str
+    ramp: Ramp
+    ends: str = "ramp"
+    lands: float | None = None
+    if TYPE_CHECKING:
+
+        @property
+        def first(self) -> tuple[float, float]: ...
+        @property
+        def last(self) -> tuple[float, float]: ...
+        @property
+        def work(self) -> float: ...
+
+    @property
+    def dissipated(self) -> float:
+        return 0.0
+
+    @property
+    def parting(self) -> tuple[float, float]:
+        """The last state that is reported."""
+        return self.last
+
+    @abstractmethod
+    def rows(self, points: int) -> tuple[Array, Array]:
+        """Times [s] and places [m] of at most ``points`` states."""
+
+    @abstractmethod
+    def at(self, t: Array) -> Array:
+        """Places [m] at the times ``t`` [s] of the piece."""
+
+    @abstractmethod
+    def lowest(self) -> tuple[float, float]:
+        """Time [s] and place [m] at the least load."""
+
+    @abstractmethod
+    def speeds(self, a: Array, G: Array) -> Array:
+        """da/dt [m/s] at places ``a`` [m] and energy release rates ``G`` [J/m^2] of the piece."""
+
+    def unloaded(self) -> Piece | None:
+        """The piece from its last state without load on; None where it has none."""
+        return None
+
+
+class Now(NamedTuple):
+    """Time [s], place [m] (0: no contact) and the device's position ``x`` between two pieces; ``rests``: G has just
+    come to w; ``stands``: the edge is in equilibrium, and moves with the device."""
+
+    t: float
+    place: float
+    x: float
+    rests: bool = False
+    stands: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Rest(Piece):
+    """The edge rests at a place between two times: P, delta and x lie on one straight line. At the place 0 there is no
+    contact."""
+
+    contact: Contact
+    first: tuple[float, float]
+    last: tuple[float, float]
+    x: float
+    x_end: float
+
+    @property
+    def _ends(self) -> States:
+        return self.contact.states(np.full(2, self.last[1]), np.array([self.x, self.x_end]))
+
+    @property
+    def work(self) -> float:
+        ends = self._ends
+        moved = ends.delta if self.contact.stiffness == LOAD_CONTROL else np.array([self.x, self.x_end])
+        return float((ends.P[0] + ends.P[1]) / 2 * (moved[1] - moved[0]))
+
+    def rows(self, points: int) -> tuple[Array, Array]:
+        return np.linspace(self.first[0], self.last[0], points), np.full(points, self.last[1])
+
+    def at(self, t: Array) -> Array:
+        return np.full(t.shape, self.last[1])
+
+    def lowest(self) -> tuple[float, float]:
+        return self.first if self.x < self.x_end else self.last
+
+    def speeds(self, a: Array, G: Array) -> Array:
+        return np.zeros_like(a)
+
+    def unloaded(self) -> Rest | None:
+        high, low = self._ends.P.tolist()
+        if not high > 0 >= low:
+            return None
+        return replace(self, x=self.x_end - low * (self.x - self.x_end) / (high - low))
+
+
+@dataclass(frozen=True, eq=False)
+class Follow(Piece):
+    """Equilibria of a ``curve`` from ``place`` to ``end`` [m] along a stable branch, as fast as the device moves. On a
+    step, an instant: the edge comes to equilibrium at ``place``."""
+
+    curve: EquilibriumCurve
+    stiffness: float
+    place: float
+    end: float
+
+    @cached_property
+    def first(self) -> tuple[float, float]:
+        return self._time(self.place), self.place
+
+    @cached_property
+    def last(self) -> tuple[float, float]:
+        return self._time(self.end), self.end
+
+    @property
+    def work(self) -> float:
+        along, k = self.curve.work(self.place, self.end), self.stiffness
+        P = self.curve.at(np.array([self.place, self.end]))[1]
+        return along + (0.0 if k in (LOAD_CONTROL, math.inf) else float(P[1] ** 2 - P[0] ** 2) / (2 * k))
+
+    @property
+    def dissipated(self) -> float:
+        a = self.curve.contact_radii(np.array([self.place, self.end]))
+        return -float(np.pi * self.curve.w * (a[1] ** 2 - a[0] ** 2))
+
+    def rows(self, points: int) -> tuple[Array, Array]:
+        if self.ramp.is_step or self.place == self.end:
+            return np.array([self.first[0]]), np.array([self.place])
+        places = np.linspace(self.place, self.end, points)
+        return self.ramp.t + (self._position(places) - self.ramp.x) / self.ramp.rate, places
+
+    def at(self, t: Array) -> Array:
+        if self.ramp.is_step:
+            return np.full(t.shape, self.place)
+        low, high = (np.full(t.shape, place) for place in sorted((self.place, self.end)))
+        x = np.clip(self.ramp.at(t), self._position(low), self._position(high))
+        return zeros_between(lambda places: self._position(places) - x, low, high, 0.0)
+
+    def lowest(self) -> tuple[float, float]:
+        inner = [point.place for point in self.curve.critical(LOAD_CONTROL) if self.holds(point.place)]
+        places = np.array([self.place, *inner, self.end])
+        best = float(places[np.argmin(self.curve.at(places)[1])])
+        return self._time(best), best
+
+    def speeds(self, a: Array, G: Array) -> Array:
+        rising = position(*self.curve.rates(a), self.stiffness)
+        rate = 0.0 if self.ramp.is_step else self.ramp.rate
+        return np.divide(rate, rising, out=np.full_like(a, np.copysign(np.inf, rate)), where=rising > 0)
+
+    def unloaded(self) -> Follow | None:
+        places = [place for place in self.curve.radii(P=0.0) if place > 0 and self.holds(place)]
+        return replace(self, place=places[0]) if places else None
+
+    def holds(self, place: float) -> bool:
+        """Whether the ``place`` [m] is passed through."""
+        return min(self.place, self.end) <= place <= max(self.place, self.end)
+
+    def _position(self, places: Array) -> Array:
+        return position(*self.curve.at(places), self.stiffness)
+
+    def _time(self, place: float) -> float:
+        return self.ramp.when(float(self._position(np.array(place))))
+
+
+# ---------------------------------------------------------------------- how an edge moves
+@dataclass(frozen=True, eq=False)
+class EdgeRule:
+    """The edge rule of a contact one way in a device of ``stiffness`` [N/m]: in equilibrium with ``curve`` whenever it
+    moves, up a stable branch to its maximum of D, if the contact ``grows``, else down to its minimum, and on from there
+    by a jump at that D to the next stable radius. A subclass moves otherwise."""
+
+    curve: EquilibriumCurve
+    stiffness: float
+    grows: bool
+
+    @property
+    def begins(self) -> float:
+        """Without adhesion contact begins at a point and the path at the first radius of the series."""
+        return float(self.curve.places[0]) if self.curve.w == 0 else 0.0
+
+    @property
+    def forms(self) -> float:
+        """The place [m] from which a contact forms."""
+        return self.begins
+
+    @property
+    def free(self) -> float:
+        """The device's position where the free bodies begin to attract each other."""
+        return float(position(self.curve.onset, 0.0, self.stiffness))
+
+    def position(self, place: float) -> float:
+        """The device's position in equilibrium at a ``place`` [m]."""
+        return float(position(*self.curve.at(np.array(place)), self.stiffness))
+
+    def rises(self, place: float) -> float:
+        """dD/da at a ``place`` [m], > 0 where it is stable."""
+        return float(position(*self.curve.rates(np.array(place)), self.stiffness))
+
+    def slack(self, place: float) -> float:
+        """Round-off of the position there."""
+        return RESTS * (abs(self.position(place)) + place * abs(self.rises(place)))
+
+    def move(self, ramp: Ramp, now: Now) -> Piece | None:
+        """What it does ``now``; None where that is not in the series."""
+        place = now.place if self.stands(now) else self.settled(now.place, now.x)
+        if place is None:
+            return None
+        if ramp.rate * (1 if self.grows else -1) <= 0:
+            return self._piece(Ramp(now.t, now.x, now.t, now.x, 0.0), place, place)
+        return self.along(ramp, place)
+
+    def stands(self, now: Now) -> bool:
+        """Whether the edge is in equilibrium ``now``."""
+        return now.stands or bool(now.place and abs(self.position(now.place) - now.x) <= self.slack(now.place))
+
+    def along(self, ramp: Ramp, place: float) -> Follow:
+        """From an equilibrium at a ``place`` [m] on as far as the ``ramp``, or the stable branch, goes."""
+        whole = self._branch(ramp, place)
+        if not math.isfinite(ramp.x_end):
+            return whole
+        stops = [r for r in self.curve.radii_at(ramp.x_end, self.stiffness) if whole.holds(r)]
+        if stops:
+            return self._piece(ramp, place, self._next(stops))
+        there = abs(self.position(whole.end) - ramp.x_end) <= self.slack(whole.end)
+        return self._piece(ramp, place, whole.end) if there else whole
+
+    def settled(self, place: float, x: float) -> float | None:
+        """The next stable place [m] beyond ``place`` at the device's position ``x``; None: there is none."""
+        stable = [r for r in self.curve.radii_at(x, self.stiffness) if self._beyond(place, r) and self.rises(r) > 0]
+        return self._next(stable) if stable else None
+
+    def first(self) -> float | Unknown:
+        """The place [m] of first contact, where the free bodies begin to attract each other.
+
+        JKR forces have no range: nothing happens before the undeformed gap closes (D = delta = 0), and there the
+        contact spreads to the first stable radius. Surfaces that attract each other may come together without a jump,
+        under a cone."""
+        if self.begins:
+            return self.begins
+        curve = self.curve
+        if curve.complete and self.rises(least := SAME * float(curve.places[1])) > 0:
+            return least
+        smallest, largest = curve.contact_radii(curve.places[[0, -1]]).tolist()
+        if not curve.complete and self.position(float(curve.places[0])) > self.free:
+            if curve.ranged:
+                return Unknown(f"the surfaces jump to contact radii below {show(smallest, 'length')}, where "
+                               "the curve begins")  # fmt: skip
+            return Unknown(
+                "contact at delta = 0 is in equilibrium below the smallest radius of the series, a = "
+                f"{show(smallest, 'length')}: begin at smaller radii"
+            )
+        where = f"delta = {curve.onset:.4g}{' m' if curve.onset else ''}"
+        return self.settled(0.0, self.free) or Unknown(
+            f"contact at {where} spreads beyond the largest radius of the series, a = "
+            f"{show(largest, 'length')}: increase [loading] radius"
+        )
+
+    def _branch(self, ramp: Ramp, place: float) -> Follow:
+        """The rest of the stable branch, and how it ends. Contact is lost only where the free bodies do not attract
+        each other (without range: overlap, D > 0): else a smaller contact outside the data remains."""
+        fold = self._fold(place)
+        if fold is None:
+            begin, end = self.curve.places[[0, -1]].tolist()
+            gone = self.curve.complete and not self.grows
+            return self._piece(ramp, place, end if self.grows else begin, "lost" if gone else "series")
+        x, others = self.position(fold), self.curve.critical(self.stiffness)
+        lands = self.settled(fold, x) if any(self._beyond(fold, point.place) for point in others) else None
+        if lands is not None:
+            return self._piece(ramp, place, fold, "fold", lands)
+        lost = not self.grows and x <= self.free
+        return self._piece(ramp, place, fold, "lost" if lost else "jump")
+
+    def _fold(self, place: float) -> float | None:
+        """Where the stable branch that a ``place`` lies on ends; the place itself where it is not stable."""
+        critical, kind = self.curve.critical(self.stiffness), "maximum" if self.grows else "minimum"
+        here = next((point.kind for point in critical if point.place == place), None)
+        if here == kind or (here is None and self.rises(place) <= 0):
+            return place
+        ahead = [point.place for point in critical if point.kind == kind and self._beyond(place, point.place)]
+        return self._next(ahead) if ahead else None
+
+    def _piece(self, ramp: Ramp, place: float, end: float, ends: str = "ramp", lands: float | None = None) -> Follow:
+        phase = ADVANCE if self.grows else RECEDE
+        return Follow(self.curve, self.stiffness, place, end, phase=phase, ramp=ramp, ends=ends, lands=lands)
+
+    def _beyond(self, place: float, other: float) -> bool:
+        return other > place if self.grows else other < place
+
+    def _next(self, increasing: list[float]) -> float:
+        return increasing[0] if self.grows else increasing[-1]
+
+
+class States(NamedTuple):
+    """Contact radius, displacement [m], load [N] and energy release rate [J/m^2]."""
+
+    a: Array
+    delta: Array
+    P: Array
+    G: Array
+
+
+class Contact:
+    """A contact in a device of ``stiffness`` [N/m], whose edge moves by two rules, ``advance`` and ``recede``."""
+
+    stiffness: float
+    if TYPE_CHECKING:  # fields of some, properties of others
+
+        @property
+        def advance(self) -> EdgeRule: ...
+        @property
+        def recede(self) -> EdgeRule: ...
+
+    @cached_property
+    def edge(self) -> Edge | None:
+        """What gives the states between equilibria; None where attraction has a range: there are none."""
+        curve = self.recede.curve
+        return Edge(curve.nonadhesive, self.stiffness) if isinstance(curve, AdhesiveCurve | FromRest) else None
+
+    @cached_property
+    def least(self) -> float:
+        """The device's position when contact begins: where the free bodies begin to attract each other, without
+        adhesion that at the first radius."""
+        begins = self.advance.begins
+        return self.advance.position(begins) if begins else self.advance.free
+
+    def states(self, places: Array, x: Array) -> States:
+        """The states at ``places`` [m], 0 out of contact, and positions ``x`` of the device."""
+        curve, touching = self.recede.curve, places > 0
+        inside = np.where(touching, places, curve.places[0])
+        if self.edge is None:
+            delta, P, G = *curve.at(inside), np.full_like(inside, curve.w)
+        else:
+            free = position(curve.onset, 0.0, self.stiffness)  # of what the dent leaves, the edge counts from there
+            delta, P, G, _ = self.edge.state(inside, x - free)
+            delta = delta + curve.onset
+        free = np.zeros_like(x) if self.stiffness == LOAD_CONTROL else x
+        a, P, G = (np.where(touching, column, 0.0) for column in (curve.contact_radii(inside), P, G))
+        return States(a, np.where(touching, delta, free), P, G)
+
+    def limits(self, place: float) -> tuple[float, float, float]:
+        """The device's positions where the edge at ``place`` [m] begins to recede, and to advance, and their
+        round-off."""
+        recede, advance = self.recede, self.advance
+        return recede.position(place), advance.position(place), max(recede.slack(place), advance.slack(place))
+
+
+@dataclass(frozen=True, eq=False)
+class QuasiStatic(Contact):
+    """A contact in equilibrium with one curve while it grows, and with another of no smaller w while it shrinks."""
+
+    advancing: EquilibriumCurve
+    receding: EquilibriumCurve
+    stiffness: float
+
+    def __post_init__(self) -> None:
+        if self.receding.w < self.advancing.w:
+            raise InputError(
+                "cycle: the work of adhesion on retraction must be >= that on approach, got "
+                f"{show(self.receding.w, 'work')} after {show(self.advancing.w, 'work')}"
+            )
+
+    @cached_property
+    def advance(self) -> EdgeRule:
+        return EdgeRule(self.advancing, self.stiffness, True)
+
+    @cached_property
+    def recede(self) -> EdgeRule:
+        return EdgeRule(self.receding, self.stiffness, False)
+
+
+# ---------------------------------------------------------------------- one piece after the other
+@dataclass(frozen=True)
+class Jump:
+    """A jump from ``start`` to ``end`` at standing device, at the time ``t`` [s]; ``end = None``: contact is lost."""
+
+    start: Equilibrium
+    end: Equilibrium | None
+    t: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class TimedState(Equilibrium):
+    """A state at the time ``t`` [s]."""
+
+    t: float
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """The path of a device: the ``pieces`` of what happened to ``contact``, in order.
+
+    It ``ends``: "program", "series" (the contact grows beyond its radii, or shrinks below them), "jump" (out of them),
+    or "lost".
+    """
+
+    contact: Contact
+    pieces: tuple[Piece, ...]
+    ends: str
+
+    @property
+    def last(self) -> float:
+        """The place [m] at its end."""
+        return self.pieces[-1].last[1]
+
+    @property
+    def work(self) -> float:
+        """Work of the device [J]; at jumps, the device standing still, it does none."""
+        return sum(piece.work for piece in self.pieces)
+
+    @property
+    def stretches(self) -> tuple[Follow, ...]:
+        """The pieces in equilibrium."""
+        return tuple(piece for piece in self.pieces if isinstance(piece, Follow))
+
+    @property
+    def out_of_series(self) -> str | None:
+        """Why and where the contact left its series; None where it did not."""
+        if self.ends not in ("series", "jump"):
+            return None
+        if self.pieces[-1].phase == RECEDE:
+            return (
+                "the contact shrinks below the smallest radius of the series, a = "
+                f"{show(self.pieces[-1].last[1], 'length')}, while pressed: ask for smaller radii, "
+                'loading.spacing = "log"'
+            )
+        return "the contact grows beyond the largest radius of the series: increase [loading] radius, or turn before"
+
+    def holds(self, place: float) -> bool:
+        """Whether equilibrium at the ``place`` [m] is passed through."""
+        return any(piece.holds(place) for piece in self.stretches)
+
+    def up_to(self, place: float) -> Path:
+        """The path that ends in equilibrium at the ``place`` [m]."""
+        for i, piece in enumerate(self.pieces):
+            if isinstance(piece, Follow) and piece.holds(place):
+                return replace(self, pieces=(*self.pieces[:i], replace(piece, end=place, ends="ramp")), ends="program")
+        raise InputError(f"cycle: the turn at a = {show(place, 'length')} is not passed by stable contact on approach")
+
+    @cached_property
+    def unloaded_work(self) -> float | None:
+        """Work of the device [J] from the last state without load on; None where it passes none."""
+        total = 0.0
+        for piece in reversed(self.pieces):
+            if (part := piece.unloaded()) is not None:
+                return total + part.work
+            total += piece.work
+        return None
+
+    @cached_property
+    def jumps(self) -> tuple[Jump, ...]:
+        """Where the radius changes while no time goes by, and where contact is lost."""
+        return tuple(self._jumps())
+
+    @property
+    def control(self) -> str:
+        return control(self.contact.stiffness)
+
+    def _jumps(self) -> Iterator[Jump]:
+        after = (*self.pieces[1:], None) if self.ends == "lost" else self.pieces[1:]
+        for one, two in zip(self.pieces, after, strict=False):
+            if two is None or (two.phase == FREE and one.phase != FREE):
+                yield Jump(self.state(one, *one.parting), None, one.last[0])
+            elif abs(two.first[1] - one.last[1]) > ROUNDED * one.last[1]:
+                yield Jump(self.state(one, *one.parting), self.state(two, *two.first), one.last[0])
+
+    def state(self, piece: Piece, t: float, place: float) -> TimedState:
+        """The state of a ``piece`` at the time ``t`` [s] and ``place`` [m]."""
+        if isinstance(piece, Follow):
+            return TimedState(**vars(piece.curve.point(place)), t=t)
+        a, delta, P, _ = (float(column[0]) for column in self.states(piece, np.array([t]), np.array([place])))
+        return TimedState(a=a, delta=delta, P=P, t=t)
+
+    def states(self, piece: Piece, t: Array, places: Array) -> States:
+        """The states of a ``piece`` at times [s] and ``places`` [m] of it."""
+        if not isinstance(piece, Follow):
+            return self.contact.states(places, piece.ramp.positions(t))
+        curve = piece.curve
+        return States(curve.contact_radii(places), *curve.at(places), np.full_like(places, curve.w))
+
+    def rows(self, points: int) -> dict[str, Array]:
+        """Rows of the whole path, at most ``points`` to a piece: "t_s", "a_m" (0 out of
+        contact), "delta_m", "P_N", "device_m" (not under load control), "G_J_per_m2", "phase", "part", "c_m" where
+        attraction has a range."""
+        parts = [piece.rows(points) for piece in self.pieces]
+        both = list(zip(self.pieces, parts, strict=True))
+        a, delta, P, G = map(np.concatenate, zip(*(self.states(piece, *part) for piece, part in both), strict=True))
+        t, places = map(np.concatenate, zip(*parts, strict=True))
+        t = np.maximum.accumulate(np.maximum(t, self.pieces[0].ramp.t))  # pieces meet but for round-off
+        columns = {"t_s": t, "a_m": a, "delta_m": delta, "P_N": P}
+        if self.contact.stiffness != LOAD_CONTROL:
+            columns["device_m"] = np.concatenate([piece.ramp.positions(part[0]) for piece, part in both])
+        sizes = [part[0].size for part in parts]
+        phases = np.repeat([piece.phase for piece in self.pieces], sizes)
+        columns |= {"G_J_per_m2": G, "phase": phases, "part": np.repeat(np.arange(len(parts)) + 1, sizes)}
+        curve = self.contact.recede.curve
+        return columns | ({"c_m": curve.attracted_radii(places)} if curve.ranged else {})
+
+
+def path(contact: Contact, program: Program, start: float = 0.0, stands: bool = False) -> Path:
+    """What happens under ``program``; ``start``: the place [m] of a contact that is there already, else 0; ``stands``:
+    in equilibrium, moving with the device."""
+    pieces: list[Piece] = []
+    ends, now = "program", Now(0.0, start, 0.0, stands=stands)
+    for ramp in program.ramps():
+        on_ramp, ends = _on_ramp(contact, ramp, now, program)
+        pieces += on_ramp
+        if ends != "program":
+            break
+        now = Now(0.0, _after(ramp, pieces[-1]).place, 0.0)
+    if not pieces:
+        raise InputError(
+            "program: the contact grows beyond the largest radius of the series: increase [loading] radius"
+        )
+    return Path(contact, tuple(pieces), ends)
+
+
+def _on_ramp(contact: Contact, ramp: Ramp, now: Now, program: Program) -> tuple[list[Piece], str]:
+    """The pieces of one ramp, and how it ends: "program", "series", "jump", or "lost" where no contact forms anew."""
+    now, pieces = now._replace(t=ramp.t, x=ramp.x), list[Piece]()
+    most = 10 * MOST_STEPS  # a wavy tip jumps at every wave
+    for _ in range(most):
+        piece = _next(contact, ramp, now)
+        if piece is None:
+            return pieces, "series"
+        pieces.append(piece)
+        now = _after(ramp, piece)
+        if piece.ends in ("series", "jump") or (piece.ends == "lost" and not program.highest(now.t) > contact.least):
+            return pieces, piece.ends
+        if now.t >= ramp.t_end:
+            return pieces, "program"
+    raise InputError(f"program: more than {most} changes between rest and motion on one ramp")
+
+
+def _after(ramp: Ramp, piece: Piece) -> Now:
+    """The state behind a piece."""
+    t, place = piece.last
+    if math.isfinite(ramp.t_end) and ramp.t_end - t <= RESTS * (ramp.t_end - ramp.t):
+        t = ramp.t_end
+    x = piece.x_end if isinstance(piece, Rest) else ramp.x_end if t >= ramp.t_end else float(ramp.at(t))
+    place = 0.0 if piece.ends == "lost" else place if piece.lands is None else piece.lands
+    return Now(t, place, x, piece.ends == "rest", piece.ends == "fold")
+
+
+def _next(contact: Contact, ramp: Ramp, now: Now) -> Piece | None:
+    """What happens from ``now`` on; None where it is not in the series."""
+    if now.place == 0:
+        # No contact until the device comes to where the free bodies attract each other; then the first place.
+        least = contact.least
+        if ramp.is_step or now.x < least or (now.x == least and ramp.rate <= 0):
+            comes = ramp.rate > 0 and ramp.x_end > least and not ramp.is_step
+            end = max(ramp.when(least), now.t) if comes else ramp.t_end
+            x = least if comes else ramp.x_end
+            return Rest(contact, (now.t, 0.0), (end, 0.0), now.x, x, phase=FREE, ramp=ramp)
+        return contact.advance.move(ramp, now._replace(place=contact.advance.forms))
+    if ramp.is_step:
+        here = now.t, now.place
+        return Rest(contact, here, here, ramp.x, ramp.x_end, phase=REST, ramp=ramp)
+    if now.stands:
+        return (contact.advance if ramp.rate > 0 else contact.recede).move(ramp, now)
+    recedes, advances, slack = contact.limits(now.place)
+    beyond = now.x - recedes
+    if not now.rests and (beyond <= slack if ramp.rate < 0 else beyond < -slack):
+        return contact.recede.move(ramp, now)
+    if not now.rests and (now.x > advances + slack or (ramp.rate > 0 and now.x >= advances - slack)):
+        return contact.advance.move(ramp, now)
+    target = {1: advances, -1: recedes, 0: now.x}[int(np.sign(ramp.rate))]
+    ends = max(ramp.when(target), now.t)
+    if ends >= ramp.t_end:
+        ends, target = ramp.t_end, ramp.x_end
+    return Rest(contact, (now.t, now.place), (ends, now.place), now.x, target, phase=REST, ramp=ramp)
+
+
+# ---------------------------------------------------------------------- one way
+def grow(contact: QuasiStatic) -> Path | Unknown:
+    """The states passed on approach, from where the free bodies begin to attract each other to the end of the series;
+    Unknown where the first of them is not in it."""
+    first = contact.advance.first()
+    return first if isinstance(first, Unknown) else path(contact, Program.on(contact.least, 1.0), first, True)
+
+
+def shrink(contact: QuasiStatic, begin: float) -> Path:
+    """The states passed on retraction from an equilibrium of the advancing edge at the place ``begin`` [m] on, stable
+    there or not."""
+    recedes, advances, slack = contact.limits(begin)
+    return path(contact, Program.on(advances, -1.0), begin, abs(recedes - advances) <= slack)
+
+
+def largest_stable(curve: EquilibriumCurve, stiffness: float) -> float | None:
+    """The largest place [m] of the curve from which a device can retract; None where no branch in it is stable."""
+    last = float(curve.places[-1])
+    if EdgeRule(curve, stiffness, False).rises(last) > 0:
+        return last
+    return max((point.place for point in curve.critical(stiffness) if point.kind == "maximum"), default=None)

@@ -1,0 +1,405 @@
+"""The error of a critical point: that of the curve at its radius, and that of the place where the curve is stationary.
+
+At fixed radius a the curve errs by d(delta), dP. The stationary point of F(a) = d(delta)/da + (dP/da)/k moves by
+-dF/F'(a), and takes along what varies there: P under displacement control, delta under load control. F holds the rates
+d(delta_H)/da and S'', so that their errors count too (``Slopes.joint``).
+
+Of finite elements larger ones tell what they change of the curve around the point. Curves are fitted alike and compared
+at equal nonadhesive displacement: radii of meshes err by more than their loads, and a wrong radius that nothing is read
+at does no harm. d(x), x = log(a - a0), is how far the device's position lies off: it moves the value by d and the place
+by -d'/x'', x'' being the bend of the position, and along with the place what varies there. At one place d passes
+through zero by accident, and so it does all over where two meshes err alike: it is averaged, squared, around the place,
+and with what the doubling before it changed, which second order makes the square of the ratio as large. Elements err in
+proportion to what they compute, and a load grows severalfold within the radii of the average: d counts there over the
+two parts of Eq. 13.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from ..base import SAME, UNSEEN, Array, InputError, Unknown
+from ..bodies import Indenter
+from ..series import Series
+from .curve import NO_ADHESION, AdhesiveCurve, CriticalPoint, Equilibrium, position, transform
+from .curve import TUNING as CURVE
+from .interpolation import Nonadhesive
+from .slopes import slopes_function
+
+
+@dataclass(frozen=True)
+class CoarserTuning:
+    """Where curves are compared, and what is concluded."""
+
+    # of what doubling changes, over (ratio - 1), at the end of the series; tuned on random bodies, by `make bounds`
+    left: float = 3.0
+    # Powers of a - a0 over that at the end, with which it falls towards first contact, where larger elements have few
+    # nodes: of values, and of places
+    powers: tuple[float, float] = (0.45, 0.3)  # tuned on random bodies, by `make bounds`
+    # of log(a - a0) on either side, over which values are averaged
+    values: float = 0.35  # tuned on random bodies, by `make bounds`
+    rates: float = 0.2  # and their rates; tuned on random bodies, by `make bounds`
+    bend: float = 0.15  # and over which the bend is that of a parabola; tuned on random bodies, by `make bounds`
+    spacing: float = 0.01  # theory: of log(a - a0), far below what meshes resolve
+    points: int = 1000  # theory: of the whole series, as close
+
+
+TUNING = CoarserTuning()
+Errors = Mapping[str, float]
+
+
+def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
+    """90 % half-widths of "delta" [m] and "P" [N] at the lowest ``point`` under control by a device of ``stiffness``
+    [N/m] (0: load, inf: displacement), or why they are unknown."""
+    if curve.w == 0:
+        return Unknown(f"unknown: {NO_ADHESION}")
+    if not curve.errors:
+        return Unknown(f"unknown: {curve.slopes.error}")
+    if point.a == curve.a[0]:  # at the rim of a flat end
+        below = dict(zip(("delta", "P"), curve.below_first, strict=True))
+        return {name: float(error) + below[name] for name, error in curve.error_at(np.array(point.a)).items()}
+    here = curve.interpolation_at(np.array(point.a))
+    if isinstance(here, Unknown):
+        return here
+    rest = _beyond_gaps(curve, point, stiffness)
+    if isinstance(rest, Unknown):
+        return rest
+    rest = rest + _by_shift(curve, point, stiffness) + _by_description(curve, point, stiffness)
+    return {name: float(here[name]) + more for name, more in zip(("delta", "P"), rest.tolist(), strict=True)}
+
+
+def _by_shift(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
+    """How far delta and P of the ``point`` move with all radii, by what is unknown of them together, (2,). It adds to
+    what each row errs by itself, as it has no middle: each place within it is as likely."""
+    moved = []
+    for other in _shifted(curve):
+        found = _pull_off(other, curve, stiffness)
+        if not isinstance(found, Unknown):
+            moved.append(_distance(found, point))
+    if curve.nonadhesive.shifted and not moved:  # beyond the series: what it is at the radius of the point
+        return curve.shift_error_at(np.array(point.a))
+    largest: Array = np.max([np.zeros(2), *moved], axis=0)
+    return largest
+
+
+def _by_description(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
+    """How far delta and P of the ``point`` lie from those of the bodies that the series is said to be of, by what is
+    unexplained of the difference, (2,): which of the two is wrong is not known."""
+    other = _described(curve)
+    if other is None:
+        return np.zeros(2)
+    found = _pull_off(other, curve, stiffness)
+    return _distance(other.point(point.a) if isinstance(found, Unknown) else found, point)
+
+
+@lru_cache(maxsize=2)
+def _described(curve: AdhesiveCurve) -> AdhesiveCurve | None:
+    """The same curve with all that is unexplained put down to the series."""
+    body = curve.nonadhesive.described
+    return None if body is None else AdhesiveCurve(body, curve.w)
+
+
+@lru_cache(maxsize=2)
+def _shifted(curve: AdhesiveCurve) -> tuple[AdhesiveCurve, ...]:
+    """The same curve with all radii larger, and smaller, by what is unknown of them together."""
+    return tuple(AdhesiveCurve(body, curve.w) for body in curve.nonadhesive.shifted)
+
+
+def _beyond_gaps(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array | Unknown:
+    """The part (2,) of the half-widths that lies not in what is interpolated between the points."""
+    by_mesh = error_by_mesh(curve, point, stiffness)
+    if by_mesh is not None:
+        return by_mesh + _scatter(curve, point, stiffness) if curve.slopes.method == "exact" else by_mesh
+    further, at_radius = curve.nonadhesive.further, np.zeros(2)
+    nearest = None if further is None else int(np.argmin(np.abs(further.a - point.a)))
+    settled = further is None or abs(further.a[nearest] - point.a) <= SAME * (point.a - curve.series.a0)
+    joint = further.slopes.joint if further is not None and settled else None
+    if joint is not None:  # what was solved for the point counts
+        moved = _propagated(curve, point, stiffness, joint[nearest])
+    elif curve.slopes.joint is not None:
+        joint = curve.nonadhesive.between(curve.slopes.joint, np.array(point.a))
+        moved = _propagated(curve, point, stiffness, joint)
+    else:
+        moved = _by_others(curve, point, stiffness)
+        at_radius = np.stack(list(curve.error_at(np.array(point.a)).values()))
+    if isinstance(moved, Unknown) or further is None or settled:
+        return moved if isinstance(moved, Unknown) else at_radius + moved
+    # where the search for a point that is solved has not settled on it, its last steps halve at best
+    return at_radius + moved + 2 * _distance(curve.point(float(further.a[nearest])), point)
+
+
+def _distance(other: Equilibrium, point: Equilibrium) -> Array:
+    """How far delta and P of two states lie apart, (2,)."""
+    return np.abs([other.delta - point.delta, other.P - point.P])
+
+
+def _propagated(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float, covariance: Array) -> Array | Unknown:
+    """First-order propagation of the joint ``covariance`` of the columns and of their rates."""
+    slopes, a = curve.slopes, np.array(point.a)
+    delta, P, delta_rate, P_rate = _gradients(curve, a)
+    along = np.clip(a * (1 + np.array([-1e-3, 1e-3])), curve.a[0], curve.a[-1])
+    F, controlled = position(delta_rate, P_rate, stiffness), position(*curve.rates(along), stiffness)
+    rise = float(controlled[1] - controlled[0])
+    if rise == 0:
+        return Unknown("unknown: the curve is flat there")
+    place = -F * float(along[1] - along[0]) / rise
+    rates = [float(rate) for rate in curve.rates(a)]
+    total = delta + rates[0] * place, P + rates[1] * place
+    return np.array([slopes.quantile * math.sqrt(max(g @ covariance @ g, 0.0)) for g in total])
+
+
+def gradients_at(curve: AdhesiveCurve, a: Array) -> tuple[Array, Array]:
+    """Gradients (4,) of delta [m] and P [N] at the radius ``a`` [m] by (delta_H, P_H, S, S')."""
+    delta, P, *_ = _gradients(curve, a)
+    return delta[:4], P[:4]
+
+
+def _gradients(curve: AdhesiveCurve, a: Array) -> tuple[Array, Array, Array, Array]:
+    """Gradients of delta, P, d(delta)/da and dP/da by (delta_H, P_H, S, S', d(delta_H)/da, S''), each (6,)."""
+    (_, _, S, dS, t), rates = curve.nonadhesive.with_rates(a)
+    t, t_rate = math.sqrt(curve.w) * t, math.sqrt(curve.w) * rates.t
+    by_dS = -t / (2 * dS)  # of t; of its rate: the two below
+    rate_by_dS = -t / (4 * dS) * (1 / a - 3 * rates.dS / dS)
+    rate_by_bend = by_dS
+    delta = np.array([1, 0, 0, -by_dS, 0, 0])
+    P = np.array([0, 1, -t, -S * by_dS, 0, 0])
+    delta_rate = np.array([0, 0, 0, -rate_by_dS, 1, -rate_by_bend])
+    P_rate = np.array([0, 0, rates.delta_H - t_rate, -t - dS * by_dS - S * rate_by_dS, S, -S * rate_by_bend])
+    return delta, P, delta_rate, P_rate
+
+
+def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array | Unknown:
+    """How far the point moves where every second row is left out: scatter from row to row moves it as much, a smooth
+    rule eight times as much as it errs. The functions are interpolated each for itself, which shows the scatter: what
+    belongs to one energy smooths it away, but not what neighbouring rows share. Smoothing splines do not see what rows
+    share: their point is also compared with that of the slopes "integral"."""
+    slopes = curve.slopes
+    smooth = not isinstance(slopes.error, Unknown) and slopes.error <= UNSEEN
+    others = [
+        (other, 2**CURVE.order if smooth else 1)
+        for other in (_pull_off(half, curve, stiffness) for half in _apart(curve).halves)
+        if not isinstance(other, Unknown)
+    ]
+    if slopes.method != "exact":
+        by_integral = _by_integral(curve)
+        if isinstance(by_integral, Unknown):
+            return by_integral
+        other = _pull_off(by_integral, curve, stiffness)
+        if isinstance(other, Unknown):
+            return Unknown("unknown: by the slopes 'integral' the point lies outside the series")
+        others.append((other, 1))
+    if not others:
+        return Unknown("unknown: with every second row left out the point lies outside the series")
+    moved: Array = np.max([_distance(other, point) / factor for other, factor in others], axis=0)
+    return moved + _scatter(curve, point, stiffness) if slopes.method == "exact" and not smooth else moved
+
+
+def _scatter(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
+    """How far delta and P, (2,), lie off those of the ``point`` where a device may stand as low as there."""
+    there = np.stack(curve.at(_as_low(curve, point, stiffness)))
+    return np.abs(there - [[point.delta], [point.P]]).max(axis=1)
+
+
+def _as_low(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
+    """Radii [m] of the neighbouring rows at which the scatter of the rows does not tell whether a device stands lower
+    than at the ``point``, and that of the point."""
+
+    def x(other: AdhesiveCurve, a: Array) -> Array:
+        return np.asarray(position(*other.at(a), stiffness))
+
+    rows = curve.a[(curve.a > point.a / CURVE.widest) & (curve.a < point.a * CURVE.widest)]
+    away, here = np.abs(rows - point.a), float(x(curve, np.array(point.a)))
+    scatter = max(np.max(np.abs(x(half, rows) - x(curve, rows))[away <= np.sort(away)[min(4, rows.size - 1)]])
+                  for half in _apart(curve).halves)  # fmt: skip
+    return np.append(rows[x(curve, rows) < here + 2 * scatter], point.a)
+
+
+def _pull_off(other: AdhesiveCurve, curve: AdhesiveCurve, stiffness: float) -> CriticalPoint | Unknown:
+    """The pull-off of the ``other`` curve; those under all ``devices`` of ``curve`` are computed with it."""
+    other.find_critical(curve.devices)
+    return other.pull_off(stiffness)
+
+
+@lru_cache(maxsize=2)
+def _apart(curve: AdhesiveCurve) -> AdhesiveCurve:
+    """The same curve with its functions interpolated each for itself."""
+    return AdhesiveCurve(curve.nonadhesive.apart, curve.w)
+
+
+@lru_cache(maxsize=2)
+def _by_integral(curve: AdhesiveCurve) -> AdhesiveCurve | Unknown:
+    """The same curve by the slopes "integral", or why there is none."""
+    if curve.slopes.against is not None:
+        return AdhesiveCurve(Nonadhesive(*curve.slopes.against), curve.w)
+    try:
+        return transform(curve.series, slopes_function("integral")(curve.series), curve.w)
+    except InputError as error:
+        return Unknown(f"unknown: {error}")
+
+
+# ---------------------------------------------------------------------- larger elements
+def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) -> Array | None:
+    """90 % half-widths (2,) of delta [m] and P [N] at a critical ``point`` under a device of ``stiffness`` [N/m]; None
+    where no larger elements tell them."""
+    coarser, series = curve.series.coarser, curve.series
+    others = () if coarser is None else larger_elements(curve.nonadhesive)
+    if coarser is None or not others:
+        return None
+    steps = np.arange(-TUNING.values, TUNING.values + TUNING.spacing / 2, TUNING.spacing)
+    a = series.a0 + (point.a - series.a0) * np.exp(steps)
+    inside = (a >= max(curve.a[0], others[0].a[0])) & (a <= curve.a[-1])
+    a, x = a[inside], steps[inside]
+    near, around = np.abs(x) <= TUNING.bend, np.abs(x) <= TUNING.rates
+    if np.count_nonzero(near) * TUNING.spacing < TUNING.bend:
+        return None
+    # What each step to elements `ratio` times as large changes of delta [m] and P [N] at the radii `a` [m], (2,
+    # steps, n), over what second order makes it larger than the first; NaN below the first radius of the larger.
+    off = np.full((len(others) + 1, 2, a.size), np.nan)
+    off[0] = 0.0
+    for level, other in enumerate(others, start=1):
+        reached = a >= other.a[0]
+        # How far delta [m] and P [N], (2, n), of the `other` functions' curve lie off that of `curve` at its radii
+        # `a` [m], at equal nonadhesive displacement.
+        body, root_w, a0 = curve.nonadhesive, np.sqrt(curve.w), other.series.a0
+        here = body.parts(a[reached])
+        first, last = other.a[[0, -1]]
+        radii = np.clip(a0 + np.geomspace(first - a0, last - a0, TUNING.points), first, last)
+        there = other.parts(np.interp(here.delta_H, other.parts(radii).delta_H, radii))
+        P_H = there.P_H + there.S * (here.delta_H - there.delta_H)  # what the table leaves of equal displacement
+        pulled = there.S * there.t - here.S * here.t
+        off[level][:, reached] = np.stack([-root_w * (there.t - here.t), P_H - here.P_H - root_w * pulled])
+    second_order = coarser.ratio ** (2.0 * np.arange(len(others)))
+    values, changes = np.stack(curve.at(a)), np.moveaxis(np.diff(off, axis=0) / second_order[:, None, None], 0, 1)
+    bend = 2 * np.polyfit(x[near], position(values[0], values[1], stiffness)[near], 2)[0]
+    along = np.polyfit(x[near], values[:, near].T, 2)[1]
+    rates = np.gradient(np.asarray(position(changes[0], changes[1], stiffness)), x, axis=-1)
+    moved = _mean(rates[:, around]) / abs(bend)
+    of_value, of_place = ((point.a - series.a0) / (series.a[-1] - series.a0)) ** np.array(TUNING.powers)
+    relative = np.array([_mean(change) for change in changes / _sizes(curve, a)[:, None]])
+    wrong = np.hypot(of_value * relative * _sizes(curve, np.array(point.a)), of_place * along * moved)
+    of_mesh = TUNING.left / (coarser.ratio - 1) * wrong
+    shift, slope = _by_profile(curve, point.a)
+    return np.sqrt(of_mesh**2 + shift**2 + (along * float(position(slope[0], slope[1], stiffness)) / bend) ** 2)
+
+
+def _by_profile(curve: AdhesiveCurve, a: float) -> tuple[Array, Array]:
+    """Errors of delta [m] and P [N] at the radius ``a`` [m], and of their slopes over log(a - a0), by a profile that is
+    known at points only."""
+    series = curve.series
+    if series.unresolved is None:
+        return np.zeros(2), np.zeros(2)
+    shift, slope = (np.interp(a, series.a, values) for values in series.unresolved)
+    unit = np.array([1.0, float(curve.nonadhesive.parts(np.array(a)).S)])
+    return shift * unit, (a - series.a0) * slope * unit
+
+
+def _sizes(curve: AdhesiveCurve, a: Array) -> Array:
+    """What delta [m] and P [N] are differences of, (2, ...) at the radii ``a`` [m]: without adhesion, and by it."""
+    here, root_w = curve.nonadhesive.parts(a), np.sqrt(curve.w)
+    pulled = root_w * here.t
+    return np.stack([here.delta_H + pulled, here.P_H + here.S * pulled])
+
+
+def _mean(values: Array) -> float:
+    """The root of the mean square of what is known."""
+    return float(np.sqrt(np.nanmean(values**2)))
+
+
+@lru_cache(maxsize=2)
+def larger_elements(body: Nonadhesive) -> tuple[Nonadhesive, ...]:
+    """The functions by larger and larger elements, with slopes by the same rule: their columns err by as much more as
+    second order says; as far as the rule finds them."""
+    fits, more, coarser = [], 1.0, body.series.coarser
+    while coarser is not None:
+        more *= coarser.ratio**2
+        try:
+            fits.append(_fitted(coarser.series, body, more))
+        except InputError:
+            break
+        coarser = coarser.series.coarser
+    return tuple(fits)
+
+
+def _fitted(coarse: Series, body: Nonadhesive, more: float) -> Nonadhesive:
+    """The functions of the ``coarse`` series, which errs ``more`` times as much as that of the ``body``, by its rule;
+    InputError where this finds none."""
+    series, rule = body.series, body.slopes.method
+    errors = {
+        name: more * getattr(coarse, name) * np.interp(coarse.a, series.a, series.errors[name] / getattr(series, name))
+        for name in ("a", "P")
+    }
+    S, dS = (coarse.S, coarse.dS) if rule == "exact" else (None, None)
+    coarse = replace(coarse, S=S, dS=dS, S0=series.S0, errors=errors, kinks=series.kinks, bends=series.bends)
+    return Nonadhesive(coarse, slopes_function(rule)(coarse))
+
+
+# --------------------------------------------------------------------------------------------------
+# What the points of a tabulated profile leave open where contact is lost: how far fewer points move that state.
+#
+# At given contact radius fewer points change delta and P by d(a): the value changes by d, and the place by the slope
+# of the position made of d over the bend of the curve, and along with it what varies there. Errors of F that cancel
+# in the loads (a rigid shift of the profile leaves P as it is) cancel here too. Between points d passes through zero,
+# elsewhere than the table's own error does: its mean square within an interval of the table on either side counts, of
+# two profiles the larger. The order of the table's own error says what is left.
+
+
+@dataclass(frozen=True)
+class FewerPointsTuning:
+    """Radii at which fewer points are looked at, and what is concluded."""
+
+    left: float = 1.8  # of what the order leaves of a mean; tuned on tables, by `make range-bounds`
+    radii: int = 6  # on either side; choice: some to an interval
+    # of the radius, how far the outermost lie at least, and over which other panels tell how far a point moves; choice:
+    # the contact is still like it
+    nearest: float = 0.02
+    farthest: float = 1.5  # and the factor by which at most; choice: the contact is still like it
+    bend: int = 2  # on either side, through which the bend is that of a parabola; choice: with room for rounding
+
+
+FEWER_POINTS_TUNING = FewerPointsTuning()
+
+
+def error_by_points(
+    indenter: Indenter, columns: Callable[[Array], list[Array]], point: Equilibrium, stiffness: float, end: float
+) -> Array:
+    """Half-widths (2,) of delta [m] and P [N] at a critical ``point`` under a device of ``stiffness`` [N/m].
+
+    ``columns``: delta and P, (2, n), at contact radii up to ``end`` [m], under the table ``indenter`` and under the
+    profiles through fewer of its points.
+    """
+    a, middle = _around(indenter, point.a, end), FEWER_POINTS_TUNING.radii
+    values, *others = columns(a)
+    changes = np.stack(others) - values
+    rates = np.gradient(np.asarray(position(changes[:, 0], changes[:, 1], stiffness)), a, axis=-1)
+    near = slice(middle - FEWER_POINTS_TUNING.bend, middle + FEWER_POINTS_TUNING.bend + 1)
+    x = a[near] - a[middle]
+    bend = 2 * np.polyfit(x, np.asarray(position(values[0], values[1], stiffness))[near], 2)[0]
+    along = np.polyfit(x, values[:, near].T, 2)[1]
+    of_F, of_slope, of_mean = indenter.left(np.array([point.a, point.a if point.c is None else point.c])).max(axis=1)
+    moved = of_slope * _largest_mean(rates) / abs(bend)
+    value = max(of_F, of_mean) * _largest_mean(changes)
+    return FEWER_POINTS_TUNING.left * np.hypot(value, along * moved)
+
+
+def _largest_mean(changes: Array) -> Array:
+    """Over the profiles, the first axis, the largest of the roots of the mean squares along the radii, the last one."""
+    largest: Array = np.sqrt(np.mean(changes**2, axis=-1)).max(axis=0)
+    return largest
+
+
+def _around(indenter: Indenter, a: float, end: float) -> Array:
+    """Contact radii [m] from an interval of the table below ``a`` to one above, the middle one ``a`` itself."""
+    knots = np.array([0.0, *indenter.joints])
+    after = int(np.clip(np.searchsorted(knots, a), 1, knots.size - 1))
+    width = max(knots[after] - knots[after - 1], FEWER_POINTS_TUNING.nearest * a)
+    below, above = (
+        max(a - width, a / FEWER_POINTS_TUNING.farthest),
+        min(a + width, a * FEWER_POINTS_TUNING.farthest, end),
+    )
+    steps = np.arange(FEWER_POINTS_TUNING.radii + 1) / FEWER_POINTS_TUNING.radii
+    return np.concatenate([below + (a - below) * steps, a + (above - a) * steps[1:]])

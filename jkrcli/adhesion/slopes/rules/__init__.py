@@ -1,1 +1,0 @@
-"""The rules, one light file each: what is known of them before their functions are imported."""

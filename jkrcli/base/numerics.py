@@ -1,0 +1,303 @@
+"""The array type of all annotations: floats in a NumPy array, docstrings give the shape; rows spread evenly."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from .errors import InputError
+
+Array: TypeAlias = np.ndarray[Any, np.dtype[Any]]
+
+
+def evenly(rows: int, most: int) -> Array:
+    """The numbers of at most ``most`` of so many ``rows``, evenly spread, the first and the last among them."""
+    return np.unique(np.linspace(0, rows - 1, min(rows, most)).astype(int))
+
+
+# --------------------------------------------------------------------------------------------------
+# Numbers that many algorithms share: guards of iterations and divisions, sizes of work, what counts as the same.
+#
+# No result depends on the guards and sizes, nor, beyond its stated error, on what counts as the same.
+
+MOST_STEPS = 100  # choice: guard of loops that converge, or end by themselves, in ten or twenty
+MOST_SOLVES = 8  # choice: guard of loops whose every step is a solve; two or three are needed
+MOST_CELLS = 100_000_000  # choice: numbers of a table that is read or written, 800 MB
+AT_ONCE = 1_000_000  # choice: numbers of one array on the way to a result; 8 MB, and some such arrays
+LOOKED_AT = 400  # choice: points of a curve as it is drawn, or among which a zero or the largest value is sought
+DRAWN = 4000  # choice: points of curves that a picture tells apart
+# choice: of a direction of a record, a base line and a contact of a few rows each; so many steps beside a jump too
+FEWEST_ROWS = 20
+ROWS = 200  # choice: default number of rows of a curve
+TOGETHER = 20  # choice: items that make one task of another process
+REMEMBERED = 256  # choice: results of one kind that are kept; more only saves time
+SHOWN = 20  # choice: names or rows in a message
+SAME = 1e-6  # choice: relative difference of two values that are one: above round-off, below what anyone measures
+ROUNDED = 1e-9  # theory: relative, above what a sum of a million numbers loses to round-off, 1e6 epsilon = 2e-10
+RESIDUAL_LIMIT = 1e-6  # theory: of check solves; a sound factor leaves round-off, 1e-16 to 1e-12, a wrong one 1
+UNSEEN = 1e-4  # choice: relative error that no measurement sees
+NOTICEABLE = 1e-3  # choice: relative change from which on it is reported
+NO_CLAIM = 1e-3  # of a tolerance, no smaller error is stated; tuned on work along a record, by `make constants`
+SETTLED = 1e-13  # theory: a step of logs or of unknowns near 1 that is none: 450 machine epsilons, above round-off
+TINY = sys.float_info.min  # theory: the least normal number, below every size that something is divided by
+
+
+# --------------------------------------------------------------------------------------------------
+# Gauss quadrature on the intervals between given edges.
+
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)  # theory: exact for polynomials of degree 15 on an interval
+
+
+def composite_gauss(edges: Array) -> tuple[Array, Array]:
+    """Nodes and weights on the intervals between ``edges``, (intervals, nodes) both."""
+    half = np.diff(edges)[:, None] / 2
+    return edges[:-1, None] + half * (1 + NODES), half * WEIGHTS
+
+
+# --------------------------------------------------------------------------------------------------
+# Piecewise cubics and quintics by values and derivatives at their knots, and bracketed zeros, with NumPy alone.
+#
+# They agree with SciPy's, whose modules of splines and zeros take longer to be imported than most commands to run.
+
+ROUNDING = float(np.finfo(float).eps)
+HALVINGS = 200  # theory: two steps halve a bracket at least once; doubles hold no more
+
+
+class PiecewisePolynomial:
+    """Polynomials between increasing knots ``x`` (n,).
+
+    ``c``: coefficients (degree + 1, n - 1, ...) of falling powers of the distance from the knot on the left. Beyond the
+    knots the first and the last polynomial go on.
+    """
+
+    def __init__(self, x: Array, c: Array):
+        self.x, self.c = x, c
+
+    def __call__(self, x: Array, order: int = 0) -> Array:
+        """Value (``order`` 0) or derivative of that order at ``x`` of any shape."""
+        x = np.asarray(x, dtype=float)
+        at = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, self.x.size - 2)
+        s = (x - self.x[at]).reshape(*x.shape, *[1] * (self.c.ndim - 2))
+        degree, value = self.c.shape[0] - 1, np.zeros(())
+        for i, c in enumerate(self.c[: degree + 1 - order]):
+            value = value * s + math.perm(degree - i, order) * c[at]
+        return value
+
+
+class PiecewiseCubic(PiecewisePolynomial):
+    """The cubics that have given values ``y`` and slopes ``dydx`` (n, ...) at increasing knots ``x`` (n,)."""
+
+    def __init__(self, x: Array, y: Array, dydx: Array):
+        h = np.diff(x).reshape(-1, *[1] * (y.ndim - 1))
+        secant = np.diff(y, axis=0) / h
+        bend = (dydx[:-1] + dydx[1:] - 2 * secant) / h
+        super().__init__(x, np.stack([bend / h, (secant - dydx[:-1]) / h - bend, dydx[:-1], y[:-1]]))
+
+
+class EvenCubic:
+    """Cubic splines between equally spaced knots, ten times as fast as one that has to look for its pieces.
+
+    ``first, step``: of the knots; ``c`` (4, ..., n - 1): coefficients of falling powers of the distance from the left.
+    """
+
+    def __init__(self, first: float, step: float, c: Array):
+        self.first, self.step, self.c = first, step, np.ascontiguousarray(c)
+
+    def __call__(self, x: Array) -> Array:
+        """Values (..., *x.shape) at ``x`` of any shape, between the first and the last knot."""
+        s = (x - self.first) / self.step
+        at = np.minimum(s.astype(np.intp), self.c.shape[-1] - 1)
+        s = (s - at) * self.step
+        values = self.c[0].take(at, axis=-1)
+        for c in self.c[1:]:
+            values *= s
+            values += c.take(at, axis=-1)
+        return values
+
+
+class PiecewiseQuintic(PiecewisePolynomial):
+    """The quintics that have given values, slopes and second derivatives (n,) at increasing knots ``x`` (n,); between
+    knots as ``close`` as that quartics, which leave small steps of the value: its error would be one of the slope."""
+
+    def __init__(self, x: Array, y: Array, dydx: Array, bend: Array, close: float = 0.0):
+        h = np.diff(x)
+        b, half = h * dydx[:-1], h**2 * bend[:-1] / 2
+        rise = np.diff(y) - b - half  # what the higher powers of s = distance/h make up at s = 1: value, slope, bend
+        steep = h * dydx[1:] - b - 2 * half
+        curved = h**2 * bend[1:] - 2 * half
+        rise = np.where(h < close, steep / 2 - curved / 12, rise)
+        c3, c4, c5 = (
+            10 * rise - 4 * steep + curved / 2, -15 * rise + 7 * steep - curved, 6 * rise - 3 * steep + curved / 2
+        )  # fmt: skip
+        super().__init__(x, np.stack([c5 / h**5, c4 / h**4, c3 / h**3, half / h**2, dydx[:-1], y[:-1]]))
+
+
+def spline_slopes(x: Array, y: Array) -> Array:
+    """Slopes (n,) at its knots of the cubic spline through ``y`` (n,) at increasing ``x``, not-a-knot at both ends.
+
+    Three points give a parabola, two a straight line.
+    """
+    h, secant = np.diff(x), np.diff(y) / np.diff(x)
+    if x.size == 2:
+        return np.repeat(secant, 2)
+    ends = [_end(h, secant), _end(h[::-1], secant[::-1])]
+    if x.size == 3:
+        middle = np.array([(h[1] * secant[0] + h[0] * secant[1]) / (h[0] + h[1])])
+    else:
+        right = 3 * (h[1:] * secant[:-1] + h[:-1] * secant[1:])
+        diagonal, below, above = 2 * (h[:-1] + h[1:]), h[1:].copy(), h[:-1].copy()
+        # the end rows, h[1] s[0] + (h[0] + h[1]) s[1] = end and its mirror image, taken from the rows beside them
+        diagonal[[0, -1]] = h[0] + h[1], h[-1] + h[-2]
+        right[[0, -1]] -= ends
+        middle = _tridiagonal(below, diagonal, above, right)
+    first = (ends[0] - (h[0] + h[1]) * middle[0]) / h[1]
+    last = (ends[1] - (h[-1] + h[-2]) * middle[-1]) / h[-2]
+    return np.concatenate([[first], middle, [last]])
+
+
+def _end(h: Array, secant: Array) -> float:
+    """h[1] s[0] + (h[0] + h[1]) s[1] where the third derivative is continuous at the second knot."""
+    both = h[0] + h[1]
+    return float(((h[0] + 2 * both) * h[1] * secant[0] + h[0] ** 2 * secant[1]) / both)
+
+
+def _tridiagonal(below: Array, diagonal: Array, above: Array, right: Array) -> Array:
+    """Solution of a diagonally dominant system; entries (n,), ``below[0]`` and ``above[-1]`` unused. Plain floats: the
+    recursion is sequential."""
+    rows = zip(below.tolist(), diagonal.tolist(), above.tolist(), right.tolist(), strict=True)
+    ratio = value = 0.0
+    ratios, values = [], []
+    for low, pivot, high, b in rows:
+        pivot -= low * ratio
+        ratio, value = high / pivot, (b - low * value) / pivot
+        ratios.append(ratio)
+        values.append(value)
+    for i in range(len(values) - 2, -1, -1):
+        values[i] -= ratios[i] * values[i + 1]
+    return np.array(values)
+
+
+def zeros_between(function: Callable[[Array], Array], low: Array, high: Array, tolerance: float) -> Array:
+    """The zeros of ``function`` (elementwise), one in each bracket from ``low`` to ``high`` (n,), at whose ends its
+    signs differ or it vanishes; to ``tolerance``, or to rounding, each as if it were sought alone.
+
+    Chandrupatla (1997): inverse quadratic interpolation where three points allow it, else halves.
+    """
+    x1, x2 = np.array(low, dtype=float), np.array(high, dtype=float)
+    f1, f2 = function(x1), function(x2)
+    part = np.full_like(x1, 0.5)
+    for _ in range(HALVINGS):
+        best = np.where(np.abs(f1) < np.abs(f2), x1, x2)
+        least = (tolerance + 2 * ROUNDING * np.abs(best)) / np.maximum(np.abs(x2 - x1), np.finfo(float).tiny)
+        settled = (least > 0.5) | (f1 == 0) | (f2 == 0)
+        if settled.all():
+            break
+        x = np.where(settled, x1, x1 + np.clip(part, np.minimum(least, 0.5), np.maximum(1 - least, 0.5)) * (x2 - x1))
+        f = function(x)
+        same = settled | (np.sign(f) == np.sign(f1))
+        x3, f3 = np.where(same, x1, x2), np.where(same, f1, f2)
+        x2, f2 = np.where(same, x2, x1), np.where(same, f2, f1)
+        x1, f1 = x, f
+        # Where to look next between x1 (0) and x2 (1): by inverse quadratic interpolation where it is monotone.
+        with np.errstate(all="ignore"):
+            place, height = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
+            monotone = (height**2 < place) & ((1 - height) ** 2 < 1 - place)
+            inverse = f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
+        part = np.where(monotone & np.isfinite(inverse), inverse, 0.5)
+    return best
+
+
+# --------------------------------------------------------------------------------------------------
+# Distributions of uncertain numbers, and draws: inverse distribution functions of points in the unit cube.
+
+LIMITS = {"least": -math.inf, "most": math.inf}  # of what is cut off
+
+
+class Kind(NamedTuple):
+    """A kind of distribution: the parameters that it needs, the values ``at`` fractions of all draws (n,) by these and
+    its ``limits``, and the parameter that must be ``positive``."""
+
+    needed: tuple[str, ...]
+    at: Callable[..., Array]
+    positive: str = ""
+    limits: Mapping[str, float] = {}
+
+
+def _normal(u: Array, mean: float, sd: float, least: float, most: float) -> Array:
+    from scipy.special import ndtr, ndtri
+
+    low, high = ndtr((least - mean) / sd), ndtr((most - mean) / sd)
+    return np.clip(mean + sd * ndtri(low + (high - low) * u), least, most)
+
+
+def _lognormal(u: Array, median: float, factor: float, *limits: float) -> Array:
+    cut = (math.log(x) if x > 0 else -math.inf for x in limits)
+    return np.exp(_normal(u, math.log(median), math.log(factor), *cut))
+
+
+DISTRIBUTIONS = {
+    "uniform": Kind(("from", "to"), lambda u, start, end: start + (end - start) * u),
+    "loguniform": Kind(("from", "to"), lambda u, start, end: start * (end / start) ** u, "from"),
+    "normal": Kind(("mean", "sd"), _normal, "sd", LIMITS),
+    "lognormal": Kind(("median", "factor"), _lognormal, "median", LIMITS),
+    "integer": Kind(("from", "to"), lambda u, start, end: (start + np.floor((end - start + 1) * u)).astype(int)),
+    "choice": Kind(("values",), lambda u, values: np.fromiter(values, object)[(len(values) * u).astype(int)]),
+}
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """A ``kind`` with the parameters in SI; InputError where they describe none."""
+
+    kind: str
+    parameters: Mapping[str, Any]
+
+    def __post_init__(self) -> None:
+        name = DISTRIBUTIONS[self.kind].positive
+        self._check_rise("from", "to")
+        if name and self.parameters[name] <= 0:
+            raise InputError(f"{self.kind}: {name} must be > 0, got {self.parameters[name]:g}")
+        self._check_rise("least", "most")
+
+    def _check_rise(self, low: str, high: str) -> None:
+        start, end = self.parameters.get(low, -math.inf), self.parameters.get(high, math.inf)
+        if not start < end:
+            raise InputError(f"{self.kind}: {low} must be below {high}, got {start:g} and {end:g}")
+
+    def at(self, u: Array) -> tuple[Any, ...]:
+        """The values below which the fractions ``u`` of all draws lie."""
+        needed, at, _, limits = DISTRIBUTIONS[self.kind]
+        values = {**limits, **self.parameters}
+        return tuple(at(u, *(values[name] for name in (*needed, *limits))).tolist())
+
+
+def _random(count: int, size: int, seed: int) -> Array:
+    return np.random.default_rng(seed).random((count, size))
+
+
+def _sobol(count: int, size: int, seed: int) -> Array:
+    from scipy.stats import qmc
+
+    powers = max(count - 1, 0).bit_length()
+    return qmc.Sobol(size, scramble=True, rng=np.random.default_rng(seed)).random_base2(powers)[:count]
+
+
+def _latin(count: int, size: int, seed: int) -> Array:
+    from scipy.stats import qmc
+
+    return qmc.LatinHypercube(size, rng=np.random.default_rng(seed)).random(count)
+
+
+METHODS: dict[str, Callable[[int, int, int], Array]] = {"random": _random, "sobol": _sobol, "latin-hypercube": _latin}
+
+
+def draw(distributions: list[Distribution], count: int, method: str, seed: int) -> list[tuple[Any, ...]]:
+    """``count`` draws of all distributions together, a tuple per draw."""
+    inside = 1e-12, 1 - 1e-12  # the normal distribution has no ends
+    points = np.clip(METHODS[method](count, len(distributions), seed), *inside)
+    return list(zip(*(item.at(u) for item, u in zip(distributions, points.T, strict=True)), strict=True))

@@ -1,0 +1,207 @@
+"""``jkr run``: a case file to a series file."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+import tomllib
+from dataclasses import replace
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .. import __version__
+from ..base import InputError, atomic, check_series_target, check_target, read_bytes, together, write_text
+from ..case import Case, CaseModel, LoadingTable, fem_of, load_case, parse_case, record_of, solve, write_solution
+from ..data.foreign import NAMES, SeriesReading, read_series
+from ..methods import METHODS, Limits, write_msh, write_vtu
+from ..report import Imported, Meshed, Output, Solved
+from ..resolve import effect_facts, sticking_effect
+from .inputs import SEPARATED, Flags, begin_reading, body_options, case_of, named_flags, reading_of
+from .options import (
+    LENGTH,
+    ONE_FILE,
+    ColumnUnitType,
+    KeyNumberType,
+    KeyValueType,
+    ScaleType,
+    begin,
+    into_file,
+    into_folder,
+    limits_options,
+    output_options,
+)
+from .output import command_line, detail, give, note, say
+from .verb import as_one, verb
+
+
+@verb("case")
+@into_file("Series file [default: <case>.h5 here].")
+@click.option("--method", type=click.Choice(["auto", *METHODS]), help="Method, instead of the case's.")
+@click.option("--tolerance", type=float,
+              help="Relative error asked of the load at given depth, of any method, instead of the case's."
+)  # fmt: skip
+@limits_options
+@output_options(force=ONE_FILE, json="Print the summary as JSON.")
+def run(case: Path, method: str | None, tolerance: float | None, limits: Limits, output: Output) -> None:
+    """Solve the nonadhesive contact of CASE (TOML) and write load, displacement and contact radius to HDF5.
+
+    The work of adhesion plays no part here: one run serves every w (see: jkr transform).
+
+    \b
+    jkr run cases/halfspace.toml
+    jkr run my.toml --method layered -o results/my.h5
+    jkr run my.toml --method fem --tolerance 1e-3
+    """
+    start = time.process_time()
+    loaded = load_case(case)
+    if tolerance is not None:
+        loaded = loaded.with_tolerance(tolerance, method or loaded.model.method)
+    target = output.file(Path(f"{case.stem}.h5"), [case], check_series_target)
+    choice, solution = solve(loaded, method, limits, note)
+    for stage, used in solution.timings.items():
+        detail(f"{stage}: {used:.3f} s CPU")
+    effect = sticking_effect(solution.problem, float(solution.series.a[-1]), ())
+    solution = replace(solution, facts={**solution.facts, **effect_facts(effect)})
+    write_solution(target, solution, command_line())
+    seconds = time.process_time() - start
+    give(Solved(target, solution, choice, effect, seconds, tolerance, loaded.remarks), output.json)
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr new``: a commented case file to start from.
+
+TEMPLATE = resources.files(__package__).joinpath("new.toml").read_text(encoding="utf-8")
+
+
+@verb("file")
+@click.option("--force", is_flag=True, help="Replace an existing file.")
+def new(file: Path, force: bool) -> None:
+    """Write a commented case to FILE, ready to edit and run.
+
+    \b
+    jkr new my.toml && jkr check my.toml && jkr transform my.toml
+    """
+    if file.suffix != ".toml":
+        raise InputError(f"{file}: the name of a case ends in .toml")
+    if file.exists() and not force:
+        raise InputError(f"{file}: exists; give --force to replace it, or another name")
+    check_target(file, force)
+    write_text(file, TEMPLATE)
+    say(f"written {file}; next: edit it, jkr check {file}")
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr import``: a series that another program computed to a series file.
+
+KEYS = tuple(NAMES.quantities)
+SOME_LOADING = b"\n[loading]\ndepth = 1.0\n"  # stands in where a case has none: the table says how far it went
+
+
+class ZeroType(ScaleType):
+    """delta=LENGTH or P=LOAD; a length alone is that of the displacement."""
+
+    def parsed(self, text: str) -> Any:
+        return super().parsed(text) if "=" in text else ("delta", LENGTH.parsed(text))
+
+
+reading_options = as_one(
+    "reading",
+    lambda **options: SeriesReading(**reading_of(options)),
+    click.option("--column", "columns", multiple=True, type=KeyValueType(KEYS),
+                 help="Column name or number, delta=U2."),
+    click.option("--unit", "units", multiple=True, type=ColumnUnitType(),
+                 help="Unit, whatever the header says, P=mN; of a quantity or of a column by name or number."),
+    click.option("--factor", "factors", multiple=True, type=KeyNumberType(KEYS), help="Factor of a column, P=180."),
+    click.option("--zero", multiple=True, type=ZeroType(("delta", "P")),
+                 help='Reading at first touch, subtracted: delta="1.2 um"; a length alone is a displacement.'),
+    click.option("--sign", type=click.Choice(["auto", "as-is"]), default="auto", show_default=True,
+                 help="auto: a displacement or load that is negative in compression is turned."),
+    click.option("--area", type=click.Choice(["surface", "projected"]), default="surface", show_default=True,
+                 help="What a contact area is: of the indenter's surface (Eq. A3), or pi a^2."),
+    *SEPARATED,
+    click.option("--compare/--no-compare", default=True, show_default=True,
+                 help="With the exact solution of these bodies: where the edge is between nodes, and the shape."),
+    click.option("--sort", is_flag=True, help="Order the rows by displacement first."),
+)  # fmt: skip
+
+
+@verb("table", "import")
+@into_file("Series file [default: <table>.h5 here].")
+@click.option("--case", type=click.Path(path_type=Path), help="Case with indenter and specimen; it needs no loading.")
+@body_options
+@reading_options
+@output_options(force=ONE_FILE, json="Print the summary as JSON.")
+def import_(table: Path, case: Path | None, flags: Flags, reading: SeriesReading, output: Output) -> None:
+    """Read the contact radius (or area), displacement and load that another program computed from the text TABLE.
+
+    Columns are known by their names (a, contact radius, CAREA, delta, U2, P, RF2, CFN2, ...) and units in the header,
+    "P (mN)" or "P_mN"; say what the header does not. The keys are a, area, delta, P. CalculiX prints the force on its
+    wedge of 2 degrees of an axisymmetric body: --factor P=180.
+
+    \b
+    jkr import abaqus.rpt --case my.toml --unit delta=um --unit P=mN
+    jkr import table.csv -o data.h5 --radius "1 mm" --E "15 kPa" --nu 0.5
+    jkr import run.csv --case my.toml --column P=RF2 --column a=4 --factor P=180
+    """
+    target = output.file(Path(f"{table.stem}.h5"), [table, *([case] if case else [])], check_series_target)
+    body = _case(case, flags)
+    begin_reading("import", [table])
+    solution = read_series(table, body.model.problem(), reading)
+    # The case with the loading that the table went through.
+    went = solution.problem.loading
+    loading = LoadingTable.model_validate({went.to: went.maximum, "points": went.points, "spacing": went.spacing})
+    model: CaseModel = body.model.model_copy(update={"loading": loading})
+    loaded = Case(model, body.source)
+    solution = replace(solution, record=record_of(loaded))
+    write_solution(target, solution, command_line())
+    give(Imported(target, solution, table), output.json)
+
+
+def _case(path: Path | None, body: Flags) -> Case:
+    """The case of a file that may lack a loading, or one made of the flags of indenter and specimen."""
+    names = named_flags(body)
+    if path is None:
+        return case_of("import", body, "--case", loading={"depth": 1.0})
+    if names:
+        raise InputError(f"import: {names.split(', ')[0]} belongs to an import without --case; {path} says it already")
+    content = read_bytes(path, "case file")
+    with contextlib.suppress(ValueError):  # what is no TOML is reported by parse_case
+        if "loading" not in tomllib.loads(content.decode("utf-8")):
+            return parse_case(content + SOME_LOADING, str(path), path.parent)
+    return load_case(path)
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr mesh``: the finite-element mesh of a case, for other programs and for the eye.
+
+# What tells jkr that it wrote a file, where the format keeps comments.
+MARKS = {".msh": f"$Comments\njkr {__version__}\n$EndComments\n", ".vtu": f"\n<!-- jkr {__version__} -->\n"}
+
+
+@verb("case")
+@into_folder("Folder.", default=".", show_default=True)
+@limits_options
+@output_options(json="Print the summary as JSON.")
+def mesh(case: Path, limits: Limits, output: Output) -> None:
+    """Mesh CASE as method fem would and write <stem>-mesh.msh (gmsh), .vtu (ParaView) and .png.
+
+    \b
+    jkr mesh cases/halfspace.toml
+    """
+    model = load_case(case).model
+    problem = model.problem()
+    targets = output.files(output.folder(Path()) / f"{case.stem}-mesh", (*MARKS, ".png"), [case])
+    method = fem_of(model)
+    begin("method fem on this mesh", method.forecast(problem), limits)
+    result = Meshed(case, method.mesh(problem), method.reach(problem))
+    with together():
+        for ending, write in ((".msh", write_msh), (".vtu", write_vtu)):
+            with atomic(targets[ending]) as temporary:
+                write(result.mesh, temporary)
+                with temporary.open("a") as file:
+                    file.write(MARKS[ending])
+        targets.write(figure=result.figure())
+    give(result, output.json, f"  written   {targets}")

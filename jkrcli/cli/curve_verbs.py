@@ -1,0 +1,454 @@
+"""``jkr transform``: series files to adhesive curves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import cast
+
+import click
+
+from ..adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, RangeRequest, Rest
+from ..base import InputError, atomic, together, write_text
+from ..bodies import relaxing
+from ..case import Case
+from ..data import Reading, measured
+from ..methods import Limits
+from ..report import (
+    COMPONENTS,
+    PICTURES,
+    Fields,
+    Files,
+    MeasuredByHistory,
+    MeasuredPullOff,
+    Output,
+    Profile,
+    PullOff,
+    Result,
+    Results,
+    Transformed,
+    as_result,
+    figure_of,
+)
+from ..report import tables as scaling
+from ..report.explorer import Explored, page, payload, start_work
+from ..resolve import (
+    analyse,
+    checked_histories,
+    effect_on,
+    lost_by_history,
+    profile_columns,
+    radius_under,
+    rest_of,
+    seconds_of_histories,
+    seconds_of_page,
+    sticking_warnings,
+    where_lost,
+)
+from ..series import Solution
+from .case_verbs import MARKS
+from .inputs import (
+    Flags,
+    begin_curves,
+    begin_reading,
+    body_and_work,
+    body_options,
+    by_flags,
+    case_of,
+    read_files,
+    read_series,
+    reading_options,
+    series_file,
+    warn_of_constant_moduli,
+    without_range,
+    works_of,
+)
+from .options import (
+    CONTROL,
+    LENGTH,
+    LOAD,
+    NAMED,
+    ONE_FILE,
+    SCALE,
+    WORK,
+    CurveOptions,
+    RangeOptions,
+    State,
+    curve_options,
+    into_file,
+    into_folder,
+    json_option,
+    limits_options,
+    output_options,
+    range_options,
+    slopes_option,
+    state_options,
+)
+from .output import answer, give, present, warn
+from .verb import verb
+
+
+@verb("files...")
+@click.option("--w", "works", multiple=True, type=WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
+@curve_options
+@into_folder()
+@click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]), help="Also in units of Eq. 15, 19.")
+@click.option("--scale", "own", multiple=True, type=SCALE,
+              help='Own units, one a --scale: a="1 um", delta=..., P=..., all three.')  # fmt: skip
+@click.option("--together", is_flag=True, help="One picture of all w, <stem>-all-w.png and .svg, instead of one each.")
+@limits_options
+@output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
+def transform(
+    files: tuple[Path, ...], works: tuple[float, ...], how: CurveOptions, dimensionless: str | None,
+    own: tuple[tuple[str, float], ...], together: bool, limits: Limits, output: Output,
+) -> None:  # fmt: skip
+    """Apply the explicit JKR transformation (Eq. 13) to each FILE, a case or a series, for each work of adhesion.
+
+    With --stress or --range adhesion of finite range is solved for in its place (a constant tension up to a separation,
+    Maugis 1992), on any body but those of finite elements. Writes <stem>-w<J/m^2>.csv, .json, .png and .svg;
+    -stress<Pa>, -range<m> and -modulus<factor> are added to the name with these options.
+
+    \b
+    jkr transform data.h5 --w "50 mJ/m^2"
+    jkr transform gel.h5 --w "35 mJ/m^2" --w "40 mJ/m^2" --together -o results
+    """
+    if own and dimensionless:
+        raise InputError("transform: give either --dimensionless or --scale, got both")
+    if together and dimensionless:
+        raise InputError("transform: --together needs one unit for all w: give --scale instead of --dimensionless")
+    users = scaling.own_scales(dict(own)) if own else None
+    files, solutions = read_files("transform", files)
+    wanted = [works or works_of(solution) for solution in solutions]
+    ranges = list(map(how.of, solutions))
+    figures = output.plots and not together
+    begin_curves("transform", solutions, wanted, limits, ranges, tables=True, figures=figures)
+    targets, pictures = _files(files, wanted, ranges, how.modulus_factor, together, output)
+    summaries, lines, warnings = [], list[list[str]](), list[str]()
+    for solution, works, ranged, places, picture in zip(solutions, wanted, ranges, targets, pictures, strict=True):
+        effect = effect_on(solution.scaled(how.modulus_factor), works)
+        results = list[Transformed]()
+        for curve, target in zip(analyse(solution, works, how.slopes, how.modulus_factor, ranged), places, strict=True):
+            scales = scaling.scales_of(curve.problem, curve.w, dimensionless) if dimensionless else users
+            results.append(as_result(Transformed, curve, scales=scales, effect=effect))
+            summaries.append(results[-1].summary())
+            target.write(results[-1].columns, summaries[-1], results[-1].figure() if figures else None)
+        if picture is not None:
+            picture.write(figure=figure_of(results))
+        lines += [result.words() for result in results]
+        warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
+        warnings += [f"{result.path}: {text}" for result in results for text in result.warnings if not output.json]
+    if output.json:
+        answer({"results": summaries})
+    else:
+        written = [str(target) for places in targets for target in places]
+        more = f" and {len(written) - 1:,} more like it" if len(written) > 1 else ""
+        all_w = ", ".join(str(picture) for picture in pictures if picture is not None)
+        present(*lines, last=f"  written {written[0]}{more}{all_w and f', all in one picture: {all_w}'}")
+    for text in warnings:
+        warn(text)
+
+
+def _files(
+    files: tuple[Path, ...], wanted: list[tuple[float, ...]], ranges: list[RangeRequest], modulus_factor: float,
+    together: bool, output: Output,
+) -> tuple[list[list[Files]], list[Files | None]]:  # fmt: skip
+    """For each file what is written of each work of adhesion, and the picture of all of them, if there is to be one;
+    InputError before anything is solved, where it cannot be."""
+    factor = "" if modulus_factor == 1 else f"-modulus{modulus_factor:g}"
+    places = [
+        (output.beside(path), works, f"{ranged.suffix}{factor}")
+        for path, works, ranged in zip(files, wanted, ranges, strict=True)
+    ]
+    stems = [begin.with_name(f"{begin.name}-w{w:g}{end}") for begin, works, end in places for w in works]
+    endings = (".csv", ".json") if together else (".csv", ".json", *PICTURES)
+    each = iter(output.each(stems, endings, files, " and w once"))
+    pictures: list[Files | None] = [
+        output.files(begin.with_name(f"{begin.name}-all-w{end}"), PICTURES, files)
+        if together and output.plots else None for begin, _, end in places
+    ]  # fmt: skip
+    return [[next(each) for _ in works] for works in wanted], pictures
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr pull-off``: where contact is lost, under every control; and the work of adhesion behind a measured pull-off.
+
+SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of a measured force; choice: for forecasts
+
+
+@verb("[files...]", "pull-off")
+@body_options
+@click.option("--w", "works", multiple=True, type=WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
+@click.option("--stiffness", "stiffnesses", multiple=True, type=CONTROL,
+              help='Of the machine or cantilever, "0.2 N/m"; also "load" and "rigid" [default: these two].'
+)  # fmt: skip
+@click.option("--load", "force", type=LOAD, help='A measured pull-off force, "12 uN": which w does it mean?')
+@click.option("--uncertain", multiple=True, type=NAMED,
+              help="With --load: standard deviation of load, R, E, h, nu or E:LAYER, such as load=5%, h=1um."
+)  # fmt: skip
+@click.option("--rest-load", type=LOAD, help="Viscoelastic specimens: at rest under this load, then pulled at once "
+              "[default: at rest at P = 0].")  # fmt: skip
+@click.option("--rest-depth", type=LENGTH, help="The same at this displacement delta.")
+@curve_options
+@limits_options
+@json_option
+def pull_off(
+    files: tuple[Path, ...], works: tuple[float, ...], stiffnesses: tuple[float, ...], force: float | None,
+    uncertain: tuple[tuple[str, str], ...], rest_load: float | None, rest_depth: float | None, how: CurveOptions,
+    limits: Limits, flags: Flags, as_json: bool,
+) -> None:  # fmt: skip
+    """Say where contact is lost in each FILE, a case or a series, or on the body by flags (--radius, --E, --nu,
+    --thickness ...): under load control, displacement control, devices of a stiffness.
+
+    For each work of adhesion and control: pull-off, jump-in at first touch, every other critical point, energy lost
+    per approach-retract cycle and work of separation. With --load the other way round: the work of adhesion that a
+    measured pull-off force means on this body (under load control, or of each --stiffness). A viscoelastic specimen has
+    several: very fast and very slow cycles, at rest and then pulled at once, and the most after any other history.
+
+    \b
+    jkr pull-off my.toml --w "50 mJ/m^2" --stiffness "10 N/m"
+    jkr pull-off --radius "5 um" --E "1 MPa" --nu 0.5 --thickness "8 um" \\
+            --w "50 mJ/m^2"
+    jkr pull-off gel.h5 --load "1.2 mN" --uncertain load=3% --uncertain R=1%
+    """
+    if force is not None and works:
+        raise InputError("pull-off: give either --w or --load, not both")
+    if uncertain and force is None:
+        raise InputError("pull-off: --uncertain says how well a measured force and its body are known: give --load too")
+    if force is not None and (how.stress, how.length) != (None, None):
+        raise InputError("pull-off: --load asks for the w of JKR: give neither --stress nor --range with it")
+    if force == 0:
+        raise InputError("pull-off: --load must not be 0; give the measured pull-off force")
+    rest = rest_of(rest_load, rest_depth)
+    if by_flags("pull-off", flags, files):
+        solutions = [_by_flags(flags, works, force, stiffnesses, how)]
+    elif files:
+        _, solutions = read_files("pull-off", files)
+    else:
+        raise InputError("pull-off: give FILES, a case or a series, or the body by flags: --radius, --E, --nu")
+    if force is not None:
+        give(_means(solutions, abs(force), stiffnesses, uncertain, rest, how, limits), as_json)
+        return
+    for solution in solutions:
+        checked_histories(solution, rest)
+    ranges = list(map(how.of, solutions))
+    wanted = [works or works_of(solution) for solution in solutions]
+    histories = sum(seconds_of_histories(*each, len(stiffnesses)) for each in zip(solutions, wanted, strict=True))
+    begin_curves("pull-off", solutions, wanted, limits, ranges, devices=len(stiffnesses), beside=histories)
+    curves = [one for solution, some, ranged in zip(solutions, wanted, ranges, strict=True)
+             for one in where_lost(solution, some, stiffnesses, how.slopes, how.modulus_factor, ranged)]  # fmt: skip
+    controls = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)
+    results = [PullOff(*one, lost_by_history(one[0], controls, rest, how.slopes)) for one in curves]
+    give(Results(results, list(dict.fromkeys(text for one in results for text in one.warnings))), as_json)
+
+
+def _means(
+    solutions: Sequence[Solution], force: float, stiffnesses: Sequence[float], uncertain: Sequence[tuple[str, str]],
+    rest: Rest | None, how: CurveOptions, limits: Limits,
+) -> Results:  # fmt: skip
+    """The work of adhesion that a measured ``force`` [N] means on each body under each control."""
+    from ..fitting.pull_off_work import measured_work, seconds_of_inputs, works_by_history
+
+    controls, names = stiffnesses or (LOAD_CONTROL,), [name for name, _ in uncertain]
+    for solution in solutions:
+        without_range(solution.record, "pull-off: --load")
+    seconds = len(controls) * sum(seconds_of_inputs(solution, names) for solution in solutions)
+    tried = [SEARCHED * len(controls) * (1 + 2 * len(names))] * len(solutions)
+    begin_curves("pull-off --load", solutions, tried, limits, beside=seconds)
+    results, warnings = list[Result](), list[str]()
+    for solution in solutions:
+        settings = how.slopes, how.modulus_factor, uncertain
+        by_history = [works_by_history(solution, force, one, rest, *settings) for one in controls]
+        if all(isinstance(one, list) for one in by_history):
+            for k, found in zip(controls, by_history, strict=True):
+                assert isinstance(found, list)
+                results.append(MeasuredByHistory.of(solution, force, k, found, how.slopes, how.modulus_factor))
+            continue
+        warnings += [f"{solution.record.path}: {text}" for text in relaxing(solution.problem.specimen.relaxation)]
+        means = [measured_work(solution, force, one, *settings) for one in controls]
+        effect = effect_on(solution, [means[0].work.w])
+        warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
+        measured = [MeasuredPullOff(one) for one in means]
+        warnings += dict.fromkeys(text for one in measured for text in one.warnings)
+        results += measured
+    return Results(results, warnings)
+
+
+def _by_flags(
+    flags: Flags, works: Sequence[float], force: float | None, stiffnesses: Sequence[float], how: CurveOptions
+) -> Solution:  # fmt: skip
+    """The body by flags, solved as far as the question needs; no file is written."""
+    from ..resolve.pull_off_range import solved_for, solved_for_force
+
+    problem = case_of("pull-off", flags, "a case or series file", loading={"radius": 1.0}).model.problem()
+    if force is not None:
+        solution = solved_for_force(problem, abs(force), stiffnesses, how.slopes, how.modulus_factor)
+    elif works and not (w := max(works)) > 0:
+        raise InputError(f"pull-off: --w must be > 0 to ask where contact is lost, got {w:g} J/m^2")
+    elif works:
+        solution = solved_for(problem, works, how.slopes, how.modulus_factor)
+    else:
+        raise InputError("pull-off: give --w, or --load with a measured pull-off force")
+    called = f"{problem.indenter.words} on {problem.specimen.words}"
+    return replace(solution, record=replace(solution.record, path=Path(called)))
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr profile``: contact pressure and surface shape at one state.
+
+
+@verb("file")
+@state_options
+@range_options
+@limits_options
+@into_folder()
+@output_options(json="Print the summary as JSON.")
+def profile(file: Path, state: State, attraction: RangeOptions, limits: Limits, output: Output) -> None:
+    """Pressure p(r) inside and surface displacement and gap around the contact of FILE, a case or a series, at one
+    state.
+
+    The state is solved on the body of the file's case, whatever method wrote the series; the surface of a cylinder is
+    shown to half-way to its side. Without slip it is solved by finite elements, with a column for the shear. With
+    --stress or --range the surfaces attract each other around the contact.
+    Writes <stem>-profile.csv, .png and .svg.
+
+    \b
+    jkr profile data.h5 --a "5 um"
+    jkr profile data.h5 --load "-10 uN" --w "50 mJ/m^2"
+    """
+    state.refuse_wrong("profile")
+    output.folder(Path())
+    file, solution, w = body_and_work("profile", file, state.work, ranged=True)
+    ranged, radius = attraction.of(solution), state.radius
+    stem = output.folder(file.parent) / f"{file.stem}-profile{ranged.suffix}"
+    targets = output.files(stem, (".csv", *PICTURES), [file])
+    if radius is None:
+        assert state.load is not None
+        begin_curves("profile", [solution], [(w,)], limits, [ranged])
+        radius = radius_under(solution, state.load, w, ranged)
+    result = Profile(file, radius, w, profile_columns(solution, radius, w, ranged))
+    targets.write(result.columns, figure=result.figure())
+    give(result, output.json, f"  written {targets}")
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr fields``: displacement and stress in the body at one state.
+
+
+@verb("file")
+@state_options
+@click.option("--component", type=click.Choice(COMPONENTS), default="zz", show_default=True,
+              help="Stress in the picture; the .vtu holds all.")  # fmt: skip
+@into_folder()
+@output_options(plots="Write .vtu and .csv only.", json="Print the summary as JSON.")
+def fields(file: Path, state: State, component: str, output: Output) -> None:
+    """Displacement and stress in the body of FILE, a case or a series, at one state of adhesive contact, by finite
+    elements.
+
+    The field of the nonadhesive contact and of the flat punch of the same radius, superposed, on a mesh graded towards
+    the contact's edge, whatever method wrote the series. Writes <stem>-fields.vtu (ParaView), .csv (tractions on the
+    surface, every interface and the base, with their estimated error), .png and .svg.
+
+    \b
+    jkr fields data.h5 --a "5 um"
+    jkr fields coating.h5 --load "-10 uN" --w "40 mJ/m^2" --component rr
+    """
+    state.refuse_wrong("fields")
+    output.folder(Path())
+    file, solution, w = body_and_work("fields", file, state.work)
+    targets = output.files(output.folder(file.parent) / f"{file.stem}-fields", (".vtu", ".csv", *PICTURES), [file])
+    from ..case import fem_of
+
+    method = fem_of(cast(Case, solution.record.case).model)
+    result = Fields.of(analyse(solution, [w])[0], method, a=state.radius, load=state.load, component=component)
+    figure = targets.draw(result.figure)
+    with together():
+        with atomic(targets[".vtu"]) as temporary:
+            result.write_vtu(temporary, MARKS[".vtu"])
+        targets.write(result.columns, figure=figure)
+    give(result, output.json, f"  written      {targets}")
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr export``: an adhesive contact as the law of another program.
+
+
+@verb("file")
+@click.option("--dem", is_flag=True, help="For particle codes: a C header and a table of load and radius over overlap.")
+@click.option("--w", "work", type=WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s first].')
+@slopes_option
+@limits_options
+@into_folder()
+@output_options(json="Print the summary as JSON.")
+def export(file: Path, dem: bool, work: float | None, slopes: str, limits: Limits, output: Output) -> None:
+    """Write the adhesive contact of FILE, a case or a series, as a law that another program can use.
+
+    With --dem: force and contact radius over the overlap of two particles on the stable branch, the state after first
+    touch, and where contact is lost under displacement and under load control. Writes <stem>-dem.h (C99: table,
+    function, test vectors and a check that compiles alone) and <stem>-dem.csv; says what JKR of a half-space would do.
+
+    \b
+    jkr export coating.h5 --dem --w "50 mJ/m^2"
+    """
+    if not dem:
+        raise InputError("export: say for what: --dem, for particle codes (LAMMPS, LIGGGHTS, Lethe)")
+    output.folder(Path())
+    file, solution, w = body_and_work("export", file, work)
+    if w == 0:
+        raise InputError(f"{file}: a contact without adhesion needs no table of what holds it: give --w")
+    targets = output.files(output.folder(file.parent) / f"{file.stem}-dem", (".h", ".csv"), [file])
+    begin_curves("export", [solution], [(w,)], limits)
+    from ..report import Exported
+
+    law = Exported.of(analyse(solution, [w], slopes)[0])
+    with together():
+        write_text(targets[".h"], law.header)
+        targets.write(law.columns)
+    give(law, output.json, f"  written    {targets}")
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr explore``: one page with sliders.
+
+
+@verb("file [data...]")
+@into_file("The page [default: <file>-explore.html].")
+@click.option("--w", "work", type=WORK, help="To begin with [default: the case's first].")
+@slopes_option
+@reading_options
+@limits_options
+@output_options(force=ONE_FILE, json="Print what was written as JSON.")
+def explore(
+    file: Path, data: tuple[Path, ...], work: float | None, slopes: str, reading: Reading, limits: Limits,
+    output: Output,
+) -> None:  # fmt: skip
+    """Make one self-contained page with sliders from FILE, a case or a series, with measured DATA (CSV) drawn over the
+    curve.
+
+    It works from disk without a network: sliders and number fields for the work of adhesion, a factor to all moduli,
+    the machine's stiffness and the data's zero point; stable and unstable branches, pull-off, the commands that give
+    the same numbers, a button that saves the curve as CSV.
+
+    \b
+    jkr explore data.h5
+    jkr explore gel.h5 measured.csv -o gel.html
+    """
+    if work == 0:
+        raise InputError("explore: --w must be > 0 J/m^2 to begin with, got 0")
+    if output.where is not None:
+        output.file(output.where, [file, *data])
+    file = series_file(file)
+    target = output.file(file.parent / f"{file.stem}-explore.html", [file, *data])
+    solution = read_series(file)
+    warn_of_constant_moduli(solution)
+    without_range(solution.record, "explore")
+    begin_reading("explore", data, limits)
+    curves = [curve for path in data for curve in measured.read(path, reading)]
+    works = (work,) if work is not None else tuple(w for w in solution.record.w if w > 0)[:1]
+    begin_curves("explore", [solution], [works or (1.0,)], limits, beside=seconds_of_page(solution))
+    result = analyse(solution, works or (1.0,), slopes)[0]
+    if not works:
+        result = analyse(solution, (start_work(result.jkr.nonadhesive),), slopes)[0]
+    text = page(payload(result, curves, slopes))
+    write_text(target, text)
+    give(Explored(file, target, result.w, len(result.curve.series), len(curves), sum(map(len, curves))), output.json)

@@ -1,0 +1,387 @@
+"""A body by flags instead of a case file: indenter, and a half-space or one layer; the body of a fit by either."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import click
+
+from .. import __version__, bodies, case
+from .. import fitting as fits
+from ..adhesion import RangeRequest
+from ..base import InputError, check_series_target, doubtful_modulus, writable
+from ..bodies import relaxing
+from ..case import NO_DIGEST, Case, load_case, other_tables, read_solution, record_of, write_solution
+from ..data import SEPARATORS, Reading
+from ..data.text_formats import NAMES
+from ..methods import Forecast, Limits
+from ..series import Record, Solution
+from . import options
+from .options import begin
+from .output import announce, command_line, note, warn
+from .verb import as_one
+from .verb import flag as option
+
+SHALLOW = 0.2  # choice: of the tip radius, to which a body is solved first; the data may ask for more
+Flags: TypeAlias = Mapping[str, str | None]  # by their names; None: not given
+FLAGS = ("shape", "radius", "half_angle", "cap", "modulus", "nu", "thickness", "base")
+SHAPES = {  # by flags, and which of them each needs
+    **dict.fromkeys(("sphere", "paraboloid"), ("radius",)),
+    "rounded-cone": ("radius", "half_angle"),
+    **dict.fromkeys(("cone", "pyramid", "three-sided-pyramid"), ("half_angle",)),
+}
+CHOICES = {"cap": ("rounded-cone",)}  # flags with a default, and of what
+FLAG_OF = {"E" if name == "modulus" else name: name for name in FLAGS[1:]}  # by the last part of a case's key
+KEYS = re.compile(rf"\b(?:indenter|specimen)(?:\.half_space|\.layers\[0\])?\.({'|'.join(FLAG_OF)})\b")
+OPTIONS = (
+    click.option("--shape", type=click.Choice(list(SHAPES)), metavar="SHAPE",
+                 help=f"{', '.join(SHAPES)} [default: sphere]."),
+    click.option("--radius", help='Its radius, "100 um".'),
+    click.option("--half-angle", help='Of a cone, of a pyramid to a face: "35 deg".'),
+    click.option("--cap", help="Rounded cone: parabola [default: sphere]."),
+    click.option("--E", "modulus", help='Young\'s modulus of the specimen, "5 GPa".'),
+    click.option("--nu", help="Its Poisson's ratio."),
+    click.option("--thickness", help="A layer of this thickness [default: a half-space]."),
+    click.option("--base", help="Under the layer: bonded or frictionless [default: bonded]."),
+)  # fmt: skip
+
+
+body_options = as_one("flags", dict, *OPTIONS)
+tip_options = as_one("flags", dict, *OPTIONS[:4])
+
+
+def flag(name: str) -> str:
+    """What a flag is called on the command line."""
+    return "--E" if name == "modulus" else option(name)
+
+
+def named_flags(body: Flags) -> str:
+    """The flags that were given, for messages."""
+    return ", ".join(flag(name) for name in FLAGS if body.get(name) is not None)
+
+
+def by_flags(verb: str, body: Flags, files: Sequence[Path]) -> bool:
+    """Whether the body is given by flags; InputError where it is also given by ``files``."""
+    named = named_flags(body)
+    if named and files:
+        names = ", ".join(map(str, files))
+        raise InputError(f"{verb}: give a body file or the body by flags, not both: {names} and {named}")
+    return bool(named)
+
+
+def case_of(verb: str, body: Flags, instead: str, modulus: str | None = None, **keys: Any) -> case.Case:
+    """The case of a body by flags, with more ``keys`` of its own, "loading" among them; the rest as of ``tables_of``.
+    InputError names flags, not the keys that they stand for."""
+    import tomli_w
+
+    content = tomli_w.dumps(tables_of(verb, body, instead, modulus) | keys).encode()
+    try:
+        return case.parse_case(content, verb)
+    except InputError as error:
+        raise InputError([KEYS.sub(lambda key: flag(FLAG_OF[key[1]]), line, count=1) for line in error.lines]) from None
+
+
+def tip_of(verb: str, flags: Flags) -> bodies.Indenter | None:
+    """The tip of the ``tip_options``; None where none is given."""
+    if not any(flags.values()):
+        return None
+    body = dict.fromkeys(FLAGS) | dict(flags) | {"modulus": "1 MPa", "nu": "0.5"}  # any: the tip is rigid
+    return case_of(verb, body, "", loading={"radius": 1.0}).model.problem().indenter
+
+
+def tables_of(verb: str, body: Flags, instead: str, modulus: str | None) -> dict[str, Any]:
+    """Indenter and specimen of a case from flags; InputError names missing flags, and what may be given ``instead``.
+
+    ``modulus``: the specimen's where there is no flag for it; None: the flag is required.
+    """
+    values = {**body, "modulus": body["modulus"] or modulus}
+    texts = {name: None if value is None else writable(value) for name, value in values.items()}
+    shape = texts["shape"] or "sphere"
+    sizes = SHAPES[shape]
+    choices = [name for name, shapes in CHOICES.items() if shape in shapes and texts[name] is not None]
+    optional = [name for name in ("radius", "half_angle", *CHOICES) if texts[name] is not None]
+    if unused := [flag(name) for name in optional if name not in (*sizes, *choices)]:
+        raise InputError(f"{verb}: a {shape} has no {unused[0]}: leave it out, or give another --shape")
+    missing = [flag(name) for name in (*sizes, "modulus", "nu") if texts[name] is None]
+    if missing:
+        either = f"needs {instead}, or the body by flags: " if instead else ""
+        raise InputError(f"{verb}: {either}{', '.join(missing)} missing")
+    if texts["base"] is not None and texts["thickness"] is None:
+        raise InputError(f"{verb}: --base needs --thickness: a half-space has no base")
+    entries = {name: number_or_text(text) for name, text in texts.items()}
+    for name in ("radius", "thickness"):
+        size = entries[name]
+        if isinstance(size, float) and size >= 0.1:  # choice: [m], larger than what is pressed
+            warn(f"{flag(name)} {texts[name]} without a unit is {size:g} m: give its unit, {flag(name)} "
+                 f'"{texts[name]} um"')  # fmt: skip
+    E = entries["modulus"]
+    if isinstance(E, float) and E > 0 and (doubt := doubtful_modulus(E)):
+        warn(f"--E: {doubt}")
+    material = {"E": E, "nu": entries["nu"]}
+    specimen: dict[str, Any] = {"half_space": material}
+    if entries["thickness"] is not None:
+        layer = material | {"thickness": entries["thickness"]}
+        specimen = {"base": texts["base"] or "bonded", "layers": [layer]}
+    indenter = {"shape": shape} | {name: entries[name] for name in (*sizes, *choices)}
+    return {"indenter": indenter, "specimen": specimen}
+
+
+def number_or_text(text: str | None) -> float | str | None:
+    """A bare number as one, so that it is SI; else the text, for the case reader to judge."""
+    with contextlib.suppress(ValueError, TypeError):
+        return float(text)  # type: ignore[arg-type]
+    return text
+
+
+def body_and_measured(
+    body_file: Path, measured: tuple[Path, ...], flags: Flags
+) -> tuple[Path | Flags, tuple[Path, ...]]:
+    """What describes the body, a file or the flags, and the measured files: by flags every file is one."""
+    by_case = not by_flags("fit", flags, [body_file] if _is_body(body_file) else [])
+    if by_case and not measured:
+        raise InputError("fit: give MEASURED files behind BODY, or the body by flags: --radius, --nu")
+    return (body_file, measured) if by_case else (flags, (body_file, *measured))
+
+
+def _is_body(path: Path) -> bool:
+    """Whether the file is a case, or a series and no measured one."""
+    if path.suffix != ".h5" or not path.is_file():
+        return path.suffix == ".toml"
+    from ..base import format_of
+    from ..case import SERIES
+
+    return format_of(path) == SERIES
+
+
+def fitted_body(source: Path | Flags, slopes: str, limits: Limits) -> fits.FittedBody:
+    """The body of a file, or of flags: there a modulus that is not told is 1 MPa, which no result depends on."""
+
+    if isinstance(source, Path):
+        return fits.body_of(source if source.suffix == ".toml" else read_series(source), slopes, limits)
+    of_flags = partial(case_of, "fit", source, "a case or series file", "1 MPa")
+    radius = of_flags(loading={"radius": 1.0}).model.problem().indenter.tip_radius
+    method = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
+    radius = radius or 5e-6  # choice: [m], of a tip that has none
+    shallow = of_flags(loading={"radius": SHALLOW * radius}, method=method)
+    return replace(fits.body_of(shallow, slopes, limits), moduli_known=source["modulus"] is not None)
+
+
+# --------------------------------------------------------------------------------------------------
+# Series files as the verbs read them, and how far they go, in words.
+
+PER_FILE = 0.012  # CPU seconds to read a series; tuned on 300 files, by `make guards`
+IMPORTED = "jkr import"  # how the command line of a series begins that no case gives again
+
+
+def series_file(path: Path) -> Path:
+    """The series file meant by ``path``: itself, or for a case what ``jkr run`` makes of it, ``<case>.h5`` here.
+
+    That is solved now unless it is there already, and says so; a file that jkr did not write is left alone, and so is
+    an imported series of another case.
+    """
+    if path.suffix != ".toml":
+        return path
+    case, target = load_case(path), Path(f"{path.stem}.h5")
+    check_series_target(target, False, [path])
+    existing = _solved(target, case)
+    if existing is not None:
+        note(f"{path}: {target} holds its series already (method {existing.method})")
+        if _adhesion(existing.record) != _adhesion(record_of(case)):
+            write_solution(target, replace(existing, record=record_of(case)), existing.record.command_line)
+        return target
+    from ..case import solve
+
+    choice, solution = solve(case, announce=note)
+    write_solution(target, solution, command_line())
+    note(f"{path}: solved by method {choice.name}, written {target}")
+    for remark in case.remarks:
+        warn(remark)
+    return target
+
+
+def _adhesion(record: Record) -> tuple[object, ...]:
+    return record.w, record.z0, record.stress, record.length
+
+
+def _solved(target: Path, case: Case) -> Solution | None:
+    """What ``target`` holds where that is a series of the same body, loading and method by this release."""
+    try:
+        solution = read_solution(target, with_pressure=True) if target.exists() else None
+    except InputError:
+        return None
+    if solution is None or not isinstance(solution.record.case, Case):
+        return None
+    apart = {"title", "adhesion"} | other_tables(solution.method)
+    there, wanted = (one.model.model_dump(exclude=apart) for one in (solution.record.case, case))
+    if there == wanted and solution.record.versions.get("jkr") == __version__:
+        return solution
+    if solution.record.command_line.startswith(IMPORTED):
+        raise InputError(f"{target}: is an imported series of another case: name it itself, or move it away")
+    return None
+
+
+def read_files(verb: str, paths: Sequence[Path]) -> tuple[tuple[Path, ...], list[Solution]]:
+    """The series files that are meant by ``paths``, and what they hold; said beforehand where they are many."""
+    announce_files(verb, paths)
+    files = tuple(map(series_file, paths))
+    return files, [read_series(path) for path in files]
+
+
+def announce_files(verb: str, paths: Sequence[Path]) -> None:
+    """Say what it takes a ``verb`` to read series files, where that is much."""
+    announce(f"{verb} of {len(paths):,} files", PER_FILE * len(paths))
+
+
+def read_series(path: Path) -> Solution:
+    """What the series file at ``path`` holds; a file that damage could have changed unnoticed is warned of."""
+    solution = read_solution(path)
+    if NO_DIGEST in solution.warnings:
+        warn(f"{path}: {NO_DIGEST}")
+    return solution
+
+
+def warn_of_constant_moduli(*solutions: Solution) -> None:
+    """Say of each specimen that relaxes what the numbers of a verb mean that does not follow its moduli over time."""
+    for solution in solutions:
+        for text in relaxing(solution.problem.specimen.relaxation):
+            warn(f"{solution.record.path}: {text}")
+
+
+def works_of(solution: Solution, option: str = "--w") -> tuple[float, ...]:
+    """The works of adhesion [J/m^2] that the case names; InputError, with the ``option`` that helps, where none."""
+    if not solution.record.w:
+        raise InputError(f"{solution.record.path}: its case names no work of adhesion: give {option}")
+    return solution.record.w
+
+
+def body_and_work(verb: str, path: Path, work: float | None, ranged: bool = False) -> tuple[Path, Solution, float]:
+    """The series file that is meant by ``path``, what it holds, and the ``work`` of adhesion [J/m^2] or the first that
+    its case names, 0, with a note, where it names none; Refusal by a ``verb`` that is not ``ranged``, see
+    ``without_range``."""
+    file = series_file(path)
+    solution = read_series(file)
+    warn_of_constant_moduli(solution)
+    if not ranged:
+        without_range(solution.record, verb)
+    if work is None and not solution.record.w:
+        note(f"{solution.record.path}: its case names no work of adhesion: the contact without adhesion, or give --w")
+    return file, solution, (*solution.record.w, 0.0)[0] if work is None else work
+
+
+def without_range(record: Record, verb: str) -> None:
+    """Refusal by a ``verb`` that has no adhesion of finite range, where the case of ``record`` asks for it."""
+    if record.stress is not None or record.length is not None:
+        raise InputError(
+            f"{verb}: has no adhesion of finite range, which the case of {record.path} asks for: leave "
+            "adhesion.range, stress and capillary out"
+        )
+
+
+def begin_curves(
+    verb: str, solutions: Sequence[Solution], works: Sequence[Sequence[float]], limits: Limits,
+    ranges: Sequence[RangeRequest] = (), tables: bool = False, figures: bool = False, devices: int = 0,
+    beside: float = 0.0,
+) -> None:  # fmt: skip
+    """Say what the curves of a ``verb`` will cost together, with the ``ranges`` of adhesion of each solution (default:
+    none), read off for so many ``devices``, and what takes so many CPU seconds ``beside``, where that is much; Refusal
+    beyond the ``limits``."""
+    from ..resolve import forecast
+
+    ranges = ranges or [RangeRequest()] * len(solutions)
+    costs = [forecast(*each, tables, figures, devices) for each in zip(solutions, works, ranges, strict=True)]
+    total = Forecast(beside + sum(cost.seconds for cost in costs), max(cost.memory_mib for cost in costs), 0.0)
+    rows = sum(solution.increments.a.size for solution in solutions)
+    under = f" under {devices:,} controls" if devices else ""
+    what = f"{verb} of {rows:,} rows for {sum(map(len, works)):,} works of adhesion{under}"
+    less = f"fewer rows, files{', controls' if devices else ''} or works of adhesion, or leave out the plots"
+    begin(what, total, limits, less)
+
+
+# --------------------------------------------------------------------------------------------------
+# The options by which verbs read measured curves: one set for all of them.
+
+
+@dataclass(frozen=True)
+class TableTuning:
+    """What tables cost, and what verbs do with their rows."""
+
+    per_row: float = 3e-6  # CPU seconds to read; tuned on tables of 1e5 and 1e6 rows, by `make guards`
+    mib_per_row: float = 7e-4  # of memory; tuned on the same, by `make guards`
+    cycle_per_row: float = 0.012  # CPU seconds of `jkr cycle --program`; tuned on 100 and 1,000 rows, by `make guards`
+    cycle_mib_per_row: float = 0.05  # of memory; tuned on the same, by `make guards`
+    cycle_per_point: float = 1.2e-5  # CPU seconds of what is written for each; tuned on the same, by `make guards`
+    fit_per_row: float = 5e-5  # CPU seconds to fit; tuned on the same, by `make guards`
+    work_per_row: float = 8e-6  # CPU seconds of `jkr work`; tuned on the same, by `make guards`
+    refit: float = 6e-3  # CPU seconds of a fit from near its end; tuned on 200 rows, by `make guards`
+    refit_per_row: float = 5e-6  # and per row; tuned on 1e4 rows, by `make guards`
+    profiled: int = 150  # fits of a profile; tuned on 200 and 1,000 rows, by `make guards`
+    carried: int = 6  # fits of an uncertain input; theory: two, of three times as many steps each
+    fit_per_curve: float = 0.05  # CPU seconds; choice: of 2,000 rows, for the number of processes
+
+
+TUNING = TableTuning()
+MEASURED_KEYS = tuple(NAMES.quantities)
+
+
+SEPARATED = (
+    click.option("--separator", type=click.Choice(list(SEPARATORS)), help="Between the columns [default: found out]."),
+    click.option("--decimal", type=click.Choice([".", ","]), help="Decimal mark [default: found out]."),
+)
+
+
+def reading_of(values: dict[str, Any]) -> dict[str, Any]:
+    """The values of the options of a reading, KEY=VALUE of several as one mapping."""
+    pairs = {"columns", "units", "factors", "zero", "where"} & set(values)
+    return values | {name: dict(values[name]) for name in pairs}
+
+
+reading_options = as_one(
+    "reading",
+    lambda flip, **values: Reading(flip=frozenset(flip), **reading_of(values)),
+    click.option("--column", "columns", multiple=True, type=options.KeyValueType(MEASURED_KEYS),
+                 help=f"Column name or number where the header does not tell; keys {', '.join(MEASURED_KEYS)}."),
+    click.option("--unit", "units", multiple=True, type=options.ColumnUnitType(),
+                 help=f"Unit, whatever the header says, P=nN; keys {', '.join(NAMES.numbers)}, or the name or number "
+                 "of a column, deflection=nm."),
+    click.option("--factor", "factors", multiple=True, type=options.KeyNumberType(NAMES.numbers),
+                 help="Factor of a quantity, on top of its unit and sign, P=1000."),
+    click.option("--flip", multiple=True, type=click.Choice(["delta", "P"]),
+                 help="Turn the sign of the file, whatever its header says: of loads that count adhesion positive."),
+    click.option("--zero", multiple=True, type=options.ScaleType(("delta", "P")),
+                 help='Reading at the zero point, subtracted after the flip: delta="1.2 um".'),
+    click.option("--contact", type=click.Choice(["auto", "fitted", "as-is", "estimate"]), default="auto",
+                 show_default=True, help="Zero points: fitted together with the rest (base line, tilt, contact point; "
+                 "auto: of raw records), as-is, or estimated before from the free part of the approach; of raw records "
+                 "the same as fitted."),
+    click.option("--stiffness", type=options.STIFFNESS,
+                 help='The displacement is that of a device (piezo) of this stiffness: P/stiffness is subtracted; it '
+                 'makes a force of a deflection. "rigid": nothing is to be subtracted.'),
+    click.option("--sensitivity", type=options.SENSITIVITY,
+                 help='Of a force microscope, "45 nm/V", where its file lacks it: makes a deflection of volts.'),
+    click.option("--format", type=click.Choice(["auto", "text", "afm"]), default="auto", show_default=True,
+                 help="auto: by content and ending; afm: .csv and .txt of microscopes (needs afmformats)."),
+    *SEPARATED,
+    click.option("--rows", type=options.ROWS, help="Only these rows of each curve, from 1: 100..900."),
+    click.option("--where", multiple=True, type=options.NAMED,
+                 help="Only rows of a segment, of a curve or of one content of a column: segment=retract."),
+)  # fmt: skip
+
+
+def begin_reading(
+    verb: str, paths: Sequence[Path], limits: Limits = options.ANY, less: str = "fewer rows", *, per_row: float = 0.0,
+    mib_per_row: float = 0.0, per_file: float = 0.0,
+) -> None:  # fmt: skip
+    """Say what it takes to read measured files, and to do what a ``verb`` does with each row and file [CPU s], where
+    that is much; Refusal beyond the ``limits``, with the advice to ask for ``less``."""
+    from ..data.afm_formats import rows_expected
+
+    rows = sum(map(rows_expected, paths))
+    seconds = (TUNING.per_row + per_row) * rows + per_file * len(paths)
+    cost = Forecast(seconds, (TUNING.mib_per_row + mib_per_row) * rows, 0.0)
+    options.begin(f"{verb} of about {float(f'{rows:.1g}'):,.0f} rows", cost, limits, less)

@@ -1,0 +1,120 @@
+"""``jkr look``: what measured files hold, before any body is thought of."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..base import InputError
+from ..data import Reading
+from ..report import PICTURES, Output, Results
+from .inputs import TUNING, Flags, begin_reading, reading_options, tip_of, tip_options
+from .options import SCALE, WORKERS, into_folder, modulus_factor_option, output_options, slopes_option
+from .output import answer, give, progress
+from .verb import verb
+
+
+@verb("files...")
+@tip_options
+@reading_options
+@into_folder()
+@output_options(plots="Draw nothing.", json="Print everything as JSON.")
+def look(files: tuple[Path, ...], flags: Flags, reading: Reading, output: Output) -> None:
+    """What measured FILES hold: the first thing to do with a force curve. No body is needed.
+
+    Says how columns and units were understood, and finds in every curve approach, pause and retraction, the base line
+    with its noise, tilt and waviness, where contact begins and ends, jumps, the largest load and the adhesion force;
+    and names what is wrong with a curve: no contact, a wavy base line, a detector at its limit. A file without
+    spring constant or sensitivity is read in arbitrary units, with a warning. A tip (--radius, --shape) gives a rough
+    E* and w by the formulas of a half-space. Draws <stem>-look.png and .svg. Exit code 2 where a file could not be
+    read, though the others are shown.
+
+    \b
+    jkr look curve.jpk-force --radius "5 um"
+    jkr look probe.csv --flip delta --unit P=nN
+    """
+    from ..report import Look
+
+    tip = tip_of("look", flags)
+    targets = output.each([output.beside(path, "-look") for path in files], PICTURES, files)
+    begin_reading("look", files)
+    results, pictures = [], list[str]()
+    for path, target in zip(files, targets, strict=True):
+        result = Look.at(path, reading, tip)
+        results.append(result)
+        if result.records and output.plots:
+            target.write(figure=result.figure())
+            pictures.append(str(target))
+    whole = Results(results, [line for result in results for line in result.warnings], "files")
+    if not any(result.records for result in results):
+        if output.json:
+            answer(whole.summary())
+        raise InputError(whole.warnings)
+    give(whole, output.json, f"  drawn in {', '.join(pictures)}" if pictures else "")
+    if not all(result.records for result in results):  # what could be read is shown, and a script still learns of it
+        click.get_current_context().exit(InputError.exit_code)
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr work``: the work of adhesion along measured curves.
+
+
+@verb("series measured...")
+@click.option("--use", type=click.Choice(["a,P", "a,delta", "delta,P"]),
+              help="What w follows from [default: the first of these that was measured].")  # fmt: skip
+@click.option("--segment", help='Rows of this segment only, "retract".')
+@click.option("--noise", multiple=True, type=SCALE, help='Standard deviation of a measured quantity, P="2 nN".')
+@click.option("--window", type=int, default=11, show_default=True, help="Rows for the speed da/dt: an odd number.")
+@modulus_factor_option
+@slopes_option
+@reading_options
+@into_folder()
+@click.option("--workers", type=WORKERS, default=1, show_default=True, help="Local processes.")
+@output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
+def work(
+    series: Path, measured: tuple[Path, ...], modulus_factor: float, slopes: str, reading: Reading, workers: int,
+    output: Output, **options: Any,
+) -> None:  # fmt: skip
+    """The work of adhesion along each MEASURED file, on the body of the SERIES file.
+
+    At each measured point w = S' (delta_H - delta)^2/(4 pi a), the energy release rate of the contact's edge: from a
+    and P (needs no zero of the displacement), a and delta, or delta and P. Of raw records base line and contact
+    point are fitted first, and the rows on which the edge moves are taken. With a time column also the speed da/dt of
+    the edge: rate-dependent adhesion, and w0 (1 + (v/v0)^n) through the rows whose edge recedes. Tables name their
+    columns and units, "a_um, P_mN, t_s"; files of force microscopes (.jpk-force, .jpk-force-map, .ibw, .h5, .tab) are
+    read by the optional package afmformats.
+    Writes <stem>-work.csv, .json, .png and .svg.
+
+    \b
+    jkr work gel.h5 microscope.csv --noise a="2 um" --noise P="5 uN"
+    jkr work gel.h5 probe.csv --unit P=mN --flip delta --stiffness "2 kN/m"
+    jkr work data.h5 map.jpk-force-map --contact estimate --segment retract
+    """
+    from ..base import executor
+    from ..fitting.work_along_curve import along_file, evaluation_of
+    from ..report import Work
+    from ..resolve import nonadhesive
+    from .inputs import read_series, series_file, warn_of_constant_moduli, without_range
+
+    targets = output.each(
+        [output.beside(path, "-work") for path in measured], (".csv", ".json", *PICTURES), (series, *measured)
+    )
+    series = series_file(series)
+    begin_reading("work", measured, per_row=TUNING.work_per_row)
+    solution = read_series(series)
+    warn_of_constant_moduli(solution)
+    without_range(solution.record, "work")
+    unit = nonadhesive(solution, slopes)
+    options["noise"] = dict(options["noise"])
+    evaluation = evaluation_of(solution, unit, reading, modulus_factor, **options)
+    results = []
+    for path, target in zip(measured, targets, strict=True):
+        with executor(workers, progress=progress) as pool:
+            curves, skipped = along_file(path, reading, evaluation, pool)
+        result = Work.of(path, curves, skipped, solution, unit, modulus_factor)
+        results.append(result)
+        target.write(result.columns, result.summary(), target.draw(result.figure))
+    warnings = [text for result in results for text in result.warnings]
+    give(Results(results, warnings), output.json, f"  written {', '.join(map(str, targets))}")

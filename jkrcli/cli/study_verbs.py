@@ -1,0 +1,262 @@
+"""``jkr study``: a verb for each map, made of its row, and the same case on a sequence of meshes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, ClassVar
+
+import click
+
+from ..base import InputError, executor
+from ..case import load_case, plain_toml, solve
+from ..many.bench import FEW, Bench
+from ..many.maps import MAPS
+from ..many.sweep import plan as plans
+from ..many.sweep import running
+from ..many.sweep import running as results
+from ..methods import METHODS, Limits
+from ..report import PICTURES, Compared, Files, Output
+from .inputs import begin_reading, read_files
+from .options import (
+    PAIRS,
+    WORK,
+    NumberRange,
+    Parallel,
+    into_folder,
+    json_option,
+    limits_options,
+    output_options,
+    parallel_options,
+)
+from .output import announce, answer, give, note, progress
+from .verb import LateGroup, Verb, several, verb
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from ..many import maps
+
+
+STUDIES = {f"{name}-map": words for name, words in MAPS.items()} | {
+    "converge": "The same case on a sequence of meshes."
+}
+# Studies of the methods, and the targets of make that run them.
+MAKE = {"chart": "chart", "failures": "failures", "figures": "paper", "noise": "noise-study"}
+
+
+class Studies(LateGroup):
+    """The studies: of maps each is made of its row."""
+
+    titles: ClassVar = {"Studies": STUDIES}
+
+    def made(self, name: str) -> click.Command:
+        if name == "converge":
+            return study_converge
+        from ..many import maps
+
+        return _command(maps.map_of(name.removesuffix("-map")))
+
+    def unknown(self, name: str) -> str:
+        if name in MAKE:
+            return f'"{name}" is now run as make {MAKE[name]}'
+        return f'unknown study "{name}" (studies: {", ".join(STUDIES)})'
+
+
+@click.group(cls=Studies)
+def study() -> None:
+    """Maps and studies over many bodies.
+
+    \b
+    jkr study pull-off-map --nu 0.3 --nu 0.499
+    """
+
+
+def _command(row: maps.Map) -> click.Command:
+    """The verb of a map: an option for each axis."""
+
+    @parallel_options
+    @into_folder("Folder [default: .].", default=Path())
+    @output_options(plots="Write the CSV only.", json="Print the table as JSON.")
+    def study_map(output: Output, parallel: Parallel, **axes: Any) -> None:
+        chosen = {name: value for name, value in axes.items() if value not in (None, ())}
+        files = output.files(output.folder(Path()) / f"{row.name}-map", (".csv", *PICTURES))
+        with executor(*parallel, progress, row.forecast(**chosen)) as pool:
+            result = row.over(pool, **chosen)
+        files.write(result.columns, figure=files.draw(result.figure))
+        give(result, output.json, f"  written {files}")
+
+    options = several(*(_option(name, axis) for name, axis in row.axes.items()))
+    return click.command(f"{row.name}-map", cls=Verb, help=row.help)(options(study_map))
+
+
+def _option(name: str, axis: maps.Axis) -> Any:
+    kind: Any = float if axis.read is None else str
+    default = axis.default if axis.several else (axis.default,)
+    if isinstance(axis.default, dict):
+        kind = PAIRS
+        default = [f"{key}={value}" for key, value in axis.default.items()]
+    elif isinstance(axis.allowed, tuple):
+        kind = click.Choice(axis.allowed)
+    shown = axis.shown or ", ".join(map(str, default))
+    return click.option(f"--{name}", type=kind, multiple=axis.several, help=f"{axis.help}  [default: {shown}]".strip())
+
+
+@verb("case", "converge")
+@click.option("--levels", type=click.IntRange(2, 8), default=4, show_default=True, help="Meshes; the last: the case's.")
+@click.option("--contact", type=click.Choice(["nested", "incremental"]), help="Instead of the case's.")
+@click.option("--w", "work", type=WORK, help="Work of adhesion [default: the case's first].")
+@parallel_options
+@into_folder("Folder.", default=Path())
+@output_options(plots="Write CSV and JSON only.", json="Print as JSON.")
+def study_converge(
+    case: Path, levels: int, contact: str | None, work: float | None, parallel: Parallel, output: Output
+) -> None:
+    """Solve CASE by finite elements on meshes whose elements halve from one to the next (Appendix C).
+
+    For each: contact radius and load at the common depth, pull-off force, points kept, time; then the observed order
+    and the extrapolated value. Writes <case>-convergence.csv, .json, .png and .svg.
+
+    \b
+    jkr study converge cases/thin-layer.toml --levels 5
+    jkr study converge cases/halfspace.toml --contact incremental -o results
+    """
+    from ..case import load_case, method_of
+    from ..many import convergence as converge
+    from ..methods import FEM
+
+    loaded = load_case(case)
+    w = work if work is not None else next(iter(loaded.model.adhesion.w), None)
+    if not w:
+        raise InputError(f"{case}: names no work of adhesion > 0: give --w")
+    folder = output.folder(Path())
+    files = output.files(folder / f"{case.stem}-convergence", (".csv", ".json", *PICTURES), [case])
+    method = method_of(loaded.model, "fem")
+    assert isinstance(method, FEM)
+    if contact is not None:
+        method = replace(method, contact=contact)  # type: ignore[arg-type]
+    problem = loaded.model.problem()
+    with executor(*parallel, progress, method.forecast(problem).seconds) as pool:
+        study = converge.converge(problem, method, w, levels, pool=pool)
+    files.write(study.columns, study.summary(), files.draw(study.figure))
+    give(study, output.json, f"  written   {files}")
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr sweep``: many cases from one file, to one table.
+
+
+@verb("sweep")
+@into_folder("Folder [default: <sweep>-results here].")
+@parallel_options
+@click.option("--hours", type=NumberRange(min=0), default=10.0, show_default=True, help="Most core hours to begin.")
+@click.option("--retry-failed", is_flag=True, help="Try the failed cases of an earlier run again.")
+@click.option("--only", type=click.IntRange(min=0), metavar="CASE", help="Solve this case alone and print its row.")
+@click.option("--show-case", type=click.IntRange(min=0), metavar="CASE", help="Print this case as a case file.")
+@output_options(plots="Draw nothing.", json="Print the summary (or the row) as JSON.")
+def sweep(
+    sweep: Path, output: Output, parallel: Parallel, hours: float, retry_failed: bool, only: int | None,
+    show_case: int | None,
+) -> None:  # fmt: skip
+    """Solve all cases that SWEEP (TOML) makes of a base case; a table with a row per case: CSV, HDF5, Parquet.
+
+    Draws forces (else the first results) over the longest axis, a line per value of the next: table.png, .svg. Run
+    again after an interruption it goes on where it stopped; cases that share a solve are solved once.
+
+    \b
+    jkr sweep cases/sweeps/gel.toml -o results
+    jkr sweep my-sweep.toml -o results --scheduler tcp://node1:8786
+    jkr sweep my-sweep.toml --only 17
+    jkr sweep my-sweep.toml --show-case 17 > case-17.toml
+    """
+    plan = plans.load_plan(sweep)
+    if show_case is not None:
+        click.echo(plain_toml(plan.case(_number(plan, show_case, "--show-case")).to_toml()), nl=False)
+    elif only is not None:
+        row = running.alone(plan, _number(plan, only, "--only"))
+        answer(row.summary()) if output.json else click.echo(str(row))
+    else:
+        folder = replace(output, where=output.where or Path(f"{sweep.stem}-results")).folder(Path())
+        pictures = output.files(folder / results.STEM, PICTURES)
+        means = running.Means(*parallel, hours, retry_failed, progress)
+        result = running.sweep(plan, folder, means, output.force, note)
+        if output.plots and _draw(result, pictures):
+            result = replace(result, files=(*result.files, *(pictures[ending] for ending in PICTURES)))
+        give(result, output.json, f"  written   {', '.join(map(str, result.files))}")
+
+
+def _draw(result: results.Swept, pictures: Files) -> bool:
+    """Whether the table has a picture; it is written."""
+    from ..many.sweep.running import sweep_figure
+
+    figure = sweep_figure(result.plan, result.columns)
+    pictures.write(figure=figure)
+    return figure is not None
+
+
+def _number(plan: plans.Plan, number: int, option: str) -> int:
+    if number >= plan.count:
+        raise InputError(f"{option}: the cases of {plan.source} are numbered 0 to {plan.count - 1}, got {number}")
+    return number
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr compare``: two results of the same problem.
+
+COLUMNS = ("P", "a", "S", "dS")
+
+
+@verb("first second")
+@click.option("--rtol", type=NumberRange(min=0), default=1e-3, show_default=True, help="Largest relative difference.")
+@click.option("--column", "columns", multiple=True, type=click.Choice(COLUMNS), help="What counts [default: P].")
+@click.option("--overlap", type=NumberRange(0, 1), default=0.9, show_default=True, help="Least common range.")
+@click.option("--plot", type=click.Path(path_type=Path), help="Draw the differences (.png or .svg).")
+@output_options(force="Replace an existing plot that jkr did not write.", json="Print as JSON.")
+@click.pass_context
+def compare(
+    ctx: click.Context, first: Path, second: Path, rtol: float, columns: tuple[str, ...], overlap: float,
+    plot: Path | None, output: Output,
+) -> None:  # fmt: skip
+    """Compare two series files (P and a at equal displacement, S and S' at equal radius), or two CSV curves.
+
+    Exit code 1 where a column that counts differs by more than --rtol (CSV curves: every shared column counts).
+
+    \b
+    jkr compare fem.h5 layered.h5 --rtol 1e-3
+    jkr compare today.h5 yesterday.h5 --rtol 1e-12 --column P --column a
+    """
+    if plot is not None:
+        if plot.suffix not in PICTURES:
+            raise InputError(f"--plot: must end in .png or .svg, got {plot}")
+        output.file(plot, [first, second])
+    files = first, second
+    if first.suffix == ".csv":
+        begin_reading("compare", files)
+    result = Compared.of(files, lambda: read_files("compare", files)[1], rtol, columns, overlap)
+    give(result, output.json)
+    if plot is not None:
+        from ..report import plots
+
+        plots.save(result.figure(), [plot])
+    ctx.exit(0 if result.agree else 1)
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr bench``: where the time of a run goes.
+
+
+@verb("case")
+@click.option("--method", type=click.Choice(METHODS), help="Method, instead of the case's.")
+@click.option("--repeat", type=click.IntRange(1, 1000), default=5, show_default=True, help="Runs.")
+@limits_options
+@json_option
+def bench(case: Path, method: str | None, repeat: int, limits: Limits, as_json: bool) -> None:
+    """Time the stages of CASE in CPU seconds (one BLAS thread): minimum and median of several runs.
+
+    \b
+    jkr bench cases/halfspace.toml
+    jkr bench cases/halfspace.toml --method layered --repeat 20
+    """
+    loaded = load_case(case)
+    choice, solution = solve(loaded, method, limits, note)
+    announce(f"bench of {repeat} runs", (repeat + min(repeat, FEW)) * sum(solution.timings.values()))
+    give(Bench.of(case, loaded, choice.name, type(choice.method).__module__, repeat), as_json)

@@ -1,0 +1,672 @@
+"""Force curves of force microscopes, read by the optional package afmformats: the one door to it."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import math
+import re
+import struct
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from ..base import (
+    LARGEST_SI,
+    LOOKED_AT,
+    Array,
+    InputError,
+    allowance_of,
+    first_line,
+    installs,
+    most_text,
+    opened,
+    packed,
+    read_bytes,
+    tree_of,
+)
+from ..tables import unit_power
+from . import instruments as archive
+from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, AsRead, Curve, Pixel, Reading, place
+from .instruments import toward
+
+# --------------------------------------------------------------------------------------------------
+# Force curves and maps of Bruker's Nanoscope (.spm, .000, .pfc): lines of "\key: value", then whole numbers.
+#
+# A channel ("\*Ciao force image list") holds of each curve the approach and the retraction, both from the turning
+# point outward. Its "Z scale" names the volts of a count and the sensitivity, which stands elsewhere in the head
+# (Nanoscope 8.10 User Guide, "General Format for CIAO Parameter Objects"). No checksums: a cut is found by the
+# declared lengths.
+
+WHAT = "Nanoscope file"
+BEGINS, CHANNEL, ENDS = b"\\*Force file list", "Ciao force image list", b"\\*File list end"
+BINARY = b"\x1a"  # ends the head of a binary file; exports in text go on with a table
+AGAIN = "copy it again from the microscope"
+DEFLECTION, SENSOR = "DeflectionError", "ZSensor"
+NUMBER = r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
+
+Section = Mapping[str, str]
+
+
+def knows(path: Path) -> bool:
+    """Whether the file begins and goes on as a binary one of the Nanoscope."""
+    if not path.is_file():
+        return False
+    with opened(path, WHAT) as file:
+        return file.read(len(BEGINS)) == BEGINS and BINARY in file.read(most_text())
+
+
+def nanoscope_curves(path: Path, reading: Reading) -> Iterator[AsRead]:
+    """The curves of the file with the spring constant of their lever [N/m]; ``delta`` is the position of the piezo
+    toward the specimen."""
+    reading.check_known_columns(path)
+    with allowance_of(path, fenced=False) as allowed:
+        content = read_bytes(path, WHAT)
+        allowed.take(len(content))
+        file = File(path, content)
+        allowed.take(parts=file.count)
+    stiffness, sensitivity, flags = file.calibration(reading)
+    for number in range(file.count):
+        name = path.stem if file.count == 1 else str(number)
+        try:
+            yield file.curve(name, number, stiffness * sensitivity, flags).multiplied(reading.factors), stiffness
+        except InputError as error:
+            yield error, None
+
+
+@dataclass(frozen=True, eq=False)
+class File:
+    """The parts of a file, from its ``content``: a head of sections, and the counts of channels."""
+
+    path: Path
+    content: bytes
+
+    @cached_property
+    def sections(self) -> Sequence[tuple[str, Section]]:
+        """Title and entries of each section of the head."""
+        head, end, _ = self.content.partition(BINARY)
+        if ENDS not in head or not end:
+            raise InputError(f"{self.path}: is damaged or cut off: its head does not end: {AGAIN}")
+        return _sections(head.decode("cp1252", errors="replace"))
+
+    @cached_property
+    def channels(self) -> Mapping[str, tuple[Section, Array]]:
+        """Head and counts (curves, direction, rows) of each channel by its name."""
+        channels: dict[str, tuple[Section, Array]] = {}
+        for title, section in self.sections:
+            if title == CHANNEL:
+                channels.setdefault(_name(section), (section, self._counts(section)))
+        if not channels:
+            raise InputError(f"{self.path}: is a Nanoscope file without force curves (it holds images)")
+        if DEFLECTION not in channels:
+            raise InputError(f"{self.path}: holds no deflection (channels: {', '.join(channels)})")
+        return channels
+
+    @cached_property
+    def samples(self) -> tuple[int, tuple[int, int]]:
+        """How many rows each direction has room for, and how many of approach and retraction are filled."""
+        numbers = [int(word) for word in re.findall(r"\d{1,9}", self._of(CHANNEL).get("samps/line", ""))]
+        retrace = re.findall(r"\d{1,9}", self._of("Ciao force list").get("samps/line, retrace", ""))
+        if not numbers or min(numbers) < 1:
+            raise InputError(f"{self.path}: is damaged: names no rows of its curves (Samps/line): {AGAIN}")
+        stride = max(numbers)
+        return stride, (numbers[-1], min(int(retrace[0]), stride) if retrace else numbers[-1])
+
+    @property
+    def count(self) -> int:
+        """How many curves the file holds."""
+        return len(self.channels[DEFLECTION][1])
+
+    @cached_property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the map, of a file of one curve 1 and 1."""
+        scan = self._of("Ciao scan list")
+        if "volume" not in scan.get("operating mode", "").lower() and not self.is_capture:
+            return 1, 1
+        lines, samples = int(self._number(scan, "lines")), int(self._number(scan, "samps/line"))
+        each = re.match(r"\d{1,9}", self._of("Ciao force list").get("force/line", ""))
+        columns = int(each[0]) if each and not self.is_capture else 0
+        if columns in (0, samples) or samples == 0:
+            return lines, samples
+        # curves are fewer than the pixels of the image, in as many lines as its aspect leaves, or in a square
+        shapes = [(max(round(lines * columns / samples), 1), columns), (columns, columns), (lines, samples)]
+        sizes = [
+            int(self._number(section, "data length"))
+            for title, section in self.sections
+            if title == CHANNEL and _name(section) == DEFLECTION
+        ]
+        of_counts = [{bytes_each * 2 * self.samples[0] * math.prod(shape) for bytes_each in (2, 4)} for shape in shapes]
+        fitting = [shape for shape, known in zip(shapes, of_counts, strict=True) if known & set(sizes)]
+        return fitting[0] if fitting else shapes[0]
+
+    @property
+    def is_capture(self) -> bool:
+        """Whether the file is a capture of curves at the frequency of PeakForce."""
+        return self._of("Ciao scan list").get("peakforce capture", "").lower() == "allow"
+
+    def calibration(self, reading: Reading) -> tuple[float, float, tuple[str, ...]]:
+        """Spring constant [N/m] and sensitivity [m/V] of the user, else of the file, and flags on their origin."""
+        section, _ = self.channels[DEFLECTION]
+        spring = re.match(NUMBER, section.get("spring constant", ""))
+        of_file = {
+            "stiffness": float(spring[0]) if spring else 0.0,
+            "sensitivity": self._per_volt(section.get("z scale", "")),
+        }
+        if reading.stiffness == math.inf:
+            raise InputError(f"{self.path}: is of a force microscope, whose lever bends: give its stiffness, not rigid")
+        values, flags = [], []
+        for key, size, unit in (("stiffness", 1.0, "N/m"), ("sensitivity", 1e-9, "nm/V")):
+            of_user, there = getattr(reading, key), f"{of_file[key] / size:g} {unit}"
+            if of_user is not None:
+                value, flag = of_user, f"{key} {of_user / size:g} {unit} as told, the file says {there}"
+            elif _is_size(of_file[key]):
+                value, flag = of_file[key], f"{key} {there} of the file"
+            elif reading.incomplete:
+                value, flag = 1.0, f"the file lacks its {key}: {ARBITRARY} --{key}"
+            else:
+                raise InputError(f"{self.path}: names no {key}: give --{key}")
+            values.append(value)
+            flags.append(flag)
+        return values[0], values[1], tuple(flags)
+
+    def curve(self, name: str, number: int, per_volt: float, calibration: tuple[str, ...]) -> Curve:
+        """The curve of one ``number``; ``per_volt`` [N/V]."""
+        where = place(self.path, name)
+        volts, finer = self._volts(DEFLECTION, number)
+        P = volts * per_volt
+        if P.size < LEAST_ROWS:
+            raise InputError(f"{where}: holds {P.size} rows, at least {LEAST_ROWS} are needed")
+        z, t, turn, what = self._motion(number, P)
+        flags = (f"displacement from the {what}", *calibration, *finer)
+        segment = np.where(np.arange(P.size) < turn, APPROACH, RETRACT)
+        return Curve(name, delta=z, P=P, t=t, segment=segment, origin=self.path, flags=flags, pixel=self._pixel(number))
+
+    def _motion(self, number: int, P: Array) -> tuple[Array, Array | None, int, str]:
+        """Positions [m] toward the specimen, times [s], the row of the turning point, and what the positions are."""
+        if self.is_capture:
+            return self._oscillation(P.size)
+        if SENSOR in self.channels:
+            z = self._volts(SENSOR, number)[0] * self._per_volt(self.channels[SENSOR][0].get("z scale", ""))
+            z, what = z if toward(z, P) else -z, "height sensor"
+        else:
+            # Positions [m] of a piezo that moves in equal steps, the rows of the file over its range.
+            section, counts = self.channels[DEFLECTION]
+            size = self._size(section.get("ramp size", ""), "ramp size")
+            steps = size / counts.shape[2] * np.arange(counts.shape[2])
+            z, what = self._in_order(-np.stack([steps, steps])), "ramp of the piezo"
+        return z, self._times(), self.samples[1][0], what
+
+    def _oscillation(self, rows: int) -> tuple[Array, Array, int, str]:
+        """Of a capture: the drive is a sine of the amplitude of PeakForce, deepest at the distance of synchronisation,
+        which counts rows of the microscope's own curve."""
+        scan = self._of("Ciao scan list")
+        keys = ("peak force amplitude", "pft freq", "sample points", "sync distance qnm")
+        amplitude, frequency, own, at = (self._positive(scan, key) for key in keys)
+        deepest = at * rows / own
+        phase = np.arange(rows) - deepest
+        z = 1e-9 * amplitude * np.cos(2 * np.pi * phase / rows)
+        t = np.arange(rows) / (1e3 * frequency * rows)
+        return z, t, round(deepest), f"sine of the drive, {amplitude:g} nm at {frequency:g} kHz"
+
+    def _times(self) -> Array | None:
+        """Times [s] from the speed of the piezo, without pauses; None where the file names no speed."""
+        force, (section, counts) = self._of("Ciao force list"), self.channels[DEFLECTION]
+        ramp, *speeds = (
+            _last(entry)[0]
+            for entry in (section.get("ramp size", ""), force.get("forward vel.", ""), force.get("reverse vel.", ""))
+        )
+        if not all(map(_is_size, (ramp, *speeds))):
+            return None
+        steps = np.repeat([ramp / speed / counts.shape[2] for speed in speeds], self.samples[1])
+        return np.cumsum(steps) - steps[0]
+
+    def _in_order(self, halves: Array) -> Array:
+        """Both directions one after the other as they were recorded, without rows that were not filled."""
+        approach, retract = self.samples[1]
+        return np.concatenate([halves[0, :approach][::-1], halves[1, :retract]])
+
+    def _counts(self, section: Section) -> Array:
+        """The counts of a channel (curves, direction, rows), as whole numbers of two or four bytes."""
+        stride, _ = self.samples
+        at, size = (int(self._number(section, key)) for key in ("data offset", "data length"))
+        if at + size > len(self.content):
+            raise InputError(f"{self.path}: is cut off: holds {len(self.content):,} bytes of {at + size:,}: {AGAIN}")
+        count = math.prod(self.shape)
+        each = 2 * stride * count
+        if each == 0 or size not in (2 * each, 4 * each):
+            raise InputError(
+                f"{self.path}: is damaged or of a layout that is not read: {size:,} bytes for {count:,} curves of "
+                f"2 x {stride:,} rows, 2 or 4 bytes each: export it as text"
+            )
+        return np.frombuffer(self.content, f"<i{size // each}", each, at).reshape(-1, 2, stride)
+
+    def _volts(self, channel: str, number: int) -> tuple[Array, tuple[str, ...]]:
+        """The rows of a channel in volts. Some versions write whole counts shifted by a byte into four, which shows in
+        their last."""
+        section, counts = self.channels[channel]
+        match = re.search(rf"\(({NUMBER}) V/LSB\)", section.get("z scale", ""))
+        if match is None or not _is_size(float(match[1])):
+            raise InputError(f"{self.path}: is damaged: names no scale of its {_name(section)}: {AGAIN}")
+        ends = counts[number] & 0xFF
+        shifted = counts.itemsize == 4 and bool(np.isin(ends, (0, 0xFF)).all()) and bool(counts[number].any())
+        volts = self._in_order(counts[number]) * (float(match[1]) / 256 if shifted else float(match[1]))
+        return volts, ("counts of four bytes, shifted by one, were read as such",) if shifted else ()
+
+    def _per_volt(self, entry: str) -> float:
+        """The sensitivity [m/V] that an entry names, "V [Sens. Zsens] ..."; some versions leave out its unit, nm/V; 0
+        where the head lacks it, or has one of other units."""
+        soft = re.search(r"\[(Sens\. [^\]]+)\]", entry)
+        name = soft[1].lower() if soft else ""
+        value = next((section[name] for _, section in self.sections if name and name in section), "")
+        match = re.match(rf"V\s+({NUMBER})\s*(\S*)", value)
+        fits = match and _is_size(float(match[1]))
+        return _metres(float(match[1]), (match[2] or "nm/V").removesuffix("/V")) if match and fits else 0.0
+
+    def _size(self, entry: str, what: str) -> float:
+        """A length [m]: volts with their sensitivity, "V [Sens. Zsens] (0.0067 V/LSB) 151.48 V", or nanometres."""
+        number, unit = _last(entry)
+        size = number * self._per_volt(entry) if unit == "V" else _metres(number, unit)
+        if not _is_size(size):
+            raise InputError(f"{self.path}: names no {what}, and no height sensor was recorded: export it as text")
+        return size
+
+    def _pixel(self, number: int) -> Pixel | None:
+        """The place of a curve in a map, centred on the scan."""
+        lines, columns = self.shape
+        size, unit = _last(self._of("Ciao scan list").get("scan size", ""))
+        unit = unit.replace("~", "u")
+        if lines * columns == 1 or unit_power(unit) is None:
+            return None
+        step = _metres(size, unit) / columns
+        row, column = divmod(number, columns)
+        return Pixel(column, row, step * (column + 0.5 - columns / 2), step * (row + 0.5 - lines / 2))
+
+    def _of(self, title: str) -> Section:
+        """The first section of a ``title``; empty where there is none."""
+        return next((section for name, section in self.sections if name == title), {})
+
+    def _number(self, section: Section, key: str) -> float:
+        match = re.match(NUMBER, section.get(key, ""))
+        if match is None or not 0 <= float(match[0]) < 1e15:
+            got = section.get(key, "")[:60]
+            raise InputError(f'{self.path}: is damaged or not read: its "{key}" must be a number, got "{got}"')
+        return float(match[0])
+
+    def _positive(self, section: Section, key: str) -> float:
+        """A number by which others are divided."""
+        if not _is_size(number := self._number(section, key)):
+            raise InputError(f'{self.path}: is damaged or not read: its "{key}" must be positive, got {number:g}')
+        return number
+
+
+def _sections(head: str) -> Sequence[tuple[str, Section]]:
+    """Title and entries of each section; keys lower case, without the number of a group ("@4:Z scale")."""
+    sections: list[tuple[str, dict[str, str]]] = []
+    for line in head.splitlines():
+        if line.startswith("\\*"):
+            sections.append((line[2:].strip(), {}))
+        elif match := re.match(r"\\(?:@(?:\d+:)?)?([^:]+):\s*(.*)", line):
+            sections[-1][1].setdefault(match[1].strip().lower(), match[2].strip())
+    return sections
+
+
+def _name(section: Section) -> str:
+    """What a channel holds: S [ZSensor] "Height Sensor"."""
+    match = re.search(r"\[(\w+)\]", section.get("image data", ""))
+    return match[1] if match else "unknown"
+
+
+def _is_size(number: float) -> bool:
+    """Whether a number of the head is one of a size that is measured, and no damage."""
+    return 1 / LARGEST_SI < number < LARGEST_SI
+
+
+def _last(entry: str) -> tuple[float, str]:
+    """The last number of an entry, 0 where there is none, and its unit, "" where it has none."""
+    match = re.search(rf"({NUMBER})\s*([^\s\d]*)\s*\Z", entry)
+    return (float(match[1]), match[2]) if match else (0.0, "")
+
+
+def _metres(number: float, unit: str) -> float:
+    """A length [m]; 0 where the unit is of something else."""
+    dimension, power = unit_power(unit) or ("", 0)
+    return number * 10.0**power if dimension == "length" else 0.0
+
+
+# --------------------------------------------------------------------------------------------------
+# Whether the file of a microscope is whole, before a package reads it that takes what is there for what was written:
+# checksums, declared sizes and counts, and what it would unpack to.
+
+INTACT_WHAT = "file of force curves"
+INTACT_AGAIN = "export it again"
+HEAD, WAVE = 384, 64  # bytes: both heads of Igor's binary wave of version 5, and the first of them
+PIXELS = re.compile(rb"\.grid\.[ij]length\s*[=: ]\s*(\d+)(?:\.\d*)?(?:[eE]\+?(\d+))?")  # of the grid of a JPK map
+
+
+def check(path: Path) -> None:
+    """InputError where the file at ``path`` is damaged, cut off, or takes more than is allowed, as far as its format
+    lets that be seen."""
+    ending = path.suffix.lower()
+    if ending == ".zip" or ending.startswith(".jpk"):
+        _members(path, most_text() if ending == ".zip" else None)
+    elif ending == ".h5":
+        tree_of(path, read_bytes(path, INTACT_WHAT), remedy=INTACT_AGAIN)
+    elif ending == ".ibw":
+        _wave(path, read_bytes(path, INTACT_WHAT))
+    else:
+        with allowance_of(path, fenced=False) as allowed:
+            content = read_bytes(path, INTACT_WHAT, most_text())
+            allowed.take_text(content.decode("latin-1"))
+        if ending == ".tab":
+            _export(path, content)
+
+
+def _members(path: Path, size: int | None) -> None:
+    """A zip archive: all of its members are unpacked once."""
+    members = archive.members(path, size)
+    for item, content in zip(members, archive.contents(path, members), strict=True):
+        if item.filename.endswith(".properties"):
+            with allowance_of(path) as allowed:
+                for many, power in PIXELS.findall(content):
+                    allowed.take(parts=min(int(many[:15]) * 10 ** int(power[:2] or 0), 10**15))
+
+
+def _wave(path: Path, content: bytes) -> None:
+    """Igor's binary wave of version 5 (its Technical Note 003): heads whose words add up to zero, and sizes."""
+    order = {b"\5\0": "<", b"\0\5": ">"}.get(content[:2])
+    if order is None or len(content) < HEAD:
+        raise InputError(f"{path}: is no binary wave of version 5, or cut off: {INTACT_AGAIN}")
+    if sum(struct.unpack(f"{order}{HEAD // 2}h", content[:HEAD])) & 0xFFFF:
+        raise InputError(f"{path}: is damaged (the checksum of its head is wrong): {INTACT_AGAIN}")
+    sizes = struct.unpack_from(f"{order}15l", content, 4)
+    if min(sizes) < 0 or WAVE + sum(sizes) > len(content):
+        raise InputError(f"{path}: is cut off: holds {len(content):,} bytes of {WAVE + sum(sizes):,}: {INTACT_AGAIN}")
+
+
+def _export(path: Path, content: bytes) -> None:
+    """A table as afmformats exports it: all rows have as many cells, and end."""
+    lines = content.split(b"\n")
+    cells = {n: line.count(b"\t") + 1 for n, line in enumerate(lines, start=1) if line.strip() and line[:1] != b"#"}
+    wanted = next(iter(cells.values()), 1)
+    if short := [n for n, count in cells.items() if count != wanted]:
+        raise InputError(
+            f"{path}: line {short[0]} holds {cells[short[0]]} cells, not {wanted} as the first: {INTACT_AGAIN}"
+        )
+    if wanted > 1 and lines[-1]:
+        raise InputError(f"{path}: is cut off, its last line does not end: {INTACT_AGAIN}")
+
+
+HEIGHTS = ("height (measured)", "height (piezo)")  # the better first
+SEGMENTS = {0: APPROACH, 1: RETRACT}
+LACKING = "No data found"  # how afmformats begins to say that a column is not there
+BASE = ".base-calibration-slot"  # of a JPK file: how a property ends that names the scale which another is based on
+IN_NOTE = (b"FMapPointCounter", b"FMapLineCounter", b"XLVDT", b"YLVDT")  # of a wave that is one of a map
+COUNTED = re.compile(rb"(?:\A|\r)(%s): ?(-?\d+(?:\.\d*)?(?:e[-+]?\d{1,2})?)(?=\r)" % b"|".join(IN_NOTE))
+
+
+class UnreadableError(InputError):
+    """A file that afmformats does not know, or cannot read."""
+
+
+def curves(path: Path, reading: Reading) -> Iterator[AsRead]:
+    """The curves of a file, over distance, of creep or of relaxation, with their spring constants [N/m]; each is loaded
+    when its turn comes.
+
+    ``delta`` is minus the height, which grows away from the specimen, the deflection not yet subtracted; of files that
+    hold the position of the tip itself it is minus that, and None stands for the spring constant.
+    """
+    data_sets, lacks = _load(path, reading)
+    reading.check_known_columns(path)
+    for data in data_sets:
+        name = path.stem if len(data_sets) == 1 else str(data.enum)
+        try:
+            with _guarded(place(path, name)):
+                as_read = _curve_and_stiffness(path, name, data, reading, lacks)
+            yield as_read
+        except InputError as error:
+            yield error, None
+
+
+def _curve_and_stiffness(path: Path, name: str, data: Any, reading: Reading, lacks: str) -> tuple[Curve, float | None]:
+    """The curve of one data set and its spring constant, with a flag on what 1 stands in for."""
+    curve = _curve(path, name, data).multiplied(reading.factors)
+    if _holds(data, "tip position"):
+        return curve, None
+    stiffness = _stiffness(curve, data, reading)
+    lack = _lack(lacks, stiffness, reading)
+    return replace(curve, flags=(*curve.flags, lack)) if lack else curve, stiffness
+
+
+def takes_any_three_columns(path: Path) -> bool:
+    """Whether afmformats would read a table of names that no reader knows as three columns without names, of which
+    the first is a height: its reader of NT-MDT's exports does so with any numbers."""
+    try:
+        from afmformats.formats.fmt_ntmdt_txt import detect_txt
+    except ImportError:
+        return False
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # NumPy's on lines without numbers
+        return path.suffix == ".txt" and bool(detect_txt(path))
+
+
+def _load(path: Path, reading: Reading) -> tuple[list[Any], str]:
+    """The data sets of a file, whose columns are read at their first use; what 1 stands in for, if anything."""
+    try:
+        import afmformats
+        from afmformats import errors
+    except ModuleNotFoundError:
+        raise UnreadableError(f"{path}: needs the optional package afmformats: {installs('afm')}") from None
+    if not path.is_file():
+        read_bytes(path, INTACT_WHAT)  # says what is wrong with it
+    if path.suffix in afmformats.supported_extensions:
+        check(path)
+    for name in ("afmformats", "igor2"):
+        if not (logger := logging.getLogger(name)).handlers:
+            logger.addHandler(logging.NullHandler())  # an error in one line takes the place of their tracebacks
+    stiffness = None if reading.stiffness == math.inf else reading.stiffness
+    calibration = {"spring constant": stiffness, "sensitivity": reading.sensitivity}
+    override, lacks = {key: value for key, value in calibration.items() if value is not None}, ""
+    try:
+        try:
+            data_sets = _loaded(path)
+            if data_sets and reading.sensitivity is not None:
+                raise InputError(f"{path}: names its own sensitivity, or needs none: leave --sensitivity out")
+        except errors.MissingMetaDataError:
+            if reading.incomplete:
+                lacks = " and ".join(key for key in calibration if key not in override)
+                override = dict.fromkeys(calibration, 1.0) | override
+            if not override:
+                raise
+            data_sets = _loaded(path, meta_override=override)
+    except errors.MissingMetaDataError as error:
+        missing = ", ".join(error.meta_keys)
+        raise InputError(f"{path}: lacks {missing}: give --stiffness and, if asked for, --sensitivity") from None
+    if not data_sets:
+        raise InputError(f"{path}: holds no force curve")
+    if reading.stiffness == math.inf:
+        raise InputError(f"{path}: is of a force microscope, whose lever bends: give its stiffness, not rigid")
+    return data_sets, lacks
+
+
+def _loaded(path: Path, **options: Any) -> list[Any]:
+    """What afmformats loads of a file."""
+    import afmformats
+    from afmformats import errors
+    from afmformats.formats.fmt_jpk.jpk_reader import ArchiveCache
+
+    if old := ArchiveCache.open_archives.pop(path, None):  # else it goes on to read what was there before
+        old.close()
+    with _guarded(str(path)):
+        try:
+            return list(afmformats.load_data(path, **options))
+        except errors.FileFormatNotSupportedError:
+            known = ", ".join(afmformats.supported_extensions)
+            raise UnreadableError(f"{path}: is no file of force curves that afmformats reads ({known})") from None
+
+
+@contextlib.contextmanager
+def _guarded(where: str) -> Iterator[None]:
+    """A block of work by afmformats, whose readers of damaged files raise anything, much of which is no Exception."""
+    from afmformats import errors, meta
+
+    try:
+        with allowance_of(where), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    except InputError:
+        raise
+    except (Exception, errors.AFMFileFormatError, meta.MetaDataMissingError) as error:
+        raise UnreadableError(f"{where}: afmformats cannot read this file ({first_line(error)})") from None
+
+
+def _lack(lacks: str, stiffness: float | None, reading: Reading) -> str:
+    """What is missing to read an incomplete file, and the remedy; "" where nothing is."""
+    if lacks:
+        options = "--stiffness and --sensitivity" if "sensitivity" in lacks else "--stiffness"
+        return f"the file lacks {lacks}: {ARBITRARY} {options}"
+    if stiffness is None and reading.incomplete:
+        return "the file lacks its spring constant: the deflection is not subtracted from the height; give --stiffness"
+    return ""
+
+
+def _curve(path: Path, name: str, data: Any) -> Curve:
+    """The curve of one data set: minus the height of the tip, else of the piezo, force, time and segments."""
+    where = place(path, name)
+    _check_points(where, data)
+    height = next((name for name in ("tip position", *HEIGHTS) if _holds(data, name)), None)
+    if height is None or not _holds(data, "force"):
+        raise InputError(f"{where}: holds no height or no force (columns: {', '.join(data.columns)})")
+    delta, P = -_column(where, data, height), _column(where, data, "force")
+    if P.size < LEAST_ROWS:
+        raise InputError(f"{where}: holds {P.size} rows, at least {LEAST_ROWS} are needed")
+    t = _column(where, data, "time") if _holds(data, "time") else None
+    flags: tuple[str, ...] = (f"displacement from the {height}",)
+    if t is not None and (np.diff(t) < 0).any():
+        t, flags = None, (*flags, "its time runs back and was left out")
+    segment = None
+    if _holds(data, "segment") and data.modality == "force-distance":  # others wait between: the motion divides them
+        segment = np.array([SEGMENTS.get(int(word), f"segment {word}") for word in data["segment"]])
+    return Curve(name, delta=delta, P=P, t=t, segment=segment, origin=path, flags=flags, pixel=_pixel(path, data))
+
+
+def _check_points(where: str, data: Any) -> None:
+    """Refuse a data set that does not hold as many points as it says, in any of its segments, before afmformats makes
+    up so many times."""
+    raw = data._raw_data
+    if hasattr(raw, "loaders"):  # of a JPK file
+        get, arguments = raw.loaders["force"]
+        reader, index = get.__self__, arguments["index"]
+        for segment in reader.get_index_segment_numbers(index):
+            # Refuse scales of a JPK file that are based on each other in a circle, in which afmformats would stay.
+            properties = reader._get_index_segment_properties(index, segment)
+            for start in (key for key in properties if key.endswith(BASE)):
+                key, known = start, set[str]()
+                while key in properties and key not in known:
+                    known.add(key)
+                    key = f"{key.removesuffix(BASE).rpartition('.')[0]}.{properties[key]}{BASE}"
+                if key in known:
+                    raise InputError(f"{where}: is damaged: its scale {start.removesuffix(BASE)} is based on itself")
+            declared = reader.get_metadata(index, segment).get("point count")
+            _check_count(f"{where}: segment {segment}", declared, reader.get_data("force", index, segment))
+    elif _holds(data, "force"):
+        _check_count(where, _metadata(data, "point count"), data["force"])
+
+
+def _check_count(where: str, declared: int | None, values: Array) -> None:
+    if declared not in (None, len(values)):
+        raise InputError(f"{where}: is damaged or cut off: holds {len(values):,} points of {declared:,}")
+
+
+def _metadata(data: Any, name: str) -> Any:
+    """An entry of a file on a data set, None without one; the public copy of it would compute all that can be."""
+    return data._metadata.get(name)
+
+
+def _pixel(path: Path, data: Any) -> Pixel | None:
+    """The place of a data set in a map, where its file holds it; Igor's in the note of the wave."""
+    if path.suffix == ".ibw":
+        note = dict(COUNTED.findall(read_bytes(path, INTACT_WHAT)))
+        entries: list[Any] = [float(note[key]) if key in note else None for key in IN_NOTE]
+    else:
+        entries = [_metadata(data, key) for key in ("grid index x", "grid index y", "position x", "position y")]
+    if any(value is None or not math.isfinite(value) for value in entries):
+        return None
+    column, row, x, y = map(float, entries)
+    return Pixel(int(column), int(row), x, y)
+
+
+def _holds(data: Any, name: str) -> bool:
+    """Whether a data set has the column: some readers announce columns that their files lack."""
+    from afmformats.errors import FileFormatNotSupportedError
+
+    try:
+        return name in data and data[name] is not None
+    except FileFormatNotSupportedError as error:
+        if str(error).startswith(LACKING):
+            return False
+        raise
+
+
+def _column(where: str, data: Any, name: str) -> Array:
+    values = np.asarray(data[name], dtype=float)
+    if not np.isfinite(values).all():
+        raise InputError(f"{where}: row {int(np.argmin(np.isfinite(values))) + 1} of its {name} is not finite")
+    return values
+
+
+def _stiffness(curve: Curve, data: Any, reading: Reading) -> float | None:
+    """The spring constant [N/m] of the file, or the user's where it has none: loads were computed with it."""
+    of_file, of_user = _metadata(data, "spring constant"), cast(Any, reading.stiffness)
+    if of_user is None and reading.incomplete and of_file in (None, 1.0):
+        return None
+    if of_user is None and of_file is None:
+        raise InputError(f"{curve.where}: names no spring constant: give --stiffness")
+    if None not in (of_file, of_user) and not math.isclose(of_file, of_user, rel_tol=1e-6):
+        raise InputError(f"{curve.where}: names a spring constant of {of_file:g} N/m, with which its loads were "
+                         f"computed: leave out --stiffness {of_user:g}")  # fmt: skip
+    return float(of_user if of_file is None else of_file)
+
+
+# --------------------------------------------------------------------------------------------------
+# How much measured files hold, estimated from their size and first lines before they are read.
+
+WIDE = 160.0  # bytes, from which on a row costs by its length; tuned on tables of 12 to 1000 columns, by `make guards`
+USUAL = 40.0  # choice: bytes of a row of files without lines, those of microscopes
+
+
+def rows_expected(path: Path) -> float:
+    """About how many rows the file at ``path`` holds, more of wide ones, which take as long.
+
+    0 where it cannot be read, which its reader says, and of pipes, which would be waited for.
+    """
+    try:
+        if not path.is_file():
+            return 0.0
+        if path.suffix.lower() == ".zip":
+            inside = archive.tables(path)
+            # each table costs as many rows beside its own as are looked at to see how it is written
+            heads = archive.contents(path, inside, archive.PIECE)
+            return sum(_rows(item.file_size, head) + LOOKED_AT for item, head in zip(inside, heads, strict=True))
+        if path.suffix.lower().startswith(".jpk"):
+            return sum(item.file_size for item in archive.members(path)) / USUAL
+        if packed(path):
+            with path.open("rb") as file:
+                file.seek(-4, 2)
+                size = int.from_bytes(file.read(4), "little")  # RFC 1952: of what it unpacks to
+            with opened(path, "table") as file:
+                return _rows(size, file.read(archive.PIECE))
+        with path.open("rb") as file:
+            return _rows(path.stat().st_size, file.read(archive.PIECE))
+    except (InputError, OSError, ValueError):
+        return 0.0
+
+
+def _rows(size: int, first: bytes) -> float:
+    """About how many rows stand in so many bytes, by those that come ``first``."""
+    rows = first.count(b"\n") / max(len(first), 1)  # per byte
+    return size * (max(rows, 1 / WIDE) if rows else 1 / USUAL)

@@ -1,0 +1,226 @@
+"""One measured curve, in SI, as recorded, and how it is to be read: columns, units, signs, zero points."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+
+from ..base import Array, InputError, parse
+
+QUANTITIES = ("a", "delta", "P", "t")
+APPROACH, RETRACT = "approach", "retract"
+LEAST_ROWS = 3  # theory: E* and w take two rows, the third shows how well they fit
+
+
+@dataclass(frozen=True)
+class Pixel:
+    """Where in a map a curve was taken: ``column, row`` from 0 on, ``x, y`` [m] of the device in the plane."""
+
+    column: int
+    row: int
+    x: float
+    y: float
+
+
+NOT_SUBTRACTED = "the deflection of the device is not subtracted: give --stiffness"  # a flag of a curve
+GAPS = " without a number left out"  # in a flag
+AS_DEPTH = "the displacement is taken as the depth of the tip: give --stiffness if it is that of the device"  # another
+ARBITRARY = "arbitrary units until it is given by"  # in a flag
+TURNED = ", its sign turned"  # in a flag of a displacement: by name or load, or as told; --factor delta=-1 undoes it
+OVERRULED = " as told, the head of the file says "  # in a flag, between two stiffnesses
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One measured curve: contact radius ``a`` [m], displacement ``delta`` [m], load ``P`` [N], time ``t`` [s].
+
+    None stands where one was not measured. One-dimensional read-only arrays of equal length; rows are neither ordered
+    nor, in ``delta`` and ``P``, of known zero: signs are those of the project (indentation and compression positive).
+    ``segment``: a word per row ("approach", "retract" or another), None where unknown. ``name``: unique in its file;
+    ``origin``: that file; ``flags``: sentences on how the rows were read. ``stiffness`` [N/m]: of the device whose
+    deflection was subtracted from ``delta``; None: ``delta`` is as it was recorded. ``pixel``: of a map, if it is one.
+    """
+
+    name: str
+    a: Array | None = None
+    delta: Array | None = None
+    P: Array | None = None
+    t: Array | None = None
+    segment: Array | None = None
+    origin: Path | None = None
+    flags: tuple[str, ...] = ()
+    stiffness: float | None = None
+    pixel: Pixel | None = None
+
+    def __post_init__(self) -> None:
+        sizes = {}
+        for name in (*self.measured, *(() if self.segment is None else ("segment",))):
+            array = self._checked(name, getattr(self, name))
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+            sizes[name] = array.size
+        if not self.measured or self.measured == ("t",):
+            raise InputError(f"{self.where}: holds none of a, delta, P")
+        if len(set(sizes.values())) != 1:
+            raise InputError(f"{self.where}: all columns must have the same length, got {sizes}")
+
+    def _checked(self, name: str, values: Array) -> Array:
+        if name == "segment":
+            return np.array(values, dtype=str)
+        array = np.array(values, dtype=float)
+        if array.ndim != 1:
+            raise InputError(f"{self.where}: {name} must be one-dimensional, got shape {array.shape}")
+        if not np.isfinite(array).all():
+            raise InputError(f"{self.where}: {name}[{int(np.argmin(np.isfinite(array)))}] is not finite")
+        return array
+
+    def __len__(self) -> int:
+        return len(getattr(self, self.measured[0]))
+
+    @property
+    def where(self) -> str:
+        """File and name, for messages; a file of one curve gives it its name."""
+        return self.name if self.origin is None else place(self.origin, self.name)
+
+    @property
+    def measured(self) -> tuple[str, ...]:
+        """The names of the quantities that were measured, of a, delta, P, t."""
+        return tuple(name for name in QUANTITIES if getattr(self, name) is not None)
+
+    def column(self, name: str, purpose: str = "") -> Array:
+        """A quantity that was measured; InputError, which may name the ``purpose``, where it was not."""
+        values: Array | None = getattr(self, name)
+        if values is None:
+            raise InputError(f"{self.where}: holds no {name}{purpose} (it holds {', '.join(self.measured)})")
+        return values
+
+    @property
+    def depth(self) -> Array:
+        """The displacement [m], which was measured."""
+        return self.column("delta")
+
+    @property
+    def load(self) -> Array:
+        """The load [N], which was measured."""
+        return self.column("P")
+
+    @property
+    def time(self) -> Array:
+        """The times [s], which were measured."""
+        return self.column("t")
+
+    @property
+    def device(self) -> Array:
+        """Position of the device [m], its deflection added again; needs displacement and load."""
+        return self.depth if self.stiffness is None else self.depth + self.load / self.stiffness
+
+    def rows(self, chosen: Array) -> Curve:
+        """The curve at ``chosen`` rows alone (a mask or numbers)."""
+        columns = {name: getattr(self, name) for name in (*QUANTITIES, "segment")}
+        taken: dict[str, Any] = {name: None if column is None else column[chosen] for name, column in columns.items()}
+        return replace(self, **taken)
+
+    def multiplied(self, factors: Mapping[str, float]) -> Curve:
+        """The curve with its quantities multiplied; InputError names one that was not measured."""
+        columns: dict[str, Any] = {key: self.column(key, " to multiply") * number for key, number in factors.items()}
+        return replace(self, **columns)
+
+    def only(self, segment: str) -> Curve:
+        """The rows of one segment; InputError names the segments there are, where this is none of them."""
+        if self.segment is None:
+            raise InputError(f'{self.where}: names no segments, cannot take "{segment}" alone')
+        chosen = self.segment == segment
+        if not chosen.any():
+            raise InputError(
+                f'{self.where}: has no rows of segment "{segment}" (segments: {", ".join(self.segments())})'
+            )
+        return self.rows(chosen)
+
+    def segments(self) -> tuple[str, ...]:
+        """The different words of ``segment``, in order of appearance."""
+        return () if self.segment is None else tuple(dict.fromkeys(self.segment.tolist()))
+
+
+AsRead: TypeAlias = tuple[Curve | InputError, float | None]  # with the stiffness of its device [N/m]
+
+
+def quantity(name: str, value: float | str, dimension: str) -> float:
+    """A number as it is, SI, or that of a text with its unit; InputError where it is none."""
+    try:
+        number = parse(value, dimension) if isinstance(value, str) else float(value)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: {error}") from None
+    if math.isnan(number):
+        raise InputError(f"{name}: must be a number, got {value}")
+    return number
+
+
+def place(origin: Path, name: str) -> str:
+    """File and name of a curve, for messages; a file of one curve gives it its name."""
+    return str(origin) if name == origin.stem else f'{origin}: curve "{name}"'
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Conventions of a measurement; by default those of the project: SI, indentation and compression positive.
+
+    ``columns``: names or numbers (from 1) where the header names none, by the keys of ``text.NAMES``; "area" is the
+    projected contact area, "diameter" that of the contact. ``units``: where the header names none or a wrong one.
+    ``factors``: on top of the units.
+    ``flip``: of "delta" and "P", those that are to change the sign they have in the file, whatever the name of their
+    column says: a height or separation grows away from the specimen, some instruments count adhesive forces positive.
+    ``stiffness`` [N/m]: the displacement is the device's, its deflection P/stiffness is subtracted; of a microscope's
+    file its spring constant, where the file lacks it. ``sensitivity`` [m/V]: likewise.
+    ``zero``: displacement [m] and load [N] at the zero points, subtracted after the change of sign.
+    ``contact``: "estimate": zero points by ``contact.with_zero_points``; else as they are, a fit may find them.
+    ``format``: "text", "afm" (a microscope's) or "auto", by the content and the ending of the name.
+    ``incomplete``: read a microscope's file that lacks spring constant or sensitivity all the same, with 1 for each.
+    ``rows``: the first and the last row of each curve that are read, from 1. ``where``: only rows of the segment (key
+    "segment"), the curve ("curve"), or the content of a column of a table, by its name or number.
+    """
+
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    factors: Mapping[str, float] = field(default_factory=dict)
+    flip: frozenset[str] = frozenset()
+    stiffness: float | None = None
+    sensitivity: float | None = None
+    zero: Mapping[str, float] = field(default_factory=dict)
+    contact: Literal["auto", "fitted", "as-is", "estimate"] = "auto"
+    format: Literal["auto", "text", "afm"] = "auto"
+    separator: str | None = None
+    decimal: str | None = None
+    incomplete: bool = False
+    rows: tuple[int, int] | None = None
+    where: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Take texts with units for numbers, "0.6 N/m"; InputError where one is no such number."""
+        for name in ("stiffness", "sensitivity"):
+            value = getattr(self, name)
+            if value is None:
+                continue
+            number = math.inf if value == "rigid" and name == "stiffness" else quantity(name, value, name)
+            if not number > 0:
+                raise InputError(f"{name}: must be > 0, got {value}")
+            object.__setattr__(self, name, number)
+        dimensions = {"delta": "length", "P": "load"}
+        zero = {key: quantity(f"zero: {key}", value, dimensions.get(key, "length")) for key, value in self.zero.items()}
+        factors = {key: quantity(f"factors: {key}", value, "number") for key, value in self.factors.items()}
+        object.__setattr__(self, "zero", zero)
+        object.__setattr__(self, "factors", factors)
+        object.__setattr__(self, "flip", frozenset([self.flip] if isinstance(self.flip, str) else self.flip))
+
+    def check_known_columns(self, path: Path) -> None:
+        """Refuse columns, their units and rows by them for a file whose format names them."""
+        if others := self.where.keys() - {"segment", "curve"}:
+            raise InputError(f'{path}: is a microscope\'s file, of which --where takes segment or curve, not '
+                             f'"{min(others)}"')  # fmt: skip
+        if self.columns or self.units:
+            raise InputError(f"{path}: the columns of a microscope's file and their units are known: leave out "
+                             "--column and --unit, or read it as text, --format text")  # fmt: skip

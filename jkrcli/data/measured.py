@@ -1,0 +1,155 @@
+"""Measured curves, from text tables and from the files of force microscopes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..base import SHOWN, InputError, did_you_mean, format_of, packed
+from . import afm_formats as afm
+from . import afm_formats as nanoscope
+from . import instruments
+from . import instruments as archive
+from . import text_formats as text
+from .curve import APPROACH, LEAST_ROWS, AsRead, Curve, Reading
+from .segmentation import SUBTRACTED_TWICE, of_its_device, stiffness_of_noise
+
+__all__ = ["APPROACH", "SUBTRACTED_TWICE", "Curve", "Reading", "each", "from_columns", "read", "usable"]
+# Endings of force microscopes' files. Of .csv and .txt only the user knows: --format afm.
+AFM_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".ibw", ".h5", ".tab")
+
+
+def read(path: Path, reading: Reading | None = None) -> list[Curve]:
+    """All curves in the file at ``path``; InputError, a line per curve, where any of them cannot be used."""
+    curves, lines = usable([path], reading or Reading())
+    if lines:
+        raise InputError(lines)
+    return curves
+
+
+def from_columns(columns: Mapping[str, Any], reading: Reading | None = None, name: str = "data") -> Curve:
+    """The curve in arrays or the columns of a data frame: by their names as those of a table ("delta_um", "P (nN)"),
+    SI where they name no unit; InputError as of a file."""
+    arrays = {str(key): np.asarray(values) for key, values in columns.items()}
+    if len({array.shape for array in arrays.values()}) != 1 or next(iter(arrays.values())).ndim != 1:
+        raise InputError(f"{name}: all columns must be one-dimensional and of one length, got "
+                         f"{ {key: array.shape for key, array in arrays.items()} }")  # fmt: skip
+    table = zip(*(array.tolist() for array in arrays.values()), strict=True)
+    lines = [",".join(arrays), *(",".join(map(str, row)) for row in table)]
+    reading = replace(reading or Reading(), separator="comma", decimal=".")
+    (curve, stiffness), *others = text.curves(Path(name), reading, "\n".join(lines).encode())
+    if others or isinstance(curve, InputError):
+        raise curve if isinstance(curve, InputError) else InputError(f"{name}: holds several curves, one is wanted")
+    return _by_convention(curve, reading, stiffness)
+
+
+def usable(paths: Iterable[Path], reading: Reading) -> tuple[list[Curve], list[str]]:
+    """All curves in files, in their order, and a line on each that cannot be used."""
+    items = [item for path in paths for item in each(path, reading)]
+    lines = [line for item in items if isinstance(item, InputError) for line in item.lines]
+    return [item for item in items if isinstance(item, Curve)], lines
+
+
+def each(path: Path, reading: Reading | None = None) -> Iterator[Curve | InputError]:
+    """The curves in the file at ``path`` one by one, of a microscope's file only the one at hand in memory.
+
+    A curve that cannot be used comes as its error and the others follow; a file that cannot be read raises InputError.
+    """
+    path, reading = Path(path), reading or Reading()
+    wanted, names = reading.where.get("curve"), []
+    for curve, stiffness in _as_read(path, reading):
+        if isinstance(curve, InputError):
+            yield curve
+            continue
+        names.append(curve.name)
+        if wanted not in (None, curve.name):
+            continue
+        try:
+            yield _by_convention(_selected(curve, reading), reading, stiffness)
+        except InputError as error:
+            yield error
+    if wanted is not None and wanted not in names:
+        raise InputError(f'{path}: holds no curve "{wanted}"{did_you_mean(wanted, names)} ({", ".join(names[:SHOWN])})')
+
+
+def _as_read(path: Path, reading: Reading) -> Iterator[AsRead]:
+    """The curves by the reader of the format; of an unknown format by the second reader where the first fails."""
+    # InputError where the file describes a body or holds what was computed.
+    if path.suffix == ".toml":
+        raise InputError(f"{path}: is a case file, no measurement")
+    if path.suffix == ".h5" and path.is_file() and (kind := format_of(path)).startswith("jkr-"):
+        raise InputError(f"{path}: was written by jkr ({kind}), is no measurement")
+    inner = path.name[: -len(path.suffix)]
+    if packed(path) and inner.lower().endswith((*AFM_ENDINGS, ".zip", ".tar")):
+        raise InputError(f"{path}: is a packed {Path(inner).suffix} file: unpack it, gunzip {path.name}")
+    if packed(path) and not (reading.format != "text" and nanoscope.knows(path)):
+        return text.curves(path, reading)
+    if reading.format != "text" and nanoscope.knows(path):
+        return nanoscope.nanoscope_curves(path, reading)
+    if reading.format == "text" or (reading.format == "auto" and not path.name.endswith(AFM_ENDINGS)):
+        return _text_first(path, reading)
+    return _microscope_first(path, reading)
+
+
+def _text_first(path: Path, reading: Reading) -> Iterator[AsRead]:
+    try:
+        yield from text.curves(path, reading)
+    except (text.UnknownColumnsError, archive.NoTablesError) as error:
+        if reading.format == "text" or reading.columns or reading.units or afm.takes_any_three_columns(path):
+            raise
+        yield from _instead(afm.curves(path, reading), afm.UnreadableError, error)
+
+
+def _microscope_first(path: Path, reading: Reading) -> Iterator[AsRead]:
+    try:
+        yield from afm.curves(path, reading)
+    except afm.UnreadableError as error:
+        if reading.format == "afm" or path.suffix != ".tab":
+            raise
+        yield from _instead(text.curves(path, reading), InputError, error)
+
+
+def _instead(curves: Iterator[AsRead], unknown: type[InputError], error: InputError) -> Iterator[AsRead]:
+    """The curves by a second reader; the ``error`` of the first one where that finds the file ``unknown``, too."""
+    try:
+        yield from curves
+    except unknown:
+        raise error from None
+
+
+def _selected(curve: Curve, reading: Reading) -> Curve:
+    """The curve at the rows that ``reading`` asks for."""
+    if "segment" in reading.where:
+        word = reading.where["segment"]
+        curve = curve.only(instruments.SEGMENTS.get(word.lower(), word))
+    if reading.rows is None:
+        return curve
+    first, last = reading.rows
+    if last - first + 1 < LEAST_ROWS or last > len(curve):
+        raise InputError(f"{curve.where}: --rows {first}..{last} must be {LEAST_ROWS} or more of its {len(curve)} rows")
+    return curve.rows(np.arange(first - 1, last))
+
+
+def _by_convention(curve: Curve, reading: Reading, stiffness: float | None) -> Curve:
+    """The curve with the signs, zero points and deflection (of a device of ``stiffness`` [N/m]) of ``reading``."""
+    columns: dict[str, Any] = {}
+    for name in {*reading.flip, *reading.zero}:
+        sign, read = -1.0 if name in reading.flip else 1.0, curve.column(name, " to flip or to set to zero")
+        columns[name] = sign * read - reading.zero.get(name, 0.0)
+    converted = replace(curve, **columns)
+    if reading.contact == "estimate":
+        from .segmentation import with_zero_points
+
+        converted = with_zero_points(converted)
+    if stiffness in (None, math.inf) or converted.delta is None:
+        return of_its_device(converted)
+    if converted.P is None:
+        raise InputError(f"{curve.where}: holds no load: the device's deflection P/stiffness cannot be subtracted")
+    twice = stiffness_of_noise(converted.delta, converted.P) is not None
+    flags = (*converted.flags, SUBTRACTED_TWICE) if twice else converted.flags
+    return replace(converted, delta=converted.delta - converted.P / stiffness, stiffness=stiffness, flags=flags)

@@ -1,0 +1,233 @@
+"""Quantities of the columns of a text table and their units, by the names in its header or as the user says."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Container, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from ..base import LARGEST_SI, REMEMBERED, Array, InputError
+from ..tables import LONGEST, WORDS, TextTable, split_name, unit_power
+
+NO_UNIT = " left out: it ends in no unit of "  # in a sentence on a column
+CONTACT = tuple(WORDS["contact"])  # the keys of what every table of a contact may hold
+# one of them tells the size of the contact
+SIZES = {"a": "contact radius", "area": "contact area", "diameter": "contact diameter"}
+EXAMPLES = {"length": "um", "area": "um^2", "load": "mN", "time": "s"}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity that a column can hold: its ``meaning`` in messages, the ``dimension`` of its numbers, "" where it
+    holds words, and the ``names`` of such columns, lower case, without unit."""
+
+    meaning: str
+    dimension: str
+    names: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Vocabulary:
+    """The quantities of a kind of table by their keys. A capital A alone is an area."""
+
+    quantities: Mapping[str, Quantity]
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """The keys of the quantities that are numbers."""
+        return tuple(key for key, quantity in self.quantities.items() if quantity.dimension)
+
+    def meaning(self, key: str) -> str:
+        return self.quantities[key].meaning
+
+    def key_of(self, title: str) -> str | None:
+        """The key of a header cell, None where it names none of the quantities."""
+        name = split_name(title)[0]
+        if name == "A":
+            return "area"
+        words = _words_of(name.lower().strip())
+        return next((key for key, quantity in self.quantities.items() if words.intersection(quantity.names)), None)
+
+    def named(self, table: TextTable, key: str) -> list[int]:
+        """Columns whose name is one of those of ``key``."""
+        return [i for i, title in enumerate(table.names) if self.key_of(title) == key]
+
+    def without_unit(self, table: TextTable, key: str) -> list[str]:
+        """A sentence on each column that is named like ``key`` but for an ending that is no unit, as in "P_mn"."""
+        sentences, quantity = [], self.quantities[key]
+        for i, title in enumerate(table.names):
+            match = re.match(r"(.+?)\s*[/_]\s*([^/_\s]+)\Z", title[:LONGEST])
+            if match and self.key_of(title) is None and self.key_of(match[1]) == key:
+                sentences.append(
+                    f'column {i + 1} "{title}"{NO_UNIT}{quantity.dimension}; if it is the {quantity.meaning}: '
+                    f"--column {key}={title} --unit {key}={EXAMPLES[quantity.dimension]}"
+                )
+        return sentences
+
+    def guess(self, table: TextTable, key: str) -> int:
+        """The one column that is named like ``key``, or the one of several whose unit is one of its dimension."""
+        matches = self.named(table, key)
+        if len(matches) > 1:
+            units, wanted = {i: split_name(table.names[i])[1] for i in matches}, self.quantities[key].dimension
+            right = [i for i, unit in units.items() if (unit_power(unit) or ("",))[0] == wanted]
+            matches = right if len(right) == 1 and all(units.values()) else matches
+        if len(matches) == 1:
+            return matches[0]
+        reason = "no column is" if not matches else f"{len(matches)} columns are"
+        raise InputError(
+            f"{table.path}: {reason} recognised as the {self.meaning(key)}: say which, --column {key}=NAME "
+            f"({table.choice})"
+        )
+
+    def in_si(self, table: TextTable, key: str, index: int, unit: str | None = None) -> Array:
+        """The values of a column in SI, by ``unit`` or that of its header: 100 um is exactly 1e-4 m."""
+        if unit is None:
+            table.refuse_contradicted(index)
+        values, power = table.numbers(index), self._power(table, key, index, unit)
+        beyond = np.abs(values) > LARGEST_SI
+        if beyond.any():
+            line, value = table.lines[beyond][0], values[beyond][0]
+            raise InputError(
+                f"{table.path}: line {line}: {self.meaning(key)} must be up to {LARGEST_SI:g}, got {value:g}"
+            )
+        return values * 10.0**power if power > 0 else values / 10.0**-power
+
+    def _power(self, table: TextTable, key: str, index: int, unit: str | None) -> int:
+        dimension = self.quantities[key].dimension
+        unit = unit or split_name(table.names[index])[1]
+        where = f"{table.path}: {table.titled(index)} ({self.meaning(key)})"
+        example = EXAMPLES[dimension]
+        if not unit:
+            raise InputError(f"{where} names no unit: give --unit {key}={example}, or write it into the header")
+        parsed = unit_power(unit)
+        if parsed is None or parsed[0] != dimension:
+            raise InputError(f'{where}: the unit must be one of {dimension}, such as {example}, got "{unit}"')
+        return parsed[1]
+
+
+def vocabulary(kind: str) -> Vocabulary:
+    """The quantities of a ``kind`` of table, "measured" or "computed": those of a contact by more names, and others."""
+    entries, also = WORDS["contact"] | WORDS[kind]["more"], WORDS[kind]["also"]
+    names = {key: [*entry["names"], *also.get(key, ())] for key, entry in entries.items()}
+    return Vocabulary({key: Quantity(**entry | {"names": names[key]}) for key, entry in entries.items()})
+
+
+def with_units(
+    table: TextTable, units: Mapping[str, str], keys: Container[str]
+) -> tuple[TextTable, dict[str, str], list[str]]:
+    """The table with the ``units`` of columns, by name or number, in its header; the units of quantities, which are
+    left; and a sentence on each unit of the header that another one takes the place of. ``keys``: of quantities."""
+    names, flags = list(table.names), []
+    for name, unit in units.items():
+        if name in keys:
+            continue
+        index = table.called(name, f"--unit {name}={unit}")
+        names[index] = f"{split_name(table.names[index])[0]} [{unit}]"
+        flags += overruled(table, index, unit)
+    quantity_units = {name: unit for name, unit in units.items() if name in keys}
+    return replace(table, names=tuple(names)), quantity_units, flags
+
+
+def overruled(table: TextTable, index: int, unit: str) -> list[str]:
+    """A flag on a ``unit`` in place of another one of the header; none where they are the same or that has none."""
+    header_unit = split_name(table.names[index])[1]
+    if header_unit in ("", unit):
+        return []
+    return [f"{table.titled(index)} read in {unit} as told, its header says {header_unit}"]
+
+
+def check_chosen(table: TextTable, chosen: Mapping[str, int]) -> None:
+    """Refuse two columns for the size of the contact, and one column for two quantities."""
+    if len(sizes := [name for key, name in SIZES.items() if key in chosen]) > 1:
+        raise InputError(f"{table.path}: give a column for the {' or for the '.join(sizes[:2])}, not for both")
+    if len(set(chosen.values())) < len(chosen):
+        raise InputError(f"{table.path}: one column cannot be two quantities, got {table.listed(chosen)}")
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _words_of(name: str) -> frozenset[str]:
+    """What may name the quantity of a column called ``name``, in lower case."""
+    # The variable in the name of an Abaqus history, "RF:RF2 PI: TOOL-1 N: 1" or "_temp_1 RF2".
+    return frozenset(
+        {
+            name,
+            re.split(r"[:\s]", name)[0],
+            name.rsplit(":", 1)[-1].strip(),
+            *re.findall(r"(?:\A|:)\s*([a-z]+\d?)(?=\s|\Z)", name),
+        }
+    )
+
+
+# --------------------------------------------------------------------------------------------------
+# Rows of a growing contact whose columns fall here and there: by noise, or because they are in another order.
+#
+# A radius, displacement or load that is not positive holds no contact: noise does that to the rows near first touch,
+# and an outlier to a row by itself.
+
+
+@dataclass(frozen=True)
+class NoisyRowsTuning:
+    """What noise does not do to the order of rows."""
+
+    fewest: int = 8  # choice: rows; of fewer none can be spared
+    # rank correlation of a column with the rows; tuned on imported tables, by `make constants`: 10 % noise on 15 rows
+    # leaves more
+    ordered: float = 0.85
+    # tuned on imported tables, by `make constants`: of the rows, those near first touch that noise may hide, and those
+    # of outliers
+    hidden: float = 0.1
+
+    @property
+    def window(self) -> int:
+        """Rows among which outliers alone hide one."""
+        return round(1 / self.hidden)
+
+    @property
+    def dense(self) -> float:
+        """Share of hidden rows near first touch, two of a window; noise of the load alone leaves 0.3."""
+        return 2 / self.window
+
+
+TUNING = NoisyRowsTuning()
+
+
+def is_noise(size: Array, delta: Array, P: Array) -> bool:
+    """Whether rows in contact rise on the whole, so that falls of radius (or area), displacement, load are noise.
+
+    Rows that are unloading at the end, repeat a displacement only, or stand in another order are no noise.
+    """
+    if size.size < TUNING.fewest or not all(_rises(column) for column in (size, delta, P)):
+        return False
+    hidden = (delta <= 0) | (P <= 0)
+    first = near_first_touch(hidden)
+    if max(first, hidden[first:].sum()) - 1 >= TUNING.hidden * size.size:
+        return False
+    falls = np.stack([np.diff(column) < 0 for column in (size, delta, P)])
+    return bool(falls.any()) and not _unloads(falls)
+
+
+def near_first_touch(hidden: Array) -> int:
+    """Number of rows in contact that lie near first touch: up to the last ``hidden`` one, (n,), that stands among
+    enough others, of all rows and of those just before it."""
+    n, before = np.arange(1, hidden.size + 1), np.concatenate([[0], np.cumsum(hidden)])
+    near = np.maximum(n - TUNING.window, 0)
+    share = np.minimum(before[n] / n, (before[n] - before[near]) / (n - near))
+    return int(np.max(np.flatnonzero(hidden & (share >= TUNING.dense)), initial=-1)) + 1
+
+
+def _rises(column: Array) -> bool:
+    """Whether the ranks of a column (n,) follow its rows, but for the few that lie farthest off: those of outliers."""
+    ranks, rows = np.argsort(np.argsort(column, kind="stable"), kind="stable"), np.arange(column.size)
+    most = column.size - int(TUNING.hidden * column.size)
+    followed = np.argsort(np.abs(ranks - rows), kind="stable")[:most]
+    return float(np.corrcoef(rows[followed], ranks[followed])[0, 1]) > TUNING.ordered
+
+
+def _unloads(falls: Array) -> bool:
+    """Whether all falls (columns, steps) are those of all columns together, at the end."""
+    together: Array = np.all(falls, axis=0)
+    last = int(np.argmin(together[::-1]))  # steps at the end in which all fall
+    return last > 0 and not falls[:, : falls.shape[1] - last].any()

@@ -1,0 +1,771 @@
+"""What the data say of every rival of a raw record's model, by one step of Gauss and Newton each.
+
+Residuals r, the Jacobian J and the column c of a rival are weighted by the spectrum of the noise in the free rows. With
+r' and c' what is left of them beyond the columns of J, the rival takes (c' r')^2/c'^2 from chi^2, one degree of freedom
+where the model holds; its amount is -c' r'/c'^2 with the standard error 1/|c'|, and the unknowns move by -J+ c per
+amount. That detects, and does not name: rivals that take nearly as much of the misfit as the best are named together.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+
+import numpy as np
+from scipy.special import fdtrc
+
+from ..base import MOST_SOLVES, MOST_STEPS, TINY, UNSEEN, Array, JkrError, SolveError
+from ..bodies import GEL_TENSION
+from .alternatives import (
+    AMOUNT,
+    LONG,
+    RANGE,
+    RIVALS,
+    TENSION,
+    Change,
+    FittedRecord,
+    Rival,
+    RivalModel,
+    amount_of_range,
+    amount_of_tension,
+    columns,
+    neck,
+)
+from .alternatives import RECORD_CHANGE_TUNING as CHANGES
+from .alternatives import RECORD_RIVAL_ADHESION_TUNING as ADHESION
+from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
+from .least_squares import COLOURED_TUNING as COLOURED
+from .least_squares import STATISTICS_TUNING as STATISTICS
+from .least_squares import Spectrum, frequencies, in_time, t_quantile, waves
+
+DETECTED, EXCLUDED, UNDECIDED = "asked for by the data", "excluded", "cannot be told"
+
+
+@dataclass(frozen=True)
+class ScoreTuning:
+    """When a rival is detected, and when it is excluded."""
+
+    chance: float = 0.01  # choice: of any rival being detected in data of the model itself
+    moves: float = 0.5  # choice: of its error, by which E* or w must move
+    matters: float = 0.02  # choice: relative change of E* and w, below which a rival is excluded
+    tied: float = 9.0  # choice: of chi^2, three standard errors: rivals nearer are named together or not at all
+    near: float = 0.5  # choice: of the misfit that the best takes, the same: one step is of first order
+    over: float = 1.25  # choice: of what is possible, up to which an amount may come out: the same
+    normal: float = 1.96  # theory: 95 % of a normal value
+    alike: float = 0.9  # choice: correlation of what is left of two columns, from which they are named together
+    # rows about a fold, that no fall of chi^2 counts; tuned on right records, by `make record-rivals`
+    beside: float = 1.5
+
+
+TUNING = ScoreTuning()
+
+
+@dataclass(frozen=True)
+class Score:
+    """What the data say of one rival, by its ``name`` and ``family``; ``amount_is``: what its ``amount`` is, in words.
+
+    ``error``: standard error of the amount, infinite where no row determines it; ``chance`` of as much from noise;
+    ``taken`` from chi^2, and the ``share`` of all that is; ``E_star``, ``w``: by how much their logarithms move per
+    amount. ``least, known``: the amounts that are likely before the data; ``word``: DETECTED, EXCLUDED or UNDECIDED;
+    ``quantile``: half-width of intervals, in standard errors.
+    """
+
+    name: str
+    family: str
+    amount_is: str
+    of_directions: bool
+    amount: float
+    error: float
+    chance: float
+    taken: float
+    share: float
+    E_star: float
+    w: float
+    least: float
+    known: float
+    word: str
+    quantile: float = TUNING.normal
+
+    def change(self, rate: float) -> float:
+        """Relative change, with the amount, of a quantity whose logarithm moves by ``rate`` per amount."""
+        return math.expm1(min(self.amount * rate, 700.0))
+
+    def moved(self, rate: float) -> float:
+        """How far a quantity may be off, relative, that moves by ``rate`` per amount: by the amount and its error, at
+        the level of the intervals, where the rival is detected; else by the largest that the data and what is known
+        leave."""
+        if self.word == DETECTED and math.isfinite(self.error):
+            return abs(rate) * (abs(self.amount) + self.quantile * self.error)
+        return abs(rate) * self.most if rate else 0.0
+
+    @property
+    def most(self) -> float:
+        """The largest amount that is known to be possible and not excluded by the data."""
+        if math.isinf(self.error):
+            return self.known
+        room = self.quantile * self.error
+        interval = (self.amount - room, self.amount + room)
+        return max(abs(min(max(end, self.least), self.known)) for end in interval)
+
+
+@dataclass(frozen=True)
+class RecordRivals:
+    """The ``scores`` of a record, and among them those that are ``named``: detected, and explaining the misfit about as
+    well as the best one, which is the first. ``misfit``: chi^2 of the weighted residuals over their degrees of freedom
+    ``dof``; ``loose``: free rows that the noise is estimated from, 0 where they are too few."""
+
+    scores: tuple[Score, ...]
+    named: tuple[Score, ...]
+    misfit: float
+    dof: int
+    loose: int
+
+    @property
+    def families(self) -> tuple[str, ...]:
+        """The families of those that are named, the likeliest first."""
+        return tuple(dict.fromkeys(one.family for one in self.named))
+
+    @property
+    def chance(self) -> float:
+        """That noise makes as much of any rival as of the best one."""
+        return min(1.0, len(self.scores) * min((one.chance for one in self.scores), default=1.0))
+
+    def worst(self, quantity: str) -> tuple[str, float] | None:
+        """The rival that may move "E_star" or "w" most, and by how much, relative: of the named, where some are."""
+        moves = {one.name: one.moved(getattr(one, quantity)) for one in self.named or self.scores}
+        name = max(moves, key=lambda key: moves[key], default="")
+        return (name, moves[name]) if name and moves[name] > 0 else None
+
+
+@dataclass(frozen=True)
+class FittedRival:
+    """A rival fitted in full: by how much chi^2 ``falls``, the ``chance`` that the noise of the free rows leaves as
+    much, whether it is ``taken``; E* [Pa], w [J/m^2], and its own ``quantities``, SI, by name."""
+
+    name: str
+    family: str
+    falls: float
+    chance: float
+    taken: bool
+    E_star: float
+    w: float
+    quantities: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The ``rivals`` of a record and what a formula of the half-space makes of its deepest row: ``formula`` by name and
+    its ``E_star`` [Pa], None where the tip has no radius. ``fitted``: rivals that were fitted in full, best first; if
+    the first is taken it is the model of the answer, and those ``tied`` with it, taken too, cannot be distinguished.
+    """
+
+    rivals: RecordRivals
+    formula: str
+    E_star: float | None
+    fitted: tuple[FittedRival, ...] = ()
+
+    @property
+    def tied(self) -> tuple[FittedRival, ...]:
+        """Those that are taken, the best one first."""
+        return tuple(one for one in self.fitted if one.taken)
+
+    @property
+    def families(self) -> tuple[str, ...]:
+        """The families that are named: of those that are tied, else of those that one step names."""
+        return tuple(dict.fromkeys(one.family for one in self.tied)) or self.rivals.families
+
+
+def rivals_of_record(record: FittedRecord) -> RecordRivals:
+    """The scores of all rivals of a fit."""
+    by_rival, rows, J = columns(record), regular_rows(record), record.jacobian
+    table = np.column_stack([record.residuals, J, *by_rival.values()])
+    weighted, loose = _weighted(record, table, rows)
+    own, c = weighted[:, 1 : 1 + J.shape[1]], weighted[:, 1 + J.shape[1] :]
+    scale, Q, triangle = _factors(own)
+    r, beyond = (x - Q @ (Q.T @ x) for x in (weighted[:, 0], c))
+    sizes = np.linalg.norm(beyond, axis=0)
+    unit = beyond / np.maximum(sizes, TINY)  # c'/|c'|
+    along = r @ unit
+    moves = -np.linalg.lstsq(triangle, Q.T @ c, rcond=None)[0] / scale[:, None]
+    dof, misfit = max(int(np.count_nonzero(rows)) - J.shape[1], 1), float(r @ r)
+    dofs = _noise_dofs(record.fit, unit)
+    evidence = zip(sizes.tolist(), along.tolist(), np.linalg.norm(c, axis=0).tolist(), dofs,
+                   _chances(record, unit, rows, along**2, dofs).tolist(), strict=True)  # fmt: skip
+    scores = [
+        _score(record, rival, _Evidence(*items, len(by_rival), misfit), _rates(record.fit, move))
+        for rival, items, move in zip(by_rival, evidence, moves.T, strict=True)
+    ]
+    return RecordRivals(tuple(scores), _named(scores, unit), misfit, dof, loose)
+
+
+@dataclass(frozen=True)
+class _Evidence:
+    """What the rows say of one of ``rivals``: |c'|, c' r'/|c'|, |c|, degrees of freedom of the noise, and the chance of
+    what it takes from the ``misfit``, chi^2 in all."""
+
+    size: float
+    along: float
+    whole: float
+    dof: float
+    chance: float
+    rivals: int
+    misfit: float
+
+
+def _score(record: FittedRecord, rival: Rival, by: _Evidence, rates: tuple[float, float]) -> Score:
+    """The score of a rival that moves the logs of E* and w at these ``rates`` per amount."""
+    most, quantile, (low, high) = rival.likely_in(record), record.known.quantile, rival.limits
+    labels, likely = (rival.name, rival.family, rival.amount, rival.of_directions), (max(low, -most), most)
+    if by.size <= UNSEEN * by.whole:
+        return Score(*labels, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, *likely, UNDECIDED, quantile)
+    amount, error, taken = -by.along / by.size, 1 / by.size, by.along**2
+    room = TUNING.normal * error
+    detected = (
+        TUNING.over * low - room <= amount <= TUNING.over * high + room
+        and by.chance * by.rivals < TUNING.chance
+        and any(abs(rate * amount) > TUNING.moves * own
+                for rate, own in zip(rates, relative_errors(record.fit), strict=True))
+    )  # fmt: skip
+    end = abs(amount) + t_quantile(0.95, round(by.dof)) * error
+    excluded = max(map(abs, rates)) * end < TUNING.matters
+    word = DETECTED if detected else EXCLUDED if excluded else UNDECIDED
+    share = taken / max(by.misfit, taken)
+    return Score(*labels, amount, error, by.chance, taken, share, *rates, *likely, word, quantile)
+
+
+def _noise_dofs(fit: ForceCurveFit, unit: Array) -> list[float]:
+    """The degrees of freedom of the noise at the frequencies of each ``unit`` column: waves of the free rows in each
+    octave, of which a share has as much of the variance, at least one."""
+    if not fit.spread.noise.slow:
+        return [fit.spread.dof] * unit.shape[1]
+    edges = _octaves(len(unit))
+    share = np.add.reduceat(unit**2, edges, axis=0)
+    counts = np.maximum(np.diff(np.append(edges, len(unit))) * fit.spread.dof / len(unit), 1)
+    share = np.maximum((share**2 / counts[:, None]).sum(axis=0), 1 / max(fit.spread.dof, 1.0))
+    return (1 / share).tolist()
+
+
+def _octaves(n: int) -> Array:
+    """The first of ``n`` frequencies of each octave."""
+    return np.append(0, 2 ** np.arange(math.ceil(math.log2(n))))
+
+
+def _chances(record: FittedRecord, unit: Array, rows: Array, taken: Array, dofs: Sequence[float]) -> Array:
+    """The chances that noise makes one number more, along each ``unit`` column, take as much of chi^2: the mean over
+    the spectra that are possible, each of which raises it as much as the column is slow."""
+    possible, noise = record.fit.spread.possible, record.fit.spread.noise
+    if possible is None:
+        return np.array(fdtrc(1, dofs, taken))
+    power = waves(in_time(unit, record.model.rows[rows], noise)) ** 2
+    edges, f = _octaves(len(power)), frequencies(len(power))[:, None]
+    energy = np.add.reduceat(power, edges, axis=0)
+    centre = np.add.reduceat(f * power, edges, axis=0) / np.maximum(energy, TINY)
+    raised = possible.of_waves(centre, energy) / noise.A
+    chances = fdtrc(1, np.array(dofs), taken / np.maximum(raised, TINY))
+    mean: Array = possible.chance @ chances
+    return mean
+
+
+def chance_of(fit: ForceCurveFit, taken: float) -> float:
+    """The chance that noise makes one number more take as much of chi^2."""
+    return float(fdtrc(1, max(fit.spread.dof / fit.spread.tau, 1.0), max(taken, 0.0)))
+
+
+def misfit_left(record: FittedRecord, rows: Array) -> tuple[float, int, int]:
+    """chi^2 of what a fit leaves on some ``rows``, its degrees of freedom, and how many rows the noise is estimated
+    from."""
+    J = record.jacobian
+    weighted, loose = _weighted(record, np.column_stack([record.residuals, J]), rows)
+    _, Q, _ = _factors(weighted[:, 1:])
+    r = weighted[:, 0] - Q @ (Q.T @ weighted[:, 0])
+    return float(r @ r), max(int(np.count_nonzero(rows)) - J.shape[1], 1), loose
+
+
+def misfit_of(record: FittedRecord, rows: Array, noise: Spectrum) -> float:
+    """chi^2 of some ``rows``, in units of a ``noise``, as a fit to all of them leaves it: those at folds hold its folds
+    where they are."""
+    r = record.residuals[rows]
+    r = noise.whitened(in_time(r, record.model.rows[rows], noise) if noise.slow else r)
+    return float(r @ r)
+
+
+def common_rows(record: FittedRecord, other: FittedRecord) -> Array:
+    """Which rows of a fit an ``other`` has, too, but for those at the fold of either."""
+    return off_folds(record) & np.isin(record.model.rows, other.model.rows[off_folds(other)])
+
+
+def off_folds(record: FittedRecord) -> Array:
+    """Which rows are not right at the fold that a stretch jumps at: there the load rises with a root of the distance,
+    so that a fold misplaced by less than from row to row leaves many times the noise, in a model that is right."""
+    rows = []
+    for part, (a, _) in zip(record.model.stretches, record.radii, strict=True):
+        fold = part.z[a > 0].min() if part.jumped and (a > 0).any() else math.inf
+        rows.append(np.abs(part.z - fold) > TUNING.beside * part.spacing)
+    return np.concatenate(rows)
+
+
+def regular_rows(record: FittedRecord) -> Array:
+    """Which rows columns are trusted in: none next to a fold or first touch, where they diverge."""
+    rows = []
+    for part, (a, _) in zip(record.model.stretches, record.radii, strict=True):
+        z, touching = part.z, a > 0
+        first = z[touching].min() if touching.any() else math.inf
+        span = max(CHANGES.fold * part.reach, 2 * part.spacing)
+        rows.append(~touching | (z > first + span) if part.jumped else np.abs(z - first) > span)
+    return np.concatenate(rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Linearised:
+    """A fit with its derivatives in units of the noise, for steps of models that differ a little, on some ``rows``.
+    ``x``: its unknowns where the derivatives of chi^2 vanish, as they need not in the fit itself, at the kink of a
+    fold; ``left``: chi^2 left there."""
+
+    record: FittedRecord
+    rows: Array
+    x: Array
+    scale: Array
+    Q: Array
+    triangle: Array
+    left: float
+
+    @classmethod
+    def of(cls, record: FittedRecord, rows: Array | None = None) -> Linearised:
+        rows = np.ones(record.residuals.size, dtype=bool) if rows is None else rows
+        weighted = record.model.whitened(record.jacobian * rows[:, None], record.fit.spread.noise)
+        at_fit = cls(record, rows, record.fit.x, *_factors(weighted), 0.0)
+        step, left = at_fit.step(record.residuals)
+        return replace(at_fit, x=record.fit.x - step, left=left)
+
+    @cached_property
+    def inverse(self) -> Array:
+        """The unknowns in their lengths by what is along ``Q``: rows that are left out may determine one alone."""
+        inverse: Array = np.linalg.pinv(self.triangle, rcond=len(self.triangle) * np.finfo(float).eps)
+        return inverse
+
+    def step(self, residuals: Array) -> tuple[Array, float]:
+        """What the unknowns are to fall by for ``residuals`` [N] of all rows, and chi^2 of what is left then."""
+        r = self.record.model.whitened(residuals * self.rows, self.record.fit.spread.noise)
+        along = self.Q.T @ r
+        return self.inverse @ along / self.scale, float(r @ r - along @ along)
+
+    def size(self, step: Array) -> float:
+        """The size of a step, in standard errors of white noise."""
+        return float(np.linalg.norm(self.triangle @ (self.scale * step)))
+
+
+def _factors(own: Array) -> tuple[Array, Array, Array]:
+    """Lengths of the model's own columns, and Q and R of these over them."""
+    scale = np.maximum(np.linalg.norm(own, axis=0), TINY)
+    return (scale, *np.linalg.qr(own / scale))
+
+
+def _named(scores: Sequence[Score], unit: Array) -> tuple[Score, ...]:
+    """Those that are detected and take nearly as much as the best, or whose ``unit`` column is much like its own."""
+    detected = [i for i, one in enumerate(scores) if one.word == DETECTED]
+    if not detected:
+        return ()
+    detected.sort(key=lambda i: -scores[i].taken)
+    best = detected[0]
+    least, alike = least_taken(scores[best].taken), np.abs(unit.T @ unit[:, best]) > TUNING.alike
+    return tuple(scores[i] for i in detected if scores[i].taken >= least or alike[i])
+
+
+def least_taken(most: float) -> float:
+    """What a rival takes from chi^2 at least that is named beside the one that takes ``most``."""
+    return min(most - TUNING.tied, TUNING.near * most)
+
+
+def _rates(fit: ForceCurveFit, moves: Array) -> tuple[float, float]:
+    """Changes of the logs of E* and w with ``moves`` of the unknowns."""
+    by = dict(zip(fit.names, moves, strict=True))
+    return float(by.get("ln_s", 0.0)), float(sum(rate * by.get(name, 0.0) for name, rate in _by_unknown(fit).items()))
+
+
+def _by_unknown(fit: ForceCurveFit) -> dict[str, float]:
+    """Derivatives of ln w of the last direction whose w is above its error, by the unknowns: w = s q = s r^2."""
+    for part in reversed(fit.model.stretches):
+        for name, power in ((f"q:{part.kind}", 1.0), (f"r:{part.kind}", 2.0)):
+            if name in fit.names and fit.value(name) > TUNING.normal * fit.error(name):
+                return {name: power / fit.value(name), "ln_s": 1.0}
+    return {}
+
+
+def relative_errors(fit: ForceCurveFit) -> tuple[float, float]:
+    """Relative standard errors of E* and w, infinite where they are not determined."""
+    E = fit.error("ln_s") if "ln_s" in fit.names else math.inf
+    rates = _by_unknown(fit)
+    by = np.array([rates.get(name, 0.0) for name in fit.names])
+    return E, math.sqrt(max(float(by @ fit.covariance @ by), 0.0)) if rates else math.inf
+
+
+def _weighted(record: FittedRecord, table: Array, rows: Array) -> tuple[Array, int]:
+    """The ``rows`` of a ``table`` in units of the noise of the free rows, so that noise has unit variance and no
+    colour; from how many rows it is estimated, 0 where they are too few."""
+    noise, loose = record.fit.spread.noise, sum(part.size for part in record.model.free(table[:, 0]))
+    ordered = in_time(table[rows], record.model.rows[rows], noise) if noise.slow else table[rows]
+    return noise.whitened(ordered), loose if loose >= COLOURED.free else 0
+
+
+# --------------------------------------------------------------------------------------------------
+# The best rivals of each family, fitted in full where the data ask for them, and the one that is taken.
+#
+# The best one is taken where its misfit is lower than that of the plain model by more than ``SCORES.tied``, in chi^2,
+# and what it leaves is no more than the noise of the free rows. Those within as much of it cannot be distinguished.
+
+
+@dataclass(frozen=True)
+class FullTuning:
+    """Which rivals are fitted in full, and when one is taken."""
+
+    each: int = 3  # choice: of a family, its best by one step, which does not always name the right one
+    steps: int = 20  # choice: guard, of a search that only finds out which rivals are worth a fit
+    promising: float = 1.5  # choice: of the least sum of squares, up to which a rival is fitted to the end
+    # choice: of how far adhesion deforms the body, ranges that are tried below endless ones
+    ranges: tuple[float, ...] = (32.0, 8.0, 4.0, 2.83, 2.0, 1.41, 1.0, 0.71)
+    # choice: 2 tension/E* over the contact radius, those tried: the largest of which the first order holds, and smaller
+    skins: tuple[float, ...] = (0.1, 0.05, 0.025, 0.0125, 0.006, 0.003, 0.0015)
+    leaning: float = 1.0  # theory: fall of chi^2 by a number that means nothing, from which on one that nobody
+    # described counts
+    halves: int = 2  # choice: bisections between the largest amount that the data leave and the next one
+    # choice: standard errors by one step, up to the shortest of these, from which on none is; of 85 made
+    # records that were left one, of Tabor numbers 0.15 to 1, the most was 3.5
+    excluded: float = 6.0
+    about: float = 0.5  # choice: standard errors, by which what a range does to a fit may be off
+    falling: float = 2.0  # choice: of the step to come, by which chi^2 may still fall
+    still: float = 0.02  # choice: standard errors, below which a step is the last one
+    slow: float = 0.3  # choice: of w of the retraction, the least w of a slow edge to start from where none advanced
+    settled: float = 0.1  # choice: standard errors of the modulus, by which the last round may move it
+
+
+RECORD_FULL_TUNING = FullTuning()
+Moves = tuple[float, float, float]  # rises of chi^2 and of the logs of E* and w
+
+
+@dataclass(frozen=True, eq=False)
+class RivalFit:
+    """A rival fitted in full: its one-step ``score``; ``chance``: that the noise of the free rows leaves as much, where
+    no row is next to a fold; ``falls``: how much lower chi^2 is than without, on the rows of both that are off the
+    folds, in units of the noise without."""
+
+    score: Score
+    fit: ForceCurveFit
+    chance: float
+    falls: float
+
+    @property
+    def passes(self) -> bool:
+        return self.fit.ended and self.chance > STATISTICS.improbable
+
+    def taken(self, best: RivalFit) -> bool:
+        """Whether the ``best`` one rejects the model without and this one leaves about as little, as noise would."""
+        return self.passes and best.falls > TUNING.tied and self.falls > best.falls - TUNING.tied
+
+
+@np.errstate(all="ignore")
+def bounded(record: FittedRecord, rivals: RecordRivals) -> RecordRivals:
+    """The rivals, of which those that are likely before the data move E* and w by what a fit with as much of them as
+    is possible does: one step trusts no row next to a fold. ``record``: the fit without."""
+    if rivals.named:
+        return rivals
+    scores = [_bounded(record, score) for score in rivals.scores]
+    named = next((_with_alike(one, scores) for one in scores if one.word == DETECTED), ())
+    return replace(rivals, scores=tuple(scores), named=named)
+
+
+def _bounded(record: FittedRecord, score: Score) -> Score:
+    change = _effect(record, score) if score.most > 0 or score.name in (RANGE.name, TENSION.name) else None
+    if not isinstance(change, Change):
+        return score
+    if score.name not in (RANGE.name, TENSION.name):
+        return _at_most(Linearised.of(record), change, score)
+    tried = _Amounts(Linearised.of(record, off_folds(record)), change)
+    return _of_ranges(tried, score) if score.name == RANGE.name else _of_tension(tried, score)
+
+
+def _with_alike(best: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
+    """The ``best``, and those that take nearly as much of the misfit, though they see fewer rows."""
+    limits, least = {rival.name: rival.limits for rival in RIVALS}, least_taken(best.taken)
+    others = [one for one in scores if one is not best and one.taken > least]
+    return (best, *(one for one in others if limits[one.name][0] <= one.amount <= limits[one.name][1]))
+
+
+def _effect(record: FittedRecord, score: Score) -> Change | Array | None:
+    return next(rival for rival in RIVALS if rival.name == score.name).effect(record)
+
+
+def _at_most(near: Linearised, change: Change, score: Score) -> Score:
+    """The score with the moves at the largest amount that is possible."""
+    end = _followed(near, _with_amount(near.record, change, score.most))
+    E, w = (math.nan, math.nan) if end is None else _moves(near, end[1])
+    return replace(score, E_star=E / score.most, w=w / score.most) if math.isfinite(E + w) else score
+
+
+@dataclass(frozen=True, eq=False)
+class _Amounts:
+    """What the data say of those amounts of a ``change`` that were tried, ``near`` the fit without: by how much chi^2
+    and the logs of E* and w rise, None where the data exclude it for certain, by three standard errors, or where steps
+    do not settle; ``ends``: the unknowns of those that are left."""
+
+    near: Linearised
+    change: Change
+    moves: dict[float, Moves | None] = field(default_factory=dict)
+    ends: dict[float, Array] = field(default_factory=dict)
+
+    @property
+    def left(self) -> dict[float, Moves]:
+        """The moves at those that are left."""
+        return {amount: moves for amount, moves in self.moves.items() if moves is not None}
+
+    def at(self, amount: float) -> Moves | None:
+        """The moves at an amount, from where those below lead."""
+        model = _with_amount(self.near.record, self.change, amount)
+        end = _followed(self.near, model, TUNING.tied, RECORD_FULL_TUNING.about, self._begin(amount))
+        moves = None if end is None else (end[0], *_moves(self.near, end[1]))
+        self.moves[amount] = None
+        if end is not None and moves is not None and moves[0] < TUNING.tied and np.isfinite(moves).all():
+            self.moves[amount], self.ends[amount] = moves, end[1]
+        return self.moves[amount]
+
+    def _begin(self, amount: float) -> Array:
+        """Unknowns at an amount on the straight line through the two below; as without, where none is left next to it:
+        another valley may begin there."""
+        points = [(0.0, self.near.x)]
+        for less in sorted(less for less in self.moves if less < amount):
+            points = [*points, (less, self.ends[less])] if less in self.ends else points[:1]
+        (first, x), (last, y) = points[-2:][0], points[-1]
+        return y + (y - x) * ((amount - last) / (last - first)) if last > first else y
+
+
+def _of_ranges(tried: _Amounts, score: Score) -> Score:
+    """The score with the moves at ranges up to the longest that there may be."""
+    for amount in sorted({*_ranges(tried.near.record, score)}):
+        tried.at(amount)
+    return _of_amounts(tried, score)
+
+
+def _of_tension(tried: _Amounts, score: Score) -> Score:
+    """The same of surface tensions up to the largest that is known, or the usual one where the data lean to any: by
+    more than can be chance."""
+    record, known = tried.near.record, tried.near.record.known.tension
+    most, least, leans = amount_of_tension(record, known or GEL_TENSION), 0.0, False
+    for amount in sorted(
+        {min(most, RECORD_FULL_TUNING.skins[0]), *(amount for amount in RECORD_FULL_TUNING.skins if amount < most)}
+    ):
+        moves = tried.at(amount)
+        rises = moves is not None and moves[0] > least
+        least = least if moves is None else min(least, moves[0])
+        leans = bool(known) or -least > RECORD_FULL_TUNING.leaning or _by_chance(record, -least)
+        if (moves is None and len(tried.moves) > 1) or (rises and not leans):
+            break  # no larger one is left either, or takes more
+    return _of_amounts(tried, score) if leans else score
+
+
+def _by_chance(record: FittedRecord, taken: float) -> bool:
+    """Whether so much of chi^2 is more than chance takes with any of the rivals."""
+    return chance_of(record.fit, taken) < TUNING.chance / len(RIVALS)
+
+
+def _of_amounts(tried: _Amounts, score: Score) -> Score:
+    """The score with the largest moves at those amounts ``tried`` that the data leave, where they leave none, at
+    smaller ones, each half of the last; it is detected where one takes enough of the misfit. Those beyond the interval
+    count by the chord to it, as moves may grow steeply there."""
+    within, least = score.quantile**2, min(tried.moves)
+    for _ in range(MOST_STEPS):
+        if any(moves[0] < within for moves in tried.left.values()):
+            break
+        tried.at(least := least / 2)
+    else:
+        return score
+    end = max(amount for amount, moves in tried.left.items() if moves[0] < within)
+    beyond = min((amount for amount in tried.moves if amount > end), default=0.0)
+    for _ in range(RECORD_FULL_TUNING.halves * (beyond > 0)):
+        middle = math.sqrt(end * beyond)
+        moves = tried.at(middle)
+        end, beyond = (end, middle) if moves is None or moves[0] > within else (middle, beyond)
+    possible, record = tried.left, tried.near.record
+    best = min(possible, key=lambda amount: possible[amount][0])
+    taken = -possible[best][0]
+    chance = chance_of(record.fit, taken)
+    if _by_chance(record, taken):
+        return replace(_moving(score, best, possible[best][1:]), amount=best, word=DETECTED, chance=chance, taken=taken)
+    chords = [min(1.0, score.quantile / math.sqrt(max(moves[0], TINY))) * np.abs(moves[1:])
+              for moves in possible.values()]  # fmt: skip
+    moving = _moving(score, end, np.max(chords, axis=0).tolist())
+    return replace(moving, amount=best * (taken > 0), chance=chance, taken=max(taken, 0.0))
+
+
+def _ranges(record: FittedRecord, score: Score) -> list[float]:
+    """Amounts of ranges to try, from the longest that there may be down to the one that is likely before the data;
+    where one step excludes all that are longer, up to what it leaves for certain."""
+    longest, deep, shortest = record.known.range, neck(record), RECORD_FULL_TUNING.ranges[-1] * neck(record)
+    certain = max(score.amount, 0.0) + RECORD_FULL_TUNING.excluded * score.error
+    if amount_of_range(record, shortest) > certain:
+        return [min(score.known, certain)]
+    known = [longest] * (shortest < longest < ADHESION.endless * deep)
+    ranges = [*known, *(r * deep for r in (ADHESION.endless, *RECORD_FULL_TUNING.ranges) if r * deep < longest)]
+    amounts = [amount_of_range(record, z0) for z0 in ranges]
+    return [*amounts, *[score.known] * (score.known < min(amounts, default=math.inf))]
+
+
+def _moves(near: Linearised, x: Array) -> tuple[float, float]:
+    """By how much the logs of E* and w differ at the unknowns ``x``; where w falls its relative change, which has an
+    end: w may come to 0."""
+    model = near.record.model
+    here, there = (model.values(one) for one in (near.x, x))
+    E = there["ln_s"] - here["ln_s"]
+    if not near.record.work:
+        return E, 0.0
+    old, new = (max(0.0, *(one[f"q:{part.kind}"] for part in model.stretches)) for one in (here, there))
+    rise = (new * math.exp(E) - old) * math.exp(here["ln_s"]) / near.record.work
+    return E, math.log1p(rise) if rise > 0 else rise
+
+
+def _moving(score: Score, amount: float, moves: Sequence[float]) -> Score:
+    """The score of a rival that ``moves`` the logs of E* and w at an ``amount``."""
+    E, w = (float(move) / amount for move in moves)
+    word = UNDECIDED if max(map(abs, moves)) > TUNING.matters else EXCLUDED
+    return replace(score, amount=0.0, error=math.inf, known=amount, E_star=E, w=w, word=word)
+
+
+def _with_amount(record: FittedRecord, change: Change, amount: float) -> RivalModel:
+    """The model with an amount of a change that is known."""
+    return replace(RivalModel.of(record.model, change), known={**record.model.known, AMOUNT: amount})
+
+
+def _followed(
+    near: Linearised,
+    model: RivalModel,
+    most: float = math.inf,
+    still: float = RECORD_FULL_TUNING.still,
+    begin: Array | None = None,
+) -> tuple[float, Array] | None:
+    """By how much chi^2 rises in a ``model`` whose change is known, and its unknowns, by steps with the derivatives of
+    the fit without, down to ``still`` standard errors, from ``begin`` on, else from that fit; None where they do not
+    settle, or come to a contact that is nowhere stable, or chi^2 will not fall to about ``most``."""
+    x, size, excess = near.x if begin is None else begin, math.inf, math.inf
+    with contextlib.suppress(SolveError, ArithmeticError):  # unknowns that no row determines may go anywhere
+        for _ in range(MOST_STEPS):
+            step, left = near.step(model.off(x, 0.0))
+            before, size, x, excess = size, near.size(step), x - step, left - near.left
+            if not (size < before and excess < most + RECORD_FULL_TUNING.falling * size):
+                return None
+            if size < still:
+                break
+        return excess, x
+    return None
+
+
+@np.errstate(all="ignore")
+def fitted_in_full(record: FittedRecord, fresh: ForceCurveModel, rivals: RecordRivals) -> tuple[RivalFit, ...]:
+    """The best of each family, by how much the misfit falls, those that pass first; ``fresh``: the model of the
+    record before its fit left any row out."""
+    fresh, begun = replace(fresh, family=record.model.family), []
+    for score in _likeliest(rivals):
+        with contextlib.suppress(JkrError):  # what cannot be solved is not taken
+            if isinstance(change := _effect(record, score), Change):
+                begun.append((*_roughly(record, fresh, change, score.amount), change, score))
+    most = RECORD_FULL_TUNING.promising * min((cost for cost, *_ in begun), default=0.0)
+    fits = []
+    for cost, x, change, score in begun:
+        if cost <= most:
+            with contextlib.suppress(JkrError):
+                fits.append(_in_full(record, RivalModel.of(fresh, change), x, score))
+    return tuple(sorted(fits, key=lambda one: (not one.passes, -one.falls)))
+
+
+def _likeliest(rivals: RecordRivals) -> Iterator[Score]:
+    """Those of each family that one step takes most from the misfit with: it detects, so that neither sign nor size of
+    an amount that is not small says much. The range of adhesion stands for a long one, which has a column alone."""
+    detected = [one for one in rivals.scores if one.taken > TUNING.tied or one in rivals.named]
+    ranked = sorted(detected, key=lambda one: -one.taken)
+    of_range = next((one for one in rivals.scores if one.name == RANGE.name), None)
+    for family in dict.fromkeys(one.family for one in ranked):
+        best = [one for one in ranked if one.family == family][: RECORD_FULL_TUNING.each]
+        yield from dict.fromkeys((of_range or one) if one.name == LONG.name else one for one in best)
+
+
+def _roughly(record: FittedRecord, fresh: ForceCurveModel, change: Change, amount: float) -> tuple[float, Array]:
+    """About the least misfit with a ``change``, and its unknowns: from the best of its starts and what one step asks
+    for, and from the best that the body suggests at each of these."""
+    low, high = change.limits.get(AMOUNT, (-math.inf, math.inf))
+    starts = dict.fromkeys([(min(max(amount, low), high), *change.starts[0][1:]), *change.starts])
+    model = RivalModel.of(fresh, change)
+    x = _unknowns(record, model, record.fit.x)
+    plain, new = [np.append(x, start) for start in starts], [[*_new(record, model, start)] for start in starts]
+    groups = [plain, *new]
+    if change.coupled and change.log_changes is not None:
+        groups = [[start] for start in _valleys(record, model, starts)]
+    if change.loads is not None or change.loads_back is not None:  # of histories, which have several minima
+        groups = [[start] for group in ([plain] if change.loads_back is None else new) for start in group]
+    searches = []
+    for group in filter(None, groups):
+        with contextlib.suppress(JkrError):  # others may come to an end
+            searches.append(rough(model, min(group, key=partial(misfit_at, model)), RECORD_FULL_TUNING.steps))
+    if not searches:
+        raise SolveError("no curve with this change resembles the record")
+    return min(searches, key=lambda one: one[0])
+
+
+def _valleys(record: FittedRecord, model: RivalModel, starts: Iterable[tuple[float, ...]]) -> Iterator[Array]:
+    """Unknowns to start from with those of the fit without as an amount would have them, at those amounts that leave no
+    more than the ones next to them."""
+    near, starts = Linearised.of(record, off_folds(record)), sorted(starts)
+    ends = [
+        _followed(near, _with_amount(record, model.change, start[0]), still=RECORD_FULL_TUNING.about)
+        for start in starts
+    ]
+    left = np.array([math.inf, *(math.inf if end is None else end[0] for end in ends), math.inf])
+    lowest = left[1:-1] <= np.minimum(left[:-2], left[2:])
+    for start, end, low in zip(starts, ends, lowest, strict=True):
+        if end is not None and low:
+            yield np.append(_unknowns(record, model, end[1]), start)
+
+
+def _unknowns(record: FittedRecord, model: RivalModel, x: Array) -> Array:
+    """The unknowns of a ``model`` but its change's as they are at ``x``, those that were known at what they were."""
+    values = record.model.values(x)
+    roots = {f"r:{part.kind}": math.sqrt(max(values[f"q:{part.kind}"], 0.0)) for part in model.stretches}
+    own = [name for name in model.names if name not in model.change.names]
+    return np.array([({"turn": 0.0} | roots | values)[name] for name in own])
+
+
+def _new(record: FittedRecord, model: RivalModel, start: tuple[float, ...]) -> Iterator[Array]:
+    """Unknowns about an amount to ``start`` from, as its body suggests."""
+    if model.change.loads_back is not None:
+        x, i = _unknowns(record, model, record.fit.x), model.names.index(f"q:{model.stretches[-1].kind}")
+        x[i] = max(record.values[f"q:{model.stretches[0].kind}"], RECORD_FULL_TUNING.slow * x[i])
+        yield np.append(x, start)
+    if model.change.model is None or model.change.coupled:
+        return
+    values = {**record.values, **dict(zip(model.change.names, start, strict=True))}
+    with contextlib.suppress(JkrError):
+        yield from (np.append(x, start) for x in starts_of(model.followed(model.stretches[-1], values)))
+
+
+def _in_full(record: FittedRecord, model: RivalModel, x: Array, score: Score) -> RivalFit:
+    full = fit(model, x, near=True)
+    if (without := windowed(full)) is not full.model:
+        full = fit(without, full.x, near=True)
+    here = FittedRecord(record.body, settled(full))
+    misfit, dof, loose = misfit_left(here, regular_rows(here))
+    chance = float(fdtrc(dof, max(loose, 1), misfit / dof))
+    noise = record.fit.spread.noise  # for all rivals: misfit that is slow may pass for noise of the fit's own
+    plain = misfit_of(record, common_rows(record, here), noise)
+    falls = plain - misfit_of(here, common_rows(here, record), noise)
+    return RivalFit(score, here.fit, chance, falls)
+
+
+def settled(full: ForceCurveFit) -> ForceCurveFit:
+    """The fit whose change, where it is made about one, is made about itself."""
+    for _ in range(MOST_SOLVES):
+        model, before = full.model, full
+        if not isinstance(model, RivalModel) or model.change.recentred is None or AMOUNT not in full.names:
+            break
+        full = fit(RivalModel.of(model, model.change.recentred(full)), full.x, near=True)
+        if abs(full.value("ln_s") - before.value("ln_s")) < RECORD_FULL_TUNING.settled * full.error("ln_s"):
+            break
+    return full

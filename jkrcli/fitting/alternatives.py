@@ -1,0 +1,1272 @@
+"""The rivals of a raw record: what the model leaves out, each as the change of all loads that a little of it makes.
+
+``RIVALS`` is the list: an entry is a name, its family, what its amount is, its effect, and how much of it is likely
+before the data. The effect is a change of the model, or a column alone: the derivative of the loads [N] by the amount,
+at fixed positions of the device. The data are asked for each by its score (``record_scores``).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property, lru_cache, partial
+from typing import Any, cast
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.special import ndtri
+
+from ..adhesion import LIMITS, Nonadhesive, Program, RelaxingContact
+from ..adhesion.validity import EXCESS, STRAINED
+from ..base import MOST_STEPS, REMEMBERED, SAME, SETTLED, UNSEEN, Array, InputError, JkrError, SolveError
+from ..bodies import HalfSpace, Layer, Loading, PowerRelaxation, Relaxation, Rigid, Specimen, StandardSolid, unbounded
+from ..data import APPROACH
+from ..methods.radii import DENSE
+from .force_curve import SLOW_EDGE_TUNING as SLOW_EDGE
+from .force_curve import (
+    DirectionReadings,
+    ForceCurveFit,
+    ForceCurveModel,
+    base_line,
+    creep,
+    hysteresis,
+    load_at,
+    receding,
+)
+from .forward_model import ATTRACTED_TUNING as ATTRACTED
+from .forward_model import Changes, DeviceBranch, Family, FittedBody, Rest, grid, on_grid, rest, solved
+
+# --------------------------------------------------------------------------------------------------
+# A rival in full: the model of a raw record with an amount of what it leaves out as one more unknown, or two.
+#
+# A ``Change`` says what an amount does to the body, the device or the positions of a stretch; ``RivalModel`` is the
+# model with it, whose search, covariance and result are those of any record. Derivatives by what a change depends on
+# are differences.
+
+AMOUNT, ANY = "amount", (-math.inf, math.inf)
+Values = Mapping[str, float]  # of all unknowns, by name
+Loads = Callable[[ForceCurveModel, DirectionReadings, Values], Array]  # [N], of all rows of a stretch
+
+
+@dataclass(frozen=True)
+class ChangeTuning:
+    """Differences by amounts, and how far rivals are followed."""
+
+    little: float = 1e-3  # theory: relative amounts whose squares are below the noise of any record
+    step: float = 1e-5  # theory: relative, for one-sided differences of loads that are good to 1e-9; of histories more
+    # choice: a small amount: below it, and below such a share of the largest w, steps are no smaller; of the largest
+    # contact radius, the ring of attraction and the length of a surface tension at which columns are taken
+    small: float = 1e-2
+    largest: float = 6.0  # choice: amount up to which rivals are searched where theory sets no limit
+    beyond: float = 1.5  # choice: over the largest depth or contact radius of a record, where changed bodies end
+    fold: float = 0.02  # choice: of the way in contact, rows left out about folds and before the loss of a slow edge
+
+
+RECORD_CHANGE_TUNING = ChangeTuning()
+LITTLE = RECORD_CHANGE_TUNING.little
+
+
+@dataclass(frozen=True, eq=False)
+class ChangedFamily(Family):
+    """A family whose four logs differ by ``changes`` (4, nodes) from those of a ``body``, on its grid; beyond it they
+    differ as at its ends."""
+
+    body: Family | None = None
+    changes: Array = field(default_factory=lambda: np.empty(0))
+
+    @cached_property
+    def spline(self) -> CubicSpline:
+        assert self.body is not None
+        return CubicSpline(grid(self.body), self.changes.T)
+
+    def at(self, u: Array) -> tuple[Array, Array, Array]:
+        near = np.clip(u, self.spline.x[0], self.spline.x[-1])
+        return _changed(super().at(u), *(self.spline(near, order).T for order in range(3)))
+
+    def at_nodes(self, u: Array) -> tuple[Array, Array, Array]:
+        assert self.body is not None
+        return _changed(on_grid(self.body), self.changes, *_rates(self.changes, float(u[1] - u[0])))
+
+
+def _changed(
+    functions: tuple[Array, Array, Array], g: Array, first: Array, second: Array
+) -> tuple[Array, Array, Array]:
+    """Functions f e^g and their two derivatives by u, from those of f and of ``g``."""
+    value, by_u, by_uu = functions
+    factor = np.exp(g)
+    return (
+        factor * value, factor * (by_u + first * value),
+        factor * (by_uu + 2 * first * by_u + (second + first**2) * value),
+    )  # fmt: skip
+
+
+def _rates(g: Array, step: float) -> tuple[Array, Array]:
+    """Two derivatives of rows at even nodes, of fourth order but at the two of each end."""
+    near, far = slice(1, -3), slice(3, -1)
+    first = (8 * (g[:, far] - g[:, near]) - g[:, 4:] + g[:, :-4]) / (12 * step)
+    second = (16 * (g[:, far] + g[:, near]) - g[:, 4:] - g[:, :-4] - 30 * g[:, 2:-2]) / (12 * step**2)
+    ends = np.clip(np.arange(-2, g.shape[1] - 2), 0, first.shape[1] - 1)
+    return first[:, ends], second[:, ends]
+
+
+def changed_family(family: Family, changes: Array) -> Family:
+    """The family whose logs of D, T, H, V differ by ``changes`` (4, n) on its grid."""
+    if not np.isfinite(changes).all():
+        raise SolveError("no body has curves that differ so much")
+    return ChangedFamily(family.logs, family.low, family.high, None, family, changes)
+
+
+def interpolated(u: Array, changes: Array) -> Changes:
+    """``changes`` (4, n) at logs ``u`` of the radius as a function of it; constant beyond the ends."""
+    return lambda at: np.stack([np.interp(at, u, row) for row in changes])
+
+
+def of_body(family: Family, D: Array, S: Array) -> Array:
+    """Changes of the logs of D, T, H, V (4, n) on the grid of a body whose logs of displacement and stiffness change by
+    ``D`` and ``S`` there: P_H = int S d(delta_H), and adhesion follows from S'."""
+    u = grid(family)
+    (d, t, _, v), (dD, dT, _, dV), _ = on_grid(family)
+    s, ds = v / t, v / t * (dV / v - dT / t)
+    dS = np.exp(S) * (ds + s * np.gradient(S, u, edge_order=2))
+    rate = s * np.exp(S + D) * (dD + d * np.gradient(D, u, edge_order=2))
+    T = np.log(ds / dS) / 2
+    return np.stack([D, T, np.log(_integral(u, rate) / _plain_integral(family)), S + T])
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _plain_integral(family: Family) -> Array:
+    """The load without adhesion by the same integral."""
+    (_, t, _, v), (dD, _, _, _), _ = on_grid(family)
+    return _integral(grid(family), v / t * dD)
+
+
+def _integral(u: Array, rate: Array) -> Array:
+    """The integral of a ``rate`` over even nodes ``u``, a power law's up to the first: by cubics through values and
+    derivatives (Euler and Maclaurin)."""
+    step, log = float(u[1] - u[0]), np.log(rate[:2])
+    by_u = _rates(rate[None], step)[0][0]
+    cells = step / 2 * (rate[1:] + rate[:-1]) - step**2 / 12 * np.diff(by_u)
+    integral: Array = np.cumsum(np.append(rate[0] * step / (log[1] - log[0]), cells))
+    return integral
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """What an amount of a rival does to the model of a record. One of
+
+    - ``log_changes``: changes of the logs of D, T, H, V of the body of a stretch (4, n) on its grid, None for none;
+    - ``model``: the model that a stretch follows, from the plain one, where more changes or bodies are shared;
+    - ``shift``: what the positions of a stretch are off [m];
+    - ``loads``: loads of a stretch [N] in place of those of the path, without adhesion;
+    - ``loads_back``: the same of the last stretch alone, with adhesion;
+
+    as functions of the stretch and of the values of all unknowns. ``starts``: values of the unknowns ``names`` to begin
+    a search with; ``limits``: their least and largest; ``quantities``: what they mean, SI, by name. ``coupled``:
+    whether the change depends on the other unknowns too. ``recentred``: the change about a fit that it led to, where it
+    is made about one. ``column``: the derivative of all loads [N] by the amount, where it is not that at 0.
+    """
+
+    starts: tuple[tuple[float, ...], ...] = ((0.0,),)
+    names: tuple[str, ...] = (AMOUNT,)
+    limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    model: Callable[[ForceCurveModel, DirectionReadings, Values], ForceCurveModel] | None = None
+    log_changes: Callable[[ForceCurveModel, DirectionReadings, Values], Array | None] | None = None
+    shift: Callable[[DirectionReadings, Values], Array] | None = None
+    loads: Loads | None = None
+    loads_back: Loads | None = None
+    coupled: bool = False
+    quantities: Callable[[Values], dict[str, float]] = lambda values: {AMOUNT: values[AMOUNT]}
+    recentred: Callable[[ForceCurveFit], Change] | None = None
+    column: Array | None = None
+
+    def followed(self, plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
+        """The model that a stretch follows in place of the ``plain`` one."""
+        if self.model is not None:
+            return self.model(plain, part, values)
+        changes = None if self.log_changes is None else self.log_changes(plain, part, values)
+        return plain if changes is None else replace(plain, family=changed_family(plain.family, changes))
+
+
+def change_of_body(
+    changes: Callable[[Family, float], Array], limits: tuple[float, float] = ANY, *, last: bool = False
+) -> Change:
+    """The change of the body by ``changes`` (4, n) of its logs at an amount; of the ``last`` stretch or of all."""
+    changed = lru_cache(maxsize=2)(changes)
+    body = lru_cache(maxsize=2)(lambda family, amount: changed_family(family, changed(family, amount)))
+
+    def log_changes(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> Array | None:
+        return None if last and part is not plain.stretches[-1] else changed(plain.family, values[AMOUNT])
+
+    def model(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
+        if last and part is not plain.stretches[-1]:
+            return plain
+        return replace(plain, family=body(plain.family, values[AMOUNT]))
+
+    return Change(limits={AMOUNT: limits}, log_changes=log_changes, model=model)
+
+
+def _before_loss(part: DirectionReadings) -> DirectionReadings:
+    """A stretch without the rows in contact next to its loss, which a slow edge runs through within a few of them."""
+    if not part.touching.any():
+        return part
+    lost = float(part.z[part.touching].min())
+    keep = ~part.touching | (part.z > lost + max(RECORD_CHANGE_TUNING.fold * part.reach, 2 * part.spacing))
+    return replace(part, **{name: getattr(part, name)[keep] for name in ("rows", "z", "P", "touching", "t")})
+
+
+def _inputs(model: ForceCurveModel) -> dict[str, Any]:
+    """What a model is made from, without its change."""
+    return {item.name: getattr(model, item.name) for item in fields(ForceCurveModel)}
+
+
+@dataclass(frozen=True, eq=False)
+class RivalModel(ForceCurveModel):
+    """The model of a record with a ``change``."""
+
+    change: Change = Change()
+
+    @classmethod
+    def of(cls, plain: ForceCurveModel, change: Change) -> RivalModel:
+        """The ``plain`` model, of a rival or not, with a change in place of its own."""
+        inputs = _inputs(plain)
+        if change.loads is not None:  # which knows no adhesion
+            inputs["works"] = {part.kind: 0.0 for part in plain.stretches}
+        if change.loads_back is not None:
+            inputs["stretches"] = (*plain.stretches[:-1], _before_loss(plain.stretches[-1]))
+        return cls(**inputs, change=change)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        return (*super().names, *(name for name in self.change.names if name not in self.known))
+
+    @property
+    def limits(self) -> Mapping[str, tuple[float, float]]:
+        return {**super().limits, **self.change.limits}
+
+    def further(self, values: Values) -> dict[str, float]:
+        return self.change.quantities(values)
+
+    @cached_property
+    def _plain(self) -> ForceCurveModel:
+        """The model without the change."""
+        return ForceCurveModel(**_inputs(self))
+
+    @cached_property
+    def _followed(self) -> dict[object, ForceCurveModel]:
+        return {}
+
+    def followed(self, part: DirectionReadings, values: Values) -> ForceCurveModel:
+        """The plain model that a stretch follows, remembered."""
+        key = part.kind, *(values[name] for name in (values if self.change.coupled else self.change.names))
+        if key not in self._followed:
+            if len(self._followed) >= REMEMBERED:
+                self._followed.clear()
+            self._followed[key] = self.change.followed(self._plain, part, values)
+        return self._followed[key]
+
+    def branch(self, part: DirectionReadings, values: Values) -> DeviceBranch:
+        return self.followed(part, values).branch(part, values)
+
+    def rest(self, part: DirectionReadings, values: Values) -> Rest | None:
+        return self.followed(part, values).rest(part, values)
+
+    def depth(self, part: DirectionReadings, values: Values) -> Array:
+        depth = super().depth(part, values)
+        return depth if self.change.shift is None else depth + self.change.shift(part, values)
+
+    def evaluated(self, x: Array, blunt: float) -> tuple[Array, Array]:
+        off, rates = super().evaluated(x, blunt)
+        for i, name in enumerate(self.names):
+            if name in self.change.names or (self.change.coupled and name.startswith(("ln_s", "q:", "r:", "z0"))):
+                step = (RECORD_CHANGE_TUNING.step if self.change.loads is None else LITTLE) * self._unit(
+                    name, float(x[i])
+                )
+                step = -step if x[i] + step > self.limits.get(name, (0.0, math.inf))[1] else step
+                rates[:, i] = (self.off(x + step * (np.arange(x.size) == i), blunt) - off) / step
+        return off, rates
+
+    def _unit(self, name: str, x: float) -> float:
+        """The size of an unknown that is ``x``."""
+        if name == "z0":
+            return max(part.reach for part in self.stretches)
+        return max(abs(x), RECORD_CHANGE_TUNING.small * (self.most if name.startswith(("q:", "r:")) else 1.0))
+
+    def _load(self, part: DirectionReadings, values: Values, blunt: float) -> Array:
+        loads = self._in_place_of_path(part)
+        return super()._load(part, values, blunt) if loads is None else loads(self, part, values)
+
+    def _contact(self, part: DirectionReadings, values: Values, blunt: float) -> tuple[Array, dict[str, Array]]:
+        loads = self._in_place_of_path(part)
+        return super()._contact(part, values, blunt) if loads is None else (loads(self, part, values), {})
+
+    def _in_place_of_path(self, part: DirectionReadings) -> Loads | None:
+        return self.change.loads or (self.change.loads_back if part is self.stretches[-1] else None)
+
+
+# --------------------------------------------------------------------------------------------------
+# A fitted record: radii, loads and positions of its rows, and how a change of the model changes its loads.
+#
+# Columns are derivatives of the loads P of all rows at fixed positions z of the device. As delta = z - P/k, a change
+# dP at fixed displacement delta is dP (1 - P'/k) at fixed position, P' the derivative of the load by the position.
+
+
+@dataclass(frozen=True)
+class Known:
+    """What the user knows before the data: the longest ``range`` of adhesion [m], inf where nothing is, and the largest
+    surface ``tension`` [N/m], 0 where nothing is; and the ``level`` of intervals."""
+
+    range: float = math.inf
+    tension: float = 0.0
+    level: float = 0.95
+
+    @property
+    def quantile(self) -> float:
+        """Half-width of intervals, in standard errors."""
+        return float(ndtri((1 + self.level) / 2))
+
+
+@dataclass(frozen=True, eq=False)
+class FittedRecord:
+    """The ``fit`` of a record of a ``body``, and what is ``known`` besides, as rivals need them."""
+
+    body: FittedBody
+    fit: ForceCurveFit
+    known: Known = Known()
+
+    @property
+    def model(self) -> ForceCurveModel:
+        return self.fit.model
+
+    @cached_property
+    def values(self) -> Values:
+        """All unknowns, by name."""
+        return self.model.values(self.fit.x)
+
+    @property
+    def residuals(self) -> Array:
+        """Residuals [N] of all rows."""
+        return self.model.residuals(self.fit.x, 0.0)[0]
+
+    @property
+    def jacobian(self) -> Array:
+        """Their derivatives by the unknowns, (rows, unknowns)."""
+        return self.model.residuals(self.fit.x, 0.0)[1]
+
+    def by_unknown(self, name: str) -> Array:
+        """The column of the Jacobian that belongs to an unknown."""
+        return self.jacobian[:, self.fit.names.index(name)]
+
+    @cached_property
+    def retraction(self) -> DirectionReadings | None:
+        return next((part for part in self.model.stretches if part.kind != APPROACH), None)
+
+    @cached_property
+    def radii(self) -> list[tuple[Array, Array]]:
+        """Contact radius [m] of the rows of each stretch, and which of them rest."""
+        return [self.model.contact_radii(part, self.values) for part in self.model.stretches]
+
+    def radii_of(self, part: DirectionReadings) -> tuple[Array, Array]:
+        """The same of one stretch."""
+        return self.radii[self.model.stretches.index(part)]
+
+    @cached_property
+    def a(self) -> Array:
+        """Contact radius [m] of all rows, 0 where they are free."""
+        return np.concatenate([a for a, _ in self.radii])
+
+    @cached_property
+    def a_max(self) -> float:
+        """Largest contact radius [m]."""
+        return float(self.a.max())
+
+    @cached_property
+    def modulus(self) -> float:
+        """Factor of the body's moduli."""
+        return math.exp(self.values["ln_s"])
+
+    @property
+    def E_star(self) -> float:
+        """E* of the body as fitted [Pa]."""
+        return self.modulus * self.body.problem.E_star
+
+    @cached_property
+    def work(self) -> float:
+        """The largest w of the directions [J/m^2], 0 where none adheres."""
+        return max(0.0, *(self.values[f"q:{part.kind}"] for part in self.model.stretches)) * self.modulus
+
+    @cached_property
+    def nonadhesive(self) -> tuple[Array, Array]:
+        """Load [N] of all rows at their contact radii without adhesion, and the contact stiffness there [N/m]."""
+        _, T, H, V = self.model.family.at(np.log(np.maximum(self.a, LITTLE**2 * self.a_max)))[0]
+        touching = self.modulus * (self.a > 0)
+        return touching * H, touching * V / T
+
+    @cached_property
+    def loads(self) -> Array:
+        """Loads of the contact [N] at all rows, of the model."""
+        lines = np.concatenate([base_line(part, self.values)[0] for part in self.model.stretches])
+        loads: Array = np.concatenate([part.P for part in self.model.stretches]) + self.residuals - lines
+        return loads
+
+    @cached_property
+    def depth(self) -> Array:
+        """Position of the device beyond its zero [m], at all rows."""
+        return np.concatenate([self.model.depth(part, self.values) for part in self.model.stretches])
+
+    @cached_property
+    def by_position(self) -> Array:
+        """P', the derivative of the loads by the position of the device [N/m], its turn where it is."""
+        return self.model.by_position(self.fit.x)
+
+    @cached_property
+    def at_fixed_position(self) -> Array:
+        """1 - P'/k: a change of load at fixed position over that at fixed displacement."""
+        return 1 - self.by_position / self.model.k
+
+    def by_changes(self, changes: Array) -> Array:
+        """Derivative of the loads [N] by an amount of ``changes`` (4, n) of the logs of D, T, H, V on the grid."""
+        each = interpolated(grid(self.model.family), changes)
+        return self.model.by_body(self.fit.x, [each] * len(self.model.stretches))
+
+    def towards(self, other: Family, amount: float) -> Array:
+        """Derivative of the loads by an amount, ``amount`` of which makes the body that of the ``other`` family."""
+        return self.by_changes(log_ratio(other, self.model.family) / amount)
+
+    def column(self, change: Change) -> Array:
+        """Derivative of the loads by the amount of a change, at 0 unless the change has a column of its own."""
+        if change.column is not None:
+            return change.column
+        model = RivalModel.of(self.model, change)
+        x = np.concatenate([self.fit.x, [LITTLE, *change.starts[0][1:]]])
+        if change.log_changes is None:
+            return (model.off(x, 0.0) - self.residuals) / LITTLE
+        u, values = grid(self.model.family), model.values(x)
+        each = [change.log_changes(model, part, values) for part in model.stretches]
+        return self.model.by_body(self.fit.x, [None if g is None else interpolated(u, g / LITTLE) for g in each])
+
+    @cached_property
+    def reach(self) -> float:
+        """How far the device moves in contact [m]."""
+        return max(part.reach for part in self.model.stretches)
+
+    @cached_property
+    def duration(self) -> float:
+        """How long the record lasts [s]."""
+        return self.model.stretches[0].lasting
+
+    @cached_property
+    def tip_turn(self) -> float:
+        """Where the tip turns [m], beside z0: at the device's turn less its deflection there."""
+        part = self.model.stretches[0]
+        i = int(np.argmax(part.z))
+        line = base_line(part, self.values)[0][i]
+        return part.turn - float(part.P[i] - line) / self.model.k
+
+    def rows(self, part: DirectionReadings, chosen: Array | bool = True) -> Array:
+        """Which rows of all are those of one stretch that are ``chosen``."""
+        return np.concatenate([np.full(one.P.size, chosen if one is part else False) for one in self.model.stretches])
+
+    def time(self, part: DirectionReadings) -> Array:
+        """Time since the turn, in units of a whole record; by the number of rows where no column tells it."""
+        if min(float(np.ptp(one.t)) for one in self.model.stretches) > 0:
+            return np.abs(part.t) / self.duration
+        return np.abs(part.rows - part.rows[-1]) / sum(float(np.ptp(one.rows)) for one in self.model.stretches)
+
+
+def log_ratio(other: Family, family: Family) -> Array:
+    """Logs (4, n) of D, T, H, V of an ``other`` body over a ``family``'s, on its grid; constant where one ends."""
+    inside = np.clip(grid(family), max(family.low, other.low), min(family.high, other.high))
+    ratio: Array = np.log(other.at(inside)[0] / family.at(inside)[0])
+    return ratio
+
+
+# --------------------------------------------------------------------------------------------------
+# Rivals of adhesion in a raw record: w over the contact radius or over the speed of the edge, and adhesion of a
+# range.
+#
+# With r = sqrt(w/s) the contact has delta = D - r T and P = s (H - r V): a change of w is one of the logs of T and V.
+
+
+@dataclass(frozen=True)
+class AdhesionRivalTuning:
+    """Which ranges and laws of w are searched."""
+
+    longest: float = 10e-9  # choice: [m], range of adhesion that is likely; of molecules a nanometre, of hairs more
+    # choice: Tabor numbers, to begin with: chi^2 has two valleys over the range, the longer one about a factor 1.4 wide
+    tabor: tuple[float, ...] = (3.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 0.06, 0.03)
+    endless: float = 400.0  # choice: of how far adhesion deforms the body, a range from which on no longer one differs
+    narrow: float = 0.5  # choice: of the contact radius, a ring between narrow and wide
+    every: int = 7  # choice: of the nodes of a grid, at which rings are solved: splines between are good to 1e-5
+    settled: float = 1e-4  # theory: such a step by Newton's method, whose errors are squared: the next is below 1e-9
+    # choice: rise of w at the usual speed of the edge and power of the speed, to begin with
+    speeds: tuple[tuple[float, float], ...] = ((0.3, 0.3), (0.3, 0.8), (1.0, 0.3), (1.0, 0.8))
+    powers: tuple[float, float] = (0.1, 1.5)  # choice: of the speed of the edge, that are searched; measured 0.1 to 1
+
+
+RECORD_RIVAL_ADHESION_TUNING = AdhesionRivalTuning()
+POWER = "n"
+
+
+def work_over_radius(record: FittedRecord) -> Change | None:
+    """ln w of the last direction rises by the amount times (a_max - a)/(a_max - a_min): T and V by half of it. The w of
+    the record is then that at a_min, at pull-off."""
+    a = record.radii[-1][0]
+    if not record.work or not (a > 0).any():
+        return None
+    a_max, a_min = record.a_max, float(a[a > 0].min())
+
+    def changes(family: Family, amount: float) -> Array:
+        place = (a_max - np.exp(grid(family))) / max(a_max - a_min, LITTLE * a_max)
+        half, zero = amount / 2 * np.maximum(place, -1.0), np.zeros_like(place)
+        return np.stack([zero, half, zero, half])
+
+    name, most = f"q:{record.model.stretches[-1].kind}", RECORD_CHANGE_TUNING.largest
+    quantities = lambda values: {"w": values[name] * math.exp(values["ln_s"] + values[AMOUNT])}  # noqa: E731
+    return replace(change_of_body(changes, (-most, most), last=True), quantities=quantities)
+
+
+def work_over_speed(record: FittedRecord) -> Change | None:
+    """w of the retraction over the speed v of its edge. The column is that of w (v/v_m)^amount, dP/d(ln w) ln(v/v_m)
+    with v_m the median; in full w = w0 (1 + amount (v/v_m)^n)."""
+    part = record.retraction
+    name = "" if part is None else f"q:{part.kind}"
+    if part is None or name not in record.fit.names:
+        return None
+    a, rests = record.radii_of(part)
+    moves = (a > 0) & ~rests
+    if (speeds := _log_speeds(part.z[moves], a[moves])) is None:
+        return None
+    median, logs = speeds
+    log = np.zeros(record.a.size)
+    log[record.rows(part, moves)] = logs
+    return replace(_gent_schultz(math.exp(median)), column=record.by_unknown(name) * record.values[name] * log)
+
+
+def _log_speeds(z: Array, a: Array) -> tuple[float, Array] | None:
+    """Logs of the speed of the edge over that of the device, da/dz as the device moves evenly: their median, and those
+    of all rows less it; None where no position has a neighbour on either side."""
+    positions, rows = np.unique(z, return_index=True)  # readings of a position repeat
+    if positions.size < 3:
+        return None
+    log = np.log(np.maximum(np.abs(np.gradient(a[rows], positions)), 1e-9))
+    median = float(np.median(log))
+    return median, np.interp(z, positions, log - median)
+
+
+def _gent_schultz(typical: float) -> Change:
+    """w = w0 (1 + amount (v/v_m)^n) of the retraction, v_m the ``typical`` speed of its edge over the device's."""
+
+    def loads(model: ForceCurveModel, part: DirectionReadings, values: Values) -> Array:
+        s, q = math.exp(values["ln_s"]), max(values[f"q:{part.kind}"], LITTLE**3 * model.most)
+        turn, n = part.turn - values["z0"], values[POWER]
+        resting = rest(model.family, s, root_of(values, model.stretches[0].kind), math.sqrt(q), model.k, turn)
+        law = max(values[AMOUNT], LITTLE**2) * typical**-n, n
+        path = receding(model.family, s, q, model.k, law, resting, turn)
+        return np.where(part.touching, load_at(path, resting, turn, model.depth(part, values)), 0.0)
+
+    return Change(
+        RECORD_RIVAL_ADHESION_TUNING.speeds,
+        (AMOUNT, POWER),
+        {AMOUNT: (0.0, 1e3), POWER: RECORD_RIVAL_ADHESION_TUNING.powers},
+        loads_back=loads,
+        coupled=True,
+        quantities=lambda values: {name: values[name] for name in (AMOUNT, POWER)},
+    )
+
+
+def root_of(values: Values, kind: str) -> float:
+    """r = sqrt(w/s) of a direction."""
+    return values.get(f"r:{kind}", math.sqrt(max(values[f"q:{kind}"], 0.0)))
+
+
+def finite_range(record: FittedRecord) -> Change | None:
+    """Adhesion of the range z0: the amount is z0^2 over that of the range whose ring of attraction is narrow (Maugis,
+    J. Colloid Interface Sci. 150 (1992) 243, of a half-space; of other bodies near the edge only)."""
+    if not record.work:
+        return None
+    E_star = record.body.problem.E_star
+
+    def log_changes(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> Array | None:
+        s = math.exp(values["ln_s"])
+        w, z0 = values[f"q:{part.kind}"] * s, range_of(record, values[AMOUNT])
+        return None if w <= 0 or z0 == 0 else _maugis(plain.family, s * E_star, w, z0)
+
+    starts = tuple((amount_of_range(record, neck(record) / mu),) for mu in RECORD_RIVAL_ADHESION_TUNING.tabor)
+    most = amount_of_range(record, RECORD_RIVAL_ADHESION_TUNING.endless * neck(record))
+    return Change(
+        starts, limits={AMOUNT: (0.0, most)}, log_changes=log_changes, coupled=True,
+        quantities=lambda values: {"range": range_of(record, values[AMOUNT])},
+    )  # fmt: skip
+
+
+def likely_range(record: FittedRecord) -> float:
+    """The amount of the longest range that is known, or usual."""
+    longest = record.known.range if math.isfinite(record.known.range) else RECORD_RIVAL_ADHESION_TUNING.longest
+    return amount_of_range(record, longest) if record.work else 0.0
+
+
+def neck(record: FittedRecord) -> float:
+    """(w^2 R/E*^2)^(1/3) [m], about how far adhesion deforms the body at pull-off: the range is that over Tabor's
+    number."""
+    R = record.body.problem.indenter.tip_radius or record.a_max
+    return float((record.work**2 * R / record.E_star**2) ** (1 / 3))
+
+
+def narrow_range(record: FittedRecord) -> float:
+    """The range z0 [m] of which the ring is ``CHANGES.small`` a_max wide there: d = pi E* z0^2/(4 w)."""
+    E_star = record.body.problem.E_star
+    return math.sqrt(4 * RECORD_CHANGE_TUNING.small * record.a_max * record.work / (math.pi * record.modulus * E_star))
+
+
+def amount_of_range(record: FittedRecord, z0: float) -> float:
+    """The amount of a range [m]: in proportion to its square while it is short, and finite where it is endless."""
+    size = (z0 / narrow_range(record)) ** 2
+    return size / (1 + size / (neck(record) / narrow_range(record)) ** 2)
+
+
+def range_of(record: FittedRecord, amount: float) -> float:
+    """The range [m] of an amount."""
+    return narrow_range(record) * math.sqrt(amount / (1 - amount / (neck(record) / narrow_range(record)) ** 2))
+
+
+def _maugis(family: Family, E: float, w: float, z0: float) -> Array:
+    """Changes of the logs (4, n) of a body of E* ``E`` [Pa] whose adhesion ``w`` [J/m^2] has the range ``z0`` [m]: the
+    stress sigma = w/z0 on a ring from a to m a shifts the displacement by 2 sigma a sqrt(m^2 - 1)/E* and the load by 2
+    sigma a^2 (sqrt(m^2 - 1) + m^2 arccos(1/m)), JKR by sqrt(2 pi a w/E*) and sqrt(8 pi w E* a^3)."""
+    sigma, some = w / z0, slice(None, None, RECORD_RIVAL_ADHESION_TUNING.every)
+    a, D = np.exp(grid(family)[some]), on_grid(family)[0][0, some]
+    m = _rim(a, D, E, w, sigma)
+    root, angle = np.sqrt(m**2 - 1), np.arccos(1 / m)
+    shift = 2 * sigma * a * root / E / np.sqrt(2 * math.pi * a * w / E)
+    pull = 2 * sigma * a**2 * (root + m**2 * angle) / np.sqrt(8 * math.pi * w * E * a**3)
+    zero = np.zeros_like(a)
+    changes: Array = np.stack([zero, np.log(shift), zero, np.log(pull)]) @ _splines(grid(family).size)
+    return changes
+
+
+@lru_cache
+def _splines(size: int) -> Array:
+    """Values at ``size`` even nodes of the cubic splines through 1 at one of every ``TUNING.every`` nodes and 0 at the
+    others of these, (some, size)."""
+    nodes = np.arange(size)
+    some = nodes[:: RECORD_RIVAL_ADHESION_TUNING.every]
+    splines: Array = CubicSpline(some, np.eye(some.size))(nodes).T
+    return splines
+
+
+def _rim(a: Array, D: Array, E: float, w: float, sigma: float) -> Array:
+    """Ratio m of outer to inner radius of the ring whose stress ``sigma`` releases ``w``. With t = sqrt(m^2 - 1) and c
+    = arccos(1/m), 1 = 4 sigma^2 a/(pi E* w) (t c - m + 1) + sigma D/(pi w) (t + (m^2 - 2) c); by Newton's method for
+    the log of the right-hand side over that of m - 1, nearly straight; from its limits, of narrow rings and
+    of wide ones."""
+    own, pressed = 4 * sigma**2 / (math.pi * E * w) * a, sigma / (math.pi * w) * D
+    near = 1 / (own + (math.sqrt(128) / 3 * pressed) ** (2 / 3))
+    far = 2 / ((math.pi / 2 - 1) * own + np.sqrt(((math.pi / 2 - 1) * own) ** 2 + 2 * math.pi * pressed))
+    x = np.where(near < RECORD_RIVAL_ADHESION_TUNING.narrow, near, np.maximum(far, RECORD_RIVAL_ADHESION_TUNING.narrow))
+    for _ in range(MOST_STEPS):
+        m = 1 + x
+        root = np.sqrt(x * (2 + x))
+        angle = np.arctan(root)
+        released = own * (root * angle - x) + pressed * (root + (m**2 - 2) * angle)
+        rate = own * (m * angle / root + 1 / m - 1) + pressed * (m / root + 2 * m * angle + (m - 2 / m) / root)
+        step = -released / (x * rate) * np.log(released)
+        x *= np.exp(np.clip(step, -SLOW_EDGE.widest, SLOW_EDGE.widest))
+        if float(np.abs(step).max()) < RECORD_RIVAL_ADHESION_TUNING.settled:
+            break
+    return 1 + x
+
+
+def long_range(record: FittedRecord) -> Array | None:
+    """From JKR to adhesion that pulls from so far that it deforms nothing (Derjaguin, Muller and Toporov, J. Colloid
+    Interface Sci. 53 (1975) 314), at equal w: P = P_H(delta) - 2 pi w R. In full it is a finite range."""
+    R, k = record.body.problem.indenter.tip_radius, record.model.k
+    if R is None or not record.work:
+        return None
+    D, _, H, _ = on_grid(record.model.family)[0]
+    qs = [np.full(part.P.size, max(record.values[f"q:{part.kind}"], 0.0)) for part in record.model.stretches]
+    P_H = np.interp(record.depth - record.loads / k, D, H, left=0.0)
+    change = record.modulus * (P_H - 2 * math.pi * R * np.concatenate(qs)) - record.loads
+    column: Array = np.where(record.a > 0, change * record.at_fixed_position, 0.0)
+    return column
+
+
+# --------------------------------------------------------------------------------------------------
+# Rivals of body and tip in a raw record: layers, a modulus over the depth, profiles, slip, surface tension, strains.
+#
+# Each is another body, by how the logs of its functions D = delta_H, T, H = P_H and V of the contact radius change:
+# of tips by D, of moduli by the contact stiffness S, as dP_H = S d(delta_H).
+
+
+@dataclass(frozen=True)
+class BodyRivalTuning:
+    """Bodies of which columns are taken, and which are searched."""
+
+    thick: float = 3.0  # choice: of the largest contact radius, the layer that a half-space is compared with
+    under: tuple[float, float] = (3e-3, 0.5)  # of its thickness, radii it is solved at; theory: up to a contact of 0.44
+    decades: int = 4  # choice: such layers to a decade of thickness, so that many curves share one solve
+    neighbour: float = 0.02  # choice: of thickness and nu, for differences of two bodies
+    thin: float = 4.0  # choice: contact radii over the thickness up to which a layer is searched
+    thicknesses: tuple[float, ...] = (0.3, 1.0)  # choice: contact radii over it, to begin with
+    softest: float = -0.6  # theory: S' stays above 0 up to ``CHANGES.beyond``
+    bluntest: float = -1.5  # theory: profiles that rise, exponent 1/2
+    flattest: float = -3.0  # theory: profiles that rise up to a/R = 1
+    profiles: tuple[float, ...] = (-1.0, -0.8, 0.0)  # choice: exponents less that of a paraboloid, to begin with
+    finest: float = 4.0  # theory: of kappa, below which the expansion for small kappa is not used
+
+
+RECORD_RIVAL_BODY_TUNING = BodyRivalTuning()
+EULER = float(np.euler_gamma)
+
+
+def layer_below(record: FittedRecord) -> Change | None:
+    """A half-space as a layer on a rigid base at the depth a_max/amount."""
+    specimen, a_max = record.body.problem.specimen, record.a_max
+    if specimen.layers or specimen.radius is not None or not isinstance(specimen.base, HalfSpace):
+        return None
+    h = 10 ** (
+        round(math.log10(RECORD_RIVAL_BODY_TUNING.thick * a_max) * RECORD_RIVAL_BODY_TUNING.decades)
+        / RECORD_RIVAL_BODY_TUNING.decades
+    )
+    column = record.towards(_on_rigid(record.body, h, RECORD_RIVAL_BODY_TUNING.under[1]), a_max / h)
+    return replace(_on_base(record.body, a_max, a_max), column=column)
+
+
+def _on_rigid(body: FittedBody, h: float, most: float) -> Family:
+    """The body's half-space as a layer of thickness ``h`` [m] on a rigid base, up to ``most`` times that."""
+    specimen = body.problem.specimen
+    assert isinstance(specimen.base, HalfSpace)
+    problem = replace(unbounded(body.problem), specimen=Specimen((Layer(specimen.base.material, h),), Rigid()))
+    most = min(most, ATTRACTED.below_limit * problem.indenter.r_max / h)
+    radii = tuple((h * np.geomspace(RECORD_RIVAL_BODY_TUNING.under[0], most, DENSE)).tolist())
+    return solved(replace(problem, loading=Loading.given("radius", radii)), body.tolerance)
+
+
+def _on_base(body: FittedBody, a_max: float, h: float) -> Change:
+    """The same in full, by the curves of one thickness ``h`` [m]: those of others are the same over a/h, but for the
+    tip's shape, so that the change is made anew about what it leads to."""
+
+    @lru_cache(maxsize=1)
+    def ratios(family: Family) -> CubicSpline:
+        """Logs of D, T, H, V over those of the half-space, over ln(a/h)."""
+        layer = _on_rigid(body, h, RECORD_RIVAL_BODY_TUNING.thin)
+        u = np.linspace(layer.low, layer.high, DENSE)
+        return CubicSpline(u - math.log(h), np.log(layer.at(u)[0] / family.at(u)[0]).T)
+
+    def changes(family: Family, amount: float) -> Array:
+        spline = ratios(family)
+        log = grid(family) + math.log(max(amount, LITTLE**2) / a_max)
+        thick = np.exp(np.minimum(log - spline.x[0], 0.0))  # in proportion to a/h below
+        return thick * spline(np.clip(log, spline.x[0], spline.x[-1])).T
+
+    def recentred(fit: ForceCurveFit) -> Change:
+        return replace(_on_base(body, a_max, a_max / max(fit.value(AMOUNT), LITTLE)))
+
+    quantities = lambda values: {"thickness": a_max / max(values[AMOUNT], LITTLE**2)}  # noqa: E731
+    starts = tuple((amount,) for amount in RECORD_RIVAL_BODY_TUNING.thicknesses)
+    change = change_of_body(changes, (0.0, RECORD_RIVAL_BODY_TUNING.thin))
+    return replace(change, starts=starts, quantities=quantities, recentred=recentred)
+
+
+def thickness(record: FittedRecord) -> Change | None:
+    """h = h0 (1 + amount) of the layer in contact."""
+    return _of_layer(record, "h", "thickness")
+
+
+def poisson(record: FittedRecord) -> Change | None:
+    """nu = nu0 (1 + amount) of the layer in contact, towards 1/2 at most."""
+    return _of_layer(record, "nu", "nu")
+
+
+def _of_layer(record: FittedRecord, symbol: str, quantity: str) -> Change | None:
+    """The relative change of a quantity of the layer in contact, between bodies that are solved at even steps of it."""
+    body, step = record.body, RECORD_RIVAL_BODY_TUNING.neighbour
+    if not body.own_parameters or not body.problem.specimen.layers:
+        return None
+    name = f"{symbol}:{body.layer_names[0]}"
+    nominal = body.nominal(name)
+    most = (0.5 - UNSEEN) / nominal - 1 if symbol == "nu" else RECORD_CHANGE_TUNING.largest
+
+    def at_node(i: int) -> Family:
+        return body.with_values({name: nominal * (1 + min(i * step, most))}).family
+
+    def changes(family: Family, amount: float) -> Array:
+        i = math.floor(amount / step)
+        part = amount / step - i
+        return (1 - part) * log_ratio(at_node(i), family) + part * log_ratio(at_node(i + 1), family)
+
+    return replace(
+        change_of_body(changes, (1 / (1 + RECORD_CHANGE_TUNING.largest) - 1, most)),
+        quantities=lambda values: {quantity: nominal * (1 + values[AMOUNT])},
+        column=record.towards(at_node(-1), -step),
+    )
+
+
+def graded(record: FittedRecord) -> Change:
+    """ln S rises by the amount times a/a_max."""
+    a_max = record.a_max
+
+    def changes(family: Family, amount: float) -> Array:
+        place = np.minimum(np.exp(grid(family)) / a_max, RECORD_CHANGE_TUNING.beyond)
+        return of_body(family, np.zeros_like(place), amount * place)
+
+    return change_of_body(changes, (RECORD_RIVAL_BODY_TUNING.softest, RECORD_CHANGE_TUNING.largest))
+
+
+def exponent(record: FittedRecord) -> Change:
+    """A profile of exponent 2 + amount, as deep as the tip at a_max: ln D rises by the amount times ln(a/a_max)."""
+    log = math.log(record.a_max)
+    return replace(
+        change_of_body(
+            lambda family, amount: _of_tip(family, amount * (grid(family) - log)),
+            (RECORD_RIVAL_BODY_TUNING.bluntest, RECORD_CHANGE_TUNING.largest),
+        ),
+        starts=tuple((amount,) for amount in RECORD_RIVAL_BODY_TUNING.profiles),
+        quantities=lambda values: {"exponent": 2 + values[AMOUNT]},
+        recentred=_exponent_at_turn,
+    )
+
+
+def _exponent_at_turn(fit: ForceCurveFit) -> Change:
+    """The same about the contact radius at the turn, which follows the unknowns: its error is one of E*."""
+    part, values, model = fit.model.stretches[0], fit.model.values(fit.x), cast(RivalModel, fit.model)
+    turn, kind = part.turn, part.kind
+    start = np.log(model.branch(part, values).radii(np.array([turn - values["z0"]])))
+    (D, T, _, _), _, _ = model.followed(part, values).family.at(start)
+    deflection = (turn - values["z0"]) - (D - root_of(values, kind) * T)  # of the device [m]
+
+    def log_changes(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> Array:
+        u, root = start, root_of(values, kind)
+        for _ in range(MOST_STEPS):
+            (D, T, _, _), (dD, dT, _, _), _ = plain.family.at(u)
+            step = (D - root * T - (turn - values["z0"] - deflection)) / (dD - root * dT)
+            u = u - step
+            if abs(float(step[0])) < SETTLED:
+                break
+        return _of_tip(plain.family, values[AMOUNT] * (grid(plain.family) - u))
+
+    return replace(model.change, log_changes=log_changes, model=None, coupled=True, recentred=None)
+
+
+def quartic(record: FittedRecord) -> Change | None:
+    """From the paraboloid to the sphere of the same radius: ln D rises by the amount times (a/R)^2/3."""
+    R = record.body.problem.indenter.tip_radius
+    if R is None:
+        return None
+
+    def changes(family: Family, amount: float) -> Array:
+        return _of_tip(family, amount * np.minimum(np.exp(grid(family)) / R, 1.0) ** 2 / 3)
+
+    return change_of_body(changes, (RECORD_RIVAL_BODY_TUNING.flattest, RECORD_CHANGE_TUNING.largest))
+
+
+def _of_tip(family: Family, D: Array) -> Array:
+    """Changes of the logs (4, n) where that of the displacement alone changes by ``D``."""
+    return of_body(family, D, np.zeros_like(D))
+
+
+def no_slip(record: FittedRecord) -> Change | None:
+    """From surfaces that slide to such as do not: the amount times the logs of the latter's functions over the
+    former's."""
+    problem, sliding = record.body.problem, record.model.family
+    if problem.sticks or problem.specimen.radius is not None:
+        return None
+    stuck, u = record.body.on_surface("sticking").family, np.array([sliding.high])
+    if np.abs(np.log(stuck.at(u)[0] / sliding.at(u)[0])).max() < SAME:
+        return None
+    return change_of_body(lambda family, amount: amount * log_ratio(stuck, family))
+
+
+def tension(record: FittedRecord) -> Change | None:
+    """Surface tension Ups of a half-space, kappa = 2 Ups/E* = amount times a_max, to first order in kappa/a: delta_H
+    times 1 + 2 x (l - 1), P_H times 1 + 3 x l, S times 1 + x (l + 1), S' times 1 + x with x = kappa/(pi a) and l = ln(2
+    a/kappa) + Euler's constant."""
+    problem, a_max = record.body.problem, record.a_max
+    if problem.layers or problem.specimen.radius is not None:
+        return None
+
+    def relative(family: Family, amount: float) -> Array:
+        kappa = max(amount, LITTLE**2) * a_max
+        a = np.maximum(np.exp(grid(family)), RECORD_RIVAL_BODY_TUNING.finest * kappa)
+        x, log = kappa / (math.pi * a), np.log(2 * a / kappa) + EULER
+        return x * np.stack([2 * (log - 1), 3 * log, log + 1, np.ones_like(a)])
+
+    def functions(changes: Array) -> Array:
+        """Of D, T, H, V: T^2 goes with 1/S', V with S T."""
+        D, H, S, dS = changes
+        return np.stack([D, -dS / 2, H, S - dS / 2])
+
+    column = record.by_changes(
+        functions(relative(record.model.family, RECORD_CHANGE_TUNING.small)) / RECORD_CHANGE_TUNING.small
+    )
+    change = change_of_body(lambda family, amount: functions(np.log1p(relative(family, amount))), (0.0, 1.0))
+    unit = record.body.problem.E_star * a_max / 2
+    quantities = lambda values: {"surface_tension": unit * math.exp(values["ln_s"]) * values[AMOUNT]}  # noqa: E731
+    return replace(change, starts=((RECORD_CHANGE_TUNING.small,),), quantities=quantities, column=column)
+
+
+def amount_of_tension(record: FittedRecord, tension: float) -> float:
+    """The amount of a surface tension [N/m]."""
+    return 2 * tension / (record.E_star * record.a_max)
+
+
+def likely_tension(record: FittedRecord) -> float:
+    """The amount of the largest tension that is known."""
+    return amount_of_tension(record, record.known.tension)
+
+
+def strains(record: FittedRecord) -> Array | None:
+    """What linear theory leaves out at large strains of half-spaces, as far as it is known: at fixed displacement P_H
+    becomes P_H/(1 + excess(a/R))."""
+    problem = record.body.problem
+    R, known = problem.indenter.tip_radius, EXCESS.get(problem.indenter.noun)
+    if known is None or problem.layers or R is None:
+        return None
+    excess = np.interp(record.a / R, STRAINED, known)
+    return -excess / (1 + excess) * record.nonadhesive[0] * record.at_fixed_position
+
+
+def likely_strains(record: FittedRecord) -> float:
+    """All of it, but none where linear theory is taken as good, as everywhere else."""
+    R = record.body.problem.indenter.tip_radius
+    return 0.0 if R is not None and record.a_max <= LIMITS.a_over_R * R else 1.0
+
+
+# --------------------------------------------------------------------------------------------------
+# Rivals of the device in a raw record, and of one direction against the other: stiffness, positions, flow.
+
+
+def stiffness(record: FittedRecord) -> Change | None:
+    """k (1 + amount) of the device, its loads as they are: rows and the turn are deeper by amount P/k."""
+    model = record.model
+    if not math.isfinite(model.k):
+        return None
+    column, part = record.by_position * record.loads, model.stretches[-1]
+    resting = model.rest(part, record.values)
+    if resting is not None and "z0" in record.fit.names:
+        by_turn = -record.by_unknown("z0") - record.by_position
+        column = column + by_turn * float(resting.at(np.array(part.turn - record.values["z0"]))[0])
+    return Change(
+        limits={AMOUNT: (LITTLE - 1, math.inf)},
+        model=lambda plain, part, values: replace(plain, k=plain.k * (1 + values[AMOUNT])),
+        quantities=lambda values: {"stiffness": model.k * (1 + values[AMOUNT])},
+        column=column / model.k,
+    )
+
+
+def misplaced(record: FittedRecord, error: Callable[[DirectionReadings], Array], name: str = AMOUNT) -> Change | None:
+    """Rows that stand deeper than their positions say by the amount times an ``error`` [m], which results call by a
+    ``name``: the column is P' error."""
+    if len(record.model.stretches) < 2 or name in record.model.positions:
+        return None
+    return Change(
+        shift=lambda part, values: values[AMOUNT] * error(part),
+        quantities=lambda values: {name: values[AMOUNT]},
+        column=record.by_position * np.concatenate([error(part) for part in record.model.stretches]),
+    )
+
+
+def drift(record: FittedRecord) -> Change | None:
+    """Depths that drift by the amount times the way in contact over the time of the record, 0 at the turn."""
+    if "drift" in record.model.positions:
+        return None
+    signs = {part.kind: 1.0 if part.kind == APPROACH else -1.0 for part in record.model.stretches}
+    return misplaced(record, lambda part: signs[part.kind] * record.time(part) * record.reach)
+
+
+def misplaced_back(
+    error: Callable[[FittedRecord, DirectionReadings], Array], name: str = AMOUNT
+) -> Callable[[FittedRecord], Change | None]:
+    """The same of the retraction alone."""
+
+    def effect(record: FittedRecord) -> Change | None:
+        return misplaced(
+            record, lambda part: error(record, part) if part.kind != APPROACH else np.zeros(part.z.size), name
+        )
+
+    return effect
+
+
+def another_modulus(record: FittedRecord) -> Change | None:
+    """E* (1 + amount) on the way back."""
+    if len(record.model.stretches) < 2 or "ln_s" not in record.fit.names or record.retraction is None:
+        return None
+
+    def changes(family: Family, amount: float) -> Array:
+        same = np.zeros_like(grid(family))
+        return of_body(family, same, same + math.log1p(amount))
+
+    column = np.where(record.rows(record.retraction), record.by_unknown("ln_s"), 0.0)
+    return replace(change_of_body(changes, (LITTLE - 1, math.inf), last=True), column=column)
+
+
+def slope_at_rest(record: FittedRecord) -> Array | None:
+    """S (1 + amount) of the line on which the edge rests, about the turn."""
+    part = record.retraction
+    if part is None:
+        return None
+    rests = record.radii_of(part)[1]
+    if np.count_nonzero(rests) < 3:
+        return None
+    column, rows = np.zeros(record.a.size), record.rows(part, rests)
+    column[rows] = (record.by_position * record.at_fixed_position)[rows] * (part.z[rests] - part.turn)
+    return column
+
+
+# --------------------------------------------------------------------------------------------------
+# Rivals of relaxation in a raw record: moduli that fall over the time since the strain, where the contact was and is.
+#
+# A body whose moduli are r(t) times those at once, under a contact that grows and then shrinks (Ting, J. Appl. Mech.
+# 33 (1966) 845): while it grows P = int r(t - t') dP_H, and while it shrinks P = int_0^t1 r(t - t') dP_H + S int_t1^t
+# r(t - t') d(delta), t1 the time at which the radius was the same, S the contact stiffness there.
+
+
+@dataclass(frozen=True)
+class RelaxationRivalTuning:
+    """How finely histories are followed."""
+
+    pieces: int = 60  # choice: of the way of the tip in each direction, for the history of a body that relaxes
+    coarser: int = 2  # choice: steps joined in histories, 1e-5 of the loads
+    grows: float = 0.02  # choice: of the depth, by which a contact may grow again: noise of the deflection
+    times: int = 50  # choice: instants of each direction at which those loads are solved; splines between them
+    smooth: float = 2 / 3  # theory: power of the load in which they are drawn, at first contact it is delta^1.5
+    instants: int = 100  # choice: at which hereditary integrals are taken
+
+
+RECORD_RIVAL_RELAXATION_TUNING = RelaxationRivalTuning()
+TIME = "relaxation_time"
+Memory = Callable[[Array], Array]  # phi of r = 1 - amount phi, of time over that of the record
+
+
+def relaxing(
+    record: FittedRecord, memory: Memory, law: Callable[[Values, float], Relaxation], search: Change
+) -> Change | Array | None:
+    """Moduli that fall as r(t) = 1 - amount phi(t), phi the ``memory``. In full, where nothing adheres, by a ``law`` of
+    the unknowns and of how long the record lasts, ``search`` their names, starts and limits."""
+    column = _first_order(record, memory)
+    adheres = any(part.tension for part in record.model.stretches)
+    timed = np.ptp(record.model.stretches[0].t) > 0
+    if column is None or adheres or not timed or record.model.positions:
+        return column
+    duration = record.duration
+    loads = _loads_of_history(record, lambda values: law(values, duration))
+    return replace(search, loads=loads, coupled=True, column=column, quantities=partial(_fall_and_time, duration))
+
+
+def _fall_and_time(duration: float, values: Values) -> dict[str, float]:
+    time = {TIME: duration * values[TIME]} if TIME in values else {}
+    return {"fall": values[AMOUNT]} | time
+
+
+@dataclass(frozen=True, eq=False)
+class _History:
+    """Rows in contact in order of time ``t``, over that of the record: ``delta`` [m], ``a`` [m], load ``P_H`` [N] and
+    contact stiffness ``S`` [N/m] without adhesion."""
+
+    t: Array
+    delta: Array
+    a: Array
+    P_H: Array
+    S: Array
+
+    def ordered(self, rows: slice | Array) -> _History:
+        return _History(*(column[rows] for column in (self.t, self.delta, self.a, self.P_H, self.S)))
+
+    @property
+    def thinned(self) -> _History:
+        return self.ordered(
+            np.unique(np.linspace(0, self.t.size - 1, RECORD_RIVAL_RELAXATION_TUNING.instants).astype(int))
+        )
+
+
+def _first_order(record: FittedRecord, memory: Memory) -> Array | None:
+    """dP/d(amount) of all rows; None where there are not two directions or next to no contact."""
+    if len(record.model.stretches) < 2:
+        return None
+    touching = [a > 0 for a, _ in record.radii]
+    if min(map(np.count_nonzero, touching)) < 4:
+        return None
+    growing, shrinking = (_history(record, part) for part in record.model.stretches)
+    into, out = _ting(memory, growing, shrinking.ordered(slice(None, None, -1)))
+    column = np.zeros(record.a.size)
+    column[np.concatenate(touching)] = np.concatenate([into, out[::-1]])
+    return column * record.at_fixed_position
+
+
+def _history(record: FittedRecord, part: DirectionReadings) -> _History:
+    """The rows of a stretch in contact, in order of position; the base line is the mean of the free rows."""
+    rows, (a, _) = record.rows(part), record.radii_of(part)
+    P, touching = part.P + record.residuals[rows], a > 0
+    base = P[~touching].mean() if (~touching).any() else 0.0
+    t, delta = record.time(part), record.model.depth(part, record.values) - (P - base) / record.model.k
+    P_H, S = (column[rows] for column in record.nonadhesive)
+    return _History(-t if part.kind == APPROACH else t, delta, a, P_H, S).ordered(touching)
+
+
+def _ting(memory: Memory, growing: _History, shrinking: _History) -> tuple[Array, Array]:
+    """Changes of load per amount at the rows of both, in order of time."""
+    into, out = growing.thinned, shrinking.thinned
+    middle, dP = np.append(into.t[0], (into.t[1:] + into.t[:-1]) / 2), np.diff(into.P_H, prepend=0.0)
+    ages = into.t[:, None] - middle
+    grown = -np.where(ages >= 0, memory(np.maximum(ages, 0)), 0.0) @ dP
+    first = np.interp(out.a, np.maximum.accumulate(into.a), into.t)  # t1
+    before = np.where(middle <= first[:, None], memory(out.t[:, None] - middle), 0.0) @ dP
+    times = np.concatenate([middle, (out.t + np.append(0.0, out.t[:-1])) / 2])
+    steps = np.diff(np.concatenate([into.delta, out.delta]), prepend=into.delta[0])
+    ages = out.t[:, None] - times
+    since = np.where((times > first[:, None]) & (ages >= 0), memory(np.maximum(ages, 0)), 0.0) @ steps
+    shrunk = -(before + out.S * since)
+    return np.interp(growing.t, into.t, grown), np.interp(shrinking.t, out.t, shrunk)
+
+
+def _loads_of_history(record: FittedRecord, law: Callable[[Values], Relaxation]) -> Loads:
+    """Loads [N] of all rows of a stretch of a body that relaxes by a ``law`` of the unknowns, by its whole history."""
+    t, x = _program(record)
+    body = record.body.to_depth(RECORD_CHANGE_TUNING.beyond * record.reach)
+    nonadhesive = Nonadhesive(body.series, body.slopes)
+
+    @lru_cache(maxsize=REMEMBERED)
+    def history(z0: float, moduli: Hashable) -> Sequence[CubicSpline]:
+        contact = RelaxingContact(
+            nonadhesive,
+            cast(Relaxation, moduli),
+            coarser=RECORD_RIVAL_RELAXATION_TUNING.coarser,
+            grows=RECORD_RIVAL_RELAXATION_TUNING.grows,
+        )
+        try:
+            path = contact.history(Program(t, x - z0)).path
+            lost = min(path.lost, float(t.max()))
+            times = [_dense_at_ends(*ends) for ends in ((path.begin, path.turn), (path.turn, lost))]
+            return [CubicSpline(one, path.states(one)[2] ** RECORD_RIVAL_RELAXATION_TUNING.smooth) for one in times]
+        except InputError:  # there is no such history
+            return [CubicSpline([t.min(), t.max()], [0.0, 0.0])] * 2
+
+    def loads(model: ForceCurveModel, part: DirectionReadings, values: Values) -> Array:
+        spline = history(values["z0"], cast(Hashable, law(values)))[int(part.kind != APPROACH)]
+        first, last = spline.x[[0, -1]]
+        P: Array = np.maximum(spline(np.clip(part.t, first, last)), 0.0) ** (1 / RECORD_RIVAL_RELAXATION_TUNING.smooth)
+        return math.exp(values["ln_s"]) * np.where((part.t >= first) & (part.t <= last), P, 0.0)
+
+    return loads
+
+
+def _program(record: FittedRecord) -> tuple[Array, Array]:
+    """Times since the turn [s] and positions of the tip [m], about ``TUNING.pieces`` of each direction and the turn."""
+    way, back = record.model.stretches
+    tips = [part.z - (part.P - base_line(part, record.values)[0]) / record.model.k for part in (way, back)]
+    some = slice(None, None, max(way.P.size // RECORD_RIVAL_RELAXATION_TUNING.pieces, 1))
+    t = np.concatenate([way.t[some], [0.0], back.t[::-1][some]])
+    x = np.concatenate([tips[0][some], [record.tip_turn], tips[1][::-1][some]])
+    order = np.argsort(t, kind="stable")
+    return t[order], x[order]
+
+
+def _dense_at_ends(first: float, last: float) -> Array:
+    place: Array = (1 - np.cos(math.pi * np.linspace(0, 1, RECORD_RIVAL_RELAXATION_TUNING.times))) / 2
+    return first + (last - first) * place
+
+
+@dataclass(frozen=True)
+class RecordRivalTuning:
+    """What is known of rivals before the data."""
+
+    cone: float = 3.0  # choice: three times what a cone's exponent differs from a paraboloid's by: one step overshoots
+    strains: float = 2.0  # choice: of the effect of large strains on rubber, that of other materials
+    device: float = 1.0  # choice: relative, by which a stiffness that someone measured may be off
+    shape: float = 0.003  # choice: exponent of the profile within which a tip is what it is called: by as much its
+    # radius of curvature changes over a factor e of the contact radius
+
+
+TUNING = RecordRivalTuning()
+BODY, TIP, ADHESION, DEVICE, MEMORY = "layer or base", "shape of the tip", "adhesion", "device", "relaxation or flow"
+# What the unknowns of rivals mean, by dimension:
+OF_RIVALS = {
+    AMOUNT: "number", "thickness": "length", "nu": "number", "exponent": "number", "range": "length",
+    "surface_tension": "tension", "stiffness": "stiffness", "fall": "number", TIME: "time", POWER: "number",
+    "creep": "number", "hysteresis": "number",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Rival:
+    """One thing that the model leaves out. ``family``: what cannot be distinguished from it as a rule; ``amount``: what
+    a column is the derivative by, in words; ``effect``: what a fit makes of it: a change, which can be fitted in full,
+    or a column alone, of first order; None where the rival has no meaning for this record.
+
+    ``likely``: amount in either direction that is expected unless the user or the data say otherwise: 0 of what the
+    description of the body rules out; ``limits``: least and largest amounts that any body, tip or device has.
+    ``of_directions``: whether it sets one direction against the other.
+    """
+
+    name: str
+    family: str
+    amount: str
+    effect: Callable[[FittedRecord], Change | Array | None]
+    likely: float | Callable[[FittedRecord], float] = 0.0
+    limits: tuple[float, float] = ANY
+    of_directions: bool = False
+
+    def likely_in(self, record: FittedRecord) -> float:
+        """The amount in either direction that is likely in a record."""
+        return self.likely(record) if callable(self.likely) else self.likely
+
+
+POSITIVE = (0.0, math.inf)
+RANGE = Rival("adhesion of finite range", ADHESION, "square of the range over that of a narrow ring", finite_range,
+              likely_range, POSITIVE)  # fmt: skip
+LONG = Rival("adhesion of long range (DMT)", ADHESION, "from JKR to DMT", long_range, limits=(0.0, 1.0))
+TENSION = Rival("surface tension", BODY, "2 tension/E* over the contact radius", tension, likely_tension, POSITIVE)
+RIVALS: tuple[Rival, ...] = (
+    Rival("w over the contact radius", ADHESION, "relative rise towards pull-off", work_over_radius),
+    Rival("w over the speed of the edge", ADHESION, "relative rise per factor e of the speed", work_over_speed),
+    RANGE,
+    LONG,
+    Rival("a rigid base below", BODY, "contact radius over depth", layer_below),
+    Rival("thickness of the layer", BODY, "relative change", thickness),
+    Rival("nu of the layer", BODY, "relative change", poisson),
+    Rival("moduli that change with the contact radius", BODY, "relative rise", graded),
+    Rival("exponent of the tip", TIP, "change of the exponent", exponent, TUNING.shape, (-TUNING.cone, TUNING.cone)),
+    Rival("sphere or paraboloid", TIP, "share of the sphere's quartic term", quartic, limits=(-1.0, 1.0)),
+    Rival("no slip", BODY, "from none to full", no_slip, 1.0, POSITIVE),
+    TENSION,
+    Rival("large strains", BODY, "of what is known of them", strains, likely_strains, (0.0, TUNING.strains)),
+    Rival("relaxation over a factor of time", MEMORY, "fall per factor e", partial(
+        relaxing,
+        memory=lambda t: np.log1p(100 * t),
+        law=lambda values, duration: PowerRelaxation(duration, values[AMOUNT]),
+        search=Change(((0.1,), (0.3,)), limits={AMOUNT: (1e-4, 0.9)}),
+    )),
+    Rival("relaxation of one time", MEMORY, "fall", partial(
+        relaxing,
+        memory=lambda t: 1 - np.exp(-4 * t),
+        law=lambda values, duration: StandardSolid(1 - values[AMOUNT], duration * values[TIME]),
+        search=Change(((0.3, 0.03), (0.3, 0.2), (0.6, 0.5)), (AMOUNT, TIME),
+                      {AMOUNT: (1e-4, 0.999), TIME: (1e-3, 10.0)}),
+    )),
+    Rival("residual depth", MEMORY, "of the depth of contact",
+          misplaced_back(lambda record, part: np.full(part.z.size, -record.reach)), of_directions=True),
+    Rival("another modulus on the way back", MEMORY, "relative change", another_modulus, of_directions=True),
+    Rival("another slope at rest", MEMORY, "relative change", slope_at_rest, of_directions=True),
+    Rival("stiffness of the device", DEVICE, "relative change", stiffness, limits=(-TUNING.device, TUNING.device)),
+    Rival("creep of the position", DEVICE, "of the travel, per decade of time",
+          misplaced_back(lambda record, part: part.travel * creep(record.time(part)), "creep"), of_directions=True),
+    Rival("hysteresis of the position", DEVICE, "of the travel, at most",
+          misplaced_back(lambda _, part: part.travel * hysteresis(part.way), "hysteresis"), of_directions=True),
+    Rival("scale of the position", DEVICE, "retraction against approach",
+          misplaced_back(lambda record, part: record.reach * part.way), of_directions=True),
+    Rival("drift of the depth", DEVICE, "of the depth over the record", drift, of_directions=True),
+)  # fmt: skip
+
+
+def columns(record: FittedRecord, rivals: Sequence[Rival] = RIVALS) -> dict[Rival, Array]:
+    """The columns of all rivals that mean anything for a record, by rival."""
+    by_rival = {}
+    for rival in rivals:
+        try:
+            effect = rival.effect(record)
+            column = record.column(effect) if isinstance(effect, Change) else effect
+        except (JkrError, FloatingPointError):
+            continue  # a neighbouring body that cannot be solved is no rival, and takes no fit with it
+        if column is not None and np.isfinite(column).all() and column.any():
+            by_rival[rival] = column
+    return by_rival

@@ -1,0 +1,1156 @@
+"""One statistical model of a whole force curve: base line, contact point, modulus and work of adhesion together.
+
+The reading at device position z is that of a contact on its path (``device_path``) over a straight base line; all
+scatter is in the load:
+
+    reading(z) = offset + tilt (z - z_touch) + P(z - z0; s, w, k)
+
+P is 0 where a row is free. On approach the edge advances with its own w; from the turning point on it rests, then
+recedes with the w of the retraction. Where the retraction is alone, the root of the w of its approach is a share
+``turn`` of its own. Each direction has its own base line (drag, drift of the load), on request with a wave c cos + s
+sin of 2 pi (z - at)/period (``interference``). On request positions err by a drift, hysteresis or creep, 0 at the
+turning point (``positions``): in one direction alone they cannot be separated from another modulus.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache, partial
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from ..base import FEWEST_ROWS, MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SETTLED, Array, SolveError, known
+from ..data import APPROACH, BaseLine, Curve, Direction, ForceCurve, examine
+from .forward_model import Changes, DeviceBranch, Family, Rest, branch, on_grid, rest
+from .least_squares import TURNS, Least, LeastSquares, Spectrum, Spread, State, in_time, influence, robust_scale
+from .least_squares import spread as covariance
+from .rows import in_contact, third_differences
+from .settings import Loss
+
+# --------------------------------------------------------------------------------------------------
+# The sine in a base line: light reflected by the specimen interferes with that of the cantilever.
+#
+# The reading repeats itself whenever the device has moved by half a wavelength of the light. Amplitude and phase are
+# of each direction; the period is of the light and common to both.
+
+
+@dataclass(frozen=True)
+class InterferenceTuning:
+    """Where a sine is searched, and when it is no noise."""
+
+    blocks: int = 2000  # choice: means of successive free rows that are transformed
+    shortest: int = 6  # theory: of them in a period; their means leave sinc(1/6) = 95 % of the wave
+    finer: int = 4  # theory: frequencies tried for each that the free way tells apart; sinc(1/8)^2 leaves 95 % between
+    shares: tuple[float, ...] = (0.5, 1.0, 1.0)  # choice: of the free rows, in rounds; a large wave hides their end
+    clear: float = 14.0  # theory: once in a thousand by chance of a thousand frequencies (Scargle, ApJ 263, 835, 1982)
+
+
+INTERFERENCE_TUNING = InterferenceTuning()
+
+
+@dataclass(frozen=True)
+class Wave:
+    """``cos`` and ``sin`` [N] of 2 pi (z - at)/period over the device's position z; ``period, at`` in m."""
+
+    period: float
+    at: float
+    cos: float
+    sin: float
+
+    def __call__(self, z: Array) -> Array:
+        return parts(z - self.at, self.period) @ (self.cos, self.sin)
+
+
+def parts(along: Array, period: float) -> Array:
+    """Cosine and sine of a way ``along`` [m] over the period, (rows, 2)."""
+    phase = 2 * math.pi * along / period
+    return np.stack([np.cos(phase), np.sin(phase)], axis=-1)
+
+
+def straightened(record: ForceCurve) -> tuple[ForceCurve, Mapping[str, Wave]]:
+    """The record examined again without the sine of its base lines, and that of each direction by its kind; the record
+    itself and none where no sine exceeds the noise.
+
+    Without the wave the free rows are determined better, and by them the wave.
+    """
+    curve, waves = record.curve, dict[str, Wave]()
+    for share in INTERFERENCE_TUNING.shares:
+        sides = [side for side in record.directions if side.base.rows >= FEWEST_ROWS]
+        free = {side.segment.kind: _free(curve, side, share) for side in sides}
+        period = _period(list(free.values())) if free else None
+        if period is None:
+            return examine(curve), {}
+        waves = {kind: _wave(z, off, period) for kind, (z, off) in free.items()}
+        record = examine(_without(curve, sides, waves))
+    return record, waves
+
+
+def _without(curve: Curve, directions: Sequence[Direction], waves: Mapping[str, Wave]) -> Curve:
+    """The curve less its waves; the device stays where it is."""
+    z, P = curve.device, curve.load.copy()
+    for side in directions:
+        rows = side.segment.rows
+        P[rows] -= waves[side.segment.kind](z[rows])
+    return replace(curve, delta=z if curve.stiffness is None else z - P / curve.stiffness, P=P)
+
+
+def _free(curve: Curve, side: Direction, share: float) -> tuple[Array, Array]:
+    """Positions [m] of a share of the free rows of a direction, from the far end on, and their loads over its base line
+    [N], in means of some rows."""
+    order, end = 1 if side.segment.kind == APPROACH else -1, round(share * side.base.rows)
+    z, off = (column[side.segment.rows][::order][:end] for column in (curve.device, curve.load))
+    off = off - np.polynomial.Polynomial.fit(z, off, 1)(z)
+    size = max(1, z.size // INTERFERENCE_TUNING.blocks)
+    along, loads = (column[: z.size // size * size].reshape(-1, size).mean(axis=1) for column in (z, off))
+    return along, loads
+
+
+def _period(free: list[tuple[Array, Array]]) -> float | None:
+    """The period that explains most, among those of which one or more lie in the free way; None where none explains
+    more than chance does."""
+    way, count = max(float(np.ptp(z)) for z, _ in free), max(z.size for z, _ in free)
+    size, total, rows = INTERFERENCE_TUNING.finer * count, 0.0, 0
+    power = np.zeros(size // 2 + 1)
+    for z, off in free:
+        order = np.argsort(z)
+        even = np.interp(np.arange(z[order[0]], z[order[-1]], way / count), z[order], off[order])
+        power += 2 / even.size * np.abs(np.fft.rfft(even, size)) ** 2
+        total, rows = total + float(even @ even), rows + even.size
+    periods = way * INTERFERENCE_TUNING.finer / np.maximum(np.arange(power.size), 1)
+    power = np.where((periods <= way) & (periods >= INTERFERENCE_TUNING.shortest * way / count), power, 0.0)
+    best = int(np.argmax(power))
+    return float(periods[best]) if power[best] > 2 * INTERFERENCE_TUNING.clear * (total - power[best]) / rows else None
+
+
+def _wave(z: Array, off: Array, period: float) -> Wave:
+    """The wave of a period that is nearest to ``off``, a straight line apart."""
+    along = z - z[0]
+    design = np.column_stack([np.ones_like(z), along / np.ptp(z), parts(along, period)])
+    c, s = np.linalg.lstsq(design, off, rcond=None)[0][2:]
+    return Wave(period, float(z[0]), float(c), float(s))
+
+
+# --------------------------------------------------------------------------------------------------
+# Rows of a raw record as its model takes them: each direction from its far end inwards, with its base line.
+
+
+@dataclass(frozen=True)
+class ReadingsTuning:
+    """Which rows are left out."""
+
+    # tuned on fits, by `make constants`: of the rows in contact, those next to the turning point that are left out
+    turning: float = 0.01
+
+
+FORCE_CURVE_READINGS_TUNING = ReadingsTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class DirectionReadings:
+    """The ``rows`` of one direction, from the far end inwards: device position ``z`` [m], reading ``P`` [N].
+
+    ``touching``: whether a row may be in contact; where ``jumped``, all those rows are, and the others are free, by a
+    jump, or by a window about first touch that is left out.
+    ``line``: the base line of the free rows alone, ``wave``: on top of it. ``t``: time since the end
+    of the approach [s], 0 where it is not known, ``waits`` until the retraction, of ``lasting`` in all. ``turn``: where
+    the device turns [m]; ``tension``: the largest above the noise [N].
+    """
+
+    kind: str
+    rows: Array
+    line: BaseLine
+    z: Array
+    P: Array
+    touching: Array
+    jumped: bool
+    t: Array
+    turn: float
+    tension: float
+    wave: Wave | None = None
+    waits: float = 0.0
+    lasting: float = 0.0
+
+    @cached_property
+    def spacing(self) -> float:
+        """Usual distance of neighbouring rows [m]; the mean where most of them repeat their position."""
+        steps = np.abs(np.diff(self.z))
+        return float(np.median(steps)) or float(np.mean(steps))
+
+    @cached_property
+    def travel(self) -> float:
+        """How far the device moves in all [m]."""
+        return self.turn - float(self.z.min())
+
+    @property
+    def way(self) -> Array:
+        """The share of the travel between the turn and each row."""
+        return (self.turn - self.z) / self.travel
+
+    @cached_property
+    def reach(self) -> float:
+        """How far the device moves in contact [m], about."""
+        touching = float(np.ptp(self.z[self.touching])) if self.jumped and self.touching.any() else 0.0
+        return touching or 0.1 * float(np.ptp(self.z))
+
+    def thinned(self) -> DirectionReadings:
+        """Means of neighbouring rows, none across the border of contact."""
+        size = self.z.size // ROWS
+        if size < 2:
+            return self
+        first = np.union1d(np.arange(0, self.z.size, size), np.flatnonzero(np.diff(self.touching)) + 1)
+        count = np.diff(np.append(first, self.z.size))
+        z, P, t = (np.add.reduceat(column, first) / count for column in (self.z, self.P, self.t))
+        return replace(self, rows=self.rows[first], touching=self.touching[first], z=z, P=P, t=t)
+
+
+def stretches(
+    record: ForceCurve, kinds: Sequence[str], waves: Mapping[str, Wave] | None = None
+) -> tuple[DirectionReadings, ...]:
+    """The directions ``kinds`` of a record as the model takes them: rows within a jump belong to neither side and are
+    left out. ``waves``: what was taken off the loads of the record and is to be fitted with the rest."""
+    sides = [side for kind in kinds if (side := record.direction(kind)) is not None]
+    return tuple(_stretch(record, side, (waves or {}).get(side.segment.kind)) for side in sides)
+
+
+def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> DirectionReadings:
+    curve, rows = record.curve, np.arange(side.segment.first, side.segment.last + 1)
+    if side.segment.kind != APPROACH:
+        rows = rows[::-1]
+    z = curve.device[rows]
+    P = curve.load[rows] if wave is None else curve.load[rows] + wave(z)
+    line, tension, touching, keep = _base_and_contact(side, z, P)
+    contact = np.count_nonzero(touching) or rows.size - side.border[1]
+    keep[rows.size - round(FORCE_CURVE_READINGS_TUNING.turning * contact) :] = False
+    keep &= ~np.isin(rows, record.spikes)
+    into = record.direction(APPROACH)
+    last = int(np.argmax(curve.device)) if into is None else into.segment.last
+    t = np.zeros(len(curve)) if curve.t is None else curve.t - curve.t[last]
+    return DirectionReadings(
+        side.segment.kind, rows[keep], line, z[keep], P[keep], touching[keep], bool(touching.any()), t[rows[keep]],
+        float(curve.device.max()), tension, wave, max(float(t[rows[-1]]), 0.0), float(np.ptp(t)),
+    )  # fmt: skip
+
+
+def _base_and_contact(side: Direction, z: Array, P: Array) -> tuple[BaseLine, float, Array, Array]:
+    """Base line of a direction, its largest tension [N], masks of the rows in contact and of those to keep; no row is
+    surely in contact without a jump at first touch. Without a base line the load is that over 0."""
+    tension, touching, keep = known(side.adhesion) or 0.0, np.zeros(z.size, dtype=bool), np.ones(z.size, dtype=bool)
+    if not side.begins_free:
+        touching = in_contact({"delta": z, "P": P}, 0.0)
+        line = BaseLine(0.0, 0.0, float(z[0]), 0, third_differences(P), 0.0, False)
+        tension = max(-float(P.min()), 0.0)
+        return line, tension if tension > line.least else 0.0, touching, touching.copy()
+    if side.jumps or (side.segment.kind != APPROACH and tension):
+        first, last = side.border
+        touching[last:], keep[first + 1 : last] = True, False
+    return side.base, tension, touching, keep
+
+
+# --------------------------------------------------------------------------------------------------
+# Errors of the positions of a device, each as one unknown of a raw record; all are 0 where the device turns.
+#
+# ``drift`` is a steady motion of the zero [m/s]. ``hysteresis`` and ``creep`` are those of a piezo without a sensor,
+# on the way back: it stands deeper than its positions say, by a parabola that is 0 at both ends of the travel, or by
+# the logarithm of the time since the turn (Devasia, Eleftheriou and Moheimani, IEEE Trans. Control Syst. Technol. 15,
+# 802, 2007). Their amounts are fractions of the travel: the largest separation of the ways, and the creep per decade
+# of time from a hundredth of the record on.
+
+
+@dataclass(frozen=True)
+class PositionTuning:
+    """How creep begins."""
+
+    onset: float = 0.01  # choice: of the time of a record, from which on it goes by decades
+
+
+POSITIONS_TUNING = PositionTuning()
+TIMED = ("drift", "creep")  # that need a column of time
+
+
+def hysteresis(way: Array) -> Array:
+    """The share of the largest separation at shares ``way`` of the travel from the turn on."""
+    return 4 * way * (1 - way)
+
+
+def creep(time: Array) -> Array:
+    """Decades of the ``time`` since the turn, over that of the record."""
+    return np.log10(1 + time / POSITIONS_TUNING.onset)
+
+
+@dataclass(frozen=True)
+class ForceCurveTuning:
+    """Which rows tell the noise, and what is remembered."""
+
+    # tuned on raw records, by `make constants`: of the rows of a base line, those that tell the noise: contact begins
+    # gently
+    surely: float = 0.9
+    remembered: int = 2  # theory: residuals at the same unknowns, with the fold as the search sees it and as it is
+
+
+TUNING = ForceCurveTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class ForceCurveModel:
+    """The readings of some stretches on one body at a device of stiffness ``k`` [N/m], as a function of the unknowns.
+
+    These are ln s, z0, the errors of ``positions``, the log of the period where there are waves, for each
+    stretch its offset, tilt, cosine and sine of its wave, and q = w/s unless its w is one of ``works`` [J/m^2]; of an
+    approach before a retraction that adheres its signed root instead, which the resting edge is smooth in; of a
+    retraction alone the share ``turn``. ``known``: those that are not fitted, by name. ``moduli``: least and largest s.
+    """
+
+    family: Family
+    k: float
+    stretches: tuple[DirectionReadings, ...]
+    known: Mapping[str, float] = field(default_factory=dict)
+    works: Mapping[str, float] = field(default_factory=dict)
+    moduli: tuple[float, float] = (0.0, math.inf)
+    positions: tuple[str, ...] = ()
+
+    @cached_property
+    def rows(self) -> Array:
+        """The rows of the record in all stretches."""
+        return np.concatenate([part.rows for part in self.stretches])
+
+    def ordered(self, columns: Array, noise: Spectrum) -> Array:
+        """Columns of all rows as they were taken, where the order matters to the ``noise``."""
+        return in_time(columns, self.rows, noise) if noise.slow else columns
+
+    def whitened(self, columns: Array, noise: Spectrum) -> Array:
+        """Columns of all rows so that a noise has unit variance and no colour."""
+        return noise.whitened(self.ordered(columns, noise))
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The unknowns in order; those of a stretch carry its kind."""
+        names = (
+            ["ln_s", "z0"]
+            + list(self.positions)
+            + ["ln_period"] * any(stretch.wave is not None for stretch in self.stretches)
+        )
+        for stretch in self.stretches:
+            names += [f"offset:{stretch.kind}", f"tilt:{stretch.kind}"]
+            names += [f"cos:{stretch.kind}", f"sin:{stretch.kind}"] * (stretch.wave is not None)
+            names += [self.adhesion_of(stretch)] * (stretch.kind not in self.works)
+            names += ["turn"] * (len(self.stretches) == 1 and stretch.kind != APPROACH and stretch.tension > 0)
+        return tuple(name for name in names if name not in self.known)
+
+    def adhesion_of(self, stretch: DirectionReadings) -> str:
+        """The name of the unknown that w of a stretch comes from."""
+        rests = stretch is not self.stretches[-1] and self.stretches[-1].tension > 0
+        return f"r:{stretch.kind}" if rests else f"q:{stretch.kind}"
+
+    @cached_property
+    def most(self) -> float:
+        """Largest q: of a curve that is pulled off at the end of the series."""
+        _, (_, _, dH, dV), _ = on_grid(self.family)
+        return 0.9 * float(dH[-1] / dV[-1]) ** 2
+
+    @property
+    def limits(self) -> Mapping[str, tuple[float, float]]:
+        """Least and largest values of unknowns by name."""
+        least, most = (math.log(s) if s > 0 else -math.inf for s in self.moduli)
+        return {"ln_s": (least, most)}
+
+    def further(self, values: Mapping[str, float]) -> dict[str, float]:
+        """What other unknowns mean, SI, by name."""
+        return {}
+
+    def values(self, x: Array) -> dict[str, float]:
+        """All unknowns by name, the known ones too, and q of each stretch."""
+        values = {**self.known, **dict(zip(self.names, map(float, x), strict=True))}
+        values |= {f"q:{kind}": w / math.exp(values["ln_s"]) for kind, w in self.works.items()}
+        roots = {name: r for name, r in values.items() if name.startswith("r:")}
+        return values | {f"q{name[1:]}": r * abs(r) for name, r in roots.items()}
+
+    def unknowns(self, values: Mapping[str, float]) -> Array:
+        """Those of some ``values`` by name, in order."""
+        return np.array([values[name] for name in self.names])
+
+    @cached_property
+    def noise(self) -> float:
+        """The largest noise of a base line [N]."""
+        return max(part.line.noise for part in self.stretches)
+
+    def depth(self, part: DirectionReadings, values: Mapping[str, float]) -> Array:
+        """Position of the device beyond its zero [m], at all rows of a stretch."""
+        depth: Array = part.z - values["z0"]
+        for name, by in self.misplaced(part).items():
+            depth += values[name] * by
+        return depth
+
+    def misplaced(self, part: DirectionReadings) -> dict[str, Array]:
+        """How much deeper the rows of a stretch stand than they say, per amount of each error of positions [m]."""
+        back = part.travel * (part.kind != APPROACH)
+        shifts = {}
+        for name in self.positions:
+            if name == "drift":
+                shifts[name] = -part.t
+            elif name == "hysteresis":
+                shifts[name] = back * hysteresis(part.way)
+            else:
+                shifts[name] = back * creep(np.maximum(part.t, 0.0) / part.lasting)
+        return shifts
+
+    def deepened(self, part: DirectionReadings, values: Mapping[str, float]) -> float:
+        """How much deeper the device creeps while it waits before the way back, per amount [m]."""
+        crept = part.waits > 0 and values.get("creep", 0.0) > 0
+        return part.travel * float(creep(np.array(part.waits / part.lasting))) if crept else 0.0
+
+    def branch(self, part: DirectionReadings, values: Mapping[str, float]) -> DeviceBranch:
+        """The branch on which the edge of a stretch moves."""
+        return branch(self.family, math.exp(values["ln_s"]), values[f"q:{part.kind}"], self.k)
+
+    def rest(self, part: DirectionReadings, values: Mapping[str, float]) -> Rest | None:
+        """The resting edge with which a stretch begins at the turning point."""
+        root = math.sqrt(max(values[f"q:{part.kind}"], 0.0))
+        first = self.stretches[0]
+        if first is not part:
+            before = values.get(f"r:{first.kind}", math.sqrt(max(values[f"q:{first.kind}"], 0.0)))
+        elif "turn" in values:
+            before = values["turn"] * root
+        else:
+            return None
+        depth = part.turn - values["z0"] + values.get("creep", 0.0) * self.deepened(part, values)
+        return rest(self.family, math.exp(values["ln_s"]), before, root, self.k, depth) if before < root else None
+
+    def touching(self, part: DirectionReadings, values: Mapping[str, float], fold: float) -> Array:
+        """Which rows of a stretch are in contact: those known to be, else those beyond first touch, or on the
+        branch down to its ``fold`` [m]."""
+        return part.touching if part.jumped else self.depth(part, values) > (0.0 if part.kind == APPROACH else fold)
+
+    def contact_radii(self, part: DirectionReadings, values: Mapping[str, float]) -> tuple[Array, Array]:
+        """Contact radius [m] at all rows of a stretch, 0 where they are free, and which of them are at rest."""
+        moving, resting, z = self.branch(part, values), self.rest(part, values), self.depth(part, values)
+        touching = self.touching(part, values, moving.fold)
+        still = np.zeros_like(touching) if resting is None else touching & (z > resting.end)
+        a = np.where(still, math.exp(resting.u), moving.radii(z)) if resting is not None else moving.radii(z)
+        return np.where(touching, a, 0.0), still
+
+    def calibrated(self, factor: float, of_stiffness: bool) -> ForceCurveModel:
+        """The same of a device whose loads are ``factor`` times as large: by its stiffness, at the same deflections, or
+        by its sensitivity, which its deflections follow."""
+        parts = tuple(replace(part, P=factor * part.P, tension=factor * part.tension) for part in self.stretches)
+        return replace(self, stretches=parts, k=factor * self.k if of_stiffness else self.k)
+
+    def free(self, columns: Array) -> list[Array]:
+        """Of columns of all rows, those of each stretch that surely are free, whatever the model says."""
+        ends = np.cumsum([part.rows.size for part in self.stretches])[:-1]
+        parts = zip(self.stretches, np.split(columns, ends), strict=True)
+        return [column[: round(TUNING.surely * part.line.rows)] for part, column in parts]
+
+    @cached_property
+    def _residuals(self) -> dict[tuple[bytes, float], tuple[Array, Array]]:
+        return {}
+
+    def residuals(self, x: Array, blunt: float) -> tuple[Array, Array]:
+        """Model minus reading [N] of all rows, and its derivatives by the unknowns, (rows, unknowns), both remembered.
+
+        ``blunt``: share of the depth of contact over which the fold is blunt; 0: half the distance of two rows.
+        """
+        cache, key = self._residuals, (x.tobytes(), blunt)
+        if key not in cache:
+            if len(cache) >= TUNING.remembered:
+                del cache[next(iter(cache))]
+            cache[key] = self.evaluated(x, blunt)
+        return cache[key]
+
+    def evaluated(self, x: Array, blunt: float) -> tuple[Array, Array]:
+        """The same anew."""
+        values, names = self.values(x), {name: i for i, name in enumerate(self.names)}
+        ends = np.cumsum([0] + [part.P.size for part in self.stretches])
+        off, rates = np.empty(ends[-1]), np.zeros((x.size, ends[-1]))
+        for part, first, last in zip(self.stretches, ends[:-1], ends[1:], strict=True):
+            load, by = self._contact(part, values, blunt)
+            line, by_line = base_line(part, values)
+            off[first:last] = line + load - part.P
+            for name, column in {**by, **by_line}.items():
+                if name in names:
+                    rates[names[name], first:last] = column
+        return off, rates.T
+
+    def off(self, x: Array, blunt: float) -> Array:
+        """Model minus reading [N] of all rows."""
+        values = self.values(x)
+        parts = (base_line(part, values)[0] + self._load(part, values, blunt) - part.P for part in self.stretches)
+        return np.concatenate([*parts])
+
+    def by_position(self, x: Array) -> Array:
+        """Derivative of the loads of all rows by their positions [N/m], the turn and the base lines where they are."""
+        values = self.values(x)
+        return np.concatenate([self._contact(part, values, 0.0)[1]["z"] for part in self.stretches])
+
+    def _load(self, part: DirectionReadings, values: Mapping[str, float], blunt: float) -> Array:
+        """Load of the contact at all rows of a stretch."""
+        moving, resting, depth, rows, still = self._edges(part, values)
+        P = np.zeros(depth.size)
+        P[rows] = moving.load(depth[rows], blunt * part.reach if blunt else part.spacing / 2)
+        if resting is not None:
+            P[still] = resting.load(depth[still])
+        return P
+
+    def _edges(
+        self, part: DirectionReadings, values: Mapping[str, float]
+    ) -> tuple[DeviceBranch, Rest | None, Array, Array, Array]:
+        """The branch and the resting edge of a stretch, the depth [m] of all rows, and the numbers of those at which
+        the edge moves, and of those at which it rests."""
+        moving, resting, depth = self.branch(part, values), self.rest(part, values), self.depth(part, values)
+        rows = np.flatnonzero(self.touching(part, values, moving.fold))
+        if resting is None:
+            return moving, None, depth, rows, rows[:0]
+        rests = depth[rows] > resting.end
+        return moving, resting, depth, rows[~rests], rows[rests]
+
+    def _contact(
+        self, part: DirectionReadings, values: Mapping[str, float], blunt: float
+    ) -> tuple[Array, dict[str, Array]]:
+        """Load of the contact at all rows of a stretch, and its derivatives by name."""
+        moving, resting, depth, rows, still = self._edges(part, values)
+        own, q = f"q:{part.kind}", values[f"q:{part.kind}"]
+        P, by = np.zeros(depth.size), np.zeros((3, depth.size))  # by ln s, own q, z
+        P[rows], by[:, rows] = moving.at(depth[rows], blunt * part.reach if blunt else part.spacing / 2)
+        by_s, by_q, by_z = by
+        more: dict[str, Array] = {}
+        if resting is not None:
+            by_before, by_turn = np.zeros((2, depth.size))  # the root of q before, the turn
+            P[still], (by_s[still], by_before[still], by_z[still], by_turn[still]) = resting.at(depth[still])
+            root = math.sqrt(max(q, 1e-300))
+            by_q += by_before * (values.get("turn", 0.0) / (2 * root))
+            more = {"turn": by_before * root, **_by_advance(self.stretches[0], part, values, by_before)}
+        elif part is self.stretches[0] and (name := f"r:{part.kind}") in values:
+            more = {name: 2 * abs(values[name]) * by_q}
+        by_z0 = -by_z if resting is None else -by_z - by_turn
+        for name, misplaced in self.misplaced(part).items():
+            more[name] = by_z * misplaced
+            if name == "creep" and resting is not None:
+                more[name] += by_turn * self.deepened(part, values)
+        return P, {
+            "ln_s": by_s - q * by_q if part.kind in self.works else by_s,
+            "z": by_z,
+            "z0": by_z0,
+            own: by_q,
+        } | more
+
+    def by_body(self, x: Array, changes: Sequence[Changes | None]) -> Array:
+        """Derivative of the loads of all rows by an amount of ``changes`` of the body, those of each stretch."""
+        values, columns = self.values(x), []
+        for part, change in zip(self.stretches, changes, strict=True):
+            columns.append(column := np.zeros(part.z.size))
+            if change is None:
+                continue
+            moving, resting, depth = self.branch(part, values), self.rest(part, values), self.depth(part, values)
+            moves = self.touching(part, values, moving.fold)
+            if resting is not None:
+                still = moves & (depth > resting.end)
+                column[still], moves = resting.by_body(depth[still], change), moves & ~still
+            column[moves] = moving.by_body(depth[moves], part.spacing / 2, change)
+        return np.concatenate(columns)
+
+
+def _by_advance(
+    first: DirectionReadings, part: DirectionReadings, values: Mapping[str, float], by_before: Array
+) -> dict[str, Array]:
+    """Derivatives of the load of a stretch at rest by q of the ``first`` one or its root, with which it came to the
+    turn."""
+    q = values[f"q:{first.kind}"]
+    if part is first:
+        return {}
+    if f"r:{first.kind}" in values:
+        return {f"r:{first.kind}": by_before}
+    return {f"q:{first.kind}": by_before / (2 * math.sqrt(q))} if q > 0 else {}
+
+
+def base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Array, dict[str, Array]]:
+    """Load of the base line of a stretch at all its rows, and its derivatives by name."""
+    along = part.z - part.z[0]
+    line = values[f"offset:{part.kind}"] + values[f"tilt:{part.kind}"] * along
+    by = {f"offset:{part.kind}": np.ones_like(along), f"tilt:{part.kind}": along}
+    if part.wave is None:
+        return line, by
+    way, period = part.z - part.wave.at, math.exp(values["ln_period"])
+    c, s = values[f"cos:{part.kind}"], values[f"sin:{part.kind}"]
+    cos, sin = parts(way, period).T
+    waves = {"ln_period": 2 * math.pi * way / period * (c * sin - s * cos), f"cos:{part.kind}": cos,
+             f"sin:{part.kind}": sin}  # fmt: skip
+    return line + c * cos + s * sin, by | waves
+
+
+# --------------------------------------------------------------------------------------------------
+# Where the search for the unknowns of a force curve begins: shapes and contact points tried, the rest linear.
+
+
+@dataclass(frozen=True)
+class StartsTuning:
+    """How many starts are tried."""
+
+    # choice: of a retraction alone, the share of its way in contact that tells a start, and ``turn`` to begin with:
+    alone: tuple[tuple[float, float], ...] = ((0.5, 0.1), (0.5, 0.6), (1.0, 1.0))
+    shapes: int = 25  # choice: ratios w/s tried
+    points: int = 41  # choice: contact points tried
+
+
+FORCE_CURVE_STARTS_TUNING = StartsTuning()
+
+
+def starts_of(model: ForceCurveModel) -> Iterator[Array]:
+    """Unknowns to begin with, as each stretch suggests."""
+    if "turn" not in model.names:
+        yield from (_start(model, part, 1.0, 0.0) for part in model.stretches)
+        return
+    yield from (_start(model, model.stretches[0], share, turn) for share, turn in FORCE_CURVE_STARTS_TUNING.alone)
+
+
+def _start(model: ForceCurveModel, part: DirectionReadings, share: float, turn: float) -> Array:
+    """Unknowns to begin with, as a ``share`` of the way in contact of one stretch suggests: shapes w/s and contact
+    points are tried; for each of them the rest is linear."""
+    s, zero, r = _tried(model, part, share)
+    values = {"ln_s": math.log(s), "z0": zero, "turn": turn, **dict.fromkeys(model.positions, 0.0)}
+    values |= by_base_lines(model)
+    for other in model.stretches:
+        q = r**2 if other is part else _of_tension(model, s, other.tension)
+        values |= {f"q:{other.kind}": q, f"r:{other.kind}": math.sqrt(q)}
+        if other.wave is not None:
+            values["ln_period"] = math.log(other.wave.period)
+            values |= {f"cos:{other.kind}": other.wave.cos, f"sin:{other.kind}": other.wave.sin}
+    return model.unknowns(values)
+
+
+def by_base_lines(model: ForceCurveModel) -> dict[str, float]:
+    """Offsets and tilts as the free rows have them."""
+    offsets = {f"offset:{part.kind}": float(part.line(part.z[0])) for part in model.stretches}
+    return offsets | {f"tilt:{part.kind}": part.line.tilt for part in model.stretches}
+
+
+def _of_tension(model: ForceCurveModel, s: float, tension: float) -> float:
+    """q of moduli times ``s`` that a contact is pulled off at a ``tension`` [N] with."""
+    (D, T, H, V), _, _ = on_grid(model.family)
+    r = _shapes(D, T)[:, None]
+    folds = np.argmin(D - r * T + s * (H - r * V) / model.k, axis=1)
+    tensions = s * (r[:, 0] * V[folds] - H[folds])
+    return float(np.interp(tension, np.maximum.accumulate(tensions), r[:, 0])) ** 2
+
+
+def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tuple[float, float, float]:
+    """s, z0 and sqrt(q) that a stretch is best described with, by the base line of its free rows, up to a ``share``
+    of the way in contact."""
+    rows = _some_rows(part)
+    rows = rows[part.z[rows] <= part.z.max() - (1 - share) * part.reach] if share < 1 else rows
+    net = part.P[rows] - part.line(part.z[rows])
+    if part.wave is not None:
+        net -= part.wave(part.z[rows])
+    delta = part.z[rows] - net / model.k
+    (D, T, H, V), _, _ = on_grid(model.family)
+    modulus, work = model.known.get("ln_s"), model.works.get(part.kind)
+    best = (math.inf, 0.0, 0.0, 0.0)
+    points = _contact_points(part, delta, rows)
+    for r in _shapes(D, T) if part.jumped and work != 0 else (0.0,):
+        path, load = D - r * T, H - r * V
+        fold = int(np.argmin(path))
+        zeros = points - float(path[fold]) if part.jumped else points
+        basis = np.interp(delta - zeros[:, None], path[fold:], load[fold:], left=0.0 if not part.jumped else None)
+        if part.jumped:
+            basis = np.where(part.touching[rows], basis, 0.0)
+        size = np.sum(basis**2, axis=1)
+        factors = basis @ net / np.where(size > 0, size, np.inf)
+        if modulus is not None or work:
+            factors[:] = math.exp(modulus) if modulus is not None else (work or 0.0) / r**2 if r else 0.0
+        costs = np.sum((net - factors[:, None] * basis) ** 2, axis=1)
+        at = int(np.argmin(np.where(factors > 0, costs, np.inf)))
+        if factors[at] > 0 and costs[at] < best[0]:
+            best = (float(costs[at]), float(factors[at]), float(zeros[at]), float(r))
+    if best[1] == 0:
+        raise SolveError("no curve of this body resembles the record")
+    return best[1:]
+
+
+def _some_rows(part: DirectionReadings) -> Array:
+    """Rows spread evenly, half of them where contact may be."""
+    n = part.z.size
+    if n <= ROWS:
+        return np.arange(n)
+    near = int(np.argmax(part.touching)) if part.jumped else n // 2
+    halves = [np.linspace(first, n - 1, ROWS // 2) for first in (0, near)]
+    return np.unique(np.concatenate(halves).astype(int))
+
+
+def _shapes(D: Array, T: Array) -> Array:
+    """Ratios sqrt(w/s): of almost no adhesion, and so that the shift is the displacement at radii across the series."""
+    ratio = np.unique(D / T)
+    return np.concatenate([[0.0], np.geomspace(ratio[0], ratio[-1], FORCE_CURVE_STARTS_TUNING.shapes)])
+
+
+def _contact_points(part: DirectionReadings, delta: Array, rows: Array) -> Array:
+    """Displacements tried as zero; with a jump, as the fold, about its first row in contact."""
+    span = float(np.ptp(delta))
+    if not part.jumped:
+        return np.linspace(delta.min(), delta.max() - 0.01 * span, FORCE_CURVE_STARTS_TUNING.points)
+    first = float(delta[part.touching[rows]][0])
+    steps = span * np.geomspace(1e-4, 0.5, FORCE_CURVE_STARTS_TUNING.points // 3)
+    return first + np.concatenate([-steps, [0.0], steps])
+
+
+# --------------------------------------------------------------------------------------------------
+# The search for the unknowns of a force curve, and its end: estimates, covariance, noise.
+
+
+@dataclass(frozen=True)
+class ForceCurveFitTuning:
+    """How starts are tried, and when a search ends."""
+
+    window: float = 4.0  # choice: standard errors of z0 and w that the window about first touch covers
+    beside: float = 2.0  # choice: rows on each side of first touch, at least, that belong to the window
+    narrow: float = 0.3  # choice: of the depth of contact, that the window covers at most
+    above: float = 1.1  # theory: any w above what the last row at rest holds gives the same loads
+    recedes: float = 12.0  # theory: fall of chi^2 by one unknown that chance brings once in 2000
+    explained: float = 1.05  # choice: of the noise, residuals that the search is not begun anew for
+    enough: float = 1.5  # choice: of the noise, residuals that no other start is tried below
+    blunt: tuple[float, ...] = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt fold while searching
+    moduli: float = 10.0  # choice: of ln s about its start, where the search may go
+    periods: float = 0.3  # choice: the same of the log of a wave's period
+    converged: float = 1e-11  # choice: relative change of parameters
+    fell: float = 1e-8  # theory: of chi^2 of 1e4 rows, its rise a hundredth of a standard error from the minimum
+    unsure: float = 0.1  # choice: of the way in contact, the most that the place of a fold is taken to be uncertain by
+    narrower: float = 2.0  # choice: factor between two estimates of it, below which they agree
+    corrected: int = 2  # choice: times that a neighbour's moduli are corrected, by a factor of e at most each
+    near: float = 0.1  # choice: of chi^2, the fall still to be had a third of a standard error from its minimum
+    evaluations: int = 80  # choice: steps after which the search gives up
+
+
+FORCE_CURVE_FIT_TUNING = ForceCurveFitTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class ForceCurveFit:
+    """The model that fits best: ``values`` and standard errors by name; ``off`` residuals [N] of all rows.
+
+    ``sigma``: standard deviation of a reading about the model [N]; ``weight``: the noise that rows were weighted by;
+    ``spread``: covariance of the unknowns, and the noise that it rests on. ``least``: as the search sees it, in units
+    of ``weight``. ``ended``: whether it is a minimum, and not where the search was given up.
+    """
+
+    model: ForceCurveModel
+    x: Array
+    weight: Spectrum
+    spread: Spread
+    off: Array
+    sigma: float
+    least: Least
+    ended: bool
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return self.model.names
+
+    @property
+    def covariance(self) -> Array:
+        return self.spread.covariance
+
+    def value(self, name: str) -> float:
+        return float(self.x[self.names.index(name)])
+
+    def error(self, name: str) -> float:
+        i = self.names.index(name)
+        return math.sqrt(self.covariance[i, i])
+
+    def unknowns(self, model: ForceCurveModel) -> Array:
+        """Those of a ``model`` that may know fewer of them."""
+        return model.unknowns(self.model.values(self.x))
+
+    def at_loads(self, factor: float) -> Array:
+        """The unknowns as they are about where all loads are ``factor`` times as large."""
+        loads = np.array([name.startswith(("offset:", "tilt:", "cos:", "sin:")) for name in self.names], dtype=bool)
+        ln_s = np.array([name == "ln_s" for name in self.names])
+        return np.where(loads, factor * self.x, self.x) + np.where(ln_s, math.log(factor), 0.0)
+
+
+def _even(model: ForceCurveModel) -> Spectrum:
+    """White noise as large as the range of the loads: the weight while nothing is known of it."""
+    return Spectrum(max(float(np.ptp(part.P)) for part in model.stretches) ** 2)
+
+
+def _state(model: ForceCurveModel, weight: Spectrum, blunt: float, x: Array) -> State:
+    """The residuals, weighted by noise."""
+    off, rates = model.residuals(x, blunt)
+    return State(model.whitened(off, weight), partial(model.whitened, rates, weight))
+
+
+def _problem(
+    model: ForceCurveModel, weight: Spectrum, bounds: tuple[Array, Array], blunt: float, enough: float
+) -> LeastSquares:
+    return LeastSquares(
+        partial(_state, model, weight, blunt),
+        bounds,
+        enough,
+        FORCE_CURVE_FIT_TUNING.fell,
+        FORCE_CURVE_FIT_TUNING.evaluations,
+    )
+
+
+def misfit_at(model: ForceCurveModel, x: Array) -> float:
+    """Half the sum of squares at the unknowns ``x``, of loads over their range."""
+    off = _state(model, _even(model), FORCE_CURVE_FIT_TUNING.blunt[-1], np.clip(x, *_bounds(model, x))).residuals
+    return float(off @ off) / 2
+
+
+def rough(model: ForceCurveModel, start: Array, steps: int) -> tuple[float, Array]:
+    """Half the sum of squares that is left, of loads over their range, and the unknowns that leave about least, by a
+    search from ``start`` on of a few ``steps``."""
+    problem = _problem(model, _even(model), _bounds(model, start), FORCE_CURVE_FIT_TUNING.blunt[1], SAME)
+    least = replace(problem, evaluations=steps).least(start)
+    return least.cost, least.x
+
+
+def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> ForceCurveFit:
+    """The unknowns that leave least, first of a few rows and with a blunt fold unless ``start`` is ``near``, then of
+    all as they are; then weighted by the noise of the free rows where that has a colour. Where the rows do not
+    determine them the search creeps along a valley: it is given up, and the fit reports it."""
+    bounds, even = _bounds(model, start), _even(model)
+    x, sharp = np.clip(start, *bounds), FORCE_CURVE_FIT_TUNING.blunt[-1]
+    few = model
+    if "turn" not in model.names:  # of a retraction alone other minima are near
+        few = replace(model, stretches=tuple(part.thinned() for part in model.stretches))
+    whole = _problem(model, even, bounds, sharp, FORCE_CURVE_FIT_TUNING.converged)
+    slow = FORCE_CURVE_FIT_TUNING.blunt[: -1 if few is model else None]
+    for stages in [()] if near else [slow] if few is model else [FORCE_CURVE_FIT_TUNING.blunt[1:2], slow]:
+        begun = x
+        for blunt in stages:
+            begun = _problem(few, _even(few), bounds, blunt, SAME).least(begun).x
+        least = whole.least(begun)
+        if (
+            least.ended
+            and 2 * least.cost * even.A
+            < (FORCE_CURVE_FIT_TUNING.explained * model.noise) ** 2 * least.state.residuals.size
+        ):
+            break  # no other minimum leaves less than the noise
+    about = _problem(model, even, bounds, sharp, SAME)
+    if not least.ended:  # of few rows at the fold each makes a kink, between which a search runs to and fro
+        least = about.least(least.x)
+    for _ in range(2 * (loss != "linear")):
+        width = TURNS[loss] * robust_scale(least.state.residuals)
+        least = replace(about, loss=loss, width=width).least(least.x)
+    best = _fitted(model, least, even)
+    noise = best.spread.noise
+    if loss != "linear" or not noise.slow:
+        return best
+    x = best.unknowns(model)  # an edge that rests by white noise need not by this one
+    for blunt in (
+        sharp,
+        FORCE_CURVE_FIT_TUNING.blunt[1],
+    ):  # where misfit runs to and fro between the kinks of a sharp fold
+        weighted = _fitted(model, _problem(model, noise, _bounds(model, x), blunt, SAME).least(x), noise)
+        if weighted.ended:
+            break
+    return weighted
+
+
+def _fitted(model: ForceCurveModel, least: Least, weight: Spectrum) -> ForceCurveFit:
+    """What the end of a search means."""
+    before, sharp, (model, x) = least.problem, FORCE_CURVE_FIT_TUNING.blunt[-1], _without_idle(model, least.x, weight)
+    problem = replace(before, model=partial(_state, model, weight, sharp), bounds=_bounds(model, x))
+    off = model.residuals(x, sharp)[0]
+    least = replace(least, problem=problem, x=x, state=_state(model, weight, sharp, x))
+    size = before.width * math.sqrt(_even(model).A)
+    psi, slope = influence(off / size, before.loss)
+    pull = psi * size / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
+    dof = max(off.size - x.size, 1)
+    J, spread = _spread_at_folds(model, x, off, pull, weight)
+    ended = least.ended or _flat(
+        model.whitened(pull, weight), model.whitened(J, weight), FORCE_CURVE_FIT_TUNING.near / dof
+    )
+    return ForceCurveFit(model, x, weight, spread, off, math.sqrt(float(pull @ pull) / dof), least, ended)
+
+
+def _spread_at_folds(
+    model: ForceCurveModel, x: Array, off: Array, pull: Array, weight: Spectrum
+) -> tuple[Array, Spread]:
+    """Derivatives of all rows, (rows, unknowns), and the covariance by them, residuals ``off`` and what rows ``pull``
+    with [N].
+
+    From a fold on loads rise with the root of the distance: their slope there holds no nearer to it than its place is
+    known to, nor than half of the way between two rows. White noise leaves it known to about that.
+    """
+    residuals, free = model.ordered(pull, weight), model.free(off)
+    rounding = max(part.line.rounding for part in model.stretches) ** 2
+
+    def spread_by(J: Array) -> Spread:
+        return covariance(residuals, model.ordered(J, weight), free, weight, rounding)
+
+    J = model.residuals(x, 0.0)[1]
+    spread, first = spread_by(J), 0
+    for part in model.stretches if weight.slow and "z0" in model.names else ():
+        rows = slice(first, first := first + part.z.size)
+        lost, width = rows.start + int(np.argmax(part.touching)), FORCE_CURVE_FIT_TUNING.unsure * part.reach
+        if not part.jumped or _place_error(model, J[lost], spread) <= part.spacing:
+            continue
+        J = J.copy()
+        for _ in range(MOST_SOLVES):
+            J[rows] = model.evaluated(x, width / part.reach)[1][rows]
+            spread = spread_by(J)
+            error = max(_place_error(model, J[lost], spread), part.spacing / 2)
+            if FORCE_CURVE_FIT_TUNING.narrower * error > width:
+                break
+            width = error
+    return J, spread
+
+
+def _place_error(model: ForceCurveModel, slopes: Array, spread: Spread) -> float:
+    """The standard error [m] of the place of a fold, where loads change by ``slopes`` with the unknowns."""
+    rise = abs(float(slopes[model.names.index("z0")]))
+    return math.sqrt(max(float(slopes @ spread.covariance @ slopes), 0.0)) / rise if rise else 0.0
+
+
+def _flat(off: Array, J: Array, share: float) -> bool:
+    """Whether a step of Gauss and Newton would lower chi^2 by less than a ``share`` of it."""
+    step = J @ np.linalg.lstsq(J, off, rcond=None)[0]
+    return float(step @ step) < share * float(off @ off)
+
+
+def _without_idle(model: ForceCurveModel, x: Array, weight: Spectrum) -> tuple[ForceCurveModel, Array]:
+    """The model and its unknowns without those that no row depends on, which are known then: the share of an edge that
+    never rests, w of an edge that rests throughout, which is at least what its last row holds."""
+    idle = ~model.residuals(x, 0.0)[1].any(axis=0)
+    idle |= (np.array(model.names) == "turn") & (np.abs(x) == 1)
+    values, last = model.values(x), model.stretches[-1]
+    own = f"q:{last.kind}"
+    adheres = own in model.names and last.touching.any() and (last.tension > 0 or not last.line.rows)
+    most = held_by_last_row(model, values) if adheres else None
+    if most is not None and _rests_throughout(model, x, own, most, weight):
+        idle |= np.array(model.names) == own
+        values[own] = most
+    known = {name: values[name] for name, no in zip(model.names, idle, strict=True) if no}
+    return (replace(model, known={**model.known, **known}), x[~idle]) if known else (model, x)
+
+
+def held_by_last_row(model: ForceCurveModel, values: Mapping[str, float]) -> float | None:
+    """The q that the last row of an edge that rests throughout holds; None where it does not rest."""
+    last = model.stretches[-1]
+    if (resting := model.rest(last, values)) is None:
+        return None
+    lost = float(model.depth(last, values)[last.touching].min())
+    return resting.released(math.sqrt(max(values[f"q:{last.kind}"], 0.0)), lost) ** 2
+
+
+def _rests_throughout(model: ForceCurveModel, x: Array, own: str, most: float, weight: Spectrum) -> bool:
+    """Whether an edge that never recedes, as of a w above ``most``, describes the rows as well, in units of noise."""
+    never = np.where(np.array(model.names) == own, min(FORCE_CURVE_FIT_TUNING.above * most, model.most), x)
+    with contextlib.suppress(SolveError):  # no contact bears that
+        recedes, rests = (float(np.sum(model.whitened(model.residuals(at, 0.0)[0], weight) ** 2)) for at in (x, never))
+        return (rests / recedes - 1) * sum(part.P.size for part in model.stretches) < FORCE_CURVE_FIT_TUNING.recedes
+    return False
+
+
+def windowed(best: ForceCurveFit) -> ForceCurveModel:
+    """The model without the rows about first touch where no jump shows which of them are in contact: the load is
+    not smooth there in z0 and w. The same model where there are none."""
+    parts = tuple(part if part.jumped else _windowed(best, part) for part in best.model.stretches)
+    return best.model if parts == best.model.stretches else replace(best.model, stretches=parts)
+
+
+def _windowed(best: ForceCurveFit, part: DirectionReadings) -> DirectionReadings:
+    """A stretch whose rows are free up to the window and in contact beyond."""
+    values = best.model.values(best.x)
+    depth, own = best.model.depth(part, values), f"q:{part.kind}"
+    error = best.error(own) if own in best.names else 0.0
+    most = values | {own: max(values[own], 0.0) + FORCE_CURVE_FIT_TUNING.window * error}
+    neck = 0.0 if part.kind == APPROACH else -best.model.branch(part, most).fold
+    unsure = best.error("z0") if "z0" in best.names else 0.0
+    half = neck + max(FORCE_CURVE_FIT_TUNING.window * unsure, FORCE_CURVE_FIT_TUNING.beside * part.spacing)
+    half = min(half, FORCE_CURVE_FIT_TUNING.narrow * float(depth.max()))
+    if half <= 0:
+        return part  # no row of it is in contact
+    keep = np.abs(depth) > half
+    cut = {name: getattr(part, name)[keep] for name in ("rows", "z", "P", "t")}
+    return replace(part, touching=(depth > 0)[keep], jumped=True, **cut)
+
+
+def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
+    """Least and largest unknowns of a search from ``start`` on."""
+    names = np.array(model.names, dtype=str)
+    reach = np.select(
+        [names == "ln_s", names == "ln_period"], [FORCE_CURVE_FIT_TUNING.moduli, FORCE_CURVE_FIT_TUNING.periods], np.inf
+    )
+    lowest, highest = start - reach, start + reach
+    for prefix, high in (("q:", model.most), ("r:", math.sqrt(model.most)), ("turn", 1.0)):
+        own = np.char.startswith(names, prefix)
+        lowest, highest = np.where(own, -high, lowest), np.where(own, high, highest)
+    least, most = np.array([model.limits.get(name, (-np.inf, np.inf)) for name in model.names]).T
+    return np.maximum(lowest, least), np.minimum(highest, most)
+
+
+class Neighbour:
+    """Where the search of one record ended, for that of the next one of a map."""
+
+    def __init__(self) -> None:
+        self.last: ForceCurveFit | None = None
+
+    def start(self, model: ForceCurveModel) -> Array | None:
+        """Unknowns of a ``model`` about as the last record's were: w in proportion to the tension, the contact lost at
+        the outermost row that is in contact for sure, moduli as the deepest one asks for; None where it has others."""
+        last = self.last
+        if last is None or last.names != model.names or model.positions or any(one.wave for one in model.stretches):
+            return None
+        outermost, part, before = _outermost(model), model.stretches[-1], last.model.stretches[-1]
+        if outermost is None:
+            return None
+        values = {**last.model.values(last.x), **by_base_lines(model)}
+        values = _times_q(values, part.tension / before.tension if before.tension > 0 else 1.0)
+        with contextlib.suppress(SolveError):  # no contact bears that
+            for _ in range(FORCE_CURVE_FIT_TUNING.corrected):
+                values["z0"] = outermost - model.branch(part, values).fold - part.spacing / 2
+                rise = _by_deepest_row(model, values) if "ln_s" in model.names else 0.0
+                values = {**_times_q(values, math.exp(-rise)), "ln_s": values["ln_s"] + rise}
+            return model.unknowns(values)
+        return None
+
+
+def _times_q(values: Mapping[str, float], factor: float) -> dict[str, float]:
+    """The unknowns with q of all stretches times a factor, and its roots."""
+    powers = {"q": 1.0, "r": 0.5}
+    return {name: value * factor ** powers.get(name.partition(":")[0], 0.0) for name, value in values.items()}
+
+
+def _by_deepest_row(model: ForceCurveModel, values: Mapping[str, float]) -> float:
+    """By how much ln s is to rise at equal w, so that the deepest row of the first direction is met, to first order."""
+    part, q = model.stretches[0], values[f"q:{model.stretches[0].kind}"]
+    deepest = int(np.argmax(part.z))
+    P, (by_s, by_q, _) = model.branch(part, values).at(part.z[[deepest]] - values["z0"], part.spacing / 2)
+    rate = float(by_s[0] - q * by_q[0])
+    rise = float(part.P[deepest] - part.line(part.z[deepest]) - P[0]) / rate if rate > 0 else 0.0
+    return min(max(rise, -1.0), 1.0)
+
+
+def _outermost(model: ForceCurveModel) -> float | None:
+    """The position [m] of the outermost row of the last direction that is in contact for sure."""
+    part = model.stretches[-1]
+    return float(part.z[part.touching].min()) if part.jumped else None
+
+
+def nearest(model: ForceCurveModel, loss: Loss = "linear", near: Array | None = None) -> ForceCurveFit:
+    """The unknowns that leave least, from several starts until one leaves no more than noise, ``near`` being the first
+    one; SolveError where no search converges. Of a retraction alone all are tried: only its shape shows how far its
+    edge rests."""
+    if near is not None and "turn" not in model.names:
+        with contextlib.suppress(SolveError):
+            fitted = fit(model, near, True, loss)
+            if fitted.ended and _explains(fitted, model, FORCE_CURVE_FIT_TUNING.explained):
+                return fitted
+    best: ForceCurveFit | SolveError = SolveError("no curve of this body resembles the record")
+    for close, x in itertools.chain(((False, x) for x in starts_of(model)), ((True, x) for x in _of_each(model, loss))):
+        try:
+            fitted = fit(model, x, close, loss)
+        except SolveError as error:
+            best = error if isinstance(best, SolveError) else best
+            continue
+        if isinstance(best, SolveError) or (not fitted.ended, fitted.sigma) < (not best.ended, best.sigma):
+            best = fitted
+        if "turn" not in model.names and _explains(best, model, FORCE_CURVE_FIT_TUNING.enough):
+            break
+    if isinstance(best, SolveError):
+        raise best
+    return best
+
+
+def _explains(fitted: ForceCurveFit, model: ForceCurveModel, enough: float) -> bool:
+    """Whether a fit leaves no more than ``enough`` of the noise, with all unknowns of a ``model``: an edge that rests
+    throughout may be a valley beside that of one that recedes."""
+    return fitted.sigma <= enough * model.noise and fitted.names == model.names
+
+
+def _of_each(model: ForceCurveModel, loss: Loss) -> Iterator[Array]:
+    """Unknowns of several directions as fits of each alone have them, moduli and the zero as either does."""
+    if len(model.stretches) == 1:
+        return
+    alone: list[dict[str, float]] = []
+    for part in model.stretches:
+        with contextlib.suppress(SolveError):
+            one = nearest(replace(model, stretches=(part,)), loss)
+            values = one.model.values(one.x)
+            alone.append(values | {f"r:{part.kind}": math.sqrt(max(values[f"q:{part.kind}"], 0.0))})
+    if len(alone) == len(model.stretches):
+        together = {name: value for values in alone for name, value in values.items()}
+        yield from (model.unknowns({**together, **{n: v[n] for n in ("ln_s", "z0")}}) for v in alone)
+
+
+# --------------------------------------------------------------------------------------------------
+# The retraction of a contact whose work of adhesion rises with the speed of its edge: w = w0 (1 + b v^n).
+#
+# Gent and Schultz's law, quasi-static but for the edge. With L = delta_H - delta and G = S' L^2/(4 pi a) the edge
+# recedes where G > w0, at the speed v that its law gives; the device moves back evenly, so that v = -da/dz follows
+# from positions alone. Over the contact radius: dz/da = -1/v with z = D - y T + s (H - y V)/k, y = sqrt(q (1 + b
+# v^n)).
+
+
+@dataclass(frozen=True)
+class SlowEdgeTuning:
+    """Radii at which the edge is followed."""
+
+    first: float = 1e-12  # choice: of the radius at the turn, the first step of the edge, which begins at rest
+    even: float = 0.01  # choice: of it, from where on radii are even, in a geometric sequence before; the contact that
+    # is left when it is taken as lost
+    radii: int = 100  # choice: of either; loads are then good to 5e-4 of the tension
+    widest: float = 3.0  # choice: of logs, a step by Newton's method
+
+
+SLOW_EDGE_TUNING = SlowEdgeTuning()
+
+
+@lru_cache(maxsize=REMEMBERED)
+def receding(
+    family: Family, s: float, q: float, k: float, law: tuple[float, float], resting: Rest, turn: float
+) -> Array:
+    """Positions of the device [m], increasing, and loads [N] of the edge (2, n), for moduli times ``s``, w0 = ``q`` s
+    and the ``law`` (b, n); from the end of its ``resting``, where G is w0, or from the ``turn`` [m]."""
+    start = math.exp(resting.u)
+    x = np.concatenate(
+        [
+            np.geomspace(SLOW_EDGE_TUNING.first, SLOW_EDGE_TUNING.even, SLOW_EDGE_TUNING.radii, endpoint=False),
+            np.linspace(SLOW_EDGE_TUNING.even, 1 - SLOW_EDGE_TUNING.even, SLOW_EDGE_TUNING.radii),
+        ]
+    )
+    D, T, H, V = family.at(np.log(start * (1 - x)))[0]
+    r, steps = math.sqrt(q), np.diff(start * x, prepend=0.0)
+    free, pulled = D + s * H / k, r * (T + s * V / k)
+    z = np.empty(x.size)
+    begin = min(resting.end, turn)
+    grown = _follow(free.tolist(), pulled.tolist(), steps.tolist(), begin, law, z)
+    loads = np.append(resting.at(np.array([begin]))[0], s * (H - r * grown * V))
+    path: Array = np.stack([np.append(begin, z), loads])[:, ::-1]
+    return path
+
+
+def _follow(
+    free: list[float], pulled: list[float], steps: list[float], z: float, law: tuple[float, float], out: Array
+) -> Array:
+    """Positions ``out`` over the nodes, and the root of w over w0 there; ``z``: where the edge begins."""
+    b, n = law
+    log, before, grown = 0.0, 0.0, np.empty(len(free))
+    for i, (whole, shift, step) in enumerate(zip(free, pulled, steps, strict=True)):
+        half = step if i == 0 else step / 2  # it begins at rest: the rule of the trapezium from the second on
+        target = z - (0.0 if i == 0 else half * before)
+        for _ in range(MOST_STEPS):
+            power, slowness = b * math.exp(n * log), half * math.exp(-log)
+            root = math.sqrt(1 + power)
+            off = whole - shift * root + slowness - target
+            change = off / (shift * n * power / (2 * root) + slowness)
+            log += min(max(change, -SLOW_EDGE_TUNING.widest), SLOW_EDGE_TUNING.widest)
+            if abs(change) < SETTLED:
+                break
+        before = math.exp(-log)
+        grown[i] = math.sqrt(1 + b * math.exp(n * log))
+        out[i] = z = whole - shift * grown[i]
+    return grown
+
+
+def load_at(path: Array, resting: Rest, turn: float, z: Array) -> Array:
+    """Loads [N] at positions ``z`` [m]: at rest down to where the edge begins, 0 where contact is lost."""
+    positions, P = path
+    rising = np.append(True, np.diff(np.maximum.accumulate(positions)) > 0)
+    moving = PchipInterpolator(positions[rising], P[rising])(np.clip(z, positions[0], positions[-1]))
+    loads: Array = np.where(z > min(resting.end, turn), resting.at(z)[0], np.where(z < positions[0], 0.0, moving))
+    return loads

@@ -1,0 +1,1066 @@
+"""The adhesive curves of one body for every modulus factor and every work of adhesion.
+
+With all moduli multiplied by s and work of adhesion w (Eq. 13)
+    delta = D(a) - v T(a)        P = s (H(a) - v V(a))        v = sqrt(w/s)
+D, H: delta_H and P_H of the series; T = sqrt(4 pi a/S'), V = S T: its adhesive parts at w = 1 J/m^2. So where the edge
+moves. While the contact grows it advances with w_a, while it shrinks it recedes with w_r >= w_a; between the two it
+rests at the contact radius a_m of the turn, sqrt(w_a/s) <= v <= sqrt(w_r/s): on (delta, P) a straight line.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache, partial
+from pathlib import Path
+from typing import Any, Protocol, cast
+
+import numpy as np
+from scipy.interpolate import BSpline, CubicHermiteSpline, PPoly, make_interp_spline
+
+from ..adhesion import FiniteRangeBody, Nonadhesive, RangeRequest, Slopes
+from ..adhesion.slopes.choice import slopes
+from ..base import (
+    LOOKED_AT,
+    MOST_STEPS,
+    REMEMBERED,
+    ROUNDED,
+    ROWS,
+    SAME,
+    SETTLED,
+    UNSEEN,
+    Array,
+    InputError,
+    JkrError,
+    Refusal,
+    SolveError,
+    show,
+)
+from ..bodies import RADIUS, Indenter, Loading, Problem, changed, checked_names, layer_names, nominal, unbounded
+from ..case import Case, load_case, read_solution, solve
+from ..methods import AttractedBody, Layered, Limits
+from ..methods.integral import Attraction, Discs, Rims, refuse_narrow
+from ..resolve import JKR, nonadhesive
+from ..series import Series, Solution
+
+FUNCTIONS = 4  # D, T, H, V
+ADVANCING, RESTING, RECEDING = range(3)  # what the edge does at a row
+LOADS = np.array([[0.0], [0.0], [1.0], [1.0]])  # of these the parts of the load
+
+
+class Member(Protocol):
+    """One adhesive curve of a body over u, the log of a place on it [m]: states (a [m], delta [m], P [N])."""
+
+    def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
+        """u between which measured points are sought, so far beyond the fold and the end of the series, and down to
+        the ``least`` radius that was measured [m], if any."""
+
+    def refuse_beyond(self, a: float) -> None:
+        """Refusal where the curve does not reach the contact radius ``a`` [m]."""
+
+    def along(self, u: Array) -> tuple[Array, Array, Array]:
+        """The states and their first and second derivatives by u, each of shape (3, n)."""
+
+    def rates(self, u: Array) -> Mapping[str, Array]:
+        """Derivatives (3, n) of the states by the log of the modulus factor "modulus", by "w", and by the log of what
+        else the curve depends on, the body's own parameters that vary among it."""
+
+
+class Members(Protocol):
+    """The adhesive curves of one body by the values of the parameters, SI; ``plain``: its family without a range of
+    adhesion."""
+
+    @property
+    def plain(self) -> Family: ...
+
+    def member(self, values: Mapping[str, float], drift: Drift | None = None) -> Member:
+        """The curve of these values, with a ``drift`` of one of them along the record where the family knows it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """log D, log T, log H, log V over u = log a (a in m) with two derivatives; power laws beyond the ends.
+
+    ``low, high``: log of the smallest and largest contact radius of the series. ``rates``: derivatives of the same four
+    logs by those of the body's own parameters that vary, by name.
+    """
+
+    logs: PPoly
+    low: float
+    high: float
+    rates: Mapping[str, PPoly] | None = None
+
+    @classmethod
+    def of(cls, series: Series, slopes: Slopes) -> Family:
+        """The family of a series, at the nodes of its own evaluator."""
+        body = Nonadhesive(series, slopes)
+        u = body.logs.slopes.x
+        a = np.clip(np.exp(u), series.a[0], series.a[-1])
+        here, rate = body.with_rates(a)
+        values = np.stack([here.delta_H, here.t, here.P_H, here.S * here.t], axis=1)
+        rates = np.stack([rate.delta_H, rate.t, rate.P_H, rate.S * here.t + here.S * rate.t], axis=1)
+        logs = CubicHermiteSpline(u, np.log(values), a[:, None] * rates / values)
+        return cls(_with_derivatives(_extended(logs)), float(u[0]), float(u[-1]))
+
+    @property
+    def plain(self) -> Family:
+        return self
+
+    def member(self, values: Mapping[str, float], drift: Drift | None = None) -> JKRMember:
+        return JKRMember(self, values["modulus"], values["w"], drift)
+
+    def neck(self, s: float, w: float) -> float:
+        """What adhesion adds to the displacement where the load is least [m], for JKR."""
+        _, T, H, V = self.at(np.linspace(self.low, self.high, ROWS))[0]
+        return float(np.sqrt(w / s) * T[np.argmin(s * H - np.sqrt(w * s) * V)])
+
+    @property
+    def natural_work(self) -> float:
+        """The w [J/m^2] that shifts the body at half of its largest radius by its own displacement."""
+        D, T, _, _ = self.at(np.array([self.high - np.log(2)]))[0][:, 0]
+        return float((D / T) ** 2)
+
+    def rate_to(self, moved: Family, step: float) -> PPoly:
+        """The change of the four logs towards a ``moved`` family, per ``step`` of a parameter."""
+        return PPoly((moved.logs.c - self.logs.c)[..., :FUNCTIONS] / step, self.logs.x)
+
+    def at(self, u: Array) -> tuple[Array, Array, Array]:
+        """(D, T, H, V) and their first and second derivatives by u, each of shape (4, n)."""
+        logs = self.logs(u).T
+        values = np.exp(logs[:FUNCTIONS])
+        first, second = logs[FUNCTIONS : 2 * FUNCTIONS], logs[2 * FUNCTIONS :]
+        return values, values * first, values * (second + first**2)
+
+    def at_nodes(self, u: Array) -> tuple[Array, Array, Array]:
+        """The same at evenly spaced nodes."""
+        return self.at(u)
+
+    def own_rates(self, u: Array) -> Mapping[str, Array]:
+        """Derivatives of log (D, T, H, V) (4, n) by the logs of the body's own parameters."""
+        return {name: rate(u).T for name, rate in (self.rates or {}).items()}
+
+
+@dataclass(frozen=True)
+class Drift:
+    """w and the moduli times 1 + change times the place on the record: 0 at the contact radius ``low``, 1 at ``high``
+    [m], less ``centre``."""
+
+    name: str
+    change: float
+    centre: float
+    low: float
+    high: float
+
+    def factor(self, a: Array) -> Array:
+        """What w or the moduli are multiplied by at contact radii ``a`` [m]; even beyond the record."""
+        return 1 + self.change * (np.clip((a - self.low) / (self.high - self.low), -0.2, 1.2) - self.centre)
+
+    def applied(self, functions: tuple[Array, Array, Array], u: Array) -> tuple[Array, Array, Array]:
+        """The family's functions (D, T, H, V) and their derivatives by u = log a with this drift."""
+        a, factor = np.exp(u), self.factor(np.exp(u))
+        rate = self.change * a / (self.high - self.low) / factor
+        power = np.array(DRIFTS[self.name])[:, None]
+        first, second = power * rate, power * rate * (1 - rate)
+        value, by_u, by_uu = functions
+        g = factor**power
+        return g * value, g * (by_u + first * value), g * (by_uu + 2 * first * by_u + (second + first**2) * value)
+
+
+DRIFTS = {"w": (0.0, 0.5, 0.0, 0.5), "modulus": (0.0, -0.5, 1.0, 0.5)}  # theory: powers of w and moduli in the family
+
+
+def states(a: Array | float, functions: Array, s: float, v: Array | float) -> Array:
+    """(a, delta, P) of functions (D, T, H, V), or derivatives of them: v = sqrt(w/s) where the edge moves."""
+    D, T, H, V = functions
+    delta = D - v * T
+    all_three = np.empty((3, *delta.shape))
+    all_three[0], all_three[1], all_three[2] = a, delta, s * (H - v * V)
+    return all_three
+
+
+def of_v(functions: Array, s: float, v: Array | float) -> Array:
+    """Derivatives of the ``states`` by the log of v."""
+    _, T, _, V = functions
+    return states(0.0, np.stack([0 * T, T, 0 * T, V]), s, v)
+
+
+@dataclass(frozen=True, eq=False)
+class JKRMember:
+    """The curve of a ``family`` for the modulus factor ``s`` and the work of adhesion ``w`` [J/m^2], over u = log a;
+    ``drift``: of w or of the moduli along the record."""
+
+    family: Family
+    s: float
+    w: float
+    drift: Drift | None
+
+    @property
+    def v(self) -> float:
+        return math.sqrt(self.w / self.s)
+
+    def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
+        whole = np.linspace(self.family.low - below_fold, self.family.high, ROWS)
+        (D, T, _, _), _, _ = self.family.at(whole)
+        fold = whole[np.argmin(D - self.v * T)]
+        below = fold - below_fold if least is None else min(fold - below_fold, np.log(least))
+        return float(max(below, whole[0])), self.family.high + beyond_last
+
+    def functions(self, u: Array) -> tuple[Array, Array, Array]:
+        """(D, T, H, V) and their derivatives by u."""
+        functions = self.family.at(u)
+        return functions if self.drift is None else self.drift.applied(functions, u)
+
+    def refuse_beyond(self, a: float) -> None:
+        """Nothing is refused: beyond the series power laws go on, and the search itself looks at where it ends."""
+
+    def along(self, u: Array) -> tuple[Array, Array, Array]:
+        first, second, third = (states(np.exp(u), functions, self.s, self.v) for functions in self.functions(u))
+        return first, second, third
+
+    def rates(self, u: Array) -> Mapping[str, Array]:
+        here = self.functions(u)[0]
+        by_v, own = of_v(here, self.s, self.v), self.family.own_rates(u)
+        rates = {name: states(0.0, here * rate, self.s, self.v) for name, rate in own.items()}
+        by_w = by_v / (2 * self.w) if self.w > 0 else 0 * by_v  # a free w stays above 0
+        return rates | {"modulus": states(0.0, here * LOADS, self.s, self.v) - by_v / 2, "w": by_w}
+
+
+@dataclass(frozen=True, eq=False)
+class RestingMember:
+    """The readings of an edge at rest at contact radius ``turn`` [m] for moduli times ``s``, over u = v/``unit``."""
+
+    family: Family
+    s: float
+    turn: float
+    drift: Drift | None
+
+    @cached_property
+    def functions(self) -> tuple[Array, Array]:
+        """(D, T, H, V) at the turn, and their derivatives by its log, (4, 1)."""
+        return JKRMember(self.family, self.s, 0.0, self.drift).functions(np.log([self.turn]))[:2]
+
+    @property
+    def unit(self) -> float:
+        """The v that shifts the contact by its own displacement."""
+        D, T, _, _ = self.functions[0][:, 0]
+        return float(D / T)
+
+    def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
+        return -1.0, 3.0  # several times what a stable edge holds
+
+    def refuse_beyond(self, a: float) -> None:
+        """Nothing is refused."""
+
+    def along(self, u: Array) -> tuple[Array, Array, Array]:
+        here = states(self.turn, self.functions[0], self.s, self.unit * u)
+        return here, np.broadcast_to(of_v(self.functions[0], self.s, self.unit), here.shape), np.zeros_like(here)
+
+    def rates(self, u: Array) -> Mapping[str, Array]:
+        here, by_turn = self.functions
+        changes = {name: here * rate for name, rate in self.family.own_rates(np.log([self.turn])).items()}
+        rates = {
+            name: states(0.0, by, self.s, self.unit * u) for name, by in (changes | {"modulus": here * LOADS}).items()
+        }
+        return rates | {"a_turn": states(self.turn, by_turn, self.s, self.unit * u)}
+
+
+def _extended(logs: CubicHermiteSpline) -> PPoly:
+    """The cubics with a straight line added at each end, far enough for any foot point."""
+    ends, width = logs.x[[0, -1]], logs.x[-1] - logs.x[0] + 1
+    before, after = np.zeros((2, *logs.c.shape[::2]))
+    before[2:] = logs(ends[0], 1), logs(ends[0]) - width * logs(ends[0], 1)
+    after[2:] = logs(ends[1], 1), logs(ends[1])
+    c = np.concatenate([before[:, None], logs.c, after[:, None]], axis=1)
+    return PPoly(c, np.concatenate([[ends[0] - width], logs.x, [ends[1] + width]]))
+
+
+def _with_derivatives(logs: PPoly) -> PPoly:
+    """One piecewise cubic that gives values, first and second derivatives in one evaluation."""
+    zero = np.zeros_like(logs.c[:1])
+    first, second = logs.derivative(1).c, logs.derivative(2).c
+    return PPoly(
+        np.concatenate([logs.c, np.concatenate([zero, first]), np.concatenate([zero, zero, second])], 2), logs.x
+    )
+
+
+# --------------------------------------------------------------------------------------------------
+# The adhesive curves of finite range of one body for every modulus factor, work of adhesion and range.
+#
+# With all moduli multiplied by s a curve is delta(c; sigma/s, range) and P = s p(c; sigma/s, range). The contact
+# radii stand in a fixed row, for which the kernel is inverted once: each pair of tension and range asks for c alone.
+
+
+@dataclass(frozen=True)
+class AttractedFamilyTuning:
+    """Points of the curves, and steps of their derivatives by tension and range."""
+
+    beyond: float = 1.4  # choice: of the largest over the end of the series, on the way to a solution
+    below_limit: float = 0.9  # choice: of the largest over the end of profile or cylinder
+    # tuned on fits of tables, by `make constants`: of the radius to which the kernel is known over the largest of
+    # contact; its growth
+    reach: float = 1.5
+    apart: int = 24  # choice: points without contact
+    first: float = 0.03  # theory: c of the first of them over c at first touch: P goes like its square, 1e-3
+    degree: int = 5  # theory: of the splines; errors fall with the power 6 of the spacing
+    near_touch: float = 1e-4  # theory: of arcosh sqrt(c/c0): nearer the derivatives are those there, to its square
+    step: float = 1e-5  # theory: of logs, for central differences: the cube root of round-off
+
+
+ATTRACTED_TUNING = AttractedFamilyTuning()
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """How finely the curves are resolved: the number of contact ``radii`` besides 0, the ``smallest`` of them over the
+    largest, and the ``tolerance`` of the kernel."""
+
+    radii: int
+    smallest: float
+    tolerance: float
+
+
+FINE = Resolution(90, 3e-4, 1e-10)  # choice: splines through them are good to 1e-6 of the curve
+COARSE = Resolution(45, 3e-3, 1e-6)  # choice: good to a thousandth of what a range changes, at a third of the cost
+
+
+@dataclass(frozen=True, eq=False)
+class AttractedFamily:
+    """Curves of finite range of the bodies of a ``problem`` whose ``plain`` family has the series' radii."""
+
+    problem: Problem
+    plain: Family
+    body: AttractedBody
+    resolution: Resolution = FINE
+    _ready: dict[float, tuple[Attraction, Discs]] = field(default_factory=dict)
+    _curves: dict[tuple[str, str], States] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, problem: Problem, plain: Family, resolution: Resolution = FINE) -> AttractedFamily:
+        return cls(problem, plain, AttractedBody(problem, resolution.tolerance), resolution)
+
+    def member(self, values: Mapping[str, float], drift: Drift | None = None) -> AttractedMember:
+        modulus, w = values["modulus"], values["w"]
+        length = values["range"] if "range" in values else w / values["stress"]
+        s = 2 * w / length / (self.problem.E_star * modulus)
+        by_range = "range" in values
+        return AttractedMember(self, modulus, w, s, length, by_range, self.states(s, length))
+
+    @cached_property
+    def radii(self) -> Array:
+        """Contact radii of all curves [m], from 0 on."""
+        end = math.exp(self.plain.high)
+        most = max(end, min(ATTRACTED_TUNING.beyond * end, ATTRACTED_TUNING.below_limit * self.body.limit))
+        return np.append(0.0, np.geomspace(self.resolution.smallest * most, most, self.resolution.radii))
+
+    def _discs(self, reach: float) -> tuple[Attraction, Discs]:
+        if reach not in self._ready:
+            attraction = self.body.attraction(reach)
+            self._ready[reach] = attraction, attraction.discs(self.radii)
+        return self._ready[reach]
+
+    def _reaching(self, s: float, gap: float) -> tuple[Attraction, Discs]:
+        """Discs on a body known so far that the tension s = 2 sigma/E* opens the separation ``gap`` [m] at its end, or
+        up to where it ends."""
+        reach = ATTRACTED_TUNING.reach * float(self.radii[-1])
+        for _ in range(MOST_STEPS):
+            reach = min(reach, self.body.limit)
+            attraction, discs = self._discs(reach)
+            if reach == self.body.limit or (discs.rims(reach - self.radii, s).gap > gap).all():
+                break
+            reach *= ATTRACTED_TUNING.reach
+        return attraction, discs
+
+    def states(self, s: float, gap: float) -> States:
+        """The curve for the tension s = 2 sigma/E* up to the separation ``gap`` [m]; solved once for many fits that ask
+        for the same."""
+        key = f"{s:.12g}", f"{gap:.12g}"
+        if key not in self._curves:
+            if len(self._curves) >= REMEMBERED:
+                self._curves.clear()
+            self._curves[key] = self._solved(s, gap)
+        return self._curves[key]
+
+    def _solved(self, s: float, gap: float) -> States:
+        attraction, discs = self._reaching(s, gap)
+        rims = discs.equilibria(s, gap, attraction.reach)
+        refuse_narrow(rims)
+        reached = np.isclose(rims.gap, gap, rtol=SAME, atol=0)  # of nanometres
+        count = int(np.argmin(reached)) if not reached.all() else reached.size
+        first = 1 + int(np.max(np.flatnonzero(np.diff(rims.c[:count]) <= 0), initial=-1))
+        if count - first < 2 * (ATTRACTED_TUNING.degree + 1):  # twice as many points as a spline needs
+            raise SolveError(
+                f"adhesion of finite range: with a range of {show(gap, 'length')} the surfaces attract each other "
+                f"beyond {show(attraction.reach, 'length')}, where profile or side end, or jump together: bound the "
+                "range"
+            )
+        rows, c0 = slice(first, count), float(rims.c[first])
+        v = np.arccosh(np.sqrt(rims.c[rows] / c0))
+        touching = make_interp_spline(v, np.stack([rims.a, rims.delta, rims.P], axis=1)[rows], ATTRACTED_TUNING.degree)
+        own = c0, float(v[-1]), touching, math.pi * self.problem.E_star * s / 2, gap
+        apart = self._apart(attraction, rims, s, gap) if first == 0 else None
+        return States(*own, apart, partial(_rate_spline, discs, rims, s, v, rows))
+
+    def _apart(self, attraction: Attraction, rims: Rims, s: float, gap: float) -> BSpline:
+        """delta without contact, and its part by the tension, over log c."""
+        c = np.append(rims.c[0] * np.geomspace(ATTRACTED_TUNING.first, 1, ATTRACTED_TUNING.apart)[:-1], rims.c[0])
+        delta = np.append(attraction.apart(c[:-1], s, gap).delta, rims.delta[0])
+        pulled = delta + gap - self.problem.indenter.f(c)
+        return make_interp_spline(np.log(c), np.stack([delta, pulled], axis=1), ATTRACTED_TUNING.degree)
+
+
+def _rate_spline(discs: Discs, rims: Rims, s: float, v: Array, rows: slice) -> BSpline:
+    return make_interp_spline(v, _rates(discs, rims, s)[rows], ATTRACTED_TUNING.degree)
+
+
+def _rates(discs: Discs, rims: Rims, s: float) -> Array:
+    """Derivatives of log c, delta, P by the logs of tension and range at equal contact radii, (n, 6): those of states
+    with a given width of the annulus, and of the width that keeps the separation at its end."""
+    h, b = ATTRACTED_TUNING.step, rims.c - rims.a
+
+    def by(wider: float, stronger: float) -> Array:
+        high, low = (discs.rims(b * math.exp(side * wider), s * math.exp(side * stronger)) for side in (1, -1))
+        return np.stack([high.gap - low.gap, high.delta - low.delta, high.P - low.P]) / (2 * h)
+
+    width, tension = by(h, 0.0), by(0.0, h)
+    by_tension, by_range = -tension[0] / width[0], rims.gap / width[0]  # of log b
+    columns = [by_tension * b / rims.c, *(tension[1:] + width[1:] * by_tension)]
+    columns += [by_range * b / rims.c, *(width[1:] * by_range)]
+    return np.stack(columns, axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class States:
+    """One curve of the unscaled body: ``touching``: (a, delta, P) over v = arcosh sqrt(c/c0) up to ``end``; ``apart``:
+    delta, and its part by the tension, over log c, where P = -``pull`` c^2 [N/m^2]; None where the surfaces leap
+    together to c0. ``gap``: the range [m]; ``make_rates``: the spline of the derivatives at equal radii over v."""
+
+    c0: float
+    end: float
+    touching: BSpline
+    pull: float
+    gap: float
+    apart: BSpline | None
+    make_rates: Callable[[], BSpline]
+
+    @cached_property
+    def _rates(self) -> BSpline:
+        return self.make_rates()
+
+    def _places(self, u: Array) -> tuple[Array, Array, Array, Array]:
+        """Which u lie in contact; u up to the end, u without contact, and v."""
+        start = math.log(self.c0)
+        inside = np.minimum(u, start + 2 * math.log(math.cosh(self.end)))
+        inside = inside if self.apart is not None else np.maximum(inside, start)
+        v = np.minimum(np.arccosh(np.exp(np.maximum(inside - start, 0.0) / 2)), self.end)
+        touching = (inside > start) | (self.apart is None)
+        return touching, inside, np.clip(inside, start + math.log(ATTRACTED_TUNING.first), start), v
+
+    def rates(self, u: Array) -> tuple[Array, Array]:
+        """Derivatives of (a, delta, P) at equal u by the logs of tension and range, (3, n) each."""
+        touching, _, free, v = self._places(u)
+        first = self.along(u)[1]
+        columns = np.moveaxis(self._rates(v), -1, 0)
+        pulled = np.zeros_like(u) if self.apart is None else self.apart(free)[..., 1]
+        zero, P = np.zeros_like(u), -self.pull * np.exp(2 * free)
+        outside = np.stack([zero, pulled, P]), np.stack([zero, np.full_like(u, -self.gap), zero])
+        inside = ((np.stack([zero, delta, load]) - first * log_c) for log_c, delta, load in (columns[:3], columns[3:]))
+        by_tension, by_range = (np.where(touching, a, b) for a, b in zip(inside, outside, strict=True))
+        return by_tension, by_range
+
+    def along(self, u: Array) -> tuple[Array, Array, Array]:
+        """(a, delta, P) and their first and second derivatives by u = log c, (3, n); straight lines beyond the end."""
+        touching, inside, free, v = self._places(u)
+        parts = zip(self._free(free), self._in_contact(np.maximum(v, ATTRACTED_TUNING.near_touch)), strict=True)
+        value, first, second = (np.where(touching, b, a) for a, b in parts)
+        return value + first * (u - inside), first, np.where(u == inside, second, 0.0)
+
+    def _in_contact(self, v: Array) -> tuple[Array, Array, Array]:
+        value, first, second = (np.moveaxis(self.touching(v, order), -1, 0) for order in range(3))
+        rate = 1 / (2 * np.tanh(v))
+        return value, first * rate, second * rate**2 - first * rate / (2 * np.sinh(v) ** 2)
+
+    def _free(self, u: Array) -> tuple[Array, Array, Array]:
+        zero, P = np.zeros_like(u), -self.pull * np.exp(2 * u)
+        delta, first, second = (zero if self.apart is None else self.apart(u, order)[..., 0] for order in range(3))
+        return np.stack([zero, delta, P]), np.stack([zero, first, 2 * P]), np.stack([zero, second, 4 * P])
+
+
+@dataclass(frozen=True, eq=False)
+class AttractedMember:
+    """The curve for one modulus factor, w [J/m^2] and law: s = 2 sigma/(E* modulus) up to ``length`` [m], over u = log
+    c; ``by_range``: whether the range stands for the law, else its tension."""
+
+    family: AttractedFamily
+    modulus: float
+    w: float
+    s: float
+    length: float
+    by_range: bool
+    states: States
+
+    def refuse_beyond(self, a: float) -> None:
+        """Refusal where the curve ends before the contact radius ``a`` [m]: beyond it attraction leaves the body."""
+        if a > float(self.states.touching(self.states.end)[0]) * (1 + SAME):
+            raise Refusal(
+                f"adhesion of finite range: around a contact of a = {show(a, 'length')} the surfaces attract each "
+                f"other beyond {show(self.family.body.limit, 'length')}, where profile or side end, at a range of "
+                f"{show(self.length, 'length')}: bound the range, or leave out the largest loads"
+            )
+
+    def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
+        start = math.log(self.states.c0)
+        first = start if self.states.apart is None else start + math.log(ATTRACTED_TUNING.first)
+        return first, start + 2 * math.log(math.cosh(self.states.end))
+
+    def along(self, u: Array) -> tuple[Array, Array, Array]:
+        value, first, second = (np.stack([a, delta, self.modulus * P]) for a, delta, P in self.states.along(u))
+        return value, first, second
+
+    def rates(self, u: Array) -> Mapping[str, Array]:
+        unit = np.array([1.0, 1.0, self.modulus])[:, None]
+        by_tension, by_length = (unit * rate for rate in self.states.rates(u))
+        P = self.along(u)[0] * np.array([0.0, 0.0, 1.0])[:, None]
+        if self.by_range:
+            return {"modulus": P - by_tension, "w": by_tension / self.w, "range": by_length - by_tension}
+        return {"modulus": P - by_tension, "w": by_length / self.w, "stress": by_tension - by_length}
+
+
+# --------------------------------------------------------------------------------------------------
+# The path of a contact at a device: advancing, resting and receding edge, as loads over the device's position.
+#
+# At position z of a device of stiffness k, delta = z - P/k. With L = delta_H - delta and r = sqrt(w/s) for moduli
+# times s an edge that moves has L = r T: delta = D - r T, P = s (H - r V). Where the device turns, at contact radius
+# a_m, the edge rests: P = P_m + S(a_m) (delta - delta_m), until the energy release rate has come to the w of the
+# other way; then it recedes, down to the fold d(delta + P/k)/da = 0. As w -> 0 the load of a moving edge is linear in
+# w, dP/dw = -2 pi a/(d delta_H/da): that goes on below 0.
+
+
+@dataclass(frozen=True)
+class DevicePathTuning:
+    """How far branches are tabulated, and steps along them."""
+
+    polished: int = 4  # theory: steps of Newton's method, which square the error, from a tenth of a step to 1e-16
+    below: float = 4.0  # choice: of log a below the series, where its limit by power laws holds
+    beyond: float = 0.5  # choice: of log a above the series, tried while starting values are sought; no step is longer
+
+
+DEVICE_PATH_TUNING = DevicePathTuning()
+Changes = Callable[[Array], Array]  # of the logs of D, T, H, V over u, (4, n), per amount of what differs
+
+
+# Quintics through values and two derivatives at 0 and at 1 (rows), by powers of x (columns):
+HERMITE = np.array([[1, 0, 0, -10, 15, -6], [0, 1, 0, -6, 8, -3], [0, 0, 0.5, -1.5, 1.5, -0.5],
+                    [0, 0, 0, 10, -15, 6], [0, 0, 0, -4, 7, -3], [0, 0, 0, 0.5, -1, 0.5]])  # fmt: skip
+
+
+def grid(family: Family) -> Array:
+    """Logs of contact radii at which paths are tabulated; loads between them are good to 1e-7 of the largest."""
+    return _between(family.low, family.high)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _between(low: float, high: float) -> Array:
+    return np.linspace(low - DEVICE_PATH_TUNING.below, high + DEVICE_PATH_TUNING.beyond, LOOKED_AT)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def on_grid(family: Family) -> tuple[Array, Array, Array]:
+    """The functions of a body there, as ``Family.at`` gives them."""
+    return family.at_nodes(grid(family))
+
+
+@dataclass(frozen=True, eq=False)
+class Nodes:
+    """The functions of a ``family`` at the nodes ``u`` of its grid, for paths of any moduli and any w on it: D, T, H, V
+    and two derivatives by u (4, 3, nodes); ``released``: V' T - V T', by which loads change with q."""
+
+    family: Family
+    u: Array
+    functions: Array
+    released: Array
+
+    @classmethod
+    @lru_cache(maxsize=REMEMBERED)
+    def of(cls, family: Family) -> Nodes:
+        functions = np.stack(on_grid(family), axis=1)
+        (T, dT, _), (V, dV, _) = functions[1], functions[3]
+        return cls(family, grid(family), functions, dV * T - V * dT)
+
+    def at(self, u: float) -> Array:
+        """D, T, H, V and their derivatives at one place (3, 4), good to rounding."""
+        place = (u - float(self.u[0])) / float(self.u[1] - self.u[0])
+        i = math.floor(place)
+        if not 0 <= i < self.u.size - 1:
+            return np.stack(self.family.at(np.array([u])))[..., 0]
+        x, per = place - i, (self.u.size - 1) / float(self.u[-1] - self.u[0])
+        value, first, second = self.functions[..., i : i + 2].transpose(1, 2, 0)
+        rate = first / value
+        logs = np.stack([np.log(value), rate / per, (second / value - rate**2) / per**2], axis=1)
+        x2, x3, per2 = x * x, x * x * x, per * per
+        powers = np.array([
+            [1, x, x2, x3, x2 * x2, x2 * x3], [0, per, 2 * x * per, 3 * x2 * per, 4 * x3 * per, 5 * x2 * x2 * per],
+            [0, 0, 2 * per2, 6 * x * per2, 12 * x2 * per2, 20 * x3 * per2],
+        ])  # fmt: skip
+        functions: Array = powers @ (HERMITE.T @ logs.reshape(6, 4))
+        functions[0] = np.exp(functions[0])
+        functions[2] += functions[1] ** 2
+        functions[1:] *= functions[0]
+        return functions
+
+
+def _path(s: float, r: float, k: float, functions: Array) -> Array:
+    """Position and load of an edge that moves, by ``functions`` D, T, H, V (4, ...)."""
+    of_four = np.array([[1.0, -r, s / k, -s * r / k], [0.0, 0.0, s, -s * r]])
+    path: Array = (of_four @ functions.reshape(4, -1)).reshape(2, *functions.shape[1:])
+    return path
+
+
+@dataclass(frozen=True, eq=False)
+class DeviceBranch:
+    """The stable branch of one body at a device, on which the edge moves: load over zeta = sqrt(z - fold), where it is
+    smooth, of a body at ``nodes`` with moduli times ``s`` and ``r`` the root of q.
+
+    ``fold`` [m]: where it ends; ``u``: log of the contact radius [m] along it, ``steep``: zeta over the derivative of z
+    by it, ``slope``: derivative of the load by zeta; ``released`` as of ``nodes``. ``below``: q where it is negative,
+    else 0; ``k`` of the device.
+    """
+
+    fold: float
+    u: Array
+    zeta: Array
+    P: Array
+    slope: Array
+    steep: Array
+    released: Array
+    below: float
+    k: float
+    s: float
+    r: float
+    nodes: Nodes
+
+    @cached_property
+    def parts(self) -> Array:
+        """What D, T, H and V have of displacement and load (4, n)."""
+        D, T, H, V = self.nodes.family.at(self.u)[0]
+        return np.stack([D, self.r * T, self.s * H, self.s * self.r * V])
+
+    @cached_property
+    def cubics(self) -> Array:
+        """Between nodes: where they begin, the inverse width, and the load's coefficients of a cubic (6, n - 1)."""
+        first, left, cubics = self.zeta[:-1], self.P[:-1], np.empty((6, self.zeta.size - 1))
+        width, rise = self.zeta[1:] - first, self.P[1:] - left
+        cubics[0], cubics[1], cubics[2], cubics[3] = first, 1 / width, left, self.slope[:-1] * width
+        cubics[5] = cubics[3] + self.slope[1:] * width - 2 * rise
+        cubics[4] = rise - cubics[3] - cubics[5]
+        return cubics
+
+    @cached_property
+    def rates(self) -> Array:
+        """Derivatives of the load at fixed z by ln s and q = w/s, times zeta, between nodes: value and change (4, n -
+        1)."""
+        by_s, by_q = self.zeta * self.P - self.slope * self.P / (2 * self.k), -self.s / 2 * self.released * self.steep
+        return np.stack([by_s[:-1], by_q[:-1], by_s[1:] - by_s[:-1], by_q[1:] - by_q[:-1]])
+
+    def load(self, z: Array, blunt: float) -> Array:
+        """Load at positions ``z`` [m], as ``at`` gives it."""
+        if self.below:
+            return self.at(z, blunt)[0]
+        return self._load(z, blunt)[0]
+
+    def _load(self, z: Array, blunt: float) -> tuple[Array, Array, Array, Array, Array]:
+        """Load at positions ``z`` [m] and its derivative by them, for w = 0 where w is less; zeta there, the nodes
+        before, and the place between two."""
+        zeta = np.sqrt(np.maximum(z - self.fold, blunt))
+        i = np.minimum(np.maximum(self.zeta.searchsorted(zeta) - 1, 0), self.zeta.size - 2)
+        first, per, c0, c1, c2, c3 = self.cubics[:, i]
+        x = (zeta - first) * per
+        by_z = (c1 + x * (2 * c2 + 3 * x * c3)) * per / (2 * zeta)
+        return c0 + x * (c1 + x * (c2 + x * c3)) + by_z * (z - self.fold - zeta**2), by_z, zeta, i, x
+
+    def at(self, z: Array, blunt: float) -> tuple[Array, Array]:
+        """Load at positions ``z`` [m], and its derivatives by ln s, q and z, (3, n).
+
+        From ``blunt`` [m] before the fold on the tangent there goes on: a load for every position, and a search that
+        sees where the fold should be.
+        """
+        P, by_z, zeta, i, x = self._load(z, blunt)
+        s0, q0, s1, q1 = self.rates[:, i]
+        by_s, by_q = (s0 + s1 * x) / zeta, (q0 + q1 * x) / zeta
+        if self.below:
+            bent = (q1 * self.cubics[1, i] - by_q) / (2 * zeta**2)
+            P, by_s, by_z = P + self.below * by_q, by_s + self.below * by_q, by_z + self.below * bent
+        return P, np.stack([by_s, by_q, by_z])
+
+    def radii(self, z: Array) -> Array:
+        """Contact radii [m] at positions ``z`` [m], that of the fold before it."""
+        a: Array = np.interp(np.sqrt(np.maximum(z - self.fold, 0.0)), self.zeta, np.exp(self.u))
+        return a
+
+    def by_body(self, z: Array, blunt: float, changes: Changes) -> Array:
+        """Derivative of the load at positions ``z`` [m] by an amount of ``changes`` of the body."""
+        zeta = np.sqrt(np.maximum(z - self.fold, blunt))
+        D, T, H, V = changes(self.u) * self.parts
+        rate = self.zeta * (H - V) - self.slope / 2 * (D - T + (H - V) / self.k)
+        dP: Array = np.interp(zeta, self.zeta, rate) / zeta
+        return dP
+
+
+@lru_cache(maxsize=REMEMBERED)
+def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
+    """The stable branch for moduli times ``s`` and work of adhesion ``q`` s, by a device of stiffness ``k``: at the
+    fold and at radii of the grid beyond."""
+    nodes, r = Nodes.of(family), math.sqrt(max(q, 0.0))
+    path = _path(s, r, k, nodes.functions)
+    i, start = _fold(nodes.u, path[0, 1], path[0, 2])
+    first = nodes.at(start)
+    path[..., i - 1] = _path(s, r, k, first.T)
+    (z, dz, _), (P, dP, _) = path[..., i - 1 :]
+    u, released = nodes.u[i - 1 :].copy(), nodes.released[i - 1 :].copy()
+    u[0], released[0] = start, first[1, 3] * first[0, 1] - first[0, 3] * first[1, 1]
+    zeta = np.sqrt(np.maximum.accumulate(z - z[0]))
+    steep = np.divide(zeta, dz, out=np.zeros_like(z), where=dz > 0)
+    bend = float(path[0, 2, i - 1])
+    if i > 1 and bend > 0:
+        steep[0] = 1 / math.sqrt(2 * bend)  # its limit at the fold, where z is a parabola of u
+    slope, up = 2 * dP * steep, zeta[1:] > zeta[:-1]
+    if not up.any():
+        raise SolveError(
+            f"no contact is stable at this w up to a = {show(math.exp(u[-1]), 'length')}: take a smaller w, or check "
+            "the radius and the units"
+        )
+    if not up.all():
+        up = np.append(True, up)
+        u, zeta, P, slope, steep, released = (one[up] for one in (u, zeta, P, slope, steep, released))
+    return DeviceBranch(float(z[0]), u, zeta, P, slope, steep, released, min(q, 0.0), k, s, r, nodes)
+
+
+def _fold(u: Array, rates: Array, bends: Array) -> tuple[int, float]:
+    """Where the position, of derivatives ``rates`` and ``bends`` on ``u``, turns to rise for good: the first node that
+    is well beyond, and the place, a root of the cubic through two nodes; the first u where it rises or falls on all."""
+    falling = np.flatnonzero(rates <= 0)
+    if not falling.size or falling[-1] == u.size - 1:
+        return 1, float(u[0])
+    i, step = int(falling[-1]), float(u[1] - u[0])
+    left, right, dl, dr = (float(item) for item in (rates[i], rates[i + 1], step * bends[i], step * bends[i + 1]))
+    x, a, b = left / (left - right), 2 * (left - right) + dl + dr, 3 * (right - left) - 2 * dl - dr
+    for _ in range(DEVICE_PATH_TUNING.polished):
+        slope = dl + x * (2 * b + 3 * x * a)
+        x = min(max(x - (left + x * (dl + x * (b + x * a))) / slope, 0.0), 1.0) if slope > 0 else x
+    return i + 1 + round(x), float(u[i]) + x * step
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """The straight line on which the edge rests at one contact radius e^``u``: load ``P`` + ``by_z`` z [N].
+
+    ``end`` [m]: the position below which it recedes. ``by_u``: of u's place in the record: its derivatives by ln s, by
+    the root of q with which it advanced, and by the position of the turn. ``S, dS``: contact stiffness and its
+    derivative by u [N/m]; ``D``: displacement without adhesion [m], ``P_H``: load; ``shift``: of the advancing edge by
+    adhesion [m]; ``k`` of the device.
+    """
+
+    u: float
+    end: float
+    by_u: tuple[float, float, float]
+    D: float
+    P_H: float
+    S: float
+    dS: float
+    shift: float
+    k: float
+
+    def released(self, receding: float, z: float) -> float:
+        """The root of q that a row at ``z`` [m] holds, where ``receding`` is that at the end."""
+        return receding + (self.end - z) * self.by_u[2] / self.by_u[1]
+
+    def load(self, z: Array) -> Array:
+        """Load at positions ``z`` [m]."""
+        P: Array = (self.P_H - self.S * (self.D - z)) / (1 + self.S / self.k)
+        return P
+
+    def at(self, z: Array) -> tuple[Array, Array]:
+        """Load at positions ``z`` [m], and its derivatives by ln s, the root of q, z, and the position of the turn."""
+        yields, P = 1 / (1 + self.S / self.k), self.load(z)
+        of_u = -self.dS * (self.D - z + P / self.k) * yields
+        by_s, by_root, by_turn = (of_u * rate for rate in self.by_u)
+        return P, np.stack([P * yields + by_s, by_root, np.full_like(P, self.S * yields), by_turn])
+
+    def by_body(self, z: Array, changes: Changes) -> Array:
+        """Derivative of the load at positions ``z`` [m] by an amount of ``changes`` of the body."""
+        D, T, H, V = (float(rate) for rate in changes(np.array([self.u]))[:, 0])
+        P, (_, _, _, by_turn) = self.at(z)
+        turns = D * self.D - T * self.shift + (H * self.P_H - V * self.S * self.shift) / self.k
+        off = (V - T) * (self.D - z + P / self.k) + D * self.D
+        dP: Array = (H * self.P_H - self.S * off) / (1 + self.S / self.k) - by_turn * turns
+        return dP
+
+
+@lru_cache(maxsize=REMEMBERED)
+def rest(family: Family, s: float, advanced: float, receding: float, k: float, turn: float) -> Rest:
+    """The resting edge of a device that turns at position ``turn`` [m], after an advance with the root ``advanced`` of
+    q, until it recedes with ``receding``. ``advanced`` < 0: a smaller contact than without adhesion."""
+    nodes = Nodes.of(family)
+    z = _path(s, advanced, k, nodes.functions[:, 0])[0]
+    first = int(np.argmin(z))
+    near = float(np.interp(turn, z[first:], nodes.u[first:]))
+    for _ in range(MOST_STEPS):
+        (d, t, h, v), (dD, dT, dH, dV), _ = nodes.at(near).tolist()
+        dz = dD - advanced * dT + s * (dH - advanced * dV) / k
+        off = turn - (d - advanced * t + s * (h - advanced * v) / k)
+        step = min(max(off / max(dz, 1e-300), -DEVICE_PATH_TUNING.beyond), DEVICE_PATH_TUNING.beyond)
+        if abs(step) < SETTLED or near + step < nodes.u[first]:
+            break
+        near += step
+    S = s * v / t
+    dS = S * (dV / v - dT / t)
+    per = 1 / max(dz, SAME * d)  # nothing rests on a turn at the fold, where dz = 0
+    by_u = -s * (h - advanced * v) / k * per, (t + s * v / k) * per, per
+    return Rest(near, d - receding * t + s * (h - receding * v) / k, by_u, d, s * h, S, dS, advanced * t, k)
+
+
+# --------------------------------------------------------------------------------------------------
+# The body whose curves are fitted: one family, or a family for every modulus and thickness of its layers.
+#
+# It comes from a case, which is solved on the way, or from a series that was solved before.
+
+
+@dataclass(frozen=True)
+class ResolvingTuning:
+    """How bodies are solved anew with other layers or to other radii."""
+
+    step: float = 1e-4  # theory: of logs of parameters, for derivatives: the square root of the solve's 1e-8
+    rounded: float = 0.01  # choice: of the same logs; derivatives at rounded values are remembered
+    per_decade: int = 20  # choice: radii to which a body is solved, so that many curves share one solve
+    points: int = 100  # choice: least radii of a series that is solved to another radius
+    adheres: float = 1.2  # choice: of the contact radius without adhesion, what adhesion may make of it
+    deep: float = 0.7  # choice: of the tip's radius, to which a body is solved before anything is fitted
+
+
+TUNING = ResolvingTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class FittedBody:
+    """A body whose measured curves are fitted, with its family of adhesive curves.
+
+    ``problem``: bodies and nominal values; ``series``, ``slopes``: its nonadhesive solution, by any method.
+
+    Only bodies that the method ``layered`` represents can be solved anew: ``with_values``. ``extensible``: may also be
+    solved to other radii than those of the series. ``moduli_known``: whether the user gave the moduli of the problem;
+    else they only stand in for a unit. ``tolerance``: of the solves, far below the noise of any record.
+    ``range_of_case``: the range of adhesion of the case; ``no_range``: why the body has no curves of one.
+    """
+
+    problem: Problem
+    series: Series
+    slopes: Slopes
+    family: Family
+    extensible: bool = False
+    moduli_known: bool = True
+    tolerance: float = Layered.tolerance
+    range_of_case: RangeRequest = JKR
+    no_range: str = ""
+    resolution: Resolution = FINE
+
+    @classmethod
+    def of(cls, problem: Problem, series: Series, slopes: Slopes, extensible: bool = False) -> FittedBody:
+        return cls(problem, series, slopes, Family.of(series, slopes), extensible)
+
+    def members(self, ranged: bool) -> Members:
+        """The adhesive curves of the body, of finite range or JKR's."""
+        return self.attracted if ranged else self.family
+
+    @cached_property
+    def nonadhesive(self) -> Nonadhesive:
+        """The functions of the body without adhesion."""
+        return Nonadhesive(self.series, self.slopes)
+
+    @cached_property
+    def attracted(self) -> AttractedFamily:
+        """The adhesive curves of finite range; Refusal where the body has none."""
+        if self.problem.sticks:
+            raise Refusal(
+                "fit: adhesion of finite range is for frictionless contact alone: give --surface sliding, or leave "
+                "range and stress out"
+            )
+        if self.no_range:
+            raise Refusal(self.no_range)
+        return AttractedFamily.of(self.problem, self.family, self.resolution)
+
+    @cached_property
+    def coarse(self) -> FittedBody:
+        """The same body with coarse curves of finite range."""
+        return replace(self, resolution=COARSE)
+
+    @property
+    def layer_names(self) -> tuple[str, ...]:
+        """Names of the layers as in the case, else their numbers from 1 at the contact; "base": the half-space."""
+        return layer_names(self.problem.specimen)
+
+    @property
+    def own_parameters(self) -> tuple[str, ...]:
+        """Names of the parameters that need the body solved anew; none for a finite cylinder."""
+        if self.problem.specimen.radius is not None:
+            return ()
+        layers = self.layer_names[: len(self.problem.specimen.layers)]
+        return (*(f"E:{name}" for name in self.layer_names), *(f"h:{name}" for name in layers))
+
+    def moduli(self, s: float) -> dict[str, float]:
+        """E* and the moduli of all layers [Pa] by name, those of the problem times ``s``; of an indenter that is
+        elastic too, which is scaled with them, E* alone."""
+        problem = self.problem
+        materials = () if problem.indenter.material is not None else problem.specimen.materials
+        own = {f"E:{name}": s * one.surface.E for name, one in zip(self.layer_names, materials, strict=False)}
+        return {"E_star": s * problem.E_star, **own}
+
+    def nominal(self, name: str) -> float:
+        """The value of "E:layer" [Pa], "h:layer" [m], "nu:layer" or "radius" [m] in the problem."""
+        if name == RADIUS:
+            return float(cast(Any, self.problem.indenter).R)
+        return nominal(self.problem.specimen, name)
+
+    def with_values(self, values: dict[str, float]) -> FittedBody:
+        """The body solved anew by ``layered`` at the same radii with other ``values`` ("E:film": 2e6, ...), if any."""
+        if not values:
+            return self
+        problem = changed(self.problem, values)
+        return replace(self, problem=problem, family=self._solved(problem))
+
+    def rated(self, values: dict[str, float], varied: Sequence[str]) -> FittedBody:
+        """The body of ``with_values`` with the family's derivatives by the logs of the values of ``varied``.
+
+        They are taken at rounded values, so that steps near the solution need no more solves for them.
+        """
+        body, near = self.with_values(values), {name: _nearby(value) for name, value in values.items()}
+        base = self._solved(changed(self.problem, near))
+        moved = {name: changed(self.problem, near | {name: near[name] * math.exp(TUNING.step)}) for name in varied}
+        rates = {name: base.rate_to(self._solved(problem), TUNING.step) for name, problem in moved.items()}
+        return replace(body, family=replace(body.family, rates=rates))
+
+    def on_surface(self, surface: str) -> FittedBody:
+        """The same body whose surfaces are "sliding" or "sticking": solved anew by ``layered`` where they were not."""
+        if surface == self.problem.surface:
+            return self
+        if self.problem.specimen.radius is not None:
+            raise InputError(
+                "fit: --surface: a finite cylinder is not solved anew: give the series of a case with the other "
+                "specimen.surface"
+            )
+        other = self._reaching(float(self.series.a[-1]), sticks=surface == "sticking")
+        return replace(other, extensible=self.extensible)
+
+    def to_radius(self, a: float) -> FittedBody:
+        """The same problem solved by ``layered`` up to contact radius ``a`` [m] or little more, with as many points."""
+        if a >= (end := self.problem.indenter.r_max):
+            raise InputError(
+                f"the data ask for a contact radius of {show(a, 'length')}, beyond the indenter, which ends at "
+                f"{show(end, 'length')}: check the units of displacement and load, and the size of the indenter"
+            )
+        rounded = 10 ** (math.ceil(math.log10(a) * TUNING.per_decade) / TUNING.per_decade)
+        return self._reaching(rounded if rounded < end else a)
+
+    def down_to(self, a: float) -> FittedBody:
+        """The same problem solved from the contact radius ``a`` [m] on, in proportion below the series' own."""
+        first, a0 = float(self.series.a[0]), self.series.a0
+        steps = math.ceil(math.log10((first - a0) / (a - a0)) * TUNING.per_decade)
+        below = a0 + (a - a0) * np.geomspace(1.0, (first - a0) / (a - a0), steps, endpoint=False)
+        loading = Loading.given("radius", (*below.tolist(), *self.series.a.tolist()))
+        return self._on(loading)
+
+    def under(self, indenter: Indenter, a: float) -> FittedBody:
+        """The same specimen under another ``indenter``, solved to the contact radius ``a`` [m] and beyond."""
+        return self._reaching(min(max(a, float(self.series.a[-1])), indenter.r_max * (1 - ROUNDED)), indenter=indenter)
+
+    def to_depth(self, depth: float) -> FittedBody:
+        """The same problem solved to the contact radius at a ``depth`` [m], where it may be; beyond the series it is
+        estimated by continuation, as far as below it."""
+        u = np.linspace(self.family.low, self.family.high + DEVICE_PATH_TUNING.below, ROWS)
+        reached = np.flatnonzero(self.family.at(u)[0][0] <= depth)
+        tip, a = self.problem.indenter, math.exp(u[reached[-1]]) if reached.size else 0.0
+        a = TUNING.adheres * a if TUNING.adheres * a < tip.r_max else a
+        endless = tip.kinks and math.isinf(tip.r_max)  # a rounded cone: R is that of its end alone
+        a = a if tip.tip_radius is None or endless else min(a, TUNING.deep * tip.tip_radius)
+        return self.to_radius(a) if self.extensible and a > self.series.a[-1] else self
+
+    def _reaching(self, a: float, **changes: Any) -> FittedBody:
+        """The body of a changed problem solved up to contact radius ``a`` [m], as the user describes this one."""
+        return self._on(Loading("radius", a, max(len(self.series), TUNING.points), "radius"), **changes)
+
+    def _on(self, loading: Loading, **changes: Any) -> FittedBody:
+        """The body of a changed problem under another ``loading``, as the user describes this one."""
+        other = _exact(replace(unbounded(self.problem), loading=loading, **changes), self.tolerance)
+        return replace(other, **{name: getattr(self, name) for name in ("moduli_known", "range_of_case", "no_range")})
+
+    def _solved(self, problem: Problem) -> Family:
+        at_radii = Loading.given("radius", tuple(self.series.a))
+        return solved(replace(unbounded(problem), loading=at_radii), self.tolerance)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _exact(problem: Problem, tolerance: float) -> FittedBody:
+    series = Layered(tolerance)(problem).series
+    return FittedBody.of(problem, series, slopes(series, "exact"), True)
+
+
+def _nearby(value: float) -> float:
+    return math.exp(TUNING.rounded * round(math.log(value) / TUNING.rounded))
+
+
+@lru_cache(maxsize=REMEMBERED)
+def solved(problem: Problem, tolerance: float) -> Family:
+    """The family of a problem by ``layered``, at a coarser tolerance where it cannot be solved to this one.
+
+    SolveError where it cannot be solved, with the reason.
+    """
+    for coarser in (tolerance, *(one for one in (SAME, UNSEEN) if one > tolerance)):
+        try:
+            series = Layered(coarser)(problem).series
+            break
+        except JkrError as error:
+            reason = str(error)
+    else:
+        raise SolveError(f"the body could not be solved anew: {reason}")
+    return Family.of(series, slopes(series, "exact"))
+
+
+def check_parameters(body: FittedBody, names: Sequence[str]) -> None:
+    """Refuse parameters of layers that the body does not have or that cannot be solved anew."""
+    own = [name for name in names if ":" in name]
+    if own and not body.own_parameters:
+        raise InputError(f"fit: {own[0]}: a finite cylinder is not solved anew; fit its modulus, or leave radius out")
+    checked_names(own, body.own_parameters)
+
+
+def for_each(radii: Sequence[float], count: int) -> list[float]:
+    """The tip radius [m] of each of ``count`` files, where one was given for each, or one for all; none where none
+    was."""
+    if len(radii) not in (0, 1, count):
+        raise InputError(f"fit: --tip-radius: give one for each of the {count} files, or one for all, got {len(radii)}")
+    return list(radii) * (count // len(radii)) if radii else []
+
+
+def body_of(
+    source: Case | Problem | Solution | str | Path, rule: str = "auto", limits: Limits | None = None
+) -> FittedBody:
+    """The body of a case, a problem, a solution, or a file, its slopes by ``rule``. A case may be solved anew to the
+    radii that the data ask for, which has exact slopes; a solution, and what has others, ends where it ends."""
+    if isinstance(source, str | Path):
+        source = load_case(source) if Path(source).suffix == ".toml" else read_solution(source)
+    if isinstance(source, Solution):
+        body = nonadhesive(source, rule)
+        return _with_range(FittedBody.of(source.problem, body.series, body.slopes), source)
+    _, solution = solve(source, limits=limits)
+    problem, series = solution.problem, solution.series
+    extensible = problem.specimen.radius is None and rule in ("auto", "exact")
+    return _with_range(FittedBody.of(problem, series, slopes(series, rule), extensible), solution)
+
+
+def _with_range(body: FittedBody, solution: Solution) -> FittedBody:
+    """The body with the range of adhesion of its case, and whether it has curves of one."""
+    refused = ""
+    try:
+        FiniteRangeBody.of(solution)
+    except Refusal as error:
+        refused = str(error)
+    return replace(body, range_of_case=RangeRequest.of(solution.record), no_range=refused)

@@ -1,0 +1,959 @@
+"""The one search of all fits, and what follows from searching again: profiles.
+
+``LeastSquares`` is what is minimised: a model, which gives its ``State`` at any unknowns, bounds and the loss, by a
+trust region: its own for squares, SciPy's ("trf") for robust losses. An interval by the profile holds what follows from
+the unknowns with one more row.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import Literal, get_args
+
+import numpy as np
+from scipy import optimize, special
+from scipy.fft import dct, idct
+
+from ..base import MOST_STEPS, NOTICEABLE, SAME, TINY, TOGETHER, Array, InputError, JkrError, Pool, SolveError, in_order
+from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, FittedValue, Parameter, Unknowns
+from .settings import Loss
+
+# --------------------------------------------------------------------------------------------------
+# Statistics of residuals: scatter, covariance, structure. Formulae of nonlinear regression, SciPy's quantiles.
+
+# Theory: turns of the losses at 95 % efficiency for normal noise (Holland and Welsch 1977).
+TURNS = {"soft_l1": 1.345, "huber": 1.345, "cauchy": 2.385, "linear": math.inf}
+
+
+@dataclass(frozen=True)
+class StatisticsTuning:
+    """Chances below which noise is no explanation, and what is known of normal noise."""
+
+    normal_median: float = 0.6745  # theory: median of |x| of a normal x of standard deviation 1
+    improbable: float = 1e-3  # choice: of misfit, and of differences between records
+    suspicious: float = 1e-4  # choice: of order in residuals
+
+
+STATISTICS_TUNING = StatisticsTuning()
+
+
+def robust_scale(residuals: Array) -> float:
+    """Standard deviation of normal residuals, from their median size."""
+    return float(np.median(np.abs(residuals))) / STATISTICS_TUNING.normal_median
+
+
+# SciPy's losses at residuals z in units of the turn: rho by z^2, its psi = rho'/2 and psi' by z.
+LOSSES: Mapping[Loss, tuple[Callable[[Array], Array], ...]] = {
+    "linear": (lambda s: s, lambda z: z, np.ones_like),
+    "huber": (lambda s: np.where(s <= 1, s, 2 * np.sqrt(s) - 1), lambda z: np.clip(z, -1, 1),
+              lambda z: (np.abs(z) <= 1).astype(float)),
+    "soft_l1": (lambda s: 2 * (np.sqrt(1 + s) - 1), lambda z: z / np.sqrt(1 + z**2), lambda z: (1 + z**2) ** -1.5),
+    "cauchy": (np.log1p, lambda z: z / (1 + z**2), lambda z: (1 - z**2) / (1 + z**2) ** 2),
+}  # fmt: skip
+
+
+def influence(z: Array, loss: Loss) -> tuple[Array, Array]:
+    """psi and psi' of a loss at residuals ``z`` in units of its turn."""
+    _, psi, slope = LOSSES[loss]
+    return psi(z), slope(z)
+
+
+def costs(residuals: Array, loss: Loss, width: float) -> float:
+    """Half the sum of the losses of ``residuals``, which turn at ``width``."""
+    return 0.5 * width**2 * float(np.sum(LOSSES[loss][0]((residuals / width) ** 2)))
+
+
+def variance_factor(residuals: Array, dof: int, loss: Loss, width: float) -> float:
+    """Factor of (J^T J)^-1: the residual variance, or its counterpart for M-estimates (Huber 1981, Sec. 7.6)."""
+    turn = 1.0 if loss == "linear" else width
+    psi, slope = influence(residuals / turn, loss)
+    return float(np.sum(psi**2) / dof * turn**2 / max(float(np.mean(slope)), 1e-3) ** 2)
+
+
+def covariance(jacobian: Array, factor: float) -> Array | None:
+    """Covariance ``factor`` (J^T J)^-1; None where the data do not determine all parameters."""
+    size = np.linalg.norm(jacobian, axis=0)
+    if not (size > 0).all():
+        return None
+    _, singular, right = np.linalg.svd(jacobian / size, full_matrices=False)
+    if singular[-1] < 1e-10 * singular[0]:  # theory: what round-off of 1e-16 leaves of its square
+        return None
+    return factor * (right.T / singular**2) @ right / np.outer(size, size)
+
+
+def covariance_of_uneven(jacobian: Array, residuals: Array) -> Array | None:
+    """Covariance of the parameters where the noise of the points, residuals (k, n), is not known to be even.
+
+    (J^T J)^-1 sum_i g_i g_i^T (J^T J)^-1 with g_i what point i adds to J^T r, over 1 - its leverage (White 1980; HC3 of
+    MacKinnon and White, J. Econometrics 29 (1985) 305).
+    """
+    inverse = covariance(jacobian, 1.0)
+    if inverse is None:
+        return None
+    k, n = residuals.shape
+    rows = jacobian.reshape(k, n, -1)
+    leverage = np.einsum("knp,pq,knq->n", rows, inverse, rows)
+    pulls = np.einsum("knp,kn->np", rows, residuals) / (1 - np.minimum(leverage, 0.5))[:, None]
+    spread: Array = inverse @ (pulls.T @ pulls) @ inverse
+    return spread
+
+
+def larger(one: Array | None, other: Array | None) -> Array | None:
+    """The covariance ``one`` with the standard deviations of ``other`` where these are larger; None where there is
+    none."""
+    if one is None or other is None:
+        return one
+    scale = np.sqrt(np.maximum(np.diag(other) / np.diag(one), 1.0))
+    return one * np.outer(scale, scale)
+
+
+def t_quantile(level: float, dof: int) -> float:
+    """Half-width of a two-sided interval in standard errors."""
+    return float(special.stdtrit(dof, (1 + level) / 2))
+
+
+def rise(level: float, dof: int, parameters: int = 1) -> float:
+    """Relative rise of the sum of squares on the border of a joint confidence region (F test)."""
+    return float(parameters / dof * special.fdtri(parameters, dof, level))
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Order in residuals along the curve: ``lag1`` autocorrelation, number of sign ``runs`` and how many are
+    ``expected``; ``probability`` that independent residuals show as much (the smaller of both tests, doubled)."""
+
+    lag1: float
+    runs: int
+    expected: float
+    probability: float
+
+    @property
+    def suspicious(self) -> bool:
+        return self.probability < STATISTICS_TUNING.suspicious
+
+
+def structure(residuals: Array) -> Structure:
+    """Lag-1 autocorrelation and the runs test of Wald and Wolfowitz, both against positive structure."""
+    n = residuals.size
+    centred = residuals - np.mean(residuals)
+    total = float(np.sum(centred**2))
+    lag1 = float(np.sum(centred[1:] * centred[:-1]) / total) if total > 0 else 0.0
+    above = residuals > np.median(residuals)
+    k = int(above.sum())
+    m = n - k
+    runs = 1 + int(np.sum(above[1:] != above[:-1]))
+    expected = 1 + 2 * k * m / n
+    variance = max((expected - 1) * (expected - 2) / (n - 1), 1e-12)
+    chances = special.ndtr([-lag1 * math.sqrt(n), (runs - expected) / math.sqrt(variance)])
+    return Structure(lag1, runs, float(expected), float(min(1.0, 2 * min(chances))))
+
+
+@dataclass(frozen=True)
+class SearchTuning:
+    """Steps of a search, ends of profiles, and what laws of records over time have in common."""
+
+    doublings: int = 6  # choice: of the step in which a profile must reach its limit, else it has none
+    pull: float = 10.0  # theory: how much more a constrained value weighs than the data, whose pull is then a hundredth
+    reach: float = 12.0  # choice: guard, how far logs may move from their start
+    poor: float = 0.25  # theory: More (1978): of the predicted reduction, below which steps are shorter
+    good: float = 0.75  # theory: the same, above which they may be longer
+    longer: float = 1.01  # choice: factor within which a step is as long as the radius
+    singular: float = 1e-14  # theory: of the largest singular value, rounding
+    misfit: float = 1.3  # choice: scatter over the noise from row to row beyond which the law or the body is doubted
+
+
+TUNING = SearchTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """What a model says at some unknowns: ``residuals`` (n,), and the ``jacobian`` (n, unknowns), which ``rates``
+    computes on request."""
+
+    residuals: Array
+    rates: Callable[[], Array]
+
+    @cached_property
+    def jacobian(self) -> Array:
+        return self.rates()
+
+    @cached_property
+    def cost(self) -> float:
+        """Half the sum of squares, infinite where there is none."""
+        half = 0.5 * float(self.residuals @ self.residuals)
+        return half if math.isfinite(half) else math.inf
+
+    def rows(self, chosen: Array) -> State:
+        """That of the ``chosen`` rows."""
+        return State(self.residuals[chosen], lambda: self.jacobian[chosen])
+
+    def moved(self, by: Array) -> State:
+        """That of readings which are less ``by`` so much."""
+        return State(self.residuals + by, lambda: self.jacobian)
+
+
+Outcome = Callable[[Array], tuple[float, Array]]  # a value and its derivatives by the unknowns
+
+
+@dataclass(frozen=True, eq=False)
+class LeastSquares:
+    """What is minimised: the squares, or the robust ``loss`` that turns at ``width``, of a ``model``, within
+    ``bounds``; relative changes below ``converged`` are none, those of the cost below ``cost`` if that is more."""
+
+    model: Callable[[Array], State]
+    bounds: tuple[Array, Array]
+    converged: float = 1e-8  # as SciPy's; far below any standard error
+    cost: float = 0.0
+    evaluations: int | None = None
+    loss: Loss = "linear"
+    width: float = 1.0
+
+    def least(self, start: Array) -> Least:
+        """The least from the unknowns ``start`` on."""
+        remembered: list[tuple[Array, State]] = []
+
+        def at(x: Array) -> State:
+            if not (remembered and np.array_equal(remembered[0][0], x)):
+                remembered[:] = [(x.copy(), self.model(x))]
+            return remembered[0][1]
+
+        start = np.clip(start, *self.bounds)
+        if not np.isfinite(at(start).residuals).all():
+            raise SolveError("no curve of this body resembles the record")
+        if self.loss == "linear":
+            return self._of_squares(start, at(start))
+        solution = optimize.least_squares(
+            lambda x: at(x).residuals, start, lambda x: at(x).jacobian, bounds=self.bounds,
+            method="trf", x_scale="jac", loss=self.loss, f_scale=self.width, max_nfev=self.evaluations,
+            ftol=max(self.cost, self.converged), xtol=self.converged, gtol=self.converged,
+        )  # fmt: skip
+        steps, ended = int(solution.nfev), solution.status > 0
+        return Least(self, solution.x, at(solution.x), float(solution.cost), solution.active_mask != 0, steps, ended)
+
+    def _of_squares(self, x: Array, state: State) -> Least:
+        """The least of squares by steps of Gauss and Newton within a radius, in units of the columns' lengths, that
+        grows and shrinks with how well each foretells the cost (More, Lecture Notes in Mathematics 630 (1978) 105)."""
+        cost, most, (low, high) = state.cost, self.evaluations or MOST_STEPS * x.size, self.bounds
+        units, radius, steps = np.zeros_like(x), math.inf, 1
+        while steps < most:
+            slopes = state.jacobian.T @ state.residuals
+            inner = ~((x <= low) & (slopes > 0) | (x >= high) & (slopes < 0))
+            if not np.abs(slopes[inner]).max(initial=0.0) > self.converged:
+                return self._ended(x, state, steps, True)
+            units = np.maximum(units, np.linalg.norm(state.jacobian, axis=0))
+            length = np.where(units > 0, units, 1.0)
+            radius = min(radius, float(np.linalg.norm(x * length)) or 1.0)
+            ball = _Ball.of(state.jacobian[:, inner] / length[inner], state.residuals)
+            while steps < most:
+                new = x.copy()
+                new[inner] -= ball.step(radius) / length[inner]
+                new = np.clip(new, low, high)
+                there, steps = self._if_any(new), steps + 1
+                change, moved = state.jacobian @ (new - x), float(np.linalg.norm((new - x) * length))
+                predicted = -float(change @ (state.residuals + change / 2))
+                reduction = -math.inf if there is None else cost - there.cost
+                ratio = reduction / predicted if predicted > 0 else 0.0
+                close = float(np.linalg.norm(new - x)) < self.converged * (self.converged + float(np.linalg.norm(x)))
+                little = max(self.cost, self.converged) * cost
+                foretold = TUNING.poor < ratio or (predicted < little and reduction > -little)
+                ended = close or (foretold and reduction < little)
+                if ratio < TUNING.poor:
+                    radius = TUNING.poor * moved
+                elif ratio > TUNING.good and TUNING.longer * moved > radius:
+                    radius = 2 * radius
+                if there is not None and reduction > 0:
+                    x, state, cost = new, there, there.cost
+                if ended:
+                    return self._ended(x, state, steps, True)
+                if reduction > 0:
+                    break
+        return self._ended(x, state, steps, False)
+
+    def _if_any(self, x: Array) -> State | None:
+        """The state at unknowns a step away; None where there is none: the next step is shorter."""
+        with contextlib.suppress(SolveError):
+            return self.model(x)
+        return None
+
+    def _ended(self, x: Array, state: State, steps: int, ended: bool) -> Least:
+        low, high = self.bounds
+        return Least(self, x, state, state.cost, (x <= low) | (x >= high), steps, ended)
+
+    def holding(self, outcome: Outcome, value: float, weight: float) -> LeastSquares:
+        """The same with one more row, that pulls an ``outcome`` to a ``value``."""
+
+        def model(x: Array) -> State:
+            state, (here, by) = self.model(x), outcome(x)
+            off = np.append(state.residuals, weight * (here - value))
+            return State(off, lambda: np.vstack([state.jacobian, weight * by]))
+
+        return replace(self, model=model)
+
+
+@dataclass(frozen=True, eq=False)
+class Least:
+    """The unknowns ``x`` of the least ``cost``, half the sum of the losses, of a ``problem``, and the ``state`` there;
+    ``at_bound``: mask of those that end on a bound; ``ended``: whether it is a minimum, and not where the search was
+    given up after so many ``steps``."""
+
+    problem: LeastSquares
+    x: Array
+    state: State
+    cost: float
+    at_bound: Array
+    steps: int
+    ended: bool
+
+    @property
+    def dof(self) -> int:
+        """Degrees of freedom."""
+        return max(self.state.residuals.size - self.x.size, 1)
+
+    @property
+    def variance(self) -> float:
+        """Of the residuals."""
+        return 2 * self.cost / self.dof
+
+    def profile(self, outcome: Outcome, step: float, limit: float) -> float | None:
+        """The value of an ``outcome`` at which the least cost with it constrained is ``limit`` higher, where a
+        ``step`` from here leads to; None: it never is.
+
+        One more row pulls at the constrained value: what it comes to, and what that costs, lie on the profile.
+        """
+        here, loss, width = outcome(self.x)[0], self.problem.loss, self.problem.width
+        weight = TUNING.pull * math.sqrt(2 * limit) / abs(step)
+        near, known = [self.x], {0.0: (-math.sqrt(limit), self.x)}  # a search from elsewhere may end elsewhere
+
+        def excess(k: float) -> float:
+            if k not in known:
+                constrained = self.problem.holding(outcome, here + k * step, weight).least(near[0])
+                cost = costs(constrained.state.residuals[:-1], loss, width)
+                known[k] = (math.sqrt(max(cost - self.cost, 0.0)) - math.sqrt(limit), constrained.x)
+            value, near[0] = known[k]
+            return value
+
+        with contextlib.suppress(JkrError):
+            for k in 2.0 ** np.arange(TUNING.doublings):
+                if excess(k) >= 0:
+                    excess(optimize.brentq(excess, 0.0 if k <= 1 else k / 2, k, xtol=NOTICEABLE, rtol=NOTICEABLE))
+                    return outcome(near[0])[0]
+                reached = outcome(near[0])[0]
+                if abs(reached - here) < k * abs(step) / 2:  # a bound holds it
+                    return reached
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class _Ball:
+    """Where the squares ``along`` right singular vectors ``V`` of derivatives, of singular ``sizes``, are least."""
+
+    along: Array
+    sizes: Array
+    V: Array
+
+    @classmethod
+    def of(cls, J: Array, off: Array) -> _Ball:
+        triangle: Array = np.asarray(np.linalg.qr(np.column_stack([J, off]), mode="r"))
+        n = J.shape[1]
+        U, sizes, V = np.linalg.svd(triangle[:n, :n])
+        return cls(U.T @ triangle[:n, n], np.maximum(sizes, TUNING.singular * sizes[0]), V)
+
+    def step(self, radius: float) -> Array:
+        """The step to there that is no longer than ``radius``, by Newton's method for the inverse of its length."""
+        more, coordinates = 0.0, self.along / self.sizes
+        for _ in range(MOST_STEPS):
+            length = float(np.linalg.norm(coordinates))
+            if length <= TUNING.longer * radius:
+                break
+            rate = float(np.sum(coordinates**2 / (self.sizes**2 + more))) / length
+            more += (length / radius - 1) * length / rate
+            coordinates = self.sizes * self.along / (self.sizes**2 + more)
+        inside: Array = coordinates @ self.V
+        return inside
+
+
+def by_differences(residuals: Callable[[Array], Array], x: Array, steps: Array) -> State:
+    """The state of a model that gives residuals alone: derivatives by forward ``steps`` of the unknowns."""
+    here = residuals(x)
+
+    def rates() -> Array:
+        return np.stack([(residuals(x + step) - here) / step.sum() for step in np.diag(steps)], axis=1)
+
+    return State(here, rates)
+
+
+# --------------------------------------------------------------------------------------------------
+# Errors and intervals of whatever the unknowns of a search mean: by their covariance, by profiles, by samples, and by
+# inputs that are uncertain themselves.
+#
+# Each quantity has a scale on which it is regular (``Parameter.kind``), and intervals are made there.
+
+
+@dataclass(frozen=True)
+class IntervalTuning:
+    """How intervals are computed."""
+
+    step: float = 1e-6  # theory: of unknowns, for central differences: of smooth meanings round-off leaves 1e-10
+    exact: float = 1e-24  # theory: variance of residuals over their standard deviations that round-off leaves
+    begin: float = 0.1  # choice: of a log, where a profile begins while no error is known
+
+
+INTERVALS_TUNING = IntervalTuning()
+Followed = Literal["covariance", "profile"]  # how intervals are computed where records are not drawn again
+Meaning = Callable[[Array], Mapping[str, float]]  # of the unknowns: quantities by name, on their scales
+
+
+@dataclass(frozen=True, eq=False)
+class Intervals:
+    """What the unknowns of a ``least`` mean, and how well it is known: ``covariance`` of the unknowns, None where they
+    are not determined; ``t``: half-width of intervals of a ``level`` in standard errors; ``profiled``: by profiles, for
+    which residuals have a ``variance``, None: that of the covariance; ``samples`` of the unknowns (n, unknowns)."""
+
+    least: Least
+    quantities: Sequence[Parameter]
+    meaning: Meaning
+    covariance: Array | None
+    t: float
+    level: float
+    profiled: bool = False
+    variance: float | None = None
+    samples: Array | None = None
+
+    @classmethod
+    def of(
+        cls, unknowns: Unknowns, least: Least, level: float, confidence: str = "covariance",
+        E_star: float | None = None, variance: float | None = None,
+    ) -> Intervals:  # fmt: skip
+        """Of the first ``unknowns`` of a search whose residuals have a known ``variance``, or that which they show, and
+        of what a factor of all moduli makes of ``E_star`` [Pa]."""
+        if confidence not in get_args(Followed):
+            raise InputError(f"fit: --confidence {confidence}: is for curves each for itself: leave it out")
+        follow = () if E_star is None else (Parameter(ALIAS, True, scale=LOG, quantity="modulus", follows=True),)
+
+        def meaning(x: Array) -> dict[str, float]:
+            values = unknowns.meaning(x)
+            return values if E_star is None else values | {ALIAS: values["modulus"] + math.log(E_star)}
+
+        variance = max(least.variance, INTERVALS_TUNING.exact) if variance is None else variance
+        own, t = covariance(least.state.jacobian, variance), t_quantile(level, least.dof)
+        return cls(least, (*unknowns.parameters, *follow), meaning, own, t, level, confidence == "profile")
+
+    @cached_property
+    def here(self) -> Mapping[str, float]:
+        """All quantities on their scales."""
+        return self.meaning(self.least.x)
+
+    @cached_property
+    def rates(self) -> dict[str, Array]:
+        """Their derivatives by the unknowns."""
+        return self._rates(self.least.x)
+
+    def _rates(self, x: Array) -> dict[str, Array]:
+        sigma = np.ones(x.size) if self.covariance is None else np.sqrt(np.diag(self.covariance))
+        steps = INTERVALS_TUNING.step * np.maximum(np.abs(x), np.minimum(sigma, 1.0))
+        ends = [(self.meaning(x + step), self.meaning(x - step), 2 * float(step.sum())) for step in np.diag(steps)]
+        return {name: np.array([(high[name] - low[name]) / width for high, low, width in ends]) for name in self.here}
+
+    @cached_property
+    def drawn(self) -> list[Mapping[str, float]]:
+        """What the samples mean."""
+        return [] if self.samples is None else [self.meaning(x) for x in self.samples]
+
+    def sampled(self, names: Sequence[str]) -> Array | None:
+        """The samples of quantities (n, names), SI; None where there are none."""
+        chosen = [item for name in names for item in self.quantities if item.name == name]
+        rows = [[item.outer(values[item.name]) for item in chosen] for values in self.drawn]
+        return np.array(rows) if rows else None
+
+    def covariance_of(self, names: Sequence[str]) -> Array | None:
+        """The covariance of quantities, SI."""
+        if self.covariance is None:
+            return None
+        slopes = {item.name: item.derivative(self.here[item.name]) for item in self.quantities}
+        by = np.array([slopes[name] * self.rates[name] for name in names])
+        matrix: Array = by @ self.covariance @ by.T
+        return matrix
+
+    def estimates(self) -> tuple[FittedValue, ...]:
+        """All quantities with their intervals, those that follow from others with theirs."""
+        estimates: list[FittedValue] = []
+        for item in self.quantities:
+            estimates.append(self._estimate(item, estimates))
+        return tuple(estimates)
+
+    def _estimate(self, item: Parameter, before: Sequence[FittedValue]) -> FittedValue:
+        y = self.here[item.name]
+        if not self.rates[item.name].any():
+            value = item.outer(y) if item.value is None else item.value
+            return FittedValue(item.name, value, False, item.dimension)
+        estimate = item.estimate(y, self._sigma(item), self.t)
+        if self.drawn:
+            return self._of_samples(item, estimate)
+        if not self.profiled:
+            return self._with_limit(estimate, item) if item.kind == "root" and estimate.low == 0 else estimate
+        return self._shared(item, estimate, before) if item.follows else self._with_profile(item, estimate)
+
+    def _sigma(self, item: Parameter) -> float | None:
+        """The standard error on the scale."""
+        rate = self.rates[item.name]
+        return None if self.covariance is None else math.sqrt(max(float(rate @ self.covariance @ rate), 0.0))
+
+    def _of_samples(self, item: Parameter, estimate: FittedValue) -> FittedValue:
+        """The estimate with the scatter of the samples, and the interval of so many of them."""
+        values = np.array([item.outer(sample[item.name]) for sample in self.drawn])
+        low, high = map(float, np.quantile(values, [(1 - self.level) / 2, (1 + self.level) / 2]))
+        if item.kind in LIMITED and low <= 0:
+            low, high = 0.0, float(np.quantile(values, self.level))
+        return replace(estimate, error=float(np.std(values, ddof=1)), low=low, high=high)
+
+    def _with_limit(self, estimate: FittedValue, item: Parameter) -> FittedValue:
+        """The estimate of a signed root that may be 0, as far as its profile goes: curves bend in it."""
+        high = max(self.end(item, ONE_SIDED * self.t) or 0.0, estimate.high or 0.0)
+        return replace(estimate, error=high / (2 * self.t), high=high)
+
+    def _with_profile(self, item: Parameter, estimate: FittedValue) -> FittedValue:
+        low, high = self.end(item, -self.t), self.end(item, self.t)
+        if item.kind in LIMITED and (low is None or low <= 0):
+            low, high = 0.0, self.end(item, ONE_SIDED * self.t)
+        return replace(estimate, low=low, high=high)
+
+    def _shared(self, item: Parameter, estimate: FittedValue, before: Sequence[FittedValue]) -> FittedValue:
+        """The estimate of the log of a quantity with the profile of one that it follows from alone."""
+        rate = self.rates[item.name]
+        for one, other in zip(self.quantities, before, strict=False):
+            by = self.rates[one.name]
+            power = float(rate @ by) / max(float(by @ by), TINY)
+            if one.kind == "log" and np.linalg.norm(rate - power * by) <= SAME * np.linalg.norm(rate):
+                ends = [None if end is None else estimate.value * (end / other.value) ** power
+                        for end in (other.low, other.high)]  # fmt: skip
+                return replace(estimate, low=ends[0 if power > 0 else 1], high=ends[1 if power > 0 else 0])
+        return estimate
+
+    def end(self, item: Parameter, width: float) -> float | None:
+        """The value at which the least cost with the quantity held is as much higher as ``width`` standard errors make
+        it where the model is linear; None: it never is."""
+        rate, sigma = self.rates[item.name], self._sigma(item)
+        step = math.copysign(INTERVALS_TUNING.begin, width) if sigma is None else width * sigma
+        if item.kind == "log":  # of a vague one more would overflow
+            step = max(min(step, 1.0), -1.0)
+        variance = self.variance
+        if variance is None:
+            J = self.least.state.jacobian
+            variance = (sigma or 0.0) ** 2 / float(np.sum(np.linalg.lstsq(J.T, rate, rcond=None)[0] ** 2))
+
+        def outcome(x: Array) -> tuple[float, Array]:
+            return self.meaning(x)[item.name], self._rates(x)[item.name]
+
+        y = self.least.profile(outcome, step, 0.5 * width**2 * variance)
+        if y is None or self._ends_on_bound(item, y, width > 0):
+            return None
+        return 0.0 if item.kind == "positive" and y < SAME * (sigma or 0.0) else item.outer(y)
+
+    def _ends_on_bound(self, item: Parameter, y: float, above: bool) -> bool:
+        """Whether a log ends where the search may not go, which is no end of what the data leave, but for that which
+        the user gave."""
+        i, rate = int(np.argmax(self.rates[item.name])), self.rates[item.name]
+        own = item.kind == "log" and abs(rate[i] - 1) < NOTICEABLE and np.count_nonzero(rate) == 1
+        if not own or 0 < (item.high if above else item.low) < math.inf:
+            return False
+        return abs(y - self.least.problem.bounds[1 if above else 0][i]) < NOTICEABLE
+
+
+# ---------------------------------------------------------------------- samples
+def bootstrap(
+    least: Least, change: Callable[[np.random.Generator], Callable[[State], State]], cost: float, count: int, seed: int,
+    pool: Pool | None,
+) -> Array:  # fmt: skip
+    """Unknowns of the least of ``count`` problems, each with its states changed at random, to ``cost`` relatively, from
+    a first step by Gauss and Newton; fewer where no search reaches it (samples, unknowns)."""
+    samples = in_order(pool, partial(_sample, least, change, cost, seed), range(count), "bootstrap", TOGETHER)
+    return np.array([x for x in samples if x is not None])
+
+
+def _sample(
+    least: Least, change: Callable[[np.random.Generator], Callable[[State], State]], cost: float, seed: int, number: int
+) -> Array | None:
+    changed, model = change(np.random.default_rng([seed, number])), least.problem.model
+    here = changed(least.state)
+    near = least.x - np.linalg.lstsq(here.jacobian, here.residuals, rcond=None)[0]
+    with contextlib.suppress(JkrError):
+        return replace(least.problem, model=lambda x: changed(model(x)), converged=cost, cost=cost).least(near).x
+    return None
+
+
+# ---------------------------------------------------------------------- uncertain inputs, to first order
+def changes_by(
+    name: str, centre: float, sigma: float, here: Mapping[str, float], outcome: Callable[[float], Mapping[str, float]]
+) -> dict[str, float]:
+    """Change of everything in ``outcome`` by a change of the input ``name`` by ``sigma`` from its value ``centre``,
+    where it is ``here``.
+
+    The input is moved to both sides, where that is possible, the body solved anew and the data fitted again; InputError
+    where it is uncertain by all of its value or more, but for Poisson's ratios.
+    """
+    if sigma >= centre and not name.startswith("nu"):
+        raise InputError(f"the uncertainty of {name} is {sigma / centre:.3g} times its value: give less than the value")
+    ends = [(centre, here)]
+    for value in (centre - sigma, centre + sigma):
+        with contextlib.suppress(InputError):  # beyond what the quantity can be, as nu > 1/2
+            ends.append((value, outcome(value)))
+    if len(ends) == 1:
+        raise InputError(f"{name} cannot be {sigma:g} off its value {centre:g} to either side")
+    (one, low), (two, high) = ends[-2:]
+    return {key: (high[key] - low[key]) / (two - one) * sigma for key in here}
+
+
+def wider(item: FittedValue, systematic: Mapping[str, float], t: float) -> FittedValue:
+    """The estimate with its ``systematic`` errors by name added in quadrature."""
+    total = math.hypot(*systematic.values())
+    if total == 0:
+        return item
+    error = None if item.error is None else math.hypot(item.error, total)
+    low = None if item.low is None else item.value - math.hypot(item.value - item.low, t * total)
+    high = None if item.high is None else item.value + math.hypot(item.high - item.value, t * total)
+    if low is not None and item.dimension in ("modulus", "work"):
+        low = max(low, 0.0)
+    return replace(item, error=error, low=low, high=high, systematic={k: abs(v) for k, v in systematic.items()})
+
+
+# --------------------------------------------------------------------------------------------------
+# Least squares under noise whose neighbours follow each other: drift, hum, 1/f, slow steps.
+#
+# The noise is what the free rows of a record say, without any model of the contact. Its spectrum, S(f) = A + B/(1 +
+# (f/c)^2)^(b/2), white and of one correlation time (b = 2) or of a power of the frequency (c far below all), follows
+# by the likelihood of Whittle (Ark. Mat. 2, 423, 1953) from the squares of the cosine transform of their residuals in
+# octaves, each divided by the share of it that the fit has left; where too few rows are free, from that of all.
+# Spectra that are nearly as likely have a share in it, as they go on differently below the frequencies that are seen.
+# The cosine transform takes a series that ends elsewhere than it began for no jump.
+#
+# With rows weighted by W the covariance of the unknowns is (WJ)^+ W C W^T (WJ)^+T, C the noise (White, Econometrica
+# 48, 817, 1980); where W C W^T = 1, the generalised least squares, it is the least there is. Noise slower than the
+# free rows are long hides in them (a random walk of a fifth of the white noise, in every fifth record): where they
+# tell none that is slow, its colour is that of all residuals, if they are as likely with it and it raises standard
+# errors by no more than ``TUNING.hidden``. Other residuals in contact that are larger or slower are no noise: an
+# excess reports them. Where noise goes on rising below the frequencies of the free rows (1/f) nothing tells how far:
+# standard errors are wider there, by the excess too. An octave stands at the frequency where 1/f has its mean over
+# what the fit has left of it: at that of its middle, the lowest octave of a run, of which a straight line was taken,
+# would tell two thirds of such noise.
+
+
+@dataclass(frozen=True)
+class ColouredTuning:
+    """How spectra are estimated."""
+
+    corners: int = 24  # choice: correlation times tried, from a few rows to the whole record
+    powers: tuple[float, ...] = (0.5, 0.75, 1.0, 1.25, 1.5, 2.0)  # choice: of 1/f, tried
+    rounds: int = 8  # choice: of reweighting; the likelihood is then good to 1e-3
+    share: float = 0.25  # choice: of an octave that the fit must have left, below which it joins the next
+    least: float = 4.0  # theory: Akaike's criterion, 2 ln of the likelihoods' ratio for two more parameters
+    beside: int = 8  # choice: least rows on each side of missing ones, whose means a line goes through
+    likely: float = 0.05  # choice: of the likeliest spectrum, likelihood below which one has no share
+    free: int = 40  # choice: free rows of a direction that tell its noise
+    seen: float = 4.0  # choice: of the lowest frequency of the free rows, the lowest corner that they tell
+    # choice: of the lowest frequency of the free rows, the corner of a power of f: below what a record sees, but not so
+    # far that its mean says nothing of the offsets
+    lowest: float = 0.05
+    # of standard errors, where noise goes on rising at frequencies that no free row tells; tuned on cycles with 1/f
+    # noise, by `make record-bounds`
+    unseen: float = 1.1
+    exceeded: float = 2.0  # choice: of the noise there, what the rows in contact say more of it at most
+    # choice: of standard errors, by which slow noise that free rows do not tell may raise them; more is misfit
+    hidden: float = 3.0
+    white: float = 0.5  # theory: before the data nothing speaks for a slow part of the noise or against it
+    # choice: of the white part at the lowest frequency that free rows tell, the slow parts that may hide
+    heights: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
+    singular: float = 1e-12  # theory: of the largest singular value, round-off of some thousand rows, each 2e-16
+
+
+COLOURED_TUNING = ColouredTuning()
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """A + sum of B/(1 + (f/c)^2)^(b/2) over frequencies f per row, ``slow`` parts (B, c, b)."""
+
+    A: float
+    slow: tuple[tuple[float, float, float], ...] = ()
+
+    def __call__(self, f: Array) -> Array:
+        density: Array = self.A + sum((B * _slow(f, corner, power) for B, corner, power in self.slow), np.zeros_like(f))
+        return density
+
+    def of_level(self, A: float) -> Spectrum:
+        """The same colour where the white part is ``A``."""
+        return Spectrum(A, tuple((A / self.A * B, corner, power) for B, corner, power in self.slow))
+
+    def beyond(self, f: float) -> bool:
+        """Whether most of it goes on rising at frequencies below ``f``, which no run of free rows tells."""
+        unseen = Spectrum(0.0, tuple(part for part in self.slow if part[1] < f))
+        at = np.array(f)
+        return bool(unseen(at) > self(at) / 2)
+
+    def whitened(self, columns: Array) -> Array:
+        """Columns of rows in the order of time, (rows, ...), so that this noise has unit variance and no colour."""
+        if not self.slow:
+            return columns / math.sqrt(self.A)
+        return (waves(columns).T / np.sqrt(self(frequencies(len(columns))))).T
+
+    def drawn(self, rng: np.random.Generator, rows: int) -> Array:
+        """A series of so many ``rows`` of this noise."""
+        series: Array = idct(np.sqrt(self(frequencies(rows))) * rng.normal(size=rows), norm="ortho")
+        return series
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """``covariance`` of the unknowns; ``tau``: how many rows count as one, the factor by which the colour of the noise
+    raises their variances; ``excess``: the factor by which the residuals of all rows would widen the standard errors
+    beyond it (both medians). ``dof``: rows that determine the ``noise``; ``possible``: where it is white, what it may
+    be as well, each with its chance."""
+
+    covariance: Array
+    tau: float
+    excess: float
+    dof: int
+    noise: Spectrum
+    possible: Possible | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Possible:
+    """Spectra that a noise may have, each with its ``chance``: A + B/(1 + (f/c)^2)^(b/2), the white one first, then
+    those of each ``corner`` c and ``power`` b, for one height of the slow part after the other."""
+
+    chance: Array
+    A: Array
+    B: Array
+    corner: Array
+    power: Array
+
+    def of_waves(self, f: Array, squares: Array) -> Array:
+        """The sums of ``squares`` (n, columns) of waves of frequencies ``f`` (n, columns), each by what a spectrum has
+        there: (spectra, columns)."""
+        slow = np.sum(_slow(f, self.corner[:, None, None], self.power[:, None, None]) * squares, axis=1)
+        every = np.tile(slow, ((self.A.size - 1) // len(slow), 1))
+        energy: Array = np.outer(self.A, squares.sum(axis=0))
+        energy[1:] += self.B[1:, None] * every
+        return energy
+
+
+def _slow(f: Array, corner: Array | float, power: Array | float) -> Array:
+    shape: Array = (1 + (f / corner) ** 2) ** (-np.asarray(power) / 2)
+    return shape
+
+
+def waves(columns: Array) -> Array:
+    """The orthonormal cosine transform of columns of rows."""
+    transform: Array = dct(columns, axis=0, norm="ortho")
+    return transform
+
+
+def in_time(columns: Array, rows: Array, noise: Spectrum) -> Array:
+    """Columns of some ``rows`` of a record in the order of time. Over the rows that are missing straight lines through
+    the means of as many beside them, as much of them as ``noise`` of that length is slow: it goes on meanwhile."""
+    order = np.argsort(rows)
+    columns, rows = columns[order], rows[order] - rows.min()
+    series = np.zeros((int(rows[-1]) + 1, *columns.shape[1:]))
+    series[rows] = columns
+    for i in np.flatnonzero(np.diff(rows) > 1) + 1:
+        count = int(rows[i] - rows[i - 1]) - 1
+        slow = 1 - noise.A / float(noise(np.array(1 / (2 * count))))
+        beside = max(count, COLOURED_TUNING.beside)
+        first, last = (slow * part.mean(axis=0) for part in (columns[max(i - beside, 0) : i], columns[i : i + beside]))
+        share = np.arange(1, count + 1) / (count + 1)
+        series[rows[i - 1] + 1 : rows[i]] = first + np.multiply.outer(share, last - first)
+    return series
+
+
+def frequencies(rows: int) -> Array:
+    """Those of the cosine transform, per row."""
+    return np.arange(rows) / (2 * rows)
+
+
+def spread(off: Array, J: Array, free: Sequence[Array], weight: Spectrum, rounding: float = 0.0) -> Spread:
+    """The covariance of unknowns from residuals ``off`` and their derivatives ``J``, in the order of time, that were
+    fitted with the ``weight`` of such noise; very large where the data do not determine an unknown. ``free``:
+    residuals of runs of rows out of contact; ``rounding``: variance of readings in steps of a converter, the least."""
+    f = frequencies(off.size)
+    own = weight(f)
+    rows = waves(np.column_stack([J, off])) / np.sqrt(own)[:, None]
+    scale = np.linalg.norm(rows[:, :-1], axis=0)
+    scale[scale == 0] = 1.0
+    U, s, V = np.linalg.svd(rows[:, :-1] / scale, full_matrices=False)
+    root = (V / np.maximum(s, COLOURED_TUNING.singular * s[0])[:, None] / scale).T
+    all_rows = Octaves.of(f, rows[:, -1] ** 2, np.sum(U**2, axis=1)).spectrum()
+    every = all_rows(f) * own
+    loose = sum(run.size for run in free)
+    seen = _of_base_lines(free, rounding) if loose >= COLOURED_TUNING.free else None
+    noise = Spectrum(float(np.mean(every))) if seen is None else seen.spectrum()
+
+    def of(noise: Array | float) -> Array:
+        matrix: Array = root @ (U.T * (noise / own)) @ U @ root.T
+        return matrix
+
+    beside, covariance = of(every), of(every if seen is None else noise(f))
+    if seen is not None and _rise(beside, covariance) < COLOURED_TUNING.hidden**2:
+        noise = _hidden(seen, noise, weight if weight.slow else all_rows)
+        covariance = of(noise(f))
+    tau = _rise(covariance, of(float(np.mean(every if seen is None else noise(f)))))
+    excess = math.sqrt(max(_rise(beside, covariance), 1.0))
+    if seen is not None and noise.beyond(1 / (2 * max(run.size for run in free))):
+        covariance = covariance * (COLOURED_TUNING.unseen * min(excess, COLOURED_TUNING.exceeded)) ** 2
+    possible = None if seen is None or noise.slow else seen.possible()
+    return Spread(covariance, max(tau, 1.0), excess, off.size if seen is None else loose, noise, possible)
+
+
+def _rise(one: Array, other: Array) -> float:
+    """The median factor between the variances of two covariances."""
+    known = np.diag(other) > 0
+    return float(np.median((np.diag(one) / np.diag(other))[known])) if known.any() else 1.0
+
+
+def _hidden(seen: Octaves, noise: Spectrum, every: Spectrum) -> Spectrum:
+    """The noise of free rows that were ``seen``; where their own ``noise`` is not slow, of the colour of
+    ``every`` row if it is as likely in them: noise slower than they are long shows in the others."""
+    if noise.slow or not every.A:
+        return noise
+    likely = every.of_level(noise.A)
+    return likely if seen.unlikely(likely) <= seen.unlikely(noise) else noise
+
+
+def _of_base_lines(runs: Sequence[Array], rounding: float) -> Octaves:
+    """The residuals of runs of free rows, of each of which the fit has taken a straight line, their variance not below
+    that of ``rounding``, which a line that stands still does not show."""
+    parts = []
+    for off in runs:
+        line = np.linalg.qr(np.stack([np.ones(off.size), np.arange(off.size)], axis=1))[0]
+        left = off - line @ (line.T @ off)
+        parts.append((frequencies(off.size), waves(left) ** 2, np.sum(waves(line) ** 2, axis=1)))
+    f, power, taken = (np.concatenate(items) for items in zip(*parts, strict=True))
+    order = np.argsort(f, kind="stable")
+    octaves = Octaves.of(f[order], power[order], taken[order])
+    return replace(octaves, mean=np.maximum(octaves.mean, max(rounding, TINY)))
+
+
+@dataclass(frozen=True, eq=False)
+class Octaves:
+    """The ``mean`` squares of the waves of a series in octaves about frequencies ``centre``, each from the ``count``
+    of them that the fit has left; ``lowest``: the lowest frequency above 0."""
+
+    mean: Array
+    count: Array
+    centre: Array
+    lowest: float
+
+    @classmethod
+    def of(cls, f: Array, power: Array, taken: Array) -> Octaves:
+        """By the squares of the ``waves`` at frequencies ``f``; ``taken``: how much of each of them the fit has."""
+        left, lowest = 1 - np.minimum(taken, 1.0), float(f[f > 0][0])
+        edges = _octaves(left)
+        count = np.add.reduceat(left, edges)
+        centre = count / np.add.reduceat(left / np.maximum(f, lowest / 2), edges)  # where 1/f is its mean
+        return cls(np.add.reduceat(power, edges) / count, count, centre, lowest)
+
+    def unlikely(self, noise: Spectrum) -> float:
+        """Minus twice the logarithm of Whittle's likelihood of a spectrum."""
+        return float(_unlikely(self.mean, noise(self.centre)[None], self.count)[0])
+
+    def spectrum(self) -> Spectrum:
+        """The spectrum that is likeliest, with those that are nearly so; white where none that falls gains enough."""
+        mean, count, centre, lowest = self.mean, self.count, self.centre, self.lowest
+        white = float(np.average(mean, weights=count))
+        most = _unlikely(mean, np.stack([np.full(mean.size, white), _falling(mean, count)]), count)
+        if most[0] < most[1] + COLOURED_TUNING.least:
+            return Spectrum(white)  # no spectrum that falls gains as much
+        corner, power = _shapes(lowest)
+        slow = _slow(centre, corner[:, None], power[:, None])
+        tops = slow[:, 0].copy()
+        slow /= tops[:, None]
+        A, B = _parts(slow, mean, count)
+        deviance = _unlikely(mean, A[:, None] + B[:, None] * slow, count)
+        if deviance.min() > most[0] - COLOURED_TUNING.least:
+            return Spectrum(white)
+        share = np.exp((deviance.min() - deviance) / 2)
+        share = np.where(share > COLOURED_TUNING.likely, share, 0.0) / share[share > COLOURED_TUNING.likely].sum()
+        parts = zip((share * B / tops).tolist(), corner.tolist(), power.tolist(), strict=True)
+        return Spectrum(float(share @ A), tuple(part for part in parts if part[0]))
+
+    def possible(self) -> Possible:
+        """Spectra with their chances after the data: white or with one slow part, those of one correlation time and
+        those of 1/f being as likely before."""
+        (corner, power), heights = _shapes(self.lowest), np.array(COLOURED_TUNING.heights)
+        slow = _slow(self.centre, corner[:, None], power[:, None])
+        tops = slow[:, 0]
+        ratio = np.vstack([np.zeros(self.centre.size), *(heights[:, None, None] * (slow / tops[:, None]))])
+        A = np.average(self.mean / (1 + ratio), weights=self.count, axis=1)
+        kinds = (
+            np.repeat(
+                [1 / COLOURED_TUNING.corners, 1 / len(COLOURED_TUNING.powers)],
+                [COLOURED_TUNING.corners, len(COLOURED_TUNING.powers)],
+            )
+            / 2
+        )
+        before = np.append(
+            COLOURED_TUNING.white, np.tile((1 - COLOURED_TUNING.white) / heights.size * kinds, heights.size)
+        )
+        unlikely = _unlikely(self.mean, A[:, None] * (1 + ratio), self.count)
+        chance = before * np.exp((unlikely.min() - unlikely) / 2)
+        B = A * np.append(0.0, np.outer(heights, 1 / tops))
+        return Possible(chance / chance.sum(), A, B, corner, power)
+
+
+def _shapes(lowest: float) -> tuple[Array, Array]:
+    """Corners and powers of slow parts, of one correlation time and of 1/f, of runs of a ``lowest`` frequency."""
+    corners, powers = (
+        np.geomspace(COLOURED_TUNING.seen * lowest, 0.2, COLOURED_TUNING.corners),
+        np.array(COLOURED_TUNING.powers),
+    )
+    return np.append(corners, 0 * powers + COLOURED_TUNING.lowest * lowest), np.append(0 * corners + 2.0, powers)
+
+
+def _falling(mean: Array, count: Array) -> Array:
+    """The likeliest spectrum of octaves with these ``mean`` squares that rises nowhere: means of those that do pooled
+    (Barlow et al., Statistical Inference under Order Restrictions, 1972)."""
+    pools: list[tuple[float, float, int]] = []  # mean, weight, octaves
+    for one, weight in zip(mean.tolist(), count.tolist(), strict=True):
+        pool = one, weight, 1
+        while pools and pools[-1][0] < pool[0]:
+            before = pools.pop()
+            weights = before[1] + pool[1]
+            pool = (before[0] * before[1] + pool[0] * pool[1]) / weights, weights, before[2] + pool[2]
+        pools.append(pool)
+    levels, _, octaves = zip(*pools, strict=True)
+    return np.maximum(np.repeat(levels, octaves), COLOURED_TUNING.singular * mean.max())
+
+
+def _octaves(left: Array) -> Array:
+    """First index of each octave of frequencies; one of which too little is ``left`` joins the next."""
+    edges, first = [0], 1
+    while 2 * first < left.size:
+        if left[edges[-1] : first].sum() > max(COLOURED_TUNING.share * (first - edges[-1]), COLOURED_TUNING.share):
+            edges.append(first)
+        first *= 2
+    return np.array(edges)
+
+
+def _unlikely(mean: Array, S: Array, count: Array) -> Array:
+    """Minus twice the logarithm of Whittle's likelihood of spectra ``S``, (spectra, octaves)."""
+    likely = np.maximum(S, COLOURED_TUNING.singular * mean.max())
+    deviance: Array = np.where((S > 0).all(axis=1), np.sum(count * (np.log(likely) + mean / likely), axis=1), np.inf)
+    return deviance
+
+
+def _parts(slow: Array, mean: Array, count: Array) -> tuple[Array, Array]:
+    """A and B, not below 0, that are likeliest for each shape ``slow``, (corners, octaves), by least squares weighted
+    with the spectrum so far."""
+    items = np.stack([np.ones_like(slow), slow, slow**2, np.broadcast_to(mean, slow.shape), slow * mean])
+    S = np.broadcast_to(np.maximum(mean, 1e-3 * mean.max()), slow.shape)
+    for _ in range(COLOURED_TUNING.rounds):
+        weights = count / np.maximum(S, TINY) ** 2
+        aa, ab, bb, a, b = np.einsum("ij,kij->ki", weights, items)
+        determinant = aa * bb * (1 + COLOURED_TUNING.singular) - ab * ab
+        A, B = (a * bb - b * ab) / determinant, (b * aa - a * ab) / determinant
+        A, B = np.where(B < 0, a / aa, np.where(A < 0, 0.0, A)), np.where(B < 0, 0.0, np.where(A < 0, b / bb, B))
+        S = A[:, None] + B[:, None] * slow
+    return A, B

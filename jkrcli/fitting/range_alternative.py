@@ -1,0 +1,425 @@
+"""The range of adhesion as a rival of JKR: how far ranges that the data do not exclude move what was fitted.
+
+The curves are those of a constant tension up to the range (Maugis) on the body itself. A sphere's pull-off hardly
+changes its shape with the range, but w and the zero of the displacement do: from displacement and load alone w of
+JKR may be a fifth too large where the surfaces attract each other over as far as adhesion deforms them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+import numpy as np
+from scipy.special import fdtrc
+
+from ..base import MOST_SOLVES, NOTICEABLE, TINY, Array, JkrError, SolveError, show
+from ..methods.layered.spectrum import spectrum_seconds
+from .forward_model import Drift
+from .least_squares import influence, rise, t_quantile
+from .parameters import FittedValue, Parameter
+from .rows import TUNING as SEARCH
+from .rows import Minimum, Objective
+from .settings import Loss, Settings
+
+
+@dataclass(frozen=True)
+class RangeRivalTuning:
+    """Which ranges are tried, and when one is significant."""
+
+    # Over the displacement that adhesion adds at JKR's pull-off; Tabor numbers of a sphere 3 to 0.03:
+    ranges: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0, 10.0)  # choice: what lies between is interpolated
+
+    short: float = 0.1  # theory: relative change of w by the last step; what remains is its square, a hundredth
+    hopeless: float = 30.0  # choice: excess over what is possible, from which on there are no more steps
+    rounded: float = 0.05  # choice: of logs of range and w with which curves are solved, so that fits share them
+    chance: float = 2e-3  # choice: at which data of JKR itself show a range
+    slow: float = 0.1  # choice: CPU seconds of a body's spectrum, above which no range is tried
+
+
+TUNING = RangeRivalTuning()
+WORKS = ("w", "w_approach")
+
+
+@dataclass(frozen=True, eq=False)
+class RangeRival:
+    """The ranges [m] that the data leave: the ``best`` of those tried, 0 for JKR, and the ``most``; ``moves``: how far
+    they move each parameter. ``chance``: that data of JKR itself speak as much for one."""
+
+    best: float
+    most: float
+    moves: Mapping[str, float]
+    chance: float
+
+    @property
+    def significant(self) -> bool:
+        return self.best > 0 and self.chance < TUNING.chance
+
+    def warnings(self) -> Iterator[str]:
+        """A sentence where a range is significant."""
+        if self.significant:
+            yield (
+                f"model rejected, p = {self.chance:.1g}, in favour of adhesion with a range of "
+                f"about {show(self.best, 'length', 2)}: fit with --free range"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class _Rung:
+    """A range [m], the sum of squares with it less JKR's, over the variance, and by how much it moves each value."""
+
+    length: float
+    excess: float
+    moves: Mapping[str, float]
+
+
+def range_rival_of(minimum: Minimum, variance: float, limit: float, settings: Settings) -> RangeRival | None:
+    """The ranges that the data leave; None where none can be tried: bodies without such curves, layers that are
+    fitted, cylinders and gradients, whose kernels would take longer than the fit.
+
+    ``variance`` of the residuals; ``limit``: rise of the sum of squares over it, up to which a range is possible. None
+    is tried that is longer than the ``settings`` allow.
+    """
+    body = minimum.objective.body
+    problem = body.problem
+    own, values = any(p.of_body for p in minimum.objective.parameters), minimum.objective.values(minimum.x)
+    if own or problem.specimen.radius is not None or spectrum_seconds(problem) > TUNING.slow:
+        return None
+    if min(_works(values)) < NOTICEABLE * values["modulus"] * body.family.natural_work:
+        return None
+    try:
+        body.coarse.attracted  # noqa: B018  a Refusal where there is none
+    except JkrError:
+        return None
+    neck = math.log(body.family.neck(values["modulus"], values["w"]))
+    neck = math.exp(TUNING.rounded * round(neck / TUNING.rounded))
+    lengths = [part * neck for part in TUNING.ranges if part * neck < settings.range_at_most]
+    lengths += [settings.range_at_most] * (len(lengths) < len(TUNING.ranges))
+    rungs = _climbed(
+        lengths, partial(_rung, minimum, variance=variance, limit=limit, loss=settings.loss), values, limit
+    )
+    return _judged(rungs, minimum, limit)
+
+
+def _climbed(
+    lengths: Sequence[float], rung_of: Callable[[float], _Rung], values: Iterable[str], limit: float
+) -> list[_Rung]:
+    """The rungs of JKR and of those ``lengths`` [m] that bracket the longest possible range, by increasing length.
+
+    From the middle on they are climbed while they are possible, else descended until one is; the bracket beyond the
+    longest possible one is halved.
+    """
+    rungs, best = {-1: _Rung(0.0, 0.0, dict.fromkeys(values, 0.0))}, 0.0
+    k, step = min(len(TUNING.ranges) // 2, len(lengths) - 1), 0
+    while 0 <= k < len(lengths):
+        try:
+            rungs[k] = rung_of(lengths[k])
+        except JkrError:  # attraction reaches beyond the body, or the step led nowhere
+            if step > 0:
+                break
+            step = -1
+        else:
+            best = min(best, rungs[k].excess)
+            possible = rungs[k].excess - best <= limit
+            if (step == -1 and possible) or (step == 1 and not possible):
+                break
+            step = 1 if possible else -1
+        k += step
+    climbed = [rungs[k] for k in sorted(rungs)]
+    with contextlib.suppress(JkrError):
+        for _ in range(SEARCH.halvings):
+            if (length := _between(climbed, limit)) is not None:
+                climbed.append(rung_of(length))
+                climbed.sort(key=lambda rung: rung.length)
+    return climbed
+
+
+def _last_possible(rungs: Sequence[_Rung], limit: float) -> int:
+    """The index of the longest of the ``rungs``, by increasing length, that is within the ``limit`` of the best."""
+    best = min(rung.excess for rung in rungs)
+    return max(i for i, rung in enumerate(rungs) if rung.excess - best <= limit)
+
+
+def _between(rungs: Sequence[_Rung], limit: float) -> float | None:
+    """A range [m] between the longest possible one and the next, where a straight line between
+    them would not do; None where it does."""
+    i = _last_possible(rungs, limit)
+    if i == 0 or i + 1 == len(rungs) or rungs[i + 1].excess > TUNING.hopeless * limit:
+        return None
+    return math.sqrt(rungs[i].length * rungs[i + 1].length)
+
+
+def _rung(minimum: Minimum, length: float, variance: float, limit: float, loss: Loss) -> _Rung:
+    """The parameters with a range of ``length`` [m], by Gauss-Newton steps from JKR's minimum."""
+    plain = minimum.objective
+    ranged = (*plain.parameters, Parameter("range", False, length))
+    objective = replace(plain, body=plain.body.coarse, parameters=ranged)
+    free, before = plain.free, minimum.distances.residuals.ravel()
+    jacobian, weights = minimum.distances.jacobian(free), _weights(minimum, loss)
+    least, x = float(np.sum(weights * before**2)), minimum.x.copy()
+    for _ in range(MOST_SOLVES):
+        if min(works := _works(plain.values(x))) <= 0:
+            raise SolveError(f"a range of {show(length, 'length')} leaves no work of adhesion")
+        x = _rounded(plain, x)
+        there = objective.distances(np.append(x, math.log(length)), rated=False).residuals.ravel()
+        step = np.linalg.lstsq(jacobian, there - before, rcond=None)[0]
+        x[free] -= step
+        if not _near(plain, x, minimum.x):
+            raise SolveError(f"a step with a range of {show(length, 'length')} led nowhere")
+        excess = (float(np.sum(weights * (there - jacobian @ step) ** 2)) - least) / variance
+        moved = abs(_works(plain.values(x))[0] / works[0] - 1)
+        if not (math.isfinite(excess) and excess < TUNING.hopeless * limit) or moved < TUNING.short:
+            break
+    return _Rung(length, excess if math.isfinite(excess) else math.inf, _moves(plain, minimum.x, x))
+
+
+def _near(objective: Objective, x: Array, start: Array) -> bool:
+    """Whether all unknowns are numbers and their logs are within reach of where they started."""
+    logs = [i for i, parameter in enumerate(objective.parameters) if parameter.kind == "log"]
+    return bool(np.isfinite(x).all() and (np.abs(x - start)[logs] <= SEARCH.reach).all())
+
+
+def _rounded(objective: Objective, x: Array) -> Array:
+    """The unknowns with w at a rounded ratio to the moduli, where it is free."""
+    values, near = objective.values(x), x.copy()
+    for i, parameter in enumerate(objective.parameters):
+        if parameter.free and parameter.name in WORKS:
+            ratio = round(math.log(values[parameter.name] / values["modulus"]) / TUNING.rounded)
+            near[i] = parameter.inner(values["modulus"] * math.exp(TUNING.rounded * ratio))
+    return near
+
+
+def _works(values: Mapping[str, float]) -> list[float]:
+    """The works of adhesion among ``values`` [J/m^2], that of the retraction first."""
+    return [values[name] for name in WORKS if name in values]
+
+
+def _weights(minimum: Minimum, loss: Loss) -> Array:
+    """What each residual counts for in the loss, 1 in least squares."""
+    z = minimum.distances.residuals.ravel() / minimum.width
+    psi, _ = influence(z, loss)
+    return np.divide(psi, z, out=np.ones_like(z), where=z != 0)
+
+
+def _moves(objective: Objective, before: Array, after: Array) -> dict[str, float]:
+    one, other = objective.values(before), objective.values(after)
+    return {name: other[name] - value for name, value in one.items()}
+
+
+def _judged(rungs: Sequence[_Rung], minimum: Minimum, limit: float) -> RangeRival:
+    """The rival by its ``rungs``, by increasing length: those within the ``limit`` of the best are possible, and
+    between the longest of them and the next the root of the excess is a straight line."""
+    best, i = min(rungs, key=lambda rung: rung.excess), _last_possible(rungs, limit)
+    last, possible = rungs[i], [rung for rung in rungs if rung.excess - best.excess <= limit]
+    most, moves = last.length, {key: max(abs(rung.moves[key]) for rung in possible) for key in last.moves}
+    if i + 1 < len(rungs):
+        beyond = rungs[i + 1]
+        low, high = (math.sqrt(rung.excess - best.excess) for rung in (last, beyond))
+        part = (math.sqrt(limit) - low) / (high - low) if math.isfinite(high) else 0.0
+        # A short range counts by its square, as the work within the annulus does.
+        most = math.sqrt(last.length**2 + part * (beyond.length**2 - last.length**2))
+        ends = {key: abs(move + part * (beyond.moves[key] - move)) for key, move in last.moves.items()}
+        moves = {key: max(move, ends[key]) for key, move in moves.items()}
+    n = minimum.distances.residuals.size - minimum.objective.free.size
+    return RangeRival(best.length, most, moves, float(fdtrc(1, max(n - 1, 1), max(-best.excess, 0.0))))
+
+
+# --------------------------------------------------------------------------------------------------
+# How far a fit rests on its model: the nearest other models, which the data reject or not.
+#
+# There are three rivals: a work of adhesion that changes along the record, moduli that do, as those of a layer or a
+# base seem to, and adhesion that has a range (``range_rival``). The first two add one direction each to the
+# residuals, that of w or of the moduli times a straight line in the contact radius. Where a rival is significant to
+# first order, this is a warning. What the data leave of it is fitted again at both of its ends: it moves the
+# parameters, a second part of their uncertainty beside the statistical one.
+
+
+@dataclass(frozen=True)
+class RivalTuning:
+    """What is expected of rivals before the data, and when they are significant."""
+
+    likely: float = 0.5  # choice: standard deviation of the relative change along the record; w of polymers may double
+    # choice: the change for which moves are told, and not counted, where the data hold no pull-off that would test it
+    unit: float = 0.01
+    chance: float = 5e-3  # choice: at which data of the model itself show a rival
+    changes: tuple[float, float] = (-0.7, 1.2)  # choice: guard, along the record; w and moduli stay above 0
+    close: float = 0.5  # theory: the last step, in standard errors; what remains is its square, a quarter
+    fewest: int = 6  # choice: degrees of freedom; two of them go to the rivals
+    reached: float = 1.1  # choice: in contact radius, how near to pull-off the data must come
+    touching: float = 0.05  # choice: of the largest contact radius, below which pull-off without contact is near
+
+
+RIVALS_TUNING = RivalTuning()
+# What changes along the record, how it is called, and where on the record the fitted value is meant to hold: 0 at the
+# smallest contact radius (w there decides pull-off), 1/2 in the middle.
+RIVALS = {"w": ("a change of w along the record", 0.0), "modulus": ("a change of E* along the record", 0.5)}
+RANGE = "a range of adhesion"
+
+
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """A model with one more number, the relative ``change`` of a parameter from the smallest to the largest contact
+    radius; ``moves``: how far the changes that the data leave likely move each unknown."""
+
+    name: str
+    change: float
+    moves: Mapping[str, float]
+
+    @property
+    def words(self) -> str:
+        """The change with its size, which is of first order and no number where it is beyond ``TUNING``'s guards."""
+        clipped = float(np.clip(self.change, *RIVALS_TUNING.changes))
+        return f"{RIVALS[self.name][0]} by {'' if clipped == self.change else 'more than '}{clipped:+.0%}"
+
+
+@dataclass(frozen=True, eq=False)
+class Rivals:
+    """The rivals of a fit; ``chance``: that data of the model itself speak as much for its ``members``; ``range``: of
+    adhesion, None where none was tried. ``untested``: whether the data end before pull-off, so that nothing tests a
+    change along the record: the moves of the ``values`` are then those of a change by ``TUNING.unit``, told and not
+    counted."""
+
+    members: tuple[Rival, ...]
+    chance: float
+    range: RangeRival | None = None
+    untested: bool = False
+    values: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def sensitivity(self) -> str:
+        """What a change along the record would move, where it is not counted; empty where it is."""
+        names = {"w": "w", "modulus": "E*"}
+        parts = [
+            f"of {names[rival.name]} moves " + " and ".join(
+                f"{names[key]} by {rival.moves[key] / self.values[key]:.1%}" for key in names if rival.moves.get(key)
+            )
+            for rival in self.members
+        ]  # fmt: skip
+        return (
+            f"a change by {RIVALS_TUNING.unit:.0%} along the record {', '.join(parts)}"
+            if self.untested and parts
+            else ""
+        )
+
+    def warnings(self) -> Iterator[str]:
+        """A sentence where a rival is significant."""
+        if self.chance < RIVALS_TUNING.chance:
+            parts = " or ".join(rival.words for rival in self.members)
+            yield (
+                f"model rejected, p = {self.chance:.1g}, in favour of {parts} with the contact "
+                "radius: other bodies (a layer, a base), or adhesion that depends on speed or has a range; the "
+                "statistical intervals do not hold it"
+            )
+        if self.range is not None:
+            yield from self.range.warnings()
+
+    def with_parts(self, estimates: Sequence[FittedValue]) -> tuple[FittedValue, ...]:
+        """The ``estimates`` with what the rivals may move each by; what follows from the moduli's factor with it."""
+        moves = {} if self.untested else {RIVALS[rival.name][0]: rival.moves for rival in self.members}
+        moves |= {} if self.range is None else {RANGE: self.range.moves}
+        modulus = next((item.value for item in estimates if item.name == "modulus"), 1.0)
+
+        def part(item: FittedValue, by: Mapping[str, float]) -> float:
+            follows = item.value * by.get("modulus", 0.0) / modulus if item.dimension == "modulus" else 0.0
+            return 0.0 if item.error is None else by.get(item.name, follows)
+
+        parts = [{name: move for name, by in moves.items() if (move := part(item, by))} for item in estimates]
+        return tuple(replace(item, model=own or None) for item, own in zip(estimates, parts, strict=True))
+
+
+def missed_pull_off(a: Array, line: Mapping[str, Array]) -> tuple[float, float] | None:
+    """The least radius [m] of the rows ``a`` and that of the least load of their ``line``, where they do not come near
+    it; None where they do, or hold no loads."""
+    if "P" not in line:
+        return None
+    radius, least = float(line["a"][int(np.argmin(line["P"]))]), float(np.min(a))
+    near = max(RIVALS_TUNING.reached * radius, RIVALS_TUNING.touching * float(np.max(a)))
+    return (least, radius) if least > near else None
+
+
+def rivals_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -> Rivals:
+    """The rivals of a ``minimum``; ``variance`` of the residuals and its degrees of freedom. None of few points, and of
+    parameters that are 0."""
+    objective, residuals = minimum.objective, minimum.distances.residuals.ravel()
+    values = objective.values(minimum.x)
+    wanted = [name for name in RIVALS if values.get(name, 0.0) > 0]
+    if dof < RIVALS_TUNING.fewest or not wanted or not variance > 0:
+        return Rivals((), 1.0)
+    t, both = t_quantile(settings.level, dof), dof * rise(settings.level, dof, 2)  # w and the range together
+    ranged = range_rival_of(minimum, variance, both, settings) if "w" in wanted else None
+    jacobian = minimum.distances.jacobian(objective.free)
+    directions = np.stack([_direction(minimum, name) for name in wanted], axis=1)
+    alone = directions - jacobian @ np.linalg.lstsq(jacobian, directions, rcond=None)[0]
+    rivals, close = [], RIVALS_TUNING.close * math.sqrt(variance)
+    untested = values.get("w", 0.0) > 0 and missed_pull_off(minimum.distances.a, minimum.distances.line()) is not None
+    for name, direction in zip(wanted, alone.T, strict=True):
+        precision = float(direction @ direction) / variance
+        if precision > 0:
+            change = -float(direction @ residuals) / variance / precision
+            spread = t / math.sqrt(precision + 1 / RIVALS_TUNING.likely**2)
+            centre = change * (spread / t) ** 2 * precision
+            changes = (-RIVALS_TUNING.unit, RIVALS_TUNING.unit) if untested else (centre - spread, centre + spread)
+            rivals.append(Rival(name, change, _shifts(minimum, name, changes, close)))
+    return Rivals(tuple(rivals), _chance(alone, residuals, variance, dof), ranged, untested, values)
+
+
+def _shifts(minimum: Minimum, name: str, changes: tuple[float, ...], close: float) -> dict[str, float]:
+    """How far the values of the free parameters move, at most, where ``name`` changes along the record by any of
+    ``changes``; ``close``: as in ``_followed``."""
+    objective, before = minimum.objective, minimum.objective.values(minimum.x)
+    moves = dict.fromkeys(objective.unknowns.names, 0.0)
+    a = minimum.distances.a
+    for change in changes:
+        drift = Drift(
+            name, float(np.clip(change, *RIVALS_TUNING.changes)), RIVALS[name][1], float(a.min()), float(a.max())
+        )
+        after = _followed(minimum, drift, close)
+        moves = {key: max(move, abs(after[key] - before[key])) for key, move in moves.items()}
+    return moves
+
+
+def _followed(minimum: Minimum, drift: Drift, close: float) -> dict[str, float]:
+    """The values of the parameters with a ``drift`` that leave the residuals as they are, as nearly as possible: what
+    noise and outliers there are stays. Gauss-Newton, until a step changes the residuals by less than ``close``."""
+    objective, x = replace(minimum.objective, drift=drift), minimum.x.copy()
+    free, target = objective.free, minimum.distances.residuals.ravel()
+    logs = np.array([parameter.kind == "log" for parameter in objective.parameters])
+    low, high = x - np.where(logs, SEARCH.reach, np.inf), x + np.where(logs, SEARCH.reach, np.inf)
+    before = x
+    for _ in range(MOST_SOLVES):
+        try:
+            there = objective.distances(x)
+            jacobian = there.jacobian(free)
+        except SolveError:  # a step to where no body can be solved
+            x = (x + before) / 2
+            continue
+        before = x.copy()
+        step = np.linalg.lstsq(jacobian, there.residuals.ravel() - target, rcond=None)[0]
+        x[free] -= step
+        x = np.clip(x, low, high)
+        if np.linalg.norm(jacobian @ step) < close:
+            break
+    values = objective.values(x)
+    radii = np.array([there.a.min(), there.a.max()])  # the model's own, not those of before
+    values[drift.name] *= float(drift.factor(radii) @ (1 - drift.centre, drift.centre))
+    return values
+
+
+def _direction(minimum: Minimum, name: str) -> Array:
+    """Derivative of the residuals by the relative change of the parameter ``name`` along the record, (k n,)."""
+    index = [parameter.name for parameter in minimum.objective.parameters].index(name)
+    parameter, x = minimum.objective.parameters[index], float(minimum.x[index])
+    by_log = minimum.distances.jacobian(np.array([index]))[:, 0] * parameter.outer(x) / parameter.derivative(x)
+    a = minimum.distances.a
+    place = (a - a.min()) / max(float(np.ptp(a)), TINY) - RIVALS[parameter.name][1]
+    return by_log * np.tile(place, by_log.size // place.size)
+
+
+def _chance(alone: Array, residuals: Array, variance: float, dof: int) -> float:
+    """Chance of what the rivals together take from the squares of the residuals (F test)."""
+    taken = residuals @ alone @ np.linalg.lstsq(alone, residuals, rcond=None)[0]
+    k = alone.shape[1]
+    return float(fdtrc(k, max(dof - k, 1), max(taken, 0.0) / k / variance))

@@ -1,0 +1,771 @@
+"""The fit of a whole raw record, and of its directions alone where one modulus does not describe both."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+import numpy as np
+
+from ..base import FEWEST_ROWS, MOST_SOLVES, SAME, Array, InputError, Pool, SolveError, Unknown, known, show
+from ..data import APPROACH, RETRACT, TURNED, Curve, ForceCurve, examine
+from ..methods.radii import ROOM
+from .alternatives import OF_RIVALS
+from .checks import warnings_of
+from .force_curve import FORCE_CURVE_FIT_TUNING as SEARCH
+from .force_curve import (
+    TIMED,
+    DirectionReadings,
+    ForceCurveFit,
+    ForceCurveModel,
+    Neighbour,
+    Wave,
+    base_line,
+    fit,
+    held_by_last_row,
+    nearest,
+    straightened,
+    stretches,
+    windowed,
+)
+from .forward_model import FittedBody
+from .least_squares import Intervals, State, bootstrap, changes_by, structure, t_quantile, wider
+from .least_squares import spread as covariance
+from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, dimension_of
+from .result import Fit
+from .rows import third_differences
+from .settings import AUTO, CALIBRATED, Settings
+from .verdict import by_rivals, judged
+
+# --------------------------------------------------------------------------------------------------
+# What a force curve would make of one more unknown: one step of Gauss and Newton from the end of its fit.
+
+
+@dataclass(frozen=True, eq=False)
+class OneMore:
+    """One step of Gauss and Newton from a fit with one more unknown, whose derivatives are the last column of ``J``;
+    ``step``: of all unknowns; ``size``: of the last one's, in standard errors of white noise."""
+
+    fit: ForceCurveFit
+    J: Array
+    step: Array
+    size: float
+
+    @classmethod
+    def of(cls, fit: ForceCurveFit, column: Array) -> OneMore:
+        off, J = fit.model.residuals(fit.x, 0.0)
+        J, noise = np.column_stack([J, column]), fit.spread.noise
+        scale = np.maximum(np.linalg.norm(J, axis=0), np.finfo(float).tiny)
+        Q, triangle = np.linalg.qr(fit.model.whitened(J / scale, noise))
+        along = Q.T @ fit.model.whitened(off, noise)
+        return cls(fit, J, -np.linalg.lstsq(triangle, along, rcond=None)[0] / scale, abs(float(along[-1])))
+
+    @property
+    def last(self) -> float:
+        """The step of the one more."""
+        return float(self.step[-1])
+
+    @cached_property
+    def error(self) -> float:
+        """Its standard error."""
+        model, weight = self.fit.model, self.fit.weight
+        off = model.ordered(model.residuals(self.fit.x, 0.0)[0] + self.J @ self.step, weight)
+        spread = covariance(off, model.ordered(self.J, weight), (), weight)
+        return math.sqrt(max(spread.covariance[-1, -1], 0.0))
+
+
+def drift_left_out(fit: ForceCurveFit) -> OneMore:
+    """A drift of z0 [m/s] that was not fitted: one step of a search that knows it."""
+    model = replace(fit.model, positions=(*fit.model.positions, "drift"))
+    values = fit.model.values(fit.x) | {"drift": 0.0}
+    J = model.evaluated(model.unknowns(values), 0.0)[1]
+    return OneMore.of(fit, J[:, model.names.index("drift")])
+
+
+def another_modulus(fit: ForceCurveFit) -> OneMore:
+    """Change of ln s on the way back against the way in that the data ask for: one step of a search with a modulus for
+    each direction."""
+    off, J = fit.model.residuals(fit.x, 0.0)
+    back = np.arange(off.size) >= fit.model.stretches[0].P.size
+    return OneMore.of(fit, J[:, fit.names.index("ln_s")] * back)
+
+
+# --------------------------------------------------------------------------------------------------
+# What a fit of a raw record says of itself: flags, quality, sentences.
+
+
+@dataclass(frozen=True)
+class RecordFlagsTuning:
+    """What raises a flag."""
+
+    misfit: float = 0.03  # choice: residual over the range of the load above which the model does not describe it
+    vague: float = 0.1  # choice: noise over the range, error of the contact point over the depth: little is known
+    spoilt: float = 0.1  # choice: factor of the quality for each thing that is wrong with the record itself
+    dependent: float = 2.0  # choice: rows worth one above which a warning tells
+    sure: float = 3.0  # choice: standard errors of w below 0, or of a drift, that are no noise
+    excess: float = 4.0  # choice: of the standard errors, what misfit would add to them where its flag is raised
+
+
+RECORD_FLAGS_TUNING = RecordFlagsTuning()
+RESTS = "w: the edge of the contact rests in all rows of the retraction, w is at least what the last holds"
+NAMES = {APPROACH: APPROACH, RETRACT: "retraction"}
+
+GIVEN_UP = "the search stopped after {} steps, the rows do not determine the unknowns: fix one (--fix w=...)"
+
+
+def judgement(record: ForceCurve, best: ForceCurveFit, a: Array) -> tuple[dict[str, str], dict[str, float]]:
+    """Flags of the fit itself with a sentence each, and the parts of its quality, each between 0 and 1.
+
+    Each part is exp(-x^2/2) of a number x that is 1 where its flag is raised: misfit (slow residuals in contact over
+    the range of the load), noise (over the range), base line (waviness over the range), contact (error of the contact
+    point over the depth); "record" is ``spoilt`` for each flag of the record itself but that of a missing direction.
+    ``quality`` is their product.
+    """
+    touching = a > 0
+    span = max(float(np.ptp(part.P)) for part in best.model.stretches)
+    off = best.off[touching]
+    noise = max(record_side.base.noise for record_side in record.directions)
+    slow = math.sqrt(max(float(np.mean(off**2)) - noise**2, 0.0)) / span if off.size else 0.0
+    depth = max(part.reach for part in best.model.stretches)
+    contact = best.error("z0") / depth if "z0" in best.names else 0.0
+    wavy = max(side.base.waviness for side in record.directions) / span
+    flags = {} if best.ended else {"not determined": GIVEN_UP.format(best.least.steps)}
+    beyond = (best.spread.excess - 1) / RECORD_FLAGS_TUNING.excess
+    if beyond > 1:
+        flags["misfit"] = (
+            f"the residuals in contact are {best.spread.excess:.0f} times what the noise of the free rows explains: "
+            "another body, indenter or adhesion"
+        )
+    if slow > RECORD_FLAGS_TUNING.misfit:
+        flags["misfit"] = f"the residuals in contact are {slow:.1%} of the range of the load: another body or indenter"
+    if noise / span > RECORD_FLAGS_TUNING.vague:
+        flags["noisy"] = f"the noise is {noise / span:.0%} of the range of the load"
+    if contact > RECORD_FLAGS_TUNING.vague:
+        flags["vague contact point"] = f"known to {contact:.0%} of the depth only"
+    ratios = {
+        "misfit": max(slow / RECORD_FLAGS_TUNING.misfit, beyond),
+        "noise": noise / span / RECORD_FLAGS_TUNING.vague,
+        "base line": wavy / RECORD_FLAGS_TUNING.misfit,
+        "contact point": contact / RECORD_FLAGS_TUNING.vague,
+    }
+    parts = {name: math.exp(-(x**2) / 2) for name, x in ratios.items()}
+    parts["record"] = RECORD_FLAGS_TUNING.spoilt ** sum(not name.endswith((APPROACH, RETRACT)) for name in record.flags)
+    return flags, {"quality": math.prod(parts.values()), **parts}
+
+
+def sentences(best: ForceCurveFit, settings: Settings) -> Iterator[str]:
+    """How the record was taken, and what its residuals did to the intervals."""
+    if settings.base_line == "sine" and best.model.stretches[0].wave is None:
+        yield "base line: no sine beyond its noise, a straight line is used"
+    yield from _on_adhesion(best)
+    free = [parameter.name for parameter in settings.free]
+    for kind in (part.kind for part in best.model.stretches if best.model.works.get(part.kind) == 0 and "w" in free):
+        yield f"{NAMES[kind]}: w would be negative and is set to 0: another body"
+    if any(name.startswith("offset:") for name in best.model.known):
+        yield "no base line: the zero of the load is set to 0 (--free P0, or --zero P=... if known)"
+    model = best.model
+    timed = all(np.ptp(part.t) > 0 for part in model.stretches)
+    if timed and len(model.stretches) > 1 and "drift" not in model.positions:
+        drift = drift_left_out(best)
+        if drift.size > RECORD_FLAGS_TUNING.sure and abs(drift.last) > RECORD_FLAGS_TUNING.sure * drift.error:
+            change = float(drift.step[best.names.index("ln_s")]) if "ln_s" in best.names else 0.0
+            yield (
+                f"drift: the depth drifts by {show(drift.last, 'speed', 3)} ± {show(drift.error, 'speed', 2)}, which "
+                f"would change the moduli by {change:+.2%}: --free drift fits it"
+            )
+    if not all(part.line.rows for part in best.model.stretches):
+        yield "no free rows: noise cannot be separated from misfit"
+    if best.spread.tau > RECORD_FLAGS_TUNING.dependent:
+        yield (
+            f"residuals are autocorrelated (effective sample size n/{best.spread.tau:.1f}), "
+            f"which widens the intervals by {math.sqrt(best.spread.tau):.1f}"
+        )
+
+
+def _on_adhesion(best: ForceCurveFit) -> Iterator[str]:
+    """What the fitted directions leave open about w."""
+    known = best.model.known
+    if len(best.model.stretches) == 1 and best.model.stretches[0].kind == APPROACH:
+        yield "approach alone: its w is w_approach; w, that of the retraction, stays empty"
+    if f"q:{RETRACT}" in known:
+        yield RESTS
+
+
+# --------------------------------------------------------------------------------------------------
+# Which curves are fitted as whole raw records, and which of their directions.
+
+
+@dataclass(frozen=True)
+class WholeRecordTuning:
+    """When a record is taken as a whole."""
+
+    placed: float = 0.3  # choice: scatter of positions over that of loads, both over their range, of a table
+
+
+WHOLE_RECORD_TUNING = WholeRecordTuning()
+
+PARAMETERS = frozenset({"modulus", "w", "delta0", "P0", *POSITIONS})  # of a whole record; others need prepared readings
+FREE = (-math.inf, math.inf)
+ZEROS = frozenset({"delta0", "P0", "compliance"})  # always fitted, or known by the stiffness of the device
+
+
+def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
+    """The record taken apart, where base line and contact are to be fitted together; None: the readings as they are.
+
+    By itself that is so for records of a device whose deflection is known, or of both directions with a base line each;
+    without a base line the zero of the load is that of the file.
+    """
+    prepared = settings.contact == "as-is"
+    only = [f"--base-line {settings.base_line}"] * (settings.base_line != "straight") + list(settings.positions)
+    only += [f"--model {settings.model}"] * (settings.model == AUTO)
+    required = settings.contact == "fitted" or bool(only)
+    if prepared or curve.a is not None or curve.delta is None or curve.P is None:
+        if required:
+            what = next(iter(only), "--contact fitted")
+            raise InputError(f"{what} is for raw records of displacement and load, with --contact fitted or auto")
+        return None
+    try:
+        record = examine(curve)
+    except InputError:
+        if required:
+            raise
+        return None
+    if not (required or _raw(record)):
+        if settings.contact != "auto" or not _as_read(record, settings):
+            return None
+        _refuse_wrong_way(record)
+        return record
+    idle = [name for name in settings.uncertain if name in CALIBRATED and curve.stiffness in (None, math.inf)]
+    if idle:
+        raise InputError(f"{curve.where}: --uncertain {idle[0]}: the record has no stiffness, so it has no effect here")
+    _refuse_wrong_way(record)
+    _check_positions(curve, settings)
+    return record
+
+
+def _refuse_wrong_way(record: ForceCurve) -> None:
+    """InputError where the displacement counts the other way round."""
+    if reason := record.flags.get("wrong way"):
+        if any(TURNED in flag for flag in record.curve.flags):  # --flip is of the sign in the file
+            reason = reason.replace("--flip delta", "its sign was turned when it was read: --factor delta=-1")
+        raise InputError(f"{record.curve.where}: {reason}")
+
+
+def _check_positions(curve: Curve, settings: Settings) -> None:
+    """InputError where an error of positions is to be fitted that the record, or another option, does not determine."""
+    for name in settings.positions:
+        if settings.segment not in (None, "both"):
+            raise InputError(f"{curve.where}: {name} needs approach and retraction together: leave --segment out")
+        if name in TIMED and (curve.t is None or not np.ptp(curve.t) > 0):
+            raise InputError(f"{curve.where}: {name} needs a column of time, there is none: leave {name} out")
+        if beyond_the_record(settings):
+            raise InputError(
+                f"{curve.where}: {name} is told by a whole record, which knows no range, stress, compliance, "
+                "layers' own parameters, --branch, --noise, --start and --bound: leave these or it out"
+            )
+
+
+def _raw(record: ForceCurve) -> bool:
+    """Whether it is an instrument's record, and no prepared readings: a base line is there, or no contact at all, and
+    the scatter is in the load."""
+    sides = [kind for kind in (APPROACH, RETRACT) if usable(record, kind)]
+    delta, P = record.curve.device, record.curve.P
+    assert P is not None
+    if third_differences(delta) * np.ptp(P) > WHOLE_RECORD_TUNING.placed * third_differences(P) * np.ptp(delta):
+        return False
+    if len(sides) > 1 or (sides and record.curve.stiffness is not None):
+        return True
+    return len(record.directions) > 1 and bool({"no contact", "no force curve"} & set(record.flags))
+
+
+def _as_read(record: ForceCurve, settings: Settings) -> bool:
+    """Whether a record without a base line is that of a device, on which an edge rests where it turns."""
+    return record.curve.stiffness is not None and bool(record.directions) and not beyond_the_record(settings)
+
+
+def beyond_the_record(settings: Settings) -> bool:
+    """Whether the settings have an option that the model of a whole record does not know."""
+    named = any(p.name not in PARAMETERS or p.value is not None for p in settings.free)
+    bound = any(p.name != "modulus" and (p.low, p.high) != FREE for p in settings.free)
+    fixed = any(p.name in ZEROS & settings.named and not p.free for p in settings.parameters)
+    return settings.range is not None or named or bound or fixed or settings.branch != "all" or bool(settings.noise)
+
+
+def usable(record: ForceCurve, kind: str) -> bool:
+    side = record.direction(kind)
+    if side is None or isinstance(side.touch, Unknown):
+        return False
+    return side.begins_free and side.base.rows >= FEWEST_ROWS
+
+
+def requested(settings: Settings) -> tuple[str, ...]:
+    """The requested directions."""
+    return (APPROACH, RETRACT) if settings.segment in (None, "both") else (str(settings.segment),)
+
+
+def directions_of(record: ForceCurve, settings: Settings) -> tuple[str, ...]:
+    """The directions to fit: those requested that can be fitted."""
+    wanted = requested(settings)
+    kinds = tuple(kind for kind in wanted if usable(record, kind))
+    if not kinds and settings.contact == "auto" and record.curve.stiffness is not None:
+        kinds = tuple(kind for kind in wanted if record.direction(kind) is not None)
+    if not kinds:
+        reasons = [f"{kind}: {reason_not(record, kind)}" for kind in wanted]
+        raise InputError(f"no direction can be fitted ({'; '.join(reasons)})")
+    return kinds
+
+
+def reason_not(record: ForceCurve, kind: str) -> str:
+    """Why a direction cannot be fitted."""
+    side = record.direction(kind)
+    if side is None:
+        return "not in the record"
+    return side.touch.reason if isinstance(side.touch, Unknown) else "it has no base line"
+
+
+# --------------------------------------------------------------------------------------------------
+# The fit of a raw record as the result that every fit gives: what the unknowns mean, intervals, columns.
+
+WORKS = {APPROACH: "w_approach", RETRACT: "w"}
+DIMENSIONS = {
+    "modulus": "number", "w": "work", "w_approach": "work", "delta0": "length", "P0": "load",
+    "tilt": "stiffness", "wave_period": "length", "wave_amplitude": "load", **OF_RIVALS,
+    **{name: dimension_of(name) for name in POSITIONS},
+}  # fmt: skip
+
+
+def contact_radii(best: ForceCurveFit) -> Array:
+    """Contact radius [m] of every row, 0 where it is free."""
+    values = best.model.values(best.x)
+    return np.concatenate([best.model.contact_radii(part, values)[0] for part in best.model.stretches])
+
+
+def outcome_of(best: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, float]:
+    """What the unknowns ``x`` mean, SI."""
+    values = best.model.values(x)
+    s = math.exp(values["ln_s"])
+    last = best.model.stretches[-1]
+    quantities = {"modulus": s}
+    for part in best.model.stretches:
+        quantities[WORKS[part.kind]] = values[f"q:{part.kind}"] * s
+    tilt = values[f"tilt:{last.kind}"]
+    P0 = values[f"offset:{last.kind}"] + tilt * (values["z0"] - last.z[0])
+    if last.wave is not None:
+        wave = Wave(math.exp(values["ln_period"]), last.wave.at, values[f"cos:{last.kind}"], values[f"sin:{last.kind}"])
+        P0 += float(wave(np.array(values["z0"])))
+    quantities |= {"delta0": values["z0"] - P0 / best.model.k, "P0": P0, "tilt": tilt}
+    quantities |= {name: values[name] for name in best.model.positions}
+    if last.wave is not None:
+        quantities |= {"wave_period": wave.period, "wave_amplitude": math.hypot(wave.cos, wave.sin)}
+    quantities |= best.model.further(values)
+    return quantities | body.moduli(s)
+
+
+def as_fit(
+    body: FittedBody, record: ForceCurve, curve: Curve, settings: Settings, best: ForceCurveFit, pool: Pool | None
+) -> Fit:
+    """The fit of a ``curve`` as every fit gives it; ``record``: without the waves of its base lines."""
+    values = outcome_of(best, best.x, body)
+    dof = max(best.off.size - best.x.size, 1)
+    t = t_quantile(settings.level, max(round(best.spread.dof / best.spread.tau), 1))
+    fixed = {item.name for item in settings.parameters if not item.free and item.name in settings.named}
+    intervals = _intervals(body, best, settings, values, fixed, t, pool)
+    carried = _carried(body, best, settings, values)
+    plain = (_resting(item, best, t) for item in intervals.estimates())
+    estimates = tuple(wider(item, {key: change[item.name] for key, change in carried.items()}, t) for item in plain)
+    if not best.ended:
+        estimates = tuple(replace(item, error=None, low=None, high=None) for item in estimates)
+    free = tuple(item.name for item in estimates if item.free and item.name != "E_star" and ":" not in item.name
+                 and (item.error is not None or item.name != WORKS[RETRACT]))  # fmt: skip
+    rows = np.concatenate([part.rows for part in best.model.stretches])
+    a, order = contact_radii(best), np.argsort(rows)
+    flags, quality = judgement(record, best, a)
+    flags = {**record.flags, **flags}
+    result = Fit(
+        name=curve.name,
+        file="" if curve.origin is None else str(curve.origin),
+        where=curve.where,
+        estimates=estimates,
+        free=free,
+        covariance=intervals.covariance_of(free) if best.ended else None,
+        samples=intervals.sampled(free),
+        data={"delta": curve.depth[rows[order]], "P": curve.load[rows[order]]},
+        rows=rows[order],
+        left_out=_left_out(record, rows.size),
+        a=a[order],
+        residuals=best.off[order][None] / best.sigma,
+        scales={"P": best.sigma},
+        scatter=1.0,
+        dof=dof,
+        structure=structure(best.off[a > 0]),
+        line=_line(best),
+        evaluations=best.least.steps,
+        settings=settings,
+        flags=tuple(flags),
+        quality=quality,
+        adhesion=_adhesion(record),
+        directions=_directions(record, best, settings),
+    )
+    named = (f"{name}: {sentence}" for name, sentence in flags.items())
+    at_bound = ["modulus"] * bool(np.isclose(values["modulus"], best.model.moduli, rtol=SAME).any())
+    more = warnings_of(result, body, body.family, at_bound)
+    return replace(result, warnings=(*named, *sentences(best, settings), *more))
+
+
+def _carried(
+    body: FittedBody, best: ForceCurveFit, settings: Settings, here: Mapping[str, float]
+) -> dict[str, dict[str, float]]:
+    """Changes of the outcome by the standard deviation of each uncertain input."""
+
+    def outcome(name: str, value: float) -> dict[str, float]:
+        if name in CALIBRATED:
+            moved, model = body, best.model.calibrated(value, name == "stiffness")
+        else:
+            moved = body.with_values({name: value})
+            model = replace(best.model, family=moved.family)
+        refitted = fit(model, best.at_loads(value if name in CALIBRATED else 1.0), near=True, loss=settings.loss)
+        return outcome_of(refitted, refitted.x, moved)
+
+    centres = {name: 1.0 if name in CALIBRATED else body.nominal(name) for name in settings.uncertain}
+    return {
+        name: changes_by(name, centres[name], sigma, here, partial(outcome, name))
+        for name, sigma in settings.uncertain.items()
+    }
+
+
+def _intervals(
+    body: FittedBody, best: ForceCurveFit, settings: Settings, here: Mapping[str, float], fixed: Container[str],
+    t: float, pool: Pool | None,
+) -> Intervals:  # fmt: skip
+    """What is known of the outcome ``here``, of which some are ``fixed``."""
+    quantities = [_quantity(name, best) for name in here]
+    fixed_values = {name: value for name, value in here.items() if name in fixed}
+
+    def meaning(x: Array) -> dict[str, float]:
+        outcome = outcome_of(best, x, body) | fixed_values
+        return {item.name: item.inner(outcome[item.name]) for item in quantities}
+
+    samples = None
+    if settings.confidence == "bootstrap" and best.ended:
+        cost = best.least.problem.converged
+        samples = bootstrap(best.least, partial(_renewed, best), cost, settings.samples, settings.seed, pool)
+    profiled = settings.confidence == "profile" and best.ended
+    return Intervals(best.least, quantities, meaning, best.covariance, t, settings.level, profiled, samples=samples)
+
+
+def _quantity(name: str, best: ForceCurveFit) -> Parameter:
+    """Moduli by their logs, w as it may come out below 0, an advancing one before a rest by its signed root."""
+    dimension, scale = DIMENSIONS.get(name, "modulus"), LINEAR
+    if name == "modulus" or dimension == "modulus":
+        scale = LOG
+    elif dimension == "work":
+        scale = ROOT if name == WORKS[APPROACH] and f"r:{APPROACH}" in best.names else LIMIT
+    return Parameter(name, True, scale=scale, quantity=dimension, follows=dimension == "modulus")
+
+
+def _resting(item: FittedValue, best: ForceCurveFit, t: float) -> FittedValue:
+    """The estimate; w of an edge that rests throughout is a lower bound: what its last row holds, less ``t`` of its
+    standard errors."""
+    if item.name != WORKS[RETRACT] or f"q:{RETRACT}" not in best.model.known:
+        return item
+    low = max(item.value - t * _error_of_held(best), 0.0)
+    return FittedValue(item.name, item.value, True, item.dimension, None, low)
+
+
+def _error_of_held(best: ForceCurveFit) -> float:
+    """The standard error of the w that the last row of an edge that rests throughout holds, by those of the others."""
+
+    def held(x: Array) -> float:
+        values = best.model.values(x)
+        return math.exp(values["ln_s"]) * (held_by_last_row(best.model, values) or 0.0)
+
+    steps = np.diag([best.error(name) for name in best.names])
+    rates = np.array([(held(best.x + step) - held(best.x - step)) / (2 * step.sum() or 1.0) for step in steps])
+    return math.sqrt(max(float(rates @ best.covariance @ rates), 0.0))
+
+
+def _renewed(best: ForceCurveFit, rng: np.random.Generator) -> Callable[[State], State]:
+    """Records that the model and the noise of the free rows may have made: residuals as they are, with other noise."""
+    rows = best.model.rows - best.model.rows.min()
+    noise = best.spread.noise.drawn(rng, int(rows.max()) + 1)[rows]
+    other = best.model.whitened(noise, best.weight) - best.least.state.residuals
+    return lambda state: state.moved(other)
+
+
+def _line(best: ForceCurveFit) -> dict[str, Array]:
+    """The fitted readings in one stroke, in by the first direction and out by the second: a, delta and P."""
+    model = np.concatenate([part.P for part in best.model.stretches]) + best.off
+    z = np.concatenate([part.z for part in best.model.stretches])
+    rows = np.arange(z.size)
+    first = best.model.stretches[0].z.size  # each direction goes from its far end inwards
+    order = np.concatenate([rows[:first], rows[first:][::-1]])
+    columns = {"a": contact_radii(best), "delta": z - model / best.model.k, "P": model}
+    return {name: values[order] for name, values in columns.items()}
+
+
+def _left_out(record: ForceCurve, used: int) -> tuple[str, ...]:
+    spikes = record.spikes.size
+    rest = len(record.curve) - used - spikes
+    return (
+        *[f"{rest} rows of other segments, next to the turning point or in jumps"] * (rest > 0),
+        *[f"{spikes} {'isolated outliers' if spikes > 1 else 'isolated outlier'}"] * (spikes > 0),
+    )
+
+
+def _directions(record: ForceCurve, best: ForceCurveFit, settings: Settings) -> str:
+    """Which directions were fitted, and why another one was not."""
+    kinds = [part.kind for part in best.model.stretches]
+    if len(kinds) > 1:
+        return f"{APPROACH} and {NAMES[RETRACT]}"
+    other = RETRACT if kinds[0] == APPROACH else APPROACH
+    why = f" ({NAMES[other]}: {reason_not(record, other)})" if settings.segment in (None, "both") else ""
+    return f"{NAMES[kinds[0]]} alone{why}"
+
+
+def _adhesion(record: ForceCurve) -> float | None:
+    """The adhesion force of the retraction [N]."""
+    side = record.direction(RETRACT)
+    return None if side is None else known(side.adhesion)
+
+
+@dataclass(frozen=True)
+class RecordTuning:
+    """When one modulus does not describe both directions, or the rows determine none."""
+
+    placed_rows: float = 0.05  # choice: of the loads' relative scatter, that of positions which have none
+    apart: float = 4.0  # choice: standard errors between the moduli of the two directions from which on they differ
+    undetermined: float = 1.0  # theory: of ln E*, a standard error with which 95 % span a factor of fifty
+    differs: float = 0.01  # choice: of a modulus, or of the way of a device in contact, a difference that is none
+
+
+TUNING = RecordTuning()
+
+
+def fit_record(
+    body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None, before: Neighbour | None = None
+) -> Fit:
+    """Modulus, w, contact point and base lines of a whole record; InputError where it holds no contact.
+
+    Where one modulus does not describe both directions, the retraction's answer with that of the approach beside it.
+    ``pool``: for the samples of its bootstrap; ``before``: the record from whose end its search begins.
+    """
+    before = before or Neighbour()
+    if (reason := record.flags.get("no contact")) is not None:
+        raise InputError(f"{record.curve.where}: no contact: {reason}")
+    curve = record.curve
+    record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
+    body = _with_known(body, settings)
+    kinds = directions_of(record, settings)
+
+    def of(*kinds: str) -> tuple[FittedBody, ForceCurveFit]:
+        return _fitted(body, _model(body, record, settings, waves, kinds), settings, before)
+
+    def result_of(body: FittedBody, best: ForceCurveFit) -> Fit:
+        return as_fit(body, record, curve, settings, best, pool)
+
+    whole, joint = of(*kinds)
+    if not joint.ended:
+        return result_of(whole, joint)
+    _refuse_undetermined(curve, joint)
+    before.last = joint
+    plain = judged(_of_directions(of, result_of, whole, joint), whole, joint)
+    if settings.model != AUTO:
+        return plain
+    fresh = _model(whole, record, settings, waves, kinds)
+    return by_rivals(plain, whole, joint, fresh, partial(result_of, whole))
+
+
+def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
+    """InputError where the rows determine no modulus."""
+    if "ln_s" not in joint.names or (error := joint.error("ln_s")) <= TUNING.undetermined:
+        return
+    times = f"{error:.2g}" if error < 1000 else "more than 1000"
+    other = "fit both directions, or " if len(joint.model.stretches) == 1 else ""
+    reason = f"the rows in contact do not tell it from w and the zero: {other}fix w (--fix w=...)"
+    model, part = joint.model, joint.model.stretches[-1]
+    values = model.values(joint.x)
+    reach = model.k * float(model.depth(part, values).max())
+    if math.isfinite(model.k) and float((part.P - base_line(part, values)[0]).max()) > (1 - TUNING.differs) * reach:
+        reason = (
+            f"beside a device of {show(model.k, 'stiffness')} the specimen is rigid: check --stiffness and the units"
+        )
+    raise InputError(f"{curve.where}: E* is not determined, its standard error is {times} times itself: {reason}")
+
+
+def _of_directions(
+    of: Callable[..., tuple[FittedBody, ForceCurveFit]], result_of: Callable[[FittedBody, ForceCurveFit], Fit],
+    whole: FittedBody, joint: ForceCurveFit,
+) -> Fit:  # fmt: skip
+    """The fit of both directions by one modulus, or each by its own where they differ."""
+    result = result_of(whole, joint)
+    if len(joint.model.stretches) < 2 or joint.model.positions or not _apart(joint):
+        return result  # one direction alone tells no error of positions
+    (_, into), (deeper, back) = of(APPROACH), of(RETRACT)
+    error = math.hypot(*(one.error("ln_s") * one.spread.excess for one in (into, back)))
+    if not differ(math.exp(into.value("ln_s")), math.exp(back.value("ln_s")), error):
+        return result
+    return beside(result_of(deeper, back), result_of(deeper, into), result)
+
+
+def whole_fit(body: FittedBody, record: ForceCurve, settings: Settings) -> ForceCurveFit:
+    """What leaves least of all directions of a record."""
+    record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
+    body = _with_known(body, settings)
+    return _fitted(body, _model(body, record, settings, waves, directions_of(record, settings)), settings)[1]
+
+
+def _with_known(body: FittedBody, settings: Settings) -> FittedBody:
+    """The body with the known values of its layers."""
+    return body.with_values({p.name: float(p.value) for p in settings.parameters if p.of_body and p.value is not None})
+
+
+def receding(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
+    """The rows of a raw record's last direction on which the edge of the contact moves, less the base line and from the
+    zero that fit best; a curve that is no raw record, or has no base line, as it is."""
+    record = whole_record(curve, settings)
+    if record is None or not any(usable(record, kind) for kind in requested(settings)):
+        return curve
+    _, best = _fitted(body, _model(body, record, settings, {}, directions_of(record, settings)), settings)
+    curve = _in_contact(best, curve, best.model.stretches[-1:], still=False)
+    return replace(curve, delta=curve.depth - curve.load / best.model.k)
+
+
+def _in_contact(best: ForceCurveFit, curve: Curve, parts: Sequence[DirectionReadings], still: bool = True) -> Curve:
+    """The rows in contact of some stretches, those on which the edge is ``still`` too, in order of recording: net load
+    over the position of the device from first touch."""
+    values, each = best.model.values(best.x), []
+    for part in parts:
+        a, rests = best.model.contact_radii(part, values)
+        chosen = (a > 0) & (still | ~rests)
+        depth, P = best.model.depth(part, values), part.P - base_line(part, values)[0]
+        each.append((part.rows[chosen], depth[chosen], P[chosen], np.full(np.count_nonzero(chosen), part.kind)))
+    rows, delta, P, words = (np.concatenate(columns) for columns in zip(*each, strict=True))
+    order = np.argsort(rows)
+    return replace(curve.rows(rows[order]), delta=delta[order], P=P[order], segment=words[order], stiffness=None)
+
+
+def reduced(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[Curve, Settings]:
+    """The rows of a raw record that are in contact, less the base lines and from the zero that fit best, for what its
+    model does not know, and the settings by which they are fitted: the device is a compliance that is known, positions
+    have no scatter, what the zeros err by is fitted again."""
+    usual = tuple(Parameter(name, True) for name in ("modulus", "w", "delta0"))
+    plain = replace(settings, parameters=usual, named=frozenset(), noise={}, branch="all", loss="linear")
+    best = whole_fit(body, record, plain)
+    curve = _in_contact(best, record.curve, best.model.stretches)
+    outcome = outcome_of(best, best.x, body)
+    chosen = {p.name: p for p in settings.parameters if p.name in settings.named}
+    fixed_zeros = {name for name in ("delta0", "P0") if name in chosen and not chosen[name].free}
+    shift = {name: outcome[name] if name in fixed_zeros else 0.0 for name in ("delta0", "P0")}
+    stiff = 0.0 if "compliance" in chosen else 1 / best.model.k
+    delta = curve.depth - (1 / best.model.k - stiff) * curve.load + shift["delta0"]
+    note = (
+        f"the rows in contact alone are fitted, less the base lines of the whole record and from its zero, delta0 = "
+        f"{show(outcome['delta0'], 'length', 5)} and P0 = {show(outcome['P0'], 'load', 5)}"
+    )
+    placed = TUNING.placed_rows * best.sigma * float(np.ptp(delta) / np.ptp(curve.load))
+    placed = max(placed, best.sigma * (1 / best.model.k - stiff))
+    fixed = {"compliance": Parameter("compliance", False, stiff)} | {"P0": Parameter("P0", True)}
+    parameters = tuple(fixed.get(p.name, p) if p.name not in chosen else p for p in settings.parameters)
+    curve = replace(curve, delta=delta, P=curve.load + shift["P0"], flags=(*curve.flags, note))
+    noise = {"delta": placed, "P": best.sigma} | dict(settings.noise)
+    return curve, replace(settings, parameters=parameters, noise=noise, contact="as-is", base_line="straight")
+
+
+def _fitted(
+    body: FittedBody, model: ForceCurveModel, settings: Settings, before: Neighbour | None = None
+) -> tuple[FittedBody, ForceCurveFit]:
+    """The model that fits best, and the body solved as far as it reaches."""
+    for part in model.stretches:
+        if part.z.size == 0:
+            raise InputError(f"the {part.kind} has no row to fit: contact ends where it begins, or its signs are wrong")
+        if np.ptp(part.z) == 0:
+            raise SolveError(f"the {part.kind} has {part.z.size} rows to fit, all at one piezo position")
+    body, best = _deep_enough(body, model), None
+    for _ in range(MOST_SOLVES):
+        model = replace(model, family=body.family)
+        near = None if before is None else before.start(model)
+        best = nearest(model, settings.loss, near) if best is None else _again(best, model, settings)
+        reach = contact_radii(best).max()
+        if not body.extensible or reach <= body.series.a[-1]:
+            break
+        body = body.to_radius(ROOM * float(reach))
+    assert best is not None
+    if np.count_nonzero(contact_radii(best)) <= len(best.names):
+        raise SolveError("the curve that fits best has next to no row in contact; --flip P, if compression is negative")
+    cut = windowed(best)
+    best = best if cut is best.model else _again(best, replace(cut, known=model.known), settings)
+    model = best.model
+    zero_works = {kind: 0.0 for part in model.stretches if _repels(best, kind := part.kind)}
+    return body, nearest(replace(model, works={**model.works, **zero_works}), settings.loss) if zero_works else best
+
+
+def _again(best: ForceCurveFit, model: ForceCurveModel, settings: Settings) -> ForceCurveFit:
+    """The fit of a ``model`` that differs a little from that of the ``best`` fit so far."""
+    return fit(model, best.unknowns(model), True, settings.loss)
+
+
+def _repels(best: ForceCurveFit, kind: str) -> bool:
+    """Whether w of a direction comes out below 0 by more than noise and misfit explain: another body, w = 0 is as near
+    as it can come."""
+    name = next((name for name in (f"q:{kind}", f"r:{kind}") if name in best.names), None)
+    return name is not None and best.value(name) < -RECORD_FLAGS_TUNING.sure * best.error(name) * best.spread.excess
+
+
+def _apart(best: ForceCurveFit) -> bool:
+    """Whether the data ask for another modulus on the way back than on the way in."""
+    if "ln_s" not in best.names:
+        return False
+    if best.sigma > SEARCH.enough * best.model.noise:
+        return True
+    other = another_modulus(best)
+    return differ(1.0, 1 + other.last, 0.0) and differ(1.0, 1 + other.last, other.error)
+
+
+def beside(back: Fit, into: Fit, both: Fit) -> Fit:
+    """The fit of the retraction with the estimates of the approach beside its own; ``both``: that of one modulus."""
+    one, other = back.estimate("E_star"), into.estimate("E_star")
+    name = "directions differ"
+    sentence = (
+        f"{name}: E* is {show(other.value, 'modulus', 4)} on approach and {show(one.value, 'modulus', 4)} on "
+        "retraction, one value does not fit both: the specimen relaxes or yields, or the device drifts"
+    )
+    work, drifts = into.estimate("w_approach"), [line for line in both.warnings if line.startswith("drift")]
+    quality = back.quality and {**back.quality, "quality": RECORD_FLAGS_TUNING.spoilt * back.quality["quality"]}
+    return replace(
+        back, estimates=(*back.estimates, replace(other, name="E_star_approach"), work), quality=quality,
+        flags=(*back.flags, name), warnings=(sentence, *drifts, *back.warnings),
+        directions=f"{NAMES[RETRACT]}, the approach beside it",
+    )  # fmt: skip
+
+
+def differ(into: float, back: float, error: float) -> bool:
+    """Whether the moduli of two directions exclude each other, by the ``error`` of their relative difference."""
+    return abs(back / into - 1) > max(TUNING.apart * error, TUNING.differs)
+
+
+def _model(
+    body: FittedBody, record: ForceCurve, settings: Settings, waves: Mapping[str, Wave], kinds: Sequence[str]
+) -> ForceCurveModel:
+    """The model of the directions ``kinds`` of a record, by the settings."""
+    curve, w, modulus = record.curve, settings.known("w"), settings.known("modulus")
+    parts = stretches(record, kinds, waves)
+    works = {} if w.free else {part.kind: float(w.value or 0.0) for part in parts if part is parts[-1] or not w.value}
+    known = {} if modulus.free else {"ln_s": math.log(modulus.value or 1.0)}
+    for part in (part for part in parts if not part.line.rows):
+        known |= {f"tilt:{part.kind}": 0.0} | ({} if settings.known("P0").free else {f"offset:{part.kind}": 0.0})
+    if settings.positions and len(parts) < 2:
+        which = settings.positions[0]
+        raise InputError(f"{curve.where}: {which} needs approach and retraction together, only one can be fitted")
+    errors = (settings.known(name) for name in settings.positions)
+    known |= {item.name: item.value for item in errors if item.value is not None}
+    k = math.inf if curve.stiffness is None else curve.stiffness
+    moduli = (modulus.low, modulus.high)
+    return ForceCurveModel(body.family, k, parts, known, works, moduli, settings.positions)
+
+
+def _deep_enough(body: FittedBody, model: ForceCurveModel) -> FittedBody:
+    """The body solved to the contact radius that a record can reach at most, as its tip moves no deeper."""
+    ways = ((part.z - part.P / model.k)[part.touching if part.jumped else slice(None)] for part in model.stretches)
+    return body.to_depth(max(float(np.ptp(way)) for way in ways))

@@ -1,0 +1,740 @@
+"""The modulus, a law of relaxation and the zero point from one record over time.
+
+What moved in straight pieces between corners, the device, its tip, or the load, is fitted with the rest. So its noise
+has its part in the intervals. Where a lever is between, the readings of tip and load share noise: they are weighed by
+their covariance.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+
+from ..adhesion import Nonadhesive, Program, RelaxingContact
+from ..base import (
+    FEWEST_ROWS,
+    MOST_STEPS,
+    ROWS,
+    SAME,
+    TINY,
+    Array,
+    InputError,
+    JkrError,
+    Ranged,
+    SolveError,
+    evenly,
+    ranges_of,
+    show,
+)
+from ..bodies import RELAXATIONS, Relaxation
+from ..data import Curve
+from .forward_model import FittedBody
+from .least_squares import TUNING as FITS
+from .least_squares import Followed, Intervals, Least, LeastSquares, State, by_differences
+from .parameters import MODULUS, Answer, Nameable, Parameter, Unknowns, check_law, parameters_of, word
+from .rows import third_differences
+
+# --------------------------------------------------------------------------------------------------
+# What a device did, from its readings: straight pieces between corners.
+
+
+@dataclass(frozen=True)
+class MotionTuning:
+    """Limits of the search for corners."""
+
+    # tuned on relaxing records, by `make constants`: corners, ends among them; of more no pieces are straight
+    most: int = 9
+    worth: float = 30.0  # theory: of the sum of squares over the noise's; chance gives 20 in one of 1e3 records of 1e4
+    tried: int = 64  # choice: rows of a piece where a corner is begun; it is then moved
+    straight: float = 1.1  # choice: scatter over the noise up to which no corner is missing
+
+
+MOTION_TUNING = MotionTuning()
+
+
+def noise_of(column: Array) -> float:
+    """Standard deviation of the readings of a column from row to row, not below what is the same."""
+    return max(third_differences(column), SAME * float(np.ptp(column)))
+
+
+def noise_about(off: Array, column: Array, taken: float, unit: float = 1.0) -> float:
+    """That of the readings of a column which are so many units ``off`` a model; unknowns have ``taken`` a share of
+    their squares."""
+    return max(math.sqrt(float(np.mean(off**2)) / (1 - taken)) * unit, SAME * float(np.ptp(column)))
+
+
+def check_over_time(curve: Curve, what: str) -> None:
+    """Refuse a curve that holds no readings over time, ``what`` needs them."""
+    if missing := [name for name in ("t", "delta", "P") if name not in curve.measured]:
+        raise InputError(f"{curve.where}: {what} needs t, delta and P, it lacks {', '.join(missing)}")
+
+
+def check_rising(where: str, t: Array, rows: Array) -> None:
+    """Refuse times that do not rise, by the numbers of their ``rows``."""
+    if (falls := np.flatnonzero(np.diff(t) <= 0)).size:
+        row = int(rows[falls[0] + 1]) + 1
+        raise InputError(f"{where}: time must rise from row to row, it does not in row {row}")
+
+
+def corners(t: Array, x: Array, noise: float) -> tuple[Array, Array]:
+    """The times and places of the corners, ends among them, of straight pieces that leave of ``x`` at rising times
+    ``t`` no more than ``noise``; as many as are worth it."""
+    knots, sums = [0, t.size - 1], _Sums.of(t, x)
+    while len(knots) < MOTION_TUNING.most:
+        rest = x - through(t, x, t[knots])[1]
+        if np.sqrt(np.mean(rest**2)) < MOTION_TUNING.straight * noise:
+            break
+        better = _settled(sums, sorted([*knots, _next(rest, knots)]))
+        if sums.left(knots) - sums.left(better) < MOTION_TUNING.worth * noise**2:
+            break
+        knots = better
+    times = _between_rows(t, x, knots)
+    return times, through(t, x, times)[0]
+
+
+def _between_rows(t: Array, x: Array, knots: list[int]) -> Array:
+    """The times of the corners; for two in rows one after the other that where the straight pieces before and behind
+    them meet, if they do so between these rows: a device turns there, and goes beyond both."""
+    times, places = t[knots], through(t, x, t[knots])[0]
+    slopes = np.diff(places) / np.diff(times)
+    for i in range(len(knots) - 3, 0, -1):
+        if knots[i + 1] == knots[i] + 1 and slopes[i - 1] != slopes[i + 1]:
+            ahead = (places[i + 1] - places[i] - slopes[i + 1] * (times[i + 1] - times[i])) / (
+                slopes[i - 1] - slopes[i + 1]
+            )
+            if 0 <= ahead <= times[i + 1] - times[i]:
+                times = np.concatenate([times[:i], [times[i] + ahead], times[i + 2 :]])
+                places = through(t, x, times)[0]
+                slopes = np.diff(places) / np.diff(times)
+    return times
+
+
+def through(t: Array, x: Array, knots: Array) -> tuple[Array, Array]:
+    """Places at the times ``knots`` by least squares, and the straight pieces through them at all times."""
+    hats = np.stack([np.interp(t, knots, row) for row in np.eye(knots.size)], axis=1)
+    places = np.linalg.lstsq(hats, x, rcond=None)[0]
+    return places, hats @ places
+
+
+@dataclass(frozen=True, eq=False)
+class _Sums:
+    """Sums of 1, t, t^2, x, t x and x^2 over the rows before each, ``upto`` (rows + 1, 6), of columns about their
+    means: what is left by any straight pieces follows from them."""
+
+    t: Array
+    upto: Array
+
+    @classmethod
+    def of(cls, t: Array, x: Array) -> _Sums:
+        t, x = (t - t.mean()) / np.ptp(t), x - x.mean()
+        rows = np.stack([np.ones_like(t), t, t**2, x, t * x, x**2], axis=1)
+        return cls(t, np.concatenate([np.zeros((1, 6)), np.cumsum(rows, axis=0)]))
+
+    def left(self, knots: list[int]) -> float:
+        """The least sum of squares about straight pieces between ``knots``."""
+        first, last = np.array(knots[:-1]), np.array(knots[1:])
+        a, h = self.t[first], self.t[last] - self.t[first]
+        last[-1] += 1
+        n, t, tt, x, tx, xx = (self.upto[last] - self.upto[first]).T
+        u, uu, ux = (t - n * a) / h, (tt - 2 * a * t + n * a**2) / h**2, (tx - a * x) / h  # of u = (t - a)/h
+        ends, both, right = np.zeros(len(knots)), u - uu, np.zeros(len(knots))
+        ends[:-1], right[:-1] = n - 2 * u + uu, x - ux
+        ends[1:] += uu
+        right[1:] += ux
+        matrix = np.diag(ends) + np.diag(both, 1) + np.diag(both, -1)
+        return float(np.sum(xx) - right @ np.linalg.solve(matrix, right))
+
+
+def _next(rest: Array, knots: list[int]) -> int:
+    """The row of a new corner: in the piece that leaves most, where a hat stands out most in what is left."""
+    squares = [float(np.sum(rest[a : b + 1] ** 2)) if b - a > 1 else -1.0 for a, b in itertools.pairwise(knots)]
+    a, b = knots[(i := int(np.argmax(squares)))], knots[i + 1]
+    tops, rows = (
+        np.unique(np.linspace(a + 1, b - 1, min(b - a - 1, MOTION_TUNING.tried)).astype(int)),
+        np.arange(a, b + 1),
+    )
+    sums = [abs(float(np.sum(rest[a : b + 1] * np.interp(rows, [a, top, b], [0, 1, 0])))) for top in tops]
+    return int(tops[int(np.argmax(sums))])
+
+
+def _settled(sums: _Sums, knots: list[int]) -> list[int]:
+    """The knots moved, one after the other, each to the row between its neighbours that leaves least, until none
+    moves."""
+    for _ in range(MOST_STEPS):
+        before = list(knots)
+        for i in range(1, len(knots) - 1):
+            width = max((knots[i + 1] - knots[i - 1]) // 8, 1)
+            while width:
+                tried = [k for k in (knots[i] - width, knots[i], knots[i] + width) if knots[i - 1] < k < knots[i + 1]]
+                best = min(tried, key=lambda k: sums.left([*knots[:i], k, *knots[i + 1 :]]))
+                width = width if best != knots[i] else width // 2
+                knots[i] = best
+        if knots == before:
+            break
+    return knots
+
+
+# --------------------------------------------------------------------------------------------------
+# Which rows of a record that relaxes are fitted: means of many, and none of a retraction that adheres.
+
+
+@dataclass(frozen=True)
+class RowsTuning:
+    """Limits on rows."""
+
+    most: int = 1_500  # choice: rows beyond which means of as few as possible are taken
+    apart: float = 5.0  # theory: standard deviations by which a load stands out, as that of a contact does
+    falls: float = 0.2  # choice: of the largest speed, at which a device goes back
+    before: int = 5  # choice: rows before contact that make a base line
+
+
+RELAXING_ROWS_TUNING = RowsTuning()
+
+
+def averaged(curve: Curve) -> Curve:
+    """Means of neighbouring rows, where there are very many."""
+    each = math.ceil(len(curve) / RELAXING_ROWS_TUNING.most)
+    if each == 1:
+        return curve
+    whole = slice(len(curve) // each * each)
+    means = {name: getattr(curve, name)[whole].reshape(-1, each).mean(axis=1) for name in ("t", "delta", "P")}
+    return replace(curve, a=None, segment=None, **means)
+
+
+def without_adhesion(curve: Curve) -> tuple[Curve, tuple[str, ...]]:
+    """The rows up to a retraction that pulls, and a flag on it, if any."""
+    t, x = corners(curve.time, curve.device, noise_of(curve.device))
+    slopes = np.diff(x) / np.diff(t)
+    back = np.logical_and.accumulate(slopes[::-1] < -RELAXING_ROWS_TUNING.falls * np.abs(slopes).max())
+    begin = float(t[-1 - int(back.sum())])
+    later = curve.time > begin
+    pulls = float(np.min(curve.load[~later]) - np.min(curve.load[later], initial=math.inf))
+    if pulls < RELAXING_ROWS_TUNING.apart * noise_of(curve.load) or later.all():
+        return curve, ()
+    flag = (
+        f"the retraction adheres, it pulls with {show(pulls, 'load')}: fitted without it, up to {show(begin, 'time')}"
+    )
+    return curve.rows(~later), (flag,)
+
+
+def base_line(P: Array, x: Array, noise: float) -> tuple[str, ...]:
+    """Which of "P0" and "tilt" the loads ``P`` before contact show, at places ``x``."""
+    if P.size < RELAXING_ROWS_TUNING.before:
+        return ()
+    shown = ["P0"] if abs(float(P.mean())) > RELAXING_ROWS_TUNING.apart * noise / math.sqrt(P.size) else []
+    about = x - x.mean()
+    tilt = float(about @ P) / math.sqrt(max(float(about @ about), TINY))
+    return (*shown, "tilt") if abs(tilt) > RELAXING_ROWS_TUNING.apart * noise else tuple(shown)
+
+
+def followed(t: Array, depth: Array) -> tuple[Array, Array]:
+    """A motion by some of its places, that goes in up to its deepest and then out."""
+    edges = np.unique(np.linspace(0, t.size, min(t.size, ROWS) + 1).astype(int))
+    t, x = (np.add.reduceat(column, edges[:-1]) / np.diff(edges) for column in (t, depth))
+    top = int(np.argmax(x))
+    x = np.concatenate([np.maximum.accumulate(x[: top + 1]), np.minimum.accumulate(x[top:])[1:]])
+    return t, x
+
+
+@dataclass(frozen=True)
+class RelaxationFitTuning:
+    """How the least sum of squares is sought, and when it is doubted."""
+
+    rows: int = 1_000  # choice: by which corners are sought
+    some: int = 80  # choice: by which starts are compared
+    times: tuple[float, ...] = (0.02, 0.06, 0.2, 0.6)  # choice: starts of a relaxation time, over the record's length
+    shares: tuple[float, ...] = (0.2, 0.6)  # choice: starts of the ratio
+    exponents: tuple[float, ...] = (0.05, 0.15, 0.4)  # choice: starts of an exponent
+    depths: tuple[float, ...] = (0.0, 0.3, 1.0)  # choice: starts of the depth at which contact shows, over ``unseen``
+    rises: float = 0.5  # theory: exponent of the depth over the load of a cone, the least of common tips
+    deeper: float = 1.5  # times the depth, to which a body is solved; choice: guard of a search
+    shown: float = 0.01  # choice: of the range of the load, that does too; a tilted base line does not
+    apart: float = 2.5  # theory: rows between two corners, within which no row shows when a step was
+    step: float = 1e-6  # theory: of the unknowns, for derivatives: the root of what the histories err by
+    converged: float = 1e-6  # theory: relative, of the sum of squares; a change of 1e-3 standard errors in 1e3 rows
+    coarser: int = 3  # choice: steps joined in the histories of a spring or a load, 1e-4 of the loads
+    grows: float = 0.02  # choice: of the depth, by which a contact may grow again: corners have the noise of readings
+
+
+TUNING = RelaxationFitTuning()
+MISFIT = "the law or the body is not what the record shows"
+RANGE = "the numbers leave the range of arithmetic"
+AS_READ = (
+    "neither device nor load moved at constant rates: the displacement of the tip is used as read, its noise is not "
+    "in the intervals"
+)
+FAILURES = (JkrError, FloatingPointError, OverflowError, ValueError)  # of a history far from any record
+ZEROS = {"delta0": Ranged("length"), "P0": Ranged("load"), "tilt": Ranged("stiffness")}  # added to what is read
+Control: TypeAlias = Literal["displacement", "tip", "load"]  # what is imposed
+WEIGHT, TIME = Ranged("number", above=0, most=1), Ranged("time", above=0)
+
+
+@dataclass(frozen=True)
+class RelaxationSettings:
+    """A request: the ``law`` by name, of ``terms`` where it is "prony", the names of the ``zeros`` that are free, the
+    ``fixed`` values, SI, the ``level`` of the intervals, and by what ``confidence`` they are computed."""
+
+    law: str
+    zeros: tuple[str, ...]
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    terms: int = 2
+    level: float = 0.95
+    confidence: Followed = "covariance"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The modulus, those of the law, and zeros."""
+        known = {**dict.fromkeys(ZEROS.keys() - set(self.zeros), 0.0), **self.fixed}
+        ranges = MODULUS | _of_law(self.law, self.terms) | ZEROS
+        return parameters_of(ranges, ranges.keys() - known.keys(), known)
+
+    def relaxation(self, values: Mapping[str, float]) -> Relaxation:
+        """The law with its parameters."""
+        parameters: dict[str, Any] = {name: values[name] for name in _of_law(self.law, self.terms)}
+        if self.law == "prony":
+            own = tuple(parameters.values())
+            parameters = {"weights": own[::2], "times": own[1::2]}
+        law: Relaxation = RELAXATIONS[self.law](**parameters)
+        return law
+
+
+def _of_law(law: str, terms: int) -> dict[str, Ranged]:
+    """The ranges of the parameters of a law."""
+    if law == "prony":
+        numbers = range(1, terms + 1)
+        return {f"{name}{i}": ranged for i in numbers for name, ranged in (("weight", WEIGHT), ("time", TIME))}
+    return ranges_of(RELAXATIONS[law])
+
+
+def relaxation_settings(
+    law: str, fix: Iterable[tuple[str, str]] = (), free: Iterable[str] = (), E_star: float = 1.0, **options: Any
+) -> RelaxationSettings:
+    """Settings from what a user types: free are the modulus, the law's parameters and delta0, but for what ``fix``
+    names, and what ``free`` adds (P0, and tilt of the base line [N/m]); of a power law, whose modulus is that at its
+    time, the time is fixed, 1 s by default. ``E_star`` of the body [Pa]."""
+    check_law(law, RELAXATIONS)
+    own = _of_law(law, options.get("terms", 2))
+    named = Nameable("--relaxation", MODULUS | own | ZEROS, E_star)
+    fixed = ({"time": 1.0} if law == "power" else {}) | named.known(fix)
+    wanted = ["delta0", *(named.own(name) for name in free if name != "relaxation")]
+    return RelaxationSettings(law, tuple(name for name in wanted if name in ZEROS), fixed, **options)
+
+
+@dataclass(frozen=True, eq=False)
+class TimedRecord:
+    """Readings over time: ``t`` [s], what was ``imposed`` by ``control`` (the position of the device or of its "tip"
+    [m], or the load [N]) and the ``response`` (the load, or the displacement); standard deviations of both from row to
+    row, ``noise``, and those by which they are weighed, ``sigma``: of the imposed, and of what is left of the response
+    less ``shared`` times the noise of the imposed (per row). ``read``: nothing moved in straight pieces; then the
+    displacement of the tip is imposed, as it was read. ``flags``: how rows were chosen."""
+
+    curve: Curve
+    t: Array
+    imposed: Array
+    response: Array
+    control: Control
+    stiffness: float
+    knots: tuple[Array, Array]
+    noise: tuple[float, float]
+    sigma: tuple[float, float | Array]
+    shared: float = 0.0
+    read: bool = False
+    flags: tuple[str, ...] = ()
+
+    @property
+    def loaded(self) -> bool:
+        return self.control == "load"
+
+    @cached_property
+    def _load(self) -> tuple[Array, float, float]:
+        """The load, by how much it stands out where contact shows, and its largest [N]."""
+        load, noise = (self.imposed, self.noise[0]) if self.loaded else (self.response, self.noise[1])
+        load = load - np.median(load[:3])
+        return load, max(RELAXING_ROWS_TUNING.apart * noise, TUNING.shown * float(np.ptp(load))), float(load.max())
+
+    @cached_property
+    def shows(self) -> int:
+        """The first row whose load shows contact."""
+        load, least, _ = self._load
+        return int(np.argmax(load > least))
+
+    @property
+    def unseen(self) -> float:
+        """How deep the tip may be before the load shows it [m]."""
+        load, _, most = self._load
+        share = min(max(float(load[self.shows]) / most, 0.0), 1 - TUNING.shown) ** TUNING.rises
+        return self._shown * share / (1 - share)
+
+    @property
+    def _shown(self) -> float:
+        """How much deeper it goes from there on [m]."""
+        depth = self.response if self.loaded else self.imposed
+        return float(depth[self.shows :].max() - depth[self.shows])
+
+    @property
+    def depth(self) -> float:
+        """How deep the tip may go [m]."""
+        return self._shown + self.unseen
+
+    @property
+    def by_tip(self) -> TimedRecord:
+        """The record by the displacement of its tip as it was read, where a spring is between: quickly followed."""
+        if not 0 < self.stiffness < math.inf or self.curve.delta is None:
+            return self
+        knots = followed(self.t, self.curve.delta)
+        return replace(self, imposed=self.curve.delta, stiffness=math.inf, read=True, knots=knots)
+
+    def thinned(self) -> TimedRecord:
+        """The record by a few of its rows."""
+        some = evenly(self.t.size, TUNING.some)
+        return replace(self, t=self.t[some], imposed=self.imposed[some], response=self.response[some])
+
+    def weighed(self, off: tuple[Array, Array]) -> tuple[Array, Array]:
+        """What readings are ``off`` a model, imposed and response, in standard deviations, independent of each
+        other."""
+        return off[0] / self.sigma[0], (off[1] - self.shared * off[0]) / self.sigma[1]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RelaxationFit(Answer):
+    """A fitted ``record``: the parameters and E* (instant, of a power law at its time; ``covariance``: of logs but for
+    zeros and shares), the model of what was ``imposed`` and of the ``response``, the ``scatter`` of the residuals over
+    the noise from row to row."""
+
+    relaxation: Relaxation
+    record: TimedRecord
+    imposed: Array
+    response: Array
+    scatter: float
+    settings: RelaxationSettings
+
+    @property
+    def doubts(self) -> list[str]:
+        """Why it is not to be believed as it stands, in a few words each."""
+        own = [self.estimate(name) for name in ("E_star", *self.free) if name != "modulus" and name not in ZEROS]
+        lost = [word(item.name) for item in own if item.error is None or item.low is item.high is None]
+        doubts = [f"{', '.join(lost)} not determined"] if lost else []
+        doubts += self.vague([item.name for item in own if word(item.name) not in lost])
+        return doubts + ([MISFIT] if self.scatter > FITS.misfit else [])
+
+
+def timed_record(curve: Curve) -> TimedRecord:
+    """The readings of ``curve`` over time; InputError where a column is missing."""
+    check_over_time(curve, "a fit of relaxation")
+    if len(curve) < FEWEST_ROWS:
+        raise InputError(f"{curve.where}: {len(curve)} rows, at least {FEWEST_ROWS} are needed")
+    check_rising(curve.where, curve.time, np.arange(len(curve)))
+    curve, flags = without_adhesion(averaged(curve))
+    t, load = curve.time, curve.load
+    moved = _straight(curve)
+    if moved is not None and moved[0] == "load" and np.ptp(moved[1][1]) < RELAXING_ROWS_TUNING.apart * noise_of(load):
+        raise InputError(
+            f"{curve.where}: no contact shows: the load stays within its noise, {show(noise_of(load), 'load')}"
+        )
+    control: Control
+    if moved is None:
+        control, knots, stiffness = "displacement", followed(t, curve.depth), math.inf
+        imposed, response = curve.depth, load
+        flags += (AS_READ,)
+    else:
+        control, knots = moved
+        imposed, response = (load, curve.device) if control == "load" else (_motions(curve)[control], load)
+        stiffness = 0.0 if control == "load" else _lever(curve) if control == "displacement" else math.inf
+    of_rows, shared = (noise_of(imposed), noise_of(response)), 0.0
+    if moved is not None and math.isfinite(_lever(curve)):  # where the load is a lever's, tip or device share its noise
+        both = [third_differences(imposed / of_rows[0] + sign * response / of_rows[1]) ** 2 for sign in (1, -1)]
+        shared = (both[0] - both[1]) / 4 * of_rows[1] / of_rows[0]
+    alone = max(of_rows[1] ** 2 - (shared * of_rows[0]) ** 2, (SAME * float(np.ptp(response))) ** 2)
+    sigma = of_rows[0], math.sqrt(alone)
+    return TimedRecord(
+        curve, t, imposed, response, control, stiffness, knots, of_rows, sigma, shared, moved is None, flags
+    )
+
+
+def _lever(curve: Curve) -> float:
+    """The stiffness of the device [N/m], infinite where none is between."""
+    return math.inf if curve.stiffness is None else float(curve.stiffness)
+
+
+def _motions(curve: Curve) -> dict[Control, Array]:
+    """What may have moved in straight pieces of a displacement: the device, and its tip where a lever is between."""
+    motions: dict[Control, Array] = {"displacement": curve.device}
+    return motions if math.isinf(_lever(curve)) else motions | {"tip": curve.depth}
+
+
+def _straight(curve: Curve) -> tuple[Control, tuple[Array, Array]] | None:
+    """What moved in the fewest straight pieces, and their corners; None: nothing did. Of device and tip with as many,
+    that which is nearer to its pieces: the noise of a lever's load is in the other; the load where neither has as
+    few."""
+    t, some = curve.time, evenly(len(curve), TUNING.rows)
+    found: dict[Control, tuple[Array, Array]] = {}
+    ranks: dict[Control, tuple[int, float]] = {}
+    for name, column in {**_motions(curve), "load": curve.load}.items():
+        found[name] = corners(t[some], column[some], noise_of(column))
+        off = float(np.std(column[some] - np.interp(t[some], *found[name])))
+        ranks[name] = found[name][0].size, math.inf if name == "load" else off
+    best = min(ranks, key=lambda name: ranks[name])
+    return None if ranks[best][0] >= MOTION_TUNING.most else (best, found[best])
+
+
+def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> RelaxationFit:
+    """The parameters that bring the history of ``body`` nearest to the record ``curve``; InputError where it does not
+    allow it, SolveError where no history is found; both name the curve."""
+    try:
+        with np.errstate(divide="raise", over="raise", invalid="raise"):
+            return _fit(body, curve, settings)
+    except SolveError as error:
+        raise SolveError(f"{curve.where}: {error}") from None
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        raise SolveError(f"{curve.where}: {RANGE} ({error}); are all sizes and units right?") from error
+
+
+def _fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> RelaxationFit:
+    if body.problem.indenter.material is not None or body.problem.sticks:
+        raise InputError("fit: --relaxation needs a rigid indenter and frictionless contact")
+    record = timed_record(curve)
+    settings = _with_base_line(record, settings)
+    body = body.to_depth(TUNING.deeper * record.depth)
+    problem = _Problem(body.nonadhesive, record, settings)
+    least = problem.minimise(problem.start())
+    problem = replace(problem, record=problem.reweighed(least))
+    fit = problem.result(problem.minimise(least.x), body.problem.E_star)
+    return replace(fit, warnings=(*fit.warnings, *_fewer(body, fit)))
+
+
+def _fewer(body: FittedBody, fit: RelaxationFit) -> Iterator[str]:
+    """A warning where a term less of a Prony series does as well, by the information criterion of Bayes."""
+    terms, rows = fit.settings.terms - 1, fit.record.t.size
+    if fit.settings.law != "prony" or terms == 0:
+        return
+    fewer = relaxation_fit(body, fit.record.curve, replace(fit.settings, terms=terms))
+    scores = [rows * math.log(np.sum((one.response - one.record.response) ** 2)) for one in (fit, fewer)]
+    rise = scores[0] - scores[1] + (len(fit.free) - len(fewer.free)) * math.log(rows)
+    if rise >= 0:
+        yield f"{terms} terms fit as well as {terms + 1} (BIC better by {rise:.2g}): take --terms {terms}"
+
+
+def _with_base_line(record: TimedRecord, settings: RelaxationSettings) -> RelaxationSettings:
+    """Free too, unless fixed, is what the loads before contact show of their base line."""
+    if record.loaded:
+        return settings
+    before = slice(0, record.shows // 2)  # contact begins before it shows
+    shown = base_line(record.response[before], record.imposed[before], record.noise[1])
+    return replace(settings, zeros=(*settings.zeros, *shown))
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """Residuals as a function of the unknowns: the free parameters, then places and times of the corners."""
+
+    body: Nonadhesive
+    record: TimedRecord
+    settings: RelaxationSettings
+
+    # ------------------------------------------------------------------ unknowns
+    @cached_property
+    def unknowns(self) -> Unknowns:
+        """Of the body and its zeros, which count in ranges of their columns."""
+        curve = self.record.curve
+        x, P = float(np.ptp(curve.device)), float(np.ptp(curve.load))
+        return Unknowns(self.settings.parameters, {"delta0": x, "P0": P, "tilt": P / x})
+
+    @cached_property
+    def moving(self) -> Array:
+        """Which corners may move in time: not the ends, and not those of a step between two rows."""
+        if self.record.read:
+            return np.array([], dtype=int)
+        gaps = np.diff(self.record.knots[0]) > TUNING.apart * float(np.median(np.diff(self.record.curve.time)))
+        return np.flatnonzero(np.concatenate([[False], gaps[:-1] & gaps[1:], [False]]))
+
+    def program(self, theta: Array) -> Program:
+        """What the device did, as it was read."""
+        n, (t, x) = len(self.unknowns.free), self.record.knots
+        if self.record.read:
+            return Program(t, x)
+        t = t.copy()
+        t[self.moving] += theta[n + x.size :] * (t[-1] - t[0])
+        return Program(t, theta[n : n + x.size] * float(np.ptp(x)))
+
+    # ------------------------------------------------------------------ the model
+    def model(self, theta: Array) -> tuple[Array, Array]:
+        """What is imposed and the response, at the rows, as readings."""
+        return self._readings(theta)[:2]
+
+    def _readings(self, theta: Array) -> tuple[Array, Array, Array]:
+        """The same, and which rows are in contact."""
+        values, record, program = self.unknowns.values(theta), self.record, self.program(theta)
+        zero, other = ("P0", "delta0") if record.loaded else ("delta0", "P0")
+        imposed = np.interp(record.t, program.t, program.x)
+        x, modulus = program.x - values[zero], values["modulus"]
+        contact = self._contact(self.settings.relaxation(values), record.stiffness / modulus)  # loads over the modulus
+        history = contact.history(Program(program.t, x / modulus if record.loaded else x))
+        a, delta, P = history.states(record.t)
+        response = delta if record.loaded else modulus * P
+        return imposed, response + values[other] + values["tilt"] * (imposed - imposed[0]), a > 0
+
+    def _contact(self, law: Relaxation, stiffness: float) -> RelaxingContact:
+        coarser = 1 if math.isinf(stiffness) else TUNING.coarser
+        return RelaxingContact(self.body, law, stiffness, coarser, TUNING.grows)
+
+    def residuals(self, theta: Array) -> Array:
+        """In standard deviations; as large as the readings where there is no such history."""
+        record = self.record
+        try:
+            imposed, response = self.model(theta)
+        except FAILURES:
+            imposed, response = record.imposed + np.ptp(record.imposed), record.response + np.ptp(record.response)
+        first, rest = record.weighed((imposed - record.imposed, response - record.response))
+        return rest if record.read else np.concatenate([first, rest])
+
+    def reweighed(self, least: Least) -> TimedRecord:
+        """The record with standard deviations as the readings scatter about the model: of the response those of the
+        rows in contact, whose noise is another than that of a free lever, and of all others apart."""
+        record, n = self.record, self.record.t.size
+        imposed, response, touches = self._readings(least.x)
+        off = imposed - record.imposed, response - record.response
+        left = 1 - np.sum(np.linalg.qr(least.state.jacobian)[0] ** 2, axis=1)  # of each square, by its leverage
+        shared = record.shared if record.shared == 0 else float(off[0] @ off[1]) / max(float(off[0] @ off[0]), TINY)
+        first = record.sigma[0] if record.read else _scatter(off[0], left[:n], record.imposed)
+        alone, second = off[1] - shared * off[0], np.empty(n)
+        parts = [touches, ~touches] if FEWEST_ROWS <= int(touches.sum()) <= n - FEWEST_ROWS else [np.full(n, True)]
+        for part in parts:
+            second[part] = _scatter(alone[part], left[-n:][part], record.response)
+        return replace(record, sigma=(first, second), shared=shared)
+
+    def minimise(self, start: Array) -> Least:
+        return LeastSquares(self.state, self._bounds(start), TUNING.converged).least(start)
+
+    def state(self, theta: Array) -> State:
+        """The residuals with their derivatives, backwards where an unknown is a share."""
+        shares = np.array([parameter.high < 1 for parameter in self.unknowns.free], dtype=bool)
+        steps = np.full(theta.size, TUNING.step)
+        steps[: len(shares)] *= np.where(shares & (theta[: len(shares)] > TUNING.step), -1.0, 1.0)
+        return by_differences(self.residuals, theta, steps)
+
+    def _bounds(self, start: Array) -> tuple[Array, Array]:
+        """Logs stay near their start, shares within 0 and 1, corners between their neighbours."""
+        low, high = self.unknowns.bounds(start, FITS.reach)
+        t, k = self.record.knots[0] / np.ptp(self.record.knots[0]), self.moving
+        first = start.size - k.size
+        low[first:], high[first:] = (t[k - 1] - t[k]) / 2, (t[k + 1] - t[k]) / 2
+        return low, high
+
+    # ------------------------------------------------------------------ where to begin
+    def start(self) -> Array:
+        """The best of some values, the modulus by the loads in proportion."""
+        tip, candidates, reason = replace(self, record=self.record.by_tip), [], ""
+        thin = replace(tip, record=tip.record.thinned())
+        for values in tip._tried():  # of all rows: a quick press may lie between a few
+            try:
+                theta = thin._from_loads(values)
+            except FAILURES as error:
+                reason = f" ({error})"
+                continue
+            candidates.append((float(np.sum(thin.residuals(theta) ** 2)), theta[: len(self.unknowns.free)], values))
+        if not candidates:
+            raise InputError(
+                f"{self.record.curve.where}: no history of this body resembles the record{reason}: it must press, "
+                "wait and retract once; check the units and the tip's radius, or fix delta0"
+            )
+        _, own, values = min(candidates, key=lambda item: item[0])
+        return np.append(own, self._from(values)[own.size :])
+
+    def _tried(self) -> list[dict[str, float]]:
+        """Values of the parameters to begin with, those that are fixed among them."""
+        duration, fixed = float(np.ptp(self.record.t)), self.unknowns.fixed
+        n, times = self.settings.terms, [time * duration for time in TUNING.times]
+        if self.settings.law == "power":
+            laws = [{"exponent": x} for x in TUNING.exponents]
+        elif self.settings.law == "prony":
+            spans = {f"time{i + 1}": 8.0 ** (i - (n - 1)) for i in range(n)}
+            weights = {f"weight{i + 1}": 0.6 / n for i in range(n)}
+            laws = [{name: time * span for name, span in spans.items()} | weights for time in times]
+        else:
+            laws = [{"ratio": r, "time": time} for r in TUNING.shares for time in times]
+        own = {parameter.name: 1.0 for parameter in self.settings.parameters if parameter.name not in ZEROS}
+        base = 0.0 if self.record.loaded else float(np.median(self.record.response[:3]))
+        zeros = [{"delta0": zero, "P0": base, "tilt": 0.0} for zero in self._zeros()]
+        return [own | law | zero | fixed for law in laws for zero in zeros]
+
+    def _zeros(self) -> list[float]:
+        """Displacements at which contact may begin."""
+        record = self.record
+        if record.loaded:
+            return [float(record.response[max(record.shows - 1, 0)])]
+        return [float(record.imposed[record.shows]) - share * record.unseen for share in TUNING.depths]
+
+    def _from(self, values: Mapping[str, float]) -> Array:
+        x = self.record.knots[1] if not self.record.read else np.array([])
+        places = x / np.ptp(self.record.knots[1])
+        return np.concatenate([self.unknowns.at(values), places, np.zeros(self.moving.size)])
+
+    def _from_loads(self, values: Mapping[str, float]) -> Array:
+        """The same with the modulus that brings the loads nearest; of a load, the depth where it is largest."""
+        theta, record = self._from(values), self.record
+        if "modulus" in self.unknowns.fixed:
+            return theta
+        if record.loaded:
+            modulus = self._creep_modulus(values)
+        else:
+            response, rest = self.model(theta)[1] - values["P0"], record.response - values["P0"]
+            modulus = max(float(np.sum(response * rest) / np.sum(response**2)), 1e-12)
+        theta[self.unknowns.names.index("modulus")] = math.log(modulus)
+        return theta
+
+    def _creep_modulus(self, values: Mapping[str, float]) -> float:
+        """The modulus with which the largest load would make the depth that was read then."""
+        record, law = self.record, self.settings.relaxation(values)
+        row, depths = int(np.argmax(record.imposed)), self._contact(law, math.inf).depths
+        depth = min(max(float(record.response[row]) - values["delta0"], depths.most * SAME), depths.most)
+        lasting = float(np.ptp(record.t))
+        left = float(law.modes(lasting)(max(record.t[row] - record.t[0], SAME * lasting)))
+        return float(record.imposed[row]) / (float(depths.loads(np.array([depth]))[0]) * left)
+
+    # ------------------------------------------------------------------ the answer
+    def result(self, least: Least, E_star: float) -> RelaxationFit:
+        settings, record, unknowns = self.settings, self.record, self.unknowns
+        intervals = Intervals.of(unknowns, least, settings.level, settings.confidence, E_star, 1.0)
+        imposed, response = self.model(least.x)
+        squares = np.sum(((response - record.response) / record.noise[1]) ** 2)
+        fit = RelaxationFit(
+            estimates=intervals.estimates(), free=unknowns.names, dof=least.dof,
+            covariance=unknowns.covariance(intervals.covariance),
+            relaxation=settings.relaxation(unknowns.values(least.x)), record=record,
+            imposed=imposed, response=response, settings=settings,
+            scatter=math.sqrt(float(squares) / max(record.t.size - len(unknowns.free), 1)),
+        )  # fmt: skip
+        return replace(fit, warnings=tuple(_warnings(fit, self.program(least.x))))
+
+
+def _scatter(off: Array, left: Array, column: Array) -> float:
+    """The standard deviation of the readings of a ``column`` that are ``off`` a model, of whose squares so much is
+    ``left``."""
+    return max(math.sqrt(float(off @ off) / float(left.sum())), SAME * float(np.ptp(column)))
+
+
+def _warnings(fit: RelaxationFit, program: Program) -> list[str]:
+    """Warnings, each with its number."""
+    lines = list(fit.record.flags)
+    if fit.covariance is None:
+        lines.append(f"the record does not determine {', '.join(fit.free)} together: fix one of them, such as delta0")
+    lines += fit.vague([name for name in fit.free if name not in ZEROS])
+    times = [item.value for item in fit.estimates if item.name.startswith("time")]
+    rises = np.diff(program.t)[np.diff(program.x) > 0]
+    if fit.settings.law != "power" and rises.size and rises[0] > min(times):
+        lines.append(
+            f"the first rise lasts {show(float(rises[0]), 'time')}, {float(rises[0]) / min(times):.2g} times the "
+            "shortest relaxation time: the instant modulus is extrapolated; press faster"
+        )
+    if fit.scatter > FITS.misfit:
+        lines.append(
+            f"the readings scatter {fit.scatter:.2g} times as far about the model as from row to row: {MISFIT}; "
+            "intervals are too narrow"
+        )
+    return lines

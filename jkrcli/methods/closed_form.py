@@ -1,0 +1,188 @@
+"""The method ``closed-form``: bodies whose solution is a formula, within the range where the formula holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from .. import formulas as thin_layer
+from ..base import PATIENCE, SAME, Array, InputError, Refusal, SolveError, StageClock, show
+from ..bodies import Elastic, Layer, Loading, Paraboloid, Problem, Rigid, Sphere, unbounded
+from ..series import COLUMNS, ErrorBudget, Series, Solution
+from .layered.solver import Layered
+from .protocol import Forecast, without_coating, without_tension
+from .radii import ROUGH, Search
+
+
+@dataclass(frozen=True)
+class ClosedFormTuning:
+    """Accuracies, relative."""
+
+    round_off: float = 1e-14  # theory: 45 times the machine epsilon, for the dozen operations of a formula
+    worst: float = 0.05  # choice: largest error at which the leading order of a thin layer is still offered
+
+
+TUNING = ClosedFormTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class Formula:
+    """``columns``: radii [m] -> delta_H [m], P_H [N], S [N/m], S' [N/m^2]; ``error``: relative."""
+
+    name: str
+    columns: Callable[[Array], tuple[Array, Array, Array, Array]]
+    error: float = TUNING.round_off
+
+
+@dataclass(frozen=True)
+class ClosedForm:
+    """Formulae for the homogeneous half-space and for one thin layer, within their validity.
+
+    Half-space under any indenter that has a closed form (sphere, paraboloid, power law, rounded flat): exact to
+    round-off. One thin layer under a sphere or paraboloid, leading order for a/h -> infinity: where it errs by less
+    than 5 % at all requested radii, checked against the exact layer solution, never assumed.
+    """
+
+    name: ClassVar[str] = "closed-form"
+
+    def refusal(self, problem: Problem) -> str | None:
+        try:
+            _formula(problem)
+        except Refusal as refusal:
+            return "; ".join(refusal.lines)
+        return None
+
+    def forecast(self, problem: Problem) -> Forecast:
+        formula = _formula(problem)
+        return Forecast(1e-3, 1.0, formula.error, formula.name)
+
+    def __call__(self, problem: Problem) -> Solution:
+        formula, clock = _formula(problem), StageClock()
+        with clock("solve"):
+            indenter = problem.indenter
+            a = _radii(problem, formula)
+            columns = formula.columns(a)
+            S0 = float(formula.columns(np.array([indenter.a0]))[2][0])
+            errors = {name: formula.error * values for name, values in zip(COLUMNS, (0 * a, *columns), strict=True)}
+            series = Series(a, *columns, errors=errors, a0=indenter.a0, S0=S0)
+        budget = ErrorBudget(discretisation=formula.error, truncation=0.0, radius=0.0)
+        return Solution(problem, series, budget, self.name, facts={"solution": formula.name}, timings=clock.seconds)
+
+
+def _radii(problem: Problem, formula: Formula) -> Array:
+    def responses(quantity: str, accuracy: float) -> Callable[[Array], Array]:
+        return lambda a: formula.columns(a)[{"depth": 0, "load": 1}[quantity]]
+
+    return Search(problem.loading, problem.indenter, problem.E_star, responses, (ROUGH, TUNING.round_off)).radii
+
+
+def _formula(problem: Problem) -> Formula:
+    """The formula for this body; Refusal where there is none, with what to use instead."""
+    if reason := without_tension(problem) or without_coating(problem):
+        raise Refusal(reason)
+    if problem.sticks and not _slides_all_the_same(problem):
+        other = "layered" if problem.specimen.radius is None else "fem"
+        raise Refusal(f"no formula is known for no slip: use method {other}")
+    if problem.specimen.is_half_space:
+        return _half_space(problem)
+    match problem.specimen.layers, problem.specimen.base, problem.specimen.radius:
+        case (Layer(material=Elastic()) as layer,), Rigid() as base, None:
+            return _thin_layer(problem, layer, base)
+    other = "layered" if problem.specimen.radius is None else "hybrid"
+    raise Refusal(f"solves homogeneous half-spaces and thin single isotropic layers only: use method {other} (or fem)")
+
+
+def _slides_all_the_same(problem: Problem) -> bool:
+    """Whether sticking changes nothing: an incompressible half-space under a rigid or incompressible indenter."""
+    indenter = problem.indenter.material
+    incompressible = problem.specimen.materials[0].surface.nu == 0.5 and (
+        indenter is None or indenter.surface.nu == 0.5
+    )
+    return problem.specimen.is_half_space and incompressible
+
+
+def _half_space(problem: Problem) -> Formula:
+    E_star, indenter = problem.E_star, problem.indenter
+    if indenter.half_space(np.array([indenter.a0]), 1.0) is None:
+        raise Refusal(f"there is no closed form for a {indenter.noun}: use method layered")
+
+    def columns(a: Array) -> tuple[Array, Array, Array, Array]:
+        pair = indenter.half_space(a, E_star)
+        assert pair is not None
+        return *pair, 2 * E_star * a, np.full_like(a, 2 * E_star)
+
+    return Formula("half-space", columns)
+
+
+def _thin_layer(problem: Problem, layer: Layer, base: Rigid) -> Formula:
+    """The leading order for a/h -> infinity, where the exact layer solution confirms it at the requested radii."""
+    indenter = problem.indenter
+    if not isinstance(indenter, Paraboloid | Sphere) or indenter.material is not None:
+        raise Refusal("the thin-layer formulae are for a rigid sphere or paraboloid: use method layered")
+    formula = _leading_order(indenter.R, layer, base)
+    try:
+        radii = _radii(problem, formula)
+        error = _leading_order_error(problem, formula, radii[[0, -1]] if radii.size > 1 else radii)
+    except (InputError, SolveError) as reason:
+        raise Refusal(f"the thin-layer formula could not be checked: {reason}") from None
+    if error > TUNING.worst:
+        first, last = radii[[0, -1]] / layer.thickness
+        raise Refusal(
+            f"the thin-layer formula {_off(error)} between a/h = {first:.3g} and {last:.3g}, more than "
+            f"{TUNING.worst:.0%}: use method layered"
+        )
+    return replace(formula, error=error)
+
+
+def _off(error: float) -> str:
+    """A relative error in words, of a formula that gives too much where it is large."""
+    return f"errs by {100 * error:.2g} %" if error < 1 else f"gives up to {1 + error:.2g} times the exact values"
+
+
+def _leading_order(R: float, layer: Layer, base: Rigid) -> Formula:
+    material, h = layer.material, layer.thickness
+    assert isinstance(material, Elastic)
+    if base.bonded and material.nu == 0.5:
+        G = material.G
+
+        def squeezed(a: Array) -> tuple[Array, Array, Array, Array]:
+            return *thin_layer.thin_incompressible_layer(a, G, h, R), *thin_layer.thin_incompressible_slopes(a, G, h)
+
+        return Formula("thin incompressible layer, leading order", squeezed)
+    K = thin_layer.foundation_modulus(material.E, material.nu, h) if base.bonded else material.E_star / h
+
+    def winkler(a: Array) -> tuple[Array, Array, Array, Array]:
+        return *thin_layer.thin_layer(a, K, R), *thin_layer.thin_layer_slopes(a, K)
+
+    return Formula("thin compressible layer, leading order (Eq. 20)", winkler)
+
+
+def _long(layered: Layered, problem: Problem) -> str | None:
+    """Why the exact solution is no quick matter, None where it is."""
+    try:
+        seconds = layered.forecast(problem).seconds
+    except Refusal as error:
+        return f"is refused ({error})"
+    return f"would take about {seconds:.2g} s" if seconds > PATIENCE else None
+
+
+def _leading_order_error(problem: Problem, formula: Formula, radii: Array) -> float:
+    """Largest relative difference of delta, P, S and S' to the exact layer solution at the increasing ``radii``, where
+    that is no quick matter at the largest one below; SolveError where there is none."""
+    layered, wide, worst = Layered(SAME), unbounded(problem), 0.0
+    for a in radii.tolist():
+        while (reason := _long(layered, exactly := replace(wide, loading=Loading.given("radius", (a,))))) is not None:
+            if worst > TUNING.worst:
+                return worst
+            if a <= 2 * radii[0]:
+                break
+            a /= 2  # beyond, the error is smaller: it falls as h/a
+        if reason is not None:
+            raise SolveError(f"the exact layer at a = {show(a, 'length')} {reason}")
+        exact = layered(exactly).series
+        pairs = zip(formula.columns(np.array([a])), (exact.delta, exact.P, exact.S, exact.dS), strict=True)
+        worst = max(worst, *(float(np.abs(ours / theirs - 1)[0]) for ours, theirs in pairs if theirs is not None))
+    return worst

@@ -1,1 +1,0 @@
-"""The method ``closed-form``: bodies whose solution is a formula."""

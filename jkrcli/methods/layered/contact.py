@@ -1,0 +1,385 @@
+"""One indenter on one layered specimen: nonadhesive contact at any radii, with as many nodes as an accuracy needs."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache, cached_property, lru_cache
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ...base import NO_CLAIM, Array, EvenCubic, Refusal, SolveError
+from ...bodies import Indenter, Solid, Specimen, contact_modulus
+from .. import integral
+from ..integral import Panels, crowded_rule, rule, to_legendre
+from .spectrum import LayeredSpectrum
+
+# --------------------------------------------------------------------------------------------------
+# Product integration of the kernel's logarithmic part on composite Gauss panels.
+#
+# The symmetrised Nystrom matrix of ``equation`` is Galerkin's with the polynomials l_i of each panel that are 1 at
+# one Gauss node and 0 at the others, as long as Gauss quadrature may stand for the integrals. Where the kernel tau(|x
+# - t|) has a logarithm at x = t it may not: here the entries are the integrals themselves,
+#
+#     K_ij = 1/(w_i w_j) int int l_i(x) (tau(|x - t|) + tau(x + t))/2 l_j(t) dx dt,
+#
+# so that the matrix stays symmetric, positive definite and nested. On one panel the difference s = x - t has a
+# polynomial weight and only int tau(s) s^n ds are needed; close panels use quadrature points that crowd at the ends
+# that face each other; tau(x + t) is the difference to a mirrored panel.
+
+Transform = Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class ProductTuning:
+    """Points of the integrals on panels that lie close to each other."""
+
+    close: float = 2.0  # widths of the wider one, within which panels do; tuned on graded layers, by `make tuning`
+    # points along each of two panels, for each node of one: the polynomials of the nodes in a root of three
+    crowded: float = 3.0  # tuned on graded layers, by `make tuning`
+    least: int = 14  # of those points; tuned on graded layers, by `make tuning`
+    per_decade: int = 250  # knots of the spline of tau, good to 1e-9; tuned on graded layers, by `make tuning`
+
+
+PRODUCT_TUNING = ProductTuning()
+
+
+def _points(order: int) -> int:
+    """Points along a panel of ``order`` nodes."""
+    return max(PRODUCT_TUNING.least, math.ceil(PRODUCT_TUNING.crowded * order))
+
+
+def product_matrix(transform: Transform, panels: Panels) -> Array:
+    """Matrix of K at all nodes and, in its last columns and rows, at the radii (of those only the nodes inside count).
+
+    ``transform``: tau(s) [1/m] for s > 0, at most a logarithm at 0; entries [1/m], shape (nodes + radii, nodes +
+    radii). The block of the radii among themselves is left at zero.
+    """
+    n = panels.x.size
+    transform = _tabulated(transform, panels)
+    total = np.zeros((n + panels.radii.size, n + panels.radii.size))
+    total[:n, :n] = (_entries(transform, panels, False) + _entries(transform, panels, True)) / 2
+    total[:n, n:] = (_columns(transform, panels, False) + _columns(transform, panels, True)) / 2
+    total[n:, :n] = total[:n, n:].T
+    return total
+
+
+def _tabulated(transform: Transform, panels: Panels) -> Transform:
+    """A spline over ln(s) in place of tau, several times as fast and good to 1e-9."""
+    from scipy.interpolate import CubicSpline
+
+    smallest = float(np.diff(panels.edges).min()) * crowded_rule(2 * _points(panels.order), 3)[0][0]
+    ln_s = logarithms(smallest, 2 * float(panels.edges[-1]))
+    spline = EvenCubic(ln_s[0], ln_s[1] - ln_s[0], CubicSpline(ln_s, transform(np.exp(ln_s))).c)
+    return lambda s: spline(np.log(s))
+
+
+def logarithms(smallest: float, largest: float) -> Array:
+    """Evenly spaced knots ln(s) with which a spline of tau is good to 1e-9."""
+    ends = math.log(smallest), math.log(largest)
+    return np.linspace(*ends, math.ceil(PRODUCT_TUNING.per_decade * (ends[1] - ends[0]) / math.log(10)))
+
+
+def _entries(transform: Transform, panels: Panels, mirrored: bool) -> Array:
+    """Block of the nodes: the part of x - t or, ``mirrored``, of x + t."""
+    order, count = panels.order, panels.edges.size - 1
+    lo, width = panels.edges[:-1], np.diff(panels.edges)
+    # tau of all distances between the nodes, zero where there is none.
+    i, j = np.tril_indices(panels.x.size, 0 if mirrored else -1)
+    values = np.zeros((panels.x.size, panels.x.size))
+    values[i, j] = values[j, i] = transform(panels.x[i] + panels.x[j] if mirrored else panels.x[i] - panels.x[j])
+    plain = values.reshape(count, order, count, order)
+    gaps = lo[:, None] + lo if mirrored else lo[:, None] - panels.edges[1:]
+    right, left = np.nonzero(
+        np.tril(gaps < PRODUCT_TUNING.close * np.maximum(width[:, None], width), 0 if mirrored else -1)
+    )
+    points = _points(order)
+    project = _projection(order, points)
+    facing = project if mirrored else project[:, ::-1]
+    u = crowded_rule(points, 3)[0]
+    gap = np.maximum(gaps[right, left], 0.0)[:, None, None]
+    values = transform(gap + width[right][:, None, None] * u[:, None] + width[left][:, None, None] * u)
+    blocks = np.einsum("bqr,qi,rj->bij", values, project, facing, optimize=True)
+    plain[right, :, left, :] = blocks
+    plain[left, :, right, :] = blocks.transpose(0, 2, 1)
+    if not mirrored:
+        each = np.arange(count)
+        s, weights = _alone(order, 2 * points)
+        plain[each, :, each, :] = np.tensordot(transform(width[:, None] * s), weights, 1)
+    return plain.reshape(panels.x.size, -1)
+
+
+def _columns(transform: Transform, panels: Panels, mirrored: bool) -> Array:
+    """Columns of the radii a at the nodes t inside each: the part of a - t or, ``mirrored``, of a + t."""
+    order, count = panels.order, panels.edges.size - 1
+    lo, width = panels.edges[:-1], np.diff(panels.edges)
+    distance = panels.x[:, None] + panels.radii if mirrored else np.abs(panels.x[:, None] - panels.radii)
+    plain = transform(distance).reshape(count, order, -1)
+    gaps = (lo if mirrored else -panels.edges[1:])[:, None] + panels.radii
+    inside = panels.edges[1:, None] <= panels.radii
+    panel, radius = np.nonzero(inside & (gaps < PRODUCT_TUNING.close * width[:, None]))
+    points = _points(order)
+    project = _projection(order, points)
+    values = transform(gaps[panel, radius][:, None] + width[panel][:, None] * crowded_rule(points, 3)[0])
+    plain[panel, :, radius] = values @ (project if mirrored else project[:, ::-1])
+    return plain.reshape(panels.x.size, -1)
+
+
+@cache
+def _projection(order: int, points: int) -> Array:
+    """(1/w_i) int l_i f = sum over the crowded nodes q of f_q times this (q, i)."""
+    u, v = crowded_rule(points, 3)
+    return v[:, None] * lagrange(order, u) / (rule(order)[1] / 2)
+
+
+@cache
+def _alone(order: int, points: int) -> tuple[Array, Array]:
+    """Nodes s and weights (s, i, j) of int tau(s) sum over x - t = +s and -s of l_i(x) l_j(t), over w_i w_j."""
+    s, v = crowded_rule(points, 3)
+    nodes, w = rule(order)
+    inside = np.outer(1 - s, (nodes + 1) / 2)
+    first, second = lagrange(order, inside), lagrange(order, inside + s[:, None])
+    overlap = np.einsum("q,s,sqi,sqj->sij", w / 2, v * (1 - s), first, second, optimize=True)
+    return s, (overlap + overlap.transpose(0, 2, 1)) / np.outer(w / 2, w / 2)
+
+
+def lagrange(order: int, u: Array) -> Array:
+    """l_i(u) on [0, 1] for the Gauss nodes, last axis i."""
+    return np.polynomial.legendre.legvander(2 * u - 1, order - 1) @ to_legendre(order).T
+
+
+@dataclass(frozen=True)
+class LayeredTuning:
+    """How a result is refined and checked, and what is refused."""
+
+    # The quadrature is planned for this much less than the tolerance:
+    margin: float = 8.0  # tuned on random bodies, by `make failures`
+    refinements: int = 4  # at most; choice: each takes about twice the time
+    checks: int = 12  # radii of the second quadrature, spread over all; tuned on random bodies, by `make failures`
+    graded: int = 20  # under a modulus that varies over depth; tuned on graded layers, by `make failures`
+    gaps: int = 6  # more of them, after the widest gaps; tuned on random bodies, by `make failures`
+    firsts: int = 4  # and first ones of groups; tuned on random bodies, by `make failures`
+    safety: float = 4.0  # on the difference of the two quadratures; tuned on random bodies, by `make failures`
+    # radii on each side of one, from which its error is: differences go through zero
+    about: int = 2  # tuned on graded layers, by `make failures`
+    # of the largest difference of its column, and of its radius, which is stated where less is seen:
+    share: float = 0.01  # tuned on graded layers, by `make failures`
+    most_nodes: int = 4000  # choice: a matrix of 128 MB
+    most_flops: float = 4e11  # choice: minutes
+    group: int = 16  # least radii that are solved together; tuned on series of 100 to 10,000 points, by `make guards`
+    per_group: float = 2e7  # operations in place of what each group costs beside; tuned on the same, by `make guards`
+    narrower: float = 8.0  # panels per length over which a graded modulus changes; choice: some 1e-5 of the load
+    # operations per entry of a kernel's logarithmic part; tuned on bodies, by `make guards`: for forecasts
+    logarithm: int = 400
+
+
+TUNING = LayeredTuning()
+GRADED = 1e-5  # the least tolerance under a modulus that varies over depth; tuned on graded layers, by `make failures`
+
+
+@dataclass(frozen=True, eq=False)
+class IndenterOnLayers(ABC):
+    """An indenter on a layered specimen, whatever their surfaces do to each other; ``what`` is solved in how many
+    ``rows``."""
+
+    what: ClassVar[str]
+    rows: ClassVar[str] = "rows"
+    indenter: Indenter
+    specimen: Specimen
+    limit: float = math.inf  # the kernel is known at every radius; a search for forecasts need not go so far
+
+    @property
+    @abstractmethod
+    def spectrum(self) -> LayeredSpectrum:
+        """The compliance of both bodies over the wave number."""
+
+    @property
+    def E_star(self) -> float:
+        """Contact modulus of the materials that touch [Pa]."""
+        return contact_modulus(self.specimen.surface, self.indenter.material)
+
+    @property
+    def scale(self) -> float:
+        """The length over which the kernel varies [m]; infinite for a homogeneous half-space."""
+        return self.spectrum.scale
+
+    @abstractmethod
+    def plan(self, radii: Array, tolerance: float) -> Any:
+        """The plan expected to be accurate to ``tolerance`` at the increasing ``radii`` [m]."""
+
+    @abstractmethod
+    def solved(self, radii: Array, plan: Any) -> integral.ContactResult:
+        """Contact at the increasing ``radii`` [m]."""
+
+    def checking(self, radii: Array, plan: Any, tolerance: float) -> tuple[IndenterOnLayers, Any]:
+        """What solves at ``radii`` [m] by a discretisation that shares nothing with ``plan``, and its plan."""
+        return self, plan.finer()
+
+    def finer(self, plan: Any) -> Any:
+        """The next plan where ``plan`` was too coarse."""
+        return plan.finer()
+
+    def unresolved(self, plan: Any, failure: SolveError) -> Exception:
+        """What to raise where all plans up to ``plan`` were too coarse to solve the equation."""
+        return failure
+
+    def refined(self, radii: Array, tolerance: float) -> tuple[Any, Array]:
+        """The result at ``radii`` and its estimated relative error at each, below ``tolerance``, from a second
+        discretisation that differs in every part; it is done at some of the radii. Refusal where refinement does not
+        reach the tolerance."""
+        plan, best = self.plan(radii, tolerance / TUNING.margin), math.inf
+        some = checked(radii, getattr(plan, "groups", 1), self.specimen.is_graded)
+        failure = SolveError("contact equation: not solved")
+        other, check = self.checking(radii[some], plan, tolerance)
+        for _ in range(TUNING.refinements):
+            try:
+                main = self.solved(radii, plan)
+                if (rounding := float(main.rounding.max())) > tolerance:
+                    best = rounding
+                    break
+                errors = _errors(main, other.solved(radii[some], check), some) + tolerance * NO_CLAIM
+                best = min(best, float(errors.max()))
+                if best <= tolerance:
+                    return main, errors
+            except SolveError as error:
+                failure = error
+            except Refusal:
+                if math.isinf(best):
+                    raise
+                break  # refined beyond the limits of the cost
+            plan, check = self.finer(plan), self.finer(check)
+        if math.isinf(best):
+            raise self.unresolved(plan, failure)
+        missed = f"layered: the estimated relative error{self.what} is {best:.1e} with {plan.nodes} {self.rows}, above "
+        missed, smaller = f"{missed}the tolerance {tolerance:.1e}; ", "ask for a smaller contact radius"
+        raise integral.InaccurateError(
+            f"{missed}{integral.tolerance_remedy('layered', best)}{smaller}", f"{missed}{smaller}", best
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class LayeredContact(IndenterOnLayers):
+    """Surfaces that slide, solved at given radii; nothing is kept between calls except the spectrum. ``order``: Gauss
+    nodes per panel in k."""
+
+    what = ""
+    rows = "nodes"
+    order: int = 24
+
+    @cached_property
+    def spectrum(self) -> LayeredSpectrum:
+        return _spectrum(self.specimen, self.indenter.material)
+
+    def plan(self, radii: Array, tolerance: float) -> integral.Quadrature:
+        """The cheapest quadrature expected to be accurate to ``tolerance`` at the increasing ``radii`` [m].
+
+        Radii begin panels, which many radii would make more than the kernel needs: they are dealt out in groups.
+        """
+        plans = []
+        for groups in 2 ** np.arange(int(math.log2(max(radii.size / TUNING.group, 1))) + 1):
+            each = self.together(radii[(radii.size - 1) % groups :: groups], tolerance)
+            plans.append(replace(each, groups=int(groups)))
+        return min(plans, key=lambda plan: self.flops(radii, plan))
+
+    def together(self, radii: Array, tolerance: float) -> integral.Quadrature:
+        """The same for all ``radii`` on one set of panels."""
+        own = radii, self.indenter.a0, self.scale, tolerance
+        tail = self.spectrum.tail
+        return integral.Quadrature.cheapest(*own) if tail is None else integral.Quadrature.crowded(*own, tail.strength)
+
+    def flops(self, radii: Array, plan: integral.Quadrature) -> float:
+        """Floating-point operations of one solve, about."""
+        spectrum, each = self.spectrum, math.ceil(radii.size / plan.groups)
+        waves = 200 + 0.7 * spectrum.bandwidth(spectrum.floor) * 2 * radii[-1]
+        waves += 0 if spectrum.tail is None else TUNING.logarithm
+        group = (plan.nodes + each) ** 2 * waves + plan.nodes**3 / 3 + plan.nodes**2 * each
+        return float(plan.groups * group + (plan.groups - 1) * TUNING.per_group)
+
+    def guard(self, radii: Array, plan: integral.Quadrature) -> None:
+        """Refuse what would take minutes or gigabytes."""
+        if plan.nodes > TUNING.most_nodes or self.flops(radii, plan) > TUNING.most_flops:
+            many = plan.groups > 1 and plan.nodes <= TUNING.most_nodes  # each group costs as much
+            fewer = ", or fewer points" if many else ""
+            raise Refusal(
+                f"layered: a = {radii[-1]:g} m is {radii[-1] / self.spectrum.scale:.4g} times the length over which "
+                f"the layers act ({self.spectrum.scale:.3g} m) and needs {plan.nodes} nodes for {radii.size} radii "
+                f"(limit {TUNING.most_nodes}); ask for a smaller contact{fewer}"
+            )
+
+    def solved(self, radii: Array, plan: integral.Quadrature) -> integral.ContactResult:
+        """Contact at the increasing ``radii`` [m]; of one group with its densities, an ``EquationResult``."""
+        self.guard(radii, plan)
+        kernel = self.spectrum.kernel(2 * float(radii[-1]), self.order)
+        if plan.groups == 1:
+            return self._group(radii, plan, kernel)
+        columns, rounding = np.empty((4, radii.size)), np.empty(radii.size)
+        for start in range(plan.groups):
+            dealt = slice(start, None, plan.groups)
+            part = self._group(radii[dealt], plan, kernel)
+            columns[:, dealt], rounding[dealt] = part.columns, part.rounding
+        delta, P, S, dS = columns
+        return integral.ContactResult(replace(part.panels, radii=radii), delta, P, S, dS, rounding)
+
+    def _group(self, radii: Array, plan: integral.Quadrature, kernel: integral.CosineKernel) -> integral.EquationResult:
+        panels = integral.Panels.through(radii, plan, self.indenter.a0)
+        return integral.solve(self.matrix(panels, kernel), panels, self.indenter, self.E_star, plan.inner)
+
+    def matrix(self, panels: integral.Panels, kernel: integral.CosineKernel | None = None) -> Array:
+        """K [1/m] at the places of the ``panels``; ``kernel``: its smooth part, where it is known."""
+        tail = self.spectrum.tail
+        smooth = kernel or self.spectrum.kernel(2 * float(panels.edges[-1]), self.order)
+        K = smooth.square(panels.places)
+        return K if tail is None else K + product_matrix(tail.transform, panels)
+
+    def attraction(self, reach: float, tolerance: float) -> integral.Attraction:
+        """The pair of bodies ready for adhesion of finite range up to ``reach`` [m], K to the relative
+        ``tolerance``."""
+        panels = self.attraction_panels(reach, tolerance)
+        return integral.Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels))
+
+    def attraction_panels(self, reach: float, tolerance: float) -> integral.Panels:
+        """The panels of ``attraction``; Refusal where they are too many."""
+        crowding = 1.0 if self.spectrum.tail is None else TUNING.narrower * self.scale / self.spectrum.tail.finest
+        return integral.panels_for(reach, self.indenter.a0, self.scale, tolerance, crowding)
+
+    def checking(self, radii: Array, plan: Any, tolerance: float) -> tuple[LayeredContact, integral.Quadrature]:
+        """Shared is g(k) alone: other panels and nodes in x, few wide ones of high order, other nodes in k, other means
+        of F."""
+        check = self.plan(radii, tolerance / TUNING.margin**3).finer()
+        return replace(self, order=20), replace(check, inner=26)
+
+    def finer(self, plan: integral.Quadrature) -> integral.Quadrature:
+        return plan.finer() if self.spectrum.tail is None else plan.narrower()
+
+    def unresolved(self, plan: integral.Quadrature, failure: SolveError) -> integral.InaccurateError:
+        missed = f"layered: {plan.nodes} nodes do not resolve the kernel, the error is not known; ask for "
+        less = "a smaller contact radius"
+        return integral.InaccurateError(f"{missed}more points or {less}", f"{missed}{less}")
+
+
+@lru_cache(maxsize=8)  # the radii of one body are often solved in several steps
+def _spectrum(specimen: Specimen, indenter: Solid | None) -> LayeredSpectrum:
+    return LayeredSpectrum(specimen, indenter)
+
+
+def _errors(main: integral.ContactResult, other: integral.ContactResult, some: Array) -> Array:
+    """Relative error of each column at every radius (4, radii): the largest difference at the ``some`` radii about it,
+    ``about`` and one on each side, with a safety, and rounding."""
+    seen, about = np.abs(other.columns / main.columns[:, some] - 1), TUNING.about
+    wide = np.lib.stride_tricks.sliding_window_view(np.pad(seen, ((0, 0), (about, about))), 2 * about + 1, axis=1)
+    near = np.maximum(wide.max(axis=-1), TUNING.share * np.maximum(seen.max(axis=0), seen.max(axis=1)[:, None]))
+    after = np.minimum(np.searchsorted(some, np.arange(main.delta.size)), some.size - 1)
+    return TUNING.safety * np.maximum(near[:, after], near[:, np.maximum(after - 1, 0)]) + main.rounding
+
+
+def checked(radii: Array, groups: int = 1, graded: bool = False) -> Array:
+    """Indices of the radii at which a result is checked: spread over all, more of them under a ``graded`` modulus,
+    whose errors change from radius to radius, with the ends of the widest gaps and the first radii of some ``groups``,
+    inside which a single panel has to hold what F does next to the axis."""
+    spread = np.linspace(0, radii.size - 1, TUNING.graded if graded else TUNING.checks).astype(int)
+    widest = np.argsort(np.diff(radii, prepend=0.0))[-TUNING.gaps :]
+    firsts = np.geomspace(1, groups, TUNING.firsts).astype(int) - 1
+    return np.unique(np.concatenate([spread, widest, firsts]))

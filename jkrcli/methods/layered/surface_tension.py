@@ -1,0 +1,416 @@
+"""One indenter on one layered specimen whose surface has a tension Ups: its spectrum, and contact at any radii.
+
+The tension adds Ups k^2 to the surface stiffness in Hankel space: g becomes g/(1 + kappa g k), kappa = 2 Ups/E*, and
+the contact equation one of the first kind, with the kernel
+
+    k(s) = int_0^inf g/(1 + kappa g k) cos(ks) dk = A(s/kappa)/kappa + int_0^inf (g - 1)/((1 + kappa g k)(1 + kappa k))
+    cos(ks) dk
+
+(``formulas/__init__.py: displacement``). With phi = psi(tau)/sqrt(a^2 - t^2), t = a cos(tau), psi(0) is a load
+on the ring of the edge, Ups times the jump of the slope there, and the energy of the field, a positive quadratic form,
+gives for the solutions psi_1 of the right side 1 and psi_F of F
+
+    S = pi E* int psi_1,   S' = pi^3 E* psi_1(0)^2/(4 a kappa),   delta_H = Q'/S' = psi_F(0)/psi_1(0),
+    P_H = S delta_H - Q,   Q = pi E* int psi_1 F.
+
+psi_F is as rough as F'. So it is not solved for: Q' = pi E* int (psi_1 F)' needs the derivative of psi_1 over a alone,
+which is the solution for the right side -K' psi_1, and F enters in integrals only.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from ... import formulas
+from ...base import Array, EvenCubic, Refusal, show
+from ...bodies import Graded, Specimen
+from .. import integral
+from ..integral import crowded_rule, gauss, rule
+from .contact import TUNING as REFINING
+from .contact import IndenterOnLayers, lagrange, logarithms
+from .spectrum import COUNT, LayeredSpectrum, Tail, compliance, divided, regularised, resolved, surface_series
+
+# --------------------------------------------------------------------------------------------------
+# Product integration of a logarithmic kernel of the first kind on panels in the angle tau, t = a cos(tau).
+#
+#     int_0^(pi/2) (k(x - t) + k(x + t))/2 psi(tau) dtau = right side at x = a cos(theta)
+#
+# psi is finite at the edge tau = 0 with tau^2 ln(tau) behind it: panels are halved towards it, and psi(0) is found
+# from the first of them by what it begins with. Where a panel is near theta its part is integrated with points that
+# crowd at theta, or at its nearer end, as the fifth power: they follow a kernel over many decades. The part of x + t
+# is that of x - t on the panels mirrored at pi/2.
+
+Function = Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class AnglesTuning:
+    """Points near a singularity, and what psi begins with."""
+
+    # of the crowding; tuned on bodies, by `make constants`: 28 points and more then follow a kernel over the decades of
+    # a/kappa
+    power: int = 5
+    # widths of a panel, within which it is; tuned on bodies, by `make constants`: ten nodes then err by 1e-10
+    near: float = 1.0
+    # panels at the edge from which psi(0) is found; tuned on bodies, by `make constants`: with five it errs by 1e-6
+    first: int = 3
+    terms: int = 2  # theory: psi = c0 + sum tau^2n (c_n + d_n ln(tau)), n up to this
+
+
+ANGLES_TUNING = AnglesTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class Angles:
+    """Nodes ``tau`` and weights ``w`` (n,) on panels between ``edges`` from 0 to pi/2, ``order`` on each.
+
+    ``edge`` (n,): psi(0) = edge . psi. Distances are those for a = 1: ``apart, across`` (n, n): |x - t|, x + t, with
+    weights ``plain, mirrored``, zero where a panel is near; ``distance`` (m, points) of the m near panels, with
+    ``weights`` (m, points, order), for the node ``row`` and the panel ``column``.
+    """
+
+    edges: Array
+    order: int
+    tau: Array
+    w: Array
+    edge: Array
+    apart: Array
+    across: Array
+    plain: Array
+    mirrored: Array
+    distance: Array
+    weights: Array
+    row: Array
+    column: Array
+
+    @classmethod
+    @lru_cache(maxsize=32)
+    def of(cls, levels: int, cuts: int, order: int, points: int) -> Angles:
+        """2^``cuts`` equal panels, the first of them halved up to 2^-``levels``; ``points`` near a singularity."""
+        whole = np.pi / 2
+        equal, halved = np.linspace(0, whole, 2**cuts + 1), whole * 0.5 ** np.arange(levels, cuts, -1.0)
+        edges = np.concatenate([[0.0], halved, equal[1:]])
+        tau, w = gauss(edges[:-1], edges[1:], *rule(order))
+        both = np.concatenate([edges, (np.pi - edges[::-1])[1:]])
+        lo, hi = both[:-1, None], both[1:, None]
+        near = np.maximum(np.maximum(lo - tau, tau - hi), 0) < ANGLES_TUNING.near * (hi - lo)
+        far = np.repeat(~near, order, axis=0).reshape(2, tau.size, tau.size)
+        apart = _apart(tau[:, None], tau[:, None] - tau)
+        across = np.add.outer(np.cos(tau), np.cos(tau))
+        plain, mirrored = far[0].T * w, far[1, ::-1].T * w
+        rest = _near(tau, both, near, order, points)
+        # The row that takes psi at the nodes to psi(0): least squares on the first panels by what psi begins with.
+        n = ANGLES_TUNING.first * order
+        t, root = tau[:n] / edges[ANGLES_TUNING.first], np.sqrt(w[:n])
+        powers = [t ** (2 * i) for i in range(1, ANGLES_TUNING.terms + 1)]
+        basis = np.stack([np.ones(n), *powers, *(power * np.log(t) for power in powers)], axis=1)
+        row = np.zeros(tau.size)
+        row[:n] = np.linalg.pinv(basis * root[:, None])[0] * root
+        return cls(edges, order, tau, w, row, apart, across, plain, mirrored, *rest)
+
+    @cached_property
+    def nearest(self) -> float:
+        """The least distance at which a singular kernel counts, over a."""
+        return float(min(self.distance.min(), self.apart[self.plain > 0].min(initial=np.inf)))
+
+    def matrices(self, singular: Function, smooth: Function, a: float) -> Array:
+        """Matrices (m, n, n) of the sums of two kernels k(s) [1/m] of s [m], which give m values each, at the contact
+        radius ``a`` [m]."""
+        i, j = np.tril_indices(self.tau.size)
+        apart, across = a * self.apart[i, j], a * self.across[i, j]
+        K = self.plain * _symmetric(singular(np.maximum(apart, a * self.nearest)), i, j)
+        K += self.mirrored * _symmetric(singular(across), i, j)
+        K += self.w * _symmetric(smooth(apart) + smooth(across), i, j)
+        near = np.einsum("kmq,mqj->kmj", singular(a * self.distance), self.weights)
+        for one, part in zip(K.reshape(*K.shape[:2], -1, self.order), near, strict=True):
+            np.add.at(one, (self.row, self.column), part)
+        return K / 2
+
+
+def _symmetric(values: Array, i: Array, j: Array) -> Array:
+    full = np.empty((len(values), i[-1] + 1, i[-1] + 1))
+    full[:, i, j] = full[:, j, i] = values
+    return full
+
+
+def _apart(tau: Array, difference: Array) -> Array:
+    """|cos(tau) - cos(tau - difference)| without cancellation."""
+    return 2 * np.abs(np.sin(difference / 2) * np.sin(tau - difference / 2))
+
+
+def _near(tau: Array, both: Array, near: Array, order: int, points: int) -> tuple[Array, Array, Array, Array]:
+    """Distances, weights, rows and columns of the ``near`` (panels, n) among the panels between ``both``; a panel that
+    holds the node is cut there."""
+    panel, row = np.nonzero(near)
+    theta, lo, hi = tau[row], both[panel], both[panel + 1]
+    inside = (lo < theta) & (theta < hi)
+    start, end = np.clip(theta, lo, hi), np.where(theta >= hi, lo, hi)
+    start, end = np.append(start, theta[inside]), np.append(end, lo[inside])
+    panel, row, lo, hi = (np.append(x, x[inside]) for x in (panel, row, lo, hi))
+    u, v = crowded_rule(points, ANGLES_TUNING.power)
+    offset = (end - start)[:, None] * u
+    local = (start[:, None] + offset - lo[:, None]) / (hi - lo)[:, None]
+    panels = (both.size - 1) // 2
+    beyond = panel >= panels
+    local = np.where(beyond[:, None], 1 - local, local)
+    distance = _apart(tau[row][:, None], (tau[row] - start)[:, None] - offset)
+    weights = lagrange(order, local) * (np.abs(end - start)[:, None] * v)[..., None]
+    return distance, weights, row, np.where(beyond, 2 * panels - 1 - panel, panel)
+
+
+@dataclass(frozen=True)
+class TenseTuning:
+    """How the equation of the first kind is discretised for an accuracy."""
+
+    # the least; tuned on bodies by layered, by `make constants`: rounding leaves some 1e-9 on thin incompressible
+    # layers
+    tolerance: float = 5e-8
+    # halvings towards the edge for a = kappa; tuned on bodies, by `make constants`: one less moves depths by 2e-5
+    levels: int = 7
+    # nodes on a panel at the accuracy 1e-4, one more for each decade; tuned on bodies, by `make constants`: one less
+    # moves S by 2e-5
+    least_order: int = 6
+    most_order: int = 14  # tuned on bodies, by `make constants`: half of it moves S by 2e-5, beyond it rounding counts
+    # of a/kappa, points near a singularity, beside 2.5 times the order; tuned on bodies, by `make constants`: one less
+    # moves S by 3e-6
+    per_decade: int = 5
+    frequency: float = 5.0  # times the scale of the layers: highest wave number noticed; theory: as for ``Quadrature``
+    # of the smooth part's spline of degree 7, per scale; tuned on bodies, by `make constants`: half as many move S by
+    # 4e-9
+    knots: int = 60
+    # of the cubic that stands for it, ten times as fast; tuned on bodies, by `make constants`: half as many move S by
+    # 4e-9
+    finer: int = 12
+    least: float = 1e-6  # kappa/a of layers; choice: below, tension changes nothing by 1e-5
+    # nodes per panel in integrals of F; tuned on bodies, by `make constants`: half as many move depths by 1e-9
+    inner: int = 20
+    per_entry: int = 60  # operations per entry of the matrix; tuned on half-spaces and layers, by `make bench`
+
+
+TUNING = TenseTuning()
+
+
+@dataclass(frozen=True)
+class TensePlan:
+    """``order`` nodes on panels in the angle no wider than ``widest`` [m] at the edge's radius, halved ``extra`` times
+    more than needed; ``accuracy``: up to which a slight tension is a correction; ``nodes`` at the largest radius."""
+
+    order: int
+    widest: float
+    accuracy: float
+    nodes: int
+    extra: int = 0
+
+    def finer(self) -> TensePlan:
+        """A plan that is more accurate in every part and shares no node with this one."""
+        order, widest = self.order + 2, self.widest * 0.9
+        return TensePlan(order, widest, self.accuracy / 10, self.nodes // self.order * order, self.extra + 1)
+
+
+@dataclass(frozen=True, eq=False)
+class TenseSpectrum(LayeredSpectrum):
+    """The part (g - 1)/((1 + kappa g k)(1 + kappa k)) that layers add to the kernel, less its ``tail``."""
+
+    def __call__(self, k: Array) -> Array:
+        (g, excess), y = compliance(self.specimen, k), self.kappa * k
+        added = excess / ((1 + y * g) * (1 + y))
+        return added if self.tail is None else added - self.tail(k)
+
+    @property
+    def kappa(self) -> float:
+        """2 Ups/E* [m]."""
+        return self.specimen.tension_length
+
+    @cached_property
+    def tail(self) -> Tail | None:
+        """What is left of the tail of g - 1: it decays like 1/k^3."""
+        plain, top = Tail.of(self.specimen), self.specimen.materials[0]
+        if plain is None or not isinstance(top, Graded):
+            return None
+        # Coefficients [m^-n], n = 1, 2, ..., of (g - 1)/((1 + kappa g k)(1 + kappa k)) for g = sum c_n/k^n, n >= 0.
+        c = surface_series(top, COUNT)
+        y = np.eye(1, c.size, 1)[0]
+        quotient = divided(divided(np.append(c[1:], 0.0), self.kappa * c + y), self.kappa * np.eye(1, c.size)[0] + y)
+        c = np.concatenate([[0.0, 0.0], quotient[:-1]])
+        rate = float(np.max(np.abs(c) ** (1 / np.arange(1, c.size + 1))))
+        return Tail(regularised(c, rate), rate, min(plain.finest, 1 / rate))
+
+    @cached_property
+    def scan(self) -> tuple[Array, Array]:
+        """Wave numbers [1/m], decreasing, and the rest there over what the tension alone leaves, 1/(1 + kappa k)."""
+        k, rest = super().scan
+        return k, rest * (1 + self.kappa * k)
+
+    @cached_property
+    def panels(self) -> tuple[Array, Array, Array]:
+        rest = (lambda k: 0 * k) if self.tail is None else self.tail
+        return resolved(self, *self.octaves, lambda k: rest(k) - self.kappa * k / (1 + self.kappa * k))
+
+    def singular(self, s: Array) -> Array:
+        """The part of the kernel [1/m] with a logarithm at s = 0, s > 0 [m]."""
+        plain = formulas.displacement(s / self.kappa) / self.kappa
+        return plain if self.tail is None else plain + self.tail.transform(s)
+
+    def tabulated(self, smallest: float, largest: float) -> Function:
+        """Splines in place of ``singular`` and its s d/ds (2, ...) between these s [m]."""
+        from scipy.interpolate import CubicSpline
+
+        ln_s = logarithms(smallest, largest)
+        plain = CubicSpline(ln_s, self.singular(np.exp(ln_s)))
+        both = EvenCubic(ln_s[0], ln_s[1] - ln_s[0], np.stack([plain.c, CubicSpline(ln_s, plain(ln_s, 1)).c], axis=1))
+        return lambda s: both(np.log(s))
+
+    def smooth(self, reach: float, order: int) -> Function:
+        """The rest of the kernel [1/m] for 0 <= s <= ``reach`` [m], and its s d/ds (2, ...), from ``order`` Gauss nodes
+        in k on every panel."""
+        if self.bandwidth(self.floor) == 0:
+            return lambda s: np.zeros((2, 1))
+        from scipy.interpolate import CubicSpline, make_interp_spline
+
+        step = self.scale / TUNING.knots
+        s = step * np.arange(-8, math.ceil(reach / step) + 9)
+        kernel = self.kernel(float(s[-1]), order)
+        parts = np.array_split(s, s.size // 256 + 1)
+        values = np.concatenate([np.cos(np.outer(part, kernel.k)) @ kernel.weights for part in parts])
+        spline, finer = make_interp_spline(s, values, k=7), np.linspace(0.0, s[-8], TUNING.finer * (s.size - 16) + 1)
+        both = [CubicSpline(finer, f).c for f in (spline(finer), finer * spline(finer, 1))]
+        return EvenCubic(0.0, finer[1], np.stack(both, axis=1))
+
+
+@dataclass(frozen=True, eq=False)
+class TenseContact(IndenterOnLayers):
+    """A rigid indenter on a layered specimen with surface tension, solved at given radii."""
+
+    what = " of contact under surface tension"
+
+    @cached_property
+    def spectrum(self) -> TenseSpectrum:
+        return _spectrum(self.specimen)
+
+    @property
+    def kappa(self) -> float:
+        """2 Ups/E* [m]."""
+        return self.specimen.tension_length
+
+    def plan(self, radii: Array, tolerance: float) -> TensePlan:
+        """The plan expected to be accurate to ``tolerance`` up to the last of the ``radii`` [m]."""
+        order = TUNING.least_order + math.ceil(max(-math.log10(tolerance) - 4, 0))
+        order = min(order, TUNING.most_order)
+        widest = float(integral.phase_allowed(order, tolerance)) * self.scale / TUNING.frequency
+        plan = TensePlan(order, widest, tolerance, 0)
+        levels, cuts = self._panels(float(radii[-1]), plan)
+        return TensePlan(order, widest, tolerance, order * (2**cuts + levels - cuts))
+
+    def _panels(self, a: float, plan: TensePlan) -> tuple[int, int]:
+        """Halvings towards the edge, and of the quarter circle into equal panels, at the radius ``a`` [m]."""
+        cuts = max(math.ceil(math.log2(math.pi / 2 * a / plan.widest)), 0) if math.isfinite(plan.widest) else 0
+        halvings = math.ceil(max(math.log2(a / self.kappa), 0.0) / 2)
+        return max(TUNING.levels + halvings, cuts) + plan.extra, cuts
+
+    def flops(self, radii: Array, plan: TensePlan) -> float:
+        """Floating-point operations of one solve, about."""
+        waves = self.spectrum.bandwidth(self.spectrum.floor) * 2 * radii[-1]
+        table = 0.0 if waves == 0 else 20 * (400 + waves) * TUNING.knots * 2 * radii[-1] / self.scale
+        return float(radii.size * plan.nodes**2 * (plan.nodes + TUNING.per_entry * plan.order) + table)
+
+    def guard(self, radii: Array, plan: TensePlan) -> None:
+        """Refuse what would take minutes or gigabytes, and layers on which tension is too slight to be solved for."""
+        slight = self.kappa / float(radii[-1])
+        if self.specimen.layers and slight < TUNING.least:
+            raise Refusal(
+                f"layered: the surface tension acts over 2 Ups/E* = {show(self.kappa, 'length')}, {slight:.0e} of the "
+                f"contact radius, and changes the solution by less than {10 * TUNING.least:.0e}: leave "
+                "specimen.surface_tension out"
+            )
+        flops = self.flops(radii, plan)
+        if plan.nodes > REFINING.most_nodes or flops > REFINING.most_flops:
+            raise Refusal(
+                f"layered: a = {radii[-1]:g} m is {radii[-1] / self.scale:.4g} times the length over which the layers "
+                f"act and needs {plan.nodes} nodes under surface tension for {radii.size} radii, {flops:.1e} operations"
+                f" (limits {REFINING.most_nodes} and {REFINING.most_flops:.0e}); ask for a smaller contact or fewer "
+                "points, or use method fem"
+            )
+
+    def solved(self, radii: Array, plan: TensePlan) -> integral.ContactResult:
+        """Contact at the increasing ``radii`` [m]."""
+        self.guard(radii, plan)
+        half_space = not self.specimen.layers
+        slight = half_space & ((self.kappa / radii * formulas.logarithm(radii, self.kappa)) ** 2 <= plan.accuracy)
+        columns = np.empty((4, radii.size))
+        for n in np.flatnonzero(slight):
+            columns[:, n] = self._slight(float(radii[n]))
+        if not slight.all():
+            columns[:, ~slight] = self._first_kind(radii[~slight], plan)
+        delta, P, S, dS = columns
+        return integral.ContactResult(self._of_largest(radii, plan), delta, P, S, dS, np.zeros_like(radii))
+
+    def _of_largest(self, radii: Array, plan: TensePlan) -> integral.Panels:
+        """The nodes at the largest radius, from the axis outwards."""
+        a, grid = float(radii[-1]), self._angles(float(radii[-1]), plan)
+        x, w = a * np.cos(grid.tau[::-1]), a * (np.sin(grid.tau) * grid.w)[::-1]
+        return integral.Panels(a * np.cos(grid.edges[::-1]), grid.order, radii, x, w, np.searchsorted(x, radii))
+
+    def _angles(self, a: float, plan: TensePlan) -> Angles:
+        points = 5 * plan.order // 2 + math.ceil(TUNING.per_decade * max(math.log10(a / self.kappa), 0.0))
+        return Angles.of(*self._panels(a, plan), plan.order, points + points % 2)
+
+    def _first_kind(self, radii: Array, plan: TensePlan) -> Array:
+        """Rows delta, P, S, S' from the contact equation."""
+        grids = [self._angles(float(a), plan) for a in radii]
+        nearest = min(float(a) * grid.nearest for a, grid in zip(radii, grids, strict=True))
+        reach = 2 * float(radii[-1])
+        singular = self.spectrum.tabulated(nearest / 2, 1.01 * reach)
+        smooth = self.spectrum.smooth(reach, plan.order + 14)
+        return np.stack(
+            [self._at(float(a), grid, singular, smooth) for a, grid in zip(radii, grids, strict=True)], axis=1
+        )
+
+    def _at(self, a: float, grid: Angles, singular: Function, smooth: Function) -> Array:
+        """Delta, P, S, S' at the radius ``a`` [m] from the two parts of the kernel and their s d/ds."""
+        from scipy.linalg import lu_factor, lu_solve
+
+        K, rate = grid.matrices(singular, smooth, a)
+        factor = lu_factor(K, check_finite=False)
+        one = lu_solve(factor, np.ones(grid.tau.size), check_finite=False)
+        grown = -lu_solve(factor, rate @ one, check_finite=False)  # a d(psi_1)/da
+        # F and x F' [m] at the nodes, their means on the panels.
+        joints = np.array([joint for joint in self.indenter.joints if joint < a])
+        edges = math.pi / 2 - grid.edges[::-1]  # angles from the axis: F begins at its kinks
+        cuts = edges, grid.order, TUNING.inner
+        F = integral.panel_means(lambda x: self.indenter.abel(a * np.sin(x)), np.arcsin(joints / a), *cuts)
+        slope = integral.panel_means(lambda x: self.indenter.abel_slope(a * np.sin(x)), np.arcsin(joints / a), *cuts)
+        F, steep = np.array([F[::-1], a * np.cos(grid.tau) * slope[::-1]])
+        scale = math.pi * self.E_star
+        S, dS = scale * (grid.w @ one), scale * (math.pi * float(grid.edge @ one)) ** 2 / (4 * a * self.kappa)
+        Q, dQ = scale * ((grid.w * one) @ F), scale / a * ((grid.w * grown) @ F + (grid.w * one) @ steep)
+        return np.array([dQ / dS, S * dQ / dS - Q, S, dS])
+
+    def _slight(self, a: float) -> Array:
+        """Delta, P, S, S' on a half-space at the radius ``a`` [m] >> kappa: the solution without tension and what it
+        adds to first order, any profile:
+
+            Q = 2 E* {int_0^a F dx + (kappa/pi) [(l + 1) F(a) - 2 int_0^a a (F(a) - F)/(a^2 - x^2) dx]},
+            delta_H = Q'/S'.
+        """
+        cuts = np.array([joint / a for joint in self.indenter.joints if joint < a])
+        cuts = np.union1d(np.linspace(0.0, 1.0, 3), cuts)
+        u, w = (part.ravel() for part in integral.crowded(cuts[:-1], cuts[1:], TUNING.inner))
+        F, slope = self.indenter.abel(a * u), self.indenter.abel_slope(a * u)
+        (F_a,), (slope_a,) = self.indenter.abel(np.array([a])), self.indenter.abel_slope(np.array([a]))
+        ring, share = formulas.logarithm(np.array(a), self.kappa) + 1, self.kappa / math.pi
+        S, dS = formulas.stiffness(np.array(a), self.E_star, self.kappa)
+        inner = 2 * (w @ ((F_a - F) / (1 - u**2))), 2 * (w @ ((slope_a - u * slope) / (1 - u**2)))
+        Q = 2 * self.E_star * (a * (w @ F) + share * (ring * F_a - inner[0]))
+        dQ = 2 * self.E_star * (F_a + share * (ring * slope_a + F_a / a - inner[1]))
+        delta = dQ / dS
+        return np.array([delta, S * delta - Q, S, dS])
+
+
+@lru_cache(maxsize=8)
+def _spectrum(specimen: Specimen) -> TenseSpectrum:
+    return TenseSpectrum(specimen)

@@ -1,0 +1,875 @@
+"""Adhesive curves in words: pull-off with its error, validity, comparison with a closed form, error budget."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..adhesion import (
+    LOAD_CONTROL,
+    AdhesiveCurve,
+    Behaviour,
+    CriticalPoint,
+    Cycle,
+    Equilibrium,
+    EquilibriumCurve,
+    Errors,
+    FromRest,
+    Jump,
+    LoadingHistory,
+    Program,
+    Strains,
+    control,
+    cycle,
+    energy_lost_error,
+    faces,
+    separation_error,
+    stable_radius,
+    strain_words,
+    trace,
+    turning_radius,
+    yielding,
+)
+from ..adhesion import device_path as path
+from ..adhesion.from_rest import AT_MOST, FROM_REST
+from ..base import ROWS, Array, Estimate, InputError, Unknown, accuracy, implausible_work, known, lists, show
+from ..bodies import relaxing
+from ..resolve import (
+    Analysis,
+    Lost,
+    LostByHistory,
+    StickingEffect,
+    analyse,
+    effect_as_json,
+    effect_on,
+    is_solved,
+    strains_after,
+)
+from ..series import Solution
+from ..series.differences import Difference, curve_differences, series_differences
+from . import tables
+from .result import Figure, Result
+from .tables import Scales, by_columns, quantities, read_curve, state_words
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from ..fitting.pull_off_work import MeasuredWork
+    from ..methods import FEM, ContactState
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Transformed(Analysis, Result):
+    """An adhesive curve as a result; ``scales``: units of more columns and of the picture; ``effect``:
+    what it matters whether the surfaces stick, where that is known for several curves of one body at once."""
+
+    scales: Scales | None = None
+    effect: StickingEffect | Unknown | None = None
+
+    @cached_property
+    def columns(self) -> dict[str, Array]:  # type: ignore[override]
+        return tables.curve_columns(self.curve) | ({} if self.scales is None else self.scales.columns(self))
+
+    @cached_property
+    def sticking(self) -> StickingEffect | Unknown:
+        """What it matters whether the surfaces stick."""
+        return effect_on(self.solution, [self.w]) if self.effect is None else self.effect
+
+    def summary(self) -> dict[str, Any]:
+        summary, scales = tables.summary(self) | {"sticking": effect_as_json(self.sticking)}, self.scales
+        if scales is not None:
+            summary["scales"] = {"name": scales.name} | tables.quantities(scales, "P delta a")
+        return summary
+
+    def words(self) -> list[str]:
+        """Where contact is lost, what the numbers are worth, what an exact solution says."""
+        errors = self.pull_off_errors
+        points = {f"{name} control": (point, errors.get(name)) for name, point in self.pull_off.items()}
+        return [*tables.lost_words(self, points), *(f"  {line}" for line in _of_curve(self))]
+
+    @property
+    def units(self) -> Scales:
+        """Of the axes."""
+        from .plots.forward import physical_units
+
+        return self.scales or physical_units(self.curve)
+
+    def figure(self) -> Figure:
+        from .plots.forward import curve_figure
+
+        return curve_figure(self, self.units)
+
+
+def figure_of(results: Sequence[Transformed]) -> Figure:
+    """One picture of the curves of one body for several works of adhesion."""
+    from .plots.forward import curves_figure
+
+    return curves_figure(results, results[-1].units)
+
+
+def _of_curve(result: Analysis) -> Iterator[str]:
+    for name, point in result.pull_off.items():
+        if isinstance(point, CriticalPoint):
+            between = "" if is_solved(result.curve, point) else "; interpolated"
+            P = show(point.P, "load", tables.digits(point.P, result.large_strains(point)))
+            yield (
+                f"{name + ' control':<21} P = {P:<11} delta = {show(point.delta, 'length'):<12} "
+                f"a = {show(point.a, 'length')}{between}"
+            )
+        elif result.w > 0:
+            yield f"{name + ' control':<21} not in the series (see the warning)"
+    tabor = result.validity.tabor
+    if not isinstance(tabor, Unknown):
+        yield f"Tabor number {tabor:.3g}: {result.validity.regime}"
+    yield from _comparison(result)
+    budget, slopes = result.budget, result.curve.slopes
+    yield (
+        f"curve: {accuracy(budget.total)} (series {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)}); "
+        f"between the rows up to {_estimate(result.curve.interpolation_error)} more"
+    )
+    below = result.solution.facts.get("rows_below", 0)
+    more = f", {below} of them solved below its own for pull-off" if below else ""
+    yield (
+        f"series: {len(result.curve.series)} points kept{more}, {result.dropped} dropped; "
+        f"slopes {slopes.method} ({slopes.reason})"
+    )
+
+
+def _comparison(result: Analysis) -> Iterator[str]:
+    """The closed form of the same indenter on a half-space beside the curve, where there is one."""
+    comparison = result.comparison
+    if comparison is None:
+        return
+    parts = [f"P_H(delta) within {comparison.load:.2e}"]
+    if not isinstance(comparison.pull_off, Unknown):
+        parts.append(f"pull-off force {comparison.pull_off:+.2e}")
+    if not isinstance(comparison.curve, Unknown):
+        parts.append(f"adhesive curve within {comparison.curve:.2e}")
+    yield f"against the closed form of the same indenter: {', '.join(parts)}"
+    if comparison.parabola is not None:
+        yield (
+            f"the sphere's own pull-off is {comparison.parabola:.2%} smaller than the paraboloid's -1.5 pi w R of "
+            "Eq. 18 (physics, not error)"
+        )
+
+
+def _estimate(value: Estimate) -> str:
+    return str(value) if isinstance(value, Unknown) else f"{value:.1e}"
+
+
+# --------------------------------------------------------------------------------------------------
+# Where contact is lost, and the work of adhesion behind a measured pull-off, in words and as JSON.
+
+SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L",
+         "theta": "edge_angle"}  # fmt: skip
+OF_INPUTS = "load and body taken as exact: --uncertain load=5% and others give w its standard error"
+ABOVE = "Tabor", "at the range"  # how the warnings begin that say again what the line of the Tabor number says
+
+
+@dataclass(frozen=True, eq=False)
+class PullOff(Result):
+    """What is read off one curve under each control."""
+
+    result: Analysis
+    lost: Sequence[Lost]
+    histories: Sequence[LostByHistory] | Unknown | None = None  # of a viscoelastic specimen
+
+    def summary(self) -> dict[str, Any]:
+        result, lost = self.result, self.lost
+        controls = []
+        for behaviour, error in lost:
+            numbers = tables.under_control(behaviour)
+            numbers["pull_off"] |= tables.errors(error)
+            if isinstance(behaviour.pull_off, CriticalPoint):
+                numbers["pull_off"] |= tables.strains(result.large_strains(behaviour.pull_off))
+            if error is not None:
+                numbers["pull_off"]["interpolated"] = not _solved(result, behaviour)
+            controls.append(tables.device(behaviour.stiffness) | numbers)
+        return {
+            "file": str(result.path),
+            "w_J_per_m2": result.w,
+            **tables.law(result),
+            "modulus_factor": result.modulus_factor,
+            "controls": controls,
+            "validity": tables.validity(result, *self._points),
+            "errors": result.budget.as_dict() | {"between_rows": result.curve.interpolation_error},
+            **self._histories_as_json(),
+        }
+
+    def _histories_as_json(self) -> dict[str, Any]:
+        if self.histories is None:
+            return {}
+        if isinstance(self.histories, Unknown):
+            return {"histories": None, "histories_reason": self.histories.reason}
+        return {"histories": [
+            _history_as_json(one.history, one.curve)
+            | {"controls": [
+                tables.device(k) | {"pull_off": tables.point(point) | tables.errors(error) | _no_depth(one.history)}
+                for k, (point, error) in one.lost.items()
+            ]}
+            for one in self.histories
+        ]}  # fmt: skip
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the moduli of a viscoelastic specimen mean where no history is solved."""
+        law = self.result.problem.specimen.relaxation
+        return [f"{self.result.path}: {text}" for text in relaxing(law)] if isinstance(self.histories, Unknown) else []
+
+    @property
+    def _points(self) -> list[CriticalPoint | Unknown]:
+        """Where contact is lost under each of the controls that were asked for."""
+        return [means.pull_off for means, _ in self.lost]
+
+    def words(self) -> list[str]:
+        result, points = self.result, {control(means.stiffness): (means.pull_off, error) for means, error in self.lost}
+        lines = [*tables.lost_words(result, points), *_validity(result, *self._points)]
+        if isinstance(self.histories, Unknown):
+            lines.insert(1, f"  after other histories: none: {self.histories}")
+        elif self.histories:
+            lines = [*_by_history(result, self.histories), *_validity(result, *self._points)]
+            lines.append(f"  {self.histories[0].history.words}:")
+        return lines + [line for means, error in self.lost for line in _control(result, means, error)]
+
+
+def _by_history(result: Analysis, found: Sequence[LostByHistory]) -> list[str]:
+    """The verdict on a viscoelastic specimen by its history, and what is lost after each under every control."""
+    controls = list(found[0].lost)
+    forces = []
+    for one in found:
+        point, name = one.lost[controls[0]][0], one.history.name
+        if isinstance(point, CriticalPoint):
+            force = show(-point.P, "load")
+            forces.append(f"at most {force}" if name == AT_MOST else f"{force} ({name})")
+    lines = [
+        f"pull-off force {', '.join(forces) or 'not in the series'} at w = {show(result.w, 'work')}, "
+        f"{control(controls[0])}: {result.path}"
+    ]
+    errors = []
+    for one in found:
+        further = "" if one.solved_to is None else f"; solved on to a = {show(one.solved_to, 'length')}"
+        words = one.history.words + ": at most" * (one.history.name == AT_MOST)
+        rest = f" (there {tables.state_words(one.curve.rest)})" if isinstance(one.curve, FromRest) else ""
+        lines.append(f"  {words}{rest}{further}")
+        for k, (point, error) in one.lost.items():
+            # The largest force of any history, whose displacement depends on it.
+            shown = (
+                _point(point)
+                if one.history.name != AT_MOST or isinstance(point, Unknown)
+                else (f"P = {show(point.P, 'load'):<12} {'':<20} a = {show(point.a, 'length')}")
+            )
+            lines.append(f"    {control(k):<21} {shown}")
+            if isinstance(point, CriticalPoint) and error is not None:
+                errors.append(error if isinstance(error, Unknown) else error["P"] / abs(point.P))
+    changes = []
+    for one in found:
+        point = one.lost[controls[0]][0]
+        if isinstance(point, CriticalPoint):
+            change = strains_after(result.problem, result.w, one.history, point, controls[0] == LOAD_CONTROL)
+            changes += [f"{strain_words(change)} ({one.history.name})"] if change else []
+    lines += [f"  model: {'; '.join(changes)}"] if changes else []
+    unknown = [error for error in errors if isinstance(error, Unknown)]
+    worst = unknown[0] if unknown else max((error for error in errors if isinstance(error, float)), default=None)
+    return lines + ([] if worst is None else [f"  pull-off: {accuracy(worst)} (90 %)"])
+
+
+def _no_depth(history: LoadingHistory) -> dict[str, Any]:
+    """The displacement of the largest force of any history, which depends on it."""
+    return {"delta_m": None, "delta_err_m": None} if history.name == AT_MOST else {}
+
+
+def _history_as_json(history: LoadingHistory, curve: AdhesiveCurve | FromRest | Unknown) -> dict[str, Any]:
+    """A history, its share of the moduli and of the profile, and the state at rest."""
+    rest = {"rest": tables.point(curve.rest)} if isinstance(curve, FromRest) else {}
+    shares = {"moduli": history.moduli, "profile": history.profile}
+    return {"history": history.name, "words": history.words, **shares, **rest}
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredByHistory(Result):
+    """What a measured pull-off force of a viscoelastic specimen means after each history."""
+
+    load: float
+    stiffness: float
+    result: Analysis
+    found: Sequence[tuple[LoadingHistory, MeasuredWork | Unknown]]
+
+    @classmethod
+    def of(
+        cls, solution: Solution, load: float, stiffness: float,
+        found: Sequence[tuple[LoadingHistory, MeasuredWork | Unknown]], slopes: str = "auto",
+        modulus_factor: float = 1.0,
+    ) -> MeasuredByHistory:  # fmt: skip
+        """What was ``found`` of the pull-off force ``load`` [N] by a device of ``stiffness`` [N/m]; where the theory
+        holds is judged with the largest w."""
+        works = [one.work.w for _, one in found if not isinstance(one, Unknown)]
+        if not works:
+            raise InputError([f"{solution.record.path}: {history.words}: {one}" for history, one in found])
+        return cls(load, stiffness, analyse(solution, [max(works)], slopes, modulus_factor)[0], found)
+
+    @property
+    def _works(self) -> dict[str, float]:
+        """w [J/m^2] by the name of the history, of those that have one."""
+        return {history.name: one.work.w for history, one in self.found if not isinstance(one, Unknown)}
+
+    @property
+    def range(self) -> tuple[float | None, float | None]:
+        """The least and the largest w [J/m^2] of these histories; the least only where it is that of any history."""
+        works = self._works
+        return works.get(AT_MOST), max(works.values(), default=None)
+
+    def summary(self) -> dict[str, Any]:
+        rows = []
+        for history, one in self.found:
+            row = _history_as_json(history, Unknown("") if isinstance(one, Unknown) else one.work.curve)
+            if isinstance(one, Unknown):
+                row |= {"w_J_per_m2": None, "reason": one.reason}
+            else:
+                measured = _measured_as_json(one)
+                row |= measured | {"pull_off": measured["pull_off"] | _no_depth(history)}
+            rows.append(row)
+        return {
+            "file": str(self.result.path),
+            "load_N": self.load,
+            **tables.device(self.stiffness),
+            "w_J_per_m2": self._works.get(FROM_REST),
+            "w_range_J_per_m2": list(self.range),
+            "histories": rows,
+            "validity": tables.validity(self.result),
+        }
+
+    def words(self) -> list[str]:
+        low, high = (None if w is None else show(w, "work") for w in self.range)
+        span = low if low == high else f"at least {low}" if high is None else f"{low or 'unknown'} to {high}"
+        lines = [
+            f"w = {span}, by the history of the specimen: the pull-off force {show(self.load, 'load')} of "
+            f"{self.result.path} ({control(self.stiffness)})"
+        ]
+        for history, one in self.found:
+            words = history.words + ": at least" * (history.name == AT_MOST)
+            if isinstance(one, Unknown):
+                lines.append(f"  {words}: none: {one}")
+                continue
+            error = "" if isinstance(one.error, Unknown) or not one.parts else f" ± {show(one.error, 'work', 3)}"
+            series = one.series if isinstance(one.series, Unknown) else one.series / one.work.w
+            lines.append(
+                f"  {words}: w = {show(one.work.w, 'work')}{error}, {tables.state_words(one.work.point, 'a')}; "
+                f"{tables.error_words(series, one.large_strains)}"
+            )
+        if not any(one.parts for _, one in self.found if not isinstance(one, Unknown)):
+            lines.append(f"  {OF_INPUTS}")
+        return lines + _validity(self.result)
+
+
+def _measured_as_json(means: MeasuredWork) -> dict[str, Any]:
+    """w and its errors [J/m^2], and where contact is lost with it."""
+    data = {
+        "w_J_per_m2": means.work.w,
+        "w_err_J_per_m2": known(means.error),
+        "w_err_by_input_J_per_m2": dict(means.parts),
+        "w_err_of_series_J_per_m2": known(means.series),
+        "pull_off": tables.point(means.work.point),
+        **tables.strains(means.large_strains),
+    }
+    return data | ({"error": means.error.reason} if isinstance(means.error, Unknown) else {})
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredPullOff(Result):
+    """What a measured pull-off force means."""
+
+    means: MeasuredWork
+
+    @property
+    def warnings(self) -> list[str]:
+        means = self.means
+        doubt = implausible_work(means.work.w, means.result.problem.E_star)
+        return [f"{means.result.path}: {doubt}"] if doubt else []
+
+    def summary(self) -> dict[str, Any]:
+        means, work = self.means, self.means.work
+        return {
+            "file": str(means.result.path),
+            "load_N": work.load,
+            **tables.device(work.stiffness),
+            **_measured_as_json(means),
+            "w_half_space_J_per_m2": work.half_space,
+            "validity": tables.validity(means.result, work.point),
+        }
+
+    def words(self) -> list[str]:
+        means, work = self.means, self.means.work
+        error = "" if isinstance(means.error, Unknown) or not means.parts else f" ± {show(means.error, 'work', 3)}"
+        change = means.large_strains
+        lines = [
+            f"w = {show(work.w, 'work', tables.digits(work.w, change))}{error}: the pull-off force "
+            f"{show(work.load, 'load')} of {means.result.path} ({control(work.stiffness)}, "
+            f"{tables.state_words(work.point, 'a')})"
+        ]
+        if means.parts:
+            parts = (f"{name} {show(part, 'work')}" for name, part in means.parts.items())
+            lines.append(f"  standard error from {', '.join(parts)}")
+        else:
+            lines.append(f"  {OF_INPUTS}")
+        series = means.series if isinstance(means.series, Unknown) else means.series / work.w
+        lines.append(f"  {tables.error_words(series, change)}")
+        if work.half_space is None:
+            lines.append("  no tip radius: 1.5 pi w R is not defined for this indenter")
+        else:
+            under = "" if work.stiffness == LOAD_CONTROL else " under load control"
+            lines.append(
+                f"  1.5 pi w R of a half-space{under} would have given {show(work.half_space, 'work')}, "
+                f"{work.half_space / work.w:.3g} times this body's"
+            )
+        return lines + _validity(means.result, work.point)
+
+
+def _solved(result: Analysis, behaviour: Behaviour) -> bool:
+    return isinstance(behaviour.pull_off, Equilibrium) and is_solved(result.curve, behaviour.pull_off)
+
+
+def _control(result: Analysis, behaviour: Behaviour, error: Errors | Unknown | None) -> list[str]:
+    """Points, jumps and energies under one control."""
+    point = behaviour.pull_off
+    digits = tables.digits(point.P, result.large_strains(point)) if isinstance(point, CriticalPoint) else 4
+    between = "; interpolated" if not _solved(result, behaviour) and error and not isinstance(error, Unknown) else ""
+    if isinstance(point, CriticalPoint) and result.law is None and result.curve.series.a0 > 0:
+        between = "; at the rim of the flat end" if point.a == result.curve.series.a[0] else between
+    lines = [f"  {control(behaviour.stiffness)}", f"    pull-off            {_point(point, digits)}{between}"]
+    if isinstance(error, Unknown):
+        lines.append(f"    its error           {error}")
+    others = [other for other in behaviour.critical if other != point]
+    if not behaviour.critical and not isinstance(point, Unknown):
+        lines.append("    critical points     none in the series")
+    lines += [f"    other {other.kind:<14}{_point(other)}" for other in others]
+    lines += [
+        f"    jumps back          {_point(jump.start)}  to  {_point(jump.end)}"
+        for jump in behaviour.partial
+        if jump.end
+    ]
+    onset = ", delta = 0  " if behaviour.onset == 0 else ", attracted  "
+    lines += [
+        f"    jump-in{onset}{_point(behaviour.jump_in)}",
+        f"    energy lost         {tables.energy_words(behaviour.energy_lost, tables.energy_lost_error(behaviour))}",
+    ]
+    if behaviour.separation != behaviour.energy_lost:
+        separation = tables.energy_words(behaviour.separation, tables.separation_error(behaviour))
+        lines.append(f"    work of separation  {separation}")
+    return lines
+
+
+def _point(point: Equilibrium | Unknown, digits: int = 4) -> str:
+    if isinstance(point, Unknown):
+        return f"none: {point.reason}"
+    c = "" if point.c is None else f"  c = {show(point.c, 'length')}"
+    P = show(point.P, "load", digits)
+    return f"P = {P:<12} delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}{c}"
+
+
+def _validity(result: Analysis, *points: CriticalPoint | Unknown) -> list[str]:
+    """JKR holds, is doubtful or does not: by every number that the body has, with pull-off at ``points``, then the
+    other warnings."""
+    judged = result.validity_at(*points)
+    tabor = [f"Tabor number {judged.tabor:.3g}: {judged.regime}"] if isinstance(judged.tabor, float) else []
+    warnings = [warning for warning in judged.warnings if not warning.startswith(ABOVE)]
+    warnings += [*yielding(result.problem, result.curve), *getattr(result.curve, "doubts", ())]
+    warnings += faces(result.problem.indenter, result.w, bool(result.problem.layers))
+    lines = [*tabor, ", ".join(tables.size_words(judged, SIZES)), *warnings]
+    return [f"  {line}" for line in lines if line.strip()]
+
+
+# --------------------------------------------------------------------------------------------------
+# The cycle of a device in equilibrium: its trace, in words and as JSON.
+
+
+@dataclass(frozen=True, eq=False)
+class Cycled(Result):
+    """What a device records that presses bodies together and pulls them apart, however slowly; ``points``: rows of a
+    branch; ``history``: of a viscoelastic specimen, in words; ``large_strains``: of the pull-off force."""
+
+    file: Path
+    cycle: Cycle
+    points: int = ROWS
+    history: str = ""
+    large_strains: Strains = None
+
+    @classmethod
+    def of(
+        cls, curves: Sequence[Analysis], stiffness: float, load: float | None = None, depth: float | None = None,
+        points: int = ROWS, history: str = "",
+    ) -> Cycled:  # fmt: skip
+        """The cycle on the ``curves`` of approach and retraction that turns at a ``load`` [N] or ``depth`` [m]."""
+        inwards, outwards = (result.curve for result in curves)
+        whole = load is None and depth is None
+        turn = None if whole else turning_radius(inwards, stiffness, load=load, depth=depth)
+        found = cls.on(curves[0].path, inwards, outwards, stiffness, turn, points, history)
+        lost = outwards.pull_off(stiffness)
+        return replace(found, large_strains=curves[1].large_strains(lost)) if isinstance(lost, CriticalPoint) else found
+
+    @classmethod
+    def from_rest(
+        cls, file: Path, relaxed: EquilibriumCurve, pulled: FromRest, stiffness: float, points: int = ROWS,
+        history: str = "",
+    ) -> Cycled:  # fmt: skip
+        """The cycle of a viscoelastic specimen that is loaded slowly to the rest of ``pulled``, then pulled at once."""
+        try:
+            return cls.on(file, relaxed, pulled, stiffness, pulled.rest.a, points, history)
+        except InputError as error:
+            raise InputError(
+                [line if line.startswith(str(file)) else f"{file}: {line}" for line in error.lines]
+            ) from None
+
+    @classmethod
+    def on(
+        cls, file: Path, inwards: EquilibriumCurve, outwards: EquilibriumCurve, stiffness: float, turn: float | None,
+        points: int, history: str = "",
+    ) -> Cycled:  # fmt: skip
+        """The cycle on one curve and back on another from the radius ``turn`` [m] (None: the end of the series)."""
+        traced = cycle(inwards, outwards, stiffness, turn)
+        if isinstance(traced, Unknown):
+            raise InputError(f"{file}: {traced.reason}")
+        return cls(file, traced, points, history)
+
+    @cached_property
+    def columns(self) -> dict[str, Array]:  # type: ignore[override]
+        return trace(self.cycle, self.points)
+
+    def figure(self) -> Figure:
+        from .plots.forward import cycle_figure
+
+        contact = self.cycle.contact
+        title = tables.cycle_title(control(self.cycle.stiffness), contact.advancing.w, contact.receding.w, self.history)
+        return cycle_figure(self.columns, title)
+
+    @cached_property
+    def _energies(self) -> tuple[tuple[str, Estimate, Estimate], ...]:
+        """Both energies [J] by their names, with their half-widths."""
+        cycle = self.cycle
+        return (
+            ("energy lost per cycle", cycle.energy_lost, energy_lost_error(cycle)),
+            ("work of separation", cycle.separation, separation_error(cycle.retraction)),
+        )
+
+    def summary(self) -> dict[str, Any]:
+        """Jumps, turn and energies of a trace, SI."""
+        cycle = self.cycle
+        return {
+            "file": str(self.file),
+            **tables.device(cycle.stiffness),
+            "w_approach_J_per_m2": cycle.contact.advancing.w,
+            "w_retract_J_per_m2": cycle.contact.receding.w,
+            "jump_in": tables.point(cycle.begin),
+            "turn_a_m": cycle.contact.advancing.point(cycle.turn).a,
+            "jumps_on_approach": [tables.jump(jump) for jump in cycle.approach.jumps],
+            "jumps_on_retraction": [tables.jump(jump) for jump in cycle.retraction.jumps],
+            "contact_lost": cycle.retraction.ends == "lost",
+            **tables.energies(energy_lost=self._energies[0][1:], work_of_separation=self._energies[1][1:]),
+            **tables.strains(self.large_strains),
+        }
+
+    def words(self) -> list[str]:
+        """In the order in which the device passes its events."""
+        cycle, inwards, outwards = self.cycle, self.cycle.contact.advancing, self.cycle.contact.receding
+        begin, onset = cycle.begin, inwards.onset
+        jump_in = f"jump-in at delta = {show(onset, 'length') if onset else 0} to"
+        start = jump_in if inwards.w > 0 else "contact grows from a point; first of the series:"
+        lines = [
+            f"{_energy_words(self._energies)}: {self.file}",
+            _device_words(cycle.stiffness, inwards.w, outwards.w),
+            f"  {start} {tables.state_words(begin, 'P a')}",
+            f"  turn at {tables.state_words(inwards.point(cycle.turn), 'a')}",
+            *(f"  {_jump(jump)}" for jump in (*cycle.approach.jumps, *cycle.retraction.jumps)),
+        ]
+        if cycle.retraction.ends != "lost":
+            lines.append("  contact is not lost within the series: the trace ends at its smallest radius")
+        elif self.large_strains is not None:
+            lines.append(f"  {strain_words(self.large_strains)} of the pull-off force (model)")
+        return lines
+
+
+@dataclass(frozen=True, eq=False)
+class CycledByProgram(Result):
+    """What a device records that does what a table says, however slowly, with turns anywhere; ``points``: rows of a
+    piece."""
+
+    file: Path
+    trace: path.Path
+    points: int = ROWS
+
+    @classmethod
+    def of(cls, curves: Sequence[Analysis], stiffness: float, program: Program, points: int = ROWS) -> CycledByProgram:
+        """The path on the ``curves`` of approach and retraction under ``program``; a step would have no way."""
+        if (steps := np.flatnonzero(np.diff(program.t) == 0)).size:
+            raise InputError(f"program: row {int(steps[0]) + 2} is a step: without --rate give it the time of a way")
+        inwards, outwards = (result.curve for result in curves)
+        traced = path.path(path.QuasiStatic(inwards, outwards, stiffness), program)
+        if traced.out_of_series is not None:
+            raise InputError(f"{curves[0].path}: {traced.out_of_series}")
+        return cls(curves[0].path, traced, points)
+
+    @cached_property
+    def columns(self) -> dict[str, Array]:  # type: ignore[override]
+        return {name: column for name, column in self.trace.rows(self.points).items() if name != "G_J_per_m2"}
+
+    def figure(self) -> Figure:
+        from .plots.forward import history_figure
+
+        inwards, outwards = self.trace.contact.advance.curve, self.trace.contact.recede.curve
+        title = tables.cycle_title(self.trace.control, inwards.w, outwards.w)
+        return history_figure(self.columns, self.trace.jumps, title)
+
+    def summary(self) -> dict[str, Any]:
+        trace = self.trace
+        return {
+            "file": str(self.file),
+            **tables.device(trace.contact.stiffness),
+            "w_approach_J_per_m2": trace.contact.advance.curve.w,
+            "w_retract_J_per_m2": trace.contact.recede.curve.w,
+            "jumps": list(map(tables.timed_jump, trace.jumps)),
+            "contact_lost": trace.pieces[-1].ends == "lost" or trace.pieces[-1].phase == path.FREE,
+            "work_of_device_J": trace.work,
+        }
+
+    def words(self) -> list[str]:
+        trace = self.trace
+        works = (edge.curve.w for edge in (trace.contact.advance, trace.contact.recede))
+        return [
+            f"work of the device {trace.work:.4g} J: {self.file}",
+            _device_words(trace.contact.stiffness, *works),
+            *(f"  t = {show(jump.t, 'time')}: {_jump(jump)}" for jump in trace.jumps),
+        ]
+
+
+def _energy_words(energies: Sequence[tuple[str, Estimate, Estimate]]) -> str:
+    """Each energy [J] by its name, with its half-width; those of one reason why there are none together."""
+    known = [one for one in energies if not isinstance(one[1], Unknown)]
+    parts = [f"{name} {tables.energy_words(energy, error)}" for name, energy, error in known]
+    unknown = {name: energy.reason for name, energy, _ in energies if isinstance(energy, Unknown)}
+    for reason in dict.fromkeys(unknown.values()):
+        parts.append(f"{' and '.join(name for name, why in unknown.items() if why == reason)}: none, {reason}")
+    return "; ".join(parts)
+
+
+def _device_words(stiffness: float, approach: float, retraction: float) -> str:
+    """The control, and the works of adhesion [J/m^2]."""
+    return f"  {control(stiffness)}, w = {show(approach, 'work')} on approach, {show(retraction, 'work')} on retraction"
+
+
+def _jump(jump: Jump) -> str:
+    start = tables.state_words(jump.start)
+    if jump.end is None:
+        return f"contact is lost at {start}"
+    return f"contact jumps from {start} to {tables.state_words(jump.end, 'P a')}"
+
+
+# --------------------------------------------------------------------------------------------------
+# Two results of the same problem: how far they lie apart, column by column.
+
+
+@dataclass(frozen=True, eq=False)
+class Compared(Result):
+    """Differences of the ``second`` from the ``first``; they ``agree`` where none of the columns that are ``counting``
+    differs by more than ``rtol``."""
+
+    first: Path
+    second: Path
+    differences: Sequence[Difference]
+    rtol: float
+    counting: Collection[str]
+
+    @classmethod
+    def of(
+        cls, files: tuple[Path, Path], solutions: Callable[[], Sequence[Solution]], rtol: float,
+        counting: Iterable[str], overlap: float,
+    ) -> Compared:  # fmt: skip
+        """Two CSV ``files`` of adhesive curves, of which all columns count where none is named, or else the series that
+        ``solutions`` gives, of which P does. InputError where a column is not in both, or where less than ``overlap``
+        of their range is."""
+        if files[0].suffix == ".csv":
+            differences = curve_differences(*map(read_curve, files))
+            counts = set(counting) or {one.column for one in differences}
+        else:
+            differences, counts = _of_solutions(files, *solutions()), set(counting) or {"P"}
+        if missing := counts - {one.column for one in differences}:
+            raise InputError(f"compare: column {sorted(missing)[0]} is not in both files")
+        for one in differences:
+            if one.column in counts and one.coverage < overlap:
+                raise InputError(
+                    f"compare: {files[0]} and {files[1]} share only {one.coverage:.0%} of their range of {one.over}; "
+                    f"load both as far, or allow it with --overlap {one.coverage:.2f}"
+                )
+        return cls(*files, differences, rtol, counts)
+
+    @property
+    def agree(self) -> bool:
+        return all(one.worst <= self.rtol for one in self.differences if one.column in self.counting)
+
+    @cached_property
+    def _rows(self) -> Mapping[str, Mapping[str, Any]]:
+        return {
+            one.column: {
+                "worst": one.worst,
+                "over": one.over,
+                "at": float(one.x[one.worst_row]),
+                "counts": one.column in self.counting,
+            }
+            for one in self.differences
+        }
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        return by_columns([{"column": name, **row} for name, row in self._rows.items()])
+
+    def summary(self) -> dict[str, Any]:
+        files = {"first": str(self.first), "second": str(self.second)}
+        return files | {"rtol": self.rtol, "agree": self.agree, "columns": dict(self._rows)}
+
+    def words(self) -> list[str]:
+        lines = [f"{self.first} against {self.second}: {'agree' if self.agree else 'DIFFER'} at rtol {self.rtol:g}"]
+        for one in self.differences:
+            counts = "" if one.column in self.counting else "  (not counted)"
+            where = f"at {one.over} = {one.x[one.worst_row]:.6g}, {one.x.size} rows of {self.first.name}"
+            lines.append(f"  {one.column:<16} worst {one.worst:.3e} {where}{counts}")
+        return lines
+
+    def figure(self) -> Figure:
+        from .plots.studies import differences_figure
+
+        return differences_figure(self.differences, self.rtol)
+
+
+def _of_solutions(files: tuple[Path, Path], one: Solution, two: Solution) -> list[Difference]:
+    """Differences of two series of the same bodies; InputError where they are of others."""
+    for name in ("indenter", "specimen"):
+        if getattr(one.problem, name) != getattr(two.problem, name):
+            raise InputError(f"{files[1]}: its {name} is not that of {files[0]}; compare results of the same problem")
+    return series_differences(one.filtered, two.filtered)
+
+
+# --------------------------------------------------------------------------------------------------
+# One state of a contact as a result: pressure and shape of its surface, displacement and stress in the body.
+
+COMPONENTS = ("zz", "rr", "tt", "rz", "mises")
+FIELD_COLUMNS = {"r": "r_m", "zz": "sigma_zz_Pa", "rz": "sigma_rz_Pa", "zz_error": "sigma_zz_err_Pa",
+           "rz_error": "sigma_rz_err_Pa", "area": "ring_area_m2"}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Profile(Result):
+    """Pressure, displacement and gap over r around a contact of radius ``a`` [m] with ``w`` [J/m^2]."""
+
+    path: Path
+    a: float
+    w: float
+    columns: Mapping[str, Array]
+
+    def summary(self) -> dict[str, Any]:
+        return {"file": str(self.path), **quantities(self, "a w"), **lists(self.columns)}
+
+    def words(self) -> list[str]:
+        return [f"{state_words(self, 'a w')}: {self.path}"]
+
+    def figure(self) -> Figure:
+        from .plots.forward import profile_figure
+
+        return profile_figure(self.columns, self.a, self.w)
+
+
+@dataclass(frozen=True, eq=False)
+class Fields(Result):
+    """A ``state`` of the bodies of a ``curve`` by finite elements; ``P`` [N]: the load of the series there;
+    ``component``: of the stress in the picture."""
+
+    curve: Analysis
+    P: float
+    state: ContactState
+    component: str = "zz"
+
+    @classmethod
+    def of(
+        cls, curve: Analysis, method: FEM, *, a: float | None = None, load: float | None = None, component: str = "zz"
+    ) -> Fields:
+        """The state at the contact radius ``a`` [m], or at a ``load`` [N] on the stable branch."""
+        from ..methods import contact_state
+
+        if a is None:
+            assert load is not None
+            a = stable_radius(curve.curve, load)
+        delta, P = (float(value) for value in curve.curve.at(np.array(a)))
+        state = contact_state(method, curve.problem, a, delta, _surface(curve, a))
+        return cls(curve, P if load is None else load, state, component)  # but for round-off
+
+    @property
+    def columns(self) -> dict[str, Array]:  # type: ignore[override]
+        """One row for each point of each line."""
+        lines = self.state.lines.items()
+        return {
+            "line": np.concatenate([np.full(line.r.size, name) for name, line in lines]),
+            "depth_m": np.concatenate([np.full(line.r.size, line.depth) for _, line in lines]),
+            **{
+                column: np.concatenate([getattr(line, key) for _, line in lines])
+                for key, column in FIELD_COLUMNS.items()
+            },
+        }
+
+    def summary(self) -> dict[str, Any]:
+        state = self.state
+        return {
+            "file": str(self.curve.path),
+            **quantities(state, "a"),
+            **quantities(self.curve, "w"),
+            **quantities(state, "delta P"),
+            "P_series_N": self.P,
+            "difference": abs(state.P - self.P) / state.lines["surface"].size,
+            "elements": len(state.grid.cells),
+            "lines": {
+                name: {"depth_m": line.depth, "load_N": line.load, "imbalance": state.imbalance[name],
+                       "error": state.error[name]}
+                for name, line in state.lines.items()
+            },
+        }  # fmt: skip
+
+    def words(self) -> list[str]:
+        state, summary = self.state, self.summary()
+        return [
+            f"{state_words(state, 'P a delta')}, w = {show(self.curve.w, 'work')}: {self.curve.path}",
+            f"  load         of the series {show(self.P, 'load')}: {summary['difference']:.0e} of the forces in the "
+            f"contact apart; {summary['elements']} elements",
+            *(
+                f"  {name:<12} carries {show(line['load_N'], 'load'):<10} (balance within {abs(line['imbalance']):.0e})"
+                f"; tractions good to {line['error']:.0e} on average"
+                for name, line in summary["lines"].items()
+            ),
+        ]
+
+    def figure(self) -> Figure:
+        from .plots.forward import contact_zone_figure
+
+        return contact_zone_figure(self.state, self.curve.problem.indenter, self.curve.w, self.component)
+
+    def write_vtu(self, target: Path, mark: str = "") -> None:
+        """Displacement and stresses at all nodes for ParaView, with ``mark`` behind it."""
+        from ..methods import write_vtu
+
+        state = self.state
+        stress = zip(("rr", "tt", "zz", "rz"), state.stress, strict=True)
+        data = {"displacement_m": np.column_stack([state.displacement, np.zeros(len(state.displacement))])}
+        data |= {f"sigma_{name}_Pa": values for name, values in stress}
+        write_vtu(state.grid, target, data | {"von_mises_Pa": state.mises})
+        with target.open("a") as file:
+            file.write(mark)
+
+
+def _surface(curve: Analysis, a: float) -> Callable[[Array], Array] | None:
+    """What an elastic indenter leaves of the displacement on a layered body, from the pressures of method layered; None
+    where it is rigid, or acts by the modulus alone."""
+    from ..methods import surface_profile
+
+    problem = curve.problem
+    if problem.indenter.material is None or problem.is_half_space:
+        return None
+    return lambda r: surface_profile(problem, a, curve.w, r_surface=r).displacement

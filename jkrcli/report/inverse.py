@@ -1,0 +1,1017 @@
+"""Fits as a table, as a summary, and in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.special import ndtri
+
+from ..adhesion import Nonadhesive
+from ..adhesion.validity import NEGLECTED
+from ..base import SI, Array, InputError, Unknown, scale, show
+from ..bodies import Indenter
+from ..data import ARBITRARY, Direction, ForceCurve, examine, measured, saturation, some, text_formats
+from ..fitting import Failure, Fit, FittedValue, JKRBeside, JointFit
+from ..fitting import alternative_tests as record_scores
+from ..fitting import alternatives as record_rivals
+from ..fitting import range_alternative as rivals
+from ..fitting.rate import LawThrough, RateFit, law_along
+from ..fitting.relaxation import RelaxationFit
+from ..fitting.surface_tension import TensionFit
+from ..fitting.work_along_curve import ABOVE, BELOW, NONE, OK, WorkAlong, typical
+from ..resolve import Analysis, adhesive
+from ..resolve.pull_off_range import Rough, rough
+from ..series import Solution
+from . import archive
+from .rate import RELAXATION_NEGLECTED, law_words, relaxation_law_summary, through_summary, through_words
+from .result import SHOWN, Figure, Result, Several
+from .tables import DIMENSIONS, by_columns, quantities, stacked, stiffness, with_unit
+
+ALWAYS = ("file", "curve", "status", "reason", "points")
+SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
+ZERO_POINTS = ("delta0", "P0", "tilt")  # told last
+FITTED, DOUBTFUL, UNUSABLE = "fitted", "doubtful", "unusable"
+VAGUE = "not determined"  # how flags end of what rivals may change by much
+NOTICEABLE = 0.01  # of an error, theory: it is shown to two digits, and a smaller part lies below the second
+
+
+@dataclass(frozen=True, eq=False)
+class Fits(Several):
+    """Curves that were fitted or could not be; ``body``: what they were taken to be of, in words; ``remarks`` on all of
+    them together."""
+
+    outcomes: Sequence[Fit | Failure]
+    body: str
+    remarks: Sequence[str] = ()
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        return columns(self.outcomes)
+
+    @cached_property
+    def fits(self) -> list[Fit]:
+        return [item for item in self.outcomes if isinstance(item, Fit)]
+
+    def summary(self) -> dict[str, Any]:
+        return summary(self.outcomes, self.body)
+
+    @property
+    def parts(self) -> list[list[str]]:
+        if len(self.fits) == 1:
+            return [fit_words(self.fits[0])]
+        each = [[f"{item.where}: {verdict}", *rest] for item in self.fits[:SHOWN]
+                for verdict, *rest in [fit_words(item, once=True)]]  # fmt: skip
+        return [[self._together()], *each] if len(self.fits) > 2 and len(_surfaces(self.fits)) == 1 else each
+
+    def _together(self) -> str:
+        """How many curves were fitted, and the median and the ends of E* and w over them."""
+        doubtful = sum(_status(item) == DOUBTFUL for item in self.fits)
+        parts = []
+        for name in ("E_star", "w"):
+            estimates = [one for item in self.fits for one in item.estimates if one.name == name]
+            if not estimates:
+                continue
+            sizes, dimension = [one.value for one in estimates], estimates[0].dimension
+            middle, low, high = (show(float(size), dimension, 4) for size in np.percentile(sizes, (50, 0, 100)))
+            parts.append(f"{SYMBOLS.get(name, name)} = {middle} (median; {low} to {high})")
+        return f"{', '.join(parts)}: {len(self.fits):,} of {len(self.outcomes):,} curves fitted, {doubtful:,} doubtful"
+
+    @property
+    def warnings(self) -> list[str]:
+        both = len(_surfaces(self.fits)) > 1
+        named = [(f"{item.where}{f', {item.surface}' if both else ''}", item.warnings) for item in self.fits[:SHOWN]]
+        return [*(f"{where}: {line}" for where, lines in named for line in lines), *self.remarks]
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted(Fit, Result):
+    """A fitted curve as a result; ``body``: what was fitted, in words."""
+
+    body: str = ""
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        return columns([self])
+
+    def summary(self) -> dict[str, Any]:
+        return summary([self], self.body)
+
+    def words(self) -> list[str]:
+        return fit_words(self)
+
+    def figure(self) -> Figure:
+        from .plots.inverse import fit_figure
+
+        return fit_figure(self)
+
+
+def _surfaces(fits: Sequence[Fit]) -> set[str]:
+    return {item.surface for item in fits}
+
+
+def columns(outcomes: Sequence[Fit | Failure]) -> dict[str, list[Any]]:
+    """The table of all curves, a row for each in their order, by columns; None where there is no value."""
+    return by_columns([_row(item) for item in outcomes])
+
+
+def _row(item: Fit | Failure) -> dict[str, Any]:
+    if isinstance(item, Failure):
+        cells = (str(item.curve.origin or ""), item.curve.name, UNUSABLE, " ".join(item.lines), None)
+        more = {"quality": 0.0, "flags": "; ".join(item.flags)}
+        return dict(zip(ALWAYS, cells, strict=True)) | _placed(item) | more
+    row: dict[str, Any] = dict(zip(ALWAYS, (item.file, item.name, _status(item), "", item.a.size), strict=True))
+    row |= _placed(item) | {"surface": item.surface}
+    for estimate in item.estimates:
+        parts: dict[str, float | None] = {"": estimate.value}
+        if estimate.free:
+            parts |= {"err": estimate.error, "low": estimate.low, "high": estimate.high}
+        if estimate.model:
+            parts["model"] = math.hypot(*estimate.model.values())
+        row |= {_title(estimate.name, part, estimate.dimension): value for part, value in parts.items()}
+    row |= {"scatter": item.scatter, "lag1": item.structure.lag1}
+    row |= {"correlation_modulus_w": item.correlated("modulus", "w")}
+    if item.quality is not None:
+        row |= {"adhesion_force_N": item.adhesion, "quality": item.quality["quality"], "flags": "; ".join(item.flags)}
+    return row | {"warnings": "; ".join(item.warnings)}
+
+
+def _placed(item: Fit | Failure) -> dict[str, Any]:
+    """Column, row and position of a curve of a map; nothing of others."""
+    at = item.pixel
+    return {} if at is None else {"map_column": at.column, "map_row": at.row, "x_m": at.x, "y_m": at.y}
+
+
+def _title(name: str, part: str, dimension: str) -> str:
+    """The title of a column: ``E_film_err_Pa``."""
+    stem = "modulus_factor" if name == "modulus" else name.replace(":", "_").replace(" ", "_")
+    title = "_".join(filter(None, [stem, part]))
+    return f"{title}_m_per_N" if name == "compliance" else with_unit(title, dimension)
+
+
+def summary(outcomes: Sequence[Fit | Failure], body: str) -> dict[str, Any]:
+    """What stands in the JSON file: per curve everything but the rows themselves."""
+    return identity(archive.FITS, body) | {"curves": [_summary(item) for item in outcomes]}
+
+
+def identity(format: str, body: str) -> dict[str, Any]:
+    """How the summary of a fit to a ``body`` in words begins."""
+    return {"format": format, "version": 1, "body": body}
+
+
+def _summary(item: Fit | Failure) -> dict[str, Any]:
+    if isinstance(item, Failure):
+        return {
+            "file": str(item.curve.origin or ""), "curve": item.curve.name, "status": UNUSABLE,
+            "reason": list(item.lines), "quality": {"quality": 0.0}, "flags": list(item.flags),
+        }  # fmt: skip
+    structure = item.structure
+    return {
+        "file": item.file,
+        "curve": item.name,
+        "surface": item.surface,
+        "status": _status(item),
+        "estimates": {estimate.name: estimate_summary(estimate) for estimate in item.estimates},
+        **{name: getattr(item.settings, name) for name in ("level", "confidence", "loss")},
+        "free": list(item.free),
+        "covariance": None if item.covariance is None else item.covariance.tolist(),
+        "correlation": None if item.correlation is None else item.correlation.tolist(),
+        "points": item.a.size,
+        "left_out": list(item.left_out),
+        "a_m": [float(item.a.min()), float(item.a.max())],
+        "scales": dict(item.scales),
+        "scatter": item.scatter,
+        "degrees_of_freedom": item.dof,
+        "residuals": {
+            "lag1_autocorrelation": structure.lag1,
+            "runs": structure.runs,
+            "runs_expected": structure.expected,
+            "probability": structure.probability,
+        },
+        **({} if item.range_left is None else {"range_left_m": item.range_left}),
+        **_beside(item),
+        **_verdict(item),
+        **({"plan": [asdict(one) for one in item.plan]} if item.plan else {}),
+        **({} if item.quality is None else {"quality": dict(item.quality), "flags": list(item.flags)}),
+        "warnings": list(item.warnings),
+    }
+
+
+def _beside(item: Fit) -> dict[str, Any]:
+    """JKR beside a fit with a range, by what its misfit is larger."""
+    jkr = item.jkr
+    if not isinstance(jkr, JKRBeside):
+        return {} if jkr is None else {"jkr": {"reason": str(jkr)}}
+    return {"jkr": quantities(jkr, "E_star w") | {"misfit": jkr.rms / jkr.rms_of_range}}
+
+
+def _status(item: Fit) -> str:
+    return DOUBTFUL if item.flags else FITTED
+
+
+def estimate_summary(item: FittedValue) -> dict[str, Any]:
+    unit = "m/N" if item.name == "compliance" else SI[item.dimension]
+    numbers: dict[str, Any] = {"value": item.value, "unit": unit, "free": item.free}
+    if item.free:
+        numbers |= {"standard_error": item.error, "low": item.low, "high": item.high}
+    if item.systematic:
+        numbers["systematic"] = dict(item.systematic)
+    if item.model:
+        numbers["model"] = dict(item.model)
+    return numbers
+
+
+def fit_words(item: Fit, once: bool = False) -> list[str]:
+    """A fit as lines of text: the verdict (``once``: as ``brief``), what was free, and what follows from it."""
+    out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
+    status = f"{_status(item)}, " if item.quality is not None or item.flags else ""
+    ways = f", {item.directions}" if item.directions else ""
+    stuck = ", no slip" if item.surface == "sticking" else ""
+    lines = [*verdict_words(item, once), *_range_words(item)]
+    lines += [f"  {item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
+    lines += [f"  {'tip':<12} {item.tip}"] * bool(item.tip)
+    lines += estimate_lines(sorted(item.estimates, key=lambda one: one.name in ZERO_POINTS), item.settings.level)
+    correlation = item.correlated("modulus", "w")
+    more = [] if correlation is None else [f"correlation of E* and w {correlation:.2f}"]
+    lines.append(f"  {'scatter':<12} {', '.join([*_scatter(item), *more])}")
+    if item.quality is not None:
+        parts = ", ".join(f"{name} {value:.2f}" for name, value in item.quality.items() if name != "quality")
+        lines.append(f"  {'quality':<12} {item.quality['quality']:.2f} ({parts})")
+    return lines
+
+
+def verdict_words(item: Fit, once: bool = False) -> list[str]:
+    """E* and w with the parts of their errors; of raw records also whether the model is rejected, what a formula would
+    give, and which rivals the parts by the model are from."""
+    shown, formula = [item.estimate("E_star"), item.work], list[str]()
+    doubts = [flag for flag in item.flags if not flag.endswith(VAGUE)]
+    verdict = brief(shown, item.settings.level, once)
+    verdict += f"; doubtful: {', '.join(doubts)}" if doubts else ""
+    if item.verdict is None:
+        return [verdict]
+    if item.verdict.E_star is not None:
+        by = item.verdict.E_star
+        change = by / item.value("E_star") - 1
+        formula = [f"{item.verdict.formula} at the deepest row would give {show(by, 'modulus', 3)} ({change:+.0%})"]
+    others = item.verdict.rivals
+    rejected = f"; rejected for {' or '.join(others.families)}" if others.named else ""
+    judged = [] if others.named else ["the data ask for no other model"]
+    if tied := item.verdict.tied:
+        rejected = f"; by {tied[0].name} ({parameter_words(tied[0])})"
+        judged = ["JKR as described is rejected", *(f"{one.name} cannot be told from it" for one in tied[1:])]
+    judged += [flag for flag in item.flags if flag.endswith(VAGUE)]
+    parts = dict.fromkeys(name for one in shown for name in one.model or {})
+    judged += [f"(model) is what the data leave of {', '.join(parts)}"] if parts else []
+    return [verdict + rejected, *(f"  {'; '.join(lines)}" for lines in (formula, judged) if lines)]
+
+
+def brief(items: Sequence[FittedValue], level: float, once: bool = False) -> str:
+    """Values with their statistical part, that of inputs, and that of the model, all half-widths at one ``level``;
+    ``once``: the kinds of several parts behind all values, where all have the same."""
+    parts = [_parts(item, level) for item in items]
+    kinds = list(parts[0]) if once and len(parts[0]) > 1 and len(set(map(tuple, parts))) == 1 else []
+    shown = ([f"± {size}" + f" ({kind})" * (not kinds) for kind, size in each.items()] for each in parts)
+    values = ", ".join(" ".join([_value(item), *errors]) for item, errors in zip(items, shown, strict=True))
+    values += f" ({', '.join(kinds)})" * bool(kinds)
+    return values + f", at {100 * level:g} %" * any(item.error is not None for item in items)
+
+
+def _value(item: FittedValue) -> str:
+    none = item.error is None or item.low is item.high is None  # an error beyond any interval tells nothing
+    why = "" if not none else " (not determined by the data)" if item.free else " (held)"
+    return f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension, 4)}{why}"
+
+
+def _parts(item: FittedValue, level: float) -> dict[str, str]:
+    """The parts of the error by their kinds, in the unit of the value, those that are noticeable."""
+    if item.error is None or item.low is item.high is None:
+        return {}
+    half = item.error * float(ndtri((1 + level) / 2))
+    if item.low is not None and item.high is not None:
+        half = (item.high - item.low) / 2
+    calibration = half * min(math.hypot(*(item.systematic or {}).values()) / (item.error or 1.0), 1.0)
+    own = math.sqrt(half**2 - calibration**2)
+    parts = {"statistical": own, "calibration": calibration, "model": math.hypot(*(item.model or {}).values())}
+    unit, _ = scale(item.value, item.dimension)
+    return {kind: f"{float(f'{size / unit:.2g}'):g}" for kind, size in parts.items() if size > NOTICEABLE * own}
+
+
+def parameter_words(one: record_scores.FittedRival) -> str:
+    """What else a rival in full tells, in words."""
+    values = (f"{name} {show(value, record_rivals.OF_RIVALS[name], 3)}" for name, value in one.quantities.items())
+    return ", ".join([*values, f"chi^2 {-one.falls:.3g}"])
+
+
+def rivals_table(item: Fit) -> list[str]:
+    """A line per rival of a raw record: what the data say, how much of it they ask for, and how E* and w would move."""
+    if item.verdict is None:
+        return []
+    head = f"  {'rival':<44}{'the data':<23}{'p':>9}{'E*':>8}{'w':>8}{'chi^2':>10}"
+    return [head, *(
+        f"  {one.name:<44}{one.word:<23}{one.chance:>9.1g}{one.change(one.E_star):>+8.1%}{one.change(one.w):>+8.1%}"
+        f"{-one.taken:>10.3g}" for one in item.verdict.rivals.scores
+    ), *(
+        f"  in full: {one.name}: {'taken' if one.taken else f'not taken, p = {one.chance:.1g}'}, "
+        f"E* {show(one.E_star, 'modulus', 4)}, w {show(one.w, 'work', 4)}, {parameter_words(one)}"
+        for one in item.verdict.fitted
+    )]  # fmt: skip
+
+
+def plan_table(item: Fit) -> list[str]:
+    """What further measurements would tell, the best for E* and for w marked."""
+    best = [min((getattr(one, name) for one in item.plan), default=0.0) for name in ("E_star", "w")]
+    head = [f"  {'a further measurement':<32}{'E* within':>12}{'w within':>12}"] * bool(item.plan)
+    return head + [
+        f"  {one.words:<32}"
+        + "".join(f"{value:>11.2%}{'*' if value == least else ' '}"
+                  for value, least in zip((one.E_star, one.w), best, strict=True))
+        for one in item.plan
+    ]  # fmt: skip
+
+
+def _verdict(item: Fit) -> dict[str, Any]:
+    """Rivals of a raw record, each with its score, and what a formula makes of the deepest row."""
+    if item.verdict is None:
+        return {}
+    verdict = item.verdict
+    return {"verdict": {
+        "model": verdict.tied[0].name if verdict.tied else "jkr",
+        "named": [one.name for one in verdict.rivals.named], "families": list(verdict.families),
+        "in_full": [_tried_summary(one) for one in verdict.fitted],
+        "misfit": verdict.rivals.misfit / verdict.rivals.dof, "free_rows_tell_the_noise": verdict.rivals.loose > 0,
+        "formula": {"name": verdict.formula, "E_star_Pa": verdict.E_star} if verdict.E_star is not None else None,
+        "rivals": [_score_summary(one) for one in verdict.rivals.scores],
+    }}  # fmt: skip
+
+
+def _tried_summary(one: record_scores.FittedRival) -> dict[str, Any]:
+    """A rival in full: how much of the misfit it takes, what it makes of E* and w, and what else it tells."""
+    parameters = {with_unit(name, record_rivals.OF_RIVALS[name]): value for name, value in one.quantities.items()}
+    return {
+        "name": one.name, "family": one.family, "taken": one.taken, "chi2_falls": one.falls, "p": one.chance,
+        **quantities(one, "E_star w"), **parameters,
+    }  # fmt: skip
+
+
+def _score_summary(one: record_scores.Score) -> dict[str, Any]:
+    """A rival: its amount, what the data say, and the relative moves of E* and w with what was found of it."""
+    error = one.error if math.isfinite(one.error) else None
+    return {
+        "name": one.name, "family": one.family, "word": one.word, "amount_is": one.amount_is, "amount": one.amount,
+        "standard_error": error, "p": one.chance, "share_of_misfit": one.share,
+        "E_star_moves": one.change(one.E_star), "w_moves": one.change(one.w),
+        "E_star_may_move": one.moved(one.E_star), "w_may_move": one.moved(one.w),
+    }  # fmt: skip
+
+
+def _range_words(item: Fit) -> list[str]:
+    """A line on the longest range that the rows leave, where w rests on it more than on the noise."""
+    w, left = item.work, item.range_left
+    part = (w.model or {}).get(rivals.RANGE, 0.0)
+    if left is None or w.low is None or w.high is None or part < w.high - w.low:
+        return []
+    moved = f"the data allow up to {show(left, 'length', 2)}, which would change w by {show(part, 'work', 2)}"
+    return [f"  {'range':<12} {moved}; if it is known to be shorter: --bound range=..LENGTH"]
+
+
+def estimate_lines(items: Iterable[FittedValue], level: float, names: Mapping[str, str] = SYMBOLS) -> list[str]:
+    """A line for each free parameter but the factor of all moduli, by its name or that in ``names``."""
+    shown = (item for item in items if item.free and item.name != "modulus")
+    return [f"  {names.get(item.name, item.name):<12} {estimate_words(item, level)}" for item in shown]
+
+
+def estimate_words(estimate: FittedValue, level: float) -> str:
+    dimension = estimate.dimension
+    text = f"{show(estimate.value, dimension, 5):<14}"
+    if estimate.error is None:
+        text += " (not determined by the data)"
+        if estimate.low is None and estimate.high is None:
+            return text
+    else:
+        text += f" ± {show(estimate.error, dimension, 2):<12}"
+    ends = [None if end is None else show(end, dimension, 5) for end in (estimate.low, estimate.high)]
+    text += f" {level:.0%}: {ends[0] or 'no lower limit'} to {ends[1] or 'no upper limit'}"
+    named = (estimate.systematic or {}).items()
+    least = NOTICEABLE * (estimate.error or 0.0)
+    parts = [f"{name} {show(value, dimension, 2)}" for name, value in named if value > least]
+    text += f" (of which {', '.join(parts)})" if parts else ""
+    if estimate.model:
+        text += f"; systematic (model) ± {show(math.hypot(*estimate.model.values()), dimension, 2)}"
+    return text
+
+
+def _scatter(item: Fit) -> list[str]:
+    """Standard deviation of the readings as the residuals have it."""
+    return [f"{show(item.scatter * scale, DIMENSIONS[name], 2)} in {name}" for name, scale in item.scales.items()]
+
+
+# --------------------------------------------------------------------------------------------------
+# Records fitted together as a table, as a summary and in words: what they share, a surface tension, or a law of w
+# over the speed of the contact's edge.
+
+
+@dataclass(frozen=True, eq=False)
+class JointFitted(JointFit, Result):
+    """Records fitted together as a result; ``body``: what was fitted, in words; ``level`` of their intervals."""
+
+    body: str = ""
+    level: float = 0.95
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        """A row for each record: what all share, and its own."""
+        return columns(self.fits)
+
+    def summary(self) -> dict[str, Any]:
+        return identity("jkr-joint-fit", self.body) | {
+            "shared": {item.name: estimate_summary(item) for item in self.shared},
+            "correlation": np.asarray(self.correlation).tolist(),
+            "chance": self.chance,
+            "status": DOUBTFUL if self.flags else FITTED,
+            "flags": list(self.flags),
+            "alone": [dict(values) for values in self.alone],
+            "curves": summary(self.fits, self.body)["curves"],
+            "warnings": list(self.warnings),
+        }
+
+    def words(self) -> list[str]:
+        """What is shared, then what each record says alone, and its own."""
+        shared = [item for item in self.shared if item.name != "modulus"]
+        lines = [
+            brief(shared, self.level) + (f"; {DOUBTFUL}: {', '.join(self.flags)}" if self.flags else ""),
+            f"  {len(self.fits)} records together (p = {self.chance:.2g} that such records differ as much)",
+        ]
+        lines += estimate_lines(shared, self.level, {})
+        dimensions = {item.name: item.dimension for item in self.shared}
+        for one, values in zip(self.fits, self.alone, strict=True):
+            own = [item for item in one.estimates if item.free and item.name not in dimensions]
+            parts = [f"{name} = {show(value, dimensions[name], 4)}" for name, value in values.items()]
+            rest = ", ".join(f"{i.name} = {show(i.value, i.dimension, 4)}" for i in own if i.dimension != "modulus")
+            lines.append(f"  {one.name}: alone {', '.join(parts)}; its own {rest or 'none'}")
+        return lines
+
+    def figure(self) -> Figure:
+        from .plots.inverse import joint_figure
+
+        return joint_figure(self)
+
+
+@dataclass(frozen=True, eq=False)
+class TensionFitted(TensionFit, Result):
+    """A common fit as a result; ``body``: what was fitted, in words; ``level`` of its intervals."""
+
+    body: str = ""
+    level: float = 0.95
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        """All rows of all records: readings and the fitted load."""
+        return stacked([
+            {"curve": [record.name] * loads.size, "delta_m": record.depth, "P_N": record.load, "P_fit_N": loads}
+            for record, loads in zip(self.records, self.loads, strict=True)
+        ])  # fmt: skip
+
+    def summary(self) -> dict[str, Any]:
+        return identity("jkr-tension-fit", self.body) | {
+            "estimates": {item.name: estimate_summary(item) for item in self.estimates},
+            "free": list(self.free),
+            "correlation": np.asarray(self.correlation).tolist(),
+            "scatter_N": self.scatter,
+            "warnings": list(self.warnings),
+        }
+
+    def words(self) -> list[str]:
+        rows = sum(map(len, self.records))
+        together = "1 record" if len(self.records) == 1 else f"{len(self.records)} records together"
+        free = [item for item in self.estimates if item.free]
+        mixed = f"; one radius does not separate the tension from {' and '.join(self.mixed)}" if self.mixed else ""
+        lines = [
+            brief(free, self.level) + mixed,
+            f"  {together}, {rows} rows, scatter of the load {show(self.scatter, 'load', 2)}",
+        ]
+        known = [f"{item.name} = {show(item.value, item.dimension)}" for item in self.estimates if not item.free]
+        lines += [f"  {item.name:<24} {estimate_words(item, self.level)}" for item in free]
+        return lines + ([f"  fixed: {', '.join(known)}"] if known else [])
+
+
+@dataclass(frozen=True, eq=False)
+class LawFit(RateFit, Result):
+    """A common fit of records at several speeds as a result; ``body``: what was fitted, in words."""
+
+    body: str = ""
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        """All rows of all records: readings, prediction, and the edge's speed and radius."""
+        tables = []
+        measured = any(record.a is not None for record in self.records)
+        for record, prediction in zip(self.records, self.predictions, strict=True):
+            values: dict[str, Any] = {
+                "curve": [record.curve.name] * record.t.size, "t_s": record.t, "P_N": record.P,
+                "P_fit_N": prediction.P + self.zero, "a_fit_m": prediction.a,
+                "speed_m_per_s": np.where(prediction.speed > 0, -prediction.speed, 0.0),
+            }  # fmt: skip
+            if measured:
+                values["a_m"] = np.full(record.t.size, np.nan) if record.a is None else record.a
+            tables.append(values)
+        return stacked(tables)
+
+    def summary(self) -> dict[str, Any]:
+        return identity("jkr-rate-fit", self.body) | {
+            "law": self.settings.law,
+            "free": list(self.free),
+            "level": self.settings.level,
+            "estimates": {item.name: estimate_summary(item) for item in self.estimates},
+            "records": [
+                {"curve": record.curve.where, "rows": record.t.size, "device_speed_m_per_s": record.speed,
+                 "stiffness_N_per_m": stiffness(record.stiffness),
+                 "noise_P_N": record.noise["P"]} for record in self.records
+            ],
+            "edge_speeds_m_per_s": list(self.speeds),
+            "scatter": self.scatter,
+            "degrees_of_freedom": self.dof,
+            "neglected": NEGLECTED,
+            "warnings": list(self.warnings),
+        }  # fmt: skip
+
+    def words(self) -> list[str]:
+        rows = sum(record.t.size for record in self.records)
+        speeds = " to ".join(show(v, "speed", 3) for v in self.speeds)
+        records = f"{len(self.records)} record{'s' if len(self.records) > 1 else ''}"
+        free = [item for item in self.estimates if item.free and item.name in ("E_star", "w0")]
+        return [
+            brief(free, self.settings.level),
+            f"  {records}, {rows} rows; {law_words(self.law)}; edge {speeds}",
+            *estimate_lines(self.estimates, self.settings.level),
+            f"  {'scatter':<12} {self.scatter:.3g} of the noise from row to row",
+        ]
+
+    def figure(self) -> Figure:
+        from .plots.forward import rate_fit_figure
+
+        return rate_fit_figure(self)
+
+
+# --------------------------------------------------------------------------------------------------
+# Fits of relaxation as a table, as a summary and in words.
+
+
+class _OfFits(Several):
+    """Results of ``fits`` of one law, each to a record, on a ``body``."""
+
+    fits: Sequence[RelaxationFit]
+    body: str
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        """A row per record: its estimates with their standard errors, and the scatter."""
+        return by_columns([
+            {"curve": fit.record.curve.where, "law": fit.settings.law, **_values(fit), "scatter": fit.scatter,
+             "rows": fit.record.t.size} for fit in self.fits
+        ])  # fmt: skip
+
+    def summary(self) -> dict[str, Any]:
+        level, fits = self.fits[0].settings.level, [_fit(fit) for fit in self.fits]
+        return identity("jkr-relaxation-fit", self.body) | {
+            "level": level,
+            "fits": fits,
+            "neglected": RELAXATION_NEGLECTED,
+        }
+
+    @property
+    def parts(self) -> list[list[str]]:
+        return list(map(_words, self.fits))
+
+    def figure(self) -> Figure:
+        from .plots.forward import relaxation_fit_figure
+
+        return relaxation_fit_figure(self.fits)
+
+
+@dataclass(frozen=True, eq=False)
+class RelaxationFits(_OfFits):
+    """Fits of one law, each of a record; ``body``: what was fitted, in words."""
+
+    fits: Sequence[RelaxationFit]
+    body: str
+
+    @property
+    def warnings(self) -> list[str]:
+        return [f"{fit.record.curve.where}: {line}" for fit in self.fits for line in fit.warnings]
+
+
+@dataclass(frozen=True, eq=False)
+class RelaxationFitted(RelaxationFit, _OfFits):
+    """A fit as a result; ``body``: what was fitted, in words."""
+
+    body: str = ""
+
+    @property
+    def fits(self) -> Sequence[RelaxationFit]:  # type: ignore[override]
+        return [self]
+
+
+def _values(fit: RelaxationFit) -> dict[str, float | None]:
+    """The free parameters with their standard errors."""
+    free = [item for item in fit.estimates if item.free and item.name != "modulus"]
+    named = ((f"{item.name}_{SI[item.dimension]}".rstrip("_"), item) for item in free)
+    return {key: value for name, item in named for key, value in ((name, item.value), (f"{name}_error", item.error))}
+
+
+def _fit(fit: RelaxationFit) -> dict[str, Any]:
+    record = fit.record
+    return {
+        "curve": record.curve.where,
+        "rows": record.t.size,
+        "control": record.control,
+        "stiffness_N_per_m": stiffness(record.stiffness),
+        "relaxation": relaxation_law_summary(fit.relaxation),
+        "free": list(fit.free),
+        "estimates": {item.name: estimate_summary(item) for item in fit.estimates},
+        "scatter": fit.scatter,
+        "degrees_of_freedom": fit.dof,
+        "status": DOUBTFUL if fit.doubts else FITTED,
+        "warnings": list(fit.warnings),
+    }
+
+
+def _words(fit: RelaxationFit) -> list[str]:
+    """Lines for people."""
+    record, level = fit.record, fit.settings.level
+    control = "displacement of the tip" if record.control == "tip" else record.control
+    pieces = len(record.knots[0]) - 1
+    straight = f"held, {pieces} straight piece{'s' if pieces > 1 else ''}"
+    motion = "as it was read" if record.read else straight
+    own = [fit.estimate(name) for name in ("E_star", *fit.free) if name not in ("modulus", *ZERO_POINTS)]
+    doubts = f"; doubtful: {', '.join(fit.doubts)}" if fit.doubts else ""
+    return [
+        brief(own, level) + doubts,
+        f"  {record.curve.where}: {fit.relaxation}; {record.t.size} rows, the {control} {motion}",
+        *estimate_lines(fit.estimates, level, {"E_star": "E*" if fit.settings.law == "power" else "E* instant"}),
+        f"  {'scatter':<12} {fit.scatter:.3g} of the noise from row to row",
+    ]
+
+
+# --------------------------------------------------------------------------------------------------
+# The work of adhesion along measured curves as a table, as a summary, and in words.
+
+FORMAT, WORK_VERSION = "jkr-work", 1  # type and version of the JSON
+QUARTILES = (0.25, 0.5, 0.75)  # shares of the rows below each
+MANY = 0.1  # of the rows: as many without a work of adhesion are worth a warning
+
+
+@dataclass(frozen=True, eq=False)
+class Work(Result):
+    """The work of adhesion along the ``curves`` in the file at ``path`` on a ``body``; the ``law`` over the speed of
+    the edge through them, where there is one, and why others were ``skipped``."""
+
+    path: Path
+    curves: Sequence[WorkAlong]
+    skipped: Sequence[str]
+    body: Analysis
+    law: LawThrough | Unknown | None
+
+    @classmethod
+    def of(
+        cls, path: Path, curves: list[WorkAlong], skipped: Sequence[str], solution: Solution, unit: Nonadhesive,
+        modulus_factor: float,
+    ) -> Work:  # fmt: skip
+        """The ``curves`` on a ``solution`` with its functions ``unit``."""
+        return cls(path, curves, skipped, adhesive(solution, unit, typical(curves), modulus_factor), law_along(curves))
+
+    @cached_property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        """All rows of all curves, a curve at a time; None where there is no value. Quantities that no curve has make
+        no column, but for the error of w: that is empty where the noise is not known."""
+        names = {name for item in self.curves for name, (values, _) in _numbers(item).items() if values is not None}
+        names.add("w_err_J_per_m2")
+        # The columns that are called `names`.
+        return stacked(
+            [
+                _labels(item)
+                | (
+                    {
+                        name: [None] * rows.size if values is None else np.where(rows, values, np.nan).tolist()
+                        for name, (values, rows) in _numbers(item).items()
+                        if name in names
+                    }
+                )
+                for item in self.curves
+            ]
+        )
+
+    def summary(self) -> dict[str, Any]:
+        """Per curve and for the body."""
+        body = self.body
+        return {
+            "format": FORMAT,
+            "version": WORK_VERSION,
+            "file": str(self.path),
+            "series": str(body.path),
+            "title": body.solution.record.title,
+            "modulus_factor": body.modulus_factor,
+            "slopes": body.curve.slopes.method,
+            "errors": body.budget.as_dict(),
+            "curves": [curve_summary(item) for item in self.curves],
+            "skipped": list(self.skipped),
+            "warnings": self._body_warnings,
+            "rate_law": through_summary(self.law),
+        }
+
+    def words(self) -> list[str]:
+        lines = [line for item in self.curves[:SHOWN] for line in work_words(item)]
+        if len(self.curves) > SHOWN:
+            lines.append(f"  ... and {len(self.curves) - SHOWN} more curves")
+        return lines + ([] if self.law is None else [f"  {through_words(self.law)}"])
+
+    @property
+    def warnings(self) -> list[str]:
+        lines = [f"skipped: {line}" for line in some(list(self.skipped))]
+        lines += [f"{item.curve.where}: {flag}" for item in self.curves[:SHOWN] for flag in flags(item)]
+        return lines + [f"{self.path}: {warning}" for warning in self._body_warnings]
+
+    @property
+    def _body_warnings(self) -> list[str]:
+        """What holds for every curve on this body: of its series, slopes and validity."""
+        body = self.body
+        return [*body.solution.warnings, *body.curve.slopes.flags, *body.validity.warnings]
+
+    def figure(self) -> Figure:
+        from .plots.inverse import work_figure
+
+        return work_figure(self.curves, self.law if isinstance(self.law, LawThrough) else None)
+
+
+def _labels(item: WorkAlong) -> dict[str, list[Any]]:
+    """Curve, segment (may be empty) and state of each row."""
+    curve, size = item.curve, len(item.curve)
+    segments = [None] * size if curve.segment is None else curve.segment.tolist()
+    return {"curve": [curve.name] * size, "segment": segments, "state": item.state.tolist()}
+
+
+def _numbers(item: WorkAlong) -> dict[str, tuple[Array | None, Array]]:
+    """The columns of numbers, each with the rows that have them."""
+    curve, ok = item.curve, item.ok
+    every = np.ones(ok.size, dtype=bool)
+    timed = ~every if item.timed is None else item.timed
+    return {
+        "a_m": (curve.a, every) if "a" in item.used else (item.a, ok),
+        "w_J_per_m2": (item.w, ok),
+        "w_err_J_per_m2": (item.w_err, ok),
+        "delta_m": (curve.delta, every),
+        "P_N": (curve.P, every),
+        "a_err_m": (item.a_err, ok),
+        "t_s": (curve.t, every),
+        "speed_m_per_s": (item.speed, timed),
+        "speed_err_m_per_s": (item.speed_err, timed),
+    }
+
+
+def curve_summary(item: WorkAlong) -> dict[str, Any]:
+    """Counts, quartiles of w over all usable rows and by the sense of the edge's motion, where its speed is more than
+    its error in as many rows as a speed is taken from, and what to mind."""
+    groups = {"all": item.ok}
+    if item.timed is not None and item.speed is not None:
+        moving = item.timed if item.speed_err is None else item.timed & (np.abs(item.speed) > item.speed_err)
+        senses = {"advancing": moving & (item.speed > 0), "receding": moving & (item.speed < 0)}
+        groups |= {name: rows & (np.count_nonzero(rows) >= item.window) for name, rows in senses.items()}
+    return {
+        "curve": item.curve.name,
+        "from": list(item.used),
+        "rows": {word: int((item.state == word).sum()) for word in (OK, NONE, BELOW, ABOVE)},
+        "w": {name: _spread(item, rows) for name, rows in groups.items()},
+        "window": item.window or None,
+        "flags": [*item.curve.flags, *flags(item)],
+    }
+
+
+def _spread(item: WorkAlong, rows: Array) -> dict[str, Any] | None:
+    """Quartiles of w and the median of its error over some rows; None where there are none."""
+    if not rows.any():
+        return None
+    low, middle, high = (float(value) for value in np.quantile(item.w[rows], QUARTILES))
+    spread: dict[str, Any] = {"rows": int(rows.sum()), "median_J_per_m2": middle, "quartiles_J_per_m2": [low, high]}
+    errors = {"err": item.w_err} | {f"err_by_{name}": share for name, share in item.shares.items()}
+    spread |= {
+        f"{name}_J_per_m2": None if values is None else float(np.median(values[rows]))
+        for name, values in errors.items()
+    }
+    if item.speed is not None and item.timed is not None and (timed := rows & item.timed).any():
+        spread["speed_m_per_s"] = [float(value) for value in np.quantile(item.speed[timed], (0, 1))]
+    return spread
+
+
+def flags(item: WorkAlong) -> list[str]:
+    """What a reader of the numbers should know about one curve."""
+    size = len(item.curve)
+    lines = list(saturation(item.curve))
+    ends = {BELOW: "begin the series at smaller radii", ABOVE: "increase [loading] radius"}
+    for word, remedy in ends.items():
+        if (count := int((item.state == word).sum())) > MANY * size:
+            lines.append(f"{count} of {size} rows lie {word}: they have no w; {remedy}, or they are not in contact")
+    if (count := int((item.state == NONE).sum())) > MANY * size:
+        lines.append(
+            f"{count} of {size} rows lie at or above the nonadhesive load: check zero points and modulus; if "
+            "noise put them there, the w of the others is too large on average"
+        )
+    if item.w_err is not None and (unsure := int((item.w_err > item.w)[item.ok].sum())) > MANY * size:
+        lines.append(f"at {unsure} of {size} rows the error of w is larger than w")
+    if item.timed is not None and not item.timed.any():
+        lines.append(f"no {item.window} usable rows follow one another with rising time: no speed")
+    return lines
+
+
+def work_words(item: WorkAlong) -> list[str]:
+    """One curve: the work of adhesion along all rows, then of advancing and receding edges."""
+    parts = [f"{int(item.ok.sum())} of {len(item.curve)} rows: {item.curve.where}"]
+    for name, spread in curve_summary(item)["w"].items():
+        if spread is None:
+            continue
+        low, high = (show(value, "work") for value in spread["quartiles_J_per_m2"])
+        label = "w" if name == "all" else f"{name} w"
+        error = f" ± {show(spread['err_J_per_m2'], 'work')}" if "err_by_noise_J_per_m2" in spread else ""
+        parts.append(f"{label} = {show(spread['median_J_per_m2'], 'work')}{error} (half of the rows: {low} to {high})")
+    unknown = ["no error of w: the noise is not known, give --noise"] if item.w_err is None else []
+    return [", ".join([*parts[1:2], parts[0]]), *(f"    {part}" for part in (*parts[2:], *unknown, *item.curve.flags))]
+
+
+# --------------------------------------------------------------------------------------------------
+# What a measured file holds, in words and as JSON: reading, segments, base lines, touch, jumps, adhesion, flags.
+
+NO_BASE_LINE = Unknown("there is no base line")
+
+
+@dataclass(frozen=True, eq=False)
+class Look(Result):
+    """What a measured file holds: its curves taken apart, and a line on each that is ``unusable``; ``tip``: of which a
+    rough modulus is computed."""
+
+    path: Path
+    records: Sequence[ForceCurve]
+    unusable: Sequence[str]
+    tip: Indenter | None = None
+
+    @classmethod
+    def at(cls, path: Path, reading: measured.Reading, tip: Indenter | None = None) -> Look:
+        """What the file at ``path`` holds, read by ``reading``; where spring constant or sensitivity are missing, 1
+        stands in for them."""
+        records: list[ForceCurve] = []
+        unusable: list[str] = []
+        try:
+            for curve in measured.each(path, replace(reading, incomplete=True)):
+                try:
+                    if isinstance(curve, InputError):
+                        raise curve
+                    records.append(examine(curve))
+                except InputError as error:
+                    unusable += error.lines
+        except InputError as error:
+            unusable += error.lines
+        return cls(path, records, unusable, tip)
+
+    def summary(self) -> dict[str, Any]:
+        return {
+            "file": str(self.path),
+            "curves": [as_dict(record) | self._rough(record) for record in self.records],
+            "unusable": list(self.unusable),
+        }
+
+    def words(self) -> list[str]:
+        lines = [line for record in self.records[:SHOWN] for line in look_words(record, self.tip)]
+        if (count := len(self.records)) > 1:
+            flagged = sum(bool(record.flags) for record in self.records)
+            head = [f"{count} curves, {flagged} of them with remarks: {self.path}"]
+            lines = [*head, *(f"  {look_words(record)[0]}" for record in self.records[:SHOWN]), *lines]
+        return lines + ([f"  ... and {count - SHOWN} more curves (--json tells all)"] if count > SHOWN else [])
+
+    def _rough(self, record: ForceCurve) -> dict[str, Any]:
+        """The rough numbers of a record as plain values, where there is a tip."""
+        if self.tip is None:
+            return {}
+        glance = at_a_glance(record, self.tip)
+        if isinstance(glance, Unknown):
+            return _known("rough", glance)
+        return {"rough": quantities(glance, "E_star a") | _known("w_J_per_m2", glance.w)}
+
+    @property
+    def warnings(self) -> Sequence[str]:
+        return self.unusable
+
+    def figure(self) -> Figure:
+        from .plots.inverse import record_figure
+
+        return record_figure(self.records)
+
+
+def as_dict(record: ForceCurve) -> dict[str, Any]:
+    """One curve as plain values, SI; a number that is not known is null, with its reason under ``..._unknown``."""
+    curve = record.curve
+    return {
+        "curve": curve.name,
+        "rows": len(curve),
+        "columns": list(curve.measured),
+        "read": list(curve.flags),
+        "rows_of_no_segment": record.rest,
+        "segments": [{"kind": s.kind, "first_row": s.first + 1, "last_row": s.last + 1} for s in record.segments],
+        **{item.segment.kind: _direction(item) for item in record.directions},
+        "flags": dict(record.flags),
+    }
+
+
+def _direction(item: Direction) -> dict[str, Any]:
+    touch, adhesion = (item.touch, item.adhesion) if item.based else (NO_BASE_LINE, NO_BASE_LINE)
+    return {
+        "rows": len(item.segment),
+        **_known("touch_m", touch),
+        "touch_err_m": None if isinstance(touch, Unknown) else item.touch_err,
+        "base_line": quantities(item.base, "offset tilt at rows noise waviness") if item.based else None,
+        **_known("largest_load_N", item.largest if item.based else NO_BASE_LINE),
+        **_known("adhesion_force_N", adhesion),
+        "adhesion_at_m": None if isinstance(adhesion, Unknown) else item.adhesion_at,
+        "jumps": [{"row": jump.row + 1} | quantities(jump, "position step") for jump in item.jumps],
+    }
+
+
+def _known(name: str, value: float | Unknown) -> dict[str, Any]:
+    return {name: None, f"{name}_unknown": value.reason} if isinstance(value, Unknown) else {name: value}
+
+
+def at_a_glance(record: ForceCurve, tip: Indenter) -> Rough | Unknown:
+    """What the formulas of a half-space make of the direction that is nearest to no adhesion, the approach."""
+    if any(ARBITRARY in flag for flag in record.curve.flags):
+        return Unknown("loads are in arbitrary units")
+    item = record.direction("approach") or record.direction("retract")
+    if item is None or not item.based or isinstance(item.touch, Unknown):
+        return Unknown("no base line and first touch")
+    back = record.direction("retract")
+    adhesion = back.adhesion if back is not None and back.based else Unknown("no retraction with a base line")
+    depth = item.depth - (0.0 if record.curve.stiffness is None else item.largest / record.curve.stiffness)
+    return rough(tip, item.largest, depth, adhesion)
+
+
+def _glance(record: ForceCurve, tip: Indenter) -> str:
+    glance = at_a_glance(record, tip)
+    if isinstance(glance, Unknown):
+        return f"  no rough modulus: {glance.reason}"
+    w = "" if isinstance(glance.w, Unknown) else f", w = {show(glance.w, 'work', 2)} (adhesion force)"
+    E_star, a = show(glance.E_star, "modulus", 2), show(glance.a, "length", 2)
+    return f"  rough: E* = {E_star} (half-space without adhesion, largest load, a = {a}){w}"
+
+
+def look_words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
+    """Lines for a reader: what the record is, then a line per direction and per flag; a rough modulus by a ``tip``."""
+    curve = record.curve
+    columns = ", ".join(map(text_formats.NAMES.meaning, curve.measured))
+    parts = ", ".join(f"{segment.kind} {len(segment)}" for segment in record.segments)
+    parts += f", {record.rest} of neither" if record.rest else ""
+    return [
+        f"{_look_verdict(record)}: {curve.where}",
+        f"  {len(curve)} rows of {columns}; {parts}",
+        *([] if tip is None else [_glance(record, tip)]),
+        *(f"  {name}: {sentence}" for name, sentence in record.flags.items()),
+        *(f"  {item.segment.kind:8}  {line}" for item in record.directions for line in _direction_words(item)),
+        *(f"  {flag}" for flag in curve.flags),
+    ]
+
+
+def _look_verdict(record: ForceCurve) -> str:
+    """The adhesion force and the largest load, where the base line gives them."""
+    forces = {}
+    for item in record.directions if all(item.based for item in record.directions) else ():
+        if item.segment.kind != "approach" and not isinstance(item.adhesion, Unknown):
+            forces["adhesion force"] = item.adhesion
+        forces["largest load"] = max(item.largest, forces.get("largest load", item.largest))
+    words = [f"{name} {show(forces[name], 'load', 3)}" for name in ("adhesion force", "largest load") if name in forces]
+    return ", ".join(words) or "no force without a base line"
+
+
+def _direction_words(item: Direction) -> list[str]:
+    approach = item.segment.kind == "approach"
+    base = item.base
+    line = (
+        f"base line of {base.rows} rows: noise {show(base.noise, 'load', 3)}, "
+        f"tilt {show(base.tilt, 'stiffness', 3)}, waviness {show(base.waviness, 'load', 3)}"
+    )
+    if isinstance(item.touch, Unknown):
+        return [item.touch.reason, line]
+    if not item.based:
+        where = "begins and the largest load" if approach else "ends and the adhesion force"
+        return [f"no straight base line: where contact {where} are unknown"]
+    touch = f"{show(item.touch, 'length')} ± {show(item.touch_err, 'length', 3)}"
+    tension = (
+        f"unknown, {item.adhesion.reason}"
+        if isinstance(item.adhesion, Unknown)
+        else f"{show(item.adhesion, 'load', 3)} at {show(item.adhesion_at, 'length')}"
+    )
+    count = len(item.jumps)
+    if approach:
+        jump = f"jump into contact by {show(-item.jumps[0].step, 'load', 3)}" if count else "no jump into contact"
+        return [f"contact from {touch} on, up to {show(item.largest, 'load', 3)}, {jump}", line]
+    places = ", ".join(show(jump.position, "length") for jump in item.jumps)
+    jumps = {0: "without a jump", 1: f"by one jump at {places}"}.get(count, f"by {count} jumps at {places}")
+    return [f"adhesion force {tension}; free from {touch} on, {jumps}", line]

@@ -1,0 +1,347 @@
+"""Figures of a fit: the curve over its data, the residuals along it, the joint confidence region of E* and w; and
+of records fitted together, all of them from their own zeros, each with the curve that they share.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from textwrap import fill
+
+import numpy as np
+from matplotlib.ticker import MaxNLocator, ScalarFormatter
+
+from ...base import DRAWN, Array, Unknown
+from ...data import Direction, ForceCurve
+from ...fitting import Fit, JointFit, rise
+from ...fitting.rate import LawThrough
+from ...fitting.work_along_curve import WorkAlong, typical
+from ..map import IMAGES, Map
+from . import Axes, Figure, enlarged, log_ends, log_ticks, panelled
+from .looks import (
+    BLACK,
+    BLUE,
+    COLORS,
+    GREEN,
+    LABELS,
+    LARGER,
+    MIDDLE,
+    NARROW,
+    ORANGE,
+    PURPLE,
+    SKY,
+    WIDE,
+    axis_of,
+    pretty,
+    unit_of,
+)
+
+AXES = {"delta,P": ("delta", "P"), "a,P": ("P", "a"), "a,delta": ("delta", "a"), "a,delta,P": ("delta", "P")}
+MARKS = {"a": (GREEN, "s"), "delta": (BLUE, "^"), "P": (ORANGE, "o")}
+
+
+def fit_figure(fit: Fit) -> Figure:
+    """Three panels, or two where the data tell no joint region of E* and w."""
+    region = fit.covariance is not None and {"modulus", "w"} <= set(fit.free)
+    with panelled(WIDE if region else MIDDLE, 2.8, 3 if region else 2, legend=5) as (figure, panels):
+        _curve(panels[0], fit)
+        _residuals(panels[1], fit)
+        if region:
+            _region(panels[2], fit)
+        return figure
+
+
+def _curve(axes: Axes, fit: Fit) -> None:
+    x, y = AXES[",".join(fit.data)]
+    units, labels = zip(*(axis_of(name, fit.data[name]) for name in (x, y)), strict=True)
+    measured = [fit.data[name] / unit for name, unit in zip((x, y), units, strict=True)]
+    near = _near_rows(fit)
+    # A fitted line without its jumps: a gap wherever contact begins or ends.
+    line = [
+        np.insert(
+            fit.line[name][near] / unit, np.flatnonzero(np.diff((fit.line["a"][near] > 0).astype(int))) + 1, np.nan
+        )
+        for name, unit in zip((x, y), units, strict=True)
+    ]
+    places = [axes]
+    touched = fit.a > 0
+    if touched.any() and np.ptp(measured[0][touched]) < LARGER * np.ptp(measured[0]):
+        across, up = measured
+        level = (float(np.median(up[~touched])) - up.min()) / np.ptp(up)
+        places.append(enlarged(axes, across[touched], up[touched], 0.05 + 0.9 * level))
+    for place in places:
+        place.plot(*measured, "o", color=SKY, ms=3, mfc="none", label="measured")
+        place.plot(*line, "-", color=BLACK, lw=1.0, label="fitted")
+    axes.set(xlabel=labels[0], ylabel=labels[1])
+
+
+def _near_rows(fit: Fit) -> Array:
+    """Where the fitted line runs along the rows, not far beyond them."""
+    return np.asarray(fit.line["a"] <= 1.02 * fit.a.max())
+
+
+def _residuals(axes: Axes, fit: Fit) -> None:
+    factor, label = axis_of("a", fit.a)
+    free, places, beside = fit.a == 0, fit.a / factor, 0.6  # choice: width of the rows out of contact, in largest radii
+    places[free] = places.max() * beside * (np.linspace(-1, 0, int(free.sum()) + 1)[:-1])
+    alone = "normal distance" if fit.quality is None else LABELS["P"]  # of raw records all scatter is in the load
+    names = [alone] if fit.residuals.shape[0] == 1 else [LABELS[name] for name in fit.data]
+    marks = [MARKS["delta"]] if len(names) == 1 else [MARKS[name] for name in fit.data]
+    for values, name, (colour, mark) in zip(fit.residuals, names, marks, strict=True):
+        axes.plot(places, values / (fit.scatter or 1.0), mark, color=colour, ms=3, mfc="none", label=name)
+    axes.axhline(0, color="0.6", lw=0.8, zorder=0)
+    if free.any():
+        axes.axvline(0, color="0.6", lw=0.8)
+        axes.set_xticks([tick for tick in axes.get_xticks() if 0 <= tick <= places.max() * 1.05])
+        middle = beside / (1 + beside) / 2
+        axes.annotate("base line", (middle, 1.0), None, "axes fraction", ha="center", va="bottom", size=7, color="0.4")
+    axes.set(xlabel=label, ylabel="residual / standard deviation")
+
+
+def _region(axes: Axes, fit: Fit) -> None:
+    """Border of the joint region of E* and w from the covariance; the bootstrap's values where there are any."""
+    rows = [fit.free.index(name) for name in ("modulus", "w")]
+    assert fit.covariance is not None
+    covariance = fit.covariance[np.ix_(rows, rows)]
+    (E_unit, E_label), (w_unit, w_label) = (axis_of(name, fit.value(name)) for name in ("E_star", "w"))
+    factor = fit.value("E_star") / fit.value("modulus") / E_unit
+    if fit.samples is not None:
+        E, w = fit.samples[:, rows[0]] * factor, fit.samples[:, rows[1]] / w_unit
+        axes.plot(E, w, ".", color="0.6", ms=2, label="bootstrap")
+    radius = np.sqrt(fit.dof * rise(fit.settings.level, fit.dof, 2))
+    # Points of the ellipse that lies `radius` standard deviations around zero.
+    angle = np.linspace(0, 2 * np.pi, 200)
+    size = np.sqrt(np.diag(covariance))
+    root = np.linalg.cholesky(covariance / np.outer(size, size) + 1e-14 * np.eye(2))
+    x, y = radius * size[:, None] * (root @ np.stack([np.cos(angle), np.sin(angle)]))
+    E, w = x, y
+    E, w = (fit.value("modulus") + E) * factor, (fit.value("w") + w) / w_unit
+    axes.plot(E, w, "-", color=ORANGE, label=f"{fit.settings.level * 100:g} % region")
+    axes.plot(fit.value("E_star") / E_unit, fit.value("w") / w_unit, "+", color=BLUE, ms=8)
+    axes.set(xlabel=E_label, ylabel=w_label)
+    axes.ticklabel_format(useOffset=False)
+    axes.xaxis.set_major_locator(MaxNLocator(4))
+
+
+def joint_figure(joint: JointFit) -> Figure:
+    """All records over their fitted curves."""
+    x, y = AXES[",".join(joint.fits[0].data)]
+    together = [one for one in joint.fits if {x, y} <= set(one.data)]
+    factors, labels = zip(*(
+        axis_of(name, *(np.ptp(one.data[name][one.a > 0]) for one in together)) for name in (x, y)
+    ), strict=True)  # fmt: skip
+    with panelled(MIDDLE, 2.8, legend=4) as (figure, [axes]):
+        for i, one in enumerate(together):
+            zeros = [_zero(one, name) for name in (x, y)]
+            near = [one.data[name][one.a > 0] for name in (x, y)]
+            touching = (one.line["a"] > 0) & _near_rows(one)
+            line = [np.where(touching, one.line[name], np.nan) for name in (x, y)]
+            read, curve = ([(v - o) / f for v, o, f in zip(p, zeros, factors, strict=True)] for p in (near, line))
+            axes.plot(*read, "o", color=COLORS[i % len(COLORS)], ms=3, mfc="none", label=pretty(one.name))
+            axes.plot(*curve, "-", color=BLACK, lw=1.0, label="fitted" if one is together[-1] else None)
+        axes.set(xlabel=labels[0], ylabel=labels[1])
+        return figure
+
+
+def _zero(one: Fit, name: str) -> float:
+    """The zero point of a column [SI]."""
+    zeros = [item.value for item in one.estimates if item.name == {"delta": "delta0", "P": "P0"}.get(name)]
+    return zeros[0] if zeros else 0.0
+
+
+# --------------------------------------------------------------------------------------------------
+# The figure of a map: an image per quantity, one cell per pixel, pixels without a value left white.
+
+
+def map_figure(scan: Map) -> Figure:
+    """Five images over the positions of the curves."""
+    length, word = unit_of("length", np.ptp(scan.x), np.ptp(scan.y))
+    with panelled(WIDE, 4.0, len(scan.images), columns=3, grid=False) as (figure, panels):
+        for i, (panel, (name, image)) in enumerate(zip(panels, scan.images.items(), strict=False)):
+            _image(figure, panel, scan, name, image, length)
+            panel.set_xlabel(f"$x$ ({word})" if i + 3 >= len(scan.images) else "")
+            panel.set_ylabel(f"$y$ ({word})" if i % 3 == 0 else "")
+        return figure
+
+
+def _image(figure: Figure, axes: Axes, scan: Map, name: str, image: Array, length: float) -> None:
+    """The ``image`` of one quantity over positions in units of ``length`` [m]."""
+    known = image[np.isfinite(image)]
+    factor, unit = (1.0, "") if name == "quality" else unit_of(IMAGES[name], known if known.size else 1.0)
+    unknown = name == "quality" or not known.size
+    ends = (0.0, 1.0) if unknown else np.percentile(known / factor, (2, 98))  # single pixels do not flatten the rest
+    x, y = scan.x - scan.x[0], scan.y - scan.y[0]
+    pitch = max(np.ptp(at) / (at.size - 1) for at in (x, y) if at.size > 1)
+    cells = (_edges(at, float(pitch)) / length for at in (x, y))
+    drawn = axes.pcolormesh(*cells, image / factor, shading="flat", cmap="viridis",
+                            vmin=ends[0], vmax=ends[1], rasterized=True)  # fmt: skip
+    figure.colorbar(drawn, ax=axes, format=ScalarFormatter(useOffset=False))
+    label = LABELS.get(name, name.replace("_", " "))
+    axes.set_title(f"{label} ({unit})" if unit else label)
+    axes.set_aspect("equal")
+
+
+def _edges(middle: Array, pitch: float) -> Array:
+    """The edges of cells around ``middle``; of a single one ``pitch`` wide."""
+    if middle.size == 1:
+        return np.array([middle[0] - pitch / 2, middle[0] + pitch / 2])
+    inner = (middle[1:] + middle[:-1]) / 2
+    return np.concatenate([[2 * middle[0] - inner[0]], inner, [2 * middle[-1] - inner[-1]]])
+
+
+# --------------------------------------------------------------------------------------------------
+# Figures of measured records: directions, base lines, touch, jumps and adhesion as they were found.
+
+LETTERS = round(WIDE * 72 / 6)  # of a line as wide as the figure; theory: one of 9 points is 6 wide, with its gap
+LOOKS, GREY = {"approach": (BLUE, 2.0), "retract": (ORANGE, 0.9)}, "0.6"  # the last drawn the thinnest
+
+
+def record_figure(records: Sequence[ForceCurve]) -> Figure:
+    """Load over displacement, a panel per curve; of many curves twelve spread evenly.
+
+    All panels have the same units, told once along each side of the figure.
+    """
+    every = np.unique(np.linspace(0, len(records) - 1, min(len(records), 12)).round().astype(int))
+    shown = [records[i] for i in every]
+    columns = math.ceil(math.sqrt(len(shown)))
+    rows = math.ceil(len(shown) / columns)
+    (x, length), (y, load) = (
+        unit_of(dimension, *(getattr(record.curve, name) for record in shown))
+        for name, dimension in (("device", "length"), ("P", "load"))
+    )
+    with panelled(WIDE, max(3.6, 2.2 * rows + 0.6), len(shown), columns, legend=4) as (figure, panels):
+        for i, (panel, record) in enumerate(zip(panels, shown, strict=False)):
+            _panel(panel, record, x, y, round(LETTERS / columns))
+            what = "displacement" if record.curve.stiffness is None else "position z of the device"
+            panel.set_xlabel(fill(f"{what} ({length})", LETTERS // columns) if i + columns >= len(shown) else "")
+            panel.set_ylabel(f"load ({load})" if i % columns == 0 else "")
+        return figure
+
+
+def _panel(axes: Axes, record: ForceCurve, x: float, y: float, letters: int) -> None:
+    """One record, lengths in ``x`` [m], loads in ``y`` [N], under a title of lines of up to so many ``letters``."""
+    curve = record.curve
+    assert curve.P is not None
+    z = curve.device
+    near = _contact(record, z) if letters == LETTERS else None  # there is room in a panel of the whole width
+    places = [axes]
+    if near is not None:
+        level = (float(np.median(curve.P[~near])) - curve.P.min()) / np.ptp(curve.P)
+        places.append(enlarged(axes, z[near] / x, curve.P[near] / y, 0.05 + 0.9 * level))
+    # The loads [N] of a record, the line through them broken at its jumps: the row before the steepest step is nan.
+    assert record.curve.P is not None
+    P = record.curve.P.copy()
+    for row in [jump.row for item in record.directions for jump in (*item.jumps, *item.steps)]:
+        first = max(row - 3, 0)
+        steps = np.abs(np.diff(record.curve.P[first : row + 3 + 1]))
+        P[first + int(np.argmax(steps))] = np.nan
+    broken = P
+    for place in places:
+        for segment in record.segments:
+            thin = slice(segment.first, segment.last + 1, 1 + len(segment) // DRAWN)
+            colour, width = LOOKS.get(segment.kind, (GREY, 1.0))
+            place.plot(z[thin] / x, broken[thin] / y, lw=width, label=segment.kind, color=colour)
+        for item in record.directions:
+            _marks(place, item, z[item.segment.rows], x, y)
+    title = ": ".join([curve.name, ", ".join(record.flags)]).rstrip(": ")
+    axes.set_title(fill(title, letters, max_lines=3, placeholder=" …"), loc="left", fontsize="small")
+
+
+def _contact(record: ForceCurve, z: Array) -> Array | None:
+    """The rows from the outermost touch on, where the free way is so long that they are drawn once more, larger."""
+    touches = [item.touch for item in record.directions if isinstance(item.touch, float)]
+    if not touches or z.max() - min(touches) >= LARGER * np.ptp(z):
+        return None
+    return z >= min(touches)
+
+
+def _marks(axes: Axes, item: Direction, position: Array, x: float, y: float) -> None:
+    """Base line, touch, adhesion and jumps of one direction; lengths in ``x`` [m], loads in ``y`` [N]."""
+    if not item.based:
+        return
+    ends = np.array([position.min(), position.max()])
+    axes.plot(ends / x, item.base(ends) / y, color=BLACK, ls="--", lw=0.7, label="base line")
+    if not isinstance(item.touch, Unknown):
+        level = float(item.base(np.array(item.touch)))
+        axes.errorbar(item.touch / x, level / y, xerr=item.touch_err / x, fmt="o", ms=4, mfc="none", color=BLACK,
+                      label="contact begins or ends")  # fmt: skip
+    if not isinstance(item.adhesion, Unknown):
+        level = float(item.base(np.array(item.adhesion_at))) - item.adhesion
+        axes.plot(item.adhesion_at / x, level / y, "v", ms=5, color=BLACK, mfc="none", label="adhesion force")
+    for jump in item.jumps:
+        axes.axvline(jump.position / x, color=PURPLE, lw=0.8, ls=":", label="jump")
+
+
+# --------------------------------------------------------------------------------------------------
+# Figures of the work of adhesion along measured curves.
+
+GROUPS = {"measured": (GREEN, "o"), "advancing": (BLUE, "^"), "receding": (ORANGE, "v")}  # told apart in grey too
+
+
+def work_figure(curves: Sequence[WorkAlong], law: LawThrough | None = None) -> Figure:
+    """w over the contact radius; where time was recorded also over the speed of the contact's edge, both logarithmic.
+
+    Points are the rows of all curves, those whose edge advances and recedes told apart; a ``law`` has its 90 % band.
+    """
+    groups = _groups(curves)
+    timed = "measured" not in groups
+    width, count, legend = (WIDE, 2, 3) if timed else (NARROW, 1, 0)
+    with panelled(width, 3.0, count, legend=legend) as (figure, axes):
+        w, label = axis_of("w", typical(curves))
+        _over_radius(axes[0], groups, w)
+        if timed:
+            _over_speed(axes[1], groups, w, law)
+        for panel in axes:
+            panel.set_ylabel(label)
+        return figure
+
+
+def _groups(curves: Sequence[WorkAlong]) -> dict[str, dict[str, Array]]:
+    """The columns of the usable rows of all curves, by the sense of the edge's motion where any is known."""
+    rows: dict[str, list[Array]] = {"advancing": [], "receding": []}
+    for item in curves:
+        if item.speed is not None and item.timed is not None:
+            for name, sense in (("advancing", item.speed > 0), ("receding", item.speed < 0)):
+                rows[name].append(item.timed & sense)
+    if not any(mask.any() for masks in rows.values() for mask in masks):
+        rows = {"measured": [item.ok for item in curves]}
+    parts = {name: _columns(curves, masks) for name, masks in rows.items()}
+    return {name: columns for name, columns in parts.items() if columns["w"].size}
+
+
+def _columns(curves: Sequence[WorkAlong], masks: Sequence[Array], most: int = 3000) -> dict[str, Array]:
+    """The chosen rows of all curves, thinned to at most ``most``."""
+    every = 1 + sum(int(mask.sum()) for mask in masks) // most
+    columns = {}
+    for name in ("a", "w", "w_err", "speed"):
+        values = [getattr(item, name) for item in curves]
+        if all(column is not None for column in values):
+            columns[name] = np.concatenate([v[mask] for v, mask in zip(values, masks, strict=True)])[::every]
+    return columns
+
+
+def _over_radius(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float) -> None:
+    a, label = axis_of("a", *(rows["a"] for rows in groups.values()))
+    for name, rows in groups.items():
+        colour, marker = GROUPS[name]
+        errors = rows["w_err"] / w if "w_err" in rows else None
+        axes.errorbar(rows["a"] / a, rows["w"] / w, errors, fmt=marker, color=colour, ms=3, mfc="none", elinewidth=0.5,
+                      ecolor="0.75", label=name)  # fmt: skip
+    largest = max(float(np.quantile(rows["w"], 0.99)) for rows in groups.values())  # outliers may lie above the axis
+    axes.set(xlabel=label, ylim=(0, 1.3 * largest / w))
+
+
+def _over_speed(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float, law: LawThrough | None) -> None:
+    speed, unit = unit_of("length", *(rows["speed"] for rows in groups.values()))
+    for name, rows in groups.items():
+        colour, marker = GROUPS[name]
+        axes.loglog(np.abs(rows["speed"]) / speed, rows["w"] / w, marker, color=colour, ms=3, mfc="none")
+    if law is not None:
+        v = np.geomspace(*law.speeds, 100)
+        middle, low, high = law.band(v)
+        axes.fill_between(v / speed, low / w, high / w, color=BLACK, alpha=0.2, lw=0)
+        axes.loglog(v / speed, middle / w, color=BLACK, label="power law")
+    axes.set_xlim(*log_ends(np.concatenate([np.abs(rows["speed"]) / speed for rows in groups.values()])))
+    axes.set_ylim(*log_ends(np.concatenate([rows["w"] / w for rows in groups.values()])))
+    log_ticks(axes.xaxis, axes.yaxis)
+    axes.set_xlabel(f"{LABELS['speed']} ({unit}/s)")

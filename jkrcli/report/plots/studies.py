@@ -1,0 +1,291 @@
+"""Figures of maps: lines over one axis, a family of them; the pull-off force filled over adhesion and its range; zones
+of the models.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from matplotlib.patheffects import withStroke
+
+from ...base import Array
+from ...series.differences import Difference
+from . import Axes, Figure, drawing, legend_below, log_ticks, panelled, zero_lines
+from .looks import COLORS, MIDDLE, NARROW, WIDE
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from matplotlib.contour import ContourSet
+
+
+MU = r"$\sigma\,(R / E^{*2} w)^{1/3}$"  # words of an axis
+LINES = ("-", "--", ":", "-.")
+LETTER = 0.0135  # choice: width of a letter of the words beside lines, in shares of the axes
+
+
+@dataclass(frozen=True)
+class MapPanel:
+    """One column of a map over its axis: words of the y axis, ``limits``: values with what they are; ``logs``: "x" or
+    "xy"; ``dashed``: a column that is drawn beside it."""
+
+    column: str
+    ylabel: str
+    title: str = ""
+    limits: Mapping[float, str] = field(default_factory=dict)
+    ylim: tuple[float, float] | None = None
+    logs: str = "x"
+    dashed: str = ""
+
+
+def lines_figure(
+    columns: Mapping[str, Array],
+    over: tuple[str, str],
+    panels: Sequence[MapPanel],
+    families: Mapping[str, Callable[[float], str]],
+) -> Figure:
+    """The ``panels`` over the column and words ``over``: a colour for each set of values of the columns in
+    ``families``, named by the words there, a kind of line for each value of the last of several."""
+    sets = list(dict.fromkeys(zip(*(columns[name].tolist() for name in families), strict=True)))
+    last = list(dict.fromkeys(values[-1] for values in sets)) if len(families) > 1 else []
+    width, legend = WIDE if len(panels) > 1 else MIDDLE, 4 if len(families) == 1 else 3
+    with panelled(width, 3.4, len(panels), legend=legend) as (figure, places):
+        for axes, panel in zip(places, panels, strict=True):
+            for i, values in enumerate(sets):
+                of = np.all([columns[name] == value for name, value in zip(families, values, strict=True)], axis=0)
+                words = (words_of(value) for words_of, value in zip(families.values(), values, strict=True))
+                line = LINES[last.index(values[-1]) % len(LINES)] if last else "-"
+                color = COLORS[i % len(COLORS)]
+                axes.plot(columns[over[0]][of], columns[panel.column][of], "." + line, color=color, ms=4,
+                          label=", ".join(words))  # fmt: skip
+                if panel.dashed:
+                    axes.plot(columns[over[0]][of], columns[panel.dashed][of], "--", color=color, lw=0.8)
+            _dress(axes, panel, over[1])
+        return figure
+
+
+def _dress(axes: Axes, panel: MapPanel, xlabel: str) -> None:
+    """Scales, limits and words of a panel."""
+    axes.set(xlabel=xlabel, ylabel=panel.ylabel, title=panel.title, xscale="log")
+    if "y" in panel.logs:
+        axes.set_yscale("log")
+        log_ticks(axes.yaxis)
+    if panel.ylim is not None:  # None would keep the limits of a linear axis
+        axes.set_ylim(panel.ylim)
+    drawn = [_placed(axes, np.asarray(line.get_xydata())) for line in axes.get_lines()]
+    for value, words in panel.limits.items():
+        axes.axhline(value, color="0.6", lw=0.8, ls="--" if words else ":")
+        x, side = _clear(drawn, float(_placed(axes, np.array([[axes.get_xlim()[0], value]]))[0, 1]), len(words))
+        axes.annotate(words, (x, value), xycoords=("axes fraction", "data"), xytext=(0, side), ha="left",
+                      textcoords="offset points", va="bottom" if side > 0 else "top", size=8, color="0.4")  # fmt: skip
+
+
+def _placed(axes: Axes, points: Array) -> Array:
+    """Points of the data in shares of the axes."""
+    placed: Array = (axes.transScale + axes.transLimits).transform(points)
+    return placed
+
+
+def _clear(drawn: Sequence[Array], level: float, letters: int) -> tuple[float, int]:
+    """Where a word of so many ``letters`` beside the line at ``level`` is farthest from the lines ``drawn``, in shares
+    of the axes: its left end, and whether it stands above (1) or below (-1)."""
+    wide, high = LETTER * letters, 2 * LETTER
+    places = []
+    for left in (0.99 - wide, 0.01):
+        x = np.linspace(left, left + wide, 20)
+        for side in (1, -1):
+            middle = level + side * high
+            inside = high < middle < 1 - high
+            lines = [np.abs(np.interp(x, line[:, 0], line[:, 1]) - middle).min() for line in drawn]
+            places.append((min([*lines, 8 * LETTER]) if inside else 0.0, (left, side)))
+    return next((place for room, place in places if room > 4 * LETTER), max(places)[1])
+
+
+def is_filled(columns: Mapping[str, Array]) -> bool:
+    """Whether a transition map has values enough on both axes to be filled."""
+    return min(np.unique(columns[name]).size for name in ("w_R2_over_Estar_h3", "mu")) >= 4
+
+
+def filled_figure(columns: Mapping[str, Array]) -> Figure:
+    """-P_min/(pi w R) in colour over mu and q: where it is within a hundredth of JKR's force and of that of a long
+    range, and where it lies above both, with its largest excess. What is not known stays white."""
+    nus = list(dict.fromkeys(columns["nu"].tolist()))
+    low, high = (float(function(columns["minus_P_over_pi_w_R"])) for function in (np.nanmin, np.nanmax))
+    levels = np.arange(np.floor(20 * low), np.ceil(20 * high) + 1) / 20
+    with drawing(max(NARROW * len(nus), MIDDLE), 3.8) as figure:
+        panels = np.atleast_1d(figure.subplots(1, len(nus), sharey=True))
+        for axes, nu in zip(panels, nus, strict=True):
+            drawn = _filled(axes, {name: values[columns["nu"] == nu] for name, values in columns.items()}, levels)
+            axes.set(title=rf"$\nu$ = {nu:g}, {columns['base'][0]}", xlabel=MU)
+        panels[0].set_ylabel(r"$w R^2 / (E^* h^3)$")
+        figure.colorbar(drawn, ax=list(panels), label=r"pull-off force / $\pi w R$")
+        legend_below(figure, list(panels), 3)
+        return figure
+
+
+def _filled(axes: Axes, rows: Mapping[str, Array], levels: Array) -> ContourSet:
+    mu, q = np.unique(rows["mu"]), np.unique(rows["w_R2_over_Estar_h3"])
+    order = np.lexsort((rows["mu"], rows["w_R2_over_Estar_h3"]))
+    force, sharp = (rows[name][order].reshape(q.size, mu.size) for name in ("minus_P_over_pi_w_R",
+                                                                            "jkr_minus_P_over_pi_w_R"))  # fmt: skip
+    drawn = axes.contourf(mu, q, force, levels=levels, cmap="viridis")
+    short, long = (np.abs(np.nan_to_num(force / limit - 1)) for limit in (sharp, 2))
+    short = np.maximum.accumulate(short[:, ::-1], axis=1)[:, ::-1]  # from there on, as the force crosses limits
+    long = np.maximum.accumulate(long, axis=1)
+    for values, style, words in ((short, "--", "JKR to 1 %"), (long, ":", "long range to 1 %")):
+        edged = [withStroke(linewidth=2.4, foreground="0.2")]  # white on any ground, that of the legend too
+        line = axes.contour(mu, q, values, levels=[0.01], colors="white", linestyles=style, linewidths=1.2)
+        line.set(path_effects=edged)
+        axes.plot([], [], style, color="white", lw=1.2, path_effects=edged, label=words)
+    excess, seen = np.nan_to_num(force / np.maximum(sharp, 2) - 1), 0.001
+    if excess.max() > seen:
+        axes.contour(mu, q, excess, levels=[seen], colors=COLORS[1], linewidths=1.6)
+        axes.plot([], [], "-", color=COLORS[1], lw=1.6, label="above both limits")
+        ridge = excess.argmax(axis=1)
+        there = excess[np.arange(q.size), ridge] > seen
+        axes.plot(mu[ridge][there], q[there], "o", color=COLORS[1], ms=3, label="largest excess")
+    _log_axes(axes)
+    return drawn
+
+
+def _log_axes(axes: Axes) -> None:
+    axes.set(xscale="log", yscale="log")
+    log_ticks(axes.xaxis, axes.yaxis)
+
+
+def zones_figure(columns: Mapping[str, Array], names: Sequence[str]) -> Figure:
+    """The zone of each model over range and load in colour, by its name."""
+    from matplotlib.colors import ListedColormap
+
+    mus, loads = (np.unique(columns[name]) for name in ("mu", "load_over_pi_w_R"))
+    zone = np.array([names.index(name) for name in columns["zone"]]).reshape(loads.size, mus.size)
+    shades = ("#dddddd", "#9ecae1", "#fff3b0", "#c7e9c0", "#fdd0a2")
+    with drawing(MIDDLE, 3.8) as figure:
+        axes = figure.subplots()
+        axes.pcolormesh(mus, loads, zone, cmap=ListedColormap(shades), vmin=-0.5, vmax=len(names) - 0.5,
+                        shading="nearest")  # fmt: skip
+        _log_axes(axes)
+        for number, name in enumerate(names):
+            row, column = np.nonzero(zone == number)
+            if row.size:
+                middle = int(np.argmin(np.hypot(row - np.median(row), column - np.median(column))))
+                axes.annotate(name, (mus[column[middle]], loads[row[middle]]), ha="center", va="center", size=9)
+        nu, q = (columns[name][0] for name in ("nu", "w_R2_over_Estar_h3"))
+        axes.set(xlabel=MU, ylabel=r"load / $\pi w R$", title=rf"$\nu$ = {nu:g}, $w R^2/(E^* h^3)$ = {q:g}")
+        return figure
+
+
+# --------------------------------------------------------------------------------------------------
+# Figures of comparisons and studies: panels of lines given as data, differences of two results.
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """One line or cloud of points; ``style`` as matplotlib's format without colour, "o" for points alone."""
+
+    x: Array
+    y: Array
+    label: str
+    style: str = "-"
+    color: str = "#000000"
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One pair of axes; limits None: all of the data.
+
+    ``logs``: logarithmic axes, "", "x", "y" or "xy"; a logarithmic x axis has its ticks at the first line's points.
+    ``right``: a line of another quantity, and the label of its own axis.
+    """
+
+    xlabel: str
+    ylabel: str
+    lines: Sequence[Line]
+    title: str = ""
+    logs: str = ""
+    xlim: tuple[float | None, float | None] | None = None
+    ylim: tuple[float | None, float | None] | None = None
+    right: tuple[str, Line] | None = None
+
+
+def panels_figure(panels: Sequence[Panel], title: str = "") -> Figure:
+    """The panels two by two, lettered, each with its legend, or with one for all where it is the same."""
+    rows = (len(panels) + 1) // 2
+    with panelled(WIDE if len(panels) > 1 else MIDDLE, 3.0 * rows, len(panels), min(2, len(panels))) as (figure, axes):
+        for place, panel, letter in zip(axes, panels, "abcdefgh", strict=False):
+            _draw(place, panel, f"({letter}) " if len(panels) > 1 else "")
+        named = [place for place in axes if place.get_legend_handles_labels()[1]]
+        if len({tuple(place.get_legend_handles_labels()[1]) for place in named}) == 1:
+            legend_below(figure, named[:1], 4)
+        else:
+            for place in named:
+                place.legend()
+        if title:
+            figure.suptitle(title)
+        return figure
+
+
+def _draw(axes: Axes, panel: Panel, letter: str) -> None:
+    if "x" in panel.logs:
+        axes.set_xscale("log")
+        ticks = _apart(panel.lines[0].x)
+        axes.set_xticks(ticks, [f"{x:.3g}" if x < 1000 else f"{x:,.0f}" for x in ticks])
+        axes.minorticks_off()
+    if "y" in panel.logs:
+        axes.set_yscale("log")
+    else:
+        axes.ticklabel_format(axis="y", useOffset=False)  # 1.1998, not -2e-4 + 1.2
+    if not panel.logs:
+        zero_lines(axes)
+    for line in panel.lines:
+        _line(axes, line)
+    if panel.right is not None:
+        label, line = panel.right
+        other = axes.twinx()
+        other.set_yscale(axes.get_yscale())
+        other.set_ylabel(label)
+        other.grid(visible=False)
+        other.spines["right"].set_visible(True)
+        _line(other, line)
+        if "y" in panel.logs:
+            log_ticks(other.yaxis)
+        _line(axes, replace(line, x=np.empty(0), y=np.empty(0)))  # for the legend
+    if "y" in panel.logs:
+        log_ticks(axes.yaxis)
+    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=letter + panel.title, xlim=panel.xlim, ylim=panel.ylim)
+
+
+def _apart(x: Array) -> list[float]:
+    """Those of the points on a logarithmic axis whose labels have room beside each other."""
+    room, ticks = 0.15 * math.log(float(x.max() / x.min())), [float(x.max())]
+    for value in sorted(x.tolist(), reverse=True):
+        if math.log(ticks[-1] / value) > room:
+            ticks.append(value)
+    return ticks
+
+
+def _line(axes: Axes, line: Line) -> None:
+    every = max(1, len(line.x) // 30)  # at most so many markers on a line
+    axes.plot(line.x, line.y, line.style, color=line.color, label=line.label, ms=3.5, mfc="none", lw=1.0,
+              markevery=every)  # fmt: skip
+
+
+def differences_figure(differences: Sequence[Difference], rtol: float) -> Figure:
+    """Relative differences over what they are compared at, in logs, with the limit."""
+    with panelled(NARROW, 3.2, legend=3) as (figure, [axes]):
+        for difference, color in zip(differences, itertools.cycle(COLORS), strict=False):
+            size = np.maximum(np.abs(difference.relative), 1e-17)
+            label = f"${_symbol(difference.column)}({_symbol(difference.over)})$"
+            axes.loglog(difference.x, size, ".-", color=color, ms=4, lw=0.8, label=label)
+        axes.axhline(rtol, color="0.4", lw=0.8, ls=":", label=f"rtol {rtol:g}")
+        names = dict.fromkeys(item.over for item in differences)
+        axes.set(xlabel=" or ".join(f"${_symbol(over)}$ (m)" for over in names), ylabel="relative difference")
+        return figure
+
+
+def _symbol(column: str) -> str:
+    """The symbol of a column: "delta_m" is \\delta, "dS" S'."""
+    return column.removesuffix("_m").replace("delta", r"\delta").replace("dS", "S'")

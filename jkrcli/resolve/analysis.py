@@ -1,0 +1,433 @@
+"""A solution and a work of adhesion to the adhesive curve with its pull-off points, errors, validity and warnings, and
+where contact is lost under every control."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+
+from ..adhesion import (
+    CONTROLS,
+    DISPLACEMENT_CONTROL,
+    LOAD_CONTROL,
+    RULES,
+    AdhesiveCurve,
+    Behaviour,
+    CriticalPoint,
+    EquilibriumCurve,
+    Errors,
+    Nonadhesive,
+    Range,
+    RangeRequest,
+    Slopes,
+    Strains,
+    Validity,
+    behaviours,
+    end_of_body,
+    faces,
+    judge,
+    large_strains,
+    point_error,
+    refuse_wetting,
+    resolved,
+    sizes,
+    strain_size,
+    unresolved,
+    with_large_strains,
+    yielding,
+)
+from ..adhesion.slopes.choice import slopes, smoothed
+from ..adhesion.slopes.node_radii import Ahead
+from ..base import LARGEST_SI, Estimate, InputError, Refusal, Unknown, known
+from ..bodies import INCOMPRESSIBLE, Problem, relaxing
+from ..methods import Forecast
+from ..series import ErrorBudget, Series, Solution, is_series
+from .comparison import Comparison, compare_half_space, effect_of_range
+from .node_radii import Compared, compared
+from .refine_pull_off import seconds_of_points, solved, solved_below, solver_of
+
+SURE = 2.0  # theory: 90 % half-widths of a normal error that one in a thousand exceeds
+JKR: RangeRequest = RangeRequest()
+CALIBRATED = Ahead(0.0, 0.02, "calibrated on a half-space of the same surface mesh")
+TINY = Unknown("it would be one of a contact smaller than atoms")
+Lost: TypeAlias = tuple[Behaviour, Errors | Unknown | None]  # read off under one control; half-widths of its pull-off
+
+
+@dataclass(frozen=True, eq=False)
+class Analysis:
+    """One adhesive curve with its critical points, error budget, validity and, where it exists, the exact solution.
+
+    ``law``: of adhesion of finite range; None for JKR.
+    """
+
+    solution: Solution
+    curve: EquilibriumCurve
+    budget: ErrorBudget
+    modulus_factor: float = 1.0
+    law: Range | None = None
+
+    def __repr__(self) -> str:
+        return f"<Analysis of {self.path}: w = {self.w:g} J/m^2, {len(self.curve.series)} points>"
+
+    @property
+    def path(self) -> Path:
+        """The series file, as messages name it."""
+        return self.solution.record.path
+
+    @property
+    def problem(self) -> Problem:
+        """What was solved, with the moduli of this curve."""
+        return self.solution.problem
+
+    @property
+    def dropped(self) -> int:
+        """How many increments are not in the series."""
+        return self.solution.increments.a.size - len(self.curve.series)
+
+    @property
+    def w(self) -> float:
+        return self.curve.w
+
+    @property
+    def jkr(self) -> AdhesiveCurve:
+        """The curve where adhesion has no range; InputError where it has one."""
+        if not isinstance(self.curve, AdhesiveCurve):
+            raise InputError(f"{self.path}: adhesion of finite range is not used here: leave stress and range out")
+        return self.curve
+
+    @cached_property
+    def pull_off(self) -> dict[str, CriticalPoint | Unknown]:
+        """Where contact is lost under control of the load and of the displacement."""
+        z0 = self.solution.record.z0
+        return {name: resolved(self.curve.pull_off(k), self.curve, k, z0) for name, k in CONTROLS.items()}
+
+    @cached_property
+    def pull_off_errors(self) -> dict[str, Errors | Unknown]:
+        """90 % half-widths of delta [m] and P [N] of each pull-off point that there is, or why they are unknown."""
+        return {
+            name: error_of_point(self.curve, point, CONTROLS[name])
+            for name, point in self.pull_off.items()
+            if isinstance(point, CriticalPoint)
+        }
+
+    @cached_property
+    def validity(self) -> Validity:
+        """The numbers by which the result is judged, with pull-off under load control."""
+        return self.validity_at(self.pull_off["load"])
+
+    def validity_at(self, *points: CriticalPoint | Unknown) -> Validity:
+        """The same with the widest of the pull-off ``points`` that there are."""
+        problem, series = self.problem, self.curve.series
+        radii = [point.a for point in points if isinstance(point, CriticalPoint)]
+        z0 = self.solution.record.z0 if self.law is None else self.law.length
+        judged = judge(a=float(series.a[-1]), delta=float(series.delta[-1]), w=self.w, **sizes(problem), z0=z0,
+                       L=end_of_body(problem, self.solution.facts), end_is_cut=problem.specimen.radius is None,
+                       a_pull_off=max(radii, default=None),
+                       effect_of_range=self.effect_of_range)  # fmt: skip
+        if self.law is not None:
+            judged = replace(judged, regime="adhesion of this range is solved")
+        there = [point for point in points if isinstance(point, CriticalPoint)]
+        worst = max((self.large_strains(point) for point in there), key=strain_size, default=None)
+        return with_large_strains(judged, worst)
+
+    def large_strains(self, point: CriticalPoint) -> Strains:
+        """What large strains change of the pull-off force at the ``point``."""
+        loaded = self.pull_off["load"]
+        return large_strains(self.problem, self.w, point, isinstance(loaded, CriticalPoint) and loaded.a == point.a)
+
+    @cached_property
+    def comparison(self) -> Comparison | None:
+        """The distance to the exact solution of the same indenter; None but for a half-space that slides."""
+        specimen = self.problem.specimen
+        half_space = self.problem.is_half_space and not (self.problem.sticks or specimen.surface_tension)
+        if not half_space or not isinstance(self.curve, AdhesiveCurve):
+            return None
+        return compare_half_space(self.curve, self.problem)
+
+    @cached_property
+    def effect_of_range(self) -> Estimate:
+        """Relative change of the pull-off force under load control, if adhesion had the range z0; 0 where it has."""
+        point = self.pull_off["load"]
+        if self.law is not None:
+            return 0.0
+        if isinstance(point, Unknown):
+            return point
+        return effect_of_range(self.problem, self.curve.series, self.w, self.solution.record.z0, point)
+
+    @property
+    def warnings(self) -> list[str]:
+        """Everything that a reader of the numbers should know, each with its number."""
+        outside = [f"pull-off under {name} control: {point.reason}" for name, point in self.pull_off.items()
+                   if isinstance(point, Unknown) and self.w > 0]  # fmt: skip
+        flags = self.curve.slopes.flags
+        if self.curve.slopes.method != "exact":
+            flags += unresolved(self.problem.indenter, self.curve.a)
+        flags += faces(self.problem.indenter, self.w, bool(self.problem.layers))
+        doubts = getattr(self.curve, "doubts", ())
+        relaxes = relaxing(self.problem.specimen.relaxation)
+        sentences = [*relaxes, *self.solution.warnings, *flags, *self.validity.warnings, *doubts]
+        sentences += [*yielding(self.problem, self.curve), *outside]
+        difference = None if self.comparison is None else known(self.comparison.pull_off)
+        parts = [part for part in vars(self.budget).values() if not isinstance(part, Unknown)]
+        stated = max(2 * sum(parts), 1e-6) if parts else math.inf  # what was not estimated is not exceeded
+        point, half_widths = self.pull_off["load"], self.pull_off_errors.get("load")
+        if isinstance(point, CriticalPoint) and half_widths is not None and not isinstance(half_widths, Unknown):
+            stated = max(stated if parts else 0.0, SURE * half_widths["P"] / abs(point.P))
+        if difference is not None and abs(difference) > stated:
+            sentences.append(
+                f"the pull-off force differs from the closed form by {abs(difference):.2g}, "
+                f"more than the {stated:.2g} that was estimated"
+            )
+        return list(dict.fromkeys(sentences))
+
+
+def analyse(
+    solution: Solution,
+    works: Sequence[float],
+    slopes_name: str = "auto",
+    modulus_factor: float = 1.0,
+    request: RangeRequest = JKR,
+    devices: Sequence[float] = (),
+) -> list[Analysis]:
+    """The adhesive curves of a solution for each work of adhesion [J/m^2], with solved pull-off points where the method
+    is exact, and rows below the series where contact is lost there; the slopes are found once.
+
+    ``modulus_factor``: of bodies whose moduli are all that many times those of the solution; nothing is solved anew.
+    ``request``: adhesion of finite range, where it has a stress or a length. ``devices``: stiffnesses [N/m] of those
+    whose pull-off is asked for besides.
+    """
+    if request:
+        return _of_finite_range(solution.scaled(modulus_factor), works, slopes_name, modulus_factor, request)
+    if slopes_name in ("auto", "exact"):
+        solution = solved_below(solution, works, modulus_factor, devices)
+    body = nonadhesive(solution, slopes_name)
+    return [with_solved_points(adhesive(solution, body, w, modulus_factor), *devices) for w in works]
+
+
+@dataclass(frozen=True)
+class CostTuning:
+    """What curves cost, as measured on series of 100 to 1,000,000 rows."""
+
+    mib: float = 110.0  # memory of any; tuned on series of 100 rows, by `make bench`
+    mib_per_row: float = 3e-3  # of curves; tuned on series of 1e6 rows, by `make bench`
+    table_mib_per_row: float = 6e-3  # and of their tables; tuned on series of 1e6 rows, by `make bench`
+    fit: float = 0.2  # CPU seconds of slopes that are fitted; tuned on noisy series of 100 rows, by `make guards`
+    fit_per_row: float = 2e-5  # and per row; tuned on noisy series of 1e5 rows, by `make guards`
+    curve: float = 0.03  # CPU seconds of a curve; tuned on series of 100 rows, by `make bench`
+    per_row: float = 4e-5  # and per row; tuned on series of 1e5 rows, by `make bench`
+    table_per_row: float = 3e-5  # and of its table; tuned on series of 1e5 rows, by `make bench`
+    device: float = 7e-3  # of what is read off it for a device; tuned on 10 to 2,000 devices, by `make guards`
+    page_per_row: float = 2e-4  # of the explorer's page; tuned on series of 2e4 and 6e4 rows, by `make bench`
+    figure: float = 0.6  # of its pictures; tuned on series of 100 rows, by `make bench`
+
+
+COST = CostTuning()
+
+
+def forecast(
+    solution: Solution, works: Sequence[float], request: RangeRequest = JKR, tables: bool = True, figures: bool = False,
+    devices: int = 0,
+) -> Forecast:  # fmt: skip
+    """What the curves of a solution for ``works`` of adhesion [J/m^2] cost, with their tables and pictures or without,
+    and what is read off for so many ``devices``; ``request``: of finite range."""
+    rows = solution.increments.a.size
+    fitted = COST.fit + COST.fit_per_row * rows if solution.series.S is None else 0.0
+    per_row, mib = COST.per_row + tables * COST.table_per_row, COST.mib_per_row + tables * COST.table_mib_per_row
+    each = COST.curve + per_row * rows + figures * COST.figure + devices * COST.device
+    each += _ranged(solution, works, request) if request else seconds_of_points(solution, devices)
+    return Forecast(fitted + len(works) * each, COST.mib + mib * rows, 0.0)
+
+
+def seconds_of_page(solution: Solution) -> float:
+    """CPU seconds of the explorer's page of a solution, beside those of its curve."""
+    return COST.page_per_row * solution.increments.a.size
+
+
+def _ranged(solution: Solution, works: Sequence[float], request: RangeRequest) -> float:
+    """CPU seconds of the dearest of the curves of finite range: the least or the largest w reaches farthest."""
+    from ..adhesion import FiniteRangeBody
+
+    body = FiniteRangeBody.of(solution)
+    return max(body.seconds(request.law(w)) for w in {min(works), max(works)})
+
+
+def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: float = 1.0) -> Analysis:
+    """The adhesive curve for the work of adhesion ``w`` [J/m^2] on bodies ``modulus_factor`` times as stiff."""
+    if not 0 <= w <= LARGEST_SI:
+        raise InputError(f"w: must lie within 0 and {LARGEST_SI:g} J/m^2, got {w:g}")
+    refuse_wetting(w, modulus_factor * solution.problem.specimen.surface_tension)
+    curve = AdhesiveCurve(body.scaled(modulus_factor), w)
+    # the budget is that of the series with the slopes'; what interpolation adds between the rows is no part of it
+    budget = replace(solution.budget, smoothing=curve.slopes.error)
+    return Analysis(solution.scaled(modulus_factor), curve, budget, modulus_factor)
+
+
+def with_solved_points(result: Analysis, *devices: float) -> Analysis:
+    """The same curve with its pull-off points, those by ``devices`` of a stiffness [N/m] included, solved at their own
+    radii, where the method is exact and quick."""
+    if result.law is not None:
+        from ..adhesion import FiniteRangeCurve
+
+        assert isinstance(result.curve, FiniteRangeCurve)
+        return replace(result, curve=result.curve.with_solved_points(*devices))
+    if result.w == 0 or result.curve.slopes.method != "exact":
+        return result
+    further = solver_of(result.solution)
+    return result if further is None else replace(result, curve=solved(result.jkr, further, *devices))
+
+
+def _of_finite_range(
+    solution: Solution, works: Sequence[float], slopes_name: str, modulus_factor: float, request: RangeRequest
+) -> list[Analysis]:
+    """The curves of finite range of a solution."""
+    if slopes_name not in ("auto", "exact"):
+        raise InputError(
+            f"slopes: {slopes_name} has no effect with adhesion of finite range, whose kernel is exact: leave it out"
+        )
+    from ..adhesion import FiniteRangeBody
+
+    laws = [request.law(w) for w in works]
+    body = FiniteRangeBody.of(solution)
+    curves = [body.curve(law) for law in laws]
+    return [
+        Analysis(solution, curve, replace(solution.budget, smoothing=curve.interpolation_error), modulus_factor, law)
+        for law, curve in zip(laws, curves, strict=True)
+    ]
+
+
+def error_of_point(curve: EquilibriumCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
+    """90 % half-widths of a pull-off ``point`` under a device of ``stiffness`` [N/m], on curves of either kind."""
+    if isinstance(curve, AdhesiveCurve):
+        return point_error(curve, point, stiffness)
+    from ..adhesion import FiniteRangeCurve
+
+    assert isinstance(curve, FiniteRangeCurve)
+    return curve.point_error(point, stiffness)
+
+
+def where_lost(
+    solution: Solution, works: Sequence[float], stiffnesses: Sequence[float], slopes: str, modulus_factor: float,
+    request: RangeRequest,
+) -> list[tuple[Analysis, list[Lost]]]:  # fmt: skip
+    """For each of the ``works`` [J/m^2] the curve, and what is read off under each control: by a device of one of the
+    ``stiffnesses`` [N/m], else of load and displacement."""
+    controls = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)
+    results = [
+        with_solved_points(result, *stiffnesses)
+        for result in analyse(solution, works, slopes, modulus_factor, request, stiffnesses)
+    ]
+    return [(result, [_lost(result, each) for each in behaviours(result.curve, controls)]) for result in results]
+
+
+def _lost(result: Analysis, behaviour: Behaviour) -> Lost:
+    """What is read off a curve under one control; half-widths of its pull-off point, None where there is none."""
+    above_atoms = _above_atoms(behaviour, result)
+    if isinstance(above_atoms.pull_off, Unknown):
+        return above_atoms, None
+    return above_atoms, error_of_point(result.curve, above_atoms.pull_off, above_atoms.stiffness)
+
+
+def _above_atoms(behaviour: Behaviour, result: Analysis) -> Behaviour:
+    """The behaviour without what would happen at radii below atoms."""
+    point = resolved(behaviour.pull_off, result.curve, behaviour.stiffness, result.solution.record.z0)
+    if point is behaviour.pull_off or not isinstance(point, Unknown):
+        return behaviour
+    return replace(behaviour, critical=(), pull_off=point, jump_in=TINY, energy_lost=TINY, separation=TINY)
+
+
+def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:
+    """The w-free functions of a solution by the slopes called ``slopes_name``; InputError names the file.
+
+    The integral fit takes increments as they are, plateaus and noise included; all else takes the paper's filter first.
+    """
+    try:
+        beside = _compared(solution)
+        pair = _series_and_slopes(solution, slopes_name, beside)
+    except InputError as error:
+        path = str(solution.record.path)
+        raise InputError([line if line.startswith(path) else f"{path}: {line}" for line in error.lines]) from None
+    series, slopes = pair
+    unestimated = solution.budget.discretisation
+    if isinstance(unestimated, Unknown) and solution.method == "fem":
+        # what rows leave of a fit tells nothing of the mesh that all of them share, nor of its edge
+        slopes = replace(slopes, error=unestimated, covariance=None, joint=None)
+    return Nonadhesive(series, slopes, unexplained=(1.0, 1.0) if beside is None else beside.unexplained)
+
+
+def _series_and_slopes(solution: Solution, name: str, beside: Compared | None) -> tuple[Series, Slopes]:
+    of_nodes = beside is not None and beside.nodes is not None
+    own = beside.own if beside is not None else None
+    if beside is not None and name in ("auto", "integral") and (of_nodes or not is_series(beside.raw.touching)):
+        return _by_rows(solution, beside)
+    if name in RULES and RULES[name].quantised and (reason := _uneven(solution)):
+        raise Refusal(f"slopes '{name}': {reason}")
+    indenter = solution.problem.indenter
+    series = replace(solution.filtered, own=own, kinks=indenter.kinks, bends=indenter.bends)
+    if series.coarser is not None and indenter.thinned:
+        series = replace(series, unresolved=solution.unresolved)
+    if name not in ("auto", "exact"):
+        series = replace(series, S=None, dS=None)
+    if beside is None or not of_nodes or name == "exact":
+        return series, slopes(series, name)
+    if solution.method == "import":  # the paper's filter takes an increment too late; increments of ``fem`` keep it
+        series = _at_touches(series, beside)
+    return series, slopes(series, name, _by_rows(solution, beside))
+
+
+def _by_rows(solution: Solution, beside: Compared) -> tuple[Series, Slopes]:
+    """Series and slopes by all increments of a solution; of its own loads the error is known."""
+    series = solution.series
+    of_loads = np.stack([series.delta, series.errors["P"] / series.P]) if "P" in series.errors else None
+    return smoothed(beside.raw, series.a0, series.S0, beside.own, beside.ahead, of_loads)
+
+
+def _uneven(solution: Solution) -> str | None:
+    """Why the mesh of increments by finite elements cannot serve a rule that takes radii of nodes as they are."""
+    facts = solution.facts
+    if solution.method != "fem" or facts.get("contact") != "incremental":
+        return None
+    if facts.get("layout") == "scaled":
+        return (
+            'takes the contact radii of increments as they are, those of nodes, and the nodes of the layout "scaled" '
+            "stand apart in proportion to the radius: dS/da would be that of the mesh (75 and 143 mN for 63 mN on the "
+            'thin layer of cases/paper); set mesh.layout = "zones", the paper\'s uniform mesh, or contact.algorithm = '
+            '"nested", or take the slopes "integral"'
+        )
+    nu = max(material.surface.nu for material in solution.problem.specimen.materials)
+    if facts.get("order") == 1 and facts.get("integration", "full") == "full" and nu > INCOMPRESSIBLE:
+        quads = ', mesh.integration = "reduced" (as CAX4R)' if facts.get("element") == "quadrilateral" else ""
+        return (
+            f"these first-order elements lock at nu = {nu:g} > {INCOMPRESSIBLE:g}, where dS/da errs several times more "
+            f'than the load; set mesh.order = 2{quads}, or take the slopes "integral"'
+        )
+    return None
+
+
+def _compared(solution: Solution) -> Compared | None:
+    """The increments of a solution beside the bodies that they are of: those of another program beside their own
+    solution, unless it is not to be used."""
+    if solution.raw is None:
+        return None
+    read = solution.method == "import"
+    beside = compared(solution.problem, solution.raw, read and solution.facts.get("compared") != "no")
+    if not read and solution.facts.get("edge_correction"):
+        return replace(beside, ahead=CALIBRATED)
+    return beside
+
+
+def _at_touches(series: Series, beside: Compared) -> Series:
+    """The ``series`` at the moments at which nodes are reached, where these are in order."""
+    assert beside.nodes is not None
+    touches, ahead = beside.nodes.touches(beside.ahead.elements), beside.ahead
+    rows = touches.rows
+    if not is_series(rows) or rows.a[0] <= series.a0:
+        return series
+    return replace(
+        series, a=rows.a, delta=rows.delta, P=rows.P, errors={}, shift=ahead.error * touches.element, own=beside.own
+    )

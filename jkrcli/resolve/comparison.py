@@ -1,0 +1,379 @@
+"""How far a computed curve lies from the exact solution of the same indenter on a half-space."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .. import formulas as griffith
+from .. import formulas as half_space
+from ..adhesion import (
+    LOAD_CONTROL,
+    AdhesiveCurve,
+    CriticalPoint,
+    Equilibrium,
+    EquilibriumCurve,
+    Range,
+    Slopes,
+    transform,
+)
+from ..base import ROUNDED, Array, Estimate, JkrError, Unknown, show, zeros_between
+from ..bodies import Problem, Sphere, unbounded
+from ..methods.layered import contact as stack
+from ..methods.layered import no_slip as stuck
+from ..methods.layered import solver as layered
+from ..series import Series, Solution
+
+# --------------------------------------------------------------------------------------------------
+# What it matters whether the surfaces stick or slide: the same body solved roughly under both assumptions.
+#
+# The sides of a finite body are left out. Eq. 13 holds for either: with the S, S', delta_H and P_H of a contact that
+# was laid down without adhesion and then retracted, the radial displacements with which points were touched do no
+# work.
+
+
+@dataclass(frozen=True)
+class StickingEffectTuning:
+    """The rough solutions, and when their difference is worth a word."""
+
+    # tuned on bodies, by `make constants`: of ratios that are shown to three digits; most are a hundred times as good
+    accuracy: float = 1e-2
+    radii: int = 25  # tuned on bodies, by `make constants`: where pull-off is sought
+    # of the largest radius, the least of them; tuned on bodies, by `make constants`: below, the contact is a
+    # half-space's
+    smallest: float = 0.02
+    # of it, one more; tuned on bodies, by `make constants`: a stuck contact is wider at equal depth by less
+    beyond: float = 1.1
+    noticeable: float = 0.05  # relative change from which a reader is warned; choice: as for Tabor numbers
+
+
+STICKING_TUNING = StickingEffectTuning()
+OUTSIDE = Unknown("pull-off lies outside the series")
+NOT_KEPT = Unknown("series files do not keep it")
+
+
+@dataclass(frozen=True)
+class StickingEffect:
+    """Sticking over sliding: ``load`` and ``stiffness_at_depth`` S at equal depth, ``stiffness`` S at equal radius, all
+    at the radius ``a`` [m]; ``pull_off``: of the pull-off force under load control for each work of adhesion
+    [J/m^2]."""
+
+    a: float
+    load: float
+    stiffness: float
+    pull_off: dict[float, Estimate]
+    stiffness_at_depth: Estimate = NOT_KEPT
+
+    @property
+    def largest(self) -> float:
+        """The largest of the relative changes."""
+        pulls = (value for value in self.pull_off.values() if not isinstance(value, Unknown))
+        return max(abs(ratio - 1) for ratio in (self.load, self.stiffness, *pulls))
+
+    @property
+    def words(self) -> str:
+        """``1.63 times the load at equal depth, 1.7 times S, 0.956 times the pull-off force``."""
+        pulls = [f"{value:.3g}" for value in self.pull_off.values() if not isinstance(value, Unknown)]
+        parts = [f"{self.load:.3g} times the load at equal depth", f"{self.stiffness:.3g} times S"]
+        return ", ".join(parts + ([f"{' and '.join(dict.fromkeys(pulls))} times the pull-off force"] if pulls else []))
+
+    def as_dict(self) -> dict[str, Any]:
+        """The radius [m] and the ratios [-] as they stand in JSON."""
+        pulls = [{"w_J_per_m2": w, "ratio": value} for w, value in self.pull_off.items()]
+        return {"a_m": self.a, "load": self.load, "S": self.stiffness, "pull_off": pulls}
+
+
+def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) -> StickingEffect | Unknown:
+    """Effect on ``problem`` at the contact radius ``largest`` [m], or why it is not known."""
+    if problem.specimen.surface_tension:
+        return Unknown("effect of no slip unknown: it is not derived with surface tension")
+    body = unbounded(problem)
+    if reason := stuck.unable(body.indenter, body.specimen):
+        return Unknown(f"effect of no slip unknown: {reason}")
+    pair = stack.LayeredContact(body.indenter, body.specimen), stuck.StuckLayeredContact(body.indenter, body.specimen)
+    if largest > layered.QUICK * pair[1].scale:
+        return Unknown(f"effect of no slip not computed at a contact radius of {largest:.3g} m")
+    a0 = body.indenter.a0
+    radii = a0 + (largest - a0) * np.append(
+        np.geomspace(STICKING_TUNING.smallest, 1.0, STICKING_TUNING.radii), STICKING_TUNING.beyond
+    )
+    radii = radii[radii < body.indenter.r_max]
+    try:
+        sliding, sticking = (_series(contact, radii) for contact in pair)
+        pull_off = pull_off_ratios(sticking, sliding, [w for w in works if w > 0])
+    except JkrError as error:
+        return Unknown(f"effect of no slip unknown: {error}")
+    last = min(STICKING_TUNING.radii, radii.size) - 1
+    depth = min(sliding.delta[last], sticking.delta[-1])
+    assert sliding.S is not None
+    assert sticking.S is not None
+    load = _punch_at(sticking, sticking.P, depth) / _punch_at(sliding, sliding.P, depth)
+    at_depth = _punch_at(sticking, sticking.S, depth) / _punch_at(sliding, sliding.S, depth)
+    return StickingEffect(largest, load, float(sticking.S[last] / sliding.S[last]), pull_off, at_depth)
+
+
+def _series(contact: stack.LayeredContact | stuck.StuckLayeredContact, radii: Array) -> Series:
+    result: Any = contact.solved(radii, contact.plan(radii, STICKING_TUNING.accuracy))  # type: ignore[arg-type]
+    return Series(radii, result.delta, result.P, result.S, result.dS, a0=contact.indenter.a0)
+
+
+def _punch_at(series: Series, column: Array, depth: float) -> float:
+    """A ``column`` of the series at a ``depth`` [m], between its rows along a power law."""
+    return float(np.exp(np.interp(np.log(depth), np.log(series.delta), np.log(column))))
+
+
+def pull_off_ratios(
+    one: Series, other: Series, works: Sequence[float], outside: Unknown = OUTSIDE
+) -> dict[float, Estimate]:
+    """The pull-off force under load control of one series with exact slopes over that of the other, for each of the
+    ``works`` of adhesion [J/m^2]; what lies between the rows is found once for all of them."""
+    from ..adhesion import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive
+
+    pair, ratios = [Nonadhesive.of(each, "exact") for each in (one, other)], dict[float, Estimate]()
+    for w in works:
+        first, second = (AdhesiveCurve(functions, w).pull_off(LOAD_CONTROL) for functions in pair)
+        known = isinstance(first, CriticalPoint) and isinstance(second, CriticalPoint)
+        ratios[w] = first.P / second.P if known else outside  # type: ignore[union-attr]
+    return ratios
+
+
+def sticking_warnings(problem: Problem, effect: StickingEffect | Unknown) -> Iterator[str]:
+    """Sentences on an assumption that matters by more than ``TUNING.noticeable``."""
+    if isinstance(effect, Unknown) or effect.largest <= STICKING_TUNING.noticeable:
+        return
+    other = "sliding" if problem.sticks else "sticking"
+    assumed = "no slip" if problem.sticks else "no friction"
+    yield (
+        f"{assumed} is assumed: no slip gives {effect.words} of frictionless contact (a = "
+        f'{show(effect.a, "length")}): compare specimen.surface = "{other}"'
+    )
+
+
+def effect_facts(effect: StickingEffect | Unknown) -> dict[str, float | str]:
+    """What a series file keeps of it."""
+    if isinstance(effect, Unknown):
+        return {"sticking_over_sliding": str(effect)}
+    return {"sticking_over_sliding_load": effect.load, "sticking_over_sliding_S": effect.stiffness}
+
+
+def effect_on(solution: Solution, works: Sequence[float]) -> StickingEffect | Unknown:
+    """Effect on a solved body with its pull-off forces; not computed again where its file has it as small."""
+    load, stiffness = (solution.facts.get(f"sticking_over_sliding_{name}") for name in ("load", "S"))
+    a = float(solution.series.a[-1])
+    if isinstance(load, float) and isinstance(stiffness, float):
+        small = Unknown("not computed: load and S hardly differ")
+        effect = StickingEffect(a, load, stiffness, dict.fromkeys(works, small))
+        if effect.largest <= STICKING_TUNING.noticeable:
+            return effect
+    return sticking_effect(solution.problem, a, works)
+
+
+def effect_as_json(effect: StickingEffect | Unknown) -> Any:
+    """The effect as it stands in JSON, or why it is not known."""
+    return str(effect) if isinstance(effect, Unknown) else effect.as_dict()
+
+
+NO_FORMULA = Unknown("no formula for a half-space under this tip")
+
+
+@dataclass(frozen=True)
+class DistanceTuning:
+    """How the point of the exact curve is found that is nearest to a computed one."""
+
+    window: float = 1.8  # factor of the radius within which it lies; choice: errors of the radius are far smaller
+    coarse: int = 129  # points of the exact curve in that window; choice: several to each of its bends
+    fine: int = 17  # and in each refinement around the nearest; choice: time alone depends on it
+    refinements: int = 17  # theory: by fine // 2 each, down to round-off of the radius
+    rim: float = 2e-6  # theory: of a0, the first sqrt(a^2 - a0^2): a - a0 is 1e4 times the round-off of a
+    beyond: float = 3.0  # choice: of the pull-off radius of a paraboloid, up to which that of another tip is sought
+
+
+TUNING = DistanceTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Relative differences to the closed form of the same profile, and that closed form's own curve for plots.
+
+    ``load``: worst of P_H at equal displacement above a tenth of the largest. ``pull_off``: of the pull-off force
+    (unknown where it lies outside the series). ``curve``: greatest distance between the adhesive curves, in units of
+    the exact pull-off force and of its displacement. ``parabola``: for the sphere, by how much its exact pull-off force
+    is smaller than the paraboloid's (Eq. 18): physics, not an error.
+    """
+
+    load: float
+    pull_off: Estimate
+    curve: Estimate
+    parabola: float | None
+    exact: AdhesiveCurve
+
+
+def compare_half_space(computed: AdhesiveCurve, problem: Problem) -> Comparison | None:
+    """The distance of ``computed`` from the closed form for the same indenter; None where there is none."""
+    series = computed.series
+    exact = exact_curve(problem, computed.w, float(series.a[-1]))
+    if exact is None:
+        return None
+    # Worst relative difference of P_H to the closed form at equal delta_H, above a tenth of the depth.
+    deep = series.delta >= 0.1 * series.delta[-1]
+    # Radii [m] of the closed form at `delta` [m] > 0, where F(a) = delta, between two logs of a - a0.
+    delta = series.delta[deep]
+    a0, top = problem.indenter.a0, (problem.indenter.r_max - problem.indenter.a0) * (1 - 1e-15)
+    low = high = min(max(a0, float(delta[-1])), top / 2)
+    while (problem.indenter.abel(np.array(a0 + low)) > delta).any():
+        low /= 2
+    while high < top and (problem.indenter.abel(np.array(a0 + high)) < delta).any():
+        high = min(2 * high, top)
+    start, end = np.full_like(delta, np.log(low)), np.full_like(delta, np.log(high))
+    a = a0 + np.exp(zeros_between(lambda x: problem.indenter.abel(a0 + np.exp(x)) - delta, start, end, 0.0))
+    load = float(np.max(np.abs(series.P[deep] / _formula(problem, 0.0, a)[1] - 1)))
+    exact_point = _exact_pull_off(problem, computed.w, float(series.a[-1]))
+    if exact_point is None:
+        return Comparison(load, OUTSIDE, OUTSIDE, None, exact)
+    point = computed.pull_off(LOAD_CONTROL)
+    pull_off = point.P / exact_point.P - 1 if isinstance(point, CriticalPoint) else OUTSIDE
+    parabola = None
+    if isinstance(problem.indenter, Sphere):
+        parabola = 1 - exact_point.P / (-1.5 * np.pi * computed.w * problem.indenter.R)
+    return Comparison(load, pull_off, _curve_distance(computed, problem, exact_point), parabola, exact)
+
+
+def exact_curve(problem: Problem, w: float, a_max: float, points: int = 400) -> AdhesiveCurve | None:
+    """The closed-form adhesive curve of the indenter on a half-space up to ``a_max`` [m]."""
+    indenter, E_star = problem.indenter, problem.E_star
+    top = min(a_max, indenter.r_max * (1 - ROUNDED))
+    a = indenter.a0 + (top - indenter.a0) * np.linspace(0, 1, points + 1)[1:] ** 2
+    if indenter.a0:
+        v = np.sqrt((a[0] - indenter.a0) * (a[0] + indenter.a0))
+        rim = np.hypot(indenter.a0, np.geomspace(min(TUNING.rim * indenter.a0, v / 2), v, TUNING.coarse)[:-1])
+        a = np.concatenate([rim, a])
+    pair = indenter.half_space(a, E_star)
+    if pair is None:
+        return None
+    slope = np.full_like(a, 2 * E_star)
+    series = Series(a, *pair, slope * a, slope, a0=indenter.a0, S0=2 * E_star * indenter.a0)
+    return transform(series, Slopes(slope * a, slope, "exact", 0.0), w)
+
+
+def half_space_pull_off(problem: Problem, w: float, stiffness: float) -> CriticalPoint | Unknown:
+    """JKR's pull-off of the indenter from a half-space under a device of a ``stiffness`` [N/m], against the work of
+    adhesion ``w`` [J/m^2]; Unknown for tips without a radius and under surface tension."""
+    R = problem.indenter.tip_radius
+    if R is None or problem.specimen.surface_tension:
+        return NO_FORMULA
+    radius = (9 * np.pi * w * R**2 / (8 * problem.E_star)) ** (1 / 3)  # JKR's under load control, the widest
+    curve = exact_curve(problem, w, TUNING.beyond * radius)
+    return NO_FORMULA if curve is None else curve.pull_off(stiffness)
+
+
+def _exact_pull_off(problem: Problem, w: float, a_max: float) -> CriticalPoint | None:
+    """The formula's own pull-off point under load control; None where it lies beyond ``a_max`` [m] or is none.
+
+    The radius is that of the interpolated curve, where P is stationary: its error enters P by its square.
+    """
+    curve = exact_curve(problem, w, 1.02 * a_max)
+    point = None if curve is None else curve.pull_off(LOAD_CONTROL)
+    if not isinstance(point, CriticalPoint):
+        return None
+    delta, P = _formula(problem, w, np.array(point.a))
+    return CriticalPoint(point.a, float(delta), float(P), kind=point.kind)
+
+
+def _formula(problem: Problem, w: float, a: Array) -> tuple[Array, Array]:
+    """delta [m] and P [N] of the closed form at radii ``a`` [m] of any shape."""
+    pair = problem.indenter.half_space(a, problem.E_star)
+    assert pair is not None
+    return half_space.adhesive_half_space(a, *pair, problem.E_star, w)
+
+
+def _curve_distance(computed: AdhesiveCurve, problem: Problem, unit: CriticalPoint) -> float:
+    """Greatest relative distance of the computed points from the exact curve; near pull-off in units of that point.
+
+    Where its displacement nearly vanishes (f = B r^1.5), a tenth of the shift t = sqrt(2 pi w a/E*) is the unit.
+    """
+    indenter = problem.indenter
+    moved = griffith.shift(computed.w, unit.a, 2 * problem.E_star)
+    units = CriticalPoint(unit.a, max(abs(unit.delta), 0.1 * moved), unit.P)
+    ends = (indenter.a0, indenter.r_max * (1 - 1e-12))
+    return curve_distance(
+        computed.a, computed.delta, computed.P, lambda a: _formula(problem, computed.w, a), units, ends, relative=True
+    )
+
+
+def curve_distance(
+    a: Array, delta: Array, P: Array, exact: Callable[[Array], tuple[Array, Array]], unit: CriticalPoint,
+    ends: tuple[float, float], relative: bool = False,
+) -> float:  # fmt: skip
+    """Greatest distance of the points (``delta``, ``P``) from the curve ``exact`` of the radius, which is sought
+    near their radii ``a`` [m] between the ``ends`` [m]; the axes in units of the displacement and load of ``unit``,
+    or, where ``relative``, of the point itself where these are larger."""
+    low, high = np.maximum(a / TUNING.window, ends[0]), np.minimum(a * TUNING.window, ends[1])
+    columns = np.arange(a.size)
+    pairs = (delta, abs(unit.delta)), (P, abs(unit.P))
+    sizes = [np.maximum(np.abs(values), size) if relative else size for values, size in pairs]
+    v = np.broadcast_to(np.linspace(0, 1, TUNING.coarse)[:, None], (TUNING.coarse, a.size))  # of the way, squared
+    step, least = 1 / (TUNING.coarse - 1), np.full(a.size, np.inf)
+    for _ in range(TUNING.refinements):
+        delta_there, P_there = exact(low + (high - low) * v**2)
+        off = (delta_there - delta) / sizes[0], (P_there - P) / sizes[1]
+        distances = np.hypot(*off)
+        nearest = np.argmin(distances, axis=0)
+        least = np.minimum(least, distances[nearest, columns])
+        v = np.clip(v[nearest, columns] + step * np.linspace(-1, 1, TUNING.fine)[:, None], 0, 1)
+        step *= 2 / (TUNING.fine - 1)
+    return float(np.max(least))
+
+
+# --------------------------------------------------------------------------------------------------
+# How far JKR holds: by what fraction the pull-off force would differ if adhesion had the range z0.
+#
+# The Tabor number answers it for a half-space alone. Here the same body is solved with a constant tension up to z0,
+# unless the annulus in which it would act, pi z0^2 E*/(4 w) wide, is so narrow that nothing can differ.
+
+
+@dataclass(frozen=True)
+class RangeEffectTuning:
+    """When the effect of a range is computed, and when it is reported."""
+
+    # Width of the annulus over the contact radius and the top layer, below which the force differs by less than is
+    # reported:
+    narrow: float = 0.03  # choice: there a half-space differs by 0.5 %, layers by less
+    points: int = 40  # contact radii of the solution; choice: a tenth of a second
+
+
+RANGE_EFFECT_TUNING = RangeEffectTuning()
+
+
+def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point: Equilibrium) -> Estimate:
+    """The pull-off force under load control at the range ``z0`` [m] over that of JKR at ``point``, less 1; 0 where it
+    must be next to nothing.
+
+    ``series``: its radii are the ones solved for; ``w``: work of adhesion [J/m^2].
+    """
+    if problem.sticks:
+        return Unknown("adhesion of finite range is implemented for frictionless contact alone")
+    if problem.specimen.surface_tension:
+        return Unknown("adhesion of finite range is not derived with surface tension")
+    h = min(point.a, problem.top_thickness)
+    if math.pi * z0**2 * problem.E_star / (4 * w) < RANGE_EFFECT_TUNING.narrow * h:
+        return 0.0
+    try:
+        pull_off = ranged(problem, series, w, z0).pull_off(LOAD_CONTROL)
+    except JkrError as error:
+        return Unknown(str(error))
+    return pull_off.P / point.P - 1 if isinstance(pull_off, CriticalPoint) else Unknown(pull_off.reason)
+
+
+def ranged(problem: Problem, series: Series, w: float, z0: float) -> EquilibriumCurve:
+    """The adhesive curve at some of the radii of ``series``, of the range ``z0`` [m] and the work of adhesion ``w``
+    [J/m^2]."""
+    from ..adhesion import FiniteRangeBody
+    from ..methods.finite_range import AttractedBody
+
+    some = np.unique(np.linspace(0, len(series) - 1, RANGE_EFFECT_TUNING.points).astype(int))
+    body = FiniteRangeBody(problem, Series(series.a[some], series.delta[some], series.P[some]), AttractedBody(problem))
+    return body.curve(Range.of(w, length=z0))

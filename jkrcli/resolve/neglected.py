@@ -1,0 +1,404 @@
+"""What a case will roughly show, and what it leaves out, from coarse exact solutions of the laterally unbounded body.
+
+Left out is one thing at a time: each body is solved with the one thing taken in; loads and slopes S = dP/d(delta)
+without adhesion are compared at the depth of the case, pull-off forces under load control. Large strains and weight are
+known by formula, where they are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ..adhesion import (
+    LOAD_CONTROL,
+    AdhesiveCurve,
+    CriticalPoint,
+    Nonadhesive,
+    Strains,
+    Validity,
+    judge,
+    large_strains,
+    refuse_wetting,
+    resolved,
+    sizes,
+    transform,
+    with_large_strains,
+)
+from ..base import PATIENCE, Estimate, JkrError, Refusal, Unknown, show
+from ..bodies import (
+    GEL_TENSION,
+    INCOMPRESSIBLE,
+    Elastic,
+    HalfSpace,
+    Loading,
+    Paraboloid,
+    Problem,
+    Rigid,
+    Sphere,
+    alone,
+    unbounded,
+)
+from ..formulas import over_hertz, over_jkr
+from ..methods import DENSE, Layered
+from ..series import Series
+from .comparison import effect_of_range, half_space_pull_off, pull_off_ratios, ranged, sticking_effect
+from .resolve import again
+
+
+@dataclass(frozen=True)
+class LeftOutTuning:
+    """What is taken in where a case does not say how much of it there is, and how well that is solved."""
+
+    glass: tuple[float, float] = (70e9, 0.22)  # choice: E [Pa] and nu of what is taken as rigid: soda-lime glass
+    density: float = 1000.0  # choice: kg/m^3, of a body whose density nobody says: of water
+    of_strains: float = 4 / 3  # theory: change of S over that of P where this grows with the root of the depth
+    # tuned on what cases leave out, by `make constants`: of the solutions; changes are printed to 1e-4
+    accuracy: float = 1e-5
+    # choice: kappa over the largest radius, below which a tension is that, in proportion; the second where the first
+    # would take long
+    slight: tuple[float, float] = (1e-3, 1e-2)
+    # of the largest radius, the least at which a tension is solved for; tuned on bodies, by `make constants`: half of
+    # it moves what S changes by, by half a per cent
+    smallest: float = 0.02
+    per_work: float = 0.09  # CPU seconds for each work of adhesion; tuned on a layer and 40 of them, by `make guards`
+    few: int = 20  # radii of that; tuned on bodies, by `make constants`: half move what S changes by, by 7 %
+
+
+TUNING = LeftOutTuning()
+COARSE = Layered(1e-5)
+GLASS = Elastic(*TUNING.glass)
+NO_STRAINS = Unknown("known of rubber, nu about 1/2, under spheres on half-spaces and thick layers alone")
+NO_PULL_OFF = Unknown("pull-off at large strains is not known")
+NOT_COMPARED = Unknown("not computed with a range")
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """What a case will reach: largest radius ``a`` [m], displacement [m], load [N]; ``series``: to there.
+
+    ``adhesion``: for each work of adhesion [J/m^2] its pull-off and validity.
+    ``half_space_error``: by how much the layers change the load at that depth against a half-space of the top material;
+    None where there are no layers. ``profile_error``: relative, of an indenter that is known at points only, in what
+    any method gives.
+    """
+
+    a: float
+    delta: float
+    P: float
+    half_space_error: float | None
+    adhesion: tuple[tuple[float, CriticalPoint | Unknown, Validity], ...]
+    series: Series
+    profile_error: float
+
+
+def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation:
+    """Solve ``problem`` to 1e-5 with its sides left out, and transform it for each work of adhesion.
+
+    Refusal where that is no matter of a moment.
+    """
+    loading = problem.loading
+    if loading.spacing != "radius":
+        loading = Loading(loading.to, loading.maximum)
+    body = replace(unbounded(problem), loading=replace(loading, points=max(loading.points, 100)))
+    solution = again(body, method=COARSE, longest=PATIENCE)
+    series = solution.series
+    a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
+    adhesion, functions = [], Nonadhesive.of(series, "exact")
+    for w in works:
+        refuse_wetting(w, body.specimen.surface_tension)
+        curve = AdhesiveCurve(functions, w)
+        point = resolved(curve.pull_off(LOAD_CONTROL), curve, LOAD_CONTROL, z0)
+        pulled: dict[str, Any] = {"effect_of_range": point}
+        if isinstance(point, CriticalPoint):
+            pulled = {"a_pull_off": point.a, "effect_of_range": effect_of_range(body, series, w, z0, point)}
+        judged = judge(a=a, delta=delta, w=w, **sizes(problem), L=problem.specimen.radius, end_is_cut=False, z0=z0,
+                       **pulled)  # fmt: skip
+        if isinstance(point, CriticalPoint):
+            judged = with_large_strains(judged, large_strains(problem, w, point))
+        adhesion.append((w, point, judged))
+    matter = _layers_matter(problem, delta, P)
+    return Expectation(a, delta, P, matter, tuple(adhesion), series, solution.profile_error)
+
+
+def _layers_matter(problem: Problem, delta: float, P: float) -> float | None:
+    """Relative difference of the load to that of a half-space of the top material at the same displacement."""
+    if not problem.layers:
+        return None
+    half_space = alone(replace(problem, sticks=False, loading=Loading("depth", delta, 1)))
+    try:
+        reference = again(half_space, method=COARSE).series.P[-1]
+    except Refusal:  # a half-space would need more of the profile than there is
+        return None
+    return float(P / reference - 1)
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """One thing that a case leaves out; or that a simpler formula does and the case has ``included``.
+
+    ``key``: of the case, with which it is taken in, empty where there is none. ``load``, ``S``: change of the load and
+    of the contact's stiffness at equal depth, relative; ``pull_off``: of the pull-off force under load control for each
+    work of adhesion [J/m^2].
+    """
+
+    name: str
+    key: str
+    load: Estimate
+    S: Estimate
+    pull_off: Mapping[float, Estimate] = field(default_factory=dict)
+    included: bool = False
+
+    @property
+    def changes(self) -> dict[str, Estimate]:
+        """The three changes by name, that of the pull-off force for the w for which it is largest."""
+        pulls = [value for value in self.pull_off.values() if not isinstance(value, Unknown)]
+        rest = next(iter(self.pull_off.values()), Unknown("no work of adhesion"))
+        return {"load": self.load, "S": self.S, "pull-off force": max(pulls, key=abs, default=rest)}
+
+    @property
+    def largest(self) -> tuple[str, float] | None:
+        """The largest of the changes with its name; None where none is known."""
+        known = {name: value for name, value in self.changes.items() if not isinstance(value, Unknown)}
+        return max(known.items(), key=lambda item: abs(item[1]), default=None)
+
+    @property
+    def as_dict(self) -> dict[str, Any]:
+        """As it stands in JSON."""
+        pulls = [{"w_J_per_m2": w, "change": value} for w, value in self.pull_off.items()]
+        return {"name": self.name, "key": self.key, "included": self.included, "load": self.load, "S": self.S,
+                "pull_off": pulls}  # fmt: skip
+
+
+def seconds_of_works(works: Sequence[float]) -> float:
+    """CPU seconds that the pull-off forces of so many ``works`` of adhesion take, of a body and its neighbours."""
+    return TUNING.per_work * len(works)
+
+
+def left_out(problem: Problem, expected: Expectation, works: Sequence[float], z0: float | None) -> list[LeftOut]:
+    """What ``problem`` leaves out, worst first and what is not known last: at the depth ``expected`` and for each of
+    the ``works`` of adhesion [J/m^2]; ``z0``: range of its forces [m], None where the case includes one."""
+    body = unbounded(replace(problem, specimen=replace(problem.specimen, relaxation=None)))
+    works = [w for w in works if w > 0]
+    omissions = [*_neighbours(Neighbours(body, expected, works), problem.specimen.radius is not None)]
+    omissions += [_slip(body, expected, works), *_range(body, expected, z0), *_strains(body, expected)]
+    omissions += [*_weight(body, expected), *_faces(body, expected)]
+    return sorted(omissions, key=lambda one: -abs(one.largest[1]) if one.largest else 1.0)
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """A ``body`` and its neighbours at the depth that is ``expected``, with ``works`` of adhesion [J/m^2]."""
+
+    body: Problem
+    expected: Expectation
+    works: Sequence[float]
+
+    def with_(self, name: str, key: str, **otherwise: Any) -> LeftOut:
+        """The body with ``otherwise`` in place of its fields."""
+        loading = Loading("depth", self.expected.delta, DENSE, "log")
+        method = Layered(TUNING.accuracy)
+        try:
+            other = again(self.body, method=method, longest=PATIENCE, loading=loading, **otherwise).series
+        except JkrError as error:
+            return LeftOut(name, key, Unknown(str(error)), Unknown(str(error)))
+        return self.over(name, key, self.expected.series, other)
+
+    def over(self, name: str, key: str, plain: Series, other: Series) -> LeftOut:
+        """One series of the neighbour over one of the body; both reach the depth."""
+        depth = float(plain.delta[-1])
+        load, S = (new / old - 1 for new, old in zip(_at(other, depth), _at(plain, depth), strict=True))
+        return LeftOut(name, key, load, S, _pull_offs(plain, other, self.works))
+
+
+def _at(series: Series, depth: float) -> tuple[float, float]:
+    """P [N] and S [N/m] of a series at a depth [m] that it reaches."""
+    from scipy.interpolate import CubicSpline
+
+    assert series.S is not None
+    logs = CubicSpline(np.log(series.delta), np.log(np.stack([series.P, series.S])), axis=1)
+    load, stiffness = np.exp(logs(np.log(depth)))
+    return float(load), float(stiffness)
+
+
+def _pull_offs(plain: Series, other: Series, works: Sequence[float]) -> dict[float, Estimate]:
+    """Changes of the pull-off force under load control, by work of adhesion [J/m^2]."""
+    try:
+        ratios = pull_off_ratios(other, plain, works, Unknown("pull-off lies outside the radii of the case"))
+    except JkrError as error:
+        return dict.fromkeys(works, Unknown(str(error)))
+    return {w: ratio if isinstance(ratio, Unknown) else ratio - 1 for w, ratio in ratios.items()}
+
+
+def _neighbours(neighbours: Neighbours, sides: bool) -> Iterator[LeftOut]:
+    """The things for which a neighbouring body is solved; ``sides``: whether the specimen has any."""
+    specimen, indenter = neighbours.body.specimen, neighbours.body.indenter
+    glass = show(GLASS.E, "modulus")
+    if neighbours.body.layers:
+        yield _half_space(neighbours)
+    if isinstance(indenter, Paraboloid):
+        sphere = Sphere(indenter.R, indenter.material)
+        yield neighbours.with_("exact sphere", 'indenter.shape = "sphere"', indenter=sphere)
+    if indenter.material is None and not specimen.surface_tension:
+        elastic = replace(indenter, material=GLASS)  # type: ignore[type-var]
+        yield neighbours.with_(f"elastic indenter, {glass}", "indenter.E and nu", indenter=elastic)
+    if isinstance(specimen.base, Rigid) and specimen.base.bonded and not sides:
+        based = replace(specimen, base=HalfSpace(GLASS))
+        yield neighbours.with_(f"elastic base, {glass}", "specimen.half_space", specimen=based)
+    if not specimen.surface_tension:
+        yield _tension(neighbours)
+
+
+def _half_space(neighbours: Neighbours) -> LeftOut:
+    """The top material alone in place of the layers, as a half-space formula has it."""
+    other = alone(neighbours.body)
+    formula = neighbours.with_(
+        "half-space formula, no layers", "", specimen=other.specimen, indenter=other.indenter, sticks=False
+    )
+    pulls: dict[float, Estimate] = {}
+    for w, point, _ in neighbours.expected.adhesion:
+        if w > 0:
+            there = half_space_pull_off(other, w, LOAD_CONTROL)
+            known = isinstance(there, CriticalPoint) and isinstance(point, CriticalPoint)
+            pulls[w] = there.P / point.P - 1 if known else Unknown("no pull-off by formula")  # type: ignore[union-attr]
+    return replace(formula, pull_off=pulls, included=True)
+
+
+def _tension(neighbours: Neighbours) -> LeftOut:
+    """A surface tension, of a rigid indenter and without friction: no other is derived. A very slight one changes all
+    in proportion."""
+    body, Ups = neighbours.body, GEL_TENSION
+    name, key = f"surface tension {show(Ups, 'tension')}", f'specimen.surface_tension = "{show(Ups, "tension")}"'
+    rigid = replace(body, indenter=replace(body.indenter, material=None), sticks=False)  # type: ignore[type-var]
+    failed = Unknown("")
+    for slight in TUNING.slight:
+        trial = max(Ups, slight * neighbours.expected.a * rigid.E_star / 2)
+        try:
+            plain, tense = _tense(rigid, neighbours.expected.a, trial)
+        except JkrError as error:
+            failed = Unknown(str(error))
+            continue
+        omission, share = neighbours.over(name, key, plain, tense), Ups / trial
+        pulls = {w: _part(share, _if_no_wetting(w, change)) for w, change in omission.pull_off.items()}
+        return replace(omission, load=_part(share, omission.load), S=_part(share, omission.S), pull_off=pulls)
+    return LeftOut(name, key, failed, failed)
+
+
+def _tense(body: Problem, largest: float, tension: float) -> tuple[Series, Series]:
+    """The series up to the ``largest`` radius [m] without and with a ``tension`` [N/m]."""
+    a0, method = body.indenter.a0, Layered(TUNING.accuracy)
+    radii = a0 + (largest - a0) * np.geomspace(TUNING.smallest, 1.0, TUNING.few)
+    specimens = (body.specimen, replace(body.specimen, surface_tension=tension))
+    plain, tense = (again(body, radii, method, PATIENCE, specimen=one).series for one in specimens)
+    return plain, tense
+
+
+def _part(share: float, change: Estimate) -> Estimate:
+    return change if isinstance(change, Unknown) else share * change
+
+
+def _if_no_wetting(w: float, change: Estimate) -> Estimate:
+    """The change, or why there is none: a surface of so little tension wets the indenter."""
+    try:
+        refuse_wetting(w, GEL_TENSION)
+    except JkrError as error:
+        return Unknown(str(error))
+    return change
+
+
+def _slip(body: Problem, expected: Expectation, works: Sequence[float]) -> LeftOut:
+    """Contact without slip, or with it where the case has none."""
+    name, other = ("slip", "sliding") if body.sticks else ("no slip", "sticking")
+    key = f'specimen.surface = "{other}"'
+    effect = sticking_effect(body, expected.a, works)
+    if isinstance(effect, Unknown):
+        return LeftOut(name, key, effect, effect)
+
+    def change(ratio: Estimate) -> Estimate:
+        return ratio if isinstance(ratio, Unknown) else (1 / ratio if body.sticks else ratio) - 1
+
+    pulls = {w: change(ratio) for w, ratio in effect.pull_off.items()}
+    return LeftOut(name, key, change(effect.load), change(effect.stiffness_at_depth), pulls)
+
+
+def _range(body: Problem, expected: Expectation, z0: float | None) -> Iterator[LeftOut]:
+    """The range of adhesive forces: at pull-off, and of the load on the adhesive curve at its largest depth."""
+    pulls = {w: judged.effect_of_range for w, _, judged in expected.adhesion if w > 0}
+    if z0 is None or not pulls:
+        return
+    length = show(z0, "length")
+    load = _load_at_range(body, expected, z0, pulls)
+    yield LeftOut(f"range of adhesion {length}", f'adhesion.range = "{length}"', load, NOT_COMPARED, pulls)
+
+
+def _load_at_range(body: Problem, expected: Expectation, z0: float, pulls: Mapping[float, Estimate]) -> Estimate:
+    """Change of the adhesive load, over the load without adhesion, for the w whose pull-off changes most."""
+    from scipy.interpolate import CubicSpline
+
+    known = {w: value for w, value in pulls.items() if not isinstance(value, Unknown)}
+    if not any(known.values()):
+        return 0.0 if known else next(iter(pulls.values()))
+    w, series = max(known, key=lambda each: abs(known[each])), expected.series
+    try:
+        plain, curve = transform(series, "exact", w), ranged(body, series, w, z0)
+    except JkrError as error:
+        return Unknown(str(error))
+    last = int(np.flatnonzero(np.diff(curve.delta) <= 0).max(initial=-1)) + 1  # contact grows with depth from there on
+    there = CubicSpline(curve.delta[last:], curve.P[last:])(plain.delta[-1])
+    return float(there - plain.P[-1]) / expected.P
+
+
+def _faces(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
+    """The faces of a pyramid: its contact area is a share of its cone's, on which w acts as that share of w; on layers,
+    where S goes with a power of the radius other than 1, the load differs."""
+    share, series = body.indenter.contact_share, expected.series
+    if share == 1:
+        return
+    assert series.S is not None
+    assert series.dS is not None
+    power = float(expected.a * series.dS[-1] / series.S[-1]) if body.layers else 1.0
+    pulls = dict[float, Estimate]()
+    for w, point in ((w, point) for w, point, _ in expected.adhesion if w > 0):
+        fewer = transform(series, "exact", share * w).pull_off(LOAD_CONTROL)
+        if isinstance(point, CriticalPoint):
+            pulls[w] = fewer.P / point.P - 1 if isinstance(fewer, CriticalPoint) else fewer
+        else:
+            pulls[w] = point
+    load = (power - 1) * (math.sqrt(share) - 1)
+    yield LeftOut("faces of the pyramid", "", load, NOT_COMPARED if load else 0.0, pulls)
+
+
+def _strains(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
+    """What large strains do to the load, as far as it is known, and with it to S."""
+    if body.indenter.tip_radius is None:
+        return
+    name, known = "large strains of rubber", body.specimen.surface.nu >= INCOMPRESSIBLE
+    judged = judge(a=expected.a, delta=expected.delta, w=0.0, L=None, z0=None, **sizes(body))
+    if isinstance(judged.strained, Unknown) or not known:
+        yield LeftOut(name, "", NO_STRAINS, NO_STRAINS)
+        return
+    load = 1 / (1 + judged.strained) - 1
+    pulls = {w: _largest(judged.large_strains) for w, _, judged in expected.adhesion if w > 0}
+    yield LeftOut(name, "", load, TUNING.of_strains * load, pulls)
+
+
+def _largest(change: Strains) -> Estimate:
+    """The end of a range of changes that is larger in size."""
+    if change is None or isinstance(change, Unknown):
+        return NO_PULL_OFF if change is None else change
+    return max(change, key=abs)
+
+
+def _weight(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
+    """The weight of a half-space that keeps its volume; of others no formula is known."""
+    material, R = body.specimen.surface, body.indenter.tip_radius
+    if R is None or not body.is_half_space or material.nu < INCOMPRESSIBLE or body.specimen.surface_tension:
+        return
+    load, S = over_hertz(expected.a, material.E_star, TUNING.density)
+    pulls = {w: over_jkr(point.a, material.E_star, TUNING.density) if isinstance(point, CriticalPoint) else point
+             for w, point, _ in expected.adhesion if w > 0}  # fmt: skip
+    yield LeftOut(f"weight of the specimen, {TUNING.density:g} kg/m^3", "", load, S, pulls)

@@ -1,0 +1,398 @@
+"""By how much the edge of the contact runs ahead of the nodes whose radii a series reports, and its loads over those of
+the bodies that it is said to be of.
+
+The bodies' own solution tells the radius at every displacement, whatever the modulus. In elements e the row at radius r
+lies z = (a(delta) - r)/e beyond its node, and where the edge runs c elements ahead, z is anywhere between c and c + 1,
+each place as likely: the rows next to these ends tell c, all of them together, with what scatters about them. The
+radius of the tip makes all a(delta) too large or too small together, and is sought with it. Loads at equal displacement
+then tell the factor of the moduli.
+
+Where the bodies have no solution, or it is not to be used, the tip still has: the smaller the contact, the more it is
+one with a half-space, a -> F^-1(delta). What the rest of the body makes of it grows as a^2; its powers are fitted with
+c, which tells which node it is whose radius is reported, and little more.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.special import ndtr
+
+from ..adhesion.slopes.node_radii import AS_THEY_ARE, Ahead, NodeRadii, evenly_spaced, node_radii
+from ..adhesion.slopes.result import TWO_SIDED_90
+from ..base import ROUNDED, Array, show
+from ..bodies import Indenter, Problem
+from ..series import RawSeries, Series
+from .resolve import own_solution
+
+
+@dataclass(frozen=True)
+class AheadTuning:
+    """What is thought of the edge before, and how it is found."""
+
+    # elements by which the edge runs ahead of a node that begins to carry; theory: 0 for exact complementarity,
+    # 0.1 to 0.3 for surfaces, averaged pressures and thresholds
+    known: tuple[float, float] = (0.0, 0.3)
+    # and what the radius of another node, the nearest or the next one, adds; theory: as the nodes are counted
+    nodes: tuple[float, ...] = (0.0, -0.5, -1.0)
+    usual: float = 0.7  # choice: probability that it is the outermost node
+    least: float = 0.02  # elements that are left; tuned on node-based series, by `make node-study`
+    rows: int = 160  # choice: most rows that are asked, those next to another radius first
+    first: float = 2.5  # choice: elements, below which meshes do not tell where the edge is
+    outlier: float = 0.01  # choice: probability of a row that tells nothing
+    # relative scatter of radii at equal displacement that is thought possible; choice: decades
+    scatter: tuple[float, ...] = (1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
+    blur: float = 0.01  # choice: elements, of the ends of the interval
+    radius: float = 0.002  # of displacements at equal radii; choice: usual size of what meshes and cuts make of them
+    wrong: float = 0.05  # choice: of displacements, from which the radius of the tip is another
+    loads: float = 1.1  # choice: factor of loads that is warned of; meshes that do not lock err by less than a third
+    deep: float = 0.1  # choice: of the largest displacement, from which loads count
+    near: float = 0.04  # choice: by how much a factor may miss that of a usual cause
+    locks: tuple[float, float] = (0.45, 2.5)  # choice: Poisson's ratio from which, and factor up to which elements lock
+    # mean log likelihood of a row, from which the bodies are those; tuned on node-based series, by `make node-study`
+    fits: float = -1.0
+    # of radii, up to which a body departs from the half-space; tuned on node-based series, by `make node-study`
+    half_space: tuple[float, ...] = (0.3, 0.15)
+    # of the radius, from its square on, by which it does; tuned on node-based series, by `make node-study`
+    powers: tuple[int, ...] = (2, 3)
+    spare: int = 4  # touches beyond what is fitted; choice: fewer tell nothing
+    # Radii that increments reach by equal steps are those of nodes where the edge is this many elements off them, and
+    # so many standard errors, and loads at equal displacement are those of the bodies to this part:
+    off: float = 0.25  # choice: less is no matter
+    sure: float = 4.0  # choice: rare
+    same: float = 0.02  # choice: meshes that do not lock err by less
+
+
+TUNING = AheadTuning()
+
+
+# theory: loads of a part of the body over those of the whole
+PARTS = {
+    1 / 180: "a wedge of 2 degrees, CalculiX's: --factor P=180",
+    1 / 360: "a wedge of 1 degree: --factor P=360",
+    1 / 72: "a wedge of 5 degrees: --factor P=72",
+    1 / (2 * math.pi): "loads per radian: --factor P=6.2832",
+    1 / 2: "half of the body: --factor P=2",
+    1 / 4: "a quarter of the body: --factor P=4",
+    2.0: "a half model counted twice: --factor P=0.5",
+    4.0: "a quarter counted fourfold: --factor P=0.25",
+}
+
+
+@dataclass(frozen=True)
+class Loads:
+    """``factor`` of the loads over those of the bodies at equal displacement, with its relative 90 % half-width
+    ``error``; ``stretch``: factor of the displacements over those of the bodies at equal radii, 1 where it may be;
+    ``fits``: whether radii over displacements are of the shape that the bodies have."""
+
+    factor: float
+    error: float
+    stretch: float
+    fits: bool
+
+    @property
+    def words(self) -> str:
+        """The factor with its error."""
+        number = f"{self.factor:#.4g}".rstrip(".")
+        return f"{number} ± {self.factor * self.error:.1g} times those of these bodies at equal displacement"
+
+    def doubts(self, problem: Problem) -> tuple[str, ...]:
+        """What is likely to be wrong, if anything is, as one warning that begins with the loads."""
+        parts, R = [], problem.indenter.tip_radius
+        off = abs(math.log(self.factor)) > max(math.log(TUNING.loads), self.error)
+        if off:
+            parts.append(f"the loads are {self.words}{f': {self._causes(problem)}' if self.fits else ''}")
+        if not self.fits:
+            layers = problem.specimen.layers
+            what = f"the thickness {show(layers[0].thickness, 'length')}, R" if layers else "R"
+            parts.append(
+                f"contact radii, displacements and loads are not those of these bodies: are {what} and the units right?"
+            )
+        elif abs(math.log(self.stretch)) > math.log(TUNING.loads):
+            fitting = "" if R is None else f" (R = {show(R / self.stretch, 'length')} fits)"
+            there = f"at equal contact radii the displacements are {self.stretch:.3g} times those of these bodies"
+            parts.append(f"{there}{fitting}: is R right, and the unit of radius and displacement?")
+        return ("; ".join(parts),) if parts else ()
+
+    def _causes(self, problem: Problem) -> str:
+        usual = [cause for part, cause in PARTS.items() if abs(math.log(self.factor / part)) < TUNING.near]
+        power = math.log10(self.factor)
+        if round(power) and abs(power - round(power)) < TUNING.near:
+            usual.append(f"a unit, {10.0 ** round(power):g} times too {'large' if power > 0 else 'small'}")
+        nu = max(material.surface.nu for material in problem.specimen.materials)
+        if nu > TUNING.locks[0] and 1 < self.factor < TUNING.locks[1]:
+            usual.append(f"elements that lock at nu = {nu:g}")
+        known = any(abs(math.log(self.factor / part)) < TUNING.near for part in PARTS)
+        return "; ".join(usual if known else [*usual, "a part of the body (--factor P=...), a unit, E?"])
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """Rows ``raw`` beside the bodies that they are said to be of: the radii of ``nodes`` they have, the bodies' ``own``
+    solution, and by how much the edge runs ``ahead`` of those nodes; None where there is none."""
+
+    problem: Problem
+    raw: RawSeries
+    nodes: NodeRadii | None
+    own: Series | None
+    ahead: Ahead
+    found: Found | None
+
+    @property
+    def rows(self) -> RawSeries:
+        """The rows at radii of the edge of the contact, as far as these are known."""
+        return self.raw.touching if self.nodes is None else self.nodes.touches(self.ahead.elements).rows
+
+    @property
+    def of_nodes(self) -> str:
+        """What is known of the radii, in words; empty where they are none of nodes."""
+        if self.nodes is None:
+            return ""
+        c, error, source = self.ahead
+        spacing = f"those of nodes {show(self.nodes.spacing, 'length')} apart"
+        if source == "assumed":
+            return f"{spacing}; where the edge is between them is not known: {c:+.2f} ± {error:.2f} elements taken"
+        how = {"body": "corrected", "tip": "corrected by the tip alone"}[source]
+        where = f"{abs(c):.2f} ± {error:.2f} elements {'ahead' if c >= 0 else 'behind'}"
+        return f"{spacing}; the edge runs {where}: {how}"
+
+    @property
+    def unexplained(self) -> tuple[float, float]:
+        """Factors of the profile and of all moduli that would make the series that of the bodies, as far as the errors
+        of these numbers do not explain them; 1 where the radii are none of nodes, or the series is that of other
+        bodies, which is warned of.
+
+        At equal radii the displacements of the bodies are exp(s) times those of the series; at equal radii again, loads
+        over displacements are those of other moduli (Eq. 13: t does not feel the profile).
+        """
+        found, loads = self.found, self.loads()
+        if self.own is None or found is None or loads is None or not loads.fits:
+            return 1.0, 1.0
+        at_equal_radii = self._loads(self.own, found.stretch, True)
+        most = math.log(TUNING.loads)
+        if at_equal_radii is None or max(abs(found.stretch), abs(math.log(at_equal_radii.factor))) > most:
+            return 1.0, 1.0
+        of_profile = _beyond(found.stretch, TWO_SIDED_90 * found.stretch_error)
+        return math.exp(of_profile), math.exp(-_beyond(math.log(at_equal_radii.factor), at_equal_radii.error))
+
+    def loads(self) -> Loads | None:
+        """The factor of the loads over those of the bodies; None where these have no solution."""
+        own = self.own
+        if own is None:
+            return None
+        a, fits = self.rows, self.found is None or self.found.fit > TUNING.fits
+        stretch = self._stretch(own, a) if self.found is None else self.found.stretch
+        return self._loads(own, stretch if abs(stretch) > TUNING.wrong else 0.0, fits)
+
+    def _loads(self, own: Series, stretch: float, fits: bool) -> Loads | None:
+        """The factor of the loads at displacements that are those of the bodies after a ``stretch`` of their logs."""
+        rows = self.raw.touching
+        x = np.log(rows.delta[rows.delta > 0]) + stretch
+        P = rows.P[rows.delta > 0]
+        inside = (x > np.log(own.delta[0])) & (x < np.log(own.delta[-1])) & (P > 0)
+        inside &= x > np.log(TUNING.deep) + x[inside].max(initial=-np.inf)
+        if inside.sum() < TUNING.spare:
+            return None
+        gap = np.log(P[inside]) - CubicSpline(np.log(own.delta), np.log(own.P))(x[inside]) + stretch
+        parts = [float(np.median(part)) for part in np.array_split(gap, min(TUNING.spare, gap.size))]
+        middle = float(np.median(gap))
+        scatter = 1.25 * float(np.median(np.abs(gap - middle))) / 0.6745 / math.sqrt(gap.size)
+        error = math.hypot((max(parts) - min(parts)) / 2, TWO_SIDED_90 * scatter)
+        fits = fits and error < math.log(TUNING.loads)
+        return Loads(math.exp(middle), max(error, 1e-4), math.exp(-stretch), fits)
+
+    @staticmethod
+    def _stretch(own: Series, rows: RawSeries) -> float:
+        """Log of the body's displacements over those of the rows at equal radii, the median over the larger half."""
+        there = (rows.a >= np.median(rows.a)) & (rows.a > own.a[0]) & (rows.a <= own.a[-1]) & (rows.delta > 0)
+        if not there.any():
+            return 0.0
+        x = np.log(rows.a[there] - own.a0)
+        gap = CubicSpline(np.log(own.a - own.a0), np.log(own.delta))(x) - np.log(rows.delta[there])
+        return float(np.median(gap))
+
+
+def _beyond(value: float, error: float) -> float:
+    """What is left of a ``value`` whose square its ``error`` explains in part."""
+    return math.copysign(math.sqrt(max(value**2 - error**2, 0.0)), value)
+
+
+def compared(problem: Problem, raw: RawSeries, with_bodies: bool = True) -> Compared:
+    """``raw`` beside the bodies of ``problem``, or beside their tip alone."""
+    touching, nodes = raw.touching, node_radii(raw)
+    reached = touching.a if nodes is None else np.append(touching.a, touching.a[-1] + 2 * nodes.spacing)
+    within = np.minimum(reached[reached > problem.indenter.a0], problem.indenter.r_max * (1 - ROUNDED))
+    own = own_solution(problem, within) if with_bodies and within.size else None
+    if nodes is None and own is not None:
+        nodes = _beside_body(raw, Compared(problem, raw, None, own, AS_THEY_ARE, None))
+        raw = raw if nodes is None else replace(raw, element=np.full(raw.a.size, nodes.spacing))
+    if nodes is None:
+        return Compared(problem, raw, None, own, AS_THEY_ARE, None)
+    found = None if own is None else by_body(nodes, own)
+    if found is not None and found.fit > TUNING.fits:
+        return Compared(problem, raw, nodes, own, found.ahead, found)
+    return Compared(problem, raw, nodes, own, by_tip(nodes, problem.indenter), found)
+
+
+def _beside_body(raw: RawSeries, as_they_are: Compared) -> NodeRadii | None:
+    """Rows as those of nodes where the bodies alone tell that they are: increments that pass as many elements each have
+    evenly spaced radii, all the same part of an element off. None where they are the bodies' own, or loads at equal
+    displacement, which do not feel the radius, are those of other bodies."""
+    own, nodes = as_they_are.own, evenly_spaced(raw)
+    assert own is not None
+    if nodes is None:
+        return None
+    loads, rows, e = as_they_are._loads(own, 0.0, True), nodes.rows, nodes.element
+    inside = (rows.a > TUNING.first * e) & (rows.delta > own.delta[0]) & (rows.delta < own.delta[-1])
+    if loads is None or loads.error > TUNING.same or np.count_nonzero(inside) < 2 + TUNING.spare:
+        return None
+    beyond = CubicSpline(np.log(own.delta), np.log(own.a - own.a0))
+    x = np.log(rows.delta[inside])
+    a = own.a0 + np.exp(beyond(x))
+    columns = np.stack([np.ones(a.size), (a - own.a0) * beyond(x, 1) / e[inside]])  # what an error of R does, too
+    z = (a - rows.a[inside]) / e[inside]
+    (off, stretch), *_ = np.linalg.lstsq(columns.T, z, rcond=None)
+    left = z - np.array([off, stretch]) @ columns
+    variance = float(left @ left) / (z.size - 2) * float(np.linalg.inv(columns @ columns.T)[0, 0])
+    told = abs(off) > max(TUNING.off, TUNING.sure * math.sqrt(variance)) and np.abs(left).max() < 1
+    return nodes if told and by_body(nodes, own).fit > TUNING.fits else None
+
+
+@dataclass(frozen=True)
+class Found:
+    """``ahead``: by how much the edge runs ahead; ``stretch``: log of displacements of the body's solution over those
+    of the series at equal radii, with its standard error; ``fit``: the mean of the log likelihood of the rows, 0 where
+    all lie between a node and the next."""
+
+    ahead: Ahead
+    stretch: float
+    stretch_error: float
+    fit: float
+
+
+def by_body(nodes: NodeRadii, own: Series) -> Found:
+    """What the bodies' ``own`` solution tells of the edge."""
+    rows, chosen = nodes.rows, _telling(nodes)
+    r, delta, e = rows.a[chosen], rows.delta[chosen], nodes.element[chosen]
+    beyond = CubicSpline(np.log(own.delta), np.log(own.a - own.a0))
+    offset = _stretch(own, nodes)
+    x = np.log(delta) + offset
+    a = own.a0 + np.exp(beyond(x))
+    z, lever = (a - r) / e, (a - own.a0) * beyond(x, 1) / e
+    spread = np.sinh(np.linspace(-3, 3, 25)) * TUNING.radius
+    ends = -1.6, 0.9
+    for refinement in range(2):
+        c = np.linspace(*ends, 41)
+        logs = np.stack([_log_likelihood(z, lever, a / e, c, spread, scatter) for scatter in TUNING.scatter])
+        logs -= np.log1p((spread / TUNING.radius) ** 2)  # Cauchy's: more is rare, not excluded
+        weights = np.exp(logs - logs.max())
+        weights /= weights.sum()
+        mean_c, sd_c = _moments(c, weights.sum(axis=(0, 2)))
+        mean_s, sd_s = _moments(spread, weights.sum(axis=(0, 1)))
+        if refinement == 0:
+            ends = mean_c - 4 * max(sd_c, 0.02), mean_c + 4 * max(sd_c, 0.02)
+            width = 4 * max(sd_s, 3e-4)
+            spread = np.linspace(mean_s - width, mean_s + width, 25)
+    error = float(np.hypot(TWO_SIDED_90 * sd_c, TUNING.least))
+    return Found(Ahead(mean_c, error, "body"), offset + mean_s, sd_s, float(logs.max()) / z.size)
+
+
+def by_tip(nodes: NodeRadii, indenter: Indenter) -> Ahead:
+    """What the tip alone tells of the edge: which node it is, where the contact is small enough."""
+    c = np.linspace(-1.2, 0.5, 171)
+    low, high = TUNING.known
+    prior = np.zeros(c.size)
+    for share, node in zip((TUNING.usual, *[(1 - TUNING.usual) / 2] * 2), TUNING.nodes, strict=True):
+        inside = (c >= node + low - 1e-9) & (c <= node + high + 1e-9)
+        prior[inside] += share / inside.sum()
+    seen = _of_half_space(nodes, indenter)
+    if seen is not None:
+        at, error = seen
+        prior *= np.exp(-0.5 * ((c - at) / error) ** 2)
+        if prior.sum() < 1e-30:
+            return Ahead(at, math.sqrt(3) * error, "tip")
+    mean, sd = _moments(c, prior / prior.sum())
+    # theory: an interval in which all places are as likely reaches to sqrt(3) standard deviations
+    return Ahead(mean, math.sqrt(3) * sd, "assumed" if seen is None else "tip")
+
+
+def _of_half_space(nodes: NodeRadii, indenter: Indenter) -> tuple[float, float] | None:
+    """c and its standard error by the first touches, where the body is not yet far from a half-space; None where there
+    are too few of them. What other ranges and powers make of it differently counts as error."""
+    touches = nodes.touches()
+    if indenter.a0 > 0:
+        return None
+    a, e = touches.rows.a, touches.element
+    # Radii at which the tip touches a half-space at the displacements `delta` (n,) [m].
+    top = min(indenter.r_max * (1 - 1e-9), 10 * float(a[-1]))
+    radii = indenter.a0 + np.geomspace(1e-3 * float(a[0]), top - indenter.a0, 2000)
+    alone = np.exp(np.interp(np.log(touches.rows.delta), np.log(indenter.abel(radii)), np.log(radii)))
+    tries = []
+    for limit in TUNING.half_space:
+        far = np.abs(alone / a - 1) > limit + e / a
+        few = int(np.argmax(far)) if far.any() else a.size
+        for powers in TUNING.powers:
+            if few < powers + 1 + TUNING.spare:
+                break
+            tries.append(_fitted(a[:few], e[:few], alone[:few], touches.errors[:few], powers))
+    if len(tries) < 2:
+        return None
+    values, errors = np.array(tries).T
+    value = float(values[-1])
+    return value, float(np.hypot(errors[-1], np.abs(values[:-1] - value).max()))
+
+
+def _fitted(a: Array, e: Array, alone: Array, errors: Array, powers: int) -> tuple[float, float]:
+    """c and its standard error, with some ``powers`` of the radius from its square on."""
+    weights = 1 / np.hypot(errors / e, 0.05)
+    x = a / a[-1]
+    columns = np.stack([np.ones(a.size), *(x ** (2 + i) * e[-1] / e for i in range(powers))], axis=1)
+    z = (alone - a) / e
+    normal = columns * weights[:, None]
+    covariance = np.linalg.inv(normal.T @ normal + 1e-12 * np.eye(columns.shape[1]))
+    coefficients = covariance @ normal.T @ (weights * z)
+    left = weights * (z - columns @ coefficients)
+    unit = max(float(left @ left) / (a.size - columns.shape[1]), 1.0 / 3.0)
+    return float(coefficients[0]), float(np.hypot(np.sqrt(unit * covariance[0, 0]), 0.03))
+
+
+def _telling(nodes: NodeRadii) -> Array:
+    """Numbers of the rows that tell most: those next to another radius, beyond the first elements."""
+    a = nodes.rows.a
+    changes = np.diff(a) > 0
+    near = np.append(changes, True) | np.append(True, changes)
+    beyond = a > TUNING.first * nodes.element
+    if np.count_nonzero(near & beyond) < TUNING.rows // 8:
+        beyond[:] = True
+    chosen = np.flatnonzero(near & beyond)
+    return chosen[np.unique(np.linspace(0, chosen.size - 1, TUNING.rows).astype(int))] if chosen.size else chosen
+
+
+def _stretch(own: Series, nodes: NodeRadii) -> float:
+    """Log of the body's displacements over those of the series, about; 0 where they are the same."""
+    a, delta, e = nodes.rows.a, nodes.rows.delta, nodes.element
+    inside = (a + e / 2 > own.a[0]) & (a <= own.a[-1])
+    log_delta = CubicSpline(np.log(own.a - own.a0), np.log(own.delta))
+    large = a >= np.median(a)
+    there = inside & large
+    gap = log_delta(np.log(a[there] + e[there] / 2 - own.a0)) - np.log(delta[there])
+    middle = float(np.median(gap)) if gap.size else 0.0
+    coarse = float(np.median(e / a))  # a radius is not known better
+    return middle if abs(middle) > TUNING.wrong + 3 * coarse else 0.0
+
+
+def _log_likelihood(z: Array, lever: Array, count: Array, c: Array, stretch: Array, scatter: float) -> Array:
+    """Log of the likelihood of ``c`` (m,) elements and ``stretch`` (k,), shape (m, k), for rows (n,) that lie ``z``
+    elements beyond their nodes, each blurred by the ``scatter`` of its radius of ``count`` elements."""
+    blur = np.hypot(TUNING.blur, scatter * count)
+    at = ((z[:, None] + lever[:, None] * stretch)[:, None, :] - c[:, None]) / blur[:, None, None]
+    inside = ndtr(at) - ndtr(at - 1 / blur[:, None, None])
+    return np.log((1 - TUNING.outlier) * inside + 0.1 * TUNING.outlier).sum(axis=0)
+
+
+def _moments(x: Array, weights: Array) -> tuple[float, float]:
+    mean = float(weights @ x)
+    return mean, math.sqrt(max(float(weights @ (x - mean) ** 2), 0.0))

@@ -1,0 +1,66 @@
+"""The path of a contact at a device, against closed forms of a paraboloid on a half-space, E* = R = 1."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.fitting.forward_model import Family, branch, rest
+from jkrcli.methods.closed_form import ClosedForm
+
+PROBLEM = Problem(Paraboloid(1.0), Specimen((), HalfSpace(Elastic(0.75, 0.5))), Loading("radius", 0.6, 60))
+SERIES = ClosedForm()(PROBLEM).series
+FAMILY = Family.of(SERIES, slopes(SERIES))
+# k, w on the way in and out, turned at z = 0.15: a and P at the turn, delta and P at the end of the rest, a, z, P at
+# the fold; by formulae of Johnson, Kendall and Roberts and a punch of radius a at rest.
+PATHS = [
+    (math.inf, 0.001, 0.005, (0.450800261, 0.0741653959), (0.0842153802, 0.0148539483),
+     (0.12522084, -0.04704078, -0.01308997)),
+    (math.inf, 0.0, 0.005, (0.387298335, 0.0774596669), (0.0396943518, -0.0079827208),
+     (0.12522084, -0.04704078, -0.01308997)),
+    (0.5, 0.001, 0.005, (0.368373010, 0.0312055786), (0.0281218208, -0.0126065132),
+     (0.18955679, -0.08158643, -0.02017445)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("k", "w_in", "w_out", "turn", "end", "fold"), PATHS)
+def test_a_cycle_rests_recedes_and_folds(
+    k: float, w_in: float, w_out: float, turn: tuple[float, ...], end: tuple[float, ...], fold: tuple[float, ...]
+) -> None:
+    resting = rest(FAMILY, 1.0, math.sqrt(w_in), math.sqrt(w_out), k, 0.15)
+    assert (math.exp(resting.u), resting.at(np.array([0.15]))[0][0]) == pytest.approx(turn, rel=1e-8)
+    P = resting.at(np.array([resting.end]))[0][0]
+    assert (resting.end - P / k, P) == pytest.approx(end, rel=1e-8)
+    assert resting.released(math.sqrt(w_out), resting.end) == pytest.approx(math.sqrt(w_out), rel=1e-12)
+    receding = branch(FAMILY, 1.0, w_out, k)
+    lost = (receding.radii(np.array([receding.fold]))[0], receding.fold, receding.P[0])
+    assert lost == pytest.approx(fold, rel=1e-6)
+    assert receding.at(np.array([resting.end]), 1e-6)[0][0] == pytest.approx(P, rel=1e-6)
+
+
+def test_derivatives_are_those_of_the_loads() -> None:
+    z, step = np.array([0.1, 0.12, 0.14]), 1e-6
+
+    def load(s: float = 2.0, root: float = 0.03, turn: float = 0.15) -> np.ndarray:
+        return rest(FAMILY, s, root, 0.1, 0.5, turn).at(z)[0]
+
+    by_s, by_root, by_z, by_turn = rest(FAMILY, 2.0, 0.03, 0.1, 0.5, 0.15).at(z)[1]
+    assert by_s == pytest.approx((load(s=2 * (1 + step)) - load(s=2 * (1 - step))) / (2 * step), rel=1e-6)
+    assert by_root == pytest.approx((load(root=0.03 + step) - load(root=0.03 - step)) / (2 * step), rel=1e-6)
+    assert by_turn == pytest.approx((load(turn=0.15 + step) - load(turn=0.15 - step)) / (2 * step), rel=1e-6)
+    assert by_z == pytest.approx(np.diff(load())[0] / 0.02, rel=1e-9)
+
+
+def test_the_load_is_linear_in_w_through_0() -> None:
+    """dP/dw = -2 pi a/(d delta_H/da) = -pi R at constant displacement, for w above 0 and below."""
+    z = np.array([0.05, 0.1, 0.2])
+    plain, by = branch(FAMILY, 1.0, 0.0, math.inf).at(z, 1e-9)
+    assert by[1] == pytest.approx(-math.pi, rel=1e-4)
+    for q in (-1e-5, 1e-7):
+        assert (branch(FAMILY, 1.0, q, math.inf).at(z, 1e-9)[0] - plain) / q == pytest.approx(-math.pi, rel=5e-3)

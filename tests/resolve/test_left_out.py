@@ -1,0 +1,193 @@
+"""What a case leaves out, against closed forms and identities."""
+
+import math
+
+import numpy as np
+import pytest
+from maugis import Maugis
+from scipy.optimize import brentq
+
+from jkrcli.base import Unknown
+from jkrcli.bodies import GEL_TENSION, Elastic, HalfSpace, Layer, Loading, Paraboloid, Problem, Rigid, Specimen, Sphere
+from jkrcli.formulas import displacement, over_hertz, over_jkr, sneddon_sphere
+from jkrcli.resolve.neglected import GLASS, LeftOut, expect, left_out
+
+R, a = 1e-5, 2e-6
+RUBBER = Elastic(1e6, 0.5)
+
+
+def found(
+    specimen: Specimen, w: float = 0.0, indenter: object = None, z0: float = 3e-10, **more: object
+) -> dict[str, LeftOut]:
+    """What is left out, by the first two words of its name."""
+    problem = Problem(indenter or Paraboloid(R), specimen, Loading("radius", a, 40), **more)
+    works = (w,) if w else ()
+    rows = left_out(problem, expect(problem, works, z0), works, z0)
+    known = [abs(one.largest[1]) for one in rows if one.largest]
+    assert known == sorted(known, reverse=True)
+    assert [one.largest is None for one in rows] == sorted(one.largest is None for one in rows)  # what is unknown last
+    return {" ".join(one.name.split()[:2]).rstrip(","): one for one in rows}
+
+
+def half_space(material: Elastic = RUBBER) -> Specimen:
+    return Specimen((), HalfSpace(material))
+
+
+def layer(h: float, material: Elastic = RUBBER) -> Specimen:
+    return Specimen((Layer(material, h),), Rigid())
+
+
+def test_an_elastic_indenter_on_a_half_space_lowers_the_modulus_and_leaves_the_pull_off_force() -> None:
+    stiff = Elastic(20e9, 0.3)
+    one = found(half_space(stiff), 1.0)["elastic indenter"]
+    expected = GLASS.E_star / (GLASS.E_star + stiff.E_star) - 1
+    assert one.load == pytest.approx(expected, rel=1e-6)
+    assert one.S == pytest.approx(expected, rel=1e-6)
+    assert one.pull_off[1.0] == pytest.approx(0, abs=1e-5)
+
+
+def test_an_exact_sphere_is_sneddons() -> None:
+    one = found(half_space())["exact sphere"]
+    at = brentq(lambda r: r * math.atanh(r / R) - a**2 / R, 0.5 * a, a, xtol=1e-15)
+    expected = float(sneddon_sphere(np.array(at), RUBBER.E_star, R)[1]) / (4 * RUBBER.E_star * a**3 / (3 * R)) - 1
+    assert one.load == pytest.approx(expected, rel=2e-3)  # 1e-5 of the load, measured
+    assert one.S == pytest.approx(at / a - 1, rel=2e-3)
+    assert "exact sphere" not in found(half_space(), indenter=Sphere(R))
+
+
+@pytest.mark.parametrize("E", [1e6, 1e9], ids=["solved for", "in proportion"])
+def test_a_slight_surface_tension_on_a_half_space(E: float) -> None:
+    """At equal depth the logarithms of P_H and delta_H cancel: 3 kappa/(pi a), and 2 kappa/(pi a) of S."""
+    one = found(half_space(Elastic(E, 0.5)))["surface tension"]
+    kappa = 2 * GEL_TENSION / Elastic(E, 0.5).E_star
+    assert one.load == pytest.approx(3 * kappa / (math.pi * a), rel=0.15)  # (kappa l/a)^2 beside it
+    assert one.S == pytest.approx(2 * kappa / (math.pi * a), rel=0.2)
+
+
+def test_a_w_that_wets_has_no_pull_off_under_that_tension() -> None:
+    one = found(half_space(), 0.061)["surface tension"]
+    assert isinstance(one.load, float)
+    assert "more than twice the surface tension, 30 mN/m" in str(one.pull_off[0.061])
+
+
+def test_no_slip_on_a_half_space_changes_load_and_S_alike() -> None:
+    """P = 2/3 S delta of every contact that is similar to itself; nothing changes at nu = 1/2."""
+    w, nu = 0.01, 0.2
+    one = found(half_space(Elastic(1e6, nu)), w)["no slip"]
+    assert one.load == pytest.approx(one.S, rel=5e-3)
+    # S = 2 E* sigma a and delta_H = c a^2/R: at equal depth S is sigma/sqrt(c) times as large, the pull-off force 1/c.
+    sigma = (1 - nu) * math.log(3 - 4 * nu) / (1 - 2 * nu)
+    assert one.S == pytest.approx(sigma * math.sqrt(1 + one.pull_off[w]) - 1, rel=0.01)
+    none = found(half_space())["no slip"]
+    assert (none.load, none.S) == pytest.approx((0, 0), abs=1e-4)
+
+
+def test_slip_is_the_other_way_round() -> None:
+    gel = layer(0.5 * a)
+    without, with_ = found(gel)["no slip"], found(gel, sticks=True)["slip"]
+    assert (1 + without.load) * (1 + with_.load) == pytest.approx(1, rel=1e-3)
+    assert with_.key == 'specimen.surface = "sliding"'
+
+
+def test_a_base_of_the_layers_own_material_is_the_half_space() -> None:
+    rows = found(layer(a, GLASS), 1.0)
+    base, formula = rows["elastic base"], rows["half-space formula"]
+    assert formula.included
+    assert formula.key == ""
+    assert base.load == pytest.approx(formula.load, rel=1e-4)
+    assert base.S == pytest.approx(formula.S, rel=1e-4)
+    assert base.pull_off[1.0] == pytest.approx(formula.pull_off[1.0], rel=2e-3)
+
+
+def test_layers_far_thicker_than_the_contact_matter_as_little_as_their_base() -> None:
+    rows = found(layer(1e3 * a))
+    assert rows["half-space formula"].load == pytest.approx(0, abs=2e-3)
+    assert rows["elastic base"].load == pytest.approx(0, abs=1e-5)
+
+
+def test_large_strains_are_those_of_rubber() -> None:
+    one = found(half_space())["large strains"]  # a/R = 0.2
+    assert one.load == pytest.approx(1 / 1.015 - 1)
+    assert one.S == pytest.approx(4 / 3 * one.load)
+    assert isinstance(found(half_space(Elastic(1e6, 0.3)))["large strains"].load, Unknown)
+    assert isinstance(found(layer(0.5 * R))["large strains"].load, Unknown)
+
+
+def test_a_range_of_adhesion_is_maugis_own() -> None:
+    w = 1e-4
+    one = found(half_space(Elastic(1e5, 0.5)), w, z0=2e-8)["range of"]
+    E = Elastic(1e5, 0.5).E_star
+    lam = 2 * (w / 2e-8) * (R / (math.pi * w * (4 * E / 3) ** 2)) ** (1 / 3)
+    states = Maugis(R, E, w, lam, 1 + np.geomspace(1e-4, 1e3, 40_000))
+    assert one.pull_off[w] == pytest.approx(-states.P.min() / (1.5 * math.pi * w * R) - 1, rel=0.02)
+    at = a**2 / R - math.sqrt(2 * math.pi * w * a / E)
+    order = np.argsort(states.delta[states.a > a / 2])
+    load = np.interp(at, states.delta[states.a > a / 2][order], states.P[states.a > a / 2][order])
+    jkr = 4 * E * a**3 / (3 * R) - math.sqrt(8 * math.pi * w * E * a**3)
+    assert one.load == pytest.approx((load - jkr) / (4 * E * a**3 / (3 * R)), rel=0.05)
+
+
+def weighed(eps: float, n: int = 600) -> tuple[float, float, float, float]:
+    """S/(2 E*), S'/(2 E*), delta_H and P_H/(2 E*) of the radius 1 under a paraboloid R = 1: the integral equation of a
+    half-space with the kernel g - 1 = -eps/(k + eps), by cells."""
+    h = 1 / n
+    x = (np.arange(n) + 0.5) * h
+    nodes, weights = np.polynomial.legendre.leggauss(6)
+
+    def logs(v: np.ndarray) -> np.ndarray:
+        return v * np.log(np.where(v == 0, 1, np.abs(v))) - v
+
+    def cells(s: np.ndarray) -> np.ndarray:
+        """Integral of A(eps |s + u|) over a cell: its logarithm in closed form, the smooth rest by Gauss points."""
+        rest = sum(
+            weight * (displacement(z) + np.log(z))
+            for node, weight in zip(nodes, weights, strict=True)
+            for z in [eps * np.abs(s + node * h / 2)]
+        )
+        return h / 2 * rest - (logs(s + h / 2) - logs(s - h / 2)) - h * math.log(eps)
+
+    def kernel(at: np.ndarray) -> np.ndarray:
+        return -eps / 2 * (cells(at - x) + cells(at + x))
+
+    matrix = np.eye(n) + 2 / math.pi * kernel(x[:, None])
+    flat, round_ = (np.linalg.solve(matrix, 2 / math.pi * right) for right in (np.ones(n), x**2))
+    edge = kernel(np.array(1.0))
+    first, second = (2 / math.pi * (end - edge @ phi) for end, phi in ((1.0, flat), (1.0, round_)))
+    depth = second / first
+    return (
+        math.pi / 2 * flat.sum() * h,
+        math.pi**2 / 4 * first**2,
+        depth,
+        math.pi / 2 * (depth * flat - round_).sum() * h,
+    )
+
+
+def test_weight_of_a_half_space_against_its_integral_equation() -> None:
+    eps, none = 1e-5, weighed(1e-12)
+    S, dS, depth, P = (here / there for here, there in zip(weighed(eps), none, strict=True))
+    density = eps / 2 / 9.80665
+    load, stiffness = over_hertz(math.sqrt(none[2] * depth), 1.0, density)
+    assert P / depth**1.5 - 1 == pytest.approx(load, rel=3e-3)
+    assert S / math.sqrt(depth) - 1 == pytest.approx(stiffness, rel=3e-3)
+    # JKR's P at its lowest, where Hertz carries 1/2 and adhesion 1 of 3/2: no logarithm is left.
+    change = 0.5 * (P - 1) - (S / math.sqrt(dS) - 1)
+    assert -change / 0.5 == pytest.approx(over_jkr(1.0, 1.0, density), rel=5e-3)
+
+
+def test_weight_of_a_soft_half_space_alone_is_told() -> None:
+    soft = Elastic(100.0, 0.5)
+    one = found(half_space(soft), 1e-6)["weight of"]
+    assert one.load > 0
+    assert one.S > one.load
+    assert "weight of" not in found(half_space(Elastic(100.0, 0.3)))
+    assert "weight of" not in found(layer(R, soft))
+
+
+def test_a_change_of_units_changes_nothing() -> None:
+    """Lengths a thousand times as large, with the tension, the density and w that go with them."""
+    rows = found(layer(a), 0.02)
+    problem = Problem(Paraboloid(1e3 * R), layer(1e3 * a), Loading("radius", 1e3 * a, 40))
+    big = {one.name: one for one in left_out(problem, expect(problem, (20.0,), 3e-7), (20.0,), 3e-7)}
+    for name in ("no slip", "exact sphere"):
+        assert big[name].load == pytest.approx(rows[name].load, rel=1e-6, abs=1e-9)
+        assert big[name].pull_off[20.0] == pytest.approx(rows[name].pull_off[0.02], rel=1e-6, abs=1e-9)

@@ -23,7 +23,7 @@ from .pull_off_error import TUNING as MESHES
 from .pull_off_error import larger_elements
 from .stability import Cycle, cycle, separation_work
 
-TABULATED = 1e-10  # theory: share of an energy that cubics between the tabulated functions leave (``between.py``)
+TABULATED = 1e-10  # theory: share of an energy that cubics between the tabulated functions leave (``interpolation.py``)
 Change = Callable[[EquilibriumCurve], EquilibriumCurve]  # to another curve of the same body
 
 

@@ -1,4 +1,4 @@
-"""The array type of all annotations: floats in a NumPy array, docstrings give the shape; rows spread evenly."""
+"""Arrays, piecewise polynomials, quadrature, iteration and random draws of all rooms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The process as the program ``jkr``: settings that nobody wants who imports jkrcli into a program of his own."""
+"""The process as the program ``jkr``: its settings, memory, threads, clock, and locks of files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``jkr run``: a case file to a series file."""
+"""Verbs of cases: ``new``, ``run`` and ``mesh``, and ``import`` of others' series."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``jkr transform``: series files to adhesive curves."""
+"""Verbs of series: ``transform``, ``pull-off``, ``profile``, ``fields``, ``export``, ``explore``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``jkr show``: what a series file, an archive of fits or the table of a sweep holds."""
+"""Verbs about files and the installation: ``show``, ``doctor``, ``completion``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``jkr look``: what measured files hold, before any body is thought of."""
+"""Verbs of measured files: ``look``, before any body is thought of, and ``work`` along a curve."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``jkr study``: a verb for each map, made of its row, and the same case on a sequence of meshes."""
+"""Verbs of many problems: ``study`` (maps and meshes), ``sweep``, ``compare``, ``bench``."""
 
 from __future__ import annotations
 

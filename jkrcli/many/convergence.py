@@ -1,4 +1,4 @@
-"""A convergence study as table, summary, words and figure."""
+"""Convergence over meshes: the study, its table, summary, words and figure."""
 
 from __future__ import annotations
 

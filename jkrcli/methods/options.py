@@ -1,4 +1,4 @@
-"""What is known of the method ``closed-form`` before it is imported; it has no options."""
+"""What is known of each method before it is imported: its descriptor and options."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Adhesive curves in words: pull-off with its error, validity, comparison with a closed form, error budget."""
+"""Results of solved bodies as tables, summaries, words and figures: curves, pull-off, cycles, comparisons, fields."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fits as a table, as a summary, and in words."""
+"""Results of measured curves as tables, summaries, words and figures: fits, work along a curve, what a file holds."""
 
 from __future__ import annotations
 

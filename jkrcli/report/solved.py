@@ -1,4 +1,4 @@
-"""A solved case and an imported table: how far their series go, by what method, how exactly."""
+"""Solved cases, imported tables and meshes: how far they go, by what method, how exactly."""
 
 from __future__ import annotations
 

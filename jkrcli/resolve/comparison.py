@@ -1,4 +1,4 @@
-"""How far a computed curve lies from the exact solution of the same indenter on a half-space."""
+"""Adhesive curves beside those of a simpler body: a half-space, no slip, a finite range."""
 
 from __future__ import annotations
 

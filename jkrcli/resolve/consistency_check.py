@@ -3,7 +3,7 @@
 Whatever is smooth passes for a body: a drift of the load by a few per cent changes S and S' smoothly. Only the bodies
 themselves tell. The logs of delta and P over those of their own solution at the same radii, the modulus left free, are
 compared with a parabola in the order of recording: generalised least squares with the scatter of a, delta and P as the
-residuals have it (``slopes/scatter.py``), AR(1) along the rows, and an F test of what the parabola adds. A second one
+residuals have it (``slopes/integral.py``), AR(1) along the rows, and an F test of what the parabola adds. A second one
 asks for a straight line in the load alone, the likeliest drift, which one number tells from noise earlier than five.
 """
 

@@ -1,8 +1,8 @@
 """Slopes by integrating instead of differentiating: S' and d(delta_H)/da fitted through their integrals.
 
-The data meet the model of ``model.py`` in the logs of delta_H and P_H, weighted by their own errors; an error of the
+The data meet a model of splines in the logs of delta_H and P_H, weighted by their own errors; an error of the
 radius counts through the slopes of both columns and correlates them (effective variance). The roughness of
-log S' and log d(delta_H)/da over log a is penalised, each by a weight found from the data (``penalised.py``).
+log S' and log d(delta_H)/da over log a is penalised, each by a weight found from the data.
 Nothing is differentiated, S' > 0 holds by construction, and the fit's covariance gives the band. Residuals that
 follow their neighbours show what the splines cannot bend to: they get more knots, and what remains widens the band.
 """
@@ -839,10 +839,10 @@ def smoothed(
 ) -> tuple[Series, Slopes]:  # fmt: skip
     """A series and its slopes from increments, also where they are too noisy to be a series (columns out of order).
 
-    Where radii are those of nodes, the moments at which the next node is reached are found first (``events.py``), the
-    edge being ``ahead`` of it; ``load_errors`` (2, m): relative 90 % half-widths of the loads at equal depth, which
-    rows share, over displacements [m]. The series holds the fitted columns at the data's radii, sorted and without
-    repeats, but for those of outliers beyond all others.
+    Where radii are those of nodes, the moments at which the next node is reached are found first, the edge being
+    ``ahead`` of it (``node_radii.py``); ``load_errors`` (2, m): relative 90 % half-widths of the loads at equal depth,
+    which rows share, over displacements [m]. The series holds the fitted columns at the data's radii, sorted and
+    without repeats, but for those of outliers beyond all others.
     """
     nodes, errors, shift = node_radii(raw), dict[str, Array](), None
     raw = raw.touching

@@ -2,7 +2,7 @@
 
 ``RIVALS`` is the list: an entry is a name, its family, what its amount is, its effect, and how much of it is likely
 before the data. The effect is a change of the model, or a column alone: the derivative of the loads [N] by the amount,
-at fixed positions of the device. The data are asked for each by its score (``record_scores``).
+at fixed positions of the device. The data are asked for each by its score (``alternative_tests.py``).
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .. import formulas as thin_layer
+from .. import formulas
 from ..base import PATIENCE, SAME, Array, InputError, Refusal, SolveError, StageClock, show
 from ..bodies import Elastic, Layer, Loading, Paraboloid, Problem, Rigid, Sphere, unbounded
 from ..series import COLUMNS, ErrorBudget, Series, Solution
@@ -149,13 +149,13 @@ def _leading_order(R: float, layer: Layer, base: Rigid) -> Formula:
         G = material.G
 
         def squeezed(a: Array) -> tuple[Array, Array, Array, Array]:
-            return *thin_layer.thin_incompressible_layer(a, G, h, R), *thin_layer.thin_incompressible_slopes(a, G, h)
+            return *formulas.thin_incompressible_layer(a, G, h, R), *formulas.thin_incompressible_slopes(a, G, h)
 
         return Formula("thin incompressible layer, leading order", squeezed)
-    K = thin_layer.foundation_modulus(material.E, material.nu, h) if base.bonded else material.E_star / h
+    K = formulas.foundation_modulus(material.E, material.nu, h) if base.bonded else material.E_star / h
 
     def winkler(a: Array) -> tuple[Array, Array, Array, Array]:
-        return *thin_layer.thin_layer(a, K, R), *thin_layer.thin_layer_slopes(a, K)
+        return *formulas.thin_layer(a, K, R), *formulas.thin_layer_slopes(a, K)
 
     return Formula("thin compressible layer, leading order (Eq. 20)", winkler)
 

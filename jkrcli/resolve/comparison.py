@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import formulas as griffith
-from .. import formulas as half_space
+from .. import formulas
 from ..adhesion import (
     LOAD_CONTROL,
     AdhesiveCurve,
@@ -287,7 +286,7 @@ def _formula(problem: Problem, w: float, a: Array) -> tuple[Array, Array]:
     """delta [m] and P [N] of the closed form at radii ``a`` [m] of any shape."""
     pair = problem.indenter.half_space(a, problem.E_star)
     assert pair is not None
-    return half_space.adhesive_half_space(a, *pair, problem.E_star, w)
+    return formulas.adhesive_half_space(a, *pair, problem.E_star, w)
 
 
 def _curve_distance(computed: AdhesiveCurve, problem: Problem, unit: CriticalPoint) -> float:
@@ -296,7 +295,7 @@ def _curve_distance(computed: AdhesiveCurve, problem: Problem, unit: CriticalPoi
     Where its displacement nearly vanishes (f = B r^1.5), a tenth of the shift t = sqrt(2 pi w a/E*) is the unit.
     """
     indenter = problem.indenter
-    moved = griffith.shift(computed.w, unit.a, 2 * problem.E_star)
+    moved = formulas.shift(computed.w, unit.a, 2 * problem.E_star)
     units = CriticalPoint(unit.a, max(abs(unit.delta), 0.1 * moved), unit.P)
     ends = (indenter.a0, indenter.r_max * (1 - 1e-12))
     return curve_distance(

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.polynomial import polynomial
 from scipy.linalg import cholesky, solve_triangular
 
-from ... import formulas as boussinesq
+from ... import formulas
 from ...base import (
     MOST_SOLVES,
     MOST_STEPS,
@@ -108,7 +108,7 @@ class Boussinesq:
 
     def displacement(self, r: Array, z: Array) -> tuple[Array, Array]:
         """u_r, u_z [m/N], u_z upwards."""
-        u_r, u_z = boussinesq.point_force(r, -z, self.material.E, self.material.nu)
+        u_r, u_z = formulas.point_force(r, -z, self.material.E, self.material.nu)
         return u_r, -u_z
 
     def side_traction(self, r: Array, z: Array) -> tuple[Array, Array]:

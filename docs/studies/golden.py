@@ -91,7 +91,7 @@ FITS = tuple(
         (f"fit {PROBE}",),
         (f"fit {PROBE} --uncertain nu=0.005",),
         (f"fit {PROBE} --fix w=40mJ/m^2",),
-        (f"fit {PROBE} --branch compressive", f"work {PROBE}"),
+        (f"fit {PROBE} --branch compressive", f"work {PROBE} -o out"),
     ), 1)
 )  # fmt: skip
 STUDIES = (

@@ -26,7 +26,6 @@ def parser_of(about: str, parallel: bool = True) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", "--output", type=Path, default=Path(), help="folder [default: this one]")
     parser.add_argument("--no-plots", action="store_true", help="write no pictures")
-    parser.add_argument("--force", action="store_true", help="replace existing files that jkr did not write")
     parser.add_argument("--json", action="store_true", help="print as JSON, where the study has a summary")
     if parallel:
         parser.add_argument("--workers", type=int, help="local processes [default: one per core, if they pay]")
@@ -47,8 +46,8 @@ def quantity(dimension: str) -> Callable[[str], float]:
 
 
 def output_of(given: argparse.Namespace) -> Output:
-    """Where and how the study writes; its folder is made."""
-    output = Output(given.output, given.force, not given.no_plots, given.json)
+    """Where and how the study writes, over what was there; its folder is made."""
+    output = Output(given.output, True, not given.no_plots, given.json)
     output.folder(Path())
     return output
 

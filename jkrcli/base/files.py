@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import csv
-import errno
 import functools
 import gzip
 import hashlib
@@ -14,61 +13,40 @@ import math
 import os
 import re
 import secrets
-import shutil
-import stat
 import time
 import zlib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextvars import ContextVar
-from dataclasses import dataclass
 from operator import attrgetter
 from pathlib import Path
 from typing import Any, BinaryIO, TypeAlias, cast
 
 from . import process as allowance
-from . import process as locks
 from .errors import InputError, JkrError, nearest, printable, writable
-from .interrupts import Waiting
-from .numerics import MOST_STEPS
 
-
-@dataclass(frozen=True)
-class FilesTuning:
-    """Names that others gave."""
-
-    letters: tuple[int, int] = (20, 80)  # choice: least and most that a name keeps of what a file is called after
-
-
-TUNING = FilesTuning()
-CSV_HEADS = (
-    b"number,method,column,ratio,stated",  # our tables carry no mark but their own header
-    b"a_m,delta_m,P_N,delta_H_m,P_H_N,S_N_per_m",
-    b"r_m,pressure_Pa,displacement_m,gap_m",
-    b"r_m,pressure_Pa,shear_Pa,displacement_m",
-    b"line,depth_m,r_m,sigma_zz_Pa",
+# choice: least and most letters that a name keeps of what a file is called after
+SHORTEST, LONGEST = 20, 80
+DAY = 86_400  # choice: s, after which nobody is taken to be writing a hidden file any more
+TABLES = (  # how the first line of a table of ours begins: CSV has no place for any other mark
+    b"a_m,delta_m,P_N,delta_H_m,",
     b"a_m,delta_m,P_N,device_m,phase",
     b"a_m,delta_m,P_N,phase",  # under load control
-    b"t_s,a_m,delta_m,P_N,device_m,speed_m_per_s",
-    b"t_s,a_m,delta_m,P_N,speed_m_per_s",  # the same
-    b"t_s,a_m,delta_m,P_N,device_m,phase",  # of a specimen that relaxes
-    b"t_s,a_m,delta_m,P_N,phase",  # the same
-    b"curve,t_s,P_N,P_fit_N,a_fit_m",
+    b"t_s,a_m,delta_m,P_N,",
+    b"r_m,pressure_Pa,",
+    b"line,depth_m,r_m,",
+    b"fraction,delta_m,P_N,a_m",
+    b"file,curve,status,",
+    b"curve,t_s,P_N,P_fit_N,",
     b"curve,delta_m,P_N,P_fit_N",
     b"curve,law,",
+    b"curve,segment,state,",
     b"nu,base,w_R2_over_Estar_h3",
-    b"nu,a_over_h,S_ratio,load_ratio",
-    b"h_over_R,k_over_Estar_R,V_over_v0",
-    b"size_m,elements,unknowns,a_m",
-    b"body,points,noise,method,median",
+    b"nu,a_over_h,S_ratio,",
+    b"h_over_R,k_over_Estar_R,",
+    b"size_m,elements,unknowns,",
     b"case,status,reason,",
     b"case,reason,command",
-    b"algorithm,field,shipped",
-    b"method,setting,slopes,unknowns",
-    b"method,outcome,nu,a_over_h",
-    b"fraction,delta_m,P_N,a_m",
-    b"curve,segment,state,a_m,w_J_per_m2",
-    b"file,curve,status,reason,points",
 )
 HEADS = {  # how a file begins, and what then stands near its head
     b"\x89PNG": b"Software\0jkr ",
@@ -79,10 +57,8 @@ HEADS = {  # how a file begins, and what then stands near its head
 TAILS = (b"$Comments\njkr ", b"<!-- jkr ")  # of meshes
 PARQUET, PARQUET_MARK = b"PAR1", b"jkr-sweep-table"
 SERIES_ENDINGS = (".h5", ".hdf5")
-MARK, LOCK = ".jkr-", ".lock"  # of hidden folders and the files beside them
-PENDING = ".jkr-pending"
-PART, WHOLE, NEW = "part", "whole", "new"  # folders in a hidden one
-Stages: TypeAlias = dict[Path, tuple[Path, BinaryIO]]  # hidden folders and their locks, by the folders written to
+ASIDE = ".jkr-"  # how the hidden files begin that are written beside their places
+Staged: TypeAlias = dict[Path, Path | None]  # where each new file lies until it goes to its place; None: it is to go
 
 
 def read_bytes(path: Path, what: str, limit: int | None = None) -> bytes:
@@ -109,7 +85,6 @@ def opened(path: Path, what: str) -> Iterator[BinaryIO]:
     try:
         if path.exists() and not (path.is_file() or path.is_dir()):
             raise InputError(f"{path}: is a device or a pipe, not a {what}")
-        _finish(path.parent)
         with path.open("rb") as file:
             yield cast(BinaryIO, gzip.GzipFile(fileobj=file)) if packed(path) else file
     except FileNotFoundError:
@@ -149,15 +124,14 @@ def is_ours(path: Path) -> bool:
         file.seek(max(0, path.stat().st_size - 256))
         tail = file.read()
         marked = any(head.startswith(start) and mark in head for start, mark in HEADS.items())
-        return marked or head.startswith(CSV_HEADS) or any(mark in tail for mark in TAILS)
+        return marked or head.startswith(TABLES) or any(mark in tail for mark in TAILS)
     return False
 
 
 def beside(stem: Path, names: Sequence[str]) -> list[Path]:
     """What files are called after ``stem`` and each of the ``names``, which others gave: plain letters, no more than a
     name may have with its ending, all different."""
-    shortest, longest = TUNING.letters
-    most = max(shortest, min(longest, 250 - len(os.fsencode(stem.name))))
+    most = max(SHORTEST, min(LONGEST, 250 - len(os.fsencode(stem.name))))
     plain = [re.sub(r"[^-_.a-zA-Z0-9]+", "-", name) for name in names]
     alike, paths = Counter(map(str.lower, plain)), []
     for i, name in enumerate(plain):
@@ -178,12 +152,11 @@ def check_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -
             raise InputError(f"{path}: the folder {path.parent} does not exist")
         if not os.access(path.parent, os.W_OK):
             raise InputError(f"{path}: the folder {path.parent} is not writable")
-        _finish(path.parent)
         _tidy(real_path(path.parent))
         if path.exists() and any(source.exists() and path.samefile(source) for source in inputs):
             raise InputError(f"{path}: is read by this command, cannot be written too; give another name")
         (_forced.add if force else _forced.discard)(path.absolute())
-        _goes_by_force(path)
+        _check_ours(path)
     except OSError as error:  # a name that is too long
         raise InputError(f"{path}: cannot be written ({error.strerror})") from None
 
@@ -191,13 +164,10 @@ def check_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -
 _forced: set[Path] = set()  # targets that were checked with --force: what appears there later may go too
 
 
-def _goes_by_force(path: Path) -> bool:
-    """Whether a file that jkr did not write is to go, as --force was given; InputError where it was not."""
-    if not path.exists() or is_ours(path):
-        return False
-    if path.absolute() not in _forced:
+def _check_ours(path: Path) -> None:
+    """InputError where a file stands that jkr did not write, and --force was not given."""
+    if path.exists() and path.absolute() not in _forced and not is_ours(path):
         raise InputError(f"{path}: exists and was not written by jkr; give --force to replace it, or another name")
-    return True
 
 
 def check_series_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
@@ -222,158 +192,88 @@ def make_folder(path: Path) -> None:
 
 
 @contextlib.contextmanager
-def atomic(path: Path) -> Iterator[Path]:
-    """A name to write ``path`` under: it is there when the block ends well, as it was before when it does not."""
-    with together() as stages:
-        try:
-            stage = _stage(path.parent, stages)
-            temporary = stage / PART / path.name
-            yield temporary
-            with temporary.open("r+b") as file:
-                os.fsync(file.fileno())
-            temporary.replace(stage / WHOLE / NEW / path.name)
-        except OSError as error:
-            raise JkrError(f"{path}: cannot be written ({error.strerror or error})") from None
+def together() -> Iterator[Staged]:
+    """Files that are written within the block take the places of the old ones at its end, one right after the other:
+    none of them where it ends badly, within another such block at the end of that.
 
-
-def remove_file(path: Path) -> None:
-    """Let the file at ``path`` go as ``atomic`` lets one come; an empty folder stands for it until then."""
-    with together() as stages:
-        (_stage(path.parent, stages) / WHOLE / NEW / path.name).mkdir()
-
-
-@contextlib.contextmanager
-def together() -> Iterator[Stages]:
-    """Files that are written within the block replace the old ones at its end, all of them or, where it ends badly,
-    none; within another such block at the end of that.
-
-    They are written into a hidden folder beside them. The renaming of that to ``PENDING`` makes them the result; then
-    each goes to its place. What a process leaves that is killed before is removed by the next command that writes
-    there; behind that moment the next one that reads or writes there carries on.
+    Each is written whole to a hidden file beside its place first. JkrError, which names what is new and what is as
+    before, where one cannot be put there in the end; KeyboardInterrupt with the same words.
     """
-    outer = _stages.get()
+    outer = _staged.get()
     if outer is not None:
         yield outer
         return
-    stages: Stages = {}
-    token = _stages.set(stages)
+    staged: Staged = {}
+    token = _staged.set(staged)
     try:
-        yield stages
-        with Waiting():  # so that Ctrl-C finds all of them replaced
-            for folder, (stage, _) in stages.items():
-                _commit(folder, stage / WHOLE)
-            _drop(stages)
+        yield staged
+        _put_in_place(staged)
     finally:
-        _stages.reset(token)
-        _drop(stages)
+        _staged.reset(token)
+        for aside in filter(None, staged.values()):
+            _remove(aside)
 
 
-_stages: ContextVar[Stages | None] = ContextVar("_stages", default=None)
+_staged: ContextVar[Staged | None] = ContextVar("_staged", default=None)
 
 
-def _stage(folder: Path, stages: Stages) -> Path:
-    """The hidden folder for files of ``folder``; a lock on the file beside it shows that its process lives."""
-    while folder not in stages:
-        stage = folder / f"{MARK}{secrets.token_hex(8)}"
-        with Waiting():
-            lock = stage.with_suffix(LOCK).open("xb")
-            if locks.taken(lock) is not False and stage.with_suffix(LOCK).exists():  # else a ``_tidy`` was faster
-                stages[folder] = stage, lock
-                (stage / WHOLE / NEW).mkdir(parents=True)
-                (stage / PART).mkdir()
-    return stages[folder][0]
+@contextlib.contextmanager
+def atomic(path: Path) -> Iterator[Path]:
+    """A name to write ``path`` under: it is there when the block ends well, as it was before when it does not."""
+    with together() as staged:
+        aside = path.with_name(f"{ASIDE}{secrets.token_hex(8)}{path.suffix}")
+        try:
+            yield aside
+            with aside.open("r+b") as file:
+                os.fsync(file.fileno())
+            _stage(staged, path, aside)
+        except OSError as error:
+            raise JkrError(f"{path}: cannot be written ({error.strerror or error}); nothing was replaced") from None
+        finally:
+            if staged.get(path) != aside:
+                _remove(aside)
 
 
-def _drop(stages: Stages) -> None:
-    for stage, lock in stages.values():
-        shutil.rmtree(stage, ignore_errors=True)
-        lock.close()
-        with contextlib.suppress(OSError):
-            stage.with_suffix(LOCK).unlink()
+def remove_file(path: Path) -> None:
+    """Let the file at ``path`` go as ``atomic`` lets one come."""
+    with together() as staged:
+        _stage(staged, path, None)
+
+
+def _stage(staged: Staged, path: Path, aside: Path | None) -> None:
+    if (earlier := staged.pop(path, None)) is not None:
+        _remove(earlier)
+    staged[path] = aside
+
+
+def _put_in_place(staged: Staged) -> None:
+    """Give each new file its name; InputError, before the first, where one is in the way that is not to go."""
+    for path in staged:
+        _check_ours(path)
+    try:
+        for path, aside in staged.items():
+            path.unlink(missing_ok=True) if aside is None else os.replace(aside, path)  # noqa: PTH105 - its name says it
+    except (OSError, KeyboardInterrupt) as error:
+        is_new = {path: not (path if aside is None else aside).exists() for path, aside in staged.items()}
+        new, old = (", ".join(str(path) for path in staged if is_new[path] is here) or "none" for here in (True, False))
+        which = f"new: {new}; as before: {old}"
+        if isinstance(error, KeyboardInterrupt):
+            raise KeyboardInterrupt(which) from None
+        raise JkrError(f"{path}: cannot be replaced ({error.strerror or error}); {which}") from None
+
+
+def _remove(path: Path) -> None:
+    with contextlib.suppress(OSError):
+        path.unlink()
 
 
 @functools.cache
 def _tidy(folder: Path) -> None:
-    """Remove what processes that are no more were writing, once for every folder written to."""
-    for path in folder.glob(f"{MARK}*{LOCK}"):
-        with contextlib.suppress(OSError), path.open("r+b") as lock:
-            is_free = locks.taken(lock)
-            day = 86_400  # choice: s, after which, where there are no locks, nobody is taken to be writing
-            if is_free or (is_free is None and time.time() - path.stat().st_mtime > day):
-                _drop({folder: (path.with_suffix(""), lock)})
-
-
-def _commit(folder: Path, whole: Path) -> None:
-    """Make the files in ``whole`` those of ``folder``; InputError where one appeared there that is not to go."""
-    for new in list((whole / NEW).iterdir()):
-        if _goes_by_force(folder / new.name):  # which of all files, for whoever has to carry on
-            known = whole / str((folder / new.name).stat().st_ino)
-            known.mkdir(exist_ok=True)
-            new.rename(known / new.name)
-    for _ in range(MOST_STEPS):
-        _finish(folder)
-        with contextlib.suppress(OSError):  # another process may come first
-            whole.rename(folder / PENDING)
-            break
-    else:
-        raise JkrError(f"{folder / PENDING}: is in the way of new files; move it away")
-    _finish(folder)
-
-
-def _finish(folder: Path) -> None:
-    """Put the files of a complete result in their places, this process's or those of one that was killed meanwhile;
-    several may do so at once, because each file can be taken only once. InputError where one cannot be put there."""
-    pending = folder / PENDING
-    if pending.is_symlink() or not pending.is_dir() or _is_anothers(pending):
-        return
-    try:
-        for new in _left(pending):
-            _place(new, folder / new.name)
-    except OSError as error:
-        names = ", ".join(sorted(new.name for new in _left(pending)))
-        raise InputError(
-            f"{error.filename2 or error.filename}: cannot be replaced ({error.strerror}), while other files of its "
-            f"result are new; move it away and run the command again, or remove {pending} with what is left ({names})"
-        ) from None
-    with contextlib.suppress(OSError):  # another process did, or put the next result there
-        for part in (*pending.glob("*"), pending):
-            part.rmdir()
-
-
-def _left(pending: Path) -> list[Path]:
-    """The files that have no place yet; a folder that another process takes away meanwhile holds none."""
-
-    def inside(folder: Path) -> list[Path]:
-        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
-            return sorted(folder.iterdir())
-        return []
-
-    return [new for part in inside(pending) for new in inside(part)]
-
-
-def _is_anothers(pending: Path) -> bool:
-    """Whether it is another user's, in a folder such as /tmp where all may write but nobody over others' files."""
-    with contextlib.suppress(FileNotFoundError):
-        return bool(pending.parent.stat().st_mode & stat.S_ISVTX) and pending.stat().st_uid != os.geteuid()
-    return False
-
-
-def _place(new: Path, path: Path) -> None:
-    """Give ``new`` the name ``path``; OSError where that cannot be, or stands for what is not to be replaced."""
-    with contextlib.suppress(FileNotFoundError):  # another process was faster
-        try:
-            os.link(new, path)  # unlike renaming it never replaces what appeared this very moment
-        except OSError:
-            is_known = not path.exists() or str(path.stat().st_ino) == new.parent.name
-            if not (is_known or is_ours(path) or path.samefile(new)):
-                raise FileExistsError(errno.EEXIST, "it was not written by jkr", str(path)) from None
-            if new.is_dir():
-                path.unlink(missing_ok=True)
-                new.rmdir()
-            else:
-                new.replace(path)
-        if new.samefile(path):  # linked; else it is gone, or that of the next result, which another put there
-            new.unlink()
+    """Remove what killed processes left of what they wrote, once for every folder written to."""
+    for path in folder.glob(f"{ASIDE}*"):
+        with contextlib.suppress(OSError):
+            if time.time() - path.lstat().st_mtime > DAY:
+                path.unlink()
 
 
 def write_text(path: Path, text: str) -> None:

@@ -157,8 +157,9 @@ def call(arguments: Sequence[str] | None = None) -> int:
         if isinstance(error, click.UsageError) and error.ctx is not None:
             message += f"; see {error.ctx.command_path} --help"
         return _fail([message[:1].lower() + message[1:]], 2)
-    except (KeyboardInterrupt, click.Abort):
-        return _fail([interrupts.SAID], interrupts.CODE)
+    except (KeyboardInterrupt, click.Abort) as error:
+        which = str(error) or str(error.__cause__ or "")  # files, where some were replaced: see ``base.together``
+        return _fail([f"interrupted; {which}" if which else interrupts.SAID], interrupts.CODE)
     except (RuntimeWarning, OverflowError) as error:
         return _fail([f"the numbers leave the range of arithmetic ({error}); are all sizes and units right?"], 1)
     except (MemoryError, ImportError) as error:

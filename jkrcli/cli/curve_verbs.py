@@ -96,12 +96,13 @@ from .verb import verb
 @click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]), help="Also in units of Eq. 15, 19.")
 @click.option("--scale", "own", multiple=True, type=SCALE,
               help='Own units, one a --scale: a="1 um", delta=..., P=..., all three.')  # fmt: skip
-@click.option("--together", is_flag=True, help="One picture of all w, <stem>-all-w.png and .svg, instead of one each.")
+@click.option("--together", "in_one", is_flag=True,
+              help="One picture of all w, <stem>-all-w.png and .svg, instead of one each.")  # fmt: skip
 @limits_options
 @output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
 def transform(
     files: tuple[Path, ...], works: tuple[float, ...], how: CurveOptions, dimensionless: str | None,
-    own: tuple[tuple[str, float], ...], together: bool, limits: Limits, output: Output,
+    own: tuple[tuple[str, float], ...], in_one: bool, limits: Limits, output: Output,
 ) -> None:  # fmt: skip
     """Apply the explicit JKR transformation (Eq. 13) to each FILE, a case or a series, for each work of adhesion.
 
@@ -115,29 +116,31 @@ def transform(
     """
     if own and dimensionless:
         raise InputError("transform: give either --dimensionless or --scale, got both")
-    if together and dimensionless:
+    if in_one and dimensionless:
         raise InputError("transform: --together needs one unit for all w: give --scale instead of --dimensionless")
     users = scaling.own_scales(dict(own)) if own else None
     files, solutions = read_files("transform", files)
     wanted = [works or works_of(solution) for solution in solutions]
     ranges = list(map(how.of, solutions))
-    figures = output.plots and not together
+    figures = output.plots and not in_one
     begin_curves("transform", solutions, wanted, limits, ranges, tables=True, figures=figures)
-    targets, pictures = _files(files, wanted, ranges, how.modulus_factor, together, output)
+    targets, pictures = _files(files, wanted, ranges, how.modulus_factor, in_one, output)
     summaries, lines, warnings = [], list[list[str]](), list[str]()
-    for solution, works, ranged, places, picture in zip(solutions, wanted, ranges, targets, pictures, strict=True):
-        effect = effect_on(solution.scaled(how.modulus_factor), works)
-        results = list[Transformed]()
-        for curve, target in zip(analyse(solution, works, how.slopes, how.modulus_factor, ranged), places, strict=True):
-            scales = scaling.scales_of(curve.problem, curve.w, dimensionless) if dimensionless else users
-            results.append(as_result(Transformed, curve, scales=scales, effect=effect))
-            summaries.append(results[-1].summary())
-            target.write(results[-1].columns, summaries[-1], results[-1].figure() if figures else None)
-        if picture is not None:
-            picture.write(figure=figure_of(results))
-        lines += [result.words() for result in results]
-        warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
-        warnings += [f"{result.path}: {text}" for result in results for text in result.warnings if not output.json]
+    with together():
+        for solution, works, ranged, places, picture in zip(solutions, wanted, ranges, targets, pictures, strict=True):
+            effect = effect_on(solution.scaled(how.modulus_factor), works)
+            results = list[Transformed]()
+            curves = analyse(solution, works, how.slopes, how.modulus_factor, ranged)
+            for curve, target in zip(curves, places, strict=True):
+                scales = scaling.scales_of(curve.problem, curve.w, dimensionless) if dimensionless else users
+                results.append(as_result(Transformed, curve, scales=scales, effect=effect))
+                summaries.append(results[-1].summary())
+                target.write(results[-1].columns, summaries[-1], results[-1].figure() if figures else None)
+            if picture is not None:
+                picture.write(figure=figure_of(results))
+            lines += [result.words() for result in results]
+            warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
+            warnings += [f"{result.path}: {text}" for result in results for text in result.warnings if not output.json]
     if output.json:
         answer({"results": summaries})
     else:
@@ -151,7 +154,7 @@ def transform(
 
 def _files(
     files: tuple[Path, ...], wanted: list[tuple[float, ...]], ranges: list[RangeRequest], modulus_factor: float,
-    together: bool, output: Output,
+    in_one: bool, output: Output,
 ) -> tuple[list[list[Files]], list[Files | None]]:  # fmt: skip
     """For each file what is written of each work of adhesion, and the picture of all of them, if there is to be one;
     InputError before anything is solved, where it cannot be."""
@@ -161,11 +164,11 @@ def _files(
         for path, works, ranged in zip(files, wanted, ranges, strict=True)
     ]
     stems = [begin.with_name(f"{begin.name}-w{w:g}{end}") for begin, works, end in places for w in works]
-    endings = (".csv", ".json") if together else (".csv", ".json", *PICTURES)
+    endings = (".csv", ".json") if in_one else (".csv", ".json", *PICTURES)
     each = iter(output.each(stems, endings, files, " and w once"))
     pictures: list[Files | None] = [
         output.files(begin.with_name(f"{begin.name}-all-w{end}"), PICTURES, files)
-        if together and output.plots else None for begin, _, end in places
+        if in_one and output.plots else None for begin, _, end in places
     ]  # fmt: skip
     return [[next(each) for _ in works] for works in wanted], pictures
 

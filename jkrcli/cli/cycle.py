@@ -11,7 +11,7 @@ import click
 from .. import adhesion, bodies, report
 from .. import resolve as beside
 from ..adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, LoadingHistory, Rest
-from ..base import InputError, show
+from ..base import InputError, show, together
 from ..methods import Limits
 from ..report import PICTURES, Cycled, CycledByProgram, CycledInLimits, Output, Result, traced_histories
 from ..resolve import analyse, curves_from_rest, rest_of, with_solved_points
@@ -248,8 +248,9 @@ def cycle(
 
     result = CycledInLimits.of(file, known, after) if known else cycled()
     cycles = [one for _, one in result.limits.values()] if isinstance(result, CycledInLimits) else [result]
-    for one, files in zip(cycles, targets, strict=True):
-        files.write(one.columns, figure=files.draw(one.figure))
+    with together():
+        for one, files in zip(cycles, targets, strict=True):
+            files.write(one.columns, figure=files.draw(one.figure))
     give(result, output.json, f"  written {', '.join(map(str, targets))}", file)
 
 

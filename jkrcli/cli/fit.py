@@ -390,7 +390,7 @@ def fit(
     timed = kind != EACH
     endings = (".csv", ".json", *PICTURES) if timed else (".csv", ".json", ".h5")
     targets = output.files(output.folder(body.parent) / f"{body.stem}-fit", endings, inputs)
-    for longest in [] if timed else beside(targets.stem, ["x" * files.TUNING.letters[0]]):
+    for longest in [] if timed else beside(targets.stem, ["x" * files.SHORTEST]):
         output.files(longest, PICTURES, inputs)
     refits = refits_of(values["confidence"], values["samples"], len(values["uncertain"]))
     surfaces = SURFACES.get(values["surface"], ("",))

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from ..base import InputError
+from ..base import InputError, together
 from ..data import Reading
 from ..report import PICTURES, Output, Results
 from .inputs import TUNING, Flags, begin_reading, reading_options, tip_of, tip_options
@@ -41,12 +41,13 @@ def look(files: tuple[Path, ...], flags: Flags, reading: Reading, output: Output
     targets = output.each([output.beside(path, "-look") for path in files], PICTURES, files)
     begin_reading("look", files)
     results, pictures = [], list[str]()
-    for path, target in zip(files, targets, strict=True):
-        result = Look.at(path, reading, tip)
-        results.append(result)
-        if result.records and output.plots:
-            target.write(figure=result.figure())
-            pictures.append(str(target))
+    with together():
+        for path, target in zip(files, targets, strict=True):
+            result = Look.at(path, reading, tip)
+            results.append(result)
+            if result.records and output.plots:
+                target.write(figure=result.figure())
+                pictures.append(str(target))
     whole = Results(results, [line for result in results for line in result.warnings], "files")
     if not any(result.records for result in results):
         if output.json:
@@ -110,11 +111,12 @@ def work(
     options["noise"] = dict(options["noise"])
     evaluation = evaluation_of(solution, unit, reading, modulus_factor, **options)
     results = []
-    for path, target in zip(measured, targets, strict=True):
-        with executor(workers, progress=progress) as pool:
-            curves, skipped = along_file(path, reading, evaluation, pool)
-        result = Work.of(path, curves, skipped, solution, unit, modulus_factor)
-        results.append(result)
-        target.write(result.columns, result.summary(), target.draw(result.figure))
+    with together():
+        for path, target in zip(measured, targets, strict=True):
+            with executor(workers, progress=progress) as pool:
+                curves, skipped = along_file(path, reading, evaluation, pool)
+            result = Work.of(path, curves, skipped, solution, unit, modulus_factor)
+            results.append(result)
+            target.write(result.columns, result.summary(), target.draw(result.figure))
     warnings = [text for result in results for text in result.warnings]
     give(Results(results, warnings), output.json, f"  written {', '.join(map(str, targets))}")

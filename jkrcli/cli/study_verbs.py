@@ -14,9 +14,8 @@ from ..many.bench import FEW, Bench
 from ..many.maps import MAPS
 from ..many.sweep import plan as plans
 from ..many.sweep import running
-from ..many.sweep import running as results
 from ..methods import METHODS, Limits
-from ..report import PICTURES, Compared, Files, Output
+from ..report import PICTURES, Compared, Output
 from .inputs import begin_reading, read_files
 from .options import (
     PAIRS,
@@ -176,21 +175,10 @@ def sweep(
         answer(row.summary()) if output.json else click.echo(str(row))
     else:
         folder = replace(output, where=output.where or Path(f"{sweep.stem}-results")).folder(Path())
-        pictures = output.files(folder / results.STEM, PICTURES)
+        pictures = output.files(folder / running.STEM, PICTURES)
         means = running.Means(*parallel, hours, retry_failed, progress)
-        result = running.sweep(plan, folder, means, output.force, note)
-        if output.plots and _draw(result, pictures):
-            result = replace(result, files=(*result.files, *(pictures[ending] for ending in PICTURES)))
+        result = running.sweep(plan, folder, means, output.force, note, pictures)
         give(result, output.json, f"  written   {', '.join(map(str, result.files))}")
-
-
-def _draw(result: results.Swept, pictures: Files) -> bool:
-    """Whether the table has a picture; it is written."""
-    from ..many.sweep.running import sweep_figure
-
-    figure = sweep_figure(result.plan, result.columns)
-    pictures.write(figure=figure)
-    return figure is not None
 
 
 def _number(plan: plans.Plan, number: int, option: str) -> int:

@@ -1,16 +1,19 @@
-"""Files of one result: whoever dies, and whatever appears meanwhile, they are all old, all new, or told apart."""
+"""Files of one command are put in place together: whatever fails, none is half written and what is new is said."""
 
 from __future__ import annotations
 
+import builtins
 import contextlib
+import io
+import itertools
 import os
-import platform
 import re
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from conftest import Outcome
@@ -20,112 +23,232 @@ from jkrcli.base.errors import InputError, JkrError
 
 OURS = '{"format": "jkr-test", "made": "%s"}'
 NAMES = ("a.json", "b.json", "c.json", "d.json")
-# Every system call that the writing of a result makes, one process each dies in front of; the next one looks.
-DYING = """
-import os, shutil, sys
-from pathlib import Path
-from jkrcli.base import files
-from jkrcli.base.errors import InputError
-
-OURS = '{"format": "jkr-test", "made": "%s"}'
-NAMES = ("a.json", "b.json", "c.json", "d.json")
-OLD = {"ours": OURS % "old", "forced": "mine", "none": None}[sys.argv[1]]
-folder = Path("f")
-
-def held():
-    return {path.name: path.read_text() for path in folder.iterdir() if not path.name.startswith(".jkr-")}
-
-def write(made):
-    with files.together():
-        for name in NAMES[:3]:
-            files.write_text(folder / name, OURS % made)
-        files.remove_file(folder / NAMES[3])
-
-def begin():
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir()
-    for name in NAMES:
-        if OLD is not None:
-            (folder / name).write_text(OLD)
-        files.check_target(folder / name, force=OLD == "mine")
-    return held()
-
-def dies_at(number):
-    process = os.fork()
-    if process:
-        return os.waitpid(process, 0)[1] != 0
-    left = number
-    def count(event, arguments):
-        nonlocal left
-        if event.startswith(("os.", "open", "shutil.", "fcntl.")):
-            left -= 1
-            if left < 0:
-                os._exit(9)
-    sys.addaudithook(count)
-    write("new")
-    os._exit(0)
-
-number, ends = 0, {"old": 0, "new": 0, "half": 0}
-new = {name: OURS % "new" for name in NAMES[:3]}
-while True:
-    old = begin()
-    died = dies_at(number)
-    ends["half"] += held() not in (old, new)
-    files._tidy.cache_clear()
-    if number % 2:
-        try:
-            files.read_bytes(folder / "none", "file")
-        except InputError:  # who reads carries on, be it there or not
-            pass
-    else:
-        files.check_target(folder / "x")  # and so does who writes
-    now = held()
-    assert now in (old, new), (number, now)
-    files.check_target(folder / "x")
-    assert died or now == new
-    assert not list(folder.glob(".jkr-*")), number
-    ends["new" if now == new else "old"] += 1
-    if not died:
-        break
-    number += 1
-print(*ends.values())
+WORKS = ("0.01", "0.02", "0.03")
+CASE = """
+method = "closed-form"
+indenter = { shape = "paraboloid", radius = "1 mm" }
+specimen.half_space = { E = "1 MPa", nu = 0.3 }
+loading = { radius = "0.1 mm", points = 20 }
 """
 
 
-@pytest.mark.parametrize("old", ["ours", "forced", "none"])
-def test_who_dies_at_any_system_call_leaves_all_files_old_or_all_new(old: str, tmp_path: Path) -> None:
-    done = subprocess.run([sys.executable, "-c", DYING, old], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    kept, replaced, half = map(int, done.stdout.split())
-    assert kept > 15
-    assert replaced > 15
-    assert half > 2  # so there was something to carry on
+def held(folder: Path) -> dict[str, str]:
+    return {path.name: path.read_text() for path in folder.iterdir()}
 
 
-def test_files_of_many_writers_are_of_one(tmp_path: Path) -> None:
-    """Each puts what another has on its way in place before its own: no mixture, and nobody waits for the dead."""
-    code = """
-import sys
-from pathlib import Path
-from jkrcli.base import files
-for _ in range(30):
-    with files.together():
-        for name in "abcd":
-            files.write_text(Path(name), '{"format": "jkr-test", "made": "%s"}' % sys.argv[1])
-"""
-    both = [subprocess.Popen([sys.executable, "-c", code, name], cwd=tmp_path) for name in ("one", "other", "third")]
-    assert [process.wait(timeout=100) for process in both] == [0, 0, 0]
-    assert len({path.read_text() for path in tmp_path.iterdir()}) == 1
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "b", "c", "d"]
-
-
-# ---------------------------------------------------------------------- what appears meanwhile
 def write(folder: Path, names: Iterable[str], content: str) -> None:
     with files.together():
         for name in names:
             files.write_text(folder / name, content)
 
 
+# ---------------------------------------------------------------------- faults
+class Fault:
+    """Lets the call number ``at`` of one function fail; ``calls`` counts them."""
+
+    def __init__(self, function: Callable[..., Any], at: int, error: BaseException):
+        self.function, self.at, self.error, self.calls = function, at, error, 0
+
+    def __call__(self, *arguments: Any, **options: Any) -> Any:
+        self.calls += 1
+        if self.calls == self.at:
+            raise self.error
+        return self.function(*arguments, **options)
+
+
+class Disk:
+    """A file open for writing on a disk that is full, by the ``fault``, after half of what is written first."""
+
+    def __init__(self, file: Any, fault: Fault):
+        self._file, self._fault, self._is_begun = file, fault, False
+
+    def write(self, content: Any) -> Any:
+        if not content or self._is_begun:
+            return self._file.write(content)
+        self._is_begun, self._fault.function = True, self._file.write
+        try:
+            return self._fault(content)
+        except BaseException:
+            self._file.write(content[: len(content) // 2])
+            raise
+
+    def __enter__(self) -> Disk:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._file.close()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._file, name)
+
+
+@contextlib.contextmanager
+def failing(where: str, fault: Fault) -> Iterator[None]:
+    """A block in which the calls of ``where`` go through the ``fault``: "write" is the first to each hidden file."""
+    with pytest.MonkeyPatch.context() as patch:
+        if where != "write":
+            fault.function = getattr(os, where)
+            patch.setattr(f"os.{where}", fault)
+        else:
+
+            def opened(name: Any, mode: str = "r", *more: Any, opener: Callable[..., Any] = io.open, **how: Any) -> Any:
+                file = opener(name, mode, *more, **how)
+                is_ours = isinstance(name, str | os.PathLike) and Path(name).name.startswith(files.ASIDE)
+                return Disk(file, fault) if is_ours and "w" in mode else file
+
+            patch.setattr(io, "open", opened)
+            patch.setattr(builtins, "open", opened)
+        yield
+
+
+def named(words: str, names: Iterable[str]) -> set[str]:
+    """Which of the ``names`` are told in these words."""
+    return {name for name in names if re.search(rf"(^|[ /]){re.escape(name)}(,|;|$)", words)}
+
+
+@pytest.fixture(name="three")
+def _three(jkr: Callable[..., Outcome]) -> list[Path]:
+    """The files of three works of adhesion, with pictures, as an earlier run left them."""
+    Path("s.toml").write_text(CASE)
+    assert jkr("run", "s.toml").code == 0
+    paths = [Path(f"s-w{w}{end}") for w in WORKS for end in (".csv", ".json", ".png", ".svg")]
+    for path in paths:
+        files.check_target(path, force=True)
+        path.write_bytes(b"old")
+    return paths
+
+
+def every_fault(three: list[Path], jkr: Callable[..., Outcome], where: str, error: BaseException) -> None:
+    """Each call of ``where`` fails in turn: every file is old or new, none a part, and the message says which."""
+    words = ("transform", "s.h5", *itertools.chain(*(("--w", w) for w in WORKS)), "--force", "-q")
+    assert jkr(*words).code == 0
+    new, every = {path: path.read_bytes() for path in three}, [path.name for path in three]
+    for number in itertools.count(1):
+        for path in three:
+            path.write_bytes(b"old")
+        fault = Fault(os.fsync, number, error)
+        with failing(where, fault):
+            done = jkr(*words)
+        now = {path: path.read_bytes() for path in three}
+        assert all(content in (b"old", new[path]) for path, content in now.items()), number
+        assert not list(Path().glob(f"{files.ASIDE}*"))
+        if fault.calls < number:
+            assert (done.code, now, number) == (0, new, len(three) + 1)
+            break
+        code = 130 if isinstance(error, KeyboardInterrupt) else 1
+        assert (done.code, done.err.strip().count("\n"), "Traceback" in done.err) == (code, 0, False), number
+        is_new = {path.name for path in three if now[path] == new[path]}
+        if where == "replace":
+            assert len(is_new) == number - 1
+            words_of_new, words_of_old = done.err.strip().partition("new: ")[2].split("; as before: ")
+            assert (named(words_of_new, every), named(words_of_old, every)) == (is_new, set(every) - is_new)
+        else:
+            assert not is_new
+            assert ("nothing half-written was left" if code == 130 else "; nothing was replaced") in done.err
+
+
+NO_SPACE = OSError(28, "No space left on device")
+
+
+@pytest.mark.parametrize("error", [NO_SPACE, KeyboardInterrupt()], ids=["disk full", "interrupt"])
+@pytest.mark.parametrize("where", ["write", "fsync", "replace"])
+def test_every_fault_of_three_works_is_told_as_it_is(
+    where: str, error: BaseException, three: list[Path], jkr: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With pictures that are no pictures, and what is computed kept from one try to the next."""
+    from jkrcli.cli import curve_verbs
+    from jkrcli.report import Transformed, plots
+
+    def save(_: object, paths: Iterable[Path]) -> None:
+        for path in paths:
+            files.write_bytes(path, b"picture")
+
+    curves = curve_verbs.analyse(curve_verbs.read_series(Path("s.h5")), tuple(map(float, WORKS)))
+    monkeypatch.setattr(plots, "save", save)
+    monkeypatch.setattr(Transformed, "figure", lambda _: "a picture")
+    monkeypatch.setattr(Transformed, "summary", lambda one: {"w_J_per_m2": one.w})
+    monkeypatch.setattr(curve_verbs, "analyse", lambda *_: curves)
+    every_fault(three, jkr, where, error)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("where", ["write", "fsync", "replace"])
+def test_every_fault_with_pictures_is_told_as_it_is(where: str, three: list[Path], jkr: Callable[..., Outcome]) -> None:
+    every_fault(three, jkr, where, NO_SPACE)
+
+
+def test_a_file_that_cannot_be_removed_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(tmp_path, NAMES[:2], OURS % "old")
+
+    def unlink(path: Path, missing_ok: bool = False, unlink: Callable[..., None] = Path.unlink) -> None:
+        if path.name == "b.json":
+            raise PermissionError(13, "Permission denied")
+        unlink(path, missing_ok)
+
+    monkeypatch.setattr(Path, "unlink", unlink)
+
+    def replace_and_remove() -> None:
+        with files.together():
+            files.write_text(tmp_path / "a.json", OURS % "new")
+            files.remove_file(tmp_path / "b.json")
+
+    said = r"b\.json: cannot be replaced \(Permission denied\); new: .*a\.json; as before: .*b\.json"
+    with pytest.raises(JkrError, match=said):
+        replace_and_remove()
+    assert held(tmp_path) == {"a.json": OURS % "new", "b.json": OURS % "old"}
+
+
+def test_what_is_written_twice_is_the_last(tmp_path: Path) -> None:
+    with files.together():
+        files.write_text(tmp_path / "a", "first")
+        files.write_text(tmp_path / "a", "last")
+    with files.together():
+        files.write_text(tmp_path / "b", "new")
+        files.remove_file(tmp_path / "b")
+    assert held(tmp_path) == {"a": "last"}
+
+
+# Every system call that the writing of three files makes, one process each dies in front of.
+DYING = """
+import os, sys
+from pathlib import Path
+from jkrcli.base import files
+
+PATHS = [Path(name) for name in "abc"]
+number, died = 0, True
+while died:
+    for path in PATHS:
+        path.write_text("old")
+        files.check_target(path, force=True)
+    process = os.fork()
+    if not process:
+        left = number
+        def count(event, arguments):
+            global left
+            left -= event.startswith(("os.", "open", "shutil.", "tempfile."))
+            if left < 0:
+                os._exit(9)
+        sys.addaudithook(count)
+        with files.together():
+            for path in PATHS:
+                files.write_text(path, "new")
+        os._exit(0)
+    died = os.waitpid(process, 0)[1] != 0
+    held = [path.read_text() for path in PATHS]
+    assert sorted(held, key="new old".index) == held and set(held) <= {"old", "new"}, held
+    assert died or held == ["new"] * 3
+    number += 1
+print(number)
+"""
+
+
+def test_who_dies_at_any_system_call_leaves_whole_files(tmp_path: Path) -> None:
+    done = subprocess.run([sys.executable, "-c", DYING], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) > 9
+
+
+# ---------------------------------------------------------------------- what appears meanwhile
 @pytest.mark.parametrize("force", [False, True])
 def test_a_file_that_appears_after_the_check_goes_by_force_alone(force: bool, tmp_path: Path) -> None:
     for name in NAMES:
@@ -136,47 +259,8 @@ def test_a_file_that_appears_after_the_check_goes_by_force_alone(force: bool, tm
         for name in NAMES:
             files.write_text(tmp_path / name, OURS % "new")
         (tmp_path / "c.json").write_text("mine")
-    held = {path.name: path.read_text() for path in tmp_path.iterdir()}
-    assert held == (dict.fromkeys(NAMES, OURS % "new") if force else {"a.json": OURS % "old", "c.json": "mine"})
-
-
-def test_a_file_that_appears_at_the_last_moment_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing is lost, old and new are told apart, and when it is out of the way the next command carries on."""
-
-    def link(new: Path, path: Path, link: Callable[[Path, Path], None] = os.link) -> None:
-        if path.name == "b.json" and not path.exists():
-            path.write_text("mine")
-        link(new, path)
-
-    monkeypatch.setattr("os.link", link)
-    (tmp_path / "c.json").write_text(OURS % "old")
-    said = (
-        f"{tmp_path}/b.json: cannot be replaced (it was not written by jkr), while other files of its result are new; "
-        f"move it away and run the command again, or remove {tmp_path}/.jkr-pending with what is left (b.json, c.json)"
-    )
-    with pytest.raises(InputError) as refused:
-        write(tmp_path, NAMES[:3], OURS % "new")
-    with pytest.raises(InputError) as told:
-        files.read_bytes(tmp_path / "a.json", "file")
-    assert str(refused.value) == str(told.value) == said
-    assert (tmp_path / "b.json").read_text() == "mine"
-    monkeypatch.undo()
-    (tmp_path / "b.json").unlink()
-    assert files.read_bytes(tmp_path / "c.json", "file").decode() == OURS % "new"
-    assert sorted(path.name for path in tmp_path.iterdir()) == list(NAMES[:3])
-
-
-def test_without_hard_links_a_file_that_is_not_ours_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Memory sticks have none."""
-
-    def link(new: Path, path: Path) -> None:
-        raise PermissionError(1, "Operation not permitted", str(new), None, str(path))
-
-    monkeypatch.setattr("os.link", link)
-    files.write_text(tmp_path / "a", "mine")
-    with pytest.raises(InputError, match="a: exists and was not written by jkr"):
-        files.write_text(tmp_path / "a", "new")
-    assert (tmp_path / "a").read_text() == "mine"
+    untouched = {"a.json": OURS % "old", "c.json": "mine"}
+    assert held(tmp_path) == (dict.fromkeys(NAMES, OURS % "new") if force else untouched)
 
 
 def test_new_replaces_no_case_that_appears(jkr: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -189,92 +273,22 @@ def test_new_replaces_no_case_that_appears(jkr: Callable[..., Outcome], monkeypa
     assert (done.code, done.err.count("\n"), Path("my.toml").read_text()) == (2, 1, "mine")
 
 
-# ---------------------------------------------------------------------- who lives, and what is to be believed
-def test_what_a_living_process_writes_stays_wherever_it_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The numbers of processes in another container mean nothing here."""
-
-    def kill(*_: object) -> None:
-        raise ProcessLookupError
-
-    monkeypatch.setattr("os.kill", kill)
-    code = (
-        "import sys\nfrom pathlib import Path\nfrom jkrcli.base import files\n"
-        "with files.atomic(Path('a')) as temporary:\n"
-        "    temporary.write_text('whole')\n    print(flush=True)\n    input()"
-    )
-    command = [sys.executable, "-c", code]
-    with subprocess.Popen(command, cwd=tmp_path, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
-        assert process.stdin is not None
-        assert process.stdout is not None
-        process.stdout.readline()
-        files.check_target(tmp_path / "x")
-        process.communicate(b"\n")
-    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("a", "whole")]
+def test_a_measured_table_is_not_taken_for_one_of_ours(tmp_path: Path) -> None:
+    """Measurements may have our names of columns and no others."""
+    path = tmp_path / "m.csv"
+    for head in ("a_m,delta_m,P_N", "t_s,a_m,delta_m,P_N", "delta_m,P_N,phase", "P_N,a_m,delta_m,delta_H_m"):
+        path.write_text(f"{head}\n1,2,3,4\n")
+        with pytest.raises(InputError, match="was not written by jkr; give --force"):
+            files.check_target(path)
 
 
-@pytest.mark.parametrize("module", ["fcntl", "none"])
-def test_what_was_left_goes(module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where there are no locks when it is a day old."""
-    monkeypatch.setitem(sys.modules, module, None)
-    for name, age in (("old", 2 * 86_400), ("young", 10)):
-        (tmp_path / f".jkr-{name}").mkdir()
-        (tmp_path / f".jkr-{name}" / "part").touch()
-        (tmp_path / f".jkr-{name}.lock").touch()
-        os.utime(tmp_path / f".jkr-{name}.lock", (time.time() - age,) * 2)
-    files.check_target(tmp_path / "x")
-    left = [".jkr-young", ".jkr-young.lock"] if module == "fcntl" else []
-    assert sorted(path.name for path in tmp_path.iterdir()) == left
-
-
-def test_odd_names_stop_nobody(tmp_path: Path) -> None:
-    """Temporary files were once named by the machine and the number of a process."""
-    host = re.sub(r"[^A-Za-z0-9]", "", platform.node())
-    for name in (f".jkr-{host}-²-x", ".jkr-²-x.lock", ".jkr-.lock", ".jkr-..lock", ".jkr-pending.lock"):
-        (tmp_path / name).touch()
-    os.mkfifo(tmp_path / ".jkr-pipe.lock")
+# ---------------------------------------------------------------------- what is left
+def test_what_a_killed_process_left_goes_a_day_later(tmp_path: Path) -> None:
+    for name, age in (("old", 2 * files.DAY), ("young", 10)):
+        (tmp_path / f".jkr-{name}").touch()
+        os.utime(tmp_path / f".jkr-{name}", (time.time() - age,) * 2)
+    (tmp_path / ".jkr-folder").mkdir()
+    os.mkfifo(tmp_path / ".jkr-pipe")
     files.check_target(tmp_path / "x")
     files.write_text(tmp_path / "x", "whole")
-    assert (tmp_path / "x").read_text() == "whole"
-
-
-@pytest.mark.parametrize("kind", ["link", "file", "filled"])
-def test_what_jkr_did_not_put_there_is_not_carried_on(kind: str, tmp_path: Path) -> None:
-    folder, other, pending = tmp_path / "f", tmp_path / "o", tmp_path / "f" / ".jkr-pending"
-    folder.mkdir()
-    (other / "new").mkdir(parents=True)
-    (other / "new" / "a").write_text(OURS % "theirs")
-    (folder / "a").write_text(OURS % "old")
-    match kind:
-        case "link":
-            pending.symlink_to(other)
-        case "file":
-            pending.touch()
-        case "filled":
-            pending.mkdir()
-            (pending / "x").touch()
-    assert files.read_bytes(folder / "a", "file").decode() == OURS % "old"
-    with pytest.raises(JkrError, match=r"f/\.jkr-pending: is in the way of new files; move it away"):
-        files.write_text(folder / "a", OURS % "new")
-    assert (folder / "a").read_text() == OURS % "old"
-    assert (other / "new" / "a").exists()
-    assert len(list(folder.iterdir())) == 2
-
-
-def test_where_all_write_another_users_files_are_not_believed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / ".jkr-pending" / "new").mkdir(parents=True)
-    (tmp_path / ".jkr-pending" / "new" / "a").write_text(OURS % "theirs")
-    (tmp_path / "a").write_text(OURS % "mine")
-    tmp_path.chmod(0o1777)
-    user = os.geteuid()
-    monkeypatch.setattr("os.geteuid", lambda: user + 1)
-    assert files.read_bytes(tmp_path / "a", "file").decode() == OURS % "mine"
-    monkeypatch.undo()
-    assert files.read_bytes(tmp_path / "a", "file").decode() == OURS % "theirs"
-
-
-def test_a_folder_that_another_process_takes_away_holds_nothing(tmp_path: Path) -> None:
-    """Three writers once met so: one listed what another had just put in place."""
-    (tmp_path / "new").mkdir()
-    (tmp_path / "new" / "a").write_text("x")
-    assert [path.name for path in files._left(tmp_path)] == ["a"]
-    assert files._left(tmp_path / "gone") == []
+    assert {path.name for path in tmp_path.iterdir()} == {".jkr-young", ".jkr-folder", ".jkr-pipe", "x"}

@@ -22,7 +22,7 @@ from series_files import edit
 from jkrcli.base import hdf5
 from jkrcli.base import process as allowance
 from jkrcli.base.errors import InputError
-from jkrcli.base.files import TUNING, beside
+from jkrcli.base.files import SHORTEST, beside
 from jkrcli.base.process import LINE_ENDS, fence
 from jkrcli.data import measured
 from jkrcli.data.afm_formats import rows_expected
@@ -426,7 +426,7 @@ def test_a_body_whose_name_leaves_no_room_for_its_pictures_is_refused_before_wor
 ) -> None:
     monkeypatch.setattr("jkrcli.cli.fit.fitted_body", lambda *_: pytest.fail("work was begun"))
     Path("m.csv").write_bytes(TABLE)
-    body = series.rename("b" * (255 - len("-fit-.png") - TUNING.letters[0] + 1) + ".h5")
+    body = series.rename("b" * (255 - len("-fit-.png") - SHORTEST + 1) + ".h5")
     refused(jkr("fit", body, "m.csv"), "cannot be written (File name too long)")
 
 

@@ -43,7 +43,7 @@ from ...base import (
     write_csv,
 )
 from ...base import process as locks
-from ...report import Result, archive
+from ...report import Files, Result, archive
 from ...report.plots import Figure, looks
 from ...report.plots import studies as study
 from .plan import FAILED, OK, Cases, Plan, Row, at_unit_modulus, failed, least, solve_group
@@ -422,11 +422,11 @@ class Means:
     progress: Progress = silent
 
 
-def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> Swept:
+def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say, pictures: Files | None = None) -> Swept:
     """Carry out ``plan`` with the results in ``folder``; a sweep that was interrupted there goes on.
 
-    ``say`` reports what goes on in the meantime. Errors: InputError where more than ``means.hours`` are forecast or
-    the folder holds what is not ours, JkrError where every case failed.
+    ``say`` reports what goes on in the meantime; ``pictures``: of the table, if any. Errors: InputError where more than
+    ``means.hours`` are forecast or the folder holds what is not ours, JkrError where every case failed.
     """
     make_folder(folder)
     for name in (*(f"{STEM}{ending}" for ending in endings()), FAILED_TABLE):
@@ -454,6 +454,10 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> Swep
         swept = Swept(plan, table(plan, journal))
     with together():
         paths = [*write(folder, swept.columns), *_write_failed(folder, swept)]
+        if pictures is not None and pictures.endings and len(swept.failed) < plan.count:
+            figure = sweep_figure(plan, swept.columns)
+            pictures.write(figure=figure)
+            paths += [pictures[ending] for ending in pictures.endings if figure is not None]
     if len(swept.failed) == plan.count:
         raise JkrError(f"{plan.source}: every case failed, the first because: {swept.failed[0][1]}")
     return replace(swept, files=paths)

@@ -45,9 +45,9 @@ if TYPE_CHECKING:
     from .case.reading import load_case  # fmt: skip
     from .base import InputError, JkrError, Refusal, Unknown
     from .bodies import (
-        Coated, Elastic, Exponential, Graded, HalfSpace, Layer, Linear, Loading, Paraboloid, Power,
-        PowerLaw, PowerRelaxation, Problem, Prony, Pyramid, Rigid, RoundedCone, RoundedFlat, Specimen, Sphere,
-        StandardSolid, TableProfile, Tabulated, TransverselyIsotropic,
+        Coated, Elastic, Exponential, Graded, GradedTransverselyIsotropic, HalfSpace, Layer, Linear, Loading,
+        Paraboloid, Power, PowerLaw, PowerRelaxation, Problem, Prony, Pyramid, Rigid, RoundedCone, RoundedFlat,
+        Specimen, Sphere, StandardSolid, TableProfile, Tabulated, TransverselyIsotropic,
     )  # fmt: skip
     from .data import Reading
     from .methods import FEM, ClosedForm, Hybrid, Layered, Limits
@@ -56,14 +56,14 @@ if TYPE_CHECKING:
 
 __version__ = "0.2.0"
 __all__ = [
-    "FEM", "ClosedForm", "Coated", "Elastic", "Exponential", "Graded", "HalfSpace", "Hybrid", "InputError", "JkrError",
-    "Layer", "Layered", "Limits", "Linear", "Loading", "LogRate", "Paraboloid", "Power", "PowerLaw", "PowerRate",
-    "PowerRelaxation", "Problem", "Program", "Prony", "Pyramid", "Reading", "Refusal", "Rigid", "RoundedCone",
-    "RoundedFlat", "Specimen", "Sphere", "StandardSolid", "TableProfile", "Tabulated", "TransverselyIsotropic",
-    "Unknown", "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "fit", "identify", "identify_joint",
-    "identify_law", "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case",
-    "plan", "plot", "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas",
-    "transform", "work",
+    "FEM", "ClosedForm", "Coated", "Elastic", "Exponential", "Graded", "GradedTransverselyIsotropic", "HalfSpace",
+    "Hybrid", "InputError", "JkrError", "Layer", "Layered", "Limits", "Linear", "Loading", "LogRate", "Paraboloid",
+    "Power", "PowerLaw", "PowerRate", "PowerRelaxation", "Problem", "Program", "Prony", "Pyramid", "Reading", "Refusal",
+    "Rigid", "RoundedCone", "RoundedFlat", "Specimen", "Sphere", "StandardSolid", "TableProfile", "Tabulated",
+    "TransverselyIsotropic", "Unknown", "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "fit",
+    "identify", "identify_joint", "identify_law", "identify_relaxation", "identify_tension", "load_case", "look",
+    "measured_curves", "parse_case", "plan", "plot", "profile", "pull_off", "read", "save", "solve", "study_map",
+    "summary", "table", "to_pandas", "transform", "work",
 ]  # fmt: skip
 
 __getattr__ = lazily(__name__, __file__)

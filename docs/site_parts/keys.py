@@ -49,7 +49,7 @@ def _sections() -> Iterator[str]:
         yield f'### `shape = "{name}"`'
         yield _prose(builder)
         yield _registered(SHAPES, name)
-    note = "A homogeneous layer on an elastic indenter, or a transversely isotropic one; the first is outermost."
+    note = "A homogeneous layer on an elastic indenter, isotropic or by five constants; the first is outermost."
     yield from _model("[[indenter.layers]]", CoatingTable, note=note)
     yield from _model("[specimen]", SpecimenTable, leave=("layers", "half_space", "relaxation"))
     for name, builder in RELAXATIONS.items():
@@ -65,7 +65,7 @@ def _sections() -> Iterator[str]:
     yield "## `[specimen.half_space]`"
     yield (
         "An elastic half-space below the layers, or alone: `E` and `nu`, or the five constants of a transversely "
-        "isotropic material as in a layer."
+        "isotropic material, numbers all."
     )
     yield from _model("[loading]", LoadingTable)
     yield from _model("[adhesion]", AdhesionTable)

@@ -22,10 +22,13 @@ if TYPE_CHECKING:
         INCOMPRESSIBLE,
         LAWS,
         RELAXATIONS,
+        AnyGraded,
+        AnyTransverse,
         Coated,
         Elastic,
         Exponential,
         Graded,
+        GradedTransverselyIsotropic,
         Law,
         Layer,
         Linear,
@@ -41,6 +44,7 @@ if TYPE_CHECKING:
         TransverselyIsotropic,
         contact_modulus,
         relaxing,
+        smooth_parts,
     )
     from .problem import (
         NO_FINITE_RANGE,

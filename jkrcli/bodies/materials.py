@@ -1,8 +1,8 @@
-"""Linear elastic materials: homogeneous and isotropic, graded over depth, transversely isotropic.
+"""Linear elastic materials: isotropic or transversely isotropic, each homogeneous or graded over depth.
 
 Each has ``surface``, the isotropic half-space that the first touch of its top feels, ``scaled`` and ``words``;
-``Elastic`` and ``Graded`` have ``at(depth)``, Young's modulus over depth. ``Layer``: a thickness of
-one; ``Coated``: what an indenter with layers is made of.
+``Elastic`` and ``Graded`` have ``at(depth)``, Young's modulus over depth, ``GradedTransverselyIsotropic`` its three
+moduli. ``Layer``: a thickness of one; ``Coated``: what an indenter with layers is made of.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, NamedTuple, Protocol, Self, TypeAlias
 
@@ -245,6 +246,11 @@ class Graded:
         _check_poisson(self.nu)
 
     @property
+    def laws(self) -> tuple[Law, ...]:
+        """The law of E, alone."""
+        return (self.law,)
+
+    @property
     def surface(self) -> Elastic:
         """The homogeneous material with the modulus at the top of the layer."""
         return Elastic(float(self.law.at(np.zeros(1))[0]), self.nu)
@@ -303,10 +309,7 @@ class TransverselyIsotropic:
     @property
     def stiffness(self) -> tuple[float, float, float, float, float]:
         """C11, C12, C13, C33, C44 [Pa]; 1 and 2 in the plane, 3 along z."""
-        D = 1 - self.nu_p - 2 * self.nu_zp**2 * self.E_p / self.E_z
-        both, difference = self.E_p / D, self.E_p / (1 + self.nu_p)
-        C13, C33 = self.nu_zp * self.E_p / D, self.E_z * (1 - self.nu_p) / D
-        return (both + difference) / 2, (both - difference) / 2, C13, C33, self.G_z
+        return transverse_stiffness(self.E_p, self.E_z, self.nu_p, self.nu_zp, self.G_z)
 
     @property
     def E_star(self) -> float:
@@ -320,6 +323,11 @@ class TransverselyIsotropic:
         return 2 * math.sqrt((root - C13) / C11 * (root + C13) / (1 / C44 + 2 / (root + C13)))
 
     @property
+    def top(self) -> TransverselyIsotropic:
+        """The material itself."""
+        return self
+
+    @property
     def surface(self) -> Elastic:
         """An isotropic material with the same indentation modulus (nu = 0, so that E is E*)."""
         return Elastic(self.E_star, 0.0)
@@ -329,7 +337,117 @@ class TransverselyIsotropic:
         return replace(self, E_p=self.E_p * factor, E_z=self.E_z * factor, G_z=self.G_z * factor)
 
 
-Material = Elastic | Graded | TransverselyIsotropic
+def transverse_stiffness(E_p: Any, E_z: Any, nu_p: float, nu_zp: float, G_z: Any) -> Any:
+    """C11, C12, C13, C33, C44 [Pa] of the five constants; 1 and 2 in the plane, 3 along z. Moduli of any shape."""
+    D = 1 - nu_p - 2 * nu_zp**2 * E_p / E_z
+    both, difference = E_p / D, E_p / (1 + nu_p)
+    C13, C33 = nu_zp * E_p / D, E_z * (1 - nu_p) / D
+    return (both + difference) / 2, (both - difference) / 2, C13, C33, G_z
+
+
+@dataclass(frozen=True)
+class GradedTransverselyIsotropic:
+    """Transversely isotropic material of a layer whose moduli vary over the depth below the layer's own top.
+
+    ``E_p, E_z, G_z``: each a law, or a number [Pa] that holds at every depth; at least one is a law. ``nu_p, nu_zp``:
+    the same at every depth. All as in ``TransverselyIsotropic``.
+    """
+
+    E_p: Law | float
+    E_z: Law | float
+    nu_p: float
+    nu_zp: float
+    G_z: Law | float
+
+    def __post_init__(self) -> None:
+        if not self.laws:
+            raise InputError("at least one of E_p, E_z and G_z must be a law: else take TransverselyIsotropic")
+        _ = self.top
+
+    @property
+    def moduli(self) -> dict[str, Law | float]:
+        """The three moduli by name."""
+        return {"E_p": self.E_p, "E_z": self.E_z, "G_z": self.G_z}
+
+    @property
+    def laws(self) -> tuple[Law, ...]:
+        """Those of the moduli that vary."""
+        return tuple(modulus for modulus in self.moduli.values() if isinstance(modulus, Law))
+
+    @property
+    def top(self) -> TransverselyIsotropic:
+        """The homogeneous material with the moduli at the top of the layer."""
+        E_p, E_z, G_z = self.at(np.zeros(1))[:, 0].tolist()
+        return TransverselyIsotropic(E_p, E_z, self.nu_p, self.nu_zp, G_z)
+
+    @property
+    def surface(self) -> Elastic:
+        """An isotropic material with the indentation modulus at the top of the layer (nu = 0, so that E is E*)."""
+        return self.top.surface
+
+    @property
+    def words(self) -> str:
+        """``transversely isotropic, E = 1 GPa in the plane, 2 GPa along z at the top, graded (E_p linear)``."""
+        laws = (f"{key} {type(law).__name__.lower()}" for key, law in self.moduli.items() if isinstance(law, Law))
+        return f"{self.top.words} at the top, graded ({', '.join(laws)})"
+
+    def at(self, depth: Array) -> Array:
+        """E_p, E_z and G_z [Pa], shape (3, ...), at every ``depth`` [m] below the layer's top."""
+        values = (m.at(depth) if isinstance(m, Law) else np.full(np.shape(depth), m) for m in self.moduli.values())
+        return np.array(list(values))
+
+    def stiffness_at(self, depth: Array) -> Array:
+        """C11, C12, C13, C33, C44 [Pa], shape (5, ...), at every ``depth`` [m] below the layer's top."""
+        E_p, E_z, G_z = self.at(depth)
+        return np.array(transverse_stiffness(E_p, E_z, self.nu_p, self.nu_zp, G_z))
+
+    def check_strain_energy(self, thickness: float) -> None:
+        """InputError where the strain energy is not positive at every depth down to ``thickness`` [m].
+
+        Each law is monotone where all are smooth, so that ends bound E_p/E_z there; where the bound is too large, the
+        ratio has at most one extremum, which is looked for.
+        """
+        limit = (1 - self.nu_p) / (2 * self.nu_zp**2) if self.nu_zp else math.inf
+        largest = (0.0, 0.0)
+        for low, high in smooth_parts(self.laws, thickness):
+            E_p, E_z, _ = self.at(np.array([low, high]))
+            if E_p.max() / E_z.min() < limit:
+                continue
+            for _ in range(ZOOMS):
+                depths = np.linspace(low, high, ZOOM + 1)
+                E_p, E_z, _ = self.at(depths)
+                i = int(np.argmax(E_p / E_z))
+                largest = max(largest, (float(E_p[i] / E_z[i]), float(depths[i])))
+                low, high = depths[max(i - 1, 0)], depths[min(i + 1, ZOOM)]
+        ratio, depth = largest
+        if not ratio < limit:
+            allowed = math.sqrt((1 - self.nu_p) / (2 * ratio))
+            raise InputError(
+                f"nu_zp: must lie between -{allowed:.4g} and {allowed:.4g} for a positive strain energy {depth:.4g} m "
+                f"below the layer's top, where E_p/E_z = {ratio:.4g} (2 nu_zp^2 E_p/E_z < 1 - nu_p), got {self.nu_zp:g}"
+            )
+
+    def scaled(self, factor: float) -> GradedTransverselyIsotropic:
+        """The same material with its moduli multiplied by ``factor``."""
+        scaled: Any = {
+            key: modulus.scaled(factor) if isinstance(modulus, Law) else modulus * factor
+            for key, modulus in self.moduli.items()
+        }
+        return replace(self, **scaled)
+
+
+ZOOM = 64  # choice: parts into which the neighbourhood of an extremum is cut,
+ZOOMS = 10  # theory: and how often: (2/64)^10 is the rounding of a double
+
+AnyGraded = Graded | GradedTransverselyIsotropic
+AnyTransverse = TransverselyIsotropic | GradedTransverselyIsotropic
+Material = Elastic | AnyGraded | TransverselyIsotropic
+
+
+def smooth_parts(laws: Sequence[Law], thickness: float) -> list[tuple[float, float]]:
+    """Depths [m] between which all the ``laws`` of a layer are smooth, from the top down."""
+    kinks = {z for law in laws for z in law.kinks if z < thickness}
+    return list(itertools.pairwise([0.0, *sorted(kinks), thickness]))
 
 
 @dataclass(frozen=True)
@@ -342,11 +460,17 @@ class Layer:
 
     def __post_init__(self) -> None:
         positive("m", thickness=self.thickness)
-        if isinstance(self.material, Graded) and self.material.law.reach < self.thickness * (1 - ROUNDED):
-            raise InputError(
-                f"the law of E ends at a depth of {self.material.law.reach:g} m, above the bottom of the layer "
-                f"(thickness {self.thickness:g} m)"
-            )
+        material = self.material
+        if isinstance(material, AnyGraded):
+            named = {"E": material.law} if isinstance(material, Graded) else material.moduli
+            for name, law in named.items():
+                if isinstance(law, Law) and law.reach < self.thickness * (1 - ROUNDED):
+                    raise InputError(
+                        f"the law of {name} ends at a depth of {law.reach:g} m, above the bottom of the layer "
+                        f"(thickness {self.thickness:g} m)"
+                    )
+        if isinstance(material, GradedTransverselyIsotropic):
+            material.check_strain_energy(self.thickness)
 
     @property
     def words(self) -> str:
@@ -359,8 +483,9 @@ class Layer:
         match self.material:
             case Elastic(E=E):
                 return E, E
-            case Graded(law=law):
-                values = law.at(np.array([0.0, *(z for z in law.kinks if z < self.thickness), self.thickness]))
+            case Graded() | GradedTransverselyIsotropic() as material:
+                depths = np.unique(smooth_parts(material.laws, self.thickness))
+                values = material.at(depths) if isinstance(material, Graded) else material.at(depths)[:2]
                 return float(values.min()), float(values.max())
             case TransverselyIsotropic(E_p=E_p, E_z=E_z):
                 return min(E_p, E_z), max(E_p, E_z)
@@ -379,7 +504,7 @@ class Coated:
     def __post_init__(self) -> None:
         if not self.layers:
             raise InputError("indenter.layers: must hold at least one layer")
-        if any(isinstance(layer.material, Graded) for layer in self.layers):
+        if any(isinstance(layer.material, AnyGraded) for layer in self.layers):
             raise InputError("indenter.layers: must be homogeneous: cut a graded one into several")
 
     @property

@@ -11,15 +11,16 @@ from typing import Any, Literal, cast
 from ..base import InputError, did_you_mean, positive, show
 from .indenter import Indenter
 from .materials import (
+    AnyGraded,
     Coated,
     Elastic,
-    Graded,
     Layer,
     Material,
     Relaxation,
     Solid,
     TransverselyIsotropic,
     contact_modulus,
+    smooth_parts,
 )
 
 Quantity = Literal["depth", "load", "radius"]
@@ -105,13 +106,16 @@ class Specimen:
     @property
     def is_graded(self) -> bool:
         """True where the modulus of any layer varies over depth."""
-        return any(isinstance(layer.material, Graded) for layer in self.layers)
+        return any(isinstance(layer.material, AnyGraded) for layer in self.layers)
 
     @property
     def pieces(self) -> int:
         """How many smooth pieces the laws of E over depth have, in all layers."""
-        laws = [(layer.material.law, layer.thickness) for layer in self.layers if isinstance(layer.material, Graded)]
-        return sum(1 + sum(z < thickness for z in law.kinks) for law, thickness in laws)
+        return sum(
+            len(smooth_parts(layer.material.laws, layer.thickness))
+            for layer in self.layers
+            if isinstance(layer.material, AnyGraded)
+        )
 
     @property
     def thickness(self) -> float:

@@ -41,6 +41,7 @@ from ..bodies import (
     Coated,
     Elastic,
     Graded,
+    GradedTransverselyIsotropic,
     HalfSpace,
     Indenter,
     Layer,
@@ -292,17 +293,22 @@ class IsotropicTable(_Part):
 
 
 class TransverseTable(_Part):
-    """The five constants of a transversely isotropic material: p in the plane, z along the depth."""
+    """The five constants of a transversely isotropic material: p in the plane, z along the depth; each modulus, or its
+    law over the depth."""
 
     tag: ClassVar[str] = "transverse"
-    E_p: Modulus
-    E_z: Modulus
+    E_p: ModulusOrLaw
+    E_z: ModulusOrLaw
     nu_p: quantity("number", above=-1, below=1)
     nu_zp: quantity("number")
-    G_z: Modulus
+    G_z: ModulusOrLaw
 
-    def material(self, thickness: float) -> TransverselyIsotropic:
-        return TransverselyIsotropic(self.E_p, self.E_z, self.nu_p, self.nu_zp, self.G_z)
+    def material(self, thickness: float) -> TransverselyIsotropic | GradedTransverselyIsotropic:
+        given: list[Any] = [self.E_p, self.E_z, self.nu_p, self.nu_zp, self.G_z]
+        if not any(isinstance(one, LawTable) for one in given):
+            return TransverselyIsotropic(*given)
+        values = (one.built(thickness) if isinstance(one, LawTable) else one for one in given)
+        return GradedTransverselyIsotropic(*values)
 
 
 class LayerTable(_Layer, IsotropicTable): ...
@@ -323,12 +329,28 @@ def _one_modulus_of_coating(value: Any) -> Any:
     return value
 
 
+ModulusOfHalfSpace = Annotated[Modulus, BeforeValidator(_one_modulus)]
+ModulusOfCoating = Annotated[Modulus, BeforeValidator(_one_modulus_of_coating)]
+
+
 class CoatingTable(LayerTable):
-    E: Annotated[Modulus, BeforeValidator(_one_modulus_of_coating)]
+    E: ModulusOfCoating
+
+
+class TransverseCoatingTable(TransverseLayerTable):
+    E_p: ModulusOfCoating
+    E_z: ModulusOfCoating
+    G_z: ModulusOfCoating
 
 
 class HalfSpaceTable(IsotropicTable):
-    E: Annotated[Modulus, BeforeValidator(_one_modulus)]
+    E: ModulusOfHalfSpace
+
+
+class TransverseHalfSpaceTable(TransverseTable):
+    E_p: ModulusOfHalfSpace
+    E_z: ModulusOfHalfSpace
+    G_z: ModulusOfHalfSpace
 
 
 def _tag(value: Any) -> str:
@@ -337,8 +359,8 @@ def _tag(value: Any) -> str:
 
 
 AnyLayer = either(_tag, LayerTable, TransverseLayerTable)
-AnyCoating = either(_tag, CoatingTable, TransverseLayerTable)
-AnyHalfSpace = either(_tag, HalfSpaceTable, TransverseTable)
+AnyCoating = either(_tag, CoatingTable, TransverseCoatingTable)
+AnyHalfSpace = either(_tag, HalfSpaceTable, TransverseHalfSpaceTable)
 
 
 # --------------------------------------------------------------------------------------------------

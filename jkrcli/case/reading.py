@@ -19,7 +19,9 @@ from ..bodies import (
     SHAPES,
     Coated,
     Graded,
+    GradedTransverselyIsotropic,
     HalfSpace,
+    Law,
     Layer,
     Loading,
     Material,
@@ -286,6 +288,8 @@ def _indenter(material: Solid | None) -> dict[str, Any]:
 def _material(material: Material | None) -> dict[str, Any]:
     if isinstance(material, Graded):
         return {"E": LAWS.keys_in_file(material.law), "nu": material.nu}
+    if isinstance(material, GradedTransverselyIsotropic):
+        return {key: LAWS.keys_in_file(one) if isinstance(one, Law) else one for key, one in vars(material).items()}
     return {} if material is None else dict(vars(material))
 
 

@@ -22,7 +22,7 @@ import skfem
 from scipy.sparse import block_diag, bmat, csr_matrix
 
 from ...base import Array, Refusal
-from ...bodies import Elastic, Graded, Material, TransverselyIsotropic
+from ...bodies import AnyGraded, AnyTransverse, Elastic, GradedTransverselyIsotropic, Material, TransverselyIsotropic
 from .mesh import Grid, MeshedBody, sides
 
 ELEMENTS = {  # of first order, second, ...
@@ -226,7 +226,7 @@ def assemble(
     basis = skfem.Basis(
         mesh,
         ELEMENTS[grid.element][order - 1](),
-        intorder=2 * order + (GRADED_DEGREE if any(isinstance(m, Graded) for m in materials) else 0),
+        intorder=2 * order + (GRADED_DEGREE if any(isinstance(m, AnyGraded) for m in materials) else 0),
     )
     if reduced:
         # Stiffness of linear quadrilaterals by one Gauss point each, with hourglass control.
@@ -286,7 +286,7 @@ def _displacement_blocks(basis: skfem.Basis, constants: Array) -> csr_matrix:
 
 def _pressure_blocks(basis: skfem.Basis, grid: Grid, layer: int, material: Material) -> tuple[Any, Any, Any, Array]:
     """Divergence blocks, compressibility and nodes of the pressure in one layer: it may jump at interfaces."""
-    assert not isinstance(material, TransverselyIsotropic)  # always compressible
+    assert not isinstance(material, AnyTransverse)  # always compressible
     displacement, lower = (_restricted(basis, grid, layer, e) for e in (basis.elem, _of_pressure(basis, grid)))
     used = np.unique(lower.element_dofs)
     B_r, B_z = (form.assemble(displacement, lower)[used] for form in (pressure_r, pressure_z))
@@ -302,7 +302,7 @@ def _pressure_blocks(basis: skfem.Basis, grid: Grid, layer: int, material: Mater
 
 def _constants(basis: skfem.Basis, grid: Grid, materials: Sequence[Material], mixed: tuple[int, ...]) -> Array:
     """C11, C12, C13, C33, C44 [Pa] at the quadrature points of every cell, or one value per cell if none is graded."""
-    points = basis.X.shape[1] if any(isinstance(material, Graded) for material in materials) else 1
+    points = basis.X.shape[1] if any(isinstance(material, AnyGraded) for material in materials) else 1
     C = np.empty((5, len(grid.cells), points))
     for i, material in enumerate(materials):
         C[:, grid.materials == i] = stiffness_constants(material, i in mixed, _depths(basis, grid, i, material))
@@ -311,7 +311,7 @@ def _constants(basis: skfem.Basis, grid: Grid, materials: Sequence[Material], mi
 
 def _depths(basis: skfem.Basis, grid: Grid, layer: int, material: Material) -> Array:
     """Depths below the top of the layer [m] at the quadrature points of its cells, or one for all if homogeneous."""
-    if not isinstance(material, Graded):
+    if not isinstance(material, AnyGraded):
         return np.zeros((1, 1))
     return grid.depth_below_top(layer, basis.mapping.F(basis.X, tind=np.flatnonzero(grid.materials == layer))[1])
 
@@ -321,6 +321,8 @@ def stiffness_constants(material: Material, mixed: bool, depth: Array) -> Array:
     part without lambda."""
     if isinstance(material, TransverselyIsotropic):
         return np.array(material.stiffness).reshape(5, *[1] * depth.ndim)
+    if isinstance(material, GradedTransverselyIsotropic):
+        return material.stiffness_at(depth)
     unit = Elastic(1.0, material.nu)
     lame, G = 0.0 if mixed else unit.lame, unit.G
     if np.isinf(lame):

@@ -17,7 +17,17 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from ...base import AT_ONCE, ROUNDED, SAME, Array, InputError, Refusal, SolveError
-from ...bodies import Elastic, Graded, HalfSpace, Material, Problem, Side, Specimen, TransverselyIsotropic
+from ...bodies import (
+    AnyGraded,
+    AnyTransverse,
+    Elastic,
+    HalfSpace,
+    Material,
+    Problem,
+    Side,
+    Specimen,
+    TransverselyIsotropic,
+)
 from ..options import FEMOptions
 
 # --------------------------------------------------------------------------------------------------
@@ -459,7 +469,7 @@ def half_space_like(body: MeshedBody, reach: float) -> MeshedBody:
 
 def at_surface(material: Material) -> Elastic | TransverselyIsotropic:
     """The homogeneous material that the first touch of ``material`` feels."""
-    return material if isinstance(material, TransverselyIsotropic) else material.surface
+    return material.top if isinstance(material, AnyTransverse) else material.surface
 
 
 def _cut_below(layers: float, reach: float, depth: float) -> float:
@@ -695,11 +705,11 @@ class Layout:
     def following(self) -> Layout:
         """The layout with as many thin rows as follow how the modulus grows below the surface."""
         material = self.body.materials[0]
-        if not isinstance(material, Graded):
+        if not isinstance(material, AnyGraded):
             return self
         heights = self._row * TUNING.thinner ** np.arange(TUNING.thinnest)
-        moduli = material.at(np.append(heights, 0.0))
-        large = np.abs(np.log(moduli[:-1] / moduli[-1])) > np.log(TUNING.changed)
+        moduli = np.log([law.at(np.append(heights, 0.0)) for law in material.laws])
+        large = np.abs(moduli[:, :-1] - moduli[:, -1:]).max(axis=0) > np.log(TUNING.changed)
         return replace(self, thin=int(large.sum()))
 
     @property
@@ -713,11 +723,11 @@ class Layout:
         """What the row at the surface leaves of a modulus that grows like the power k < 1 of the depth there: k times
         the power 1 - k of its height over the reach, in which depth compresses next to a surface that yields."""
         material = self.body.materials[0]
-        if not isinstance(material, Graded):
+        if not isinstance(material, AnyGraded):
             return 0.0
         first = self._row * float(self.shares[0])
-        moduli = material.at(first * (1 + np.array([-SAME, SAME])))
-        k = float(np.clip(np.diff(np.log(moduli))[0] / (2 * SAME), 0.0, 1.0))
+        moduli = np.log([law.at(first * (1 + np.array([-SAME, SAME]))) for law in material.laws])
+        k = float(np.clip(np.diff(moduli).max() / (2 * SAME), 0.0, 1.0))
         return k * (first / (self.law.reach * self.unit)) ** (1 - k)
 
     def coarser(self, factor: float) -> Layout:

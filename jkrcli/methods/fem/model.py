@@ -29,8 +29,8 @@ from ...base import (
     Unknown,
 )
 from ...bodies import (
+    AnyGraded,
     Elastic,
-    Graded,
     HalfSpace,
     Indenter,
     Loading,
@@ -391,7 +391,7 @@ class Discretisation:
     def _missing_displacement(self, system: ElasticSystem, factor: StiffnessFactor, surface: Surface) -> float:
         """What the cut-out half-space lacks, under a uniform pressure on the candidates' disc [m/N]."""
         below = self.layout.body.materials[-1]
-        assert not isinstance(below, Graded)  # it stands for a half-space, which is homogeneous
+        assert not isinstance(below, AnyGraded)  # it stands for a half-space, which is homogeneous
         forces = np.zeros(len(surface.C))
         forces[surface.normal] = -surface.areas / surface.areas.sum()
         loads = factor.loads(forces)

@@ -26,7 +26,17 @@ from scipy.sparse import bmat, coo_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
 from ...base import AT_ONCE, RESIDUAL_LIMIT, ROUNDED, Array, Refusal, SolveError
-from ...bodies import Elastic, Graded, HalfSpace, Material, Rigid, Specimen, TransverselyIsotropic
+from ...bodies import (
+    AnyGraded,
+    AnyTransverse,
+    Elastic,
+    GradedTransverselyIsotropic,
+    HalfSpace,
+    Material,
+    Rigid,
+    Specimen,
+    TransverselyIsotropic,
+)
 from ...formulas import point_force
 from ..integral import rule
 
@@ -107,7 +117,7 @@ class Region:
     @property
     def changing(self) -> bool:
         """Whether the modulus changes from the contact on."""
-        return isinstance(self.materials[0], Graded)
+        return isinstance(self.materials[0], AnyGraded)
 
     @property
     def tops(self) -> tuple[float, ...]:
@@ -169,8 +179,9 @@ class Region:
         """Depths inside the layers at which the modulus has a kink."""
         kinks = []
         for top, thickness, material in zip(self.tops, self.thicknesses, self.materials, strict=True):
-            if isinstance(material, Graded):
-                kinks += [top + z / self.unit for z in material.law.kinks if z / self.unit < thickness * (1 - ROUNDED)]
+            if isinstance(material, AnyGraded):
+                depths = sorted({z / self.unit for law in material.laws for z in law.kinks})
+                kinks += [top + z for z in depths if z < thickness * (1 - ROUNDED)]
         return kinks
 
     def layer_at(self, z: Array) -> Array:
@@ -181,7 +192,7 @@ class Region:
     def mixed(self) -> tuple[bool, ...]:
         """Which layers have a pressure unknown."""
         limit = REGION_TUNING.nearly_incompressible
-        return tuple(not isinstance(m, TransverselyIsotropic) and m.nu > limit for m in self.materials)
+        return tuple(not isinstance(m, AnyTransverse) and m.nu > limit for m in self.materials)
 
     def moduli(self, z: Array) -> Moduli:
         """Stiffnesses at the depths ``z``, in units of E of the reference."""
@@ -191,6 +202,9 @@ class Region:
             at = layer == i
             if isinstance(material, TransverselyIsotropic):
                 C[:, at] = np.array(material.stiffness)[:, None]
+                continue
+            if isinstance(material, GradedTransverselyIsotropic):
+                C[:, at] = material.stiffness_at((z[at] - top) * self.unit)
                 continue
             E, nu = material.at((z[at] - top) * self.unit), material.nu
             G = E / (2 * (1 + nu))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ...base import AT_ONCE, MOST_SOLVES, NO_CLAIM, TINY, Array, Refusal, SolveError, duration, show
-from ...bodies import Graded, HalfSpace, Indenter, Specimen, contact_modulus
+from ...bodies import AnyGraded, HalfSpace, Indenter, Specimen, contact_modulus
 from ...series import KeptKernel
 from .. import integral
 from ..integral import rule
@@ -480,7 +480,7 @@ class AdaptiveKernel:
     @property
     def attainable(self) -> float:
         """The tolerance that holds for this body."""
-        return max(self.tolerance, 2 * GRADED) if isinstance(self.specimen.materials[0], Graded) else self.tolerance
+        return max(self.tolerance, 2 * GRADED) if isinstance(self.specimen.materials[0], AnyGraded) else self.tolerance
 
     @cached_property
     def wide(self) -> LayeredContact:

@@ -8,7 +8,7 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from ...base import MOST_SOLVES, NO_CLAIM, ROUNDED, Array, JkrError, Refusal, StageClock, show
-from ...bodies import Graded, HalfSpace, Problem, TransverselyIsotropic
+from ...bodies import AnyTransverse, Graded, HalfSpace, Problem, TransverselyIsotropic
 from ...series import ErrorBudget, KeptKernel, Solution
 from .. import integral
 from ..layered.solver import expected_radius
@@ -200,7 +200,7 @@ def _unable(problem: Problem) -> str | None:
         return "the far field of a transversely isotropic half-space is not known here: use method layered or fem"
     if isinstance(specimen.materials[0], Graded) and specimen.radius is None:
         return "the correction is not smooth where the modulus changes from the contact on: use method layered"
-    if isinstance(specimen.materials[0], TransverselyIsotropic):
+    if isinstance(specimen.materials[0], AnyTransverse):
         other = instead(problem.indenter, specimen)
         return f"the exact part needs an isotropic material at the contact: use method {other}"
     return None

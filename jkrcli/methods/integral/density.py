@@ -19,7 +19,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ...base import SAME, Array, JkrError, Refusal, show
-from ...bodies import Graded, Indenter, Specimen, stacks
+from ...bodies import AnyGraded, Indenter, Specimen, stacks
 from .fredholm import EXACT, Contact, EquationResult, FredholmKernel, crowded, gauss, rule, split, to_legendre
 
 
@@ -138,7 +138,7 @@ def unsmooth(specimen: Specimen) -> str | None:
     """Why pressures and gaps on the ``specimen`` cannot be found from its density; None where they can."""
     if specimen.surface_tension:
         return "profile: pressures under surface tension are not implemented: leave specimen.surface_tension out"
-    if isinstance(specimen.materials[0], Graded):
+    if isinstance(specimen.materials[0], AnyGraded):
         return (
             "profile: under a modulus that varies right below the contact phi is not smooth at the edge, and its "
             "pressures are not implemented; cut the top layer into a few homogeneous ones"

@@ -13,7 +13,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from ...base import Array, Refusal
-from ...bodies import Coated, Graded, Indenter, Material, Specimen, TransverselyIsotropic, stacks
+from ...bodies import AnyGraded, AnyTransverse, Coated, Indenter, Material, Specimen, stacks
 from ..integral import EXACT, ContactResult, Panels, Quadrature, StuckDisc, StuckKernel
 from ..integral.no_slip import Growth, Pieces
 from .contact import TUNING as REFINING
@@ -127,9 +127,9 @@ class StuckSpectrum(LayeredSpectrum):
 
 
 def half_space_compliances(material: Material) -> tuple[float, float, float]:
-    """Compliances F_zz, F_zr, F_rr of a half-space [1/Pa]."""
-    if isinstance(material, TransverselyIsotropic):
-        medium, G = Medium.transverse(material), material.G_z
+    """Compliances F_zz, F_zr, F_rr of a half-space [1/Pa] of the material at the top."""
+    if isinstance(material, AnyTransverse):
+        medium, G = Medium.transverse(material), material.top.G_z
     else:
         medium, G = Medium.isotropic(material.nu), material.surface.G
     _, rr, zz, zr, _ = medium.half_space
@@ -197,7 +197,7 @@ class StuckLayeredContact(IndenterOnLayers):
 
 def unable(indenter: Indenter, specimen: Specimen) -> str | None:
     """Why surfaces that stick are not solved for the two bodies; None where they are."""
-    if isinstance(specimen.materials[0], Graded):
+    if isinstance(specimen.materials[0], AnyGraded):
         return (
             "under a modulus that varies right below the contact the spectra of no slip decay slowly, "
             "which is not implemented: use method fem, or cut the top layer into a few homogeneous ones"

@@ -10,28 +10,33 @@ g - 1 - t(k).
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
 
 from ...base import REMEMBERED, Array, SolveError
 from ...bodies import (
+    AnyGraded,
+    AnyTransverse,
     Elastic,
     Graded,
+    GradedTransverselyIsotropic,
     HalfSpace,
     Law,
     Layer,
+    Material,
     Problem,
     Rigid,
     Solid,
     Specimen,
     TransverselyIsotropic,
     contact_modulus,
+    smooth_parts,
     stacks,
 )
 from ..integral import CosineKernel, gauss, phase_allowed, rule, split, to_legendre
@@ -61,12 +66,12 @@ from ..integral import CosineKernel, gauss, phase_allowed, rule, split, to_legen
 #
 # which for A = 2, D = 0 is the isotropic one; it carries the factor exp(-A y).
 #
-# A graded layer is many homogeneous sublayers, extrapolated to infinitely many. A sublayer with the modulus of its
-# middle is a symmetric splitting of dm/dz = (k B + gamma D) m, gamma = (ln G)', D = diag(0, 1, 1, 1, 2): its error
+# A graded layer is many homogeneous sublayers, extrapolated to infinitely many. A sublayer with the moduli of its
+# middle is a symmetric splitting of dm/dz = (k B(z) + gamma D) m, gamma = (ln G)', D = diag(0, 1, 1, 1, 2): its error
 # has even powers of the sublayer's thickness only, and Richardson's extrapolation over 1, 2, 3, 4, 5 times as many
-# sublayers is of order ten (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, Sec. II.9). What
-# lies deeper than ``seen`` / k below a smooth part's top is not felt at that top; sublayers become thinner towards
-# it.
+# sublayers is of order ten (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, Sec. II.9). B varies
+# where not all moduli of a transversely isotropic layer follow the same law. What lies deeper than ``seen`` / (s k)
+# below a smooth part's top, s the slowest root, is not felt at that top; sublayers become thinner towards it.
 
 
 @dataclass(frozen=True)
@@ -75,7 +80,6 @@ class MinorsTuning:
 
     small: float = 1.0  # y below which the isotropic functions are power series; theory: both hold there to rounding
     small_transverse: float = 2.0  # the same of A y and |D| y; theory: both hold there to rounding
-    terms: int = 14  # of the transverse series; theory: the next are below rounding at ``small_transverse``
     seen: float = 18.0  # theory: exp(-2 seen) is the rounding of a double
     steps: int = 5  # of the extrapolation; tuned on graded layers, by `make tuning`
     accuracy: float = 1e-10  # of g, judged by the last of them; tuned on graded layers, by `make tuning`
@@ -83,6 +87,7 @@ class MinorsTuning:
     # theory: ``fewest`` doubled four times; the extrapolation is of order ten, so that these gain 2^40, and what is not
     # as accurate by then is not smooth
     most: int = 96
+    looks: int = 17  # depths at which a piece's slowest root is looked for; choice: of smooth laws of little contrast
     steep: float = 6.0  # largest ratio of moduli in one piece; tuned on graded layers, by `make tuning`
 
 
@@ -94,11 +99,14 @@ _EVEN = 1 / np.array([float(math.factorial(n)) for n in range(4, 29, 2)])
 # ---------------------------------------------------------------------- one material
 @dataclass(frozen=True)
 class Medium:
-    """Constants c = C13/C33, beta = C44/C33, e = (C11 - C13^2/C33)/C44 of the minors' equation, in units of C44."""
+    """Constants c = C13/C33, beta = C44/C33, e = (C11 - C13^2/C33)/C44 of the minors' equation, in units of C44.
 
-    c: float
-    beta: float
-    e: float
+    Numbers, or arrays of the wave numbers' shape.
+    """
+
+    c: Any
+    beta: Any
+    e: Any
 
     @classmethod
     def isotropic(cls, nu: float) -> Medium:
@@ -106,32 +114,40 @@ class Medium:
         return cls(nu / (1 - nu), (1 - 2 * nu) / (2 * (1 - nu)), 2 / (1 - nu))
 
     @classmethod
-    def transverse(cls, material: TransverselyIsotropic) -> Medium:
-        C11, _, C13, C33, C44 = material.stiffness
-        return cls(C13 / C33, C44 / C33, (C11 - C13**2 / C33) / C44)
+    def transverse(cls, material: AnyTransverse) -> Medium:
+        """Constants of a transversely isotropic material, at its top if graded."""
+        one = material.top
+        return cls.of(one.E_p, one.E_z, one.nu_p, one.nu_zp, one.G_z)
+
+    @classmethod
+    def of(cls, E_p: Any, E_z: Any, nu_p: float, nu_zp: float, G_z: Any) -> Medium:
+        """Constants c = p, beta = (G_z/E_z)(1 - 2 nu_zp p), e = E_p/(G_z (1 - nu_p^2)), p = nu_zp E_p/(E_z (1 - nu_p));
+        the moduli of any shape."""
+        c = nu_zp / (1 - nu_p) * (E_p / E_z)
+        return cls(c, G_z / E_z * (1 - 2 * nu_zp * c), E_p / G_z / (1 - nu_p**2))
 
     @cached_property
-    def _root(self) -> float:
+    def _root(self) -> Any:
         """Product s1 s2 of the roots."""
-        return math.sqrt(self.c**2 + self.e * self.beta)
+        return np.sqrt(self.c**2 + self.e * self.beta)
 
     @property
-    def squares(self) -> tuple[float, float]:
+    def squares(self) -> tuple[Any, Any]:
         """Squares A^2 and D^2 of the sum and the difference of the roots."""
         middle = self.e - 2 * self.c
         return middle + 2 * self._root, middle - 2 * self._root
 
     @property
     def slowest(self) -> float:
-        """The lesser real part of s1 and s2: fields die out as exp(-slowest k z)."""
+        """The least real part of s1 and s2: fields die out as exp(-slowest k z), at least."""
         A2, D2 = self.squares
-        return (math.sqrt(A2) - math.sqrt(max(D2, 0.0))) / 2
+        return float(np.min(np.sqrt(A2) - np.sqrt(np.maximum(D2, 0.0)))) / 2
 
     @property
     def half_space(self) -> list[float]:
         """Minors of the half-space: where the Riccati equation of F stands still."""
         rz = (self.c - self._root) / self.e
-        rr = math.sqrt((1 - 2 * rz) / self.e)
+        rr = np.sqrt((1 - 2 * rz) / self.e)
         zz = rr * self._root
         return [1.0, rr, zz, rz, rr * zz - rz**2]
 
@@ -156,7 +172,7 @@ class Medium:
         A2, D2 = self.squares
         o, q, o1, q1 = _transverse_functions(A2, D2, y)
         b1, b2, b3, b4 = self.powers(m)
-        once = np.exp(-math.sqrt(A2) * y)
+        once = np.exp(-np.sqrt(A2) * y)
         return once * m + (o - D2 * o1) * b1 + (q - D2 * q1) * b2 + o1 * b3 + q1 * b4
 
 
@@ -198,91 +214,127 @@ def _isotropic_functions(y: Array) -> tuple[Array, Array, Array]:
     return once, odd, even
 
 
-def _transverse_functions(A2: float, D2: float, y: Array) -> tuple[Array, Array, Array, Array]:
+def _transverse_functions(A2: Any, D2: Any, y: Array) -> tuple[Array, Array, Array, Array]:
     """Functions o and q of D^2, o1, q1 of the matrix exponential, all times exp(-A y)."""
-    A = math.sqrt(A2)
+    A2, D2 = (np.broadcast_to(X, y.shape) for X in (A2, D2))
+    A = np.sqrt(A2)
     o_A, q_A = _hyperbolic(A2, y, A)
     o, q = _hyperbolic(D2, y, A)
-    largest = math.sqrt(max(A2, -D2))  # |D| > A under a stiffness in shear far above the others
-    x = np.minimum(y, MINORS_TUNING.small_transverse / largest)
-    odd, even, power = np.zeros_like(y), np.zeros_like(y), 1.0
-    difference = 0.0
-    for n in range(1, MINORS_TUNING.terms + 1):
-        difference, power = A2 * difference + power, power * D2
-        odd += difference * x ** (2 * n + 1) / math.factorial(2 * n + 1)
-        even += difference * x ** (2 * n + 2) / math.factorial(2 * n + 2)
-    small, decay = largest * y < MINORS_TUNING.small_transverse, np.exp(-A * x)
-    o1 = np.where(small, odd * decay, (o_A - o) / (A2 - D2))
-    q1 = np.where(small, even * decay, (q_A - q) / (A2 - D2))
+    largest = np.sqrt(np.maximum(A2, -D2))  # |D| > A under a stiffness in shear far above the others
+    o1, q1 = (o_A - o) / (A2 - D2), (q_A - q) / (A2 - D2)
+    small = np.flatnonzero(largest * y < MINORS_TUNING.small_transverse)
+    if small.size:  # differences of nearly equal numbers: their power series, of (a^n - b^n)/(a - b)
+        x = y[small]
+        a, b = A2[small] * x**2, D2[small] * x**2
+        term, power, odd, even = np.zeros_like(x), np.ones_like(x), np.zeros_like(x), np.zeros_like(x)
+        for for_odd, for_even in zip(_ODD, _EVEN, strict=True):
+            term = a * term + power
+            power = power * b
+            odd += for_odd * term
+            even += for_even * term
+        decay = x**3 * np.exp(-A[small] * x)
+        o1[small], q1[small] = odd * decay, even * decay * x
     return o, q, o1, q1
 
 
-def _hyperbolic(X: float, y: Array, A: float) -> tuple[Array, Array]:
+def _hyperbolic(X: Array, y: Array, A: Array) -> tuple[Array, Array]:
     """Functions o(X) and q(X) of the matrix exponential, times exp(-A y), A >= sqrt(X)."""
-    d = math.sqrt(abs(X))
+    d, real = np.sqrt(np.abs(X)), X >= 0
     x = np.maximum(d * y, 1e-300)
-    if X < 0:
-        decay = np.exp(-A * y)
-        return y * decay * np.sin(x) / x, y**2 / 2 * decay * (np.sin(x / 2) / (x / 2)) ** 2
-    decay = np.exp((d - A) * y)
-    return y * decay * -np.expm1(-2 * x) / (2 * x), y**2 / 2 * decay * (np.expm1(-x) / x) ** 2
+    decay = np.exp(np.where(real, d - A, -A) * y)
+    if real.all():
+        o, q = -np.expm1(-2 * x) / (2 * x), np.expm1(-x) / x
+    elif not real.any():
+        o, q = np.sin(x) / x, np.sin(x / 2) / (x / 2)
+    else:
+        o = np.where(real, -np.expm1(-2 * x) / (2 * x), np.sin(x) / x)
+        q = np.where(real, np.expm1(-x) / x, np.sin(x / 2) / (x / 2))
+    return y * decay * o, y**2 / 2 * decay * q**2
 
 
 # ---------------------------------------------------------------------- graded layers
-def through_graded(m: Array, k: Array, material: Graded, thickness: float) -> Array:
+def through_graded(m: Array, k: Array, material: AnyGraded, thickness: float) -> Array:
     """Minors (5, n) at the top of a graded layer, in units of its shear modulus there, from those at its bottom, in
-    units of that at the bottom; ``k`` (n,) [1/m]. Raises SolveError where the modulus changes too quickly."""
-    parts = [part for ends in smooth_parts(material.law, thickness) for part in _gentle_parts(material.law, *ends)]
+    units of that at the bottom; ``k`` (n,) [1/m]. Raises SolveError where the moduli change too quickly."""
+    parts = [part for ends in smooth_parts(material.laws, thickness) for part in _gentle_parts(material.laws, *ends)]
     for top, bottom in reversed(parts):
-        count = _sublayers(material, top, bottom, MINORS_TUNING)
-        m = _extrapolated(
-            [_through_part(m, k, material, top, bottom, n * count) for n in range(1, MINORS_TUNING.steps + 1)]
-        )
+        count, slowest = _sublayers(material, top, bottom, MINORS_TUNING)
+        steps = range(1, MINORS_TUNING.steps + 1)
+        m = _extrapolated([_through_part(m, k, material, (top, bottom), n * count, slowest) for n in steps])
     return m
 
 
-def smooth_parts(law: Law, thickness: float) -> Iterator[tuple[float, float]]:
-    """Depths [m] between which the law is smooth, from the top down."""
-    return itertools.pairwise([0.0, *(z for z in law.kinks if z < thickness), thickness])
-
-
-def _gentle_parts(law: Law, top: float, bottom: float) -> list[tuple[float, float]]:
-    """A smooth part halved until the modulus changes by no more than the factor ``steep`` in each piece."""
-    ends = law.at(np.array([top, bottom]))
-    if ends.max() <= MINORS_TUNING.steep * ends.min():
+def _gentle_parts(laws: Sequence[Law], top: float, bottom: float) -> list[tuple[float, float]]:
+    """A smooth part halved until no modulus changes by more than the factor ``steep`` in each piece."""
+    ends = np.array([law.at(np.array([top, bottom])) for law in laws])
+    if np.all(ends.max(axis=1) <= MINORS_TUNING.steep * ends.min(axis=1)):
         return [(top, bottom)]
     middle = (top + bottom) / 2
-    return _gentle_parts(law, top, middle) + _gentle_parts(law, middle, bottom)
+    return _gentle_parts(laws, top, middle) + _gentle_parts(laws, middle, bottom)
 
 
 @lru_cache(maxsize=REMEMBERED)
-def _sublayers(material: Graded, top: float, bottom: float, tuning: MinorsTuning) -> int:
-    """The number of sublayers in the first step that makes g accurate enough, starting from a rigid base."""
+def _sublayers(material: AnyGraded, top: float, bottom: float, tuning: MinorsTuning) -> tuple[int, float]:
+    """The number of sublayers in the first step that makes g accurate enough, starting from a rigid base; and the
+    slowest root in the part."""
+    slowest = slowest_root(material, top, bottom)
     k = np.geomspace(1e-2, 1e3, 12) / (bottom - top)
     start = np.repeat(np.eye(5)[:, :1], k.size, axis=1)
     count = tuning.fewest
     while count <= tuning.most:
-        steps = [_through_part(start, k, material, top, bottom, n * count) for n in range(1, tuning.steps + 1)]
+        steps = [
+            _through_part(start, k, material, (top, bottom), n * count, slowest) for n in range(1, tuning.steps + 1)
+        ]
         best, before = _extrapolated(steps), _extrapolated(steps[:-1])
         if np.max(np.abs((before[2] / before[0]) / (best[2] / best[0]) - 1)) < 100 * tuning.accuracy:
-            return count
+            return count, slowest
         count *= 2
     raise SolveError(
-        f"layered: the modulus changes too quickly between {top:g} and {bottom:g} m below its layer's top for "
+        f"layered: the moduli change too quickly between {top:g} and {bottom:g} m below their layer's top for "
         f"{count // 2} sublayers; cut the layer into several, or use a law with less contrast"
     )
 
 
-def _through_part(m: Array, k: Array, material: Graded, top: float, bottom: float, count: int) -> Array:
-    """Minors after ``count`` homogeneous sublayers between the depths ``bottom`` and ``top`` [m]."""
-    seen = np.minimum(bottom - top, MINORS_TUNING.seen / k)
+def slowest_root(material: Material, top: float = 0.0, bottom: float = 0.0) -> float:
+    """The least real part of the roots between two depths [m] of a layer, at most 1: that of an isotropic material."""
+    match material:
+        case TransverselyIsotropic():
+            return min(Medium.transverse(material).slowest, 1.0)
+        case GradedTransverselyIsotropic():
+            return min(_medium(material, np.linspace(top, bottom, MINORS_TUNING.looks))[0].slowest, 1.0)
+        case _:
+            return 1.0
+
+
+def _medium(material: GradedTransverselyIsotropic, depth: Array) -> tuple[Medium, Array]:
+    """Constants and shear modulus [Pa] at every ``depth`` [m]."""
+    E_p, E_z, G_z = material.at(depth)
+    return Medium.of(E_p, E_z, material.nu_p, material.nu_zp, G_z), G_z
+
+
+def _through_part(
+    m: Array, k: Array, material: AnyGraded, part: tuple[float, float], count: int, slowest: float
+) -> Array:
+    """Minors after ``count`` homogeneous sublayers between the depths ``part`` [m], from its bottom to its top."""
+    top, bottom = part
+    seen = np.minimum(bottom - top, MINORS_TUNING.seen / (slowest * k))
     edges = np.linspace(0, 1, 2 * count + 1) ** 2
-    modulus = material.at(top + seen)
+    modulus = _shear_modulus(material, top + seen)
     for upper, middle, lower in zip(edges[-3::-2], edges[-2::-2], edges[:1:-2], strict=True):
-        here = material.at(top + seen * middle)
-        m = through_isotropic(rescaled(m, here / modulus), k * seen * (lower - upper), material.nu)
+        depth, y = top + seen * middle, k * seen * (lower - upper)
+        if isinstance(material, Graded):
+            here = material.at(depth)
+            m = through_isotropic(rescaled(m, here / modulus), y, material.nu)
+        else:
+            medium, here = _medium(material, depth)
+            m = medium.through(rescaled(m, here / modulus), y)
         modulus = here
-    return rescaled(m, material.at(np.full_like(k, top)) / modulus)
+    return rescaled(m, _shear_modulus(material, np.full_like(k, top)) / modulus)
+
+
+def _shear_modulus(material: AnyGraded, depth: Array) -> Array:
+    """What is proportional to the shear modulus, across the layer if that is not isotropic, at every ``depth`` [m]."""
+    return material.at(depth) if isinstance(material, Graded) else material.at(depth)[2]
 
 
 def _extrapolated(steps: list[Array]) -> Array:
@@ -325,7 +377,7 @@ def minors_below(specimen: Specimen, k: Array) -> Array:
 def upwards(m: Array, k: Array, layer: Layer) -> Array:
     """Minors at the top of a layer, in units of the shear modulus there, from those at its bottom, in units of that."""
     match layer.material:
-        case Graded() as material:
+        case Graded() | GradedTransverselyIsotropic() as material:
             return through_graded(m, k, material, layer.thickness)
         case TransverselyIsotropic() as material:
             return Medium.transverse(material).through(m, k * layer.thickness)
@@ -339,6 +391,9 @@ def shear_moduli(layer: Layer) -> tuple[float, float]:
         case Graded() as material:
             G, ends = material.surface.G, material.at(np.array([0.0, layer.thickness]))
             return G, G * float(ends[1] / ends[0])
+        case GradedTransverselyIsotropic() as material:
+            top, bottom = material.at(np.array([0.0, layer.thickness]))[2].tolist()
+            return top, bottom
         case TransverselyIsotropic(G_z=G_z):
             return G_z, G_z
         case Elastic(G=G):
@@ -380,13 +435,14 @@ class Tail:
     def of(cls, specimen: Specimen, indenter: Solid | None = None) -> Tail | None:
         """Tail of g - 1 of ``specimen`` under an ``indenter``; None where g - 1 decays exponentially."""
         material = specimen.layers[0].material if specimen.layers else None
-        if not isinstance(material, Graded):
+        if not isinstance(material, AnyGraded):
             return None
         c = surface_series(material, COUNT)[1:]
         rate = float(np.max(np.abs(c) ** (1 / np.arange(1, COUNT + 1))))
         if rate * specimen.top_thickness < 1e-12:  # rounding
             return None
-        _, smooth = next(smooth_parts(material.law, specimen.top_thickness))
+        _, smooth = smooth_parts(material.laws, specimen.top_thickness)[0]
+        smooth *= slowest_root(material, 0.0, smooth)
         factor = contact_modulus(specimen.surface, indenter) / specimen.surface.E_star
         return cls(factor * regularised(c, rate), rate, min(smooth, 1 / rate))
 
@@ -418,20 +474,72 @@ class Tail:
         return total
 
 
-def surface_series(material: Graded, count: int) -> Array:
-    """Coefficients c_0 = 1, c_1, ..., c_count [m^-n] of g ~ sum c_n/k^n at the top of a graded layer."""
-    nu, size = material.nu, count + 1
-    taylor = material.law.taylor(size + 1)
-    rates = divided(taylor[1:] * np.arange(1, taylor.size), taylor)  # E'/E
-    F = [np.outer((1 - nu, 1 - nu, nu - 0.5), np.eye(1, size)[0])]  # rr, zz, rz as power series in z
-    e, J = 2 / (1 - nu), np.array([[-4.0, 0, -2], [0, 0, 2], [1, -1, -2]])
+def surface_series(material: AnyGraded, count: int) -> Array:
+    """Coefficients c_0 = 1, c_1, ..., c_count [m^-n] of g ~ sum c_n/k^n at the top of a graded layer.
+
+    All quantities are power series in z, cut after z^count. F_0 is where R = 0 at every depth; then, order by order,
+    J F_(n+1) = gamma F_n - F_n' - (products of lower orders).
+    """
+    size = count + 1
+    medium, taylor = _surface_medium(material, size + 1)
+    rates = divided(taylor[1:] * np.arange(1, taylor.size), taylor)  # gamma = G'/G
+    c, beta, e = (series[:size] for series in (medium.c, medium.beta, medium.e))
+    one = np.eye(1, size)[0]
+
+    def R(rr: Array, zz: Array, rz: Array) -> Array:
+        return np.array(
+            [
+                one - 2 * rz - _product(e, _product(rr, rr)),
+                beta + 2 * _product(c, rz) - _product(e, _product(rz, rz)),
+                _product(c, rr) - zz - _product(e, _product(rr, rz)),
+            ]
+        )
+
+    F_0 = np.outer(Medium(c[0], beta[0], e[0]).half_space[1:4], one)
+    J = _jacobian(c, e, F_0)
+    for n in range(1, size):
+        F_0[:, n] = -np.linalg.solve(J[:, :, 0], R(*F_0)[:, n])
+    F, J = [F_0], _jacobian(c, e, F_0)
     for n in range(count):
         right = np.array([_product(rates, f) for f in F[n]])
         right[:, :-1] -= F[n][:, 1:] * np.arange(1, size)
         for a, b in zip(F[1:], reversed(F[1:]), strict=True):
-            right += e * np.array([_product(a[0], b[0]), _product(a[2], b[2]), _product(a[0], b[2])])
-        F.append(np.linalg.solve(J, right))
-    return np.array([f[1, 0] for f in F]) / (1 - nu)
+            products = np.array([_product(a[0], b[0]), _product(a[2], b[2]), _product(a[0], b[2])])
+            right += np.array([_product(e, product) for product in products])
+        following = np.zeros_like(right)
+        for j in range(size):
+            carried = sum((J[:, :, i] @ following[:, j - i] for i in range(1, j + 1)), np.zeros(3))
+            following[:, j] = np.linalg.solve(J[:, :, 0], right[:, j] - carried)
+        F.append(following)
+    return np.array([f[1, 0] for f in F]) / F_0[1, 0]
+
+
+def _surface_medium(material: AnyGraded, size: int) -> tuple[Medium, Array]:
+    """Constants as power series of depth at a layer's top, ``size`` terms; and that of the shear modulus over its value
+    at the top."""
+    one = np.eye(1, size)[0]
+    if isinstance(material, Graded):
+        isotropic = Medium.isotropic(material.nu)
+        return Medium(isotropic.c * one, isotropic.beta * one, isotropic.e * one), material.law.taylor(size)
+    top = Medium.transverse(material)
+    E_p, E_z, G_z = (m.taylor(size) if isinstance(m, Law) else one for m in material.moduli.values())
+    c = top.c * divided(E_p, E_z)
+    share = 2 * material.nu_zp * c
+    beta = top.beta / (1 - share[0]) * _product(divided(G_z, E_z), one - share)
+    return Medium(c, beta, top.e * divided(E_p, G_z)), G_z
+
+
+def _jacobian(c: Array, e: Array, F: Array) -> Array:
+    """dR/dF (3, 3, n) at F = (F_rr, F_zz, F_rz), as power series."""
+    none, one = np.zeros_like(c), np.eye(1, c.size)[0]
+    e_rr, e_rz = _product(e, F[0]), _product(e, F[2])
+    return np.array(
+        [
+            [-2 * e_rr, none, -2 * one],
+            [none, none, 2 * (c - e_rz)],
+            [c - e_rz, -one, -e_rr],
+        ]
+    )
 
 
 def divided(series: Array, divisor: Array) -> Array:
@@ -471,6 +579,7 @@ class SpectrumTuning:
     start: float = 0.012  # CPU seconds of any stack; tuned on the cases of `make bench`, by `make bench`
     layer_seconds: float = 5e-4  # and of a layer; tuned on stacks of 50 to 1000 layers, by `make bench`
     graded_seconds: float = 0.1  # and of a smooth piece of a law; tuned on tables of 10 to 100 points, by `make bench`
+    transverse: float = 3.0  # choice: times as much where it is transversely isotropic, where 2.5 to 3.2 was measured
     halvings: int = 60  # theory: the panel from k = 0 is then 2^-60 of k_max, below all that counts
     narrowest: float = 1e-12  # panel over its k; theory: g varies over k itself, and that is far below
     # octaves below the first node of the panel from k = 0, in which g is looked for, each at two places;
@@ -574,12 +683,9 @@ class LayeredSpectrum:
         """The length [m] over which the bodies change below the surface, as far as the contact feels it."""
         lengths = []
         for body in stacks(self.specimen, self.indenter):
-            top = body.layers[0]
-            if isinstance(top.material, TransverselyIsotropic):
-                lengths.append(top.thickness * min(Medium.transverse(top.material).slowest, 1.0))
-            else:
-                own = None if body is not self.specimen else self.tail
-                lengths.append(top.thickness if own is None else own.finest)
+            top, own = body.layers[0], self.tail if body is self.specimen else None
+            slowest = slowest_root(top.material, 0.0, top.thickness)
+            lengths.append(top.thickness * slowest if own is None else own.finest)
         return min(lengths)
 
     def bandwidth(self, level: float) -> float:
@@ -640,6 +746,8 @@ def spectrum_seconds(problem: Problem) -> float:
     """CPU seconds to resolve the spectrum of the bodies and evaluate its kernels, about; a single look takes half."""
     specimen = problem.specimen
     graded = TUNING.graded_seconds * (2 + specimen.pieces) if specimen.is_graded else 0.0
+    if any(isinstance(material, GradedTransverselyIsotropic) for material in specimen.materials):
+        graded *= TUNING.transverse
     return TUNING.start + TUNING.layer_seconds * len(problem.layers) + graded
 
 

@@ -28,7 +28,7 @@ import numpy as np
 
 from ... import formulas
 from ...base import Array, EvenCubic, Refusal, show
-from ...bodies import Graded, Specimen
+from ...bodies import AnyGraded, Specimen
 from .. import integral
 from ..integral import crowded_rule, gauss, rule
 from .contact import TUNING as REFINING
@@ -230,7 +230,7 @@ class TenseSpectrum(LayeredSpectrum):
     def tail(self) -> Tail | None:
         """What is left of the tail of g - 1: it decays like 1/k^3."""
         plain, top = Tail.of(self.specimen), self.specimen.materials[0]
-        if plain is None or not isinstance(top, Graded):
+        if plain is None or not isinstance(top, AnyGraded):
             return None
         # Coefficients [m^-n], n = 1, 2, ..., of (g - 1)/((1 + kappa g k)(1 + kappa k)) for g = sum c_n/k^n, n >= 0.
         c = surface_series(top, COUNT)

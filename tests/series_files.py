@@ -6,15 +6,18 @@ from collections.abc import Callable
 from pathlib import Path
 
 import h5py
+import numpy as np
 
 from jkrcli.base import hdf5
 from jkrcli.base.errors import InputError
 
 
 def edit(path: Path, change: Callable[[h5py.File], object]) -> None:
-    """Change the file and seal it again, as another program that follows the format would."""
+    """Change the file and seal it again, as another program that follows the format would: texts have a length."""
     with h5py.File(path, "r+") as file:
         change(file)
+        _fix(file)
+        file.visititems(lambda _, item: _fix(item))
     try:
         root = hdf5.tree_of(path, path.read_bytes())
     except InputError:
@@ -22,5 +25,19 @@ def edit(path: Path, change: Callable[[h5py.File], object]) -> None:
     with h5py.File(path, "r+") as file:
         for name, part in root.members.items():
             if isinstance(part, hdf5.Group) and hdf5.SEAL in part.attributes:
-                file[name].attrs[hdf5.SEAL] = hdf5.digest(part)
-        file.attrs[hdf5.SEAL] = hdf5.digest(root)
+                file[name].attrs[hdf5.SEAL] = np.bytes_(hdf5.digest(part))
+        file.attrs[hdf5.SEAL] = np.bytes_(hdf5.digest(root))
+
+
+def _fix(item: h5py.Group | h5py.Dataset) -> None:
+    """Give texts the length that our files give them."""
+    for name in item.attrs:
+        if h5py.check_string_dtype(item.attrs.get_id(name).dtype) and isinstance(value := item.attrs[name], str):
+            item.attrs[name] = hdf5._fixed(value)
+    for name in list(item) if isinstance(item, h5py.Group) else ():
+        one = item.get(name) if item.get(name, getlink=True).__class__ is h5py.HardLink else None
+        kind = h5py.check_string_dtype(one.dtype) if isinstance(one, h5py.Dataset) else None
+        if kind is not None and kind.length is None and one.shape == ():
+            text = one.asstr()[()]
+            del item[name]
+            item[name] = hdf5._fixed(text)

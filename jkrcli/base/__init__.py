@@ -42,7 +42,7 @@ if TYPE_CHECKING:
         write_csv,
         write_text,
     )
-    from .hdf5 import Dataset, Group, format_of, tree_of, unit_column
+    from .hdf5 import Dataset, Group, format_of, unit_column
     from .numerics import (
         AT_ONCE,
         DISTRIBUTIONS,
@@ -80,11 +80,11 @@ if TYPE_CHECKING:
         SHARE,
         SILENCE,
         StageClock,
-        allowance_of,
         begin_with_one,
+        check_size,
+        check_text,
         duration,
         free_memory,
-        most_text,
         one_thread,
     )
     from .registry import Key, Registry

@@ -22,7 +22,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any, BinaryIO, TypeAlias, cast
 
-from . import process as allowance
+from . import process
 from .errors import InputError, JkrError, nearest, printable, writable
 
 # choice: least and most letters that a name keeps of what a file is called after
@@ -64,8 +64,8 @@ Staged: TypeAlias = dict[Path, Path | None]  # where each new file lies until it
 def read_bytes(path: Path, what: str, limit: int | None = None) -> bytes:
     """The content of ``path``; InputError where it is missing, a folder, unreadable or beyond ``limit`` bytes (None:
     what is allowed of any file)."""
-    limit = allowance.TUNING.size if limit is None else limit
-    with allowance.allowance_of(path), opened(path, what) as file:
+    limit = process.SIZE if limit is None else limit
+    with opened(path, what) as file:
         if os.fstat(file.fileno()).st_size <= limit:
             content = file.read(limit + 1) if packed(path) else file.read()
             if len(content) <= limit:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import math
-import re
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -13,8 +13,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from . import process as allowance
-from . import process as locks
+from . import process
 from .errors import InputError, writable
 from .numerics import Array
 
@@ -23,7 +22,7 @@ SEAL = "sha256"  # attribute of a group: the digest of everything else in it
 FILE_FORMAT = ("v110", "v110")  # its metadata carry checksums: damage is found, not followed
 
 KINDS = (h5py.h5t.INTEGER, h5py.h5t.FLOAT, h5py.h5t.STRING, h5py.h5t.ENUM)  # the last: truth values
-HEAP = re.compile(b"GCOL\1\0\0\0(.{8})", re.DOTALL)  # how a heap of texts begins, and its size
+LETTERS, WORD = 4, 60  # choice: bytes of memory of a byte of a text while it is read, and of each text beside them
 RUN_AGAIN = "run the case again"
 UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowError)  # h5py's, of damage
 
@@ -129,7 +128,7 @@ def _dataset(target: h5py.Group, name: str, values: Any) -> h5py.Dataset:
         return target.create_dataset(name, data=values)
     fastest = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
     packed = {} if values.dtype.kind == "f" else fastest  # digits of measured numbers are noise, two thirds remain
-    chunks = (min(len(values), allowance.TUNING.rows), *values.shape[1:])
+    chunks = (min(len(values), process.ROWS), *values.shape[1:])
     return target.create_dataset(name, data=values, chunks=chunks, fletcher32=True, **packed)
 
 
@@ -148,43 +147,38 @@ def _fixed(texts: str | Sequence[str]) -> Array:
 def format_of(path: Path) -> str:
     """The attribute "format" of the file at ``path``; "" where there is none of fixed length or it is damaged."""
     try:
-        with allowance.allowance_of(path) as allowed, h5py.File(path, "r") as file:
-            is_free = file.attrs.get_id("format").dtype.hasobject
-            return "" if is_free else str(_Reader(path, path.stat().st_size, allowed).attribute(file, "format"))
-    except (InputError, *UNREADABLE):
+        with h5py.File(path, "r") as file:
+            return "" if file.attrs.get_id("format").dtype.hasobject else str(_plain(file.attrs["format"]))
+    except UNREADABLE:
         return ""
 
 
 def tree_of(path: Path, content: bytes, without: Container[str] = (), remedy: str = RUN_AGAIN) -> Group:
     """The tree in the ``content`` of the file at ``path``, members of the root named in ``without`` left out.
 
-    InputError in one line where it is truncated, damaged, being written by another program, leads to other files, or
-    takes more than is allowed.
+    InputError in one line where it is truncated, damaged, being written by another program, or holds what no file of
+    ours does: links, parts of other files, types beside numbers and texts of fixed length, more than may be read.
     """
+    with _opened(path, content, remedy) as file:
+        _Check(path).group(file, without)
+        return _group(file, without)
+
+
+def check(path: Path, content: bytes, remedy: str) -> None:
+    """The same check of a file that others wrote, whose attributes may be of any type; nothing is read."""
+    with _opened(path, content, remedy) as file:
+        _Check(path, of_ours=False).group(file)
+
+
+@contextlib.contextmanager
+def _opened(path: Path, content: bytes, remedy: str) -> Iterator[h5py.File]:
     try:
-        with allowance.allowance_of(path) as allowed:
-            _check_heaps(content, allowed)
-            with h5py.File(h5py.h5f.open_file_image(content)) as file:
-                return _Reader(path, len(content), allowed).group(file, without)
+        with h5py.File(h5py.h5f.open_file_image(content)) as file:
+            yield file
     except InputError:
         raise
     except UNREADABLE:
         raise unreadable(path, content, remedy=remedy) from None
-
-
-def _check_heaps(content: bytes, allowed: allowance.Allowance) -> None:
-    """ValueError where a heap of texts of variable length holds free space of no length, over which the library would
-    go on without end (HDF5 file format, III.E)."""
-    for heap in HEAP.finditer(content):
-        at, rows = heap.end(), 0
-        end = min(heap.start() + int.from_bytes(heap[1], "little"), len(content))
-        while at + 16 <= end:
-            size, rows = int.from_bytes(content[at + 8 : at + 16], "little"), rows + 1
-            step = 16 + -(-size // 8) * 8 if any(content[at : at + 2]) else size
-            if step < 16:
-                raise ValueError("free space of no length")
-            at += step
-        allowed.take(rows=rows)
 
 
 def unreadable(path: Path, content: bytes, why: str = "", remedy: str = RUN_AGAIN) -> InputError:
@@ -200,82 +194,71 @@ def _is_being_written(path: Path) -> bool:
     """Whether another program holds the lock that HDF5 takes to write."""
     try:
         with path.open("rb") as file:
-            return locks.taken(file, shared=True) is False
+            return process.taken(file, shared=True) is False
     except OSError:
         return False
 
 
-@dataclass(frozen=True)
-class _Reader:
-    """Reads the file at ``path``, of ``whole`` bytes, and counts what that takes; ``seen``: addresses in the file."""
+@dataclass
+class _Check:
+    """Refuses what no file ``of_ours`` holds, before any value of the file at ``path`` is read; ``taken``: bytes that
+    reading takes; ``seen``: addresses in the file."""
 
     path: Path
-    whole: int
-    allowed: allowance.Allowance
+    of_ours: bool = True
+    taken: int = 0
     seen: set[int] = field(default_factory=set)
 
-    def group(self, group: h5py.Group, without: Container[str] = ()) -> Group:
-        members: dict[str, Group | Dataset] = {}
+    def group(self, group: h5py.Group, without: Container[str] = ()) -> None:
+        self.attributes(group)
         for name in group:
             if name in without:
                 continue
             where = f"{group.name.strip('/')}/{name}".strip("/")
-            self.enter(where, group.id.links.get_info(name.encode("utf-8", "surrogateescape")))
+            link = group.id.links.get_info(name.encode("utf-8", "surrogateescape"))
+            if link.type != h5py.h5l.TYPE_HARD or link.u in self.seen:  # so a small file becomes a huge tree
+                raise InputError(f'{self.path}: "{where}" is a link, not data of this file')
+            self.seen.add(link.u)
             item = group[name]
-            is_data = isinstance(item, h5py.Dataset)
-            members[name] = self.dataset(where, item) if is_data else self.group(item)
-        return Group(self.attributes(group), members)
+            self.dataset(where, item) if isinstance(item, h5py.Dataset) else self.group(item)
 
-    def enter(self, where: str, link: h5py.h5l.LinkInfo) -> None:
-        """Count a member; refuse what leads elsewhere, or to what was read: so a small file becomes a huge tree."""
-        self.allowed.take(parts=1)
-        if link.type != h5py.h5l.TYPE_HARD or link.u in self.seen:
-            raise InputError(f'{self.path}: "{where}" is a link, not data of this file')
-        self.seen.add(link.u)
-
-    def dataset(self, where: str, data: h5py.Dataset) -> Dataset:
+    def dataset(self, where: str, data: h5py.Dataset) -> None:
         if data.external or data.is_virtual:
             raise InputError(f'{self.path}: "{where}" lies in another file')
         chunks = data.chunks or data.shape or ()
         pieces = math.prod(-(-size // of) for size, of in zip(data.shape or (), chunks, strict=True) if of)
-        self.allowed.take(parts=max(pieces - 1, 0), memory=allowance.TUNING.chunk * pieces)
-        self.count(where, max(data.size or 0, math.prod(chunks)), data.id.get_type())
-        values = self.texts(data) if data.dtype.hasobject and data.shape else _plain(data[()])
-        if isinstance(values, np.ndarray) and values.dtype.kind in "OS":
-            values = [_plain(item) for item in values.tolist()]
-        return Dataset(values, self.attributes(data), data.shape or (), data.dtype)
+        self.values(where, data.id.get_type(), max(data.size or 0, math.prod(chunks)), pieces)
+        self.attributes(data)
 
-    def count(self, where: str, count: int, kind: h5py.h5t.TypeID) -> None:
-        """Count so many values of a type; what texts of variable length take is known when they are read. Types that
-        no file of ours holds are refused: the library itself falls over damaged ones."""
-        size, is_text = count * kind.get_size(), kind.get_class() == h5py.h5t.STRING
-        if kind.get_class() not in KINDS:
-            raise InputError(f'{self.path}: "{where}" holds neither numbers nor texts')
-        self.allowed.take(size, rows=count * is_text, memory=allowance.TUNING.copies * size * is_text)
+    def attributes(self, item: h5py.Group | h5py.Dataset) -> None:
+        for name in item.attrs if self.of_ours else ():
+            stored = item.attrs.get_id(name)
+            self.values(name, stored.get_type(), stored.get_space().get_simple_extent_npoints())
 
-    def texts(self, data: h5py.Dataset) -> list[Any]:
-        """A column of texts of variable length, in pieces that cannot take more than is allowed: each of its texts may
-        be all that the file holds."""
-        if data.ndim != 1:
-            raise TypeError("a table of texts")
-        texts: list[Any] = []
-        step = max(1, allowance.TUNING.size // self.whole)
-        for first in range(0, data.size, step):
-            piece = [_plain(text) for text in data[first : first + step]]
-            self.allowed.take(size := sum(map(len, piece)), memory=allowance.TUNING.copies * size)
-            texts += piece
-        return texts
+    def values(self, where: str, kind: h5py.h5t.TypeID, count: int, pieces: int = 1) -> None:
+        is_text = kind.get_class() == h5py.h5t.STRING
+        if kind.get_class() not in KINDS or (is_text and kind.is_variable_str()):
+            raise InputError(f'{self.path}: "{where}" holds neither numbers nor texts of fixed length')
+        each = LETTERS * kind.get_size() + WORD if is_text else kind.get_size()
+        self.taken += count * each + process.PART * pieces
+        process.check_size(self.path, self.taken)
 
-    def attributes(self, item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
-        return {str(name): self.attribute(item, name) for name in item.attrs}
 
-    def attribute(self, item: h5py.Group | h5py.Dataset, name: str) -> Any:
-        stored = item.attrs.get_id(name)
-        count = stored.get_space().get_simple_extent_npoints()
-        self.allowed.take(parts=1)
-        self.count(name, count, stored.get_type())
-        if count > 1 and stored.dtype.hasobject:
-            self.allowed.take(count * self.whole)
-        value = _plain(item.attrs[name])
-        self.allowed.take(len(value) if isinstance(value, str) else 0)
-        return value
+def _group(group: h5py.Group, without: Container[str] = ()) -> Group:
+    members: dict[str, Group | Dataset] = {}
+    for name in group:
+        if name not in without:
+            item = group[name]
+            members[name] = _read(item) if isinstance(item, h5py.Dataset) else _group(item)
+    return Group(_attributes(group), members)
+
+
+def _read(data: h5py.Dataset) -> Dataset:
+    values = _plain(data[()])
+    if isinstance(values, np.ndarray) and values.dtype.kind == "S":
+        values = [_plain(item) for item in values.tolist()]
+    return Dataset(values, _attributes(data), data.shape or (), data.dtype)
+
+
+def _attributes(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
+    return {str(name): _plain(value) for name, value in item.attrs.items()}

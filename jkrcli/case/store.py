@@ -25,10 +25,10 @@ from ..base import (
     Unknown,
     hdf5,
     one_thread,
+    process,
     read_bytes,
     write_bytes,
 )
-from ..base import process as allowance
 from ..bodies import Problem
 from ..methods import Choice, Limits, Method, admit, choose_method, long_look, method_class
 from ..series import (
@@ -367,7 +367,7 @@ class _Reader:
         if len(data.shape) != ndim or data.dtype.kind not in "fiu" or (ndim == 2 and data.shape[1] != width):
             kind = "a column of numbers" if ndim == 1 else f"rows of {width} numbers"
             raise InputError(f"{where}: must be {kind}, got {data.dtype} of shape {data.shape}")
-        most = allowance.TUNING.rows if ndim == 1 else MOST_CELLS // width
+        most = process.ROWS if ndim == 1 else MOST_CELLS // width
         if not 1 <= data.shape[0] <= most:
             raise InputError(f"{where}: must have 1 to {most} rows, got {data.shape[0]}")
         values = np.asarray(data.values, dtype=float)

@@ -21,14 +21,15 @@ from ..base import (
     LOOKED_AT,
     Array,
     InputError,
-    allowance_of,
+    check_size,
+    check_text,
     first_line,
+    hdf5,
     installs,
-    most_text,
     opened,
     packed,
+    process,
     read_bytes,
-    tree_of,
 )
 from ..tables import unit_power
 from . import instruments as archive
@@ -58,18 +59,16 @@ def knows(path: Path) -> bool:
     if not path.is_file():
         return False
     with opened(path, WHAT) as file:
-        return file.read(len(BEGINS)) == BEGINS and BINARY in file.read(most_text())
+        return file.read(len(BEGINS)) == BEGINS and BINARY in file.read(process.TEXT)
 
 
 def nanoscope_curves(path: Path, reading: Reading) -> Iterator[AsRead]:
     """The curves of the file with the spring constant of their lever [N/m]; ``delta`` is the position of the piezo
     toward the specimen."""
     reading.check_known_columns(path)
-    with allowance_of(path, fenced=False) as allowed:
-        content = read_bytes(path, WHAT)
-        allowed.take(len(content))
-        file = File(path, content)
-        allowed.take(parts=file.count)
+    content = read_bytes(path, WHAT)
+    file = File(path, content)
+    check_size(path, len(content) + process.PART * file.count)
     stiffness, sensitivity, flags = file.calibration(reading)
     for number in range(file.count):
         name = path.stem if file.count == 1 else str(number)
@@ -353,15 +352,14 @@ def check(path: Path) -> None:
     lets that be seen."""
     ending = path.suffix.lower()
     if ending == ".zip" or ending.startswith(".jpk"):
-        _members(path, most_text() if ending == ".zip" else None)
+        _members(path, process.TEXT if ending == ".zip" else None)
     elif ending == ".h5":
-        tree_of(path, read_bytes(path, INTACT_WHAT), remedy=INTACT_AGAIN)
+        hdf5.check(path, read_bytes(path, INTACT_WHAT), INTACT_AGAIN)
     elif ending == ".ibw":
         _wave(path, read_bytes(path, INTACT_WHAT))
     else:
-        with allowance_of(path, fenced=False) as allowed:
-            content = read_bytes(path, INTACT_WHAT, most_text())
-            allowed.take_text(content.decode("latin-1"))
+        content = read_bytes(path, INTACT_WHAT, process.TEXT)
+        check_text(path, content.decode("latin-1"))
         if ending == ".tab":
             _export(path, content)
 
@@ -371,9 +369,8 @@ def _members(path: Path, size: int | None) -> None:
     members = archive.members(path, size)
     for item, content in zip(members, archive.contents(path, members), strict=True):
         if item.filename.endswith(".properties"):
-            with allowance_of(path) as allowed:
-                for many, power in PIXELS.findall(content):
-                    allowed.take(parts=min(int(many[:15]) * 10 ** int(power[:2] or 0), 10**15))
+            for many, power in PIXELS.findall(content):
+                check_size(path, process.PART * min(int(many[:15]) * 10 ** int(power[:2] or 0), 10**15))
 
 
 def _wave(path: Path, content: bytes) -> None:
@@ -515,10 +512,10 @@ def _guarded(where: str) -> Iterator[None]:
     from afmformats import errors, meta
 
     try:
-        with allowance_of(where), warnings.catch_warnings():
+        with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             yield
-    except InputError:
+    except (InputError, MemoryError):
         raise
     except (Exception, errors.AFMFileFormatError, meta.MetaDataMissingError) as error:
         raise UnreadableError(f"{where}: afmformats cannot read this file ({first_line(error)})") from None

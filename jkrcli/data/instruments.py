@@ -16,7 +16,7 @@ from pathlib import Path, PurePosixPath
 
 import numpy as np
 
-from ..base import Array, InputError, allowance_of, first_line, most_text, opened
+from ..base import Array, InputError, check_size, first_line, opened, process
 from ..tables import LONGEST, MOST_COLUMNS, WORDS, TextTable, split_name, unit_power
 from .curve import APPROACH, RETRACT
 
@@ -179,13 +179,12 @@ class NoTablesError(InputError):
 def members(path: Path, size: int | None = None, chosen: Callable[[str], bool] = bool) -> list[zipfile.ZipInfo]:
     """The members of an archive with ``chosen`` names; InputError where it is damaged, would unpack to more than
     ``size`` bytes (None: what is allowed of any file), or holds one of them twice."""
-    with allowance_of(path, size) as allowed:
-        with opened(path, "zip archive") as whole:  # counted before their list is made
-            allowed.take(parts=sum(piece.count(ENTRY) for piece in iter(lambda: whole.read(PIECE), b"")))
-        with _opened(path) as file:
-            listed = file.infolist()
-        wanted = [item for item in listed if chosen(item.filename)]
-        allowed.take(sum(item.file_size for item in wanted))
+    with opened(path, "zip archive") as whole:  # counted before their list is made
+        check_size(path, process.PART * sum(piece.count(ENTRY) for piece in iter(lambda: whole.read(PIECE), b"")))
+    with _opened(path) as file:
+        listed = file.infolist()
+    wanted = [item for item in listed if chosen(item.filename)]
+    check_size(path, sum(item.file_size for item in wanted), size)
     if len(listed) != (declared := _declared(path)):
         raise InputError(f"{path}: is damaged: its list holds {len(listed):,} members of {declared:,}")
     name, times = next(iter(Counter(item.filename for item in wanted).most_common(1)), ("", 0))
@@ -196,7 +195,7 @@ def members(path: Path, size: int | None = None, chosen: Callable[[str], bool] =
 
 def tables(path: Path) -> list[zipfile.ZipInfo]:
     """The text tables of an archive; InputError where there are none, or as ``members`` does."""
-    if inside := members(path, most_text(), _is_table):
+    if inside := members(path, process.TEXT, _is_table):
         return inside
     raise NoTablesError(f"{path}: holds no text table ({', '.join(ENDINGS)})")
 

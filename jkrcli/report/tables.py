@@ -20,9 +20,9 @@ from ..base import (
     InputError,
     Unknown,
     accuracy,
-    allowance_of,
+    check_text,
     known,
-    most_text,
+    process,
     read_bytes,
     show,
 )
@@ -85,9 +85,8 @@ def curve_columns(curve: adhesion.EquilibriumCurve) -> dict[str, Array]:
 
 def read_curve(path: Path) -> dict[str, Array]:
     """The columns of numbers in the CSV file of a curve; InputError with the line where a row is wrong."""
-    with allowance_of(path, fenced=False) as allowed:
-        text = read_bytes(path, "curve", most_text()).decode("utf-8", errors="replace")
-        allowed.take_text(text)
+    text = read_bytes(path, "curve", process.TEXT).decode("utf-8", errors="replace")
+    check_text(path, text)
     lines = text.splitlines()
     names = lines[0].split(",") if lines else []
     if names[:1] != ["a_m"]:

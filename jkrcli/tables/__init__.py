@@ -25,9 +25,9 @@ from ..base import (
     UNITS,
     Array,
     InputError,
-    allowance_of,
+    check_text,
     did_you_mean,
-    most_text,
+    process,
     read_bytes,
 )
 
@@ -284,16 +284,14 @@ def read_table(
     rows is one of the notes, as comments are; the header may come again behind it.
     Raises InputError, a line per mistake, where there is no table or a row differs in its number of cells.
     """
-    most = most_text()
-    with allowance_of(path, most, fenced=False) as allowed:
-        whole = decoded(read_bytes(path, "table", most) if content is None else content)
-        allowed.take_text(whole)
-        lines_of_file = _without_long_head(_lines(path, _MINUS.sub("-", whole)))
-        dialect, sample = _dialect(path, lines_of_file, separator, decimal, least, is_text)
-        lines, values = _rows(lines_of_file, dialect, gaps=not finite)
-        if decimal is None:
-            _refuse_doubtful(path, [(n, line) for n, line in sample if n >= lines[0]], dialect)
-        return _table(path, lines_of_file, dialect, lines, values, finite, is_note)
+    whole = decoded(read_bytes(path, "table", process.TEXT) if content is None else content)
+    check_text(path, whole)
+    lines_of_file = _without_long_head(_lines(path, _MINUS.sub("-", whole)))
+    dialect, sample = _dialect(path, lines_of_file, separator, decimal, least, is_text)
+    lines, values = _rows(lines_of_file, dialect, gaps=not finite)
+    if decimal is None:
+        _refuse_doubtful(path, [(n, line) for n, line in sample if n >= lines[0]], dialect)
+    return _table(path, lines_of_file, dialect, lines, values, finite, is_note)
 
 
 def _table(

@@ -121,7 +121,7 @@ def test_a_file_whose_times_are_under_its_digest_is_read(path: Path) -> None:
         store.read_solution(path)
     digest = hdf5.digest(root_of(path))
     with h5py.File(path, "r+") as file:
-        file.attrs[hdf5.SEAL] = digest
+        file.attrs[hdf5.SEAL] = np.bytes_(digest)
     assert store.read_solution(path).timings == before
 
 
@@ -156,7 +156,7 @@ def _replace(name: str, values, unit: str | None = "m"):
         del file[name]
         data = file.create_dataset(name, data=values)
         if unit is not None:
-            data.attrs["unit"] = unit
+            data.attrs["unit"] = hdf5._fixed(unit)
 
     return change
 

@@ -502,7 +502,7 @@ WRONG: dict[str, tuple[Callable[[Path], Path], str]] = {
     ),
     "an archive that unpacks to too much": (
         lambda path: archive(path / "m.zip", {"a.txt": bytes(60_000), "b.txt": bytes(60_000)}),
-        "{path}: holds 120,000 unpacked bytes or more, at most 100,000 are read of one file",
+        "{path}: takes 120,000 bytes or more to read, at most 100,000 are read of one file",
     ),
     "no archive there": (lambda path: path / "none.zip", "{path}: zip archive not found"),
     "an archive packed otherwise": (
@@ -523,7 +523,7 @@ WRONG: dict[str, tuple[Callable[[Path], Path], str]] = {
 
 @pytest.mark.parametrize("mistake", WRONG)
 def test_mistakes_are_told_in_one_line(tmp_path: Path, mistake: str, tuned) -> None:
-    tuned("jkrcli.base.process.TUNING.text", 100_000)
+    tuned("jkrcli.base.process.TEXT", 100_000)
     make, expected = WRONG[mistake]
     path = make(tmp_path)
     with pytest.raises(InputError) as caught:

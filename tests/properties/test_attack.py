@@ -213,7 +213,10 @@ def test_completion_without_a_shell_is_answered_in_words(jkr) -> None:
 def test_a_complex_number_in_a_series_is_refused(jkr, series: Path) -> None:
     edit(series, lambda file: file["series"].attrs.__setitem__("a0_m", 1 + 2j))
     done = jkr("show", series)
-    assert (done.code, done.err) == (2, f'jkr: error: {series}: "a0_m" holds neither numbers nor texts\n')
+    assert (done.code, done.err) == (
+        2,
+        f'jkr: error: {series}: "a0_m" holds neither numbers nor texts of fixed length\n',
+    )
 
 
 # ---------------------------------------------------------------------- guards

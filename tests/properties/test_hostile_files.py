@@ -20,10 +20,9 @@ from hostile import harm_hdf5, harm_jpk, harm_zip
 from series_files import edit
 
 from jkrcli.base import hdf5
-from jkrcli.base import process as allowance
 from jkrcli.base.errors import InputError
 from jkrcli.base.files import SHORTEST, beside
-from jkrcli.base.process import LINE_ENDS, fence
+from jkrcli.base.process import LINE_ENDS
 from jkrcli.data import measured
 from jkrcli.data.afm_formats import rows_expected
 from jkrcli.data.curve import Curve, Reading
@@ -93,7 +92,7 @@ JPK = {
     "many points": (replaced("num-points=40", "num-points=900000000000"), "holds 40 points of 900,000,000,000"),
     "a circle": (replaced("distance.base-calibration-slot=volts", "distance.base-calibration-slot=force"),
                  "is damaged: its scale channel.vDeflection.conversion-set.conversion.distance is based on itself"),
-    "pixels": (with_grid, "holds 1,000,000,000,000 parts or more, at most 500,000 are read of one file"),
+    "pixels": (with_grid, "takes 4,000,000,000,000,000 bytes or more to read, at most 1,073,741,824 are read"),
 }  # fmt: skip
 
 
@@ -142,11 +141,11 @@ def test_a_member_lost_from_the_list_is_missed(jkr: Run) -> None:
 @pytest.mark.parametrize("ending", ["jpk-force", "zip"])
 def test_what_unpacks_to_much_is_refused_before_it_is_unpacked(jkr: Run, tuned, ending: str) -> None:
     """7 MB of a JPK file became 6 GB."""
-    tuned("jkrcli.base.process.TUNING.size", 1 << 20)
-    tuned("jkrcli.base.process.TUNING.text", 1 << 20)
+    tuned("jkrcli.base.process.SIZE", 1 << 20)
+    tuned("jkrcli.base.process.TEXT", 1 << 20)
     vendors.zipped(Path(f"x.{ending}"), vendors.jpk_members() | {"more.csv": bytes(2 << 20)})
     assert Path(f"x.{ending}").stat().st_size < 1 << 15
-    refused(jkr("look", f"x.{ending}", "--no-plots"), " unpacked bytes or more, at most 1,048,576 are read of one file")
+    refused(jkr("look", f"x.{ending}", "--no-plots"), " bytes or more to read, at most 1,048,576 are read of one file")
 
 
 @pytest.mark.usefixtures("afm")
@@ -243,14 +242,21 @@ def doubled(file: h5py.File) -> None:
         above[name] = file["series"]
 
 
-BYTES, PARTS, ROWS = (f"{what} or more, at most" for what in ("unpacked bytes", "parts", "rows"))
+BYTES, NEITHER = "bytes or more to read, at most", '"zz" holds neither numbers nor texts of fixed length'
 HDF5: dict[str, tuple[Callable[[h5py.File], object], str]] = {
     "data sets": (bomb, BYTES),
     "hard links": (doubled, '"zz/a" is a link, not data of this file'),
+    "a list": (lambda file: file.create_dataset("zz", (1,), h5py.vlen_dtype("i4")), NEITHER),
+    "soft link": (lambda file: file.__setitem__("zz", h5py.SoftLink("/series")), '"zz" is a link'),
+    "external link": (lambda file: file.__setitem__("zz", h5py.ExternalLink("/etc/passwd", "/")), '"zz" is a link'),
+    "external data": (
+        lambda file: file.create_dataset("zz", (9,), "i1", external=[("/etc/passwd", 0, 9)]),
+        '"zz" lies in another file',
+    ),
     "one text": (lambda file: file.create_dataset("zz", (), "S1000000000"), BYTES),
-    "texts": (lambda file: file.create_dataset("zz", (1 + 10**7,), "S1", chunks=(10**6,)), ROWS),
-    "free texts": (lambda file: file.create_dataset("zz", (10**8,), h5py.string_dtype(), chunks=(10**6,)), BYTES),
-    "chunks": (lambda file: file.create_dataset("zz", (10**7,), "i1", chunks=(1,)), PARTS),
+    "texts": (lambda file: file.create_dataset("zz", (1 + 10**7,), "S1", chunks=(10**6,)), BYTES),
+    "free texts": (lambda file: file.create_dataset("zz", (10**8,), h5py.string_dtype(), chunks=(10**6,)), NEITHER),
+    "chunks": (lambda file: file.create_dataset("zz", (10**7,), "i1", chunks=(1,)), BYTES),
     "a chunk": (lambda file: file.create_dataset("zz", (1,), "f8", chunks=(10**8,), maxshape=(None,)), BYTES),
 }
 
@@ -258,7 +264,7 @@ HDF5: dict[str, tuple[Callable[[h5py.File], object], str]] = {
 @pytest.mark.parametrize("name", HDF5)
 def test_a_small_hdf5_file_that_becomes_large_is_refused_soon(jkr: Run, series: Path, tuned, name: str) -> None:
     """No end, or all memory, and then it was called damaged."""
-    tuned("jkrcli.base.process.TUNING.size", 1 << 24)
+    tuned("jkrcli.base.process.SIZE", 1 << 24)
     change, words = HDF5[name]
     edit(series, change)
     with bounded(SECONDS), address_space():
@@ -273,57 +279,28 @@ def test_every_verb_refuses_it(jkr: Run, series: Path, tuned, words: tuple[str, 
     Path("x.h5").write_bytes(series.read_bytes())
     edit(Path("x.h5"), bomb)
     Path("m.csv").write_bytes(TABLE)
-    tuned("jkrcli.base.process.TUNING.size", 1 << 24)
+    tuned("jkrcli.base.process.SIZE", 1 << 24)
     done = jkr(*words)
     assert (done.code, done.err.count("\n"), "damaged" in done.err) == (2, 1, False), done.err
 
 
-def test_texts_of_any_length_are_read_in_pieces(tmp_path: Path, tuned) -> None:
-    """Each of them may be all that the file holds: half a megabyte in 10,000 places."""
-    tuned("jkrcli.base.process.TUNING.size", 1 << 21)
+def test_a_free_text_is_refused_before_the_library_reads_it(jkr: Run, series: Path) -> None:
+    """Damage to the heaps in which such texts lie ends the process, or never ends."""
+    with h5py.File(series, "r+") as file:
+        file.attrs["zz"] = "x"
+    refused(jkr("show", series), '"zz" holds neither numbers nor texts of fixed length')
+
+
+def test_what_takes_more_memory_than_is_free_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tuned) -> None:
     with h5py.File(tmp_path / "x.h5", "w") as file:
-        file.create_dataset("words", data=["x" * 500, *[""] * 5000], dtype=h5py.string_dtype())
-    content = (tmp_path / "x.h5").read_bytes()
-    held = hdf5.tree_of(tmp_path / "x.h5", content).members["words"]
-    assert [len(text) for text in held.values[:3]] == [500, 0, 0]
-    tuned("jkrcli.base.process.TUNING.size", 400)
-    with pytest.raises(InputError, match="unpacked bytes or more, at most 400 are read"):
-        hdf5.tree_of(tmp_path / "x.h5", content)
-
-
-def test_what_the_library_falls_over_is_refused_before_it_reads_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Found by flipping bits: a type of variable length ended the process, free space of no length never ended."""
-    path = tmp_path / "x.h5"
-    with h5py.File(path, "w") as file:
-        file.create_dataset("list", (1,), dtype=h5py.vlen_dtype("i4"))[0] = np.arange(3)
-    with pytest.raises(InputError, match='"list" holds neither numbers nor texts'):
-        hdf5.tree_of(path, path.read_bytes())
-    content = bytearray(path.read_bytes())
-    heap = content.find(b"GCOL")
-    content[heap + 16 : heap + 32] = bytes(16)
-    monkeypatch.setattr(h5py.h5f, "open_file_image", lambda content: pytest.fail("the library was asked"))
-    with pytest.raises(InputError, match="the HDF5 file is damaged and cannot be read"):
-        hdf5.tree_of(path, bytes(content))
-
-
-def test_memory_that_runs_out_is_not_called_damage(tmp_path: Path, tuned, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "x.h5"
-    with h5py.File(path, "w") as file:
         file.create_dataset("zz", (10**7,), "f8", chunks=(10**6,))
-    with h5py.File(tmp_path / "large.h5", "w") as file:  # more than what other tests may have left free in the heap
-        file.create_dataset("zz", (9 * 10**6,), "S100", chunks=(10**6,))
-    monkeypatch.setattr("jkrcli.base.process.fence", lambda most: fence(1 << 24))
-    tuned("jkrcli.base.process.TUNING.little", 1 << 40)
-    with pytest.raises(InputError, match="takes more memory to read than may be taken: split it, free memory or raise"):
-        hdf5.tree_of(tmp_path / "large.h5", (tmp_path / "large.h5").read_bytes())
-    tuned("jkrcli.base.process.TUNING.little", 1 << 20)
-    with pytest.raises(InputError, match=r"takes 0\.075 GiB of memory or more to read, 0\.01. GiB may be taken: split"):
-        hdf5.tree_of(path, path.read_bytes())
-    monkeypatch.setattr(allowance, "free_memory", lambda: 10.0)
     (tmp_path / "x.csv").write_bytes(b"1,2\n" * 100_000)
-    with pytest.raises(InputError, match=r"x\.csv: takes .* GiB of memory or more to read, 0\.0078 GiB may be taken"):
+    tuned("jkrcli.base.process.LITTLE", 1 << 20)
+    monkeypatch.setattr("jkrcli.base.process.free_memory", lambda: 10.0)
+    words = r"takes 0\.0\d+ GiB of memory or more to read, 0\.0078 GiB may be taken: split"
+    with pytest.raises(InputError, match=words):
+        hdf5.tree_of(tmp_path / "x.h5", (tmp_path / "x.h5").read_bytes())
+    with pytest.raises(InputError, match=words):
         measured.read(tmp_path / "x.csv")
 
 
@@ -379,16 +356,16 @@ def test_the_rows_of_an_archive_are_told_from_what_it_unpacks_to(tmp_path: Path)
 
 @pytest.mark.parametrize("end", [*LINE_ENDS, "\r\n"], ids=ascii)
 def test_more_rows_than_are_read_are_counted_before_they_are_taken_apart(tmp_path: Path, tuned, end: str) -> None:
-    tuned("jkrcli.base.process.TUNING.rows", 1000)
+    tuned("jkrcli.base.process.ROWS", 1000)
     (tmp_path / "x.csv").write_bytes(f"1,2{end}".encode() * 1001)
     with pytest.raises(InputError, match=r"x\.csv: holds 1,001 rows or more, at most 1,000 are read of one file"):
         measured.read(tmp_path / "x.csv")
 
 
 def test_more_members_than_are_read_are_counted_before_they_are_listed(tmp_path: Path, tuned) -> None:
-    tuned("jkrcli.base.process.TUNING.parts", 100)
+    tuned("jkrcli.base.process.SIZE", 400_000)
     vendors.zipped(tmp_path / "x.zip", {f"{i}.csv": TABLE for i in range(101)})
-    with pytest.raises(InputError, match=r"x\.zip: holds 101 parts or more, at most 100 are read of one file"):
+    with pytest.raises(InputError, match=r"x\.zip: takes 404,000 bytes or more to read, at most 400,000 are read"):
         measured.read(tmp_path / "x.zip")
 
 

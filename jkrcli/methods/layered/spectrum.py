@@ -81,6 +81,8 @@ class MinorsTuning:
     small: float = 1.0  # y below which the isotropic functions are power series; theory: both hold there to rounding
     small_transverse: float = 2.0  # the same of A y and |D| y; theory: both hold there to rounding
     seen: float = 18.0  # theory: exp(-2 seen) is the rounding of a double
+    # times 1/k, the depth below the top layer from which nothing is felt; theory: 24^4 exp(-2 * 24) is 1e-15 of it
+    felt: float = 24.0
     steps: int = 5  # of the extrapolation; tuned on graded layers, by `make tuning`
     accuracy: float = 1e-10  # of g, judged by the last of them; tuned on graded layers, by `make tuning`
     fewest: int = 6  # sublayers in the first of them; tuned on graded layers, by `make tuning`
@@ -366,11 +368,24 @@ def minors_of(specimen: Specimen, k: Array) -> Array:
 
 
 def minors_below(specimen: Specimen, k: Array) -> Array:
-    """Minors of everything below the top layer, in units of the shear modulus at the bottom of that layer."""
+    """Minors of everything below the top layer, in units of the shear modulus at the bottom of that layer.
+
+    Each wave number begins at the lowest layer that is felt below the top layer: k of many thin layers go far beyond
+    the inverse of the whole depth.
+    """
+    below = specimen.layers[1:]
+    depths = np.cumsum(
+        [0.0, *(layer.thickness * slowest_root(layer.material, 0.0, layer.thickness) for layer in below)]
+    )
     m, G = _base(specimen.base, k.size)
-    for layer in reversed(specimen.layers[1:]):
+    for layer, depth in zip(reversed(below), depths[-2::-1], strict=True):
         top, bottom = shear_moduli(layer)
-        m, G = upwards(rescaled(m, bottom / G), k, layer), top
+        felt = k * depth < MINORS_TUNING.felt
+        if felt.all():
+            m = upwards(rescaled(m, bottom / G), k, layer)
+        elif felt.any():
+            m[:, felt] = upwards(rescaled(m[:, felt], bottom / G), k[felt], layer)
+        G = top
     return rescaled(m, shear_moduli(specimen.layers[0])[1] / G)
 
 

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import io
 import keyword
 import os
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import click
 
 from .. import __version__
-from ..base import InputError, JkrError, begin_with_one, did_you_mean, interrupts, printable
+from ..base import InputError, JkrError, begin_with_one, did_you_mean, printable
 from .output import folded, give_up, tell, warn
 from .verb import LateGroup
 
@@ -23,6 +22,7 @@ os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # nothing foreign reads alon
 
 MOST_WORDS = 100_000  # choice: of a command line; more take seconds to take apart
 
+INTERRUPTED = 130  # 128 + SIGINT, as shells count
 LITTLE = 1 << 29  # choice: bytes of address space; NumPy, SciPy and matplotlib take 0.4 GB to load
 NO_ROOM = ("failed to map segment", "cannot allocate memory", "bad_alloc")  # of libraries that do not load
 OUT_OF_MEMORY = "out of memory: ask for fewer points, larger elements or a cheaper method"
@@ -90,7 +90,6 @@ class Verbs(LateGroup):
     def made(self, name: str) -> click.Command:
         attribute = name.replace("-", "_") + "_" * keyword.iskeyword(name)
         command: click.Command = getattr(importlib.import_module(f"{__name__}.{MODULES[name]}"), attribute)
-        interrupts.raise_from_here()
         return command
 
     def unknown(self, name: str) -> str:
@@ -119,13 +118,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Entry point of ``jkr``: one line per mistake on stderr, never a traceback for what the user can mend."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a name that the terminal's encoding lacks is no mistake
-    try:
-        code = call(arguments)
-        interrupts.ignore()
-    except KeyboardInterrupt:  # behind the last word of a command, or while the message about it is printed
-        interrupts.ignore()
-        code = _fail([interrupts.SAID], interrupts.CODE)
-    sys.exit(code)
+    sys.exit(call(arguments))
 
 
 def call(arguments: Sequence[str] | None = None) -> int:
@@ -141,7 +134,7 @@ def call(arguments: Sequence[str] | None = None) -> int:
         except ValueError:
             warn(f'SOURCE_DATE_EPOCH must be a whole number, got "{date}": it is left out')
             del os.environ["SOURCE_DATE_EPOCH"]
-        with warnings.catch_warnings(), _interrupts_first():
+        with warnings.catch_warnings():
             warnings.filterwarnings("error", ARITHMETIC, RuntimeWarning)
             code = jkr.main(args=words, prog_name="jkr", standalone_mode=False, obj=["jkr", *words])
         return code if isinstance(code, int) else 0
@@ -159,7 +152,7 @@ def call(arguments: Sequence[str] | None = None) -> int:
         return _fail([message[:1].lower() + message[1:]], 2)
     except (KeyboardInterrupt, click.Abort) as error:
         which = str(error) or str(error.__cause__ or "")  # files, where some were replaced: see ``base.together``
-        return _fail([f"interrupted; {which}" if which else interrupts.SAID], interrupts.CODE)
+        return _fail([f"interrupted; {which or 'nothing half-written was left'}"], INTERRUPTED)
     except (RuntimeWarning, OverflowError) as error:
         return _fail([f"the numbers leave the range of arithmetic ({error}); are all sizes and units right?"], 1)
     except (MemoryError, ImportError) as error:
@@ -191,17 +184,6 @@ def _say_little_space() -> None:
     most, _ = resource.getrlimit(resource.RLIMIT_AS)
     if 0 <= most < LITTLE:  # -1: no limit
         warn(f"the address space is limited to {most >> 20} MiB: libraries may not load, or hang; raise ulimit -v")
-
-
-@contextlib.contextmanager
-def _interrupts_first() -> Iterator[None]:
-    """An error behind a Ctrl-C is reported as the interruption."""
-    try:
-        yield
-    except Exception:
-        if interrupts.came():
-            raise KeyboardInterrupt from None
-        raise
 
 
 def _fail(lines: Sequence[str], code: int) -> int:

@@ -29,8 +29,6 @@ for name in ("alarm", "pthread_kill", "pthread_sigmask", "setitimer", "SIGALRM",
 COMMANDS = """
 import os, sys
 assert sys.modules["fcntl"] is None and not hasattr(os, "fork")
-from jkrcli.base.interrupts import leave_at_once
-leave_at_once()
 from jkrcli.base import process
 process.begin()
 from jkrcli.cli import call

@@ -1,4 +1,4 @@
-"""Shared by all tests: the command line in process, and other tunings for the length of one test."""
+"""Shared by all tests: the command line in process, and other constants for the length of one test."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import signal
 import sys
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, is_dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from pkgutil import resolve_name
 
@@ -88,14 +88,14 @@ def _jkr(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
 
 @pytest.fixture(name="tuned")
 def _tuned(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, object], None]:
-    """Set a module's constant, or one field of a frozen set of tunings there, for the length of a test: by its dotted
-    name, as in ``tuned("jkrcli.methods.fem.mesh.TUNING.most_cells", 4000)``."""
+    """Set a module's constant for the length of a test, there and where it is imported, by its dotted name, as in
+    ``tuned("jkrcli.methods.fem.mesh.LAYOUT_MOST_CELLS", 4000)``."""
 
     def change(name: str, value: object) -> None:
-        holder, _, last = name.rpartition(".")
-        if is_dataclass(tuning := resolve_name(holder)):
-            name, value = holder, replace(tuning, **{last: value})
-        monkeypatch.setattr(name, value)
+        usual, last = resolve_name(name), name.rpartition(".")[2]
+        for module in [item for loaded, item in sys.modules.items() if loaded.startswith(("jkrcli", "studies"))]:
+            if vars(module).get(last) is usual:
+                monkeypatch.setattr(module, last, value)
 
     return change
 

@@ -18,18 +18,11 @@ from jkrcli.methods.layered.solver import Layered, largest_radius
 from jkrcli.resolve.comparison import curve_distance
 from jkrcli.series import Series
 
-
-@dataclass(frozen=True)
-class ReferenceTuning:
-    """How exact the exact solution is, and where it is compared."""
-
-    points: int = 400  # choice: radii of the reference, whose cubics are then good to 1e-9
-    beyond: float = 1.02  # choice: how far it goes beyond the largest contact radius
-    tolerances: tuple[float, ...] = (1e-10, 1e-9, 1e-8)  # choice: the first that double precision allows
-    judged: float = 0.1  # choice: of the deepest; P is compared at larger depths
-
-
-TUNING = ReferenceTuning()
+# How exact the exact solution is, and where it is compared.
+REFERENCE_POINTS = 400  # choice: radii of the reference, whose cubics are then good to 1e-9
+REFERENCE_BEYOND = 1.02  # choice: how far it goes beyond the largest contact radius
+REFERENCE_TOLERANCES = (1e-10, 1e-9, 1e-8)  # choice: the first that double precision allows
+REFERENCE_JUDGED = 0.1  # choice: of the deepest; P is compared at larger depths
 
 
 @dataclass(frozen=True)
@@ -56,7 +49,7 @@ class Reference:
         assert series.S is not None
         x, y = np.log(series.delta), np.log(series.P)
         load = CubicHermiteSpline(x, y, series.S * series.delta / series.P)
-        deep = (delta >= TUNING.judged * delta[-1]) & (delta <= series.delta[-1])
+        deep = (delta >= REFERENCE_JUDGED * delta[-1]) & (delta <= series.delta[-1])
         return float(np.max(np.abs(P[deep] / np.exp(load(np.log(delta[deep]))) - 1)))
 
     def errors(self, curve: EquilibriumCurve) -> Errors:
@@ -89,15 +82,15 @@ def reference_of(problem: Problem, w: float) -> Reference:
             f"chart: the specimen has a finite radius of {problem.specimen.radius:g} m, for which there is no exact "
             "solution to measure against: leave radius and side out, or see jkr study converge"
         )
-    largest = min(TUNING.beyond * largest_radius(problem), problem.indenter.r_max * (1 - 1e-9))
-    dense = replace(problem, loading=Loading("radius", largest, TUNING.points))
+    largest = min(REFERENCE_BEYOND * largest_radius(problem), problem.indenter.r_max * (1 - 1e-9))
+    dense = replace(problem, loading=Loading("radius", largest, REFERENCE_POINTS))
     name, series = _exact(dense)
     return Reference(name, transform(series, slopes(series, "exact"), w))
 
 
 def _exact(problem: Problem) -> tuple[str, Series]:
     """Name and series of the first exact method that can solve ``problem``."""
-    candidates: list[tuple[str, Method]] = [(f"layered, tolerance {t:g}", Layered(t)) for t in TUNING.tolerances]
+    candidates: list[tuple[str, Method]] = [(f"layered, tolerance {t:g}", Layered(t)) for t in REFERENCE_TOLERANCES]
     if problem.specimen.is_half_space:
         candidates.insert(0, ("closed form", method_class("closed-form")()))
     reasons = []

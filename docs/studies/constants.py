@@ -1,53 +1,37 @@
 """The study of chosen numbers: which results move when one of them is halved or doubled.
 
-Every algorithm keeps its numbers in one frozen dataclass, a module's constant whose name ends in TUNING; numbers that
-several share stand alone. Each whose comment says what is asked for ("choice" where nothing is) is varied, one at a
-time: fields for the results that read them, numbers that stand alone for the cheapest of all results.
+Every algorithm keeps its numbers as constants of its module. Each whose comment says what is asked for ("choice" where
+nothing is) is varied, one at a time, for the cheapest of the results that read it.
 A number of a result moves where it changes by more than a tenth of its stated error, or by 1e-9 where none is stated.
 """
 
 from __future__ import annotations
 
-import contextlib
-import functools
-import gc
-import importlib
-import inspect
 import itertools
 import math
-import pkgutil
-import re
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import CodeType, FrameType
 from typing import Any
 
-import jkrcli
 from jkrcli.base.executors import completed
 
 from .command import call, output_of, parser_of, pool_of
 from .constants_results import RESULTS, Numbers
-from .tuning import Knob, knobs
+from .tuning import Knob, forget, knobs, varied
 from .watchdog import TooSlowError, cpu_limit
 
 WITHOUT = ("__main__",)  # rooms that hold no numbers
 VERDICTS = ("moves", "refuses", "nothing moves", "not read")
 
-
-@dataclass(frozen=True)
-class ConstantsTuning:
-    """When a number counts as moved."""
-
-    share: float = 0.1  # choice: of the stated error
-    rounding: float = 1e-9  # choice: relative, where no error is stated
-    longest: float = 60.0  # choice: CPU seconds of a result with a number varied
-    all: float = 1.0  # choice: CPU seconds of the results that are looked at, the cheapest that read it
-    alone: float = 5.0  # choice: the same of a number that stands alone, which any may read
-    seconds: float = 3.0  # choice: CPU seconds of a varied number, for the number of processes
-
-
-TUNING = ConstantsTuning()
+# When a number counts as moved.
+CONSTANTS_SHARE = 0.1  # choice: of the stated error
+CONSTANTS_ROUNDING = 1e-9  # choice: relative, where no error is stated
+CONSTANTS_LONGEST = 60.0  # choice: CPU seconds of a result with a number varied
+CONSTANTS_ALL = 1.0  # choice: CPU seconds of the results that are looked at, the cheapest that read it
+CONSTANTS_SECONDS = 3.0  # choice: CPU seconds of a varied number, for the number of processes
 
 
 @dataclass(frozen=True)
@@ -73,15 +57,16 @@ class Moved:
 
 @dataclass
 class Shipped:
-    """Numbers, CPU seconds and the tunings that are read, of all results with the numbers as shipped."""
+    """Numbers, CPU seconds and the names of constants that are read, of all results with the constants as shipped."""
 
     numbers: dict[str, Numbers] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
-    read: dict[str, set[tuple[str, str]]] = field(default_factory=dict)
+    read: dict[str, set[str]] = field(default_factory=dict)
 
 
 def shipped() -> Shipped:
-    """Each result once, in this process, with the tunings that it reads; nothing computed before is used."""
+    """Each result once, in this process, with the names of the constants that it reads; nothing computed before is
+    used."""
     global SHIPPED
     if SHIPPED is None:
         SHIPPED = _shipped()
@@ -92,11 +77,11 @@ def _shipped() -> Shipped:
     found = Shipped()
     for name, make in RESULTS.items():
         forget()
-        with _watched() as seen:
-            start = time.process_time()
-            found.numbers[name] = make()
-            found.seconds[name] = time.process_time() - start
-        found.read[name] = seen
+        found.read[name] = _names_read(make)
+        forget()
+        start = time.process_time()
+        found.numbers[name] = make()
+        found.seconds[name] = time.process_time() - start
     return found
 
 
@@ -111,7 +96,7 @@ def moved(knob: Knob) -> Moved:
             with varied(knob, value):
                 start = time.process_time()
                 try:
-                    with cpu_limit(TUNING.longest):
+                    with cpu_limit(CONSTANTS_LONGEST):
                         numbers = RESULTS[name]()
                 except (Exception, TooSlowError) as error:
                     refused.append(f"{name} with {value:g}: {type(error).__name__} {error}".splitlines()[0])
@@ -128,11 +113,12 @@ def moved(knob: Knob) -> Moved:
 def readers(knob: Knob) -> tuple[str, ...]:
     """The results that read a number: the cheapest of them, within a limit of time."""
     usual = shipped()
-    alone, most = (True, TUNING.alone) if knob.name == knob.field else (False, TUNING.all)
-    names = [name for name, seen in usual.read.items() if alone or (knob.module, knob.field) in seen]
+    names = [name for name, seen in usual.read.items() if knob.name in seen]
     names.sort(key=lambda name: usual.seconds[name])
     spent = itertools.accumulate(usual.seconds[name] for name in names)
-    return tuple(name for i, (name, so_far) in enumerate(zip(names, spent, strict=True)) if not i or so_far < most)
+    return tuple(
+        name for i, (name, so_far) in enumerate(zip(names, spent, strict=True)) if not i or so_far < CONSTANTS_ALL
+    )
 
 
 def farthest(before: Numbers, after: Numbers) -> tuple[float, str]:
@@ -147,88 +133,28 @@ def _change(before: tuple[float, float], after: tuple[float, float]) -> float:
     (x, error), (y, _) = before, after
     if x == y or (math.isnan(x) and math.isnan(y)):
         return 0.0
-    allowed = max(TUNING.share * error, TUNING.rounding * abs(x))
+    allowed = max(CONSTANTS_SHARE * error, CONSTANTS_ROUNDING * abs(x))
     return abs(y - x) / allowed if allowed and math.isfinite(x) and math.isfinite(y) else math.inf
-
-
-def forget() -> None:
-    """Clear every memory of what was computed."""
-    for item in _memories():
-        item.cache_clear()
 
 
 SHIPPED: Shipped | None = None  # of this process
 
 
-@functools.cache
-def _memories() -> list[Any]:
-    """The caches of all modules, each of which is loaded for it."""
-    for module in pkgutil.walk_packages(jkrcli.__path__, "jkrcli."):
-        if not module.name.endswith("__main__"):
-            importlib.import_module(module.name)
-    caches = [item for item in gc.get_objects() if isinstance(item, functools._lru_cache_wrapper)]
-    return [item for item in caches if item.__module__ != __name__]
+def _names_read(make: Callable[[], Any]) -> set[str]:
+    """Names in the code of the package that runs meanwhile, those of the constants it reads among them."""
+    ran: set[CodeType] = set()
 
+    def called(frame: FrameType, event: str, _: Any) -> None:
+        if event == "call" and frame.f_globals.get("__name__", "").startswith("jkrcli."):
+            ran.add(frame.f_code)
 
-@contextlib.contextmanager
-def varied(knob: Knob, value: float) -> Iterator[None]:
-    """The tuning itself with ``value`` at ``knob``; nothing computed before, or with it, is used."""
-    for holder in (holders := _holders(knob)):
-        object.__setattr__(holder, knob.field, value)
-    forget()
+    usual = sys.getprofile()
+    sys.setprofile(called)
     try:
-        yield
+        make()
     finally:
-        for holder in holders:
-            object.__setattr__(holder, knob.field, knob.shipped)
-        forget()
-
-
-def _holders(knob: Knob) -> list[Any]:
-    """The set of tunings of a field; of a number that stands alone all modules that know it."""
-    module = importlib.import_module(knob.module)
-    if knob.name != knob.field:
-        return [getattr(module, knob.name)]
-    loaded = [item for name, item in list(sys.modules.items()) if name.startswith("jkrcli.")]
-    return [item for item in loaded if vars(item).get(knob.name) == knob.shipped]
-
-
-def alone(asked: Sequence[str], says: str) -> list[Knob]:
-    """All numbers that stand alone in modules, as ``knobs`` has those in sets."""
-    found = []
-    for item in pkgutil.walk_packages(jkrcli.__path__, "jkrcli."):
-        if item.name.split(".")[1] in WITHOUT or (
-            asked and not any(word.replace("-", "_") in item.name for word in asked)
-        ):
-            continue
-        module = importlib.import_module(item.name)
-        told = re.findall(r"^([A-Z][A-Z_]*) = [^#\n]*#(.*)$", inspect.getsource(module), re.MULTILINE)
-        found += [Knob(item.name, name, name, getattr(module, name)) for name, words in told if re.search(says, words)]
-    return [knob for knob in found if type(knob.shipped) in (int, float)]
-
-
-@contextlib.contextmanager
-def _watched() -> Iterator[set[tuple[str, str]]]:
-    """The modules and fields of tunings that are read meanwhile."""
-    seen: set[tuple[str, str]] = set()
-    loaded = [vars(module) for name, module in list(sys.modules.items()) if name.startswith("jkrcli.")]
-    held = {id(item): item for names in loaded for name, item in names.items() if name.endswith("TUNING")}
-    usual = [(item, type(item)) for item in held.values()]
-    for item, cls in usual:
-        object.__setattr__(item, "__class__", type(cls.__name__, (cls,), {"__getattribute__": _telling(cls, seen)}))
-    try:
-        yield seen
-    finally:
-        for item, cls in usual:
-            object.__setattr__(item, "__class__", cls)
-
-
-def _telling(cls: type, seen: set[tuple[str, str]]) -> Callable[[Any, str], Any]:
-    def told(self: Any, name: str) -> Any:
-        seen.add((cls.__module__, name))
-        return object.__getattribute__(self, name)
-
-    return told
+        sys.setprofile(usual)
+    return {name for code in ran for name in code.co_names}
 
 
 def table(found: Sequence[Moved]) -> dict[str, list[Any]]:
@@ -236,7 +162,7 @@ def table(found: Sequence[Moved]) -> dict[str, list[Any]]:
     rows: list[Mapping[str, Any]] = [
         {
             "algorithm": item.knob.module.removeprefix("jkrcli."),
-            "field": item.knob.field,
+            "constant": item.knob.name,
             "shipped": item.knob.shipped,
             "verdict": item.verdict,
             "change_over_allowed": item.change,
@@ -263,14 +189,14 @@ def main(words: Sequence[str] | None = None) -> int:
     )
     given = parser.parse_args(words)
     files = output_of(given).files(given.output / "constants", (".csv",))
-    every = [*knobs(given.algorithms, given.says, WITHOUT), *alone(given.algorithms, given.says)]
+    every = knobs(given.algorithms, given.says, WITHOUT)
     found: list[Moved] = []
-    with pool_of(given, TUNING.seconds * len(every)) as pool:
+    with pool_of(given, CONSTANTS_SECONDS * len(every)) as pool:
         for _, item in completed(pool, moved, every, "constants"):
             if isinstance(item, Exception):
                 raise item
             found.append(item)
-            name = f"{item.knob.module.removeprefix('jkrcli.')}.{item.knob.field}"
+            name = f"{item.knob.module.removeprefix('jkrcli.')}.{item.knob.name}"
             print(
                 f"{name:<52}{item.knob.shipped!s:>10}  {item.verdict:<14}{item.change:>10.2g}  {item.where}", flush=True
             )

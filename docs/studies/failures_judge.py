@@ -37,23 +37,16 @@ BUGS = (SILENT, CRASHED)
 SHARES = {"closed-form": 3, "layered": 6, "hybrid": 2, "fem": 2, "slopes": 6}  # of the cells
 WITHIN = {"closed-form": 1.0, "layered": 1.0}  # of the stated error, which is a bound
 
-
-@dataclass(frozen=True)
-class JudgeTuning:
-    """What counts as right, where it is looked at, and how long that may take."""
-
-    estimated: float = 2.0  # choice: of the stated error, where that is an estimate
-    bands: float = 3.0  # theory: half-widths of a 90 % band that are five standard deviations
-    of_the_curve: float = 0.9  # theory: of its points, what a 90 % band promises, whatever its errors have in common
-    tolerances: tuple[float, ...] = (1e-10, 1e-8, 1e-6)  # choice: of the exact solution, the first that is reached
-    pulls: float = 0.01  # choice: of the mean pressure; what pulls less is not told apart
-    patience: float = 20.0  # choice: CPU seconds that a solve may be forecast to take
-    limit: float = 60.0  # choice: CPU seconds that a cell may take
-    judged: float = 0.01  # choice: of the largest depth; rows below are not judged, as in the error budget
-    rows: int = 15  # choice: rows of a series that are compared
-
-
-TUNING = JudgeTuning()
+# What counts as right, where it is looked at, and how long that may take.
+JUDGE_ESTIMATED = 2.0  # choice: of the stated error, where that is an estimate
+JUDGE_BANDS = 3.0  # theory: half-widths of a 90 % band that are five standard deviations
+JUDGE_OF_THE_CURVE = 0.9  # theory: of its points, what a 90 % band promises, whatever its errors have in common
+JUDGE_TOLERANCES = (1e-10, 1e-8, 1e-6)  # choice: of the exact solution, the first that is reached
+JUDGE_PULLS = 0.01  # choice: of the mean pressure; what pulls less is not told apart
+JUDGE_PATIENCE = 20.0  # choice: CPU seconds that a solve may be forecast to take
+JUDGE_LIMIT = 60.0  # choice: CPU seconds that a cell may take
+JUDGE_JUDGED = 0.01  # choice: of the largest depth; rows below are not judged, as in the error budget
+JUDGE_ROWS = 15  # choice: rows of a series that are compared
 
 
 @dataclass(frozen=True)
@@ -98,10 +91,10 @@ def failures(cells: Sequence[Cell], pool: Pool, tell: Callable[[Verdict, int], N
 def judge(cell: Cell) -> Verdict:
     """The verdict on one cell."""
     try:
-        with cpu_limit(TUNING.limit):
+        with cpu_limit(JUDGE_LIMIT):
             return _judge_slopes(cell) if cell.method == "slopes" else _judge_solve(cell)
     except TooSlowError:
-        return Verdict(cell, TOO_SLOW, f"took more than {TUNING.limit:g} CPU s")
+        return Verdict(cell, TOO_SLOW, f"took more than {JUDGE_LIMIT:g} CPU s")
     except JkrError as error:
         return Verdict(cell, REFUSED, "; ".join(str(error).splitlines()))
     except Exception as error:  # any other exception is a bug, and is what is looked for
@@ -125,7 +118,7 @@ def _judge_solve(cell: Cell) -> Verdict:
     if reason := method.refusal(problem):
         return Verdict(cell, REFUSED, reason)
     seconds = method.forecast(problem).seconds
-    if seconds > TUNING.patience:
+    if seconds > JUDGE_PATIENCE:
         return Verdict(cell, UNJUDGED, f"would take {seconds:.0f} s")
     solution = method(problem)
     if not solution.series.errors:
@@ -139,7 +132,7 @@ def _judge_solve(cell: Cell) -> Verdict:
 def _compared(cell: Cell, solution: Solution) -> Verdict:
     """The verdict on a solution with stated errors: the columns first, then the conditions of contact."""
     found = _distances(cell, solution.series)
-    verdict = _verdict(cell, found, WITHIN.get(cell.method, TUNING.estimated), solution.warnings)
+    verdict = _verdict(cell, found, WITHIN.get(cell.method, JUDGE_ESTIMATED), solution.warnings)
     if verdict.outcome == RIGHT and (broken := _not_a_disc(cell)):
         outcome = SAID if solution.warnings else SILENT
         return Verdict(cell, outcome, "; ".join(solution.warnings) or broken, verdict.error, verdict.stated)
@@ -151,7 +144,7 @@ def _not_a_disc(cell: Cell) -> str | None:
     plain = replace(cell, length_unit=1.0, force_unit=1.0)
     found = surface_profile(plain.problem, cell.a_over_h, 0.0, cell.a_over_h * np.linspace(0.05, 0.9, 10), np.array([]))
     pull = float(found.pressure.min()) * np.pi * found.a**2 / found.P
-    return f"the contact pulls with {-pull:.2g} of its mean pressure" if pull < -TUNING.pulls else None
+    return f"the contact pulls with {-pull:.2g} of its mean pressure" if pull < -JUDGE_PULLS else None
 
 
 def _verdict(cell: Cell, found: Sequence[Off], factor: float, warnings: Sequence[str]) -> Verdict:
@@ -168,7 +161,7 @@ def _exact(cell: Cell, loading: Loading) -> tuple[Series, float]:
     """The exact solution for a ``loading`` in units of the cell, back in SI, and its tolerance."""
     plain = replace(cell, length_unit=1.0, force_unit=1.0)
     problem = Problem(plain.problem.indenter, plain.problem.specimen, loading)
-    for tolerance in TUNING.tolerances:
+    for tolerance in JUDGE_TOLERANCES:
         try:
             series = Layered(tolerance)(problem).series
             break
@@ -188,8 +181,8 @@ def _exact(cell: Cell, loading: Loading) -> tuple[Series, float]:
 
 def _distances(cell: Cell, series: Series) -> list[Off]:
     """How far the columns lie from the exact ones, each with its stated error; empty where none is stated."""
-    judged = np.flatnonzero(series.delta >= TUNING.judged * series.delta[-1])
-    rows = judged[np.unique(np.linspace(0, judged.size - 1, TUNING.rows).round().astype(int))]
+    judged = np.flatnonzero(series.delta >= JUDGE_JUDGED * series.delta[-1])
+    rows = judged[np.unique(np.linspace(0, judged.size - 1, JUDGE_ROWS).round().astype(int))]
     names: tuple[str, ...]
     if not np.any(series.errors.get("a", 0.0)):
         exact, tolerance = _exact(cell, Loading.given("radius", tuple(series.a[rows] / cell.length_unit)))
@@ -232,7 +225,7 @@ def _judge_slopes(cell: Cell) -> Verdict:
     if stated is None:
         return Verdict(cell, SAID, f"error unknown: {found.error}", error)
     flags = found.flags + unresolved(cell.problem.indenter, given.a)
-    return _verdict(cell, [Off("pull-off", error, stated), _band(curve, exact_curve, truth)], TUNING.bands, flags)
+    return _verdict(cell, [Off("pull-off", error, stated), _band(curve, exact_curve, truth)], JUDGE_BANDS, flags)
 
 
 def _band(curve: AdhesiveCurve, exact: AdhesiveCurve, unit: CriticalPoint) -> Off:
@@ -242,7 +235,7 @@ def _band(curve: AdhesiveCurve, exact: AdhesiveCurve, unit: CriticalPoint) -> Of
     assert not isinstance(curve.interpolation_error, Unknown)
     stated = curve.errors["P"][common] / abs(unit.P) + curve.interpolation_error + exact.interpolation_error
     order = np.argsort(error / stated)
-    i = order[int(TUNING.of_the_curve * (order.size - 1))]
+    i = order[int(JUDGE_OF_THE_CURVE * (order.size - 1))]
     return Off("the curve", float(error[i]), float(stated[i]))
 
 

@@ -23,8 +23,16 @@ from jkrcli.bodies.problem import Problem
 from jkrcli.case import Case, parse_case
 from jkrcli.case.store import solve
 from jkrcli.cli import call as jkr
-from jkrcli.cli.inputs import PER_FILE
-from jkrcli.cli.inputs import TUNING as TABLES
+from jkrcli.cli.inputs import (
+    PER_FILE,
+    TABLE_CYCLE_PER_POINT,
+    TABLE_CYCLE_PER_ROW,
+    TABLE_FIT_PER_ROW,
+    TABLE_PER_ROW,
+    TABLE_REFIT,
+    TABLE_REFIT_PER_ROW,
+    TABLE_WORK_PER_ROW,
+)
 from jkrcli.data.afm_formats import rows_expected
 from jkrcli.data.measured import each
 from jkrcli.many.maps import map_of
@@ -175,7 +183,7 @@ def table(rows: int, decimal: str = ".") -> Path:
 
 def rows_of_table(rows: int, decimal: str = ".") -> Pair:
     path = table(rows, decimal)
-    return TABLES.per_row * rows_expected(path), lambda: list(each(path))
+    return TABLE_PER_ROW * rows_expected(path), lambda: list(each(path))
 
 
 def rows_of_table_with_commas(rows: int) -> Pair:
@@ -188,13 +196,13 @@ def columns_of_table(count: int) -> Pair:
     rows = (",".join([f"{i % 97:07d}"] * count) for i in range(4_000_000 // count))
     path = Path(f"wide{count}.csv")
     path.write_text("\n".join([names, *rows]))
-    return TABLES.per_row * rows_expected(path), lambda: list(each(path))
+    return TABLE_PER_ROW * rows_expected(path), lambda: list(each(path))
 
 
 def rows_of_compared_curves(rows: int) -> Pair:
     a, path = np.linspace(1e-6, 1e-4, rows), Path("curve.csv")
     write_csv(path, {"a_m": a, "delta_m": a**2 / 1e-3, "P_N": 1e9 * a**3})
-    return TABLES.per_row * 2 * rows_expected(path), lambda: jkr(["compare", str(path), str(path)])
+    return TABLE_PER_ROW * 2 * rows_expected(path), lambda: jkr(["compare", str(path), str(path)])
 
 
 def files_shown(count: int) -> Pair:
@@ -215,7 +223,7 @@ def rows_of_program(rows: int) -> Pair:
     Path("s.toml").write_text(text("closed-form", HALF_SPACE, "1.5e-4", "points = 100"))
     x = 3e-6 + 2e-6 * np.sin(np.linspace(0, 60, rows)) * np.linspace(0.5, 1, rows)
     np.savetxt("x.csv", np.column_stack([np.linspace(0, 20, rows), x]), "%.8g", ",", header="t_s,x_m", comments="")
-    seconds = (TABLES.per_row + TABLES.cycle_per_row + 200 * TABLES.cycle_per_point) * rows
+    seconds = (TABLE_PER_ROW + TABLE_CYCLE_PER_ROW + 200 * TABLE_CYCLE_PER_POINT) * rows
     words = ["--rate", "v0=1e-6,n=0.6", "--program", "x.csv", "--no-plots"]
     return seconds, lambda: jkr(["cycle", "s.toml", *words])
 
@@ -223,7 +231,7 @@ def rows_of_program(rows: int) -> Pair:
 def samples_of_bootstrap(count: int) -> Pair:
     Path("s.toml").write_text(text("closed-form", HALF_SPACE))
     path = table(200)
-    seconds = (TABLES.per_row + TABLES.fit_per_row + count * TABLES.refit_per_row) * 200 + count * TABLES.refit
+    seconds = (TABLE_PER_ROW + TABLE_FIT_PER_ROW + count * TABLE_REFIT_PER_ROW) * 200 + count * TABLE_REFIT
     words = ["--confidence", "bootstrap", "--samples", str(count), "--workers", "1", "--no-plots", "-q"]
     return seconds, lambda: jkr(["fit", "s.toml", str(path), *words])
 
@@ -241,14 +249,14 @@ def radii_of_sweep(count: int) -> Pair:
 def rows_of_fit(rows: int) -> Pair:
     Path("s.toml").write_text(text("closed-form", HALF_SPACE))
     path = table(rows)
-    seconds = (TABLES.per_row + TABLES.fit_per_row) * rows_expected(path)
+    seconds = (TABLE_PER_ROW + TABLE_FIT_PER_ROW) * rows_expected(path)
     return seconds, lambda: jkr(["fit", "s.toml", str(path), "--no-plots", "-q", "--force"])
 
 
 def rows_of_work(rows: int) -> Pair:
     Path("s.toml").write_text(text("closed-form", HALF_SPACE))
     path = table(rows)
-    seconds = (TABLES.per_row + TABLES.work_per_row) * rows_expected(path)
+    seconds = (TABLE_PER_ROW + TABLE_WORK_PER_ROW) * rows_expected(path)
     return seconds, lambda: jkr(["work", "s.toml", str(path), "--no-plots", "-q", "--force"])
 
 

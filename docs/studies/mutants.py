@@ -25,16 +25,9 @@ LIST = Path(__file__).with_suffix(".toml")
 ROOT = LIST.parents[2]
 COPIED = ("jkrcli", "tests", "cases", "docs/studies", "pyproject.toml")
 
-
-@dataclass(frozen=True)
-class MutantsTuning:
-    """What a slip takes."""
-
-    seconds: float = 6.0  # choice: CPU seconds, for the number of processes; most take 3 to 10
-    longest: float = 1200.0  # choice: seconds after which tests have no end; ten times those of all
-
-
-TUNING = MutantsTuning()
+# What a slip takes.
+MUTANTS_SECONDS = 6.0  # choice: CPU seconds, for the number of processes; most take 3 to 10
+MUTANTS_LONGEST = 1200.0  # choice: seconds after which tests have no end; ten times those of all
 
 
 @dataclass(frozen=True)
@@ -79,7 +72,7 @@ def main(words: Sequence[str] | None = None) -> int:
     for slip in asked:
         slip.made(ROOT)
     print(f"{len(asked)} slips; first the tests that they name, without any", flush=True)
-    with tempfile.TemporaryDirectory() as folder, pool_of(given, TUNING.seconds * len(asked)) as pool:
+    with tempfile.TemporaryDirectory() as folder, pool_of(given, MUTANTS_SECONDS * len(asked)) as pool:
         base = copied(ROOT, Path(folder))
         refuse_failing(base, asked)
         print("\n| file | slip | noticed by |\n|---|---|---|", flush=True)
@@ -132,10 +125,10 @@ def tested(tree: Path, tests: Sequence[str]) -> tuple[int, str]:
     try:
         done = subprocess.run(
             [sys.executable, "-m", "pytest", *words], cwd=tree, env=kept | ONE_THREAD | {"PYTHONPATH": str(tree)},
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=TUNING.longest,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=MUTANTS_LONGEST,
         )  # fmt: skip
     except subprocess.TimeoutExpired:
-        raise SolveError(f"mutants: {', '.join(tests)}: no end after {TUNING.longest:g} s") from None
+        raise SolveError(f"mutants: {', '.join(tests)}: no end after {MUTANTS_LONGEST:g} s") from None
     failed = re.search(r"^(?:FAILED|ERROR) tests/(.+?)(?: - |$)", done.stdout, re.MULTILINE)
     return done.returncode, failed[1] if failed else " / ".join(done.stdout.strip().splitlines()[-2:])
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,27 +23,15 @@ from .bounds import PATIENCE, Bound, body, exact_at, study
 from .command import call
 from .range_judge import SMALL
 
-
-@dataclass(frozen=True)
-class PointTuning:
-    """Where points are compared, and with what."""
-
-    places: tuple[float, ...] = (
-        0.08,
-        0.15,
-        0.3,
-        0.5,
-        0.7,
-        0.9,
-    )  # choice: of pull-off under load, of the series
-    springs: tuple[float, ...] = (0.4, 0.9)  # choice: of the largest radius, where a device is as stiff as the contact
-    radii: int = 50  # choice: of the exact series, whose curve is interpolated to 1e-6 or better
-    least: float = 0.02  # choice: the smallest of them over the largest
-    first: float = 0.9  # choice: and at least this part of the first row's
-    apart: float = 1.5  # choice: a factor between radii of points beyond which they are two minima
-
-
-TUNING = PointTuning()
+# Where points are compared, and with what.
+# choice: of pull-off under load, of the series
+POINT_PLACES = (0.08, 0.15, 0.3, 0.5, 0.7, 0.9)
+# choice: of the largest radius, where a device is as stiff as the contact
+POINT_SPRINGS = (0.4, 0.9)
+POINT_RADII = 50  # choice: of the exact series, whose curve is interpolated to 1e-6 or better
+POINT_LEAST = 0.02  # choice: the smallest of them over the largest
+POINT_FIRST = 0.9  # choice: and at least this part of the first row's
+POINT_APART = 1.5  # choice: a factor between radii of points beyond which they are two minima
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -69,8 +56,8 @@ def judged(number: int) -> tuple[Bound, ...]:
         if not series.errors or solution.facts.get("contact") == "incremental":
             return ()
         wide = series.a[-1] - series.a0
-        first = max(TUNING.least * wide, TUNING.first * (series.a[0] - series.a0))
-        radii = series.a0 + np.geomspace(first, wide, TUNING.radii)
+        first = max(POINT_LEAST * wide, POINT_FIRST * (series.a[0] - series.a0))
+        radii = series.a0 + np.geomspace(first, wide, POINT_RADII)
         reference = exact_at(problem, Loading.given("radius", tuple(radii.tolist()))).series
         return tuple(_points(number, nonadhesive(solution), reference))
     except JkrError:
@@ -81,7 +68,7 @@ def _points(number: int, ours: Nonadhesive, reference: Series) -> Iterator[Bound
     """Each point that both curves have, against the exact one."""
     assert reference.S is not None
     true, beyond = Nonadhesive.of(reference, "exact"), reference.a - reference.a0
-    springs = np.interp(np.array(TUNING.springs) * beyond[-1], beyond, reference.S)
+    springs = np.interp(np.array(POINT_SPRINGS) * beyond[-1], beyond, reference.S)
     devices = [*CONTROLS.items(), *(("spring", float(stiffness)) for stiffness in springs)]
     for w in _works(reference):
         curve, exact = AdhesiveCurve(ours, w), AdhesiveCurve(true, w)
@@ -91,7 +78,7 @@ def _points(number: int, ours: Nonadhesive, reference: Series) -> Iterator[Bound
                 continue
             stated, unsure = point_error(curve, point, stiffness), exact.interpolation_at(np.array(truth.a))
             away = abs(math.log((point.a - reference.a0) / (truth.a - reference.a0)))
-            if isinstance(stated, Unknown) or isinstance(unsure, Unknown) or away > math.log(TUNING.apart):
+            if isinstance(stated, Unknown) or isinstance(unsure, Unknown) or away > math.log(POINT_APART):
                 continue
             for name in ("delta", "P"):
                 size, room = abs(getattr(truth, name)), float(unsure[name])
@@ -106,7 +93,7 @@ def _works(series: Series) -> Array:
     assert series.S is not None
     assert series.dS is not None
     rate = np.gradient(series.P, series.a) / np.gradient(series.S * shift(1.0, series.a, series.dS), series.a)
-    works: Array = np.interp(np.array(TUNING.places) * (series.a[-1] - series.a0), series.a - series.a0, rate**2)
+    works: Array = np.interp(np.array(POINT_PLACES) * (series.a[-1] - series.a0), series.a - series.a0, rate**2)
     return works
 
 

@@ -33,21 +33,14 @@ TITLES = {"layer as half-space": "a layer fitted as a half-space", "w rising to 
           "plastic": "plastic indentation", "creep": "creep of the piezo", "hysteresis": "hysteresis of the piezo",
           "relaxation": "a specimen that relaxes"}  # fmt: skip
 
-
-@dataclass(frozen=True)
-class ResidualsTuning:
-    """Which record is drawn, and how."""
-
-    seed: int = 4  # choice: a record of each kind whose panels are typical
-    noise: float = 5e-4  # choice: of the largest load, the middle of what the generator draws
-    before: float = -1.4  # choice: first position shown; free rows look alike
-    columns: int = 3  # choice: panels beside each other, on the width of a page
-    height: float = 1.55  # choice: of a panel [inch]
-    together: int = 25  # choice: rows to a median
-    quiet: float = 5.0  # choice: standard deviations of the noise that every panel shows at least
-
-
-TUNING = ResidualsTuning()
+# Which record is drawn, and how.
+RESIDUALS_SEED = 4  # choice: a record of each kind whose panels are typical
+RESIDUALS_NOISE = 5e-4  # choice: of the largest load, the middle of what the generator draws
+RESIDUALS_BEFORE = -1.4  # choice: first position shown; free rows look alike
+RESIDUALS_COLUMNS = 3  # choice: panels beside each other, on the width of a page
+RESIDUALS_HEIGHT = 1.55  # choice: of a panel [inch]
+RESIDUALS_TOGETHER = 25  # choice: rows to a median
+RESIDUALS_QUIET = 5.0  # choice: standard deviations of the noise that every panel shows at least
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +55,8 @@ class Panel:
 
 def panel(kind: str) -> Panel:
     """The record of a wrong model, or of the right one."""
-    at = Drawn.of(np.random.default_rng(TUNING.seed), 1.0)
-    at = replace(at, noise=TUNING.noise * at.largest)
+    at = Drawn.of(np.random.default_rng(RESIDUALS_SEED), 1.0)
+    at = replace(at, noise=RESIDUALS_NOISE * at.largest)
     made = WRONG.get(kind, right)(at)
     found = fitted(kind, made)
     plain: ForceCurveFit = last[1]
@@ -86,9 +79,9 @@ def _said(found: Fit, truth: dict[str, float]) -> str:
 
 def residuals_figure(panels: Sequence[Panel]) -> Figure:
     """Small multiples: residuals over position."""
-    rows = -(-(len(panels) + 1) // TUNING.columns)
-    with drawing(WIDE, TUNING.height * rows, {"axes.titlesize": 8, "font.size": 8}) as figure:
-        places = list(figure.subplots(rows, TUNING.columns, sharex=True).flat)
+    rows = -(-(len(panels) + 1) // RESIDUALS_COLUMNS)
+    with drawing(WIDE, RESIDUALS_HEIGHT * rows, {"axes.titlesize": 8, "font.size": 8}) as figure:
+        places = list(figure.subplots(rows, RESIDUALS_COLUMNS, sharex=True).flat)
         for axes, one in zip(places, panels, strict=False):
             _draw(axes, one)
         for axes in places[len(panels) :]:
@@ -104,11 +97,11 @@ def _draw(axes: Axes, one: Panel) -> None:
     for kind, (z, off) in one.rows.items():
         way, color = ("approach", BLUE) if kind == APPROACH else ("retraction", ORANGE)
         axes.plot(z, off, ".", color=color, ms=1.5, alpha=0.5, mew=0, rasterized=True)
-        pieces = np.array_split(np.argsort(z), max(z.size // TUNING.together, 1))
+        pieces = np.array_split(np.argsort(z), max(z.size // RESIDUALS_TOGETHER, 1))
         axes.plot([np.median(z[piece]) for piece in pieces], [np.median(off[piece]) for piece in pieces],
                   color=color, lw=1.1, ls="-" if kind == APPROACH else "--", label=way)  # fmt: skip
-    largest = max(TUNING.quiet, *(float(np.abs(off).max()) for _, off in one.rows.values()))
-    axes.set_xlim(TUNING.before, 1.05)
+    largest = max(RESIDUALS_QUIET, *(float(np.abs(off).max()) for _, off in one.rows.values()))
+    axes.set_xlim(RESIDUALS_BEFORE, 1.05)
     axes.set_ylim(-1.05 * largest, 1.05 * largest)
     axes.set_title(f"{one.title}\n{one.said}", linespacing=1.3)
     few_ticks(axes, 4)

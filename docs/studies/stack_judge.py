@@ -15,7 +15,6 @@ octaves from far below any wave number that the contact sees.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -25,21 +24,14 @@ from jkrcli.base.numerics import Array
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Specimen
 
-
-@dataclass(frozen=True)
-class JudgeTuning:
-    """How far and how finely; halving or doubling any moves results by less than 1e-11."""
-
-    step: float = 1.0  # largest step in y; theory: the fields grow by e on it, so that two stay apart
-    terms: int = 26  # of the Taylor series; theory: 1/26! is below the rounding of a long double
-    deep: float = 45.0  # layers thicker than this over k are half-spaces; theory: exp(-2 deep) is below rounding
-    lowest: float = 1e-13  # smallest k, over 1/a; theory: what lies below acts on S by this
-    highest: float = 18.0  # largest k, over 1/thickness of the top layer; theory: |g - 1| is below 1e-13 times its size
-    nodes: int = 16  # Gauss nodes of an octave, or of a phase of one turn; theory: exact to rounding
-    modes: int = 16  # polynomials beyond those of the highest wave number that counts; choice: ten are enough
-
-
-TUNING = JudgeTuning()
+# How far and how finely; halving or doubling any moves results by less than 1e-11.
+JUDGE_STEP = 1.0  # largest step in y; theory: the fields grow by e on it, so that two stay apart
+JUDGE_TERMS = 26  # of the Taylor series; theory: 1/26! is below the rounding of a long double
+JUDGE_DEEP = 45.0  # layers thicker than this over k are half-spaces; theory: exp(-2 deep) is below rounding
+JUDGE_LOWEST = 1e-13  # smallest k, over 1/a; theory: what lies below acts on S by this
+JUDGE_HIGHEST = 18.0  # largest k, over 1/thickness of the top layer; theory: |g - 1| is below 1e-13 times its size
+JUDGE_NODES = 16  # Gauss nodes of an octave, or of a phase of one turn; theory: exact to rounding
+JUDGE_MODES = 16  # polynomials beyond those of the highest wave number that counts; choice: ten are enough
 
 
 def compliance_ratio(specimen: Specimen, k: Array) -> Array:
@@ -64,7 +56,7 @@ def compliances(specimen: Specimen, k: Array) -> Array:
         assert isinstance(material, Elastic)
         fields[2:] *= np.longdouble(G) / np.longdouble(material.G)
         G, y = material.G, k * np.longdouble(layer.thickness)
-        hidden = y > TUNING.deep
+        hidden = y > JUDGE_DEEP
         fields[:, :, hidden] = _decaying(material.nu, int(hidden.sum()))
         y[hidden] = 0
         fields = _upwards(_orthonormal(fields), y, material.nu)
@@ -83,13 +75,13 @@ def _upwards(fields: Array, y: Array, nu: float) -> Array:
     """The fields (4, 2, n) the distances ``y`` further up."""
     exact_nu = np.longdouble(nu)
     c, b, e = exact_nu / (1 - exact_nu), (1 - 2 * exact_nu) / (2 - 2 * exact_nu), 2 / (1 - exact_nu)
-    steps = np.ceil(y / TUNING.step).astype(int)
+    steps = np.ceil(y / JUDGE_STEP).astype(int)
     for i in range(int(steps.max(initial=0))):
         active = np.flatnonzero(steps > i)
         back = -y[active] / steps[active]
         term = fields[:, :, active]
         total = term.copy()
-        for n in range(1, TUNING.terms):
+        for n in range(1, JUDGE_TERMS):
             U, W, T, N = term
             term = np.stack([W + T, b * N - c * U, e * U + c * N, -T]) * (back / n)
             total += term
@@ -110,7 +102,7 @@ def contact(specimen: Specimen, R: float, radii: Array, indenter: Specimen | Non
     bodies = [specimen] if indenter is None else [specimen, indenter]
     E_star = 1 / sum(1 / body.surface.E_star for body in bodies)
     edges = _edges(min(body.top_thickness for body in bodies), radii)
-    x, w = legendre.leggauss(TUNING.nodes)
+    x, w = legendre.leggauss(JUDGE_NODES)
     half = np.diff(edges)[:, None] / 2
     k, weights = np.ravel(edges[:-1, None] + half * (1 + x)), np.ravel(half * w)
     weights = weights * sum(E_star / body.surface.E_star * (compliance_ratio(body, k) - 1) for body in bodies)
@@ -119,8 +111,8 @@ def contact(specimen: Specimen, R: float, radii: Array, indenter: Specimen | Non
 
 def _edges(thinnest: float, radii: Array) -> Array:
     """Panels in k [1/m]: octaves, and no wider than a turn at the largest radius."""
-    top, turn = TUNING.highest / thinnest, 2 * math.pi / float(radii[-1])
-    octaves = turn * 2.0 ** np.arange(math.floor(math.log2(TUNING.lowest)), 1)
+    top, turn = JUDGE_HIGHEST / thinnest, 2 * math.pi / float(radii[-1])
+    octaves = turn * 2.0 ** np.arange(math.floor(math.log2(JUDGE_LOWEST)), 1)
     if top <= turn:
         return np.concatenate([[0.0], octaves[octaves < top], [top]])
     return np.concatenate([[0.0], octaves[:-1], np.linspace(turn, top, math.ceil((top - turn) / turn) + 1)])
@@ -130,7 +122,7 @@ def _at(a: float, k: Array, weights: Array, R: float, E_star: float) -> Array:
     """delta, P, S, S' at the contact radius ``a`` from the nodes in k and g - 1 times their weights."""
     felt = np.abs(weights) > 1e-22 * np.abs(weights).max()
     k, weights = k[felt], weights[felt]
-    n = np.arange(TUNING.modes + math.ceil(a * float(k[-1]) / 2))
+    n = np.arange(JUDGE_MODES + math.ceil(a * float(k[-1]) / 2))
     norm = np.sqrt((4 * n + 1) * a)
     waves = norm[:, None] * (-1.0) ** n[:, None] * spherical_jn(2 * n[:, None], a * k)
     matrix = np.eye(n.size) + 2 / math.pi * (waves * weights) @ waves.T

@@ -1,7 +1,7 @@
 """The study of tuned numbers: error and time of reference bodies with each of them halved, as shipped, and doubled.
 
-Every algorithm keeps what it was tuned to in one frozen dataclass, a module's constant whose name ends in TUNING; the
-fields whose comment says "tuned" are varied here, one at a time.
+Every algorithm keeps its numbers as constants of its module; those whose comment says "tuned" are varied here, one at
+a time.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ import re
 import sys
 import time
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, is_dataclass, replace
+from dataclasses import dataclass, replace
 from functools import partial
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -57,16 +58,15 @@ NOISY = ("noisy Hertz", "noisy layer")  # series for slopes, with relative noise
 RECORDED = ("half-space", "thin layer")  # bodies of simulated records that are fitted
 USERS = {"integral": ("layered", "hybrid")}  # methods that share what stands in a folder; else the folder's own
 TUNED = "tuned(?!.*make constants)"  # what comments say of the numbers that this study is of
-SHARED: dict[str, Reference] = {}  # exact solutions of this process, by shipped tunings
+SHARED: dict[str, Reference] = {}  # exact solutions of this process, by shipped numbers
 
 
 @dataclass(frozen=True)
 class Knob:
-    """A tuned number: ``field`` of the constant ``name`` in ``module``, and its ``shipped`` value."""
+    """A number of an algorithm: the constant ``name`` of ``module``, and its ``shipped`` value."""
 
     module: str
     name: str
-    field: str
     shipped: float
 
     @property
@@ -107,34 +107,30 @@ def knobs(
     for item in pkgutil.walk_packages(jkrcli.__path__, "jkrcli."):
         if item.name.split(".")[1] in without:
             continue
-        module = importlib.import_module(item.name)
         if asked and not any(word.replace("-", "_") in item.name for word in asked):
             continue
-        for name, held in vars(module).items():
-            if name.endswith("TUNING") and is_dataclass(held) and type(held).__module__ == item.name:
-                found += [Knob(item.name, name, field, getattr(held, field)) for field in _saying(says, type(held))]
+        module = importlib.import_module(item.name)
+        told = constants_told(inspect.getsource(module))
+        found += [Knob(item.name, name, getattr(module, name)) for name, words in told if re.search(says, words)]
     return [knob for knob in found if type(knob.shipped) in (int, float)]
 
 
-def _saying(words: str, cls: type) -> list[str]:
-    """The fields whose comment, beside or right above them, matches."""
-    lines = inspect.getsource(cls).splitlines()
-    (tree,) = ast.parse("\n".join(lines)).body
-    fields = []
-    for node in ast.walk(tree):
-        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+def constants_told(source: str) -> Iterator[tuple[str, str]]:
+    """The constants of a module, each with its comment, which stands beside or right above it."""
+    lines = source.splitlines()
+    for node in ast.parse(source).body:
+        targets = node.targets if isinstance(node, ast.Assign) else []
+        for name in [item.id for item in targets if isinstance(item, ast.Name) and item.id.isupper()]:
             first = node.lineno - 1
-            while lines[first - 1].lstrip().startswith("#"):
+            while first and lines[first - 1].startswith("#"):
                 first -= 1
-            told = " ".join(line.partition("#")[2] for line in lines[first : node.end_lineno])
-            fields += [node.target.id] if re.search(words, told, re.DOTALL) else []
-    return fields
+            yield name, " ".join(line.partition("#")[2] for line in lines[first : node.end_lineno])
 
 
 def variants_of(knob: Knob, bodies: Sequence[str]) -> list[Variant]:
     """All that the algorithm of ``knob`` has a part in, with each of its values; empty where it has none."""
     _, room, *rest = knob.module.split(".")
-    if room == "identification":
+    if room == "fitting":
         able = [(body, "fit") for body in RECORDED[: len(bodies)]]
     elif room == "adhesion":
         able = [(body, way) for body in NOISY[: len(bodies)] for way in noise_cells.METHODS]
@@ -149,7 +145,11 @@ def variants_of(knob: Knob, bodies: Sequence[str]) -> list[Variant]:
 def measure(variant: Variant) -> Outcome:
     """The outcome of a variant that is solved here; SolveError where it takes more than a minute of CPU time."""
     work = _prepared(variant)
-    with contextlib.nullcontext() if variant.knob is None else varied(variant.knob, variant.value):
+    with (
+        contextlib.nullcontext()
+        if variant.knob is None or variant.value is None
+        else varied(variant.knob, variant.value)
+    ):
         start = time.process_time()
         try:
             with cpu_limit(60.0):
@@ -170,7 +170,7 @@ def outcomes(variants: Sequence[Variant], pool: Pool) -> dict[Variant, Outcome]:
 
 
 def _prepared(variant: Variant) -> partial[float]:
-    """What is timed, its exact solution found beforehand with the shipped tunings."""
+    """What is timed, its exact solution found beforehand with the shipped numbers."""
     if variant.body in NOISY:
         body = noise_cells.BODIES[NOISY.index(variant.body)]
         exact = body.series(60)
@@ -224,24 +224,32 @@ def _fit_error(problem: Problem) -> float:
 
 
 @contextlib.contextmanager
-def varied(knob: Knob, value: float | None) -> Iterator[None]:
-    """The tuning with ``value`` at ``knob`` wherever it is known in the package; nothing computed before is kept."""
-    shipped = getattr(importlib.import_module(knob.module), knob.name)
-    modules = [vars(module) for name, module in list(sys.modules.items()) if name.startswith("jkrcli")]
-    holders = [(names, name) for names in modules for name, held in list(names.items()) if held is shipped]
-
-    def put(tuning: Any) -> None:
-        for names, name in holders:
-            names[name] = tuning
-        for item in gc.get_objects():
-            if isinstance(item, functools._lru_cache_wrapper):
-                item.cache_clear()
-
-    put(replace(shipped, **{knob.field: value}))
+def varied(knob: Knob, value: float) -> Iterator[None]:
+    """The constant with ``value`` in all modules that know it; nothing computed before, or with it, is kept."""
+    holders = modules_with(knob)
+    for module in holders:
+        setattr(module, knob.name, value)
+    forget()
     try:
         yield
     finally:
-        put(shipped)
+        for module in holders:
+            setattr(module, knob.name, knob.shipped)
+        forget()
+
+
+def modules_with(knob: Knob) -> list[ModuleType]:
+    """The module of a constant, and those that import it."""
+    importlib.import_module(knob.module)
+    loaded = [module for name, module in list(sys.modules.items()) if name.startswith("jkrcli.")]
+    return [module for module in loaded if vars(module).get(knob.name) == knob.shipped]
+
+
+def forget() -> None:
+    """Clear every memory of what was computed."""
+    for item in gc.get_objects():
+        if isinstance(item, functools._lru_cache_wrapper) and item.__module__ != __name__:
+            item.cache_clear()
 
 
 def table(found: Mapping[Variant, Outcome]) -> dict[str, list[Any]]:
@@ -250,12 +258,12 @@ def table(found: Mapping[Variant, Outcome]) -> dict[str, list[Any]]:
     for trial, outcome in found.items():
         if trial.knob is not None:
             usual = found[Variant(trial.body, trial.method)]
-            named = {"algorithm": trial.knob.module.removeprefix("jkrcli."), "field": trial.knob.field}
+            named = {"algorithm": trial.knob.module.removeprefix("jkrcli."), "constant": trial.knob.name}
             told = {"shipped": trial.knob.shipped, "value": trial.value, "body": trial.body, "method": trial.method}
             errors = {"shipped_error": usual.error, "error": outcome.error}
             times = {"shipped_cpu_s": usual.seconds, "cpu_s": outcome.seconds, "reason": outcome.reason}
             rows.append(named | told | errors | times)
-    return {name: [row[name] for row in rows] for name in (rows[0] if rows else ("algorithm", "field", "shipped"))}
+    return {name: [row[name] for row in rows] for name in (rows[0] if rows else ("algorithm", "constant", "shipped"))}
 
 
 def words(found: Mapping[Variant, Outcome], every: Sequence[Knob]) -> list[str]:
@@ -263,7 +271,7 @@ def words(found: Mapping[Variant, Outcome], every: Sequence[Knob]) -> list[str]:
     titles = f"{'error':>10}{'CPU s':>8}"
     lines = [f"{'tuned number':<48}{'method':<10}{'value':>10}{titles}{'shipped':>10}{titles}"]
     for knob, value in [(each, value) for each in every for value in each.values]:
-        label = f"{knob.module.removeprefix('jkrcli.')}.{knob.field}"
+        label = f"{knob.module.removeprefix('jkrcli.')}.{knob.name}"
         mine = {trial: held for trial, held in found.items() if (trial.knob, trial.value) == (knob, value)}
         for method in dict.fromkeys(trial.method for trial in mine):
             changed = {trial: held for trial, held in mine.items() if trial.method == method}

@@ -26,28 +26,21 @@ from .slopes.result import Slopes
 
 NO_ADHESION = Unknown("there is no adhesion at w = 0")
 
-
-@dataclass(frozen=True)
-class CurveTuning:
-    """How a curve is searched, and when the error of its interpolation is known."""
-
-    # per interval, between which zeros are sought, two between two samples are missed; tuned on cycles at speed, by
-    # `make constants`: half as many miss folds
-    samples: int = 8
-    fewest: int = 5  # theory: every second of fewer points leaves no cubic
-    few: int = 10  # points from which the error falls with the spacing; tuned on noisy series, by `make tuning`
-    widest: float = 2.7  # ratio of neighbouring a - a0 up to which it does; tuned on the same, by `make tuning`
-    order: int = 3  # theory: with the spacing errors fall at least as its power, where splines end too
-    middle: float = 0.5  # theory: of its largest value, in which a cubic Hermite errs by s^2 (1 - s)^2 of an interval
-    looked_at: tuple[float, ...] = (0.25, 0.5, 0.75)  # theory: of a gap, where S' and delta_H err most
-    rim: float = 0.01  # choice: of the position, up to which a first row may lie above the rim, with that as error
-    zero: float = 1e-14  # theory: rounding of the samples, logs of radii or fractions of the last place
+# How a curve is searched, and when the error of its interpolation is known.
+# per interval, between which zeros are sought, two between two samples are missed; tuned on cycles at speed, by
+# `make constants`: half as many miss folds
+CURVE_SAMPLES = 8
+CURVE_FEWEST = 5  # theory: every second of fewer points leaves no cubic
+CURVE_FEW = 10  # points from which the error falls with the spacing; tuned on noisy series, by `make tuning`
+CURVE_WIDEST = 2.7  # ratio of neighbouring a - a0 up to which it does; tuned on the same, by `make tuning`
+CURVE_ORDER = 3  # theory: with the spacing errors fall at least as its power, where splines end too
+CURVE_MIDDLE = 0.5  # theory: of its largest value, in which a cubic Hermite errs by s^2 (1 - s)^2 of an interval
+CURVE_LOOKED_AT = (0.25, 0.5, 0.75)  # theory: of a gap, where S' and delta_H err most
+CURVE_RIM = 0.01  # choice: of the position, up to which a first row may lie above the rim, with that as error
+CURVE_ZERO = 1e-14  # theory: rounding of the samples, logs of radii or fractions of the last place
 
 
-TUNING = CurveTuning()
-
-
-LOAD_CONTROL, DISPLACEMENT_CONTROL = 0.0, math.inf  # as stiffness of the device [N/m]
+LOAD_CONTROL, DISPLACEMENT_CONTROL = 0.0, math.inf  # theory: as stiffness of the device [N/m]
 CONTROLS = {"load": LOAD_CONTROL, "displacement": DISPLACEMENT_CONTROL}
 
 
@@ -309,7 +302,7 @@ class EquilibriumCurve(ABC):
             rises.append((signs[left + 1] > signs[left]).tolist())
         sizes = [left.size for left in lefts]
         left, stiff, level = np.concatenate(lefts), np.repeat(devices, sizes), np.repeat(levels, sizes)
-        zeros = zeros_between(lambda x: positions(*along(x), stiff) - level, x[left], x[left + 1], TUNING.zero)
+        zeros = zeros_between(lambda x: positions(*along(x), stiff) - level, x[left], x[left + 1], CURVE_ZERO)
         places = np.split(np.clip(self._place(zeros), first, last), np.cumsum(sizes)[:-1])
         return [list(zip(some.tolist(), rising, strict=True)) for some, rising in zip(places, rises, strict=True)]
 
@@ -504,7 +497,7 @@ class AdhesiveCurve(EquilibriumCurve):
         theirs.
         """
         z = np.log(self.nonadhesive.knots.a - self.series.a0)
-        a = self.series.a0 + np.exp(z[:-1, None] + np.outer(np.diff(z), TUNING.looked_at)).ravel()
+        a = self.series.a0 + np.exp(z[:-1, None] + np.outer(np.diff(z), CURVE_LOOKED_AT)).ravel()
         errors = self.interpolation_at(a)
         if isinstance(errors, Unknown):
             return errors
@@ -521,19 +514,19 @@ class AdhesiveCurve(EquilibriumCurve):
         assumed. Of the two halves of the points the one counts in which the radius lies nearer to the middle of a gap.
         """
         knots = self.nonadhesive.knots.a - self.series.a0
-        if knots.size < TUNING.fewest:
-            return Unknown(f"unknown: fewer than {TUNING.fewest} points")
+        if knots.size < CURVE_FEWEST:
+            return Unknown(f"unknown: fewer than {CURVE_FEWEST} points")
         y = self._inside(a) - self.series.a0
         gaps, at, place = np.diff(np.log(knots)), _before(knots, y), _place_between(knots, y)
-        if np.max(gaps[at]) > math.log(TUNING.widest):
-            return Unknown(f"unknown: neighbouring radii differ by more than a factor of {TUNING.widest:g}")
+        if np.max(gaps[at]) > math.log(CURVE_WIDEST):
+            return Unknown(f"unknown: neighbouring radii differ by more than a factor of {CURVE_WIDEST:g}")
         beside = np.clip(np.stack([at - 1, at, at + 1]) if self._order else at[None], 0, gaps.size - 1)
         shape = 4 * place * (1 - place) * (gaps[at] / gaps[beside]) ** self._order
         return {name: np.max(changes[beside] * shape, axis=0) for name, changes in self._gap_errors.items()}
 
     @property
     def _order(self) -> int:
-        return TUNING.order if self.nonadhesive.knots.a.size >= TUNING.few else 0
+        return CURVE_ORDER if self.nonadhesive.knots.a.size >= CURVE_FEW else 0
 
     @cached_property
     def _gap_errors(self) -> dict[str, Array]:
@@ -541,14 +534,14 @@ class AdhesiveCurve(EquilibriumCurve):
         knots = self.nonadhesive.knots.a - self.series.a0
         y, gaps = np.sqrt(knots[1:] * knots[:-1]), np.diff(np.log(knots))
         a = self.series.a0 + y
-        here, rounding = np.stack(self._at(a)), TUNING.zero * np.stack(self.nonadhesive.parts(a)[:2])
+        here, rounding = np.stack(self._at(a)), CURVE_ZERO * np.stack(self.nonadhesive.parts(a)[:2])
         largest = np.zeros_like(here)
         for coarser in self.halves:
             fewer = coarser.a - self.series.a0
             place, wider = _place_between(fewer, y), np.diff(np.log(fewer))[_before(fewer, y)] / gaps
             depth = 16 * (place * (1 - place)) ** 2
             change = np.maximum(np.abs(coarser._at(a) - here) - rounding, 0.0) / wider**self._order / depth
-            largest = np.where((wider > 1) & (depth >= TUNING.middle), np.maximum(largest, change), largest)
+            largest = np.where((wider > 1) & (depth >= CURVE_MIDDLE), np.maximum(largest, change), largest)
         return {"delta": largest[0], "P": largest[1]}
 
     @property
@@ -569,7 +562,7 @@ class AdhesiveCurve(EquilibriumCurve):
     @cached_property
     def _samples(self) -> Array:
         x = np.log(self.a - self.series.a0)  # of a, rounding would be felt just beyond a flat end
-        inner = x[:-1, None] + np.diff(x)[:, None] * np.arange(TUNING.samples) / TUNING.samples
+        inner = x[:-1, None] + np.diff(x)[:, None] * np.arange(CURVE_SAMPLES) / CURVE_SAMPLES
         return np.append(inner.ravel(), x[-1])
 
     def _place(self, x: Array) -> Array:
@@ -587,7 +580,7 @@ class AdhesiveCurve(EquilibriumCurve):
         if isinstance(found, Unknown) and self.w > 0 and self.lowest_end(stiffness) == "smallest":
             first = self._ends["smallest"]
             left = abs(float(position(*self.below_first, stiffness)))
-            if self.series.a0 > 0 and left <= TUNING.rim * abs(float(position(first.delta, first.P, stiffness))):
+            if self.series.a0 > 0 and left <= CURVE_RIM * abs(float(position(first.delta, first.P, stiffness))):
                 return CriticalPoint(**vars(first))
         return found
 
@@ -633,17 +626,10 @@ def _place_between(points: Array, x: Array) -> Array:
 #
 # A cone has no length of its own, so that JKR theory goes on to any radius: a stiff one loses contact at picometres.
 
-
-@dataclass(frozen=True)
-class SharpTuning:
-    """When a contact is no longer one of an elastic continuum."""
-
-    near: float = 3.0  # choice: distances of atoms z0 within which the end of a series is as good as pull-off itself
-    pressure: float = 0.1  # theory: of E*, the order of the ideal strength; hardness is less (Johnson 1985, ch. 6)
-    stiff: float = 1e8  # choice: Pa; gels and rubbers below it stretch instead of flowing
-
-
-SHARP_TUNING = SharpTuning()
+# When a contact is no longer one of an elastic continuum.
+SHARP_NEAR = 3.0  # choice: distances of atoms z0 within which the end of a series is as good as pull-off itself
+SHARP_PRESSURE = 0.1  # theory: of E*, the order of the ideal strength; hardness is less (Johnson 1985, ch. 6)
+SHARP_STIFF = 1e8  # choice: Pa; gels and rubbers below it stretch instead of flowing
 
 
 def resolved(
@@ -655,7 +641,7 @@ def resolved(
     if isinstance(point, CriticalPoint):
         small = point.a < z0
     else:
-        small = curve.a[0] < SHARP_TUNING.near * z0 and np.argmin(position(curve.delta, curve.P, stiffness)) == 0
+        small = curve.a[0] < SHARP_NEAR * z0 and np.argmin(position(curve.delta, curve.P, stiffness)) == 0
     if not small:
         return point
     return Unknown(
@@ -671,10 +657,10 @@ def yielding(problem: Problem, curve: EquilibriumCurve) -> list[str]:
     a, P = float(curve.series.a[-1]), float(curve.series.P[-1])
     mean = P / (math.pi * a**2 * problem.E_star)
     confined = a > (problem.specimen.top_thickness or math.inf)
-    if mean <= SHARP_TUNING.pressure or problem.E_star < SHARP_TUNING.stiff or confined:
+    if mean <= SHARP_PRESSURE or problem.E_star < SHARP_STIFF or confined:
         return []
     return [
         f"mean pressure {mean:.2g} E* at the largest contact radius is above "
-        f"{SHARP_TUNING.pressure:g} E*: most materials of "
+        f"{SHARP_PRESSURE:g} E*: most materials of "
         "that stiffness flow plastically first, and the contact is then larger than an elastic one"
     ]

@@ -12,17 +12,10 @@ from ..base import MOST_SOLVES, Array, InputError, Unknown, zeros_between
 from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, CriticalPoint, Equilibrium, EquilibriumCurve
 from .stability import behaviour
 
-
-@dataclass(frozen=True)
-class DemTuning:
-    """How finely the law is tabulated."""
-
-    fewest: int = 65  # tuned on contact laws, by `make constants`: rows to begin with, doubled until the law is met
-    # tuned on contact laws, by `make constants`: of the interpolation, relative to the largest load or radius
-    error: float = 1e-6
-
-
-TUNING = DemTuning()
+# How finely the law is tabulated.
+DEM_FEWEST = 65  # tuned on contact laws, by `make constants`: rows to begin with, doubled until the law is met
+# tuned on contact laws, by `make constants`: of the interpolation, relative to the largest load or radius
+DEM_ERROR = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,13 +49,13 @@ class DemLaw:
         if isinstance(stiff.jump_in, Unknown):
             raise InputError(f"the state after first touch is needed: {stiff.jump_in}")
         load = None if isinstance(soft.pull_off, Unknown) else soft.pull_off
-        for rows in ((TUNING.fewest - 1) * 2**step + 1 for step in range(MOST_SOLVES)):
+        for rows in ((DEM_FEWEST - 1) * 2**step + 1 for step in range(MOST_SOLVES)):
             delta, P, a = _branch(curve, stiff.pull_off, np.linspace(0, 1, rows))
             between = (np.arange(rows - 1) + 0.5) / (rows - 1)
             exact = _branch(curve, stiff.pull_off, between)
             error = max(float(np.abs(interpolated(column, between) - values).max() / np.abs(values).max())
                         for column, values in zip((P, a), exact[1:], strict=True))  # fmt: skip
-            if error <= TUNING.error:
+            if error <= DEM_ERROR:
                 break
         else:
             raise InputError(f"{rows} rows meet the law within {error:.1g} only: give a series of more radii")

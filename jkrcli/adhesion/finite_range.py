@@ -35,11 +35,9 @@ from ..methods import METHODS, AttractedBody
 from ..methods.integral import Attraction, Rims, refuse_narrow
 from ..methods.layered.contact import checked
 from ..series import Record, Series, Solution
-from .curve import CONTROLS, CriticalPoint, Equilibrium, EquilibriumCurve, controlled, position
-from .curve import TUNING as CURVE
+from .curve import CONTROLS, CURVE_SAMPLES, CriticalPoint, Equilibrium, EquilibriumCurve, controlled, position
 from .interpolation import Nonadhesive, Parts
-from .pull_off_error import FEWER_POINTS_TUNING as POINTS
-from .pull_off_error import error_by_points
+from .pull_off_error import FEWER_POINTS_NEAREST, error_by_points
 from .slopes.result import Slopes
 
 TYPE_CHECKING = False
@@ -115,37 +113,33 @@ class RangeRequest:
         return "" if self.length is None else f"-range{self.length:g}"
 
 
-@dataclass(frozen=True)
-class FiniteRangeTuning:
-    """Points of the curve, and the error of its interpolation."""
-
-    # points without contact, even in c, to begin with; choice: halved where a spline does not follow the states
-    apart: int = 32
-    # largest step of arcosh sqrt(c/c0), of half of log c, or of asinh(a/l), l the scale of the body or c0 where that is
-    # less; tuned on curves, by `make constants`: splines good to 1e-7 of the lowest load
-    spacing: float = 0.08
-    degree: int = 5  # theory: of the splines through the points; errors fall with the power degree + 1 of the spacing
-    halved: float = 16.0  # theory: halving the spacing divides the error by 64, by a fourth of it where it is uneven
-    rounds: int = 3  # tuned on curves, by `make constants`: of inserting points where they are too far apart
-    # Radii on either side of a kink, up to a part of its own, the first of that; theory: F bends with the power 3/2
-    beside: int = 24  # theory: 1.8 from one to the next, where splines follow that power to 2e-4 of itself
-    around: float = 0.2  # choice: where the rows of the series are as dense
-    room: float = 1.2  # choice: of that, within which the series' own rows are left out
-    first: float = 1e-6  # theory: its power 3/2 is rounding
-    # of log c from point to point beyond that of log(a + c0): a curve that leaps; choice: steps are half as long
-    leap: float = 0.17
-    fewest: int = 12  # theory: points of a curve, every second of which has the 6 of a spline of degree 5
-    # Steps to both sides of pull-off, fractions of its radius, at which it is solved:
-    close: tuple[float, ...] = (0.01, 0.02, 0.03, 0.045, 0.065, 0.1)  # choice: to where rows of a series lie
-    # theory: of its radius; so near to a state the splines err by 1e-3 of what they do between states, 4e-10: rounding
-    solved: float = 1e-4
-    # on the change of the second panels; tuned on curves, by `make constants`: as for series of `layered`
-    safety: float = 4.0
-    looked_at: int = 8  # contact radii at which separations are looked at; choice: for a warning
-    no_claim: float = 1e-12  # theory: smaller errors are rounding
-
-
-TUNING = FiniteRangeTuning()
+# Points of the curve, and the error of its interpolation.
+# points without contact, even in c, to begin with; choice: halved where a spline does not follow the states
+FINITE_RANGE_APART = 32
+# largest step of arcosh sqrt(c/c0), of half of log c, or of asinh(a/l), l the scale of the body or c0 where that is
+# less; tuned on curves, by `make constants`: splines good to 1e-7 of the lowest load
+FINITE_RANGE_SPACING = 0.08
+FINITE_RANGE_DEGREE = (
+    5  # theory: of the splines through the points; errors fall with the power degree + 1 of the spacing
+)
+FINITE_RANGE_HALVED = 16.0  # theory: halving the spacing divides the error by 64, by a fourth of it where it is uneven
+FINITE_RANGE_ROUNDS = 3  # tuned on curves, by `make constants`: of inserting points where they are too far apart
+# Radii on either side of a kink, up to a part of its own, the first of that; theory: F bends with the power 3/2
+FINITE_RANGE_BESIDE = 24  # theory: 1.8 from one to the next, where splines follow that power to 2e-4 of itself
+FINITE_RANGE_AROUND = 0.2  # choice: where the rows of the series are as dense
+FINITE_RANGE_ROOM = 1.2  # choice: of that, within which the series' own rows are left out
+FINITE_RANGE_FIRST = 1e-6  # theory: its power 3/2 is rounding
+# of log c from point to point beyond that of log(a + c0): a curve that leaps; choice: steps are half as long
+FINITE_RANGE_LEAP = 0.17
+FINITE_RANGE_FEWEST = 12  # theory: points of a curve, every second of which has the 6 of a spline of degree 5
+# Steps to both sides of pull-off, fractions of its radius, at which it is solved:
+FINITE_RANGE_CLOSE = (0.01, 0.02, 0.03, 0.045, 0.065, 0.1)  # choice: to where rows of a series lie
+# theory: of its radius; so near to a state the splines err by 1e-3 of what they do between states, 4e-10: rounding
+FINITE_RANGE_SOLVED = 1e-4
+# on the change of the second panels; tuned on curves, by `make constants`: as for series of `layered`
+FINITE_RANGE_SAFETY = 4.0
+FINITE_RANGE_LOOKED_AT = 8  # contact radii at which separations are looked at; choice: for a warning
+FINITE_RANGE_NO_CLAIM = 1e-12  # theory: smaller errors are rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,12 +211,12 @@ class FiniteRangeCurve(EquilibriumCurve):
         unseen = 0.0 if stiffness in self.moved else float(here[1]) / max(abs(point.P), TINY)
         if len(nearest) < len(halves):
             assert isinstance(self.interpolation_error, float)
-            unseen += TUNING.halved * self.interpolation_error
+            unseen += FINITE_RANGE_HALVED * self.interpolation_error
         fraction = unseen + self.moved.get(stiffness, 0.0) + ROUNDED
         moved = fraction * point.place * np.abs(self._rates(place))
         changed = np.max([np.abs([other.delta, other.P] - state) for other in nearest], axis=0, initial=0.0)
         errors = here + (0.0 if by_points is None else by_points) + unseen * np.abs(state) + moved
-        errors = errors + changed / TUNING.halved
+        errors = errors + changed / FINITE_RANGE_HALVED
         return dict(zip(("delta", "P"), errors.tolist(), strict=True))
 
     def with_solved_points(self, *devices: float) -> FiniteRangeCurve:
@@ -347,7 +341,7 @@ class FiniteRangeCurve(EquilibriumCurve):
 
     @cached_property
     def _samples(self) -> Array:
-        steps = np.arange(CURVE.samples) / CURVE.samples
+        steps = np.arange(CURVE_SAMPLES) / CURVE_SAMPLES
         rows = (
             np.append(self.apart.c, self._c0) if self.complete else self.places[:1],
             np.arcsinh(self.touching.a / self._c0),
@@ -379,7 +373,7 @@ class FiniteRangeCurve(EquilibriumCurve):
 
     @property
     def thinning(self) -> float:
-        return TUNING.halved
+        return FINITE_RANGE_HALVED
 
     @cached_property
     def interpolation_error(self) -> Estimate:
@@ -390,7 +384,7 @@ class FiniteRangeCurve(EquilibriumCurve):
             for ours, there in zip(self._at(left_out), coarser.at(left_out), strict=True):
                 unit = np.maximum(np.abs(ours), abs(float(np.min(ours))))
                 changes.append(float(np.max(np.abs(there - ours) / unit)))
-        return max(changes) / TUNING.halved + TUNING.no_claim
+        return max(changes) / FINITE_RANGE_HALVED + FINITE_RANGE_NO_CLAIM
 
     def _outside(self, stiffness: float, end: str, lowest: Equilibrium) -> str:
         quantity = controlled(stiffness)
@@ -424,7 +418,7 @@ class Broken:
 
         ends = itertools.pairwise([0, *bends.tolist(), x.size - 1])
         parts = (slice(lo, hi + 1) for lo, hi in ends)
-        splines = (make_interp_spline(x[part], y[part], min(TUNING.degree, x[part].size - 1)) for part in parts)
+        splines = (make_interp_spline(x[part], y[part], min(FINITE_RANGE_DEGREE, x[part].size - 1)) for part in parts)
         return cls(x[bends], tuple(splines))
 
     def __call__(self, x: Array) -> Array:
@@ -510,12 +504,12 @@ class FiniteRangeBody:
         apart = self._apart(pulled, float(rims.c[0])) if rims.a[0] == 0 else _some(rims, slice(0))
         none = Parts(*5 * (rims.a[:0],))  # until the states are settled
         curve = FiniteRangeCurve(law, self.problem, self.series, apart, rims, none, body=self)
-        for _ in range(TUNING.rounds):  # every point that is reported is solved where it is
+        for _ in range(FINITE_RANGE_ROUNDS):  # every point that is reported is solved where it is
             near, free = _around_critical(curve, controls)
             rims = _merged(curve.touching, pulled.states(near, curve.around(near))) if near.size else curve.touching
             apart = curve.apart
             if free.size:  # states closer to each other would make round-off of both a slope
-                beside = np.min(np.abs(apart.c[:, None] - free), axis=1) < TUNING.close[0] / 2 * apart.c
+                beside = np.min(np.abs(apart.c[:, None] - free), axis=1) < FINITE_RANGE_CLOSE[0] / 2 * apart.c
                 apart = _merged(_some(apart, ~beside), pulled.free(free))
             if not (near.size or free.size):
                 break
@@ -537,12 +531,12 @@ class FiniteRangeBody:
         # The states without contact with the first one, in which the free bodies come within the range `gap` [m].
         free = _joined(
             Rims(*np.array([[0.0], [0.0], [-pulled.gap], [0.0], [pulled.gap]])),
-            pulled.free(np.linspace(0, c0, TUNING.apart + 1)[1:]),
+            pulled.free(np.linspace(0, c0, FINITE_RANGE_APART + 1)[1:]),
         )
         for _ in range(MOST_STEPS):
             between = pulled.free((free.c[1:] + free.c[:-1]) / 2)
             pulls, drawn = self.problem.indenter.f(between.c) - between.delta, _drawn(self.problem, free)
-            missed = np.abs(drawn(between.c) - pulls) > TUNING.no_claim * pulls
+            missed = np.abs(drawn(between.c) - pulls) > FINITE_RANGE_NO_CLAIM * pulls
             if not missed.any():
                 break
             free = _merged(free, _some(between, missed))
@@ -576,12 +570,12 @@ class FiniteRangeBody:
         if self.problem.indenter.kinks:
             rows = self._rows(self._kinks(pulled, rims))
             rims = pulled.states(rows, np.interp(rows, rims.a, rims.c))
-        for _ in range(TUNING.rounds):
+        for _ in range(FINITE_RANGE_ROUNDS):
             over_c = np.diff(np.arccosh(np.sqrt(np.maximum.accumulate(rims.c) / rims.c[0])))
             over_a = np.diff(np.arcsinh(rims.a / min(rims.c[0], self.body.scale)))
             over_log = np.abs(np.diff(np.log(rims.c))) / 2
             v = np.append(0.0, np.cumsum(np.max([over_c, over_a, over_log], axis=0)))
-            pieces = np.maximum(np.ceil(np.diff(v) / TUNING.spacing), 1).astype(int)
+            pieces = np.maximum(np.ceil(np.diff(v) / FINITE_RANGE_SPACING), 1).astype(int)
             if pieces.max() == 1:
                 break
             inner = [np.linspace(lo, hi, n + 1)[1:-1] for lo, hi, n in zip(v[:-1], v[1:], pieces, strict=True)]
@@ -592,10 +586,10 @@ class FiniteRangeBody:
     def _rows(self, bends: Array) -> Array:
         """Contact radii [m] of the series, and in their place around each of ``bends`` the radius itself and others at
         steps that shrink towards it on both sides, halfway to the next."""
-        a, steps = np.concatenate([[0.0], self.series.a]), np.geomspace(TUNING.first, 1, TUNING.beside)
+        a, steps = np.concatenate([[0.0], self.series.a]), np.geomspace(FINITE_RANGE_FIRST, 1, FINITE_RANGE_BESIDE)
         for before, bend, after in zip([0.0, *bends], bends, [*bends[1:], a[-1]], strict=False):
-            below, above = (min(TUNING.around * bend, abs(bend - other) / 2) for other in (before, after))
-            away = (a < bend - TUNING.room * below) | (a > bend + TUNING.room * above)
+            below, above = (min(FINITE_RANGE_AROUND * bend, abs(bend - other) / 2) for other in (before, after))
+            away = (a < bend - FINITE_RANGE_ROOM * below) | (a > bend + FINITE_RANGE_ROOM * above)
             a = np.concatenate([a[away], bend - below * steps, [bend], bend + above * steps])
         return np.unique(a)
 
@@ -634,7 +628,7 @@ class FiniteRangeBody:
         free = curve.apart.delta[curve.apart.c > 0]
         without = np.abs(on_other.free(curve.apart.c[curve.apart.c > 0]).delta - free) / np.abs(free)
         seen[0] = max(seen[0, 0], np.max(without, initial=0.0))
-        relative = TUNING.safety * seen + TUNING.no_claim + kernel
+        relative = FINITE_RANGE_SAFETY * seen + FINITE_RANGE_NO_CLAIM + kernel
         free = np.stack([f + np.abs(f - curve.apart.delta), np.abs(curve.apart.P)])
         return dict(zip(("delta", "P"), relative * np.concatenate([free, unit], axis=1), strict=True))
 
@@ -648,7 +642,7 @@ class FiniteRangeBody:
         gap = np.minimum(slope * (rims.c - rims.a), shift)
         # Derivatives (2, n) of delta [-] and P [N/m] by the separation at the edge of the attraction, at the same
         # contact radii, without their sign.
-        discs, step = pulled.panels.discs(rims.a), TUNING.solved
+        discs, step = pulled.panels.discs(rims.a), FINITE_RANGE_SOLVED
         more, less = (discs.rims((rims.c - rims.a) * (1 + side * step), pulled.s) for side in (1, -1))
         touching = (
             np.stack([shift, S * shift]) + np.abs((_columns(more) - _columns(less)) / (more.gap - less.gap)) * gap
@@ -663,7 +657,7 @@ class FiniteRangeBody:
         as states on both sides of each show, and so does what the kernel leaves."""
         moved = {}
         for stiffness, point in points:
-            around = 1 + POINTS.nearest * np.array([-1.0, 0.0, 1.0])
+            around = 1 + FEWER_POINTS_NEAREST * np.array([-1.0, 0.0, 1.0])
             near = curve.around(point.a * around)
             both = (
                 panels.states(point.a * around, near) if point.a > 0 else panels.free(point.place * around)
@@ -673,8 +667,8 @@ class FiniteRangeBody:
             bend, added = x[0] - 2 * x[1] + x[2], np.max(np.abs(np.diff(off - x)))
             if bend > 0:
                 kernel = float(self.body.kernel_error(pulled.panels.reach, np.array([_reach(point)]))[0])
-                moved[stiffness] = POINTS.nearest * TUNING.safety * float(added) / float(bend)
-                moved[stiffness] += kernel + TUNING.no_claim
+                moved[stiffness] = FEWER_POINTS_NEAREST * FINITE_RANGE_SAFETY * float(added) / float(bend)
+                moved[stiffness] += kernel + FINITE_RANGE_NO_CLAIM
         return moved
 
     def _by_points(
@@ -701,10 +695,10 @@ def _judged_points(curve: FiniteRangeCurve, controls: Sequence[float]) -> Iterat
     kinks = np.array(curve.problem.indenter.kinks)
     for stiffness in controls:
         point = curve.pull_off(stiffness)
-        if not isinstance(point, CriticalPoint) or not point.a < curve.touching.a[-1] / (1 + POINTS.nearest):
+        if not isinstance(point, CriticalPoint) or not point.a < curve.touching.a[-1] / (1 + FEWER_POINTS_NEAREST):
             continue
         radii = (point.a, _reach(point)) if point.a > 0 else (_reach(point),)
-        if not any(abs(kink / r - 1) < 2 * POINTS.nearest for kink in kinks for r in radii):
+        if not any(abs(kink / r - 1) < 2 * FEWER_POINTS_NEAREST for kink in kinks for r in radii):
             yield stiffness, point
 
 
@@ -729,12 +723,16 @@ def _not_solved(points: list[tuple[float, float, bool]], known: Array) -> Array:
     of a kink, which leaves ``room``: but for those that are ``known`` or lie next to one, to a kink, or beyond."""
     new = known[:0]
     for r, room, _ in sorted(points, key=lambda point: point[2], reverse=True):
-        if np.min(np.abs(np.append(known, new) / r - 1)) > TUNING.solved < room * TUNING.close[0] / TUNING.close[-1]:
+        if (
+            np.min(np.abs(np.append(known, new) / r - 1))
+            > FINITE_RANGE_SOLVED
+            < room * FINITE_RANGE_CLOSE[0] / FINITE_RANGE_CLOSE[-1]
+        ):
             new = np.append(new, r)
     found = new
     for r, room, lost in points:
         if lost and r in found:
-            steps = np.array(TUNING.close) * min(room / TUNING.close[-1], 1.0)
+            steps = np.array(FINITE_RANGE_CLOSE) * min(room / FINITE_RANGE_CLOSE[-1], 1.0)
             around = r * (1 + np.append(-steps, steps))
             apart = np.min(np.abs(around[:, None] - np.append(known, new)), axis=1) > steps[0] / 2 * r
             new = np.append(new, around[apart & (around < np.max(known))])
@@ -748,7 +746,7 @@ def _reach(point: Equilibrium) -> float:
 
 def _doubts(pulled: Pulled, rims: Rims) -> tuple[str, ...]:
     """What speaks against some of the states, with the contact radius."""
-    for n in np.unique(np.linspace(0, rims.a.size - 1, TUNING.looked_at).astype(int)):
+    for n in np.unique(np.linspace(0, rims.a.size - 1, FINITE_RANGE_LOOKED_AT).astype(int)):
         one = _some(rims, slice(n, n + 1))
         if words := pulled.panels.discs(one.a).doubt(one, pulled.s, pulled.gap, pulled.panels.reach):
             where = show(float(one.a[0]), "length")
@@ -774,12 +772,14 @@ def _drawn(problem: Problem, free: Rims) -> BSpline:
     """f(c) - delta [m] over c, through the states without contact."""
     from scipy.interpolate import make_interp_spline
 
-    return make_interp_spline(free.c, problem.indenter.f(free.c) - free.delta, min(TUNING.degree, free.c.size - 1))
+    return make_interp_spline(
+        free.c, problem.indenter.f(free.c) - free.delta, min(FINITE_RANGE_DEGREE, free.c.size - 1)
+    )
 
 
 def _leaps(rims: Rims) -> Array:
     """Numbers of the states beyond which c leaps, or there is no state."""
-    leaps = np.abs(np.diff(np.log(rims.c))) > TUNING.leap + np.diff(np.log(rims.a + rims.c[0]))
+    leaps = np.abs(np.diff(np.log(rims.c))) > FINITE_RANGE_LEAP + np.diff(np.log(rims.a + rims.c[0]))
     unsolved = np.abs(rims.gap / np.median(rims.gap) - 1) > SAME
     return np.flatnonzero(leaps | unsolved[1:] | unsolved[:-1])
 
@@ -791,7 +791,7 @@ def _growing(rims: Rims) -> Rims:
     if not leaps.size:
         return rims
     first = int(leaps[-1]) + 1
-    if rims.a.size - first < TUNING.fewest:
+    if rims.a.size - first < FINITE_RANGE_FEWEST:
         raise Refusal(
             f"adhesion of finite range: up to the contact radius {show(float(rims.a[first]), 'length')} the contact "
             "leaps from one radius to another: a stiff coating, or a layer so soft that it jumps up to the indenter, "

@@ -27,18 +27,11 @@ from .slopes.result import Slopes
 # exact with any number of rows. All of it is tabulated once, so finely that cubics between the nodes conserve energy
 # to about 1e-10.
 
-
-@dataclass(frozen=True)
-class BetweenTuning:
-    """How finely the functions are tabulated."""
-
-    spacing: float = 0.01  # theory: of log(a - a0); cubics between leave a share of 0.01^4/384 of the energies
-    close: float = 1e-3  # theory: of log a; S' and S'' tell S to the fourth power of it, better than S is known
-    # Of P_H, what its rounding leaves of a gain: just beyond a flat end S hardly grows, and no hump can make it up
-    rounding: float = 1e-13  # theory: 450 times the machine epsilon, for the formula of a load
-
-
-BETWEEN_TUNING = BetweenTuning()
+# How finely the functions are tabulated.
+BETWEEN_SPACING = 0.01  # theory: of log(a - a0); cubics between leave a share of 0.01^4/384 of the energies
+BETWEEN_CLOSE = 1e-3  # theory: of log a; S' and S'' tell S to the fourth power of it, better than S is known
+# Of P_H, what its rounding leaves of a gain: just beyond a flat end S hardly grows, and no hump can make it up
+BETWEEN_ROUNDING = 1e-13  # theory: 450 times the machine epsilon, for the formula of a load
 
 
 class Logs(NamedTuple):
@@ -108,7 +101,7 @@ def between(rows: Rows) -> Logs:
 
     # Places z = log(a - a0) close enough to each other, the rows among them, each in an interval i of the rows.
     z, widths = plain.columns.x, np.diff(plain.columns.x)
-    counts = np.maximum(np.ceil(widths / BETWEEN_TUNING.spacing).astype(int), 1)
+    counts = np.maximum(np.ceil(widths / BETWEEN_SPACING).astype(int), 1)
     first = np.repeat(np.arange(counts.size), counts)
     inner = np.arange(first.size) - np.repeat(np.cumsum(counts) - counts, counts)
     places, i = np.append(z[first] + widths[first] * inner / counts[first], z[-1]), np.append(first, first[-1])
@@ -116,7 +109,7 @@ def between(rows: Rows) -> Logs:
     # The quintic of log S over log a, through its slope a S'/S and the slope of that.
     rate = rows.a * rows.dS / rows.S
     bend = rate * (1 + plain.slopes(plain.slopes.x, 1)[:, 1] - rate)
-    log_S = PiecewiseQuintic(plain.slopes.x, np.log(rows.S), rate, bend, BETWEEN_TUNING.close)
+    log_S = PiecewiseQuintic(plain.slopes.x, np.log(rows.S), rate, bend, BETWEEN_CLOSE)
 
     def cubic(z: Array) -> tuple[Array, Array]:
         """exp of the cubic of log delta_H, and its slope over z."""
@@ -135,7 +128,7 @@ def between(rows: Rows) -> Logs:
     gained, by_hump = (np.sum(weights * slope, 1) for _, slope in (cubic(at), hump(at, first[:, None])))
     gain = np.diff(rows.P)
     missed = gain - np.bincount(first, gained)
-    humps = np.where(np.abs(missed) > BETWEEN_TUNING.rounding * rows.P[1:], missed / np.bincount(first, by_hump), 0.0)
+    humps = np.where(np.abs(missed) > BETWEEN_ROUNDING * rows.P[1:], missed / np.bincount(first, by_hump), 0.0)
     gains = gained + humps[first] * by_hump
     gains *= (gain / np.bincount(first, gains))[first]  # round-off
     P = rows.P[0] + np.append(0.0, np.cumsum(gains))
@@ -154,14 +147,8 @@ def between(rows: Rows) -> Logs:
     )
 
 
-@dataclass(frozen=True)
-class NonadhesiveTuning:
-    """Which rows are neighbours."""
-
-    apart: float = 0.5  # choice: of a - a0, from which no error of theirs makes two radii one
-
-
-TUNING = NonadhesiveTuning()
+# Which rows are neighbours.
+NONADHESIVE_APART = 0.5  # choice: of a - a0, from which no error of theirs makes two radii one
 
 
 class Parts(NamedTuple):
@@ -337,7 +324,7 @@ class Nonadhesive:
         distance = np.abs(further.a[np.clip([right - 1, right], 0, further.a.size - 1)] - self.a).min(axis=0)
         beyond = (self.a < further.a[0]) | (self.a > further.a[-1])
         ends = np.isin(self.a, self.a[[0, -1]]) & beyond
-        return ends | (distance > min(wrong**0.25, TUNING.apart) * (self.a - series.a0))
+        return ends | (distance > min(wrong**0.25, NONADHESIVE_APART) * (self.a - series.a0))
 
     def thinned(self, first: int) -> Nonadhesive:
         """The functions of every second point from ``first`` on, the ends and the kinks; the same for every w."""

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -26,30 +26,33 @@ import numpy as np
 from ..base import SAME, UNSEEN, Array, InputError, Unknown
 from ..bodies import Indenter
 from ..series import Series
-from .curve import NO_ADHESION, AdhesiveCurve, CriticalPoint, Equilibrium, position, transform
-from .curve import TUNING as CURVE
+from .curve import (
+    CURVE_ORDER,
+    CURVE_WIDEST,
+    NO_ADHESION,
+    AdhesiveCurve,
+    CriticalPoint,
+    Equilibrium,
+    position,
+    transform,
+)
 from .interpolation import Nonadhesive
 from .slopes import slopes_function
 
-
-@dataclass(frozen=True)
-class CoarserTuning:
-    """Where curves are compared, and what is concluded."""
-
-    # of what doubling changes, over (ratio - 1), at the end of the series; tuned on random bodies, by `make bounds`
-    left: float = 3.0
-    # Powers of a - a0 over that at the end, with which it falls towards first contact, where larger elements have few
-    # nodes: of values, and of places
-    powers: tuple[float, float] = (0.45, 0.3)  # tuned on random bodies, by `make bounds`
-    # of log(a - a0) on either side, over which values are averaged
-    values: float = 0.35  # tuned on random bodies, by `make bounds`
-    rates: float = 0.2  # and their rates; tuned on random bodies, by `make bounds`
-    bend: float = 0.15  # and over which the bend is that of a parabola; tuned on random bodies, by `make bounds`
-    spacing: float = 0.01  # theory: of log(a - a0), far below what meshes resolve
-    points: int = 1000  # theory: of the whole series, as close
+# Where curves are compared, and what is concluded.
+# of what doubling changes, over (ratio - 1), at the end of the series; tuned on random bodies, by `make bounds`
+COARSER_LEFT = 3.0
+# Powers of a - a0 over that at the end, with which it falls towards first contact, where larger elements have few
+# nodes: of values, and of places
+COARSER_POWERS = (0.45, 0.3)  # tuned on random bodies, by `make bounds`
+# of log(a - a0) on either side, over which values are averaged
+COARSER_VALUES = 0.35  # tuned on random bodies, by `make bounds`
+COARSER_RATES = 0.2  # and their rates; tuned on random bodies, by `make bounds`
+COARSER_BEND = 0.15  # and over which the bend is that of a parabola; tuned on random bodies, by `make bounds`
+COARSER_SPACING = 0.01  # theory: of log(a - a0), far below what meshes resolve
+COARSER_POINTS = 1000  # theory: of the whole series, as close
 
 
-TUNING = CoarserTuning()
 Errors = Mapping[str, float]
 
 
@@ -181,7 +184,7 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
     slopes = curve.slopes
     smooth = not isinstance(slopes.error, Unknown) and slopes.error <= UNSEEN
     others = [
-        (other, 2**CURVE.order if smooth else 1)
+        (other, 2**CURVE_ORDER if smooth else 1)
         for other in (_pull_off(half, curve, stiffness) for half in _apart(curve).halves)
         if not isinstance(other, Unknown)
     ]
@@ -212,7 +215,7 @@ def _as_low(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Arr
     def x(other: AdhesiveCurve, a: Array) -> Array:
         return np.asarray(position(*other.at(a), stiffness))
 
-    rows = curve.a[(curve.a > point.a / CURVE.widest) & (curve.a < point.a * CURVE.widest)]
+    rows = curve.a[(curve.a > point.a / CURVE_WIDEST) & (curve.a < point.a * CURVE_WIDEST)]
     away, here = np.abs(rows - point.a), float(x(curve, np.array(point.a)))
     scatter = max(np.max(np.abs(x(half, rows) - x(curve, rows))[away <= np.sort(away)[min(4, rows.size - 1)]])
                   for half in _apart(curve).halves)  # fmt: skip
@@ -250,12 +253,12 @@ def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) ->
     others = () if coarser is None else larger_elements(curve.nonadhesive)
     if coarser is None or not others:
         return None
-    steps = np.arange(-TUNING.values, TUNING.values + TUNING.spacing / 2, TUNING.spacing)
+    steps = np.arange(-COARSER_VALUES, COARSER_VALUES + COARSER_SPACING / 2, COARSER_SPACING)
     a = series.a0 + (point.a - series.a0) * np.exp(steps)
     inside = (a >= max(curve.a[0], others[0].a[0])) & (a <= curve.a[-1])
     a, x = a[inside], steps[inside]
-    near, around = np.abs(x) <= TUNING.bend, np.abs(x) <= TUNING.rates
-    if np.count_nonzero(near) * TUNING.spacing < TUNING.bend:
+    near, around = np.abs(x) <= COARSER_BEND, np.abs(x) <= COARSER_RATES
+    if np.count_nonzero(near) * COARSER_SPACING < COARSER_BEND:
         return None
     # What each step to elements `ratio` times as large changes of delta [m] and P [N] at the radii `a` [m], (2,
     # steps, n), over what second order makes it larger than the first; NaN below the first radius of the larger.
@@ -268,7 +271,7 @@ def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) ->
         body, root_w, a0 = curve.nonadhesive, np.sqrt(curve.w), other.series.a0
         here = body.parts(a[reached])
         first, last = other.a[[0, -1]]
-        radii = np.clip(a0 + np.geomspace(first - a0, last - a0, TUNING.points), first, last)
+        radii = np.clip(a0 + np.geomspace(first - a0, last - a0, COARSER_POINTS), first, last)
         there = other.parts(np.interp(here.delta_H, other.parts(radii).delta_H, radii))
         P_H = there.P_H + there.S * (here.delta_H - there.delta_H)  # what the table leaves of equal displacement
         pulled = there.S * there.t - here.S * here.t
@@ -279,10 +282,10 @@ def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) ->
     along = np.polyfit(x[near], values[:, near].T, 2)[1]
     rates = np.gradient(np.asarray(position(changes[0], changes[1], stiffness)), x, axis=-1)
     moved = _mean(rates[:, around]) / abs(bend)
-    of_value, of_place = ((point.a - series.a0) / (series.a[-1] - series.a0)) ** np.array(TUNING.powers)
+    of_value, of_place = ((point.a - series.a0) / (series.a[-1] - series.a0)) ** np.array(COARSER_POWERS)
     relative = np.array([_mean(change) for change in changes / _sizes(curve, a)[:, None]])
     wrong = np.hypot(of_value * relative * _sizes(curve, np.array(point.a)), of_place * along * moved)
-    of_mesh = TUNING.left / (coarser.ratio - 1) * wrong
+    of_mesh = COARSER_LEFT / (coarser.ratio - 1) * wrong
     shift, slope = _by_profile(curve, point.a)
     return np.sqrt(of_mesh**2 + shift**2 + (along * float(position(slope[0], slope[1], stiffness)) / bend) ** 2)
 
@@ -347,21 +350,14 @@ def _fitted(coarse: Series, body: Nonadhesive, more: float) -> Nonadhesive:
 # elsewhere than the table's own error does: its mean square within an interval of the table on either side counts, of
 # two profiles the larger. The order of the table's own error says what is left.
 
-
-@dataclass(frozen=True)
-class FewerPointsTuning:
-    """Radii at which fewer points are looked at, and what is concluded."""
-
-    left: float = 1.8  # of what the order leaves of a mean; tuned on tables, by `make range-bounds`
-    radii: int = 6  # on either side; choice: some to an interval
-    # of the radius, how far the outermost lie at least, and over which other panels tell how far a point moves; choice:
-    # the contact is still like it
-    nearest: float = 0.02
-    farthest: float = 1.5  # and the factor by which at most; choice: the contact is still like it
-    bend: int = 2  # on either side, through which the bend is that of a parabola; choice: with room for rounding
-
-
-FEWER_POINTS_TUNING = FewerPointsTuning()
+# Radii at which fewer points are looked at, and what is concluded.
+FEWER_POINTS_LEFT = 1.8  # of what the order leaves of a mean; tuned on tables, by `make range-bounds`
+FEWER_POINTS_RADII = 6  # on either side; choice: some to an interval
+# of the radius, how far the outermost lie at least, and over which other panels tell how far a point moves; choice:
+# the contact is still like it
+FEWER_POINTS_NEAREST = 0.02
+FEWER_POINTS_FARTHEST = 1.5  # and the factor by which at most; choice: the contact is still like it
+FEWER_POINTS_BEND = 2  # on either side, through which the bend is that of a parabola; choice: with room for rounding
 
 
 def error_by_points(
@@ -372,18 +368,18 @@ def error_by_points(
     ``columns``: delta and P, (2, n), at contact radii up to ``end`` [m], under the table ``indenter`` and under the
     profiles through fewer of its points.
     """
-    a, middle = _around(indenter, point.a, end), FEWER_POINTS_TUNING.radii
+    a, middle = _around(indenter, point.a, end), FEWER_POINTS_RADII
     values, *others = columns(a)
     changes = np.stack(others) - values
     rates = np.gradient(np.asarray(position(changes[:, 0], changes[:, 1], stiffness)), a, axis=-1)
-    near = slice(middle - FEWER_POINTS_TUNING.bend, middle + FEWER_POINTS_TUNING.bend + 1)
+    near = slice(middle - FEWER_POINTS_BEND, middle + FEWER_POINTS_BEND + 1)
     x = a[near] - a[middle]
     bend = 2 * np.polyfit(x, np.asarray(position(values[0], values[1], stiffness))[near], 2)[0]
     along = np.polyfit(x, values[:, near].T, 2)[1]
     of_F, of_slope, of_mean = indenter.left(np.array([point.a, point.a if point.c is None else point.c])).max(axis=1)
     moved = of_slope * _largest_mean(rates) / abs(bend)
     value = max(of_F, of_mean) * _largest_mean(changes)
-    return FEWER_POINTS_TUNING.left * np.hypot(value, along * moved)
+    return FEWER_POINTS_LEFT * np.hypot(value, along * moved)
 
 
 def _largest_mean(changes: Array) -> Array:
@@ -396,10 +392,10 @@ def _around(indenter: Indenter, a: float, end: float) -> Array:
     """Contact radii [m] from an interval of the table below ``a`` to one above, the middle one ``a`` itself."""
     knots = np.array([0.0, *indenter.joints])
     after = int(np.clip(np.searchsorted(knots, a), 1, knots.size - 1))
-    width = max(knots[after] - knots[after - 1], FEWER_POINTS_TUNING.nearest * a)
+    width = max(knots[after] - knots[after - 1], FEWER_POINTS_NEAREST * a)
     below, above = (
-        max(a - width, a / FEWER_POINTS_TUNING.farthest),
-        min(a + width, a * FEWER_POINTS_TUNING.farthest, end),
+        max(a - width, a / FEWER_POINTS_FARTHEST),
+        min(a + width, a * FEWER_POINTS_FARTHEST, end),
     )
-    steps = np.arange(FEWER_POINTS_TUNING.radii + 1) / FEWER_POINTS_TUNING.radii
+    steps = np.arange(FEWER_POINTS_RADII + 1) / FEWER_POINTS_RADII
     return np.concatenate([below + (a - below) * steps, a + (above - a) * steps[1:]])

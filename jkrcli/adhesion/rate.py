@@ -164,24 +164,18 @@ def parameters_of(law: RateLaw) -> tuple[str, dict[str, float]]:
     return values.pop(RATE_LAWS.word), values
 
 
-@dataclass(frozen=True)
-class MotionTuning:
-    """Accuracy and bounds of the integration."""
-
-    # theory: of the excess, over which it is drawn to the state's: its round-off, 1e-16 over this, is an absolute step
-    drawn: float = 1e-4
-    # tuned on cycles at speed, by `make constants`: of the relative tolerance; the unknowns are scaled to 1
-    absolute: float = 1e-2
-    fastest: float = 1e200  # theory: in radii per T: a speed beyond numbers, its square must not overflow
-    longest: float = 1e15  # theory: of s; beyond it the round-off of a double is longer than a step
-    # tuned on cycles at speed, by `make constants`: of a motion's time, at its end: contact runs away, which inertia
-    # would delay
-    instant: float = 1e-6
-    # theory: distances to a fold, over the first, at which a slow edge is looked at; D rises by the square of the last
-    nearer: Array = field(default_factory=lambda: np.geomspace(1, 1e-6, 200))
-
-
-TUNING = MotionTuning()
+# Accuracy and bounds of the integration.
+# theory: of the excess, over which it is drawn to the state's: its round-off, 1e-16 over this, is an absolute step
+MOTION_DRAWN = 1e-4
+# tuned on cycles at speed, by `make constants`: of the relative tolerance; the unknowns are scaled to 1
+MOTION_ABSOLUTE = 1e-2
+MOTION_FASTEST = 1e200  # theory: in radii per T: a speed beyond numbers, its square must not overflow
+MOTION_LONGEST = 1e15  # theory: of s; beyond it the round-off of a double is longer than a step
+# tuned on cycles at speed, by `make constants`: of a motion's time, at its end: contact runs away, which inertia
+# would delay
+MOTION_INSTANT = 1e-6
+# theory: distances to a fold, over the first, at which a slow edge is looked at; D rises by the square of the last
+MOTION_NEARER = field(default_factory=lambda: np.geomspace(1, 1e-6, 200))
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,7 +234,7 @@ class Motion(Piece):
         tau, end = self.steps[0], float(self.nodes[-1])
         if self.ends != "lost":
             return end
-        until = tau[-1] - TUNING.instant * (tau[-1] - tau[0])
+        until = tau[-1] - MOTION_INSTANT * (tau[-1] - tau[0])
         i = min(int(np.searchsorted(tau, until)), tau.size - 1)
         low = float(self.nodes[max(i - 1, 0)])
         return low if tau[0] == until else float(brentq(lambda s: self.path(s)[0] - until, low, self.nodes[i]))
@@ -321,9 +315,9 @@ class ByLaw(EdgeRule):
             return 0.0
         beyond = self.w * excess if not self.grows else -self.w * excess / (1 + excess) if excess > -1 else math.inf
         try:
-            v = min(self.law.speed(self.w, beyond), TUNING.fastest)
+            v = min(self.law.speed(self.w, beyond), MOTION_FASTEST)
         except OverflowError:
-            v = TUNING.fastest
+            v = MOTION_FASTEST
         return v if self.grows else -v
 
     def move(self, ramp: Ramp, now: Now) -> Motion | Follow:
@@ -340,7 +334,7 @@ class ByLaw(EdgeRule):
         if self._excess(ramp, np.array([a]))[0] > self.slow:
             return None
         whole = self.along(ramp, a)
-        near = whole.end + (a - whole.end) * TUNING.nearer
+        near = whole.end + (a - whole.end) * MOTION_NEARER
         fast = np.flatnonzero(self._excess(ramp, near) > self.slow)
         return whole if not fast.size else replace(whole, end=float(near[fast[0]]), ends="fast", lands=None)
 
@@ -363,7 +357,7 @@ def move(rule: ByLaw, ramp: Ramp, t: float, a: float) -> Motion:
         warnings.filterwarnings("ignore", "lsoda", UserWarning)  # it gives up, reported below
         try:
             solution = solve_ivp(
-                rates, (0.0, TUNING.longest), start, method="LSODA", rtol=tolerance, atol=tolerance * TUNING.absolute,
+                rates, (0.0, MOTION_LONGEST), start, method="LSODA", rtol=tolerance, atol=tolerance * MOTION_ABSOLUTE,
                 dense_output=True, events=_events(rule, ramp, unit),
             )  # fmt: skip
         except OverflowError:  # a step that was tried left all numbers
@@ -390,7 +384,7 @@ def _unit_of_time(rule: ByLaw, ramp: Ramp, t: float, a: float) -> float:
         adhesive = rule.edge.position_at(np.array(a), rule.w) - rule.edge.position_at(np.array(a), 0.0)
         return float(abs(adhesive / ramp.rate))
     G = float(rule.edge.state(np.array(a), np.array(ramp.x)).G)
-    return a / max(abs(rule.speed(G / rule.w - 1)), a / TUNING.longest)
+    return a / max(abs(rule.speed(G / rule.w - 1)), a / MOTION_LONGEST)
 
 
 def _equations(rule: ByLaw, ramp: Ramp, unit: float, energy: float) -> Callable[..., list[float]]:
@@ -414,7 +408,7 @@ def _equations(rule: ByLaw, ramp: Ramp, unit: float, energy: float) -> Callable[
             return [*flows, 0.0]
         d_lag = (by_u - lag * a * dS * (1 if loaded else give) / c) * v / a - rate * unit / c
         d_G = G * (bend - 1) * v / a + dS * lag / (2 * math.pi * a) * d_lag
-        d_excess = d_G / w / size + (G / w - 1 - excess) / max(abs(excess), TUNING.drawn)
+        d_excess = d_G / w / size + (G / w - 1 - excess) / max(abs(excess), MOTION_DRAWN)
         return [*flows, d_excess]
 
     return rates
@@ -446,22 +440,15 @@ def _events(rule: ByLaw, ramp: Ramp, unit: float) -> list[Callable[..., float]]:
 # --------------------------------------------------------------------------------------------------
 # The history of a contact whose edge moves at its own speed: its path under a device's program, over time.
 
-
-@dataclass(frozen=True)
-class HistoryTuning:
-    """Accuracy of the motions, and how their error is estimated."""
-
-    tolerance: float = 3e-11  # choice: relative, of a step of the integrator; leaves 3e-9 of the energies
-    evaluations: int = 100_000  # choice: guard, six times what the slowest pull in tests takes
-    # tuned on curves, by `make constants`: factor of the tolerance of the second run, from whose distance the error is
-    # told
-    coarser: float = 4.0
-    # tuned on curves, by `make constants`: of the tolerance, no smaller error is stated; true ones are 0.01 to 1.7 of
-    # it
-    floor: float = 0.5
-
-
-HISTORY_TUNING = HistoryTuning()
+# Accuracy of the motions, and how their error is estimated.
+HISTORY_TOLERANCE = 3e-11  # choice: relative, of a step of the integrator; leaves 3e-9 of the energies
+HISTORY_EVALUATIONS = 100_000  # choice: guard, six times what the slowest pull in tests takes
+# tuned on curves, by `make constants`: factor of the tolerance of the second run, from whose distance the error is
+# told
+HISTORY_COARSER = 4.0
+# tuned on curves, by `make constants`: of the tolerance, no smaller error is stated; true ones are 0.01 to 1.7 of
+# it
+HISTORY_FLOOR = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -479,9 +466,9 @@ class RateContact(Contact):
     w_advance: float
     stiffness: float = DISPLACEMENT_CONTROL
     law_advance: RateLaw | None = None
-    tolerance: float = HISTORY_TUNING.tolerance
-    evaluations: int = HISTORY_TUNING.evaluations
-    slow: float = HISTORY_TUNING.tolerance  # theory: equilibrium then errs as a step of the integrator does
+    tolerance: float = HISTORY_TOLERANCE
+    evaluations: int = HISTORY_EVALUATIONS
+    slow: float = HISTORY_TOLERANCE  # theory: equilibrium then errs as a step of the integrator does
 
     def __post_init__(self) -> None:
         positive("J/m^2", w0=self.w0)
@@ -526,7 +513,7 @@ class RateContact(Contact):
     @property
     def coarser(self) -> RateContact:
         """The same contact followed less exactly."""
-        return replace(self, tolerance=self.tolerance * HISTORY_TUNING.coarser)
+        return replace(self, tolerance=self.tolerance * HISTORY_COARSER)
 
     def turning(self, load: float | None, depth: float | None, speed: float) -> float:
         """The device's position where the approach comes to ``load`` [N] or ``depth`` [m]; both None: to the end of the
@@ -602,8 +589,8 @@ class History(Path):
     def _stated(self, here: float, there: float) -> float:
         """Relative error of ``here``: errors are proportional to the tolerance."""
         size = max(abs(here), abs(there))
-        changed = abs(here - there) / size / (HISTORY_TUNING.coarser - 1) if size else 0.0
-        return max(changed, HISTORY_TUNING.floor * self.contact.tolerance)
+        changed = abs(here - there) / size / (HISTORY_COARSER - 1) if size else 0.0
+        return max(changed, HISTORY_FLOOR * self.contact.tolerance)
 
     @cached_property
     def fastest(self) -> float:

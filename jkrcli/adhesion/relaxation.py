@@ -40,17 +40,10 @@ from .interpolation import Nonadhesive
 # --------------------------------------------------------------------------------------------------
 # What a sum of exponentials remembers of a quantity that is a polynomial of time from step to step.
 
-
-@dataclass(frozen=True)
-class MomentTuning:
-    """How moments of exponentials are computed."""
-
-    large: float = 2.0  # theory: exponent from which the recursion upwards, of up to seven steps, loses one digit
-    # theory: terms of the recursion downwards below an exponent, 2^22/22! = 4e-15 of its begin is left at the end
-    terms: tuple[tuple[float, int], ...] = ((1e-3, 5), (large, 22))
-
-
-TUNING = MomentTuning()
+# How moments of exponentials are computed.
+MOMENT_LARGE = 2.0  # theory: exponent from which the recursion upwards, of up to seven steps, loses one digit
+# theory: terms of the recursion downwards below an exponent, 2^22/22! = 4e-15 of its begin is left at the end
+MOMENT_TERMS = ((1e-3, 5), (MOMENT_LARGE, 22))
 
 
 def moments(x: Array, count: int) -> Array:
@@ -58,7 +51,7 @@ def moments(x: Array, count: int) -> Array:
     if count == 1:
         return np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0)[None]
     values, least = np.empty((count, *x.shape)), -1.0
-    for most, terms in TUNING.terms:
+    for most, terms in MOMENT_TERMS:
         band = (x > least) & (x <= most)
         values[:, band], least = _downwards(x[band], count, terms), most
     large = x > least
@@ -177,23 +170,16 @@ class View(NamedTuple):
 # The history of a contact that relaxes: it grows, shrinks, is lost. It is made of the nonadhesive contact over its
 # depth.
 
-
-@dataclass(frozen=True)
-class PathTuning:
-    """Accuracy of a history."""
-
-    first: float = 1e-6  # theory: of the largest depth; the load there, 1e-9 of the largest, is interpolated to 1e-2
-    ratio: float = 1.4  # theory: of depths from step to step; depth^1.5 is interpolated to 1e-11 of itself
-    degree: int = 6  # theory: of the load over a step, see ``ratio``
-    places: float = 1e-12  # theory: of a step, round-off
-    below: float = 60.0  # theory: of log depth below the first row, down to a depth of 1e-26 of that row's
-    intervals: int = 100  # choice: of the way back at least, over which its work is integrated; leaves 1e-8
+# Accuracy of a history.
+PATH_FIRST = 1e-6  # theory: of the largest depth; the load there, 1e-9 of the largest, is interpolated to 1e-2
+PATH_RATIO = 1.4  # theory: of depths from step to step; depth^1.5 is interpolated to 1e-11 of itself
+PATH_DEGREE = 6  # theory: of the load over a step, see ``ratio``
+PATH_PLACES = 1e-12  # theory: of a step, round-off
+PATH_BELOW = 60.0  # theory: of log depth below the first row, down to a depth of 1e-26 of that row's
+PATH_INTERVALS = 100  # choice: of the way back at least, over which its work is integrated; leaves 1e-8
 
 
-CONTACT_TUNING = PathTuning()
-PLACES = (
-    1 - np.cos(np.pi * np.arange(CONTACT_TUNING.degree + 1) / CONTACT_TUNING.degree)
-) / 2  # theory: of Chebyshev and Lobatto
+PLACES = (1 - np.cos(np.pi * np.arange(PATH_DEGREE + 1) / PATH_DEGREE)) / 2  # theory: of Chebyshev and Lobatto
 POWERS = np.linalg.inv(np.vander(PLACES, increasing=True)).T  # from values at the places to a polynomial
 AGAIN = (
     "is loaded again before its dent recovers, which is not solved: retract without a stop, at a speed that does not "
@@ -215,7 +201,7 @@ class Depths:
         values, slopes = (self.body.logs.columns(z, order) for order in (0, 1))
         x, by_x = values[:, 0], np.stack([slopes[:, 1], np.ones_like(z)], 1) / slopes[:, :1]
         y = np.stack([values[:, 1], z], 1)
-        ends = np.array([x[0] - CONTACT_TUNING.below]), y[:1] - CONTACT_TUNING.below * by_x[:1], by_x[:1]
+        ends = np.array([x[0] - PATH_BELOW]), y[:1] - PATH_BELOW * by_x[:1], by_x[:1]
         return PiecewiseCubic(*(np.concatenate(pair) for pair in zip(ends, (x, y, by_x), strict=True)))
 
     @property
@@ -286,7 +272,7 @@ class RelaxedPath:
             integral, steps = self.depth.integral(places, now), self.depth.integrals_to_ends(now)
             low = np.clip(np.sum(steps[:, : int(self.last) + 1] < integral[:, None], axis=1) - 1.0, 0.0, self.last - 1)
             marks[later] = zeros_between(
-                lambda place: integral - self.depth.integral(place, now), low, low + 1, CONTACT_TUNING.places
+                lambda place: integral - self.depth.integral(place, now), low, low + 1, PATH_PLACES
             )
             self._check(now, marks[later])
         return marks
@@ -300,9 +286,7 @@ class RelaxedPath:
         """The places at which the contact grew through depths [m] (n,)."""
         places, depths = self._inner
         k = np.clip(np.searchsorted(depths, depth) - 1, 0, depths.size - 2)
-        return zeros_between(
-            lambda place: self.depth.values(place) - depth, places[k], places[k + 1], CONTACT_TUNING.places
-        )
+        return zeros_between(lambda place: self.depth.values(place) - depth, places[k], places[k + 1], PATH_PLACES)
 
     @cached_property
     def _inner(self) -> tuple[Array, Array]:
@@ -320,7 +304,7 @@ class RelaxedPath:
 
 
 def depth_controlled(
-    depths: Depths, modes: Modes, t: Array, x: Array, ratio: float = CONTACT_TUNING.ratio, grows: float = SAME
+    depths: Depths, modes: Modes, t: Array, x: Array, ratio: float = PATH_RATIO, grows: float = SAME
 ) -> RelaxedPath:  # fmt: skip
     """The path under depths ``x`` [m] at the times ``t`` [s], linear between, from 0 on; ``ratio`` of depths from step
     to step; ``grows``: see ``RelaxedPath``."""
@@ -336,7 +320,7 @@ def depth_controlled(
 def finer(t: Array, x: Array, ratio: float) -> tuple[Array, Array]:
     """Depths ``x`` that never fall, and their times, with more between them, so that none is more than ``ratio``
     times the one before."""
-    count = math.ceil(math.log(1 / CONTACT_TUNING.first) / math.log(ratio))
+    count = math.ceil(math.log(1 / PATH_FIRST) / math.log(ratio))
     levels = x[-1] * ratio ** -np.arange(1.0, count + 1)
     after = np.searchsorted(x, levels)
     part = (levels - x[after - 1]) / (x[after] - x[after - 1])
@@ -369,26 +353,19 @@ def _lost(depth: Steps, turn: int) -> float:
 INNER = PLACES[1:]
 DEGREE = INNER.size
 
-
-@dataclass(frozen=True)
-class DrivenTuning:
-    """Steps in time, and how they are solved."""
-
-    first: float = 1e-8  # choice: of a piece of the program, the first step after its corner
-    # of parts after a corner from step to step; tuned on histories, by `make constants`: twice as much moves loads by
-    # five stated errors
-    ratio: float = 1.5
-    last: float = 1e-5  # choice: the same of the step in which contact is lost, of which it may be a power 2/3
-    # steps solved at once; tuned on relaxing bodies, by `make constants`: half cost 1.04 times, twice 1.25 times the
-    # seconds
-    together: int = 24
-    converged: float = 1e-7  # theory: relative, of what Newton's last step is the square root
-    falls: float = 1e-10  # theory: of the depth, what is no round-off
-    near: float = 2.0  # choice: of a step, how far at least it is to end before contact is lost; leaves 1e-7
-    far: float = 2.0  # tuned on relaxing bodies, by `make constants`: guard, of the log depth in an iteration
-
-
-DRIVEN_TUNING = DrivenTuning()
+# Steps in time, and how they are solved.
+DRIVEN_FIRST = 1e-8  # choice: of a piece of the program, the first step after its corner
+# of parts after a corner from step to step; tuned on histories, by `make constants`: twice as much moves loads by
+# five stated errors
+DRIVEN_RATIO = 1.5
+DRIVEN_LAST = 1e-5  # choice: the same of the step in which contact is lost, of which it may be a power 2/3
+# steps solved at once; tuned on relaxing bodies, by `make constants`: half cost 1.04 times, twice 1.25 times the
+# seconds
+DRIVEN_TOGETHER = 24
+DRIVEN_CONVERGED = 1e-7  # theory: relative, of what Newton's last step is the square root
+DRIVEN_FALLS = 1e-10  # theory: of the depth, what is no round-off
+DRIVEN_NEAR = 2.0  # choice: of a step, how far at least it is to end before contact is lost; leaves 1e-7
+DRIVEN_FAR = 2.0  # tuned on relaxing bodies, by `make constants`: guard, of the log depth in an iteration
 
 
 class Run(NamedTuple):
@@ -481,7 +458,7 @@ class Drive:
     stiffness: float
     t: Array
     x: Array
-    ratio: float = DRIVEN_TUNING.ratio
+    ratio: float = DRIVEN_RATIO
     grows: float = SAME
 
     def path(self) -> RelaxedPath:
@@ -490,7 +467,7 @@ class Drive:
         depth, load, lost = self._steps(taken, "depth"), self._steps(taken, "load"), False
         grown = RelaxedPath(self.depths, depth, load, grows=self.grows)
         while turned and not lost and i < self.t.size - 1:
-            lost, now = self._piece(taken, now, i, Falling(self, grown).steps, self._to_end(DRIVEN_TUNING.last))
+            lost, now = self._piece(taken, now, i, Falling(self, grown).steps, self._to_end(DRIVEN_LAST))
             i += 1
         lost |= turned and self.stiffness == LOAD_CONTROL and self.x[-1] == 0
         return replace(grown, depth=self._steps(taken, "depth"), lost=now.t if lost else math.inf)
@@ -530,7 +507,7 @@ class Drive:
     def _piece(self, taken: Taken, now: Now, i: int, solver: Solver, last: Array) -> tuple[bool, Now]:
         """Take the steps through the piece ``i`` of the program, or up to where the contact turns or is lost; whether
         it does, and the state there. ``last``: ends of the steps, parts, in which the one is solved where it does."""
-        count, since, begin = DRIVEN_TUNING.together, now.t, self._part(i, now.t)
+        count, since, begin = DRIVEN_TOGETHER, now.t, self._part(i, now.t)
         ends = self._ends(begin, i)
         while ends.size:
             solved = solver(now, self._device_steps(i, begin, ends[:count]))
@@ -560,7 +537,7 @@ class Drive:
     def _back(taken: Taken, now: Now, since: float, lost: float) -> Now:
         """The state before the steps, from a time [s] on, that end too near to where contact is ``lost`` [s], which are
         given up: it shrinks like a power there."""
-        while taken and taken[-1][0].t >= since and lost - now.t < DRIVEN_TUNING.near * (now.t - taken[-1][0].t):
+        while taken and taken[-1][0].t >= since and lost - now.t < DRIVEN_NEAR * (now.t - taken[-1][0].t):
             now = taken.pop()[0]
         return now
 
@@ -577,7 +554,7 @@ class Drive:
             beyond = _beyond(left[-1]) * np.diff(last, prepend=0.0)[-1]  # in parts of all steps
             if abs(beyond) < ROUNDED or high - low < ROUNDED * part:
                 break
-            after = part * (1 + min(max(beyond, 1 / DRIVEN_TUNING.far - 1), DRIVEN_TUNING.far - 1))
+            after = part * (1 + min(max(beyond, 1 / DRIVEN_FAR - 1), DRIVEN_FAR - 1))
             if high < math.inf and (abs(after - part) > before / 2 or not low < after < high):
                 after = (low + high) / 2  # a vertical slope sends straight steps to and fro
             before, part = abs(after - part), after
@@ -605,9 +582,9 @@ class Drive:
     def _ends(self, begin: float, i: int) -> Array:
         """Ends of the steps from the part ``begin`` of piece ``i`` on, parts of it, closer to each other at first, and
         where a load comes to 0: the contact does as its power 2/3."""
-        parts = self._from_begin(DRIVEN_TUNING.first)
+        parts = self._from_begin(DRIVEN_FIRST)
         if self.stiffness == LOAD_CONTROL and self.x[i + 1] == 0:
-            parts = np.concatenate([parts / 2, (1 + self._to_end(DRIVEN_TUNING.first)) / 2])
+            parts = np.concatenate([parts / 2, (1 + self._to_end(DRIVEN_FIRST)) / 2])
         return np.asarray(begin + (1 - begin) * parts if begin < 1 else parts[:0])
 
     def _device_steps(self, i: int, begin: float, ends: Array) -> DeviceSteps:
@@ -628,8 +605,8 @@ class Drive:
             missing = position(depth, seen + by @ load, self.stiffness) - x
             rates = by * S if loaded else np.eye(x.size) + by * S / self.stiffness
             change = np.linalg.solve(rates * depth, missing)
-            log = log - np.clip(change, -DRIVEN_TUNING.far, DRIVEN_TUNING.far)
-            if np.max(np.abs(change)) < DRIVEN_TUNING.converged:
+            log = log - np.clip(change, -DRIVEN_FAR, DRIVEN_FAR)
+            if np.max(np.abs(change)) < DRIVEN_CONVERGED:
                 break
         else:
             return None
@@ -646,11 +623,11 @@ class Drive:
             return np.asarray(position(depth, seen + stiff * self.depths.loads(depth), self.stiffness) - x)
 
         low = np.where(excess(low) > 0, high, low)
-        return zeros_between(excess, low, np.where(excess(high) > 0, high, low), DRIVEN_TUNING.far)
+        return zeros_between(excess, low, np.where(excess(high) > 0, high, low), DRIVEN_FAR)
 
     def _rising(self, depth: Array) -> Array:
         """What is positive in steps while the depth rises; it may fall by round-off."""
-        rises = (np.diff(depth) > -DRIVEN_TUNING.falls * depth.max(axis=1, keepdims=True)).all(axis=1)
+        rises = (np.diff(depth) > -DRIVEN_FALLS * depth.max(axis=1, keepdims=True)).all(axis=1)
         slopes = depth @ POWERS * np.arange(DEGREE + 1)
         return np.where(rises[:, None], np.eye(1, DEGREE + 1), np.roll(slopes, -1, axis=1))
 
@@ -707,7 +684,7 @@ class Falling:
             missing = position(delta, P, k) - x
             change = np.linalg.solve(rates, missing)
             contact = np.clip(contact - change, least, top)
-            still = np.abs(change) > DRIVEN_TUNING.converged * top
+            still = np.abs(change) > DRIVEN_CONVERGED * top
             if not (still & (np.abs(missing) > SETTLED * self.drive.x.max())).any():
                 break
         else:
@@ -780,8 +757,8 @@ class RelaxingContact:
         t, x = _in_contact(*_ended(program), self.stiffness == LOAD_CONTROL)
         modes = self._modes(t)
         if math.isinf(self.stiffness):
-            return depth_controlled(self.depths, modes, t, x, CONTACT_TUNING.ratio**self.coarser, self.grows)
-        return Drive(self.depths, modes, self.stiffness, t, x, DRIVEN_TUNING.ratio**self.coarser, self.grows).path()
+            return depth_controlled(self.depths, modes, t, x, PATH_RATIO**self.coarser, self.grows)
+        return Drive(self.depths, modes, self.stiffness, t, x, DRIVEN_RATIO**self.coarser, self.grows).path()
 
     def _modes(self, t: Array) -> Modes:
         return self.law.modes(float(t[-1] - t[0]))
@@ -902,7 +879,7 @@ class RelaxedHistory:
         changes, an upper limit."""
         if self.contact.coarser > 1:
             return math.nan
-        t = self._times(CONTACT_TUNING.degree)
+        t = self._times(PATH_DEGREE)
         beside = replace(self.contact, coarser=2).history(self.program)
         P, other = self.path.states(t)[2], beside.path.states(t)[2]
         return float(np.max(np.abs(P - other)) / np.max(P))
@@ -919,7 +896,7 @@ class RelaxedHistory:
         y, weights = composite_gauss(places)
         P = path.load.integral(y.ravel(), path.load.times(y.ravel()))
         t = path.depth.t[turn:]
-        parts = 1 - np.geomspace(1.0, 1e-4, math.ceil(CONTACT_TUNING.intervals / t.size))
+        parts = 1 - np.geomspace(1.0, 1e-4, math.ceil(PATH_INTERVALS / t.size))
         t = np.minimum(np.append(t[:-1, None] + np.diff(t)[:, None] * parts, t[-1]), path.lost)
         later, lasts = composite_gauss(np.unique(np.append(t, path.lost)))
         work = weights.ravel() * path.depth.rates(y.ravel())

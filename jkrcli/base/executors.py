@@ -28,7 +28,6 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor
 from concurrent.futures import wait as wait_for
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any, TypeAlias, TypeVar
 
@@ -42,16 +41,9 @@ Outcomes: TypeAlias = list[Result | Exception]
 Step: TypeAlias = Callable[[bool], object]  # called as an item is finished: whether it failed
 Progress: TypeAlias = Callable[[str, int, float], AbstractContextManager[Step]]  # label, number of items, CPU seconds
 
-
-@dataclass(frozen=True)
-class PoolTuning:
-    """Limits of handing out work; no result depends on them."""
-
-    ahead: int = 2  # theory: tasks per worker that are handed out, one in work and the next, so that none ever waits
-    worth: float = 4.0  # choice: CPU seconds of work for each process, which takes half a second to start
-
-
-TUNING = PoolTuning()
+# Limits of handing out work; no result depends on them.
+POOL_AHEAD = 2  # theory: tasks per worker that are handed out, one in work and the next, so that none ever waits
+POOL_WORTH = 4.0  # choice: CPU seconds of work for each process, which takes half a second to start
 
 
 @contextlib.contextmanager
@@ -85,7 +77,7 @@ def executor(
     """
     if scheduler is not None and workers is not None:
         raise InputError("--workers: the scheduler knows its own workers; give either --workers or --scheduler")
-    count = int(max(1, min(available_cores(), seconds / TUNING.worth))) if workers is None else workers
+    count = int(max(1, min(available_cores(), seconds / POOL_WORTH))) if workers is None else workers
     if count < 1:
         raise InputError(f"--workers: must be >= 1, got {count}")
     pool = _Cluster(scheduler) if scheduler is not None else _Processes(count) if count > 1 else _Here()
@@ -122,7 +114,7 @@ def completed(
     with pool.progress(label, len(items), pool.seconds) as step:
         try:
             while tasks or running or suspects:
-                while tasks and not suspects and len(running) < TUNING.ahead * pool.workers:
+                while tasks and not suspects and len(running) < POOL_AHEAD * pool.workers:
                     hand_out(tasks.popleft())
                 if alone := not running:
                     index = suspects.popleft()

@@ -550,17 +550,10 @@ Share: TypeAlias = Annotated[float, Ranged("number", above=0, most=1)]
 RELAXATIONS = Registry()
 relaxation_law = RELAXATIONS.register  # decorator: the name by which ``relaxation = { law = ... }`` calls it
 
-
-@dataclass(frozen=True)
-class SpectrumTuning:
-    """The exponentials that stand for a power law over a program that lasts T."""
-
-    step: float = 0.4  # theory: of log rates; the trapezoidal rule errs by exp(-pi^2/0.4) = 2e-11
-    slowest: float = 1e-5  # theory: rate times T below which one exponential stands for all; errs by its square
-    fastest: float = 1e10  # theory: the same above which one does, of equal area and moment
-
-
-TUNING = SpectrumTuning()
+# The exponentials that stand for a power law over a program that lasts T.
+SPECTRUM_STEP = 0.4  # theory: of log rates; the trapezoidal rule errs by exp(-pi^2/0.4) = 2e-11
+SPECTRUM_SLOWEST = 1e-5  # theory: rate times T below which one exponential stands for all; errs by its square
+SPECTRUM_FASTEST = 1e10  # theory: the same above which one does, of equal area and moment
 
 
 class Modes(NamedTuple):
@@ -629,8 +622,8 @@ class PowerRelaxation:
         return None
 
     def modes(self, lasting: float) -> Modes:
-        h, x, T = TUNING.step, self.exponent, lasting / self.time
-        low, high = math.floor(math.log(TUNING.slowest / T) / h), math.ceil(math.log(TUNING.fastest / T) / h)
+        h, x, T = SPECTRUM_STEP, self.exponent, lasting / self.time
+        low, high = math.floor(math.log(SPECTRUM_SLOWEST / T) / h), math.ceil(math.log(SPECTRUM_FASTEST / T) / h)
         u = h * np.arange(low, high + 1)
         slow, slower = (math.exp(p * u[0]) / math.expm1(p * h) for p in (x, x + 1))  # sums below: weight, weight x rate
         fast, faster = (math.exp(-p * u[-1]) / math.expm1(p * h) for p in (1 - x, 2 - x))  # above: over rate, rate^2

@@ -16,7 +16,16 @@ from ..methods import Limits
 from ..report import PICTURES, Cycled, CycledByProgram, CycledInLimits, Output, Result, traced_histories
 from ..resolve import analyse, curves_from_rest, rest_of, with_solved_points
 from ..series import Solution
-from .inputs import TUNING, begin_curves, begin_reading, read_series, series_file, works_of
+from .inputs import (
+    TABLE_CYCLE_MIB_PER_ROW,
+    TABLE_CYCLE_PER_POINT,
+    TABLE_CYCLE_PER_ROW,
+    begin_curves,
+    begin_reading,
+    read_series,
+    series_file,
+    works_of,
+)
 from .options import (
     CONTROL,
     LENGTH,
@@ -275,9 +284,9 @@ def _told_rest(rest: Rest | None) -> str:
 def _begin_program(program: Path | None, points: int, limits: Limits) -> None:
     """Say what it takes to follow a ``program``, if there is one, with so many rows for each of its own."""
     if program is not None:
-        per_row = TUNING.cycle_per_row + TUNING.cycle_per_point * points
+        per_row = TABLE_CYCLE_PER_ROW + TABLE_CYCLE_PER_POINT * points
         begin_reading("cycle --program", [program], limits, "fewer rows of the program, or fewer --points",
-                      per_row=per_row, mib_per_row=TUNING.cycle_mib_per_row)  # fmt: skip
+                      per_row=per_row, mib_per_row=TABLE_CYCLE_MIB_PER_ROW)  # fmt: skip
 
 
 def _refuse_range(rates: RateOptions, works: tuple[float, float]) -> None:

@@ -20,7 +20,20 @@ from ..data import Reading
 from ..methods import Forecast, Limits
 from ..report import PICTURES, SHOWN, Output
 from . import options
-from .inputs import TUNING, Flags, begin_reading, body_and_measured, body_options, fitted_body, reading_options
+from .inputs import (
+    TABLE_CARRIED,
+    TABLE_FIT_PER_CURVE,
+    TABLE_FIT_PER_ROW,
+    TABLE_PROFILED,
+    TABLE_REFIT,
+    TABLE_REFIT_PER_ROW,
+    Flags,
+    begin_reading,
+    body_and_measured,
+    body_options,
+    fitted_body,
+    reading_options,
+)
 from .options import Parallel, begin
 from .output import give, note, progress, say, warn
 from .verb import flag, several, verb
@@ -186,8 +199,8 @@ FEWER = "fewer rows, curves or samples"
 
 def refits_of(confidence: str, samples: int, uncertain: int) -> int:
     """How often a curve is fitted anew for its intervals, and for as many ``uncertain`` inputs."""
-    anew = {"covariance": 0, "profile": TUNING.profiled, "bootstrap": samples}
-    return anew[confidence] + TUNING.carried * uncertain
+    anew = {"covariance": 0, "profile": TABLE_PROFILED, "bootstrap": samples}
+    return anew[confidence] + TABLE_CARRIED * uncertain
 
 
 def fit_curves(
@@ -199,7 +212,7 @@ def fit_curves(
 
     output = request.output
     curves, reasons = data.usable(request.measured, request.reading)
-    each_curve = (TUNING.fit_per_curve + refits * (TUNING.refit + TUNING.refit_per_row * len(one)) for one in curves)
+    each_curve = (TABLE_FIT_PER_CURVE + refits * (TABLE_REFIT + TABLE_REFIT_PER_ROW * len(one)) for one in curves)
     seconds = sum(each_curve)
     begin(f"fit of {len(curves):,} curves", Forecast(len(bodies) * seconds, 0.0, 0.0), limits, FEWER)
     each = []
@@ -394,7 +407,7 @@ def fit(
         output.files(longest, PICTURES, inputs)
     refits = refits_of(values["confidence"], values["samples"], len(values["uncertain"]))
     surfaces = SURFACES.get(values["surface"], ("",))
-    per_row, per_file = TUNING.fit_per_row + refits * TUNING.refit_per_row, refits * TUNING.refit
+    per_row, per_file = TABLE_FIT_PER_ROW + refits * TABLE_REFIT_PER_ROW, refits * TABLE_REFIT
     begin_reading("fit", paths, limits, FEWER, per_row=len(surfaces) * per_row, per_file=len(surfaces) * per_file)
     fitted = fitted_body(source, slopes, limits)
     if kind in (LAW, RELAXATION) and fitted.range_of_case:

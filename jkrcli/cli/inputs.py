@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -306,26 +306,21 @@ def begin_curves(
 # --------------------------------------------------------------------------------------------------
 # The options by which verbs read measured curves: one set for all of them.
 
-
-@dataclass(frozen=True)
-class TableTuning:
-    """What tables cost, and what verbs do with their rows."""
-
-    per_row: float = 3e-6  # CPU seconds to read; tuned on tables of 1e5 and 1e6 rows, by `make guards`
-    mib_per_row: float = 7e-4  # of memory; tuned on the same, by `make guards`
-    cycle_per_row: float = 0.012  # CPU seconds of `jkr cycle --program`; tuned on 100 and 1,000 rows, by `make guards`
-    cycle_mib_per_row: float = 0.05  # of memory; tuned on the same, by `make guards`
-    cycle_per_point: float = 1.2e-5  # CPU seconds of what is written for each; tuned on the same, by `make guards`
-    fit_per_row: float = 5e-5  # CPU seconds to fit; tuned on the same, by `make guards`
-    work_per_row: float = 8e-6  # CPU seconds of `jkr work`; tuned on the same, by `make guards`
-    refit: float = 6e-3  # CPU seconds of a fit from near its end; tuned on 200 rows, by `make guards`
-    refit_per_row: float = 5e-6  # and per row; tuned on 1e4 rows, by `make guards`
-    profiled: int = 150  # fits of a profile; tuned on 200 and 1,000 rows, by `make guards`
-    carried: int = 6  # fits of an uncertain input; theory: two, of three times as many steps each
-    fit_per_curve: float = 0.05  # CPU seconds; choice: of 2,000 rows, for the number of processes
+# What tables cost, and what verbs do with their rows.
+TABLE_PER_ROW = 3e-6  # CPU seconds to read; tuned on tables of 1e5 and 1e6 rows, by `make guards`
+TABLE_MIB_PER_ROW = 7e-4  # of memory; tuned on the same, by `make guards`
+TABLE_CYCLE_PER_ROW = 0.012  # CPU seconds of `jkr cycle --program`; tuned on 100 and 1,000 rows, by `make guards`
+TABLE_CYCLE_MIB_PER_ROW = 0.05  # of memory; tuned on the same, by `make guards`
+TABLE_CYCLE_PER_POINT = 1.2e-5  # CPU seconds of what is written for each; tuned on the same, by `make guards`
+TABLE_FIT_PER_ROW = 5e-5  # CPU seconds to fit; tuned on the same, by `make guards`
+TABLE_WORK_PER_ROW = 8e-6  # CPU seconds of `jkr work`; tuned on the same, by `make guards`
+TABLE_REFIT = 6e-3  # CPU seconds of a fit from near its end; tuned on 200 rows, by `make guards`
+TABLE_REFIT_PER_ROW = 5e-6  # and per row; tuned on 1e4 rows, by `make guards`
+TABLE_PROFILED = 150  # fits of a profile; tuned on 200 and 1,000 rows, by `make guards`
+TABLE_CARRIED = 6  # fits of an uncertain input; theory: two, of three times as many steps each
+TABLE_FIT_PER_CURVE = 0.05  # CPU seconds; choice: of 2,000 rows, for the number of processes
 
 
-TUNING = TableTuning()
 MEASURED_KEYS = tuple(NAMES.quantities)
 
 
@@ -382,6 +377,6 @@ def begin_reading(
     from ..data.afm_formats import rows_expected
 
     rows = sum(map(rows_expected, paths))
-    seconds = (TUNING.per_row + per_row) * rows + per_file * len(paths)
-    cost = Forecast(seconds, (TUNING.mib_per_row + mib_per_row) * rows, 0.0)
+    seconds = (TABLE_PER_ROW + per_row) * rows + per_file * len(paths)
+    cost = Forecast(seconds, (TABLE_MIB_PER_ROW + mib_per_row) * rows, 0.0)
     options.begin(f"{verb} of about {float(f'{rows:.1g}'):,.0f} rows", cost, limits, less)

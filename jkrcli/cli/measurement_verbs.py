@@ -10,7 +10,7 @@ import click
 from ..base import InputError, together
 from ..data import Reading
 from ..report import PICTURES, Output, Results
-from .inputs import TUNING, Flags, begin_reading, reading_options, tip_of, tip_options
+from .inputs import TABLE_WORK_PER_ROW, Flags, begin_reading, reading_options, tip_of, tip_options
 from .options import SCALE, WORKERS, into_folder, modulus_factor_option, output_options, slopes_option
 from .output import answer, give, progress
 from .verb import verb
@@ -103,7 +103,7 @@ def work(
         [output.beside(path, "-work") for path in measured], (".csv", ".json", *PICTURES), (series, *measured)
     )
     series = series_file(series)
-    begin_reading("work", measured, per_row=TUNING.work_per_row)
+    begin_reading("work", measured, per_row=TABLE_WORK_PER_ROW)
     solution = read_series(series)
     warn_of_constant_moduli(solution)
     without_range(solution.record, "work")

@@ -343,7 +343,7 @@ def _metres(number: float, unit: str) -> float:
 
 INTACT_WHAT = "file of force curves"
 INTACT_AGAIN = "export it again"
-HEAD, WAVE = 384, 64  # bytes: both heads of Igor's binary wave of version 5, and the first of them
+HEAD, WAVE = 384, 64  # theory: bytes of both heads of Igor's binary wave of version 5, and the first of them
 PIXELS = re.compile(rb"\.grid\.[ij]length\s*[=: ]\s*(\d+)(?:\.\d*)?(?:[eE]\+?(\d+))?")  # of the grid of a JPK map
 
 

@@ -166,7 +166,7 @@ def constants(head: tuple[str, ...]) -> Mapping[str, float]:
 
 ENDINGS = (".txt", ".csv", ".tsv", ".dat", ".asc", ".tab")
 PIECE = 1 << 16  # choice: bytes read at a time, and of a table to estimate the length of its rows
-LONGEST_END = (1 << 16) + 200  # bytes of the records at the end, with the comment that may follow
+LONGEST_END = (1 << 16) + 200  # theory: bytes of the records at the end, with the comment that may follow
 ENTRY = b"PK\1\2"  # how a member begins in the list of members
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others unpack without a limit, bzip2 a million times as much
 WRONG = (OSError, RuntimeError, EOFError, ValueError, KeyError, struct.error, zipfile.BadZipFile, zlib.error)  # damage

@@ -20,16 +20,9 @@ from .tables import NO_UNIT
 # --------------------------------------------------------------------------------------------------
 # A detector at its limit.
 
-
-@dataclass(frozen=True)
-class SaturationTuning:
-    """What no load of a contact does."""
-
-    saturated: int = 5  # choice: rows in succession at the very same largest load that count
-    levels: float = 10.0  # choice: of a converter, by which the load must have come there within as many rows
-
-
-SATURATION_TUNING = SaturationTuning()
+# What no load of a contact does.
+SATURATION_SATURATED = 5  # choice: rows in succession at the very same largest load that count
+SATURATION_LEVELS = 10.0  # choice: of a converter, by which the load must have come there within as many rows
 
 
 def saturation(curve: Curve) -> tuple[str, ...]:
@@ -54,48 +47,41 @@ def _standing_still(P: Array, z: Array, end: float) -> int:
     count = int(last[i] - first[i])
     levels = np.diff(np.unique(P))
     moved = np.abs(z[first[i] : last[i]] - z[first[i]]).max()
-    if count < SATURATION_TUNING.saturated or count == P.size or moved < NOTICEABLE * np.ptp(z):
+    if count < SATURATION_SATURATED or count == P.size or moved < NOTICEABLE * np.ptp(z):
         return 0
     near = P[max(first[i] - count, 0) : last[i] + count]
-    return count if float(np.ptp(near)) > SATURATION_TUNING.levels * float(levels.min()) else 0
+    return count if float(np.ptp(near)) > SATURATION_LEVELS * float(levels.min()) else 0
 
 
 PAUSE = "pause"
 
-
-@dataclass(frozen=True)
-class RecordTuning:
-    """Where a departure counts; lengths are shares of the rows of a direction."""
-
-    normal: float = 1.4826  # theory: standard deviation over median deviation of normal noise
-    block: float = 1 / 200  # tuned on records, by `make constants`: rows averaged in the search for slow deviations
-    # choice: the part of a direction that is free if anything is; of the whole way, least of both ways that make two
-    # directions of one segment
-    far: float = 0.1
-    inside: float = 0.8  # tuned on records, by `make constants`: of the free part found first, what surely is free
-    sigmas: float = 6.0  # theory: 1e-9 of normal noise lies beyond, of rows and of what they leave a line by
-    least: float = 0.005  # choice: of the range of the load, below which no departure counts
-    whole: float = 0.1  # theory: off whole numbers, of steps between levels; a few that are none are so by chance
-    run: int = 3  # tuned on records, by `make constants`: blocks in succession that must agree
-    # choice: of all rows, the range of the load, or the way: what is no direction, no jump, no motion, no place of
-    # steps, and how many rows may be spikes
-    small: float = 0.02
-    half: float = 0.5  # theory: of a way, a step, the least load or what a line leaves: more is the larger part of it
-    # choice: of the rows, least length of a tether; relative change of its load, beyond the error; no contact's is
-    # below 0.1 by then
-    tether: float = 0.05
-    straight: float = 1.3  # choice: of the noise, what the line through them leaves at most
-    # tuned on records, by `make constants`: just below the half of a step in speed that smoothing leaves at its place
-    still: float = 0.45
-    smooth: int = 4  # choice: degree of a polynomial that follows the end of a contact and no kink
-    wavy: float = 0.03  # choice: of the range of the load, waviness of a base line that is flagged
-    # choice: what a tilt may make of the largest load over the depth of contact, and the largest load or tension at
-    # least of what it makes over all of the base line
-    steep: float = 0.2
-    wandering: float = 2.0  # theory: way over distance of a device that reverses once
-
-
-TUNING = RecordTuning()
+# Where a departure counts; lengths are shares of the rows of a direction.
+RECORD_NORMAL = 1.4826  # theory: standard deviation over median deviation of normal noise
+RECORD_BLOCK = 1 / 200  # tuned on records, by `make constants`: rows averaged in the search for slow deviations
+# choice: the part of a direction that is free if anything is; of the whole way, least of both ways that make two
+# directions of one segment
+RECORD_FAR = 0.1
+RECORD_INSIDE = 0.8  # tuned on records, by `make constants`: of the free part found first, what surely is free
+RECORD_SIGMAS = 6.0  # theory: 1e-9 of normal noise lies beyond, of rows and of what they leave a line by
+RECORD_LEAST = 0.005  # choice: of the range of the load, below which no departure counts
+RECORD_WHOLE = 0.1  # theory: off whole numbers, of steps between levels; a few that are none are so by chance
+RECORD_RUN = 3  # tuned on records, by `make constants`: blocks in succession that must agree
+# choice: of all rows, the range of the load, or the way: what is no direction, no jump, no motion, no place of
+# steps, and how many rows may be spikes
+RECORD_SMALL = 0.02
+RECORD_HALF = 0.5  # theory: of a way, a step, the least load or what a line leaves: more is the larger part of it
+# choice: of the rows, least length of a tether; relative change of its load, beyond the error; no contact's is
+# below 0.1 by then
+RECORD_TETHER = 0.05
+RECORD_STRAIGHT = 1.3  # choice: of the noise, what the line through them leaves at most
+# tuned on records, by `make constants`: just below the half of a step in speed that smoothing leaves at its place
+RECORD_STILL = 0.45
+RECORD_SMOOTH = 4  # choice: degree of a polynomial that follows the end of a contact and no kink
+RECORD_WAVY = 0.03  # choice: of the range of the load, waviness of a base line that is flagged
+# choice: what a tilt may make of the largest load over the depth of contact, and the largest load or tension at
+# least of what it makes over all of the base line
+RECORD_STEEP = 0.2
+RECORD_WANDERING = 2.0  # theory: way over distance of a device that reverses once
 
 
 @dataclass(frozen=True)
@@ -139,7 +125,7 @@ class BaseLine:
     @property
     def least(self) -> float:
         """The smallest load [N] that stands out from the base line."""
-        return TUNING.sigmas * math.hypot(self.noise, self.waviness)
+        return RECORD_SIGMAS * math.hypot(self.noise, self.waviness)
 
 
 @dataclass(frozen=True)
@@ -180,10 +166,10 @@ class Direction:
     def begins_free(self) -> bool:
         """Whether there is a base line: not a few rows only, not contact's own end, not as steep as contact is, and not
         the straight line of an edge at rest."""
-        enough = self.base.rows >= TUNING.far * len(self.segment) and not self.base.curved
+        enough = self.base.rows >= RECORD_FAR * len(self.segment) and not self.base.curved
         rise, off = abs(self.base.tilt) * self.way * self.base.rows / len(self.segment), known(self.adhesion) or 0.0
-        level = TUNING.steep * rise <= max(self.largest, off)
-        return enough and level and abs(self.base.tilt) * self.depth <= TUNING.steep * self.largest
+        level = RECORD_STEEP * rise <= max(self.largest, off)
+        return enough and level and abs(self.base.tilt) * self.depth <= RECORD_STEEP * self.largest
 
     @property
     def based(self) -> bool:
@@ -245,10 +231,10 @@ def _spikes(P: Array) -> Array:
     what the others do; none where they are many. At a jump one of the lines holds, or they are apart."""
     before, after = 2 * P[1:-3] - P[:-4], 2 * P[3:-1] - P[4:]
     off = np.minimum(np.abs(P[2:-2] - before), np.abs(P[2:-2] - after))
-    least = max(TUNING.sigmas * _robust(P[2:-2] - before), TUNING.least * float(np.ptp(P)))
+    least = max(RECORD_SIGMAS * _robust(P[2:-2] - before), RECORD_LEAST * float(np.ptp(P)))
     between = (P[2:-2] - before) * (P[2:-2] - after) > 0
-    spikes = np.flatnonzero(between & (off > least) & (np.abs(before - after) < TUNING.half * off)) + 2
-    return spikes if spikes.size <= TUNING.small * P.size else spikes[:0]
+    spikes = np.flatnonzero(between & (off > least) & (np.abs(before - after) < RECORD_HALF * off)) + 2
+    return spikes if spikes.size <= RECORD_SMALL * P.size else spikes[:0]
 
 
 def _named_segments(curve: Curve) -> list[Segment]:
@@ -266,8 +252,8 @@ def _named_segments(curve: Curve) -> list[Segment]:
         inside = _segments_by_motion(delta[part.rows]) if len(part) >= FEWEST_ROWS else []
         moved = [item for item in inside if item.kind != PAUSE]
         ways = {item.kind: float(np.ptp(delta[part.rows][item.rows])) for item in inside}
-        both = len(moved) > 1 and min(ways[item.kind] for item in moved) > TUNING.far * float(np.ptp(delta))
-        stood = len(moved) == 1 and ways.get(PAUSE, math.inf) < TUNING.small * ways[moved[0].kind]
+        both = len(moved) > 1 and min(ways[item.kind] for item in moved) > RECORD_FAR * float(np.ptp(delta))
+        stood = len(moved) == 1 and ways.get(PAUSE, math.inf) < RECORD_SMALL * ways[moved[0].kind]
         if both or (stood and moved[0].kind == part.kind):
             parts += [Segment(item.kind, part.first + item.first, part.first + item.last) for item in inside]
         else:
@@ -285,16 +271,16 @@ def _segments_by_motion(delta: Array) -> list[Segment]:
     # The speed at which half of the way is covered or less: pauses have no part in it, however long they last.
     ordered = np.sort(speed)
     way = np.cumsum(ordered)
-    moving = speed >= TUNING.still * float(ordered[np.searchsorted(way, way[-1] / 2)])
+    moving = speed >= RECORD_STILL * float(ordered[np.searchsorted(way, way[-1] / 2)])
     before, after = np.flatnonzero(moving[:turn]), np.flatnonzero(moving[turn:])
     first = int(before[-1]) if before.size else 0
     last = turn + int(after[0]) - 1 if after.size else n - 1
-    if last - first < TUNING.small * n:
+    if last - first < RECORD_SMALL * n:
         first = last = turn
     if last == 0 and delta[0] == delta.max():  # retraction from the first row on
         first = last = -1
     parts = [Segment(APPROACH, 0, first), Segment(PAUSE, first + 1, last), Segment(RETRACT, last + 1, n - 1)]
-    return [part for part in parts if len(part) > TUNING.small * n]
+    return [part for part in parts if len(part) > RECORD_SMALL * n]
 
 
 def _direction(position: Array, P: Array, segment: Segment) -> Direction:
@@ -316,7 +302,7 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
     rows = range(segment.first, segment.last + 1)[::order]
     falls, others = _jumps(off, base)
     falls += _end_of_tether(off, base, falls)
-    turn = x.max() - TUNING.small * np.ptp(x)  # beyond, a change of drag is no event
+    turn = x.max() - RECORD_SMALL * np.ptp(x)  # beyond, a change of drag is no event
     others = [(first, last) for first, last in others if x[last] < turn]
     jumps, steps = (
         tuple(ForceJump(rows[(i + j) // 2], float(x[(i + j) // 2]), float(off[j] - off[i])) for i, j in pairs)
@@ -330,14 +316,14 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
 
 
 def in_succession(marked: Array) -> Array:
-    """Whether each place begins a run of ``TUNING.run`` that are ``marked`` (a mask)."""
-    runs: Array = np.convolve(marked, np.ones(TUNING.run, dtype=int), "valid") == TUNING.run
+    """Whether each place begins a run of ``RECORD_RUN`` that are ``marked`` (a mask)."""
+    runs: Array = np.convolve(marked, np.ones(RECORD_RUN, dtype=int), "valid") == RECORD_RUN
     return runs
 
 
 def _block(rows: int) -> int:
     """The number of rows of a block."""
-    return max(1, round(rows * TUNING.block))
+    return max(1, round(rows * RECORD_BLOCK))
 
 
 def _blocks(values: Array, size: int) -> Array:
@@ -347,7 +333,7 @@ def _blocks(values: Array, size: int) -> Array:
 
 def _robust(values: Array) -> float:
     """Standard deviation of the bulk of ``values``, by the median of their distance from the median."""
-    return TUNING.normal * float(np.median(np.abs(values - np.median(values))))
+    return RECORD_NORMAL * float(np.median(np.abs(values - np.median(values))))
 
 
 def _end_of_free_part(x: Array, y: Array) -> int:
@@ -356,13 +342,13 @@ def _end_of_free_part(x: Array, y: Array) -> int:
     n, size = x.size, _block(x.size)
     end = max(_best_cut(x, y), 5)
     for _ in range(2):
-        sure = max(round(TUNING.inside * end), 5)
+        sure = max(round(RECORD_INSIDE * end), 5)
         off = y - _polynomial(x[:sure], y[:sure], 1)(x)
         inner = _blocks(off[:sure], size)
         scatter = max(float(np.sqrt(np.mean(inner**2))), _robust(np.diff(y, 2)) / math.sqrt(6 * size))
-        least = TUNING.least * float(np.ptp(y[: 2 * end]))
-        away = np.abs(_blocks(off, size)) > max(TUNING.sigmas * scatter, least)
-        padded = np.concatenate([away, away[-1:].repeat(TUNING.run - 1)])  # the last block alone may be in contact
+        least = RECORD_LEAST * float(np.ptp(y[: 2 * end]))
+        away = np.abs(_blocks(off, size)) > max(RECORD_SIGMAS * scatter, least)
+        padded = np.concatenate([away, away[-1:].repeat(RECORD_RUN - 1)])  # the last block alone may be in contact
         runs = in_succession(padded)
         end = max(int(np.argmax(runs)) * size if runs.any() else n, 5)
     return end
@@ -371,7 +357,7 @@ def _end_of_free_part(x: Array, y: Array) -> int:
 def _best_cut(x: Array, y: Array) -> int:
     """The number of rows before the cut at which a straight line up to it and a parabola beyond leave least."""
     n = x.size
-    cuts = np.unique(np.linspace(max(5, round(TUNING.far * n)), n - 4, min(n, 200)).astype(int))
+    cuts = np.unique(np.linspace(max(5, round(RECORD_FAR * n)), n - 4, min(n, 200)).astype(int))
     line = _misfits(x, y, 1, cuts)
     curve = _misfits(x[::-1], y[::-1], 2, n - cuts)
     return int(cuts[np.argmin(line + curve)])
@@ -412,16 +398,16 @@ def resolution(y: Array) -> float:
         return 0.0
     step = float(np.median(steps[steps < 1.5 * steps.min()]))
     whole = steps / step
-    return step if float(np.abs(whole - np.rint(whole)).max()) < TUNING.whole else 0.0
+    return step if float(np.abs(whole - np.rint(whole)).max()) < RECORD_WHOLE else 0.0
 
 
 def _is_curved(x: Array, y: Array, end: int) -> bool:
     """Whether the first ``end`` rows go on smoothly in as many more: one polynomial through all of them leaves much
     less than the line through what surely would be free. Contact begins with a kink or a jump, which none follows."""
-    sure, whole = round(TUNING.inside * end), 2 * end
-    if sure < 2 * (TUNING.smooth + 1) or whole > x.size:
+    sure, whole = round(RECORD_INSIDE * end), 2 * end
+    if sure < 2 * (RECORD_SMOOTH + 1) or whole > x.size:
         return False
-    return _left(x[:whole], y[:whole], TUNING.smooth) < TUNING.half * _left(x[:sure], y[:sure], 1)
+    return _left(x[:whole], y[:whole], RECORD_SMOOTH) < RECORD_HALF * _left(x[:sure], y[:sure], 1)
 
 
 def _left(x: Array, y: Array, degree: int) -> float:
@@ -461,7 +447,7 @@ def _jumps(off: Array, base: BaseLine) -> tuple[list[tuple[int, int]], list[tupl
     tension = -off / base.least if base.least else -np.sign(off)
     jump = fall & (tension[width:] > 1)
     within = rise & (np.minimum(tension[width:], tension[:-width]) > 1) & np.maximum.accumulate(jump)
-    return _runs(jump | within, width), _runs(fall & (tension[width:] < TUNING.half) | rise & ~within, width)
+    return _runs(jump | within, width), _runs(fall & (tension[width:] < RECORD_HALF) | rise & ~within, width)
 
 
 def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
@@ -470,32 +456,32 @@ def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]])
     if len(falls) != 1:
         return []
     inside = off[falls[0][1] + 1 :]
-    count = max(round(TUNING.tether * off.size), FEWEST_ROWS // 2)
+    count = max(round(RECORD_TETHER * off.size), FEWEST_ROWS // 2)
     part, along = inside[:count], np.linspace(-0.5, 0.5, count)
     if part.size < count:
         return []
     tension, change = -float(part.mean()), 12 * float(np.mean(along * (part - part.mean())))
     error = base.noise * math.sqrt(12 / count)
     scatter = float(np.std(part - part.mean() - change * along))
-    level = abs(change) < TUNING.tether * tension + 2 * error and scatter < TUNING.straight * base.noise
+    level = abs(change) < RECORD_TETHER * tension + 2 * error and scatter < RECORD_STRAIGHT * base.noise
     size = _block(off.size)
-    away = np.abs(_blocks(inside + tension, size)) > TUNING.half * base.least
+    away = np.abs(_blocks(inside + tension, size)) > RECORD_HALF * base.least
     if not level or not away.any():
         return []
     left = int(np.argmax(away)) * size
     around, end = inside[: left + count], falls[0][1] + left
     # one polynomial passes through the largest tension of a contact, where none ends
-    goes_on = _left(np.arange(around.size), around, TUNING.smooth) < TUNING.straight * base.noise
+    goes_on = _left(np.arange(around.size), around, RECORD_SMOOTH) < RECORD_STRAIGHT * base.noise
     return [] if goes_on else [(end, end + size)]
 
 
 def _sudden(off: Array, base: BaseLine) -> tuple[Array, Array, int]:
     """Where the load falls and where it rises at once, over so many rows."""
-    width = max(1, round(off.size * TUNING.block / 4))
+    width = max(1, round(off.size * RECORD_BLOCK / 4))
     if off.size <= 4 * width:
         return np.zeros(0, bool), np.zeros(0, bool), off.size
     step = off[width:] - off[:-width]
-    least = max(TUNING.sigmas * math.sqrt(2) * base.noise, TUNING.small * float(np.ptp(off)))
+    least = max(RECORD_SIGMAS * math.sqrt(2) * base.noise, RECORD_SMALL * float(np.ptp(off)))
     # The median of the steps over `width` rows just before each of them, and just after.
     n, every = FEWEST_ROWS, np.arange(step.size) // width
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(step[::width], n + 1, mode="edge"), n)
@@ -508,7 +494,7 @@ def _first_fall(off: Array, base: BaseLine) -> int:
     """The row at which the load falls at once for the first time: beyond it a tether or a second contact holds,
     however straight the load is; the number of rows where none does, or too near the far end."""
     fall, _, width = _sudden(off, base)
-    return min((first for first, _ in _runs(fall, width) if first >= TUNING.far * off.size), default=off.size)
+    return min((first for first, _ in _runs(fall, width) if first >= RECORD_FAR * off.size), default=off.size)
 
 
 def _runs(marked: Array, width: int) -> list[tuple[int, int]]:
@@ -537,7 +523,7 @@ def _on_base_lines(curve: Curve, touched: Sequence[Direction]) -> Iterator[tuple
         if not item.begins_free:
             end = "begins" if name == APPROACH else "ends"
             yield "no base line", f"the {name} {end} in contact, or has no straight part"
-        elif waviness > TUNING.wavy * span:
+        elif waviness > RECORD_WAVY * span:
             sentence = (
                 f"the {name}'s base line is wavy by {show(waviness, 'load')}, {waviness / span:.0%} of "
                 "the range of the load (optical interference: fit --base-line sine)"
@@ -568,11 +554,11 @@ def _on_signs(curve: Curve, directions: Sequence[Direction]) -> Iterator[tuple[s
         name = item.segment.kind
         # Whether a direction goes the other way than the file names it, or back and then in again.
         z = curve.device[item.segment.rows]
-        ends = max(1, round(z.size * TUNING.far))
+        ends = max(1, round(z.size * RECORD_FAR))
         first, last = float(z[:ends].mean()), float(z[-ends:].mean())
         way = (last - first) * (1 if item.segment.kind == APPROACH else -1)
         returns = min(first, last) - float(z.min())
-        if max(-way, returns) > TUNING.half * float(np.ptp(z)):
+        if max(-way, returns) > RECORD_HALF * float(np.ptp(z)):
             which = f" of the {name}" if len(directions) > 1 else ""  # of one that returns the last bits chose the name
             sentence = f"the displacement{which} has the opposite sign: it is positive into the specimen (--flip delta)"
             yield "wrong way", sentence
@@ -593,7 +579,7 @@ def _pulls_deepest(curve: Curve, item: Direction) -> bool:
     """Whether tension is largest where the device presses deepest, and compression is not, as where tension counts as
     positive; a gel that relaxes after the turn has both there."""
     z = curve.device[item.segment.rows]
-    deepest = item.adhesion_at > z.max() - TUNING.small * float(np.ptp(z))
+    deepest = item.adhesion_at > z.max() - RECORD_SMALL * float(np.ptp(z))
     pressed = z[np.argmax(curve.load[item.segment.rows])] > item.adhesion_at
     return deepest and not pressed and item.based and isinstance(item.touch, float) and isinstance(item.adhesion, float)
 
@@ -601,7 +587,7 @@ def _pulls_deepest(curve: Curve, item: Direction) -> bool:
 def _wanders(delta: Array) -> bool:
     """Whether the way is much longer than the distance, noise apart."""
     blocks = _blocks(delta, max(1, round(delta.size / 20)))
-    return float(np.abs(np.diff(blocks)).sum()) > TUNING.wandering * float(np.ptp(blocks))
+    return float(np.abs(np.diff(blocks)).sum()) > RECORD_WANDERING * float(np.ptp(blocks))
 
 
 # --------------------------------------------------------------------------------------------------
@@ -610,19 +596,14 @@ def _wanders(delta: Array) -> bool:
 # In contact delta and P then err together, and beside the free rows, whose noise is that of P alone, delta looks
 # noisy. The position delta + P/k is smooth, and k follows from the noise.
 
-
-@dataclass(frozen=True)
-class TipPositionTuning:
-    """When the noise of a displacement is that of the load."""
-
-    # theory: rows; third differences are correlated, and leave so many as 100/2.3 apart: by chance the noise of two
-    # columns has the ``share`` at 4.7 standard deviations
-    fewest: int = 100
-    share: float = 0.5  # theory: of the variance of delta: more of it follows P than does not
-    usual: float = 4.0  # theory: medians, 2.7 standard deviations of normal noise: beyond is a jump or a turn
+# When the noise of a displacement is that of the load.
+# theory: rows; third differences are correlated, and leave so many as 100/2.3 apart: by chance the noise of two
+# columns has the ``share`` at 4.7 standard deviations
+TIP_POSITION_FEWEST = 100
+TIP_POSITION_SHARE = 0.5  # theory: of the variance of delta: more of it follows P than does not
+TIP_POSITION_USUAL = 4.0  # theory: medians, 2.7 standard deviations of normal noise: beyond is a jump or a turn
 
 
-TIP_POSITION_TUNING = TipPositionTuning()
 SUBTRACTED_TWICE = "the displacement has its deflection subtracted already: leave --stiffness out"
 
 
@@ -641,16 +622,14 @@ def of_its_device(curve: Curve) -> Curve:
 def stiffness_of_noise(delta: Array, P: Array) -> float | None:
     """Stiffness k [N/m] for which the noise of ``delta`` [m] is that of -P/k, by the third differences of rows in
     their order; None where less than half of it is, or where differences are those of a smooth curve."""
-    if delta.size < TIP_POSITION_TUNING.fewest:
+    if delta.size < TIP_POSITION_FEWEST:
         return None
     x, y = np.diff(delta, 3), np.diff(P, 3)
-    usual = np.all(
-        [np.abs(column) <= TIP_POSITION_TUNING.usual * np.median(np.abs(column)) for column in (x, y)], axis=0
-    )
+    usual = np.all([np.abs(column) <= TIP_POSITION_USUAL * np.median(np.abs(column)) for column in (x, y)], axis=0)
     x, y = x * usual, y * usual
     xx, yy, xy = float(x @ x), float(y @ y), float(x @ y)
     smooth = float(y[1:] @ y[:-1]) > 0  # neighbours correlate by 1 on a smooth curve, by -0.75 in white noise
-    if xy >= 0 or xy**2 <= TIP_POSITION_TUNING.share * xx * yy or smooth:
+    if xy >= 0 or xy**2 <= TIP_POSITION_SHARE * xx * yy or smooth:
         return None
     return -yy / xy if math.isfinite(yy / xy) else None
 
@@ -660,15 +639,8 @@ def stiffness_of_noise(delta: Array, P: Array) -> float | None:
 
 GIVE = "give --zero P=... and --zero delta=..."
 
-
-@dataclass(frozen=True)
-class FirstTouchTuning:
-    """What separates contact from the free part of an approach."""
-
-    sigmas: float = 5.0  # theory: standard deviations of normal noise that no row of a million reaches
-
-
-ZERO_POINTS_TUNING = FirstTouchTuning()
+# What separates contact from the free part of an approach.
+FIRST_TOUCH_SIGMAS = 5.0  # theory: standard deviations of normal noise that no row of a million reaches
 
 
 def with_zero_points(curve: Curve) -> Curve:
@@ -684,10 +656,8 @@ def with_zero_points(curve: Curve) -> Curve:
     side = _approach(curve)
     z, P = curve.device[side.segment.rows], curve.load[side.segment.rows]
     off, free = np.abs(P - side.base(z)), side.base.rows
-    scatter = TUNING.normal * float(np.median(off[:free]))
-    away = off > max(
-        ZERO_POINTS_TUNING.sigmas * scatter, SAME * float(np.ptp(P))
-    )  # the latter in records without noise
+    scatter = RECORD_NORMAL * float(np.median(off[:free]))
+    away = off > max(FIRST_TOUCH_SIGMAS * scatter, SAME * float(np.ptp(P)))  # the latter in records without noise
     first = max(int(np.argmax(in_succession(away))), 1)
     touch, half = float(z[first - 1] + z[first]) / 2, abs(float(z[first] - z[first - 1])) / 2
     flag = (

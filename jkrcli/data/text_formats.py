@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from ..base import SAME, SHOWN, Array, InputError
-from ..tables import TUNING, TextTable, read_table, split_name, unit_power
+from ..tables import TEXT_GAPS, TextTable, read_table, split_name, unit_power
 from . import instruments
 from . import instruments as archive
 from .curve import (
@@ -398,7 +398,7 @@ def _without_gaps(table: TextTable, rows: Array, values: Mapping[str, Array]) ->
     gaps = np.any([np.isnan(column[rows]) for column in values.values()], axis=0)
     count = int(gaps.sum())
     marked = table.failed.issuperset(table.lines[rows[gaps]].tolist())
-    if count == 0 or (count > TUNING.gaps * rows.size and not marked):
+    if count == 0 or (count > TEXT_GAPS * rows.size and not marked):
         return rows, ()
     lines = ", ".join(map(str, table.lines[rows[gaps]][:SHOWN])) + ", ..." * (count > SHOWN)
     many = f"{count} of {rows.size:,} rows" if count > 1 else "1 row"

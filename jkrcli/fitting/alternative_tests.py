@@ -20,7 +20,9 @@ from scipy.special import fdtrc
 from ..base import MOST_SOLVES, MOST_STEPS, TINY, UNSEEN, Array, JkrError, SolveError
 from ..bodies import GEL_TENSION
 from .alternatives import (
+    ADHESION_ENDLESS,
     AMOUNT,
+    CHANGE_FOLD,
     LONG,
     RANGE,
     RIVALS,
@@ -34,33 +36,22 @@ from .alternatives import (
     columns,
     neck,
 )
-from .alternatives import RECORD_CHANGE_TUNING as CHANGES
-from .alternatives import RECORD_RIVAL_ADHESION_TUNING as ADHESION
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
-from .least_squares import COLOURED_TUNING as COLOURED
-from .least_squares import STATISTICS_TUNING as STATISTICS
-from .least_squares import Spectrum, frequencies, in_time, t_quantile, waves
+from .least_squares import COLOURED_FREE, STATISTICS_IMPROBABLE, Spectrum, frequencies, in_time, t_quantile, waves
 
 DETECTED, EXCLUDED, UNDECIDED = "asked for by the data", "excluded", "cannot be told"
 
-
-@dataclass(frozen=True)
-class ScoreTuning:
-    """When a rival is detected, and when it is excluded."""
-
-    chance: float = 0.01  # choice: of any rival being detected in data of the model itself
-    moves: float = 0.5  # choice: of its error, by which E* or w must move
-    matters: float = 0.02  # choice: relative change of E* and w, below which a rival is excluded
-    tied: float = 9.0  # choice: of chi^2, three standard errors: rivals nearer are named together or not at all
-    near: float = 0.5  # choice: of the misfit that the best takes, the same: one step is of first order
-    over: float = 1.25  # choice: of what is possible, up to which an amount may come out: the same
-    normal: float = 1.96  # theory: 95 % of a normal value
-    alike: float = 0.9  # choice: correlation of what is left of two columns, from which they are named together
-    # rows about a fold, that no fall of chi^2 counts; tuned on right records, by `make record-rivals`
-    beside: float = 1.5
-
-
-TUNING = ScoreTuning()
+# When a rival is detected, and when it is excluded.
+SCORE_CHANCE = 0.01  # choice: of any rival being detected in data of the model itself
+SCORE_MOVES = 0.5  # choice: of its error, by which E* or w must move
+SCORE_MATTERS = 0.02  # choice: relative change of E* and w, below which a rival is excluded
+SCORE_TIED = 9.0  # choice: of chi^2, three standard errors: rivals nearer are named together or not at all
+SCORE_NEAR = 0.5  # choice: of the misfit that the best takes, the same: one step is of first order
+SCORE_OVER = 1.25  # choice: of what is possible, up to which an amount may come out: the same
+SCORE_NORMAL = 1.96  # theory: 95 % of a normal value
+SCORE_ALIKE = 0.9  # choice: correlation of what is left of two columns, from which they are named together
+# rows about a fold, that no fall of chi^2 counts; tuned on right records, by `make record-rivals`
+SCORE_BESIDE = 1.5
 
 
 @dataclass(frozen=True)
@@ -87,7 +78,7 @@ class Score:
     least: float
     known: float
     word: str
-    quantile: float = TUNING.normal
+    quantile: float = SCORE_NORMAL
 
     def change(self, rate: float) -> float:
         """Relative change, with the amount, of a quantity whose logarithm moves by ``rate`` per amount."""
@@ -222,15 +213,15 @@ def _score(record: FittedRecord, rival: Rival, by: _Evidence, rates: tuple[float
     if by.size <= UNSEEN * by.whole:
         return Score(*labels, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, *likely, UNDECIDED, quantile)
     amount, error, taken = -by.along / by.size, 1 / by.size, by.along**2
-    room = TUNING.normal * error
+    room = SCORE_NORMAL * error
     detected = (
-        TUNING.over * low - room <= amount <= TUNING.over * high + room
-        and by.chance * by.rivals < TUNING.chance
-        and any(abs(rate * amount) > TUNING.moves * own
+        SCORE_OVER * low - room <= amount <= SCORE_OVER * high + room
+        and by.chance * by.rivals < SCORE_CHANCE
+        and any(abs(rate * amount) > SCORE_MOVES * own
                 for rate, own in zip(rates, relative_errors(record.fit), strict=True))
     )  # fmt: skip
     end = abs(amount) + t_quantile(0.95, round(by.dof)) * error
-    excluded = max(map(abs, rates)) * end < TUNING.matters
+    excluded = max(map(abs, rates)) * end < SCORE_MATTERS
     word = DETECTED if detected else EXCLUDED if excluded else UNDECIDED
     share = taken / max(by.misfit, taken)
     return Score(*labels, amount, error, by.chance, taken, share, *rates, *likely, word, quantile)
@@ -303,7 +294,7 @@ def off_folds(record: FittedRecord) -> Array:
     rows = []
     for part, (a, _) in zip(record.model.stretches, record.radii, strict=True):
         fold = part.z[a > 0].min() if part.jumped and (a > 0).any() else math.inf
-        rows.append(np.abs(part.z - fold) > TUNING.beside * part.spacing)
+        rows.append(np.abs(part.z - fold) > SCORE_BESIDE * part.spacing)
     return np.concatenate(rows)
 
 
@@ -313,7 +304,7 @@ def regular_rows(record: FittedRecord) -> Array:
     for part, (a, _) in zip(record.model.stretches, record.radii, strict=True):
         z, touching = part.z, a > 0
         first = z[touching].min() if touching.any() else math.inf
-        span = max(CHANGES.fold * part.reach, 2 * part.spacing)
+        span = max(CHANGE_FOLD * part.reach, 2 * part.spacing)
         rows.append(~touching | (z > first + span) if part.jumped else np.abs(z - first) > span)
     return np.concatenate(rows)
 
@@ -370,13 +361,13 @@ def _named(scores: Sequence[Score], unit: Array) -> tuple[Score, ...]:
         return ()
     detected.sort(key=lambda i: -scores[i].taken)
     best = detected[0]
-    least, alike = least_taken(scores[best].taken), np.abs(unit.T @ unit[:, best]) > TUNING.alike
+    least, alike = least_taken(scores[best].taken), np.abs(unit.T @ unit[:, best]) > SCORE_ALIKE
     return tuple(scores[i] for i in detected if scores[i].taken >= least or alike[i])
 
 
 def least_taken(most: float) -> float:
     """What a rival takes from chi^2 at least that is named beside the one that takes ``most``."""
-    return min(most - TUNING.tied, TUNING.near * most)
+    return min(most - SCORE_TIED, SCORE_NEAR * most)
 
 
 def _rates(fit: ForceCurveFit, moves: Array) -> tuple[float, float]:
@@ -389,7 +380,7 @@ def _by_unknown(fit: ForceCurveFit) -> dict[str, float]:
     """Derivatives of ln w of the last direction whose w is above its error, by the unknowns: w = s q = s r^2."""
     for part in reversed(fit.model.stretches):
         for name, power in ((f"q:{part.kind}", 1.0), (f"r:{part.kind}", 2.0)):
-            if name in fit.names and fit.value(name) > TUNING.normal * fit.error(name):
+            if name in fit.names and fit.value(name) > SCORE_NORMAL * fit.error(name):
                 return {name: power / fit.value(name), "ln_s": 1.0}
     return {}
 
@@ -407,7 +398,7 @@ def _weighted(record: FittedRecord, table: Array, rows: Array) -> tuple[Array, i
     colour; from how many rows it is estimated, 0 where they are too few."""
     noise, loose = record.fit.spread.noise, sum(part.size for part in record.model.free(table[:, 0]))
     ordered = in_time(table[rows], record.model.rows[rows], noise) if noise.slow else table[rows]
-    return noise.whitened(ordered), loose if loose >= COLOURED.free else 0
+    return noise.whitened(ordered), loose if loose >= COLOURED_FREE else 0
 
 
 # --------------------------------------------------------------------------------------------------
@@ -416,32 +407,27 @@ def _weighted(record: FittedRecord, table: Array, rows: Array) -> tuple[Array, i
 # The best one is taken where its misfit is lower than that of the plain model by more than ``SCORES.tied``, in chi^2,
 # and what it leaves is no more than the noise of the free rows. Those within as much of it cannot be distinguished.
 
-
-@dataclass(frozen=True)
-class FullTuning:
-    """Which rivals are fitted in full, and when one is taken."""
-
-    each: int = 3  # choice: of a family, its best by one step, which does not always name the right one
-    steps: int = 20  # choice: guard, of a search that only finds out which rivals are worth a fit
-    promising: float = 1.5  # choice: of the least sum of squares, up to which a rival is fitted to the end
-    # choice: of how far adhesion deforms the body, ranges that are tried below endless ones
-    ranges: tuple[float, ...] = (32.0, 8.0, 4.0, 2.83, 2.0, 1.41, 1.0, 0.71)
-    # choice: 2 tension/E* over the contact radius, those tried: the largest of which the first order holds, and smaller
-    skins: tuple[float, ...] = (0.1, 0.05, 0.025, 0.0125, 0.006, 0.003, 0.0015)
-    leaning: float = 1.0  # theory: fall of chi^2 by a number that means nothing, from which on one that nobody
-    # described counts
-    halves: int = 2  # choice: bisections between the largest amount that the data leave and the next one
-    # choice: standard errors by one step, up to the shortest of these, from which on none is; of 85 made
-    # records that were left one, of Tabor numbers 0.15 to 1, the most was 3.5
-    excluded: float = 6.0
-    about: float = 0.5  # choice: standard errors, by which what a range does to a fit may be off
-    falling: float = 2.0  # choice: of the step to come, by which chi^2 may still fall
-    still: float = 0.02  # choice: standard errors, below which a step is the last one
-    slow: float = 0.3  # choice: of w of the retraction, the least w of a slow edge to start from where none advanced
-    settled: float = 0.1  # choice: standard errors of the modulus, by which the last round may move it
+# Which rivals are fitted in full, and when one is taken.
+FULL_EACH = 3  # choice: of a family, its best by one step, which does not always name the right one
+FULL_STEPS = 20  # choice: guard, of a search that only finds out which rivals are worth a fit
+FULL_PROMISING = 1.5  # choice: of the least sum of squares, up to which a rival is fitted to the end
+# choice: of how far adhesion deforms the body, ranges that are tried below endless ones
+FULL_RANGES = (32.0, 8.0, 4.0, 2.83, 2.0, 1.41, 1.0, 0.71)
+# choice: 2 tension/E* over the contact radius, those tried: the largest of which the first order holds, and smaller
+FULL_SKINS = (0.1, 0.05, 0.025, 0.0125, 0.006, 0.003, 0.0015)
+FULL_LEANING = 1.0  # theory: fall of chi^2 by a number that means nothing, from which on one that nobody
+# described counts
+FULL_HALVES = 2  # choice: bisections between the largest amount that the data leave and the next one
+# choice: standard errors by one step, up to the shortest of these, from which on none is; of 85 made
+# records that were left one, of Tabor numbers 0.15 to 1, the most was 3.5
+FULL_EXCLUDED = 6.0
+FULL_ABOUT = 0.5  # choice: standard errors, by which what a range does to a fit may be off
+FULL_FALLING = 2.0  # choice: of the step to come, by which chi^2 may still fall
+FULL_STILL = 0.02  # choice: standard errors, below which a step is the last one
+FULL_SLOW = 0.3  # choice: of w of the retraction, the least w of a slow edge to start from where none advanced
+FULL_SETTLED = 0.1  # choice: standard errors of the modulus, by which the last round may move it
 
 
-RECORD_FULL_TUNING = FullTuning()
 Moves = tuple[float, float, float]  # rises of chi^2 and of the logs of E* and w
 
 
@@ -458,11 +444,11 @@ class RivalFit:
 
     @property
     def passes(self) -> bool:
-        return self.fit.ended and self.chance > STATISTICS.improbable
+        return self.fit.ended and self.chance > STATISTICS_IMPROBABLE
 
     def taken(self, best: RivalFit) -> bool:
         """Whether the ``best`` one rejects the model without and this one leaves about as little, as noise would."""
-        return self.passes and best.falls > TUNING.tied and self.falls > best.falls - TUNING.tied
+        return self.passes and best.falls > SCORE_TIED and self.falls > best.falls - SCORE_TIED
 
 
 @np.errstate(all="ignore")
@@ -523,10 +509,10 @@ class _Amounts:
     def at(self, amount: float) -> Moves | None:
         """The moves at an amount, from where those below lead."""
         model = _with_amount(self.near.record, self.change, amount)
-        end = _followed(self.near, model, TUNING.tied, RECORD_FULL_TUNING.about, self._begin(amount))
+        end = _followed(self.near, model, SCORE_TIED, FULL_ABOUT, self._begin(amount))
         moves = None if end is None else (end[0], *_moves(self.near, end[1]))
         self.moves[amount] = None
-        if end is not None and moves is not None and moves[0] < TUNING.tied and np.isfinite(moves).all():
+        if end is not None and moves is not None and moves[0] < SCORE_TIED and np.isfinite(moves).all():
             self.moves[amount], self.ends[amount] = moves, end[1]
         return self.moves[amount]
 
@@ -552,13 +538,11 @@ def _of_tension(tried: _Amounts, score: Score) -> Score:
     more than can be chance."""
     record, known = tried.near.record, tried.near.record.known.tension
     most, least, leans = amount_of_tension(record, known or GEL_TENSION), 0.0, False
-    for amount in sorted(
-        {min(most, RECORD_FULL_TUNING.skins[0]), *(amount for amount in RECORD_FULL_TUNING.skins if amount < most)}
-    ):
+    for amount in sorted({min(most, FULL_SKINS[0]), *(amount for amount in FULL_SKINS if amount < most)}):
         moves = tried.at(amount)
         rises = moves is not None and moves[0] > least
         least = least if moves is None else min(least, moves[0])
-        leans = bool(known) or -least > RECORD_FULL_TUNING.leaning or _by_chance(record, -least)
+        leans = bool(known) or -least > FULL_LEANING or _by_chance(record, -least)
         if (moves is None and len(tried.moves) > 1) or (rises and not leans):
             break  # no larger one is left either, or takes more
     return _of_amounts(tried, score) if leans else score
@@ -566,7 +550,7 @@ def _of_tension(tried: _Amounts, score: Score) -> Score:
 
 def _by_chance(record: FittedRecord, taken: float) -> bool:
     """Whether so much of chi^2 is more than chance takes with any of the rivals."""
-    return chance_of(record.fit, taken) < TUNING.chance / len(RIVALS)
+    return chance_of(record.fit, taken) < SCORE_CHANCE / len(RIVALS)
 
 
 def _of_amounts(tried: _Amounts, score: Score) -> Score:
@@ -582,7 +566,7 @@ def _of_amounts(tried: _Amounts, score: Score) -> Score:
         return score
     end = max(amount for amount, moves in tried.left.items() if moves[0] < within)
     beyond = min((amount for amount in tried.moves if amount > end), default=0.0)
-    for _ in range(RECORD_FULL_TUNING.halves * (beyond > 0)):
+    for _ in range(FULL_HALVES * (beyond > 0)):
         middle = math.sqrt(end * beyond)
         moves = tried.at(middle)
         end, beyond = (end, middle) if moves is None or moves[0] > within else (middle, beyond)
@@ -601,12 +585,12 @@ def _of_amounts(tried: _Amounts, score: Score) -> Score:
 def _ranges(record: FittedRecord, score: Score) -> list[float]:
     """Amounts of ranges to try, from the longest that there may be down to the one that is likely before the data;
     where one step excludes all that are longer, up to what it leaves for certain."""
-    longest, deep, shortest = record.known.range, neck(record), RECORD_FULL_TUNING.ranges[-1] * neck(record)
-    certain = max(score.amount, 0.0) + RECORD_FULL_TUNING.excluded * score.error
+    longest, deep, shortest = record.known.range, neck(record), FULL_RANGES[-1] * neck(record)
+    certain = max(score.amount, 0.0) + FULL_EXCLUDED * score.error
     if amount_of_range(record, shortest) > certain:
         return [min(score.known, certain)]
-    known = [longest] * (shortest < longest < ADHESION.endless * deep)
-    ranges = [*known, *(r * deep for r in (ADHESION.endless, *RECORD_FULL_TUNING.ranges) if r * deep < longest)]
+    known = [longest] * (shortest < longest < ADHESION_ENDLESS * deep)
+    ranges = [*known, *(r * deep for r in (ADHESION_ENDLESS, *FULL_RANGES) if r * deep < longest)]
     amounts = [amount_of_range(record, z0) for z0 in ranges]
     return [*amounts, *[score.known] * (score.known < min(amounts, default=math.inf))]
 
@@ -627,7 +611,7 @@ def _moves(near: Linearised, x: Array) -> tuple[float, float]:
 def _moving(score: Score, amount: float, moves: Sequence[float]) -> Score:
     """The score of a rival that ``moves`` the logs of E* and w at an ``amount``."""
     E, w = (float(move) / amount for move in moves)
-    word = UNDECIDED if max(map(abs, moves)) > TUNING.matters else EXCLUDED
+    word = UNDECIDED if max(map(abs, moves)) > SCORE_MATTERS else EXCLUDED
     return replace(score, amount=0.0, error=math.inf, known=amount, E_star=E, w=w, word=word)
 
 
@@ -640,7 +624,7 @@ def _followed(
     near: Linearised,
     model: RivalModel,
     most: float = math.inf,
-    still: float = RECORD_FULL_TUNING.still,
+    still: float = FULL_STILL,
     begin: Array | None = None,
 ) -> tuple[float, Array] | None:
     """By how much chi^2 rises in a ``model`` whose change is known, and its unknowns, by steps with the derivatives of
@@ -651,7 +635,7 @@ def _followed(
         for _ in range(MOST_STEPS):
             step, left = near.step(model.off(x, 0.0))
             before, size, x, excess = size, near.size(step), x - step, left - near.left
-            if not (size < before and excess < most + RECORD_FULL_TUNING.falling * size):
+            if not (size < before and excess < most + FULL_FALLING * size):
                 return None
             if size < still:
                 break
@@ -668,7 +652,7 @@ def fitted_in_full(record: FittedRecord, fresh: ForceCurveModel, rivals: RecordR
         with contextlib.suppress(JkrError):  # what cannot be solved is not taken
             if isinstance(change := _effect(record, score), Change):
                 begun.append((*_roughly(record, fresh, change, score.amount), change, score))
-    most = RECORD_FULL_TUNING.promising * min((cost for cost, *_ in begun), default=0.0)
+    most = FULL_PROMISING * min((cost for cost, *_ in begun), default=0.0)
     fits = []
     for cost, x, change, score in begun:
         if cost <= most:
@@ -680,11 +664,11 @@ def fitted_in_full(record: FittedRecord, fresh: ForceCurveModel, rivals: RecordR
 def _likeliest(rivals: RecordRivals) -> Iterator[Score]:
     """Those of each family that one step takes most from the misfit with: it detects, so that neither sign nor size of
     an amount that is not small says much. The range of adhesion stands for a long one, which has a column alone."""
-    detected = [one for one in rivals.scores if one.taken > TUNING.tied or one in rivals.named]
+    detected = [one for one in rivals.scores if one.taken > SCORE_TIED or one in rivals.named]
     ranked = sorted(detected, key=lambda one: -one.taken)
     of_range = next((one for one in rivals.scores if one.name == RANGE.name), None)
     for family in dict.fromkeys(one.family for one in ranked):
-        best = [one for one in ranked if one.family == family][: RECORD_FULL_TUNING.each]
+        best = [one for one in ranked if one.family == family][:FULL_EACH]
         yield from dict.fromkeys((of_range or one) if one.name == LONG.name else one for one in best)
 
 
@@ -704,7 +688,7 @@ def _roughly(record: FittedRecord, fresh: ForceCurveModel, change: Change, amoun
     searches = []
     for group in filter(None, groups):
         with contextlib.suppress(JkrError):  # others may come to an end
-            searches.append(rough(model, min(group, key=partial(misfit_at, model)), RECORD_FULL_TUNING.steps))
+            searches.append(rough(model, min(group, key=partial(misfit_at, model)), FULL_STEPS))
     if not searches:
         raise SolveError("no curve with this change resembles the record")
     return min(searches, key=lambda one: one[0])
@@ -714,10 +698,7 @@ def _valleys(record: FittedRecord, model: RivalModel, starts: Iterable[tuple[flo
     """Unknowns to start from with those of the fit without as an amount would have them, at those amounts that leave no
     more than the ones next to them."""
     near, starts = Linearised.of(record, off_folds(record)), sorted(starts)
-    ends = [
-        _followed(near, _with_amount(record, model.change, start[0]), still=RECORD_FULL_TUNING.about)
-        for start in starts
-    ]
+    ends = [_followed(near, _with_amount(record, model.change, start[0]), still=FULL_ABOUT) for start in starts]
     left = np.array([math.inf, *(math.inf if end is None else end[0] for end in ends), math.inf])
     lowest = left[1:-1] <= np.minimum(left[:-2], left[2:])
     for start, end, low in zip(starts, ends, lowest, strict=True):
@@ -737,7 +718,7 @@ def _new(record: FittedRecord, model: RivalModel, start: tuple[float, ...]) -> I
     """Unknowns about an amount to ``start`` from, as its body suggests."""
     if model.change.loads_back is not None:
         x, i = _unknowns(record, model, record.fit.x), model.names.index(f"q:{model.stretches[-1].kind}")
-        x[i] = max(record.values[f"q:{model.stretches[0].kind}"], RECORD_FULL_TUNING.slow * x[i])
+        x[i] = max(record.values[f"q:{model.stretches[0].kind}"], FULL_SLOW * x[i])
         yield np.append(x, start)
     if model.change.model is None or model.change.coupled:
         return
@@ -766,6 +747,6 @@ def settled(full: ForceCurveFit) -> ForceCurveFit:
         if not isinstance(model, RivalModel) or model.change.recentred is None or AMOUNT not in full.names:
             break
         full = fit(RivalModel.of(model, model.change.recentred(full)), full.x, near=True)
-        if abs(full.value("ln_s") - before.value("ln_s")) < RECORD_FULL_TUNING.settled * full.error("ln_s"):
+        if abs(full.value("ln_s") - before.value("ln_s")) < FULL_SETTLED * full.error("ln_s"):
             break
     return full

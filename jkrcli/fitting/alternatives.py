@@ -23,8 +23,8 @@ from ..base import MOST_STEPS, REMEMBERED, SAME, SETTLED, UNSEEN, Array, InputEr
 from ..bodies import HalfSpace, Layer, Loading, PowerRelaxation, Relaxation, Rigid, Specimen, StandardSolid, unbounded
 from ..data import APPROACH
 from ..methods.radii import DENSE
-from .force_curve import SLOW_EDGE_TUNING as SLOW_EDGE
 from .force_curve import (
+    SLOW_EDGE_WIDEST,
     DirectionReadings,
     ForceCurveFit,
     ForceCurveModel,
@@ -34,8 +34,18 @@ from .force_curve import (
     load_at,
     receding,
 )
-from .forward_model import ATTRACTED_TUNING as ATTRACTED
-from .forward_model import Changes, DeviceBranch, Family, FittedBody, Rest, grid, on_grid, rest, solved
+from .forward_model import (
+    FAMILY_BELOW_LIMIT,
+    Changes,
+    DeviceBranch,
+    Family,
+    FittedBody,
+    Rest,
+    grid,
+    on_grid,
+    rest,
+    solved,
+)
 
 # --------------------------------------------------------------------------------------------------
 # A rival in full: the model of a raw record with an amount of what it leaves out as one more unknown, or two.
@@ -48,23 +58,18 @@ AMOUNT, ANY = "amount", (-math.inf, math.inf)
 Values = Mapping[str, float]  # of all unknowns, by name
 Loads = Callable[[ForceCurveModel, DirectionReadings, Values], Array]  # [N], of all rows of a stretch
 
-
-@dataclass(frozen=True)
-class ChangeTuning:
-    """Differences by amounts, and how far rivals are followed."""
-
-    little: float = 1e-3  # theory: relative amounts whose squares are below the noise of any record
-    step: float = 1e-5  # theory: relative, for one-sided differences of loads that are good to 1e-9; of histories more
-    # choice: a small amount: below it, and below such a share of the largest w, steps are no smaller; of the largest
-    # contact radius, the ring of attraction and the length of a surface tension at which columns are taken
-    small: float = 1e-2
-    largest: float = 6.0  # choice: amount up to which rivals are searched where theory sets no limit
-    beyond: float = 1.5  # choice: over the largest depth or contact radius of a record, where changed bodies end
-    fold: float = 0.02  # choice: of the way in contact, rows left out about folds and before the loss of a slow edge
+# Differences by amounts, and how far rivals are followed.
+CHANGE_LITTLE = 1e-3  # theory: relative amounts whose squares are below the noise of any record
+CHANGE_STEP = 1e-5  # theory: relative, for one-sided differences of loads that are good to 1e-9; of histories more
+# choice: a small amount: below it, and below such a share of the largest w, steps are no smaller; of the largest
+# contact radius, the ring of attraction and the length of a surface tension at which columns are taken
+CHANGE_SMALL = 1e-2
+CHANGE_LARGEST = 6.0  # choice: amount up to which rivals are searched where theory sets no limit
+CHANGE_BEYOND = 1.5  # choice: over the largest depth or contact radius of a record, where changed bodies end
+CHANGE_FOLD = 0.02  # choice: of the way in contact, rows left out about folds and before the loss of a slow edge
 
 
-RECORD_CHANGE_TUNING = ChangeTuning()
-LITTLE = RECORD_CHANGE_TUNING.little
+LITTLE = CHANGE_LITTLE
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,7 +216,7 @@ def _before_loss(part: DirectionReadings) -> DirectionReadings:
     if not part.touching.any():
         return part
     lost = float(part.z[part.touching].min())
-    keep = ~part.touching | (part.z > lost + max(RECORD_CHANGE_TUNING.fold * part.reach, 2 * part.spacing))
+    keep = ~part.touching | (part.z > lost + max(CHANGE_FOLD * part.reach, 2 * part.spacing))
     return replace(part, **{name: getattr(part, name)[keep] for name in ("rows", "z", "P", "touching", "t")})
 
 
@@ -279,9 +284,7 @@ class RivalModel(ForceCurveModel):
         off, rates = super().evaluated(x, blunt)
         for i, name in enumerate(self.names):
             if name in self.change.names or (self.change.coupled and name.startswith(("ln_s", "q:", "r:", "z0"))):
-                step = (RECORD_CHANGE_TUNING.step if self.change.loads is None else LITTLE) * self._unit(
-                    name, float(x[i])
-                )
+                step = (CHANGE_STEP if self.change.loads is None else LITTLE) * self._unit(name, float(x[i]))
                 step = -step if x[i] + step > self.limits.get(name, (0.0, math.inf))[1] else step
                 rates[:, i] = (self.off(x + step * (np.arange(x.size) == i), blunt) - off) / step
         return off, rates
@@ -290,7 +293,7 @@ class RivalModel(ForceCurveModel):
         """The size of an unknown that is ``x``."""
         if name == "z0":
             return max(part.reach for part in self.stretches)
-        return max(abs(x), RECORD_CHANGE_TUNING.small * (self.most if name.startswith(("q:", "r:")) else 1.0))
+        return max(abs(x), CHANGE_SMALL * (self.most if name.startswith(("q:", "r:")) else 1.0))
 
     def _load(self, part: DirectionReadings, values: Values, blunt: float) -> Array:
         loads = self._in_place_of_path(part)
@@ -487,24 +490,20 @@ def log_ratio(other: Family, family: Family) -> Array:
 #
 # With r = sqrt(w/s) the contact has delta = D - r T and P = s (H - r V): a change of w is one of the logs of T and V.
 
-
-@dataclass(frozen=True)
-class AdhesionRivalTuning:
-    """Which ranges and laws of w are searched."""
-
-    longest: float = 10e-9  # choice: [m], range of adhesion that is likely; of molecules a nanometre, of hairs more
-    # choice: Tabor numbers, to begin with: chi^2 has two valleys over the range, the longer one about a factor 1.4 wide
-    tabor: tuple[float, ...] = (3.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 0.06, 0.03)
-    endless: float = 400.0  # choice: of how far adhesion deforms the body, a range from which on no longer one differs
-    narrow: float = 0.5  # choice: of the contact radius, a ring between narrow and wide
-    every: int = 7  # choice: of the nodes of a grid, at which rings are solved: splines between are good to 1e-5
-    settled: float = 1e-4  # theory: such a step by Newton's method, whose errors are squared: the next is below 1e-9
-    # choice: rise of w at the usual speed of the edge and power of the speed, to begin with
-    speeds: tuple[tuple[float, float], ...] = ((0.3, 0.3), (0.3, 0.8), (1.0, 0.3), (1.0, 0.8))
-    powers: tuple[float, float] = (0.1, 1.5)  # choice: of the speed of the edge, that are searched; measured 0.1 to 1
+# Which ranges and laws of w are searched.
+ADHESION_LONGEST = 10e-9  # choice: [m], range of adhesion that is likely; of molecules a nanometre, of hairs more
+# choice: Tabor numbers, to begin with: chi^2 has two valleys over the range, the longer one about a factor 1.4 wide
+ADHESION_TABOR = (3.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 0.06, 0.03)
+ADHESION_ENDLESS = 400.0  # choice: of how far adhesion deforms the body, a range from which on no longer one differs
+ADHESION_NARROW = 0.5  # choice: of the contact radius, a ring between narrow and wide
+ADHESION_EVERY = 7  # choice: of the nodes of a grid, at which rings are solved: splines between are good to 1e-5
+ADHESION_SETTLED = 1e-4  # theory: such a step by Newton's method, whose errors are squared: the next is below 1e-9
+# choice: rise of w at the usual speed of the edge and power of the speed, to begin with
+ADHESION_SPEEDS = ((0.3, 0.3), (0.3, 0.8), (1.0, 0.3), (1.0, 0.8))
+# choice: of the speed of the edge, that are searched; measured 0.1 to 1
+ADHESION_POWERS = (0.1, 1.5)
 
 
-RECORD_RIVAL_ADHESION_TUNING = AdhesionRivalTuning()
 POWER = "n"
 
 
@@ -521,7 +520,7 @@ def work_over_radius(record: FittedRecord) -> Change | None:
         half, zero = amount / 2 * np.maximum(place, -1.0), np.zeros_like(place)
         return np.stack([zero, half, zero, half])
 
-    name, most = f"q:{record.model.stretches[-1].kind}", RECORD_CHANGE_TUNING.largest
+    name, most = f"q:{record.model.stretches[-1].kind}", CHANGE_LARGEST
     quantities = lambda values: {"w": values[name] * math.exp(values["ln_s"] + values[AMOUNT])}  # noqa: E731
     return replace(change_of_body(changes, (-most, most), last=True), quantities=quantities)
 
@@ -566,9 +565,9 @@ def _gent_schultz(typical: float) -> Change:
         return np.where(part.touching, load_at(path, resting, turn, model.depth(part, values)), 0.0)
 
     return Change(
-        RECORD_RIVAL_ADHESION_TUNING.speeds,
+        ADHESION_SPEEDS,
         (AMOUNT, POWER),
-        {AMOUNT: (0.0, 1e3), POWER: RECORD_RIVAL_ADHESION_TUNING.powers},
+        {AMOUNT: (0.0, 1e3), POWER: ADHESION_POWERS},
         loads_back=loads,
         coupled=True,
         quantities=lambda values: {name: values[name] for name in (AMOUNT, POWER)},
@@ -592,8 +591,8 @@ def finite_range(record: FittedRecord) -> Change | None:
         w, z0 = values[f"q:{part.kind}"] * s, range_of(record, values[AMOUNT])
         return None if w <= 0 or z0 == 0 else _maugis(plain.family, s * E_star, w, z0)
 
-    starts = tuple((amount_of_range(record, neck(record) / mu),) for mu in RECORD_RIVAL_ADHESION_TUNING.tabor)
-    most = amount_of_range(record, RECORD_RIVAL_ADHESION_TUNING.endless * neck(record))
+    starts = tuple((amount_of_range(record, neck(record) / mu),) for mu in ADHESION_TABOR)
+    most = amount_of_range(record, ADHESION_ENDLESS * neck(record))
     return Change(
         starts, limits={AMOUNT: (0.0, most)}, log_changes=log_changes, coupled=True,
         quantities=lambda values: {"range": range_of(record, values[AMOUNT])},
@@ -602,7 +601,7 @@ def finite_range(record: FittedRecord) -> Change | None:
 
 def likely_range(record: FittedRecord) -> float:
     """The amount of the longest range that is known, or usual."""
-    longest = record.known.range if math.isfinite(record.known.range) else RECORD_RIVAL_ADHESION_TUNING.longest
+    longest = record.known.range if math.isfinite(record.known.range) else ADHESION_LONGEST
     return amount_of_range(record, longest) if record.work else 0.0
 
 
@@ -616,7 +615,7 @@ def neck(record: FittedRecord) -> float:
 def narrow_range(record: FittedRecord) -> float:
     """The range z0 [m] of which the ring is ``CHANGES.small`` a_max wide there: d = pi E* z0^2/(4 w)."""
     E_star = record.body.problem.E_star
-    return math.sqrt(4 * RECORD_CHANGE_TUNING.small * record.a_max * record.work / (math.pi * record.modulus * E_star))
+    return math.sqrt(4 * CHANGE_SMALL * record.a_max * record.work / (math.pi * record.modulus * E_star))
 
 
 def amount_of_range(record: FittedRecord, z0: float) -> float:
@@ -634,7 +633,7 @@ def _maugis(family: Family, E: float, w: float, z0: float) -> Array:
     """Changes of the logs (4, n) of a body of E* ``E`` [Pa] whose adhesion ``w`` [J/m^2] has the range ``z0`` [m]: the
     stress sigma = w/z0 on a ring from a to m a shifts the displacement by 2 sigma a sqrt(m^2 - 1)/E* and the load by 2
     sigma a^2 (sqrt(m^2 - 1) + m^2 arccos(1/m)), JKR by sqrt(2 pi a w/E*) and sqrt(8 pi w E* a^3)."""
-    sigma, some = w / z0, slice(None, None, RECORD_RIVAL_ADHESION_TUNING.every)
+    sigma, some = w / z0, slice(None, None, ADHESION_EVERY)
     a, D = np.exp(grid(family)[some]), on_grid(family)[0][0, some]
     m = _rim(a, D, E, w, sigma)
     root, angle = np.sqrt(m**2 - 1), np.arccos(1 / m)
@@ -647,10 +646,10 @@ def _maugis(family: Family, E: float, w: float, z0: float) -> Array:
 
 @lru_cache
 def _splines(size: int) -> Array:
-    """Values at ``size`` even nodes of the cubic splines through 1 at one of every ``TUNING.every`` nodes and 0 at the
-    others of these, (some, size)."""
+    """Values at ``size`` even nodes of the cubic splines through 1 at one of every ``ADHESION_EVERY`` nodes and 0 at
+    the others of these, (some, size)."""
     nodes = np.arange(size)
-    some = nodes[:: RECORD_RIVAL_ADHESION_TUNING.every]
+    some = nodes[::ADHESION_EVERY]
     splines: Array = CubicSpline(some, np.eye(some.size))(nodes).T
     return splines
 
@@ -663,7 +662,7 @@ def _rim(a: Array, D: Array, E: float, w: float, sigma: float) -> Array:
     own, pressed = 4 * sigma**2 / (math.pi * E * w) * a, sigma / (math.pi * w) * D
     near = 1 / (own + (math.sqrt(128) / 3 * pressed) ** (2 / 3))
     far = 2 / ((math.pi / 2 - 1) * own + np.sqrt(((math.pi / 2 - 1) * own) ** 2 + 2 * math.pi * pressed))
-    x = np.where(near < RECORD_RIVAL_ADHESION_TUNING.narrow, near, np.maximum(far, RECORD_RIVAL_ADHESION_TUNING.narrow))
+    x = np.where(near < ADHESION_NARROW, near, np.maximum(far, ADHESION_NARROW))
     for _ in range(MOST_STEPS):
         m = 1 + x
         root = np.sqrt(x * (2 + x))
@@ -671,8 +670,8 @@ def _rim(a: Array, D: Array, E: float, w: float, sigma: float) -> Array:
         released = own * (root * angle - x) + pressed * (root + (m**2 - 2) * angle)
         rate = own * (m * angle / root + 1 / m - 1) + pressed * (m / root + 2 * m * angle + (m - 2 / m) / root)
         step = -released / (x * rate) * np.log(released)
-        x *= np.exp(np.clip(step, -SLOW_EDGE.widest, SLOW_EDGE.widest))
-        if float(np.abs(step).max()) < RECORD_RIVAL_ADHESION_TUNING.settled:
+        x *= np.exp(np.clip(step, -SLOW_EDGE_WIDEST, SLOW_EDGE_WIDEST))
+        if float(np.abs(step).max()) < ADHESION_SETTLED:
             break
     return 1 + x
 
@@ -697,25 +696,21 @@ def long_range(record: FittedRecord) -> Array | None:
 # Each is another body, by how the logs of its functions D = delta_H, T, H = P_H and V of the contact radius change:
 # of tips by D, of moduli by the contact stiffness S, as dP_H = S d(delta_H).
 
-
-@dataclass(frozen=True)
-class BodyRivalTuning:
-    """Bodies of which columns are taken, and which are searched."""
-
-    thick: float = 3.0  # choice: of the largest contact radius, the layer that a half-space is compared with
-    under: tuple[float, float] = (3e-3, 0.5)  # of its thickness, radii it is solved at; theory: up to a contact of 0.44
-    decades: int = 4  # choice: such layers to a decade of thickness, so that many curves share one solve
-    neighbour: float = 0.02  # choice: of thickness and nu, for differences of two bodies
-    thin: float = 4.0  # choice: contact radii over the thickness up to which a layer is searched
-    thicknesses: tuple[float, ...] = (0.3, 1.0)  # choice: contact radii over it, to begin with
-    softest: float = -0.6  # theory: S' stays above 0 up to ``CHANGES.beyond``
-    bluntest: float = -1.5  # theory: profiles that rise, exponent 1/2
-    flattest: float = -3.0  # theory: profiles that rise up to a/R = 1
-    profiles: tuple[float, ...] = (-1.0, -0.8, 0.0)  # choice: exponents less that of a paraboloid, to begin with
-    finest: float = 4.0  # theory: of kappa, below which the expansion for small kappa is not used
+# Bodies of which columns are taken, and which are searched.
+BODY_THICK = 3.0  # choice: of the largest contact radius, the layer that a half-space is compared with
+# of its thickness, radii it is solved at; theory: up to a contact of 0.44
+BODY_UNDER = (3e-3, 0.5)
+BODY_DECADES = 4  # choice: such layers to a decade of thickness, so that many curves share one solve
+BODY_NEIGHBOUR = 0.02  # choice: of thickness and nu, for differences of two bodies
+BODY_THIN = 4.0  # choice: contact radii over the thickness up to which a layer is searched
+BODY_THICKNESSES = (0.3, 1.0)  # choice: contact radii over it, to begin with
+BODY_SOFTEST = -0.6  # theory: S' stays above 0 up to ``CHANGES.beyond``
+BODY_BLUNTEST = -1.5  # theory: profiles that rise, exponent 1/2
+BODY_FLATTEST = -3.0  # theory: profiles that rise up to a/R = 1
+BODY_PROFILES = (-1.0, -0.8, 0.0)  # choice: exponents less that of a paraboloid, to begin with
+BODY_FINEST = 4.0  # theory: of kappa, below which the expansion for small kappa is not used
 
 
-RECORD_RIVAL_BODY_TUNING = BodyRivalTuning()
 EULER = float(np.euler_gamma)
 
 
@@ -724,11 +719,8 @@ def layer_below(record: FittedRecord) -> Change | None:
     specimen, a_max = record.body.problem.specimen, record.a_max
     if specimen.layers or specimen.radius is not None or not isinstance(specimen.base, HalfSpace):
         return None
-    h = 10 ** (
-        round(math.log10(RECORD_RIVAL_BODY_TUNING.thick * a_max) * RECORD_RIVAL_BODY_TUNING.decades)
-        / RECORD_RIVAL_BODY_TUNING.decades
-    )
-    column = record.towards(_on_rigid(record.body, h, RECORD_RIVAL_BODY_TUNING.under[1]), a_max / h)
+    h = 10 ** (round(math.log10(BODY_THICK * a_max) * BODY_DECADES) / BODY_DECADES)
+    column = record.towards(_on_rigid(record.body, h, BODY_UNDER[1]), a_max / h)
     return replace(_on_base(record.body, a_max, a_max), column=column)
 
 
@@ -737,8 +729,8 @@ def _on_rigid(body: FittedBody, h: float, most: float) -> Family:
     specimen = body.problem.specimen
     assert isinstance(specimen.base, HalfSpace)
     problem = replace(unbounded(body.problem), specimen=Specimen((Layer(specimen.base.material, h),), Rigid()))
-    most = min(most, ATTRACTED.below_limit * problem.indenter.r_max / h)
-    radii = tuple((h * np.geomspace(RECORD_RIVAL_BODY_TUNING.under[0], most, DENSE)).tolist())
+    most = min(most, FAMILY_BELOW_LIMIT * problem.indenter.r_max / h)
+    radii = tuple((h * np.geomspace(BODY_UNDER[0], most, DENSE)).tolist())
     return solved(replace(problem, loading=Loading.given("radius", radii)), body.tolerance)
 
 
@@ -749,7 +741,7 @@ def _on_base(body: FittedBody, a_max: float, h: float) -> Change:
     @lru_cache(maxsize=1)
     def ratios(family: Family) -> CubicSpline:
         """Logs of D, T, H, V over those of the half-space, over ln(a/h)."""
-        layer = _on_rigid(body, h, RECORD_RIVAL_BODY_TUNING.thin)
+        layer = _on_rigid(body, h, BODY_THIN)
         u = np.linspace(layer.low, layer.high, DENSE)
         return CubicSpline(u - math.log(h), np.log(layer.at(u)[0] / family.at(u)[0]).T)
 
@@ -763,8 +755,8 @@ def _on_base(body: FittedBody, a_max: float, h: float) -> Change:
         return replace(_on_base(body, a_max, a_max / max(fit.value(AMOUNT), LITTLE)))
 
     quantities = lambda values: {"thickness": a_max / max(values[AMOUNT], LITTLE**2)}  # noqa: E731
-    starts = tuple((amount,) for amount in RECORD_RIVAL_BODY_TUNING.thicknesses)
-    change = change_of_body(changes, (0.0, RECORD_RIVAL_BODY_TUNING.thin))
+    starts = tuple((amount,) for amount in BODY_THICKNESSES)
+    change = change_of_body(changes, (0.0, BODY_THIN))
     return replace(change, starts=starts, quantities=quantities, recentred=recentred)
 
 
@@ -780,12 +772,12 @@ def poisson(record: FittedRecord) -> Change | None:
 
 def _of_layer(record: FittedRecord, symbol: str, quantity: str) -> Change | None:
     """The relative change of a quantity of the layer in contact, between bodies that are solved at even steps of it."""
-    body, step = record.body, RECORD_RIVAL_BODY_TUNING.neighbour
+    body, step = record.body, BODY_NEIGHBOUR
     if not body.own_parameters or not body.problem.specimen.layers:
         return None
     name = f"{symbol}:{body.layer_names[0]}"
     nominal = body.nominal(name)
-    most = (0.5 - UNSEEN) / nominal - 1 if symbol == "nu" else RECORD_CHANGE_TUNING.largest
+    most = (0.5 - UNSEEN) / nominal - 1 if symbol == "nu" else CHANGE_LARGEST
 
     def at_node(i: int) -> Family:
         return body.with_values({name: nominal * (1 + min(i * step, most))}).family
@@ -796,7 +788,7 @@ def _of_layer(record: FittedRecord, symbol: str, quantity: str) -> Change | None
         return (1 - part) * log_ratio(at_node(i), family) + part * log_ratio(at_node(i + 1), family)
 
     return replace(
-        change_of_body(changes, (1 / (1 + RECORD_CHANGE_TUNING.largest) - 1, most)),
+        change_of_body(changes, (1 / (1 + CHANGE_LARGEST) - 1, most)),
         quantities=lambda values: {quantity: nominal * (1 + values[AMOUNT])},
         column=record.towards(at_node(-1), -step),
     )
@@ -807,10 +799,10 @@ def graded(record: FittedRecord) -> Change:
     a_max = record.a_max
 
     def changes(family: Family, amount: float) -> Array:
-        place = np.minimum(np.exp(grid(family)) / a_max, RECORD_CHANGE_TUNING.beyond)
+        place = np.minimum(np.exp(grid(family)) / a_max, CHANGE_BEYOND)
         return of_body(family, np.zeros_like(place), amount * place)
 
-    return change_of_body(changes, (RECORD_RIVAL_BODY_TUNING.softest, RECORD_CHANGE_TUNING.largest))
+    return change_of_body(changes, (BODY_SOFTEST, CHANGE_LARGEST))
 
 
 def exponent(record: FittedRecord) -> Change:
@@ -819,9 +811,9 @@ def exponent(record: FittedRecord) -> Change:
     return replace(
         change_of_body(
             lambda family, amount: _of_tip(family, amount * (grid(family) - log)),
-            (RECORD_RIVAL_BODY_TUNING.bluntest, RECORD_CHANGE_TUNING.largest),
+            (BODY_BLUNTEST, CHANGE_LARGEST),
         ),
-        starts=tuple((amount,) for amount in RECORD_RIVAL_BODY_TUNING.profiles),
+        starts=tuple((amount,) for amount in BODY_PROFILES),
         quantities=lambda values: {"exponent": 2 + values[AMOUNT]},
         recentred=_exponent_at_turn,
     )
@@ -857,7 +849,7 @@ def quartic(record: FittedRecord) -> Change | None:
     def changes(family: Family, amount: float) -> Array:
         return _of_tip(family, amount * np.minimum(np.exp(grid(family)) / R, 1.0) ** 2 / 3)
 
-    return change_of_body(changes, (RECORD_RIVAL_BODY_TUNING.flattest, RECORD_CHANGE_TUNING.largest))
+    return change_of_body(changes, (BODY_FLATTEST, CHANGE_LARGEST))
 
 
 def _of_tip(family: Family, D: Array) -> Array:
@@ -887,7 +879,7 @@ def tension(record: FittedRecord) -> Change | None:
 
     def relative(family: Family, amount: float) -> Array:
         kappa = max(amount, LITTLE**2) * a_max
-        a = np.maximum(np.exp(grid(family)), RECORD_RIVAL_BODY_TUNING.finest * kappa)
+        a = np.maximum(np.exp(grid(family)), BODY_FINEST * kappa)
         x, log = kappa / (math.pi * a), np.log(2 * a / kappa) + EULER
         return x * np.stack([2 * (log - 1), 3 * log, log + 1, np.ones_like(a)])
 
@@ -896,13 +888,11 @@ def tension(record: FittedRecord) -> Change | None:
         D, H, S, dS = changes
         return np.stack([D, -dS / 2, H, S - dS / 2])
 
-    column = record.by_changes(
-        functions(relative(record.model.family, RECORD_CHANGE_TUNING.small)) / RECORD_CHANGE_TUNING.small
-    )
+    column = record.by_changes(functions(relative(record.model.family, CHANGE_SMALL)) / CHANGE_SMALL)
     change = change_of_body(lambda family, amount: functions(np.log1p(relative(family, amount))), (0.0, 1.0))
     unit = record.body.problem.E_star * a_max / 2
     quantities = lambda values: {"surface_tension": unit * math.exp(values["ln_s"]) * values[AMOUNT]}  # noqa: E731
-    return replace(change, starts=((RECORD_CHANGE_TUNING.small,),), quantities=quantities, column=column)
+    return replace(change, starts=((CHANGE_SMALL,),), quantities=quantities, column=column)
 
 
 def amount_of_tension(record: FittedRecord, tension: float) -> float:
@@ -1020,20 +1010,15 @@ def slope_at_rest(record: FittedRecord) -> Array | None:
 # 33 (1966) 845): while it grows P = int r(t - t') dP_H, and while it shrinks P = int_0^t1 r(t - t') dP_H + S int_t1^t
 # r(t - t') d(delta), t1 the time at which the radius was the same, S the contact stiffness there.
 
-
-@dataclass(frozen=True)
-class RelaxationRivalTuning:
-    """How finely histories are followed."""
-
-    pieces: int = 60  # choice: of the way of the tip in each direction, for the history of a body that relaxes
-    coarser: int = 2  # choice: steps joined in histories, 1e-5 of the loads
-    grows: float = 0.02  # choice: of the depth, by which a contact may grow again: noise of the deflection
-    times: int = 50  # choice: instants of each direction at which those loads are solved; splines between them
-    smooth: float = 2 / 3  # theory: power of the load in which they are drawn, at first contact it is delta^1.5
-    instants: int = 100  # choice: at which hereditary integrals are taken
+# How finely histories are followed.
+RELAXATION_PIECES = 60  # choice: of the way of the tip in each direction, for the history of a body that relaxes
+RELAXATION_COARSER = 2  # choice: steps joined in histories, 1e-5 of the loads
+RELAXATION_GROWS = 0.02  # choice: of the depth, by which a contact may grow again: noise of the deflection
+RELAXATION_TIMES = 50  # choice: instants of each direction at which those loads are solved; splines between them
+RELAXATION_SMOOTH = 2 / 3  # theory: power of the load in which they are drawn, at first contact it is delta^1.5
+RELAXATION_INSTANTS = 100  # choice: at which hereditary integrals are taken
 
 
-RECORD_RIVAL_RELAXATION_TUNING = RelaxationRivalTuning()
 TIME = "relaxation_time"
 Memory = Callable[[Array], Array]  # phi of r = 1 - amount phi, of time over that of the record
 
@@ -1074,9 +1059,7 @@ class _History:
 
     @property
     def thinned(self) -> _History:
-        return self.ordered(
-            np.unique(np.linspace(0, self.t.size - 1, RECORD_RIVAL_RELAXATION_TUNING.instants).astype(int))
-        )
+        return self.ordered(np.unique(np.linspace(0, self.t.size - 1, RELAXATION_INSTANTS).astype(int)))
 
 
 def _first_order(record: FittedRecord, memory: Memory) -> Array | None:
@@ -1122,7 +1105,7 @@ def _ting(memory: Memory, growing: _History, shrinking: _History) -> tuple[Array
 def _loads_of_history(record: FittedRecord, law: Callable[[Values], Relaxation]) -> Loads:
     """Loads [N] of all rows of a stretch of a body that relaxes by a ``law`` of the unknowns, by its whole history."""
     t, x = _program(record)
-    body = record.body.to_depth(RECORD_CHANGE_TUNING.beyond * record.reach)
+    body = record.body.to_depth(CHANGE_BEYOND * record.reach)
     nonadhesive = Nonadhesive(body.series, body.slopes)
 
     @lru_cache(maxsize=REMEMBERED)
@@ -1130,31 +1113,32 @@ def _loads_of_history(record: FittedRecord, law: Callable[[Values], Relaxation])
         contact = RelaxingContact(
             nonadhesive,
             cast(Relaxation, moduli),
-            coarser=RECORD_RIVAL_RELAXATION_TUNING.coarser,
-            grows=RECORD_RIVAL_RELAXATION_TUNING.grows,
+            coarser=RELAXATION_COARSER,
+            grows=RELAXATION_GROWS,
         )
         try:
             path = contact.history(Program(t, x - z0)).path
             lost = min(path.lost, float(t.max()))
             times = [_dense_at_ends(*ends) for ends in ((path.begin, path.turn), (path.turn, lost))]
-            return [CubicSpline(one, path.states(one)[2] ** RECORD_RIVAL_RELAXATION_TUNING.smooth) for one in times]
+            return [CubicSpline(one, path.states(one)[2] ** RELAXATION_SMOOTH) for one in times]
         except InputError:  # there is no such history
             return [CubicSpline([t.min(), t.max()], [0.0, 0.0])] * 2
 
     def loads(model: ForceCurveModel, part: DirectionReadings, values: Values) -> Array:
         spline = history(values["z0"], cast(Hashable, law(values)))[int(part.kind != APPROACH)]
         first, last = spline.x[[0, -1]]
-        P: Array = np.maximum(spline(np.clip(part.t, first, last)), 0.0) ** (1 / RECORD_RIVAL_RELAXATION_TUNING.smooth)
+        P: Array = np.maximum(spline(np.clip(part.t, first, last)), 0.0) ** (1 / RELAXATION_SMOOTH)
         return math.exp(values["ln_s"]) * np.where((part.t >= first) & (part.t <= last), P, 0.0)
 
     return loads
 
 
 def _program(record: FittedRecord) -> tuple[Array, Array]:
-    """Times since the turn [s] and positions of the tip [m], about ``TUNING.pieces`` of each direction and the turn."""
+    """Times since the turn [s] and positions of the tip [m], about ``RELAXATION_PIECES`` of each direction and the
+    turn."""
     way, back = record.model.stretches
     tips = [part.z - (part.P - base_line(part, record.values)[0]) / record.model.k for part in (way, back)]
-    some = slice(None, None, max(way.P.size // RECORD_RIVAL_RELAXATION_TUNING.pieces, 1))
+    some = slice(None, None, max(way.P.size // RELAXATION_PIECES, 1))
     t = np.concatenate([way.t[some], [0.0], back.t[::-1][some]])
     x = np.concatenate([tips[0][some], [record.tip_turn], tips[1][::-1][some]])
     order = np.argsort(t, kind="stable")
@@ -1162,22 +1146,18 @@ def _program(record: FittedRecord) -> tuple[Array, Array]:
 
 
 def _dense_at_ends(first: float, last: float) -> Array:
-    place: Array = (1 - np.cos(math.pi * np.linspace(0, 1, RECORD_RIVAL_RELAXATION_TUNING.times))) / 2
+    place: Array = (1 - np.cos(math.pi * np.linspace(0, 1, RELAXATION_TIMES))) / 2
     return first + (last - first) * place
 
 
-@dataclass(frozen=True)
-class RecordRivalTuning:
-    """What is known of rivals before the data."""
-
-    cone: float = 3.0  # choice: three times what a cone's exponent differs from a paraboloid's by: one step overshoots
-    strains: float = 2.0  # choice: of the effect of large strains on rubber, that of other materials
-    device: float = 1.0  # choice: relative, by which a stiffness that someone measured may be off
-    shape: float = 0.003  # choice: exponent of the profile within which a tip is what it is called: by as much its
-    # radius of curvature changes over a factor e of the contact radius
+# What is known of rivals before the data.
+ALTERNATIVE_CONE = 3.0  # choice: three times what a cone's exponent differs from a paraboloid's by: one step overshoots
+ALTERNATIVE_STRAINS = 2.0  # choice: of the effect of large strains on rubber, that of other materials
+ALTERNATIVE_DEVICE = 1.0  # choice: relative, by which a stiffness that someone measured may be off
+ALTERNATIVE_SHAPE = 0.003  # choice: exponent of the profile within which a tip is what it is called: by as much its
+# radius of curvature changes over a factor e of the contact radius
 
 
-TUNING = RecordRivalTuning()
 BODY, TIP, ADHESION, DEVICE, MEMORY = "layer or base", "shape of the tip", "adhesion", "device", "relaxation or flow"
 # What the unknowns of rivals mean, by dimension:
 OF_RIVALS = {
@@ -1225,11 +1205,12 @@ RIVALS: tuple[Rival, ...] = (
     Rival("thickness of the layer", BODY, "relative change", thickness),
     Rival("nu of the layer", BODY, "relative change", poisson),
     Rival("moduli that change with the contact radius", BODY, "relative rise", graded),
-    Rival("exponent of the tip", TIP, "change of the exponent", exponent, TUNING.shape, (-TUNING.cone, TUNING.cone)),
+    Rival("exponent of the tip", TIP, "change of the exponent", exponent, ALTERNATIVE_SHAPE,
+          (-ALTERNATIVE_CONE, ALTERNATIVE_CONE)),
     Rival("sphere or paraboloid", TIP, "share of the sphere's quartic term", quartic, limits=(-1.0, 1.0)),
     Rival("no slip", BODY, "from none to full", no_slip, 1.0, POSITIVE),
     TENSION,
-    Rival("large strains", BODY, "of what is known of them", strains, likely_strains, (0.0, TUNING.strains)),
+    Rival("large strains", BODY, "of what is known of them", strains, likely_strains, (0.0, ALTERNATIVE_STRAINS)),
     Rival("relaxation over a factor of time", MEMORY, "fall per factor e", partial(
         relaxing,
         memory=lambda t: np.log1p(100 * t),
@@ -1247,7 +1228,8 @@ RIVALS: tuple[Rival, ...] = (
           misplaced_back(lambda record, part: np.full(part.z.size, -record.reach)), of_directions=True),
     Rival("another modulus on the way back", MEMORY, "relative change", another_modulus, of_directions=True),
     Rival("another slope at rest", MEMORY, "relative change", slope_at_rest, of_directions=True),
-    Rival("stiffness of the device", DEVICE, "relative change", stiffness, limits=(-TUNING.device, TUNING.device)),
+    Rival("stiffness of the device", DEVICE, "relative change", stiffness,
+          limits=(-ALTERNATIVE_DEVICE, ALTERNATIVE_DEVICE)),
     Rival("creep of the position", DEVICE, "of the travel, per decade of time",
           misplaced_back(lambda record, part: part.travel * creep(record.time(part)), "creep"), of_directions=True),
     Rival("hysteresis of the position", DEVICE, "of the travel, at most",

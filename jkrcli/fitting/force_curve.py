@@ -38,19 +38,17 @@ from .settings import Loss
 # The reading repeats itself whenever the device has moved by half a wavelength of the light. Amplitude and phase are
 # of each direction; the period is of the light and common to both.
 
-
-@dataclass(frozen=True)
-class InterferenceTuning:
-    """Where a sine is searched, and when it is no noise."""
-
-    blocks: int = 2000  # choice: means of successive free rows that are transformed
-    shortest: int = 6  # theory: of them in a period; their means leave sinc(1/6) = 95 % of the wave
-    finer: int = 4  # theory: frequencies tried for each that the free way tells apart; sinc(1/8)^2 leaves 95 % between
-    shares: tuple[float, ...] = (0.5, 1.0, 1.0)  # choice: of the free rows, in rounds; a large wave hides their end
-    clear: float = 14.0  # theory: once in a thousand by chance of a thousand frequencies (Scargle, ApJ 263, 835, 1982)
-
-
-INTERFERENCE_TUNING = InterferenceTuning()
+# Where a sine is searched, and when it is no noise.
+INTERFERENCE_BLOCKS = 2000  # choice: means of successive free rows that are transformed
+INTERFERENCE_SHORTEST = 6  # theory: of them in a period; their means leave sinc(1/6) = 95 % of the wave
+INTERFERENCE_FINER = (
+    4  # theory: frequencies tried for each that the free way tells apart; sinc(1/8)^2 leaves 95 % between
+)
+# choice: of the free rows, in rounds; a large wave hides their end
+INTERFERENCE_SHARES = (0.5, 1.0, 1.0)
+INTERFERENCE_CLEAR = (
+    14.0  # theory: once in a thousand by chance of a thousand frequencies (Scargle, ApJ 263, 835, 1982)
+)
 
 
 @dataclass(frozen=True)
@@ -79,7 +77,7 @@ def straightened(record: ForceCurve) -> tuple[ForceCurve, Mapping[str, Wave]]:
     Without the wave the free rows are determined better, and by them the wave.
     """
     curve, waves = record.curve, dict[str, Wave]()
-    for share in INTERFERENCE_TUNING.shares:
+    for share in INTERFERENCE_SHARES:
         sides = [side for side in record.directions if side.base.rows >= FEWEST_ROWS]
         free = {side.segment.kind: _free(curve, side, share) for side in sides}
         period = _period(list(free.values())) if free else None
@@ -105,7 +103,7 @@ def _free(curve: Curve, side: Direction, share: float) -> tuple[Array, Array]:
     order, end = 1 if side.segment.kind == APPROACH else -1, round(share * side.base.rows)
     z, off = (column[side.segment.rows][::order][:end] for column in (curve.device, curve.load))
     off = off - np.polynomial.Polynomial.fit(z, off, 1)(z)
-    size = max(1, z.size // INTERFERENCE_TUNING.blocks)
+    size = max(1, z.size // INTERFERENCE_BLOCKS)
     along, loads = (column[: z.size // size * size].reshape(-1, size).mean(axis=1) for column in (z, off))
     return along, loads
 
@@ -114,17 +112,17 @@ def _period(free: list[tuple[Array, Array]]) -> float | None:
     """The period that explains most, among those of which one or more lie in the free way; None where none explains
     more than chance does."""
     way, count = max(float(np.ptp(z)) for z, _ in free), max(z.size for z, _ in free)
-    size, total, rows = INTERFERENCE_TUNING.finer * count, 0.0, 0
+    size, total, rows = INTERFERENCE_FINER * count, 0.0, 0
     power = np.zeros(size // 2 + 1)
     for z, off in free:
         order = np.argsort(z)
         even = np.interp(np.arange(z[order[0]], z[order[-1]], way / count), z[order], off[order])
         power += 2 / even.size * np.abs(np.fft.rfft(even, size)) ** 2
         total, rows = total + float(even @ even), rows + even.size
-    periods = way * INTERFERENCE_TUNING.finer / np.maximum(np.arange(power.size), 1)
-    power = np.where((periods <= way) & (periods >= INTERFERENCE_TUNING.shortest * way / count), power, 0.0)
+    periods = way * INTERFERENCE_FINER / np.maximum(np.arange(power.size), 1)
+    power = np.where((periods <= way) & (periods >= INTERFERENCE_SHORTEST * way / count), power, 0.0)
     best = int(np.argmax(power))
-    return float(periods[best]) if power[best] > 2 * INTERFERENCE_TUNING.clear * (total - power[best]) / rows else None
+    return float(periods[best]) if power[best] > 2 * INTERFERENCE_CLEAR * (total - power[best]) / rows else None
 
 
 def _wave(z: Array, off: Array, period: float) -> Wave:
@@ -138,16 +136,9 @@ def _wave(z: Array, off: Array, period: float) -> Wave:
 # --------------------------------------------------------------------------------------------------
 # Rows of a raw record as its model takes them: each direction from its far end inwards, with its base line.
 
-
-@dataclass(frozen=True)
-class ReadingsTuning:
-    """Which rows are left out."""
-
-    # tuned on fits, by `make constants`: of the rows in contact, those next to the turning point that are left out
-    turning: float = 0.01
-
-
-FORCE_CURVE_READINGS_TUNING = ReadingsTuning()
+# Which rows are left out.
+# tuned on fits, by `make constants`: of the rows in contact, those next to the turning point that are left out
+READINGS_TURNING = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,7 +216,7 @@ def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> Directio
     P = curve.load[rows] if wave is None else curve.load[rows] + wave(z)
     line, tension, touching, keep = _base_and_contact(side, z, P)
     contact = np.count_nonzero(touching) or rows.size - side.border[1]
-    keep[rows.size - round(FORCE_CURVE_READINGS_TUNING.turning * contact) :] = False
+    keep[rows.size - round(READINGS_TURNING * contact) :] = False
     keep &= ~np.isin(rows, record.spikes)
     into = record.direction(APPROACH)
     last = int(np.argmax(curve.device)) if into is None else into.segment.last
@@ -260,15 +251,10 @@ def _base_and_contact(side: Direction, z: Array, P: Array) -> tuple[BaseLine, fl
 # 802, 2007). Their amounts are fractions of the travel: the largest separation of the ways, and the creep per decade
 # of time from a hundredth of the record on.
 
-
-@dataclass(frozen=True)
-class PositionTuning:
-    """How creep begins."""
-
-    onset: float = 0.01  # choice: of the time of a record, from which on it goes by decades
+# How creep begins.
+POSITION_ONSET = 0.01  # choice: of the time of a record, from which on it goes by decades
 
 
-POSITIONS_TUNING = PositionTuning()
 TIMED = ("drift", "creep")  # that need a column of time
 
 
@@ -279,20 +265,14 @@ def hysteresis(way: Array) -> Array:
 
 def creep(time: Array) -> Array:
     """Decades of the ``time`` since the turn, over that of the record."""
-    return np.log10(1 + time / POSITIONS_TUNING.onset)
+    return np.log10(1 + time / POSITION_ONSET)
 
 
-@dataclass(frozen=True)
-class ForceCurveTuning:
-    """Which rows tell the noise, and what is remembered."""
-
-    # tuned on raw records, by `make constants`: of the rows of a base line, those that tell the noise: contact begins
-    # gently
-    surely: float = 0.9
-    remembered: int = 2  # theory: residuals at the same unknowns, with the fold as the search sees it and as it is
-
-
-TUNING = ForceCurveTuning()
+# Which rows tell the noise, and what is remembered.
+# tuned on raw records, by `make constants`: of the rows of a base line, those that tell the noise: contact begins
+# gently
+FORCE_CURVE_SURELY = 0.9
+FORCE_CURVE_REMEMBERED = 2  # theory: residuals at the same unknowns, with the fold as the search sees it and as it is
 
 
 @dataclass(frozen=True, eq=False)
@@ -443,7 +423,7 @@ class ForceCurveModel:
         """Of columns of all rows, those of each stretch that surely are free, whatever the model says."""
         ends = np.cumsum([part.rows.size for part in self.stretches])[:-1]
         parts = zip(self.stretches, np.split(columns, ends), strict=True)
-        return [column[: round(TUNING.surely * part.line.rows)] for part, column in parts]
+        return [column[: round(FORCE_CURVE_SURELY * part.line.rows)] for part, column in parts]
 
     @cached_property
     def _residuals(self) -> dict[tuple[bytes, float], tuple[Array, Array]]:
@@ -456,7 +436,7 @@ class ForceCurveModel:
         """
         cache, key = self._residuals, (x.tobytes(), blunt)
         if key not in cache:
-            if len(cache) >= TUNING.remembered:
+            if len(cache) >= FORCE_CURVE_REMEMBERED:
                 del cache[next(iter(cache))]
             cache[key] = self.evaluated(x, blunt)
         return cache[key]
@@ -584,18 +564,11 @@ def base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Arr
 # --------------------------------------------------------------------------------------------------
 # Where the search for the unknowns of a force curve begins: shapes and contact points tried, the rest linear.
 
-
-@dataclass(frozen=True)
-class StartsTuning:
-    """How many starts are tried."""
-
-    # choice: of a retraction alone, the share of its way in contact that tells a start, and ``turn`` to begin with:
-    alone: tuple[tuple[float, float], ...] = ((0.5, 0.1), (0.5, 0.6), (1.0, 1.0))
-    shapes: int = 25  # choice: ratios w/s tried
-    points: int = 41  # choice: contact points tried
-
-
-FORCE_CURVE_STARTS_TUNING = StartsTuning()
+# How many starts are tried.
+# choice: of a retraction alone, the share of its way in contact that tells a start, and ``turn`` to begin with:
+STARTS_ALONE = ((0.5, 0.1), (0.5, 0.6), (1.0, 1.0))
+STARTS_SHAPES = 25  # choice: ratios w/s tried
+STARTS_POINTS = 41  # choice: contact points tried
 
 
 def starts_of(model: ForceCurveModel) -> Iterator[Array]:
@@ -603,7 +576,7 @@ def starts_of(model: ForceCurveModel) -> Iterator[Array]:
     if "turn" not in model.names:
         yield from (_start(model, part, 1.0, 0.0) for part in model.stretches)
         return
-    yield from (_start(model, model.stretches[0], share, turn) for share, turn in FORCE_CURVE_STARTS_TUNING.alone)
+    yield from (_start(model, model.stretches[0], share, turn) for share, turn in STARTS_ALONE)
 
 
 def _start(model: ForceCurveModel, part: DirectionReadings, share: float, turn: float) -> Array:
@@ -682,47 +655,40 @@ def _some_rows(part: DirectionReadings) -> Array:
 def _shapes(D: Array, T: Array) -> Array:
     """Ratios sqrt(w/s): of almost no adhesion, and so that the shift is the displacement at radii across the series."""
     ratio = np.unique(D / T)
-    return np.concatenate([[0.0], np.geomspace(ratio[0], ratio[-1], FORCE_CURVE_STARTS_TUNING.shapes)])
+    return np.concatenate([[0.0], np.geomspace(ratio[0], ratio[-1], STARTS_SHAPES)])
 
 
 def _contact_points(part: DirectionReadings, delta: Array, rows: Array) -> Array:
     """Displacements tried as zero; with a jump, as the fold, about its first row in contact."""
     span = float(np.ptp(delta))
     if not part.jumped:
-        return np.linspace(delta.min(), delta.max() - 0.01 * span, FORCE_CURVE_STARTS_TUNING.points)
+        return np.linspace(delta.min(), delta.max() - 0.01 * span, STARTS_POINTS)
     first = float(delta[part.touching[rows]][0])
-    steps = span * np.geomspace(1e-4, 0.5, FORCE_CURVE_STARTS_TUNING.points // 3)
+    steps = span * np.geomspace(1e-4, 0.5, STARTS_POINTS // 3)
     return first + np.concatenate([-steps, [0.0], steps])
 
 
 # --------------------------------------------------------------------------------------------------
 # The search for the unknowns of a force curve, and its end: estimates, covariance, noise.
 
-
-@dataclass(frozen=True)
-class ForceCurveFitTuning:
-    """How starts are tried, and when a search ends."""
-
-    window: float = 4.0  # choice: standard errors of z0 and w that the window about first touch covers
-    beside: float = 2.0  # choice: rows on each side of first touch, at least, that belong to the window
-    narrow: float = 0.3  # choice: of the depth of contact, that the window covers at most
-    above: float = 1.1  # theory: any w above what the last row at rest holds gives the same loads
-    recedes: float = 12.0  # theory: fall of chi^2 by one unknown that chance brings once in 2000
-    explained: float = 1.05  # choice: of the noise, residuals that the search is not begun anew for
-    enough: float = 1.5  # choice: of the noise, residuals that no other start is tried below
-    blunt: tuple[float, ...] = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt fold while searching
-    moduli: float = 10.0  # choice: of ln s about its start, where the search may go
-    periods: float = 0.3  # choice: the same of the log of a wave's period
-    converged: float = 1e-11  # choice: relative change of parameters
-    fell: float = 1e-8  # theory: of chi^2 of 1e4 rows, its rise a hundredth of a standard error from the minimum
-    unsure: float = 0.1  # choice: of the way in contact, the most that the place of a fold is taken to be uncertain by
-    narrower: float = 2.0  # choice: factor between two estimates of it, below which they agree
-    corrected: int = 2  # choice: times that a neighbour's moduli are corrected, by a factor of e at most each
-    near: float = 0.1  # choice: of chi^2, the fall still to be had a third of a standard error from its minimum
-    evaluations: int = 80  # choice: steps after which the search gives up
-
-
-FORCE_CURVE_FIT_TUNING = ForceCurveFitTuning()
+# How starts are tried, and when a search ends.
+FIT_WINDOW = 4.0  # choice: standard errors of z0 and w that the window about first touch covers
+FIT_BESIDE = 2.0  # choice: rows on each side of first touch, at least, that belong to the window
+FIT_NARROW = 0.3  # choice: of the depth of contact, that the window covers at most
+FIT_ABOVE = 1.1  # theory: any w above what the last row at rest holds gives the same loads
+FIT_RECEDES = 12.0  # theory: fall of chi^2 by one unknown that chance brings once in 2000
+FIT_EXPLAINED = 1.05  # choice: of the noise, residuals that the search is not begun anew for
+FIT_ENOUGH = 1.5  # choice: of the noise, residuals that no other start is tried below
+FIT_BLUNT = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt fold while searching
+FIT_MODULI = 10.0  # choice: of ln s about its start, where the search may go
+FIT_PERIODS = 0.3  # choice: the same of the log of a wave's period
+FIT_CONVERGED = 1e-11  # choice: relative change of parameters
+FIT_FELL = 1e-8  # theory: of chi^2 of 1e4 rows, its rise a hundredth of a standard error from the minimum
+FIT_UNSURE = 0.1  # choice: of the way in contact, the most that the place of a fold is taken to be uncertain by
+FIT_NARROWER = 2.0  # choice: factor between two estimates of it, below which they agree
+FIT_CORRECTED = 2  # choice: times that a neighbour's moduli are corrected, by a factor of e at most each
+FIT_NEAR = 0.1  # choice: of chi^2, the fall still to be had a third of a standard error from its minimum
+FIT_EVALUATIONS = 80  # choice: steps after which the search gives up
 
 
 @dataclass(frozen=True, eq=False)
@@ -787,21 +753,21 @@ def _problem(
         partial(_state, model, weight, blunt),
         bounds,
         enough,
-        FORCE_CURVE_FIT_TUNING.fell,
-        FORCE_CURVE_FIT_TUNING.evaluations,
+        FIT_FELL,
+        FIT_EVALUATIONS,
     )
 
 
 def misfit_at(model: ForceCurveModel, x: Array) -> float:
     """Half the sum of squares at the unknowns ``x``, of loads over their range."""
-    off = _state(model, _even(model), FORCE_CURVE_FIT_TUNING.blunt[-1], np.clip(x, *_bounds(model, x))).residuals
+    off = _state(model, _even(model), FIT_BLUNT[-1], np.clip(x, *_bounds(model, x))).residuals
     return float(off @ off) / 2
 
 
 def rough(model: ForceCurveModel, start: Array, steps: int) -> tuple[float, Array]:
     """Half the sum of squares that is left, of loads over their range, and the unknowns that leave about least, by a
     search from ``start`` on of a few ``steps``."""
-    problem = _problem(model, _even(model), _bounds(model, start), FORCE_CURVE_FIT_TUNING.blunt[1], SAME)
+    problem = _problem(model, _even(model), _bounds(model, start), FIT_BLUNT[1], SAME)
     least = replace(problem, evaluations=steps).least(start)
     return least.cost, least.x
 
@@ -811,22 +777,18 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     all as they are; then weighted by the noise of the free rows where that has a colour. Where the rows do not
     determine them the search creeps along a valley: it is given up, and the fit reports it."""
     bounds, even = _bounds(model, start), _even(model)
-    x, sharp = np.clip(start, *bounds), FORCE_CURVE_FIT_TUNING.blunt[-1]
+    x, sharp = np.clip(start, *bounds), FIT_BLUNT[-1]
     few = model
     if "turn" not in model.names:  # of a retraction alone other minima are near
         few = replace(model, stretches=tuple(part.thinned() for part in model.stretches))
-    whole = _problem(model, even, bounds, sharp, FORCE_CURVE_FIT_TUNING.converged)
-    slow = FORCE_CURVE_FIT_TUNING.blunt[: -1 if few is model else None]
-    for stages in [()] if near else [slow] if few is model else [FORCE_CURVE_FIT_TUNING.blunt[1:2], slow]:
+    whole = _problem(model, even, bounds, sharp, FIT_CONVERGED)
+    slow = FIT_BLUNT[: -1 if few is model else None]
+    for stages in [()] if near else [slow] if few is model else [FIT_BLUNT[1:2], slow]:
         begun = x
         for blunt in stages:
             begun = _problem(few, _even(few), bounds, blunt, SAME).least(begun).x
         least = whole.least(begun)
-        if (
-            least.ended
-            and 2 * least.cost * even.A
-            < (FORCE_CURVE_FIT_TUNING.explained * model.noise) ** 2 * least.state.residuals.size
-        ):
+        if least.ended and 2 * least.cost * even.A < (FIT_EXPLAINED * model.noise) ** 2 * least.state.residuals.size:
             break  # no other minimum leaves less than the noise
     about = _problem(model, even, bounds, sharp, SAME)
     if not least.ended:  # of few rows at the fold each makes a kink, between which a search runs to and fro
@@ -841,7 +803,7 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     x = best.unknowns(model)  # an edge that rests by white noise need not by this one
     for blunt in (
         sharp,
-        FORCE_CURVE_FIT_TUNING.blunt[1],
+        FIT_BLUNT[1],
     ):  # where misfit runs to and fro between the kinks of a sharp fold
         weighted = _fitted(model, _problem(model, noise, _bounds(model, x), blunt, SAME).least(x), noise)
         if weighted.ended:
@@ -851,7 +813,7 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
 
 def _fitted(model: ForceCurveModel, least: Least, weight: Spectrum) -> ForceCurveFit:
     """What the end of a search means."""
-    before, sharp, (model, x) = least.problem, FORCE_CURVE_FIT_TUNING.blunt[-1], _without_idle(model, least.x, weight)
+    before, sharp, (model, x) = least.problem, FIT_BLUNT[-1], _without_idle(model, least.x, weight)
     problem = replace(before, model=partial(_state, model, weight, sharp), bounds=_bounds(model, x))
     off = model.residuals(x, sharp)[0]
     least = replace(least, problem=problem, x=x, state=_state(model, weight, sharp, x))
@@ -860,9 +822,7 @@ def _fitted(model: ForceCurveModel, least: Least, weight: Spectrum) -> ForceCurv
     pull = psi * size / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
     dof = max(off.size - x.size, 1)
     J, spread = _spread_at_folds(model, x, off, pull, weight)
-    ended = least.ended or _flat(
-        model.whitened(pull, weight), model.whitened(J, weight), FORCE_CURVE_FIT_TUNING.near / dof
-    )
+    ended = least.ended or _flat(model.whitened(pull, weight), model.whitened(J, weight), FIT_NEAR / dof)
     return ForceCurveFit(model, x, weight, spread, off, math.sqrt(float(pull @ pull) / dof), least, ended)
 
 
@@ -885,7 +845,7 @@ def _spread_at_folds(
     spread, first = spread_by(J), 0
     for part in model.stretches if weight.slow and "z0" in model.names else ():
         rows = slice(first, first := first + part.z.size)
-        lost, width = rows.start + int(np.argmax(part.touching)), FORCE_CURVE_FIT_TUNING.unsure * part.reach
+        lost, width = rows.start + int(np.argmax(part.touching)), FIT_UNSURE * part.reach
         if not part.jumped or _place_error(model, J[lost], spread) <= part.spacing:
             continue
         J = J.copy()
@@ -893,7 +853,7 @@ def _spread_at_folds(
             J[rows] = model.evaluated(x, width / part.reach)[1][rows]
             spread = spread_by(J)
             error = max(_place_error(model, J[lost], spread), part.spacing / 2)
-            if FORCE_CURVE_FIT_TUNING.narrower * error > width:
+            if FIT_NARROWER * error > width:
                 break
             width = error
     return J, spread
@@ -938,10 +898,10 @@ def held_by_last_row(model: ForceCurveModel, values: Mapping[str, float]) -> flo
 
 def _rests_throughout(model: ForceCurveModel, x: Array, own: str, most: float, weight: Spectrum) -> bool:
     """Whether an edge that never recedes, as of a w above ``most``, describes the rows as well, in units of noise."""
-    never = np.where(np.array(model.names) == own, min(FORCE_CURVE_FIT_TUNING.above * most, model.most), x)
+    never = np.where(np.array(model.names) == own, min(FIT_ABOVE * most, model.most), x)
     with contextlib.suppress(SolveError):  # no contact bears that
         recedes, rests = (float(np.sum(model.whitened(model.residuals(at, 0.0)[0], weight) ** 2)) for at in (x, never))
-        return (rests / recedes - 1) * sum(part.P.size for part in model.stretches) < FORCE_CURVE_FIT_TUNING.recedes
+        return (rests / recedes - 1) * sum(part.P.size for part in model.stretches) < FIT_RECEDES
     return False
 
 
@@ -957,11 +917,11 @@ def _windowed(best: ForceCurveFit, part: DirectionReadings) -> DirectionReadings
     values = best.model.values(best.x)
     depth, own = best.model.depth(part, values), f"q:{part.kind}"
     error = best.error(own) if own in best.names else 0.0
-    most = values | {own: max(values[own], 0.0) + FORCE_CURVE_FIT_TUNING.window * error}
+    most = values | {own: max(values[own], 0.0) + FIT_WINDOW * error}
     neck = 0.0 if part.kind == APPROACH else -best.model.branch(part, most).fold
     unsure = best.error("z0") if "z0" in best.names else 0.0
-    half = neck + max(FORCE_CURVE_FIT_TUNING.window * unsure, FORCE_CURVE_FIT_TUNING.beside * part.spacing)
-    half = min(half, FORCE_CURVE_FIT_TUNING.narrow * float(depth.max()))
+    half = neck + max(FIT_WINDOW * unsure, FIT_BESIDE * part.spacing)
+    half = min(half, FIT_NARROW * float(depth.max()))
     if half <= 0:
         return part  # no row of it is in contact
     keep = np.abs(depth) > half
@@ -972,9 +932,7 @@ def _windowed(best: ForceCurveFit, part: DirectionReadings) -> DirectionReadings
 def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
     """Least and largest unknowns of a search from ``start`` on."""
     names = np.array(model.names, dtype=str)
-    reach = np.select(
-        [names == "ln_s", names == "ln_period"], [FORCE_CURVE_FIT_TUNING.moduli, FORCE_CURVE_FIT_TUNING.periods], np.inf
-    )
+    reach = np.select([names == "ln_s", names == "ln_period"], [FIT_MODULI, FIT_PERIODS], np.inf)
     lowest, highest = start - reach, start + reach
     for prefix, high in (("q:", model.most), ("r:", math.sqrt(model.most)), ("turn", 1.0)):
         own = np.char.startswith(names, prefix)
@@ -1001,7 +959,7 @@ class Neighbour:
         values = {**last.model.values(last.x), **by_base_lines(model)}
         values = _times_q(values, part.tension / before.tension if before.tension > 0 else 1.0)
         with contextlib.suppress(SolveError):  # no contact bears that
-            for _ in range(FORCE_CURVE_FIT_TUNING.corrected):
+            for _ in range(FIT_CORRECTED):
                 values["z0"] = outermost - model.branch(part, values).fold - part.spacing / 2
                 rise = _by_deepest_row(model, values) if "ln_s" in model.names else 0.0
                 values = {**_times_q(values, math.exp(-rise)), "ln_s": values["ln_s"] + rise}
@@ -1038,7 +996,7 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear", near: Array | None = 
     if near is not None and "turn" not in model.names:
         with contextlib.suppress(SolveError):
             fitted = fit(model, near, True, loss)
-            if fitted.ended and _explains(fitted, model, FORCE_CURVE_FIT_TUNING.explained):
+            if fitted.ended and _explains(fitted, model, FIT_EXPLAINED):
                 return fitted
     best: ForceCurveFit | SolveError = SolveError("no curve of this body resembles the record")
     for close, x in itertools.chain(((False, x) for x in starts_of(model)), ((True, x) for x in _of_each(model, loss))):
@@ -1049,7 +1007,7 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear", near: Array | None = 
             continue
         if isinstance(best, SolveError) or (not fitted.ended, fitted.sigma) < (not best.ended, best.sigma):
             best = fitted
-        if "turn" not in model.names and _explains(best, model, FORCE_CURVE_FIT_TUNING.enough):
+        if "turn" not in model.names and _explains(best, model, FIT_ENOUGH):
             break
     if isinstance(best, SolveError):
         raise best
@@ -1085,19 +1043,12 @@ def _of_each(model: ForceCurveModel, loss: Loss) -> Iterator[Array]:
 # from positions alone. Over the contact radius: dz/da = -1/v with z = D - y T + s (H - y V)/k, y = sqrt(q (1 + b
 # v^n)).
 
-
-@dataclass(frozen=True)
-class SlowEdgeTuning:
-    """Radii at which the edge is followed."""
-
-    first: float = 1e-12  # choice: of the radius at the turn, the first step of the edge, which begins at rest
-    even: float = 0.01  # choice: of it, from where on radii are even, in a geometric sequence before; the contact that
-    # is left when it is taken as lost
-    radii: int = 100  # choice: of either; loads are then good to 5e-4 of the tension
-    widest: float = 3.0  # choice: of logs, a step by Newton's method
-
-
-SLOW_EDGE_TUNING = SlowEdgeTuning()
+# Radii at which the edge is followed.
+SLOW_EDGE_FIRST = 1e-12  # choice: of the radius at the turn, the first step of the edge, which begins at rest
+SLOW_EDGE_EVEN = 0.01  # choice: of it, from where on radii are even, in a geometric sequence before; the contact that
+# is left when it is taken as lost
+SLOW_EDGE_RADII = 100  # choice: of either; loads are then good to 5e-4 of the tension
+SLOW_EDGE_WIDEST = 3.0  # choice: of logs, a step by Newton's method
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -1109,8 +1060,8 @@ def receding(
     start = math.exp(resting.u)
     x = np.concatenate(
         [
-            np.geomspace(SLOW_EDGE_TUNING.first, SLOW_EDGE_TUNING.even, SLOW_EDGE_TUNING.radii, endpoint=False),
-            np.linspace(SLOW_EDGE_TUNING.even, 1 - SLOW_EDGE_TUNING.even, SLOW_EDGE_TUNING.radii),
+            np.geomspace(SLOW_EDGE_FIRST, SLOW_EDGE_EVEN, SLOW_EDGE_RADII, endpoint=False),
+            np.linspace(SLOW_EDGE_EVEN, 1 - SLOW_EDGE_EVEN, SLOW_EDGE_RADII),
         ]
     )
     D, T, H, V = family.at(np.log(start * (1 - x)))[0]
@@ -1138,7 +1089,7 @@ def _follow(
             root = math.sqrt(1 + power)
             off = whole - shift * root + slowness - target
             change = off / (shift * n * power / (2 * root) + slowness)
-            log += min(max(change, -SLOW_EDGE_TUNING.widest), SLOW_EDGE_TUNING.widest)
+            log += min(max(change, -SLOW_EDGE_WIDEST), SLOW_EDGE_WIDEST)
             if abs(change) < SETTLED:
                 break
         before = math.exp(-log)

@@ -44,7 +44,7 @@ from ..methods.integral import Attraction, Discs, Rims, refuse_narrow
 from ..resolve import JKR, nonadhesive
 from ..series import Series, Solution
 
-FUNCTIONS = 4  # D, T, H, V
+FUNCTIONS = 4  # theory: D, T, H, V
 ADVANCING, RESTING, RECEDING = range(3)  # what the edge does at a row
 LOADS = np.array([[0.0], [0.0], [1.0], [1.0]])  # of these the parts of the load
 
@@ -290,24 +290,17 @@ def _with_derivatives(logs: PPoly) -> PPoly:
 # With all moduli multiplied by s a curve is delta(c; sigma/s, range) and P = s p(c; sigma/s, range). The contact
 # radii stand in a fixed row, for which the kernel is inverted once: each pair of tension and range asks for c alone.
 
-
-@dataclass(frozen=True)
-class AttractedFamilyTuning:
-    """Points of the curves, and steps of their derivatives by tension and range."""
-
-    beyond: float = 1.4  # choice: of the largest over the end of the series, on the way to a solution
-    below_limit: float = 0.9  # choice: of the largest over the end of profile or cylinder
-    # tuned on fits of tables, by `make constants`: of the radius to which the kernel is known over the largest of
-    # contact; its growth
-    reach: float = 1.5
-    apart: int = 24  # choice: points without contact
-    first: float = 0.03  # theory: c of the first of them over c at first touch: P goes like its square, 1e-3
-    degree: int = 5  # theory: of the splines; errors fall with the power 6 of the spacing
-    near_touch: float = 1e-4  # theory: of arcosh sqrt(c/c0): nearer the derivatives are those there, to its square
-    step: float = 1e-5  # theory: of logs, for central differences: the cube root of round-off
-
-
-ATTRACTED_TUNING = AttractedFamilyTuning()
+# Points of the curves, and steps of their derivatives by tension and range.
+FAMILY_BEYOND = 1.4  # choice: of the largest over the end of the series, on the way to a solution
+FAMILY_BELOW_LIMIT = 0.9  # choice: of the largest over the end of profile or cylinder
+# tuned on fits of tables, by `make constants`: of the radius to which the kernel is known over the largest of
+# contact; its growth
+FAMILY_REACH = 1.5
+FAMILY_APART = 24  # choice: points without contact
+FAMILY_FIRST = 0.03  # theory: c of the first of them over c at first touch: P goes like its square, 1e-3
+FAMILY_DEGREE = 5  # theory: of the splines; errors fall with the power 6 of the spacing
+FAMILY_NEAR_TOUCH = 1e-4  # theory: of arcosh sqrt(c/c0): nearer the derivatives are those there, to its square
+FAMILY_STEP = 1e-5  # theory: of logs, for central differences: the cube root of round-off
 
 
 @dataclass(frozen=True)
@@ -350,7 +343,7 @@ class AttractedFamily:
     def radii(self) -> Array:
         """Contact radii of all curves [m], from 0 on."""
         end = math.exp(self.plain.high)
-        most = max(end, min(ATTRACTED_TUNING.beyond * end, ATTRACTED_TUNING.below_limit * self.body.limit))
+        most = max(end, min(FAMILY_BEYOND * end, FAMILY_BELOW_LIMIT * self.body.limit))
         return np.append(0.0, np.geomspace(self.resolution.smallest * most, most, self.resolution.radii))
 
     def _discs(self, reach: float) -> tuple[Attraction, Discs]:
@@ -362,13 +355,13 @@ class AttractedFamily:
     def _reaching(self, s: float, gap: float) -> tuple[Attraction, Discs]:
         """Discs on a body known so far that the tension s = 2 sigma/E* opens the separation ``gap`` [m] at its end, or
         up to where it ends."""
-        reach = ATTRACTED_TUNING.reach * float(self.radii[-1])
+        reach = FAMILY_REACH * float(self.radii[-1])
         for _ in range(MOST_STEPS):
             reach = min(reach, self.body.limit)
             attraction, discs = self._discs(reach)
             if reach == self.body.limit or (discs.rims(reach - self.radii, s).gap > gap).all():
                 break
-            reach *= ATTRACTED_TUNING.reach
+            reach *= FAMILY_REACH
         return attraction, discs
 
     def states(self, s: float, gap: float) -> States:
@@ -388,7 +381,7 @@ class AttractedFamily:
         reached = np.isclose(rims.gap, gap, rtol=SAME, atol=0)  # of nanometres
         count = int(np.argmin(reached)) if not reached.all() else reached.size
         first = 1 + int(np.max(np.flatnonzero(np.diff(rims.c[:count]) <= 0), initial=-1))
-        if count - first < 2 * (ATTRACTED_TUNING.degree + 1):  # twice as many points as a spline needs
+        if count - first < 2 * (FAMILY_DEGREE + 1):  # twice as many points as a spline needs
             raise SolveError(
                 f"adhesion of finite range: with a range of {show(gap, 'length')} the surfaces attract each other "
                 f"beyond {show(attraction.reach, 'length')}, where profile or side end, or jump together: bound the "
@@ -396,27 +389,27 @@ class AttractedFamily:
             )
         rows, c0 = slice(first, count), float(rims.c[first])
         v = np.arccosh(np.sqrt(rims.c[rows] / c0))
-        touching = make_interp_spline(v, np.stack([rims.a, rims.delta, rims.P], axis=1)[rows], ATTRACTED_TUNING.degree)
+        touching = make_interp_spline(v, np.stack([rims.a, rims.delta, rims.P], axis=1)[rows], FAMILY_DEGREE)
         own = c0, float(v[-1]), touching, math.pi * self.problem.E_star * s / 2, gap
         apart = self._apart(attraction, rims, s, gap) if first == 0 else None
         return States(*own, apart, partial(_rate_spline, discs, rims, s, v, rows))
 
     def _apart(self, attraction: Attraction, rims: Rims, s: float, gap: float) -> BSpline:
         """delta without contact, and its part by the tension, over log c."""
-        c = np.append(rims.c[0] * np.geomspace(ATTRACTED_TUNING.first, 1, ATTRACTED_TUNING.apart)[:-1], rims.c[0])
+        c = np.append(rims.c[0] * np.geomspace(FAMILY_FIRST, 1, FAMILY_APART)[:-1], rims.c[0])
         delta = np.append(attraction.apart(c[:-1], s, gap).delta, rims.delta[0])
         pulled = delta + gap - self.problem.indenter.f(c)
-        return make_interp_spline(np.log(c), np.stack([delta, pulled], axis=1), ATTRACTED_TUNING.degree)
+        return make_interp_spline(np.log(c), np.stack([delta, pulled], axis=1), FAMILY_DEGREE)
 
 
 def _rate_spline(discs: Discs, rims: Rims, s: float, v: Array, rows: slice) -> BSpline:
-    return make_interp_spline(v, _rates(discs, rims, s)[rows], ATTRACTED_TUNING.degree)
+    return make_interp_spline(v, _rates(discs, rims, s)[rows], FAMILY_DEGREE)
 
 
 def _rates(discs: Discs, rims: Rims, s: float) -> Array:
     """Derivatives of log c, delta, P by the logs of tension and range at equal contact radii, (n, 6): those of states
     with a given width of the annulus, and of the width that keeps the separation at its end."""
-    h, b = ATTRACTED_TUNING.step, rims.c - rims.a
+    h, b = FAMILY_STEP, rims.c - rims.a
 
     def by(wider: float, stronger: float) -> Array:
         high, low = (discs.rims(b * math.exp(side * wider), s * math.exp(side * stronger)) for side in (1, -1))
@@ -454,7 +447,7 @@ class States:
         inside = inside if self.apart is not None else np.maximum(inside, start)
         v = np.minimum(np.arccosh(np.exp(np.maximum(inside - start, 0.0) / 2)), self.end)
         touching = (inside > start) | (self.apart is None)
-        return touching, inside, np.clip(inside, start + math.log(ATTRACTED_TUNING.first), start), v
+        return touching, inside, np.clip(inside, start + math.log(FAMILY_FIRST), start), v
 
     def rates(self, u: Array) -> tuple[Array, Array]:
         """Derivatives of (a, delta, P) at equal u by the logs of tension and range, (3, n) each."""
@@ -471,7 +464,7 @@ class States:
     def along(self, u: Array) -> tuple[Array, Array, Array]:
         """(a, delta, P) and their first and second derivatives by u = log c, (3, n); straight lines beyond the end."""
         touching, inside, free, v = self._places(u)
-        parts = zip(self._free(free), self._in_contact(np.maximum(v, ATTRACTED_TUNING.near_touch)), strict=True)
+        parts = zip(self._free(free), self._in_contact(np.maximum(v, FAMILY_NEAR_TOUCH)), strict=True)
         value, first, second = (np.where(touching, b, a) for a, b in parts)
         return value + first * (u - inside), first, np.where(u == inside, second, 0.0)
 
@@ -510,7 +503,7 @@ class AttractedMember:
 
     def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
         start = math.log(self.states.c0)
-        first = start if self.states.apart is None else start + math.log(ATTRACTED_TUNING.first)
+        first = start if self.states.apart is None else start + math.log(FAMILY_FIRST)
         return first, start + 2 * math.log(math.cosh(self.states.end))
 
     def along(self, u: Array) -> tuple[Array, Array, Array]:
@@ -535,19 +528,13 @@ class AttractedMember:
 # other way; then it recedes, down to the fold d(delta + P/k)/da = 0. As w -> 0 the load of a moving edge is linear in
 # w, dP/dw = -2 pi a/(d delta_H/da): that goes on below 0.
 
-
-@dataclass(frozen=True)
-class DevicePathTuning:
-    """How far branches are tabulated, and steps along them."""
-
-    polished: int = 4  # theory: steps of Newton's method, which square the error, from a tenth of a step to 1e-16
-    below: float = 4.0  # choice: of log a below the series, where its limit by power laws holds
-    beyond: float = 0.5  # choice: of log a above the series, tried while starting values are sought; no step is longer
+# How far branches are tabulated, and steps along them.
+DEVICE_PATH_POLISHED = 4  # theory: steps of Newton's method, which square the error, from a tenth of a step to 1e-16
+DEVICE_PATH_BELOW = 4.0  # choice: of log a below the series, where its limit by power laws holds
+DEVICE_PATH_BEYOND = 0.5  # choice: of log a above the series, tried while starting values are sought; no step is longer
 
 
-DEVICE_PATH_TUNING = DevicePathTuning()
 Changes = Callable[[Array], Array]  # of the logs of D, T, H, V over u, (4, n), per amount of what differs
-
 
 # Quintics through values and two derivatives at 0 and at 1 (rows), by powers of x (columns):
 HERMITE = np.array([[1, 0, 0, -10, 15, -6], [0, 1, 0, -6, 8, -3], [0, 0, 0.5, -1.5, 1.5, -0.5],
@@ -561,7 +548,7 @@ def grid(family: Family) -> Array:
 
 @lru_cache(maxsize=REMEMBERED)
 def _between(low: float, high: float) -> Array:
-    return np.linspace(low - DEVICE_PATH_TUNING.below, high + DEVICE_PATH_TUNING.beyond, LOOKED_AT)
+    return np.linspace(low - DEVICE_PATH_BELOW, high + DEVICE_PATH_BEYOND, LOOKED_AT)
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -744,7 +731,7 @@ def _fold(u: Array, rates: Array, bends: Array) -> tuple[int, float]:
     i, step = int(falling[-1]), float(u[1] - u[0])
     left, right, dl, dr = (float(item) for item in (rates[i], rates[i + 1], step * bends[i], step * bends[i + 1]))
     x, a, b = left / (left - right), 2 * (left - right) + dl + dr, 3 * (right - left) - 2 * dl - dr
-    for _ in range(DEVICE_PATH_TUNING.polished):
+    for _ in range(DEVICE_PATH_POLISHED):
         slope = dl + x * (2 * b + 3 * x * a)
         x = min(max(x - (left + x * (dl + x * (b + x * a))) / slope, 0.0), 1.0) if slope > 0 else x
     return i + 1 + round(x), float(u[i]) + x * step
@@ -808,7 +795,7 @@ def rest(family: Family, s: float, advanced: float, receding: float, k: float, t
         (d, t, h, v), (dD, dT, dH, dV), _ = nodes.at(near).tolist()
         dz = dD - advanced * dT + s * (dH - advanced * dV) / k
         off = turn - (d - advanced * t + s * (h - advanced * v) / k)
-        step = min(max(off / max(dz, 1e-300), -DEVICE_PATH_TUNING.beyond), DEVICE_PATH_TUNING.beyond)
+        step = min(max(off / max(dz, 1e-300), -DEVICE_PATH_BEYOND), DEVICE_PATH_BEYOND)
         if abs(step) < SETTLED or near + step < nodes.u[first]:
             break
         near += step
@@ -824,20 +811,13 @@ def rest(family: Family, s: float, advanced: float, receding: float, k: float, t
 #
 # It comes from a case, which is solved on the way, or from a series that was solved before.
 
-
-@dataclass(frozen=True)
-class ResolvingTuning:
-    """How bodies are solved anew with other layers or to other radii."""
-
-    step: float = 1e-4  # theory: of logs of parameters, for derivatives: the square root of the solve's 1e-8
-    rounded: float = 0.01  # choice: of the same logs; derivatives at rounded values are remembered
-    per_decade: int = 20  # choice: radii to which a body is solved, so that many curves share one solve
-    points: int = 100  # choice: least radii of a series that is solved to another radius
-    adheres: float = 1.2  # choice: of the contact radius without adhesion, what adhesion may make of it
-    deep: float = 0.7  # choice: of the tip's radius, to which a body is solved before anything is fitted
-
-
-TUNING = ResolvingTuning()
+# How bodies are solved anew with other layers or to other radii.
+RESOLVING_STEP = 1e-4  # theory: of logs of parameters, for derivatives: the square root of the solve's 1e-8
+RESOLVING_ROUNDED = 0.01  # choice: of the same logs; derivatives at rounded values are remembered
+RESOLVING_PER_DECADE = 20  # choice: radii to which a body is solved, so that many curves share one solve
+RESOLVING_POINTS = 100  # choice: least radii of a series that is solved to another radius
+RESOLVING_ADHERES = 1.2  # choice: of the contact radius without adhesion, what adhesion may make of it
+RESOLVING_DEEP = 0.7  # choice: of the tip's radius, to which a body is solved before anything is fitted
 
 
 @dataclass(frozen=True, eq=False)
@@ -934,8 +914,8 @@ class FittedBody:
         """
         body, near = self.with_values(values), {name: _nearby(value) for name, value in values.items()}
         base = self._solved(changed(self.problem, near))
-        moved = {name: changed(self.problem, near | {name: near[name] * math.exp(TUNING.step)}) for name in varied}
-        rates = {name: base.rate_to(self._solved(problem), TUNING.step) for name, problem in moved.items()}
+        moved = {name: changed(self.problem, near | {name: near[name] * math.exp(RESOLVING_STEP)}) for name in varied}
+        rates = {name: base.rate_to(self._solved(problem), RESOLVING_STEP) for name, problem in moved.items()}
         return replace(body, family=replace(body.family, rates=rates))
 
     def on_surface(self, surface: str) -> FittedBody:
@@ -957,13 +937,13 @@ class FittedBody:
                 f"the data ask for a contact radius of {show(a, 'length')}, beyond the indenter, which ends at "
                 f"{show(end, 'length')}: check the units of displacement and load, and the size of the indenter"
             )
-        rounded = 10 ** (math.ceil(math.log10(a) * TUNING.per_decade) / TUNING.per_decade)
+        rounded = 10 ** (math.ceil(math.log10(a) * RESOLVING_PER_DECADE) / RESOLVING_PER_DECADE)
         return self._reaching(rounded if rounded < end else a)
 
     def down_to(self, a: float) -> FittedBody:
         """The same problem solved from the contact radius ``a`` [m] on, in proportion below the series' own."""
         first, a0 = float(self.series.a[0]), self.series.a0
-        steps = math.ceil(math.log10((first - a0) / (a - a0)) * TUNING.per_decade)
+        steps = math.ceil(math.log10((first - a0) / (a - a0)) * RESOLVING_PER_DECADE)
         below = a0 + (a - a0) * np.geomspace(1.0, (first - a0) / (a - a0), steps, endpoint=False)
         loading = Loading.given("radius", (*below.tolist(), *self.series.a.tolist()))
         return self._on(loading)
@@ -975,17 +955,17 @@ class FittedBody:
     def to_depth(self, depth: float) -> FittedBody:
         """The same problem solved to the contact radius at a ``depth`` [m], where it may be; beyond the series it is
         estimated by continuation, as far as below it."""
-        u = np.linspace(self.family.low, self.family.high + DEVICE_PATH_TUNING.below, ROWS)
+        u = np.linspace(self.family.low, self.family.high + DEVICE_PATH_BELOW, ROWS)
         reached = np.flatnonzero(self.family.at(u)[0][0] <= depth)
         tip, a = self.problem.indenter, math.exp(u[reached[-1]]) if reached.size else 0.0
-        a = TUNING.adheres * a if TUNING.adheres * a < tip.r_max else a
+        a = RESOLVING_ADHERES * a if RESOLVING_ADHERES * a < tip.r_max else a
         endless = tip.kinks and math.isinf(tip.r_max)  # a rounded cone: R is that of its end alone
-        a = a if tip.tip_radius is None or endless else min(a, TUNING.deep * tip.tip_radius)
+        a = a if tip.tip_radius is None or endless else min(a, RESOLVING_DEEP * tip.tip_radius)
         return self.to_radius(a) if self.extensible and a > self.series.a[-1] else self
 
     def _reaching(self, a: float, **changes: Any) -> FittedBody:
         """The body of a changed problem solved up to contact radius ``a`` [m], as the user describes this one."""
-        return self._on(Loading("radius", a, max(len(self.series), TUNING.points), "radius"), **changes)
+        return self._on(Loading("radius", a, max(len(self.series), RESOLVING_POINTS), "radius"), **changes)
 
     def _on(self, loading: Loading, **changes: Any) -> FittedBody:
         """The body of a changed problem under another ``loading``, as the user describes this one."""
@@ -1004,7 +984,7 @@ def _exact(problem: Problem, tolerance: float) -> FittedBody:
 
 
 def _nearby(value: float) -> float:
-    return math.exp(TUNING.rounded * round(math.log(value) / TUNING.rounded))
+    return math.exp(RESOLVING_ROUNDED * round(math.log(value) / RESOLVING_ROUNDED))
 
 
 @lru_cache(maxsize=REMEMBERED)

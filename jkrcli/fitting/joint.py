@@ -19,8 +19,7 @@ from ..base import MOST_STEPS, ROUNDED, Array, InputError, did_you_mean
 from ..bodies import RADIUS
 from ..data import Curve, ForceCurve
 from .forward_model import FittedBody, for_each
-from .least_squares import STATISTICS_TUNING as STATISTICS
-from .least_squares import Intervals, Least, LeastSquares, State, covariance
+from .least_squares import STATISTICS_IMPROBABLE, Intervals, Least, LeastSquares, State, covariance
 from .parameters import ALIAS, LOG, Answer, FittedValue, Parameter, Unknowns, word
 from .procedure import fit, prepared, spread_of
 from .record import whole_fit
@@ -192,7 +191,7 @@ class JointFit(Answer):
     @property
     def flags(self) -> tuple[str, ...]:
         """Why the shared values are doubtful: records that do not share them, and flags of the records with these."""
-        apart = ["records do not share it"] * (self.chance <= STATISTICS.improbable)
+        apart = ["records do not share it"] * (self.chance <= STATISTICS_IMPROBABLE)
         return tuple(dict.fromkeys([*apart, *(flag for one in self.fits for flag in one.flags)]))
 
 
@@ -240,7 +239,7 @@ def _sharing(one: Fit, shared: Sequence[FittedValue]) -> Fit:
 
 
 def _warnings(shared: Sequence[FittedValue], chance: float) -> list[str]:
-    if chance > STATISTICS.improbable:
+    if chance > STATISTICS_IMPROBABLE:
         return []
     names = " and ".join("E*" if item.name == "E_star" else item.name for item in shared if item.name != "modulus")
     return [f"the records differ by more than their noise (p = {chance:.1g}): they do not share {names}; see what each "

@@ -28,22 +28,15 @@ from .settings import Loss
 # Theory: turns of the losses at 95 % efficiency for normal noise (Holland and Welsch 1977).
 TURNS = {"soft_l1": 1.345, "huber": 1.345, "cauchy": 2.385, "linear": math.inf}
 
-
-@dataclass(frozen=True)
-class StatisticsTuning:
-    """Chances below which noise is no explanation, and what is known of normal noise."""
-
-    normal_median: float = 0.6745  # theory: median of |x| of a normal x of standard deviation 1
-    improbable: float = 1e-3  # choice: of misfit, and of differences between records
-    suspicious: float = 1e-4  # choice: of order in residuals
-
-
-STATISTICS_TUNING = StatisticsTuning()
+# Chances below which noise is no explanation, and what is known of normal noise.
+STATISTICS_NORMAL_MEDIAN = 0.6745  # theory: median of |x| of a normal x of standard deviation 1
+STATISTICS_IMPROBABLE = 1e-3  # choice: of misfit, and of differences between records
+STATISTICS_SUSPICIOUS = 1e-4  # choice: of order in residuals
 
 
 def robust_scale(residuals: Array) -> float:
     """Standard deviation of normal residuals, from their median size."""
-    return float(np.median(np.abs(residuals))) / STATISTICS_TUNING.normal_median
+    return float(np.median(np.abs(residuals))) / STATISTICS_NORMAL_MEDIAN
 
 
 # SciPy's losses at residuals z in units of the turn: rho by z^2, its psi = rho'/2 and psi' by z.
@@ -133,7 +126,7 @@ class Structure:
 
     @property
     def suspicious(self) -> bool:
-        return self.probability < STATISTICS_TUNING.suspicious
+        return self.probability < STATISTICS_SUSPICIOUS
 
 
 def structure(residuals: Array) -> Structure:
@@ -152,21 +145,15 @@ def structure(residuals: Array) -> Structure:
     return Structure(lag1, runs, float(expected), float(min(1.0, 2 * min(chances))))
 
 
-@dataclass(frozen=True)
-class SearchTuning:
-    """Steps of a search, ends of profiles, and what laws of records over time have in common."""
-
-    doublings: int = 6  # choice: of the step in which a profile must reach its limit, else it has none
-    pull: float = 10.0  # theory: how much more a constrained value weighs than the data, whose pull is then a hundredth
-    reach: float = 12.0  # choice: guard, how far logs may move from their start
-    poor: float = 0.25  # theory: More (1978): of the predicted reduction, below which steps are shorter
-    good: float = 0.75  # theory: the same, above which they may be longer
-    longer: float = 1.01  # choice: factor within which a step is as long as the radius
-    singular: float = 1e-14  # theory: of the largest singular value, rounding
-    misfit: float = 1.3  # choice: scatter over the noise from row to row beyond which the law or the body is doubted
-
-
-TUNING = SearchTuning()
+# Steps of a search, ends of profiles, and what laws of records over time have in common.
+SEARCH_DOUBLINGS = 6  # choice: of the step in which a profile must reach its limit, else it has none
+SEARCH_PULL = 10.0  # theory: how much more a constrained value weighs than the data, whose pull is then a hundredth
+SEARCH_REACH = 12.0  # choice: guard, how far logs may move from their start
+SEARCH_POOR = 0.25  # theory: More (1978): of the predicted reduction, below which steps are shorter
+SEARCH_GOOD = 0.75  # theory: the same, above which they may be longer
+SEARCH_LONGER = 1.01  # choice: factor within which a step is as long as the radius
+SEARCH_SINGULAR = 1e-14  # theory: of the largest singular value, rounding
+SEARCH_MISFIT = 1.3  # choice: scatter over the noise from row to row beyond which the law or the body is doubted
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,11 +246,11 @@ class LeastSquares:
                 ratio = reduction / predicted if predicted > 0 else 0.0
                 close = float(np.linalg.norm(new - x)) < self.converged * (self.converged + float(np.linalg.norm(x)))
                 little = max(self.cost, self.converged) * cost
-                foretold = TUNING.poor < ratio or (predicted < little and reduction > -little)
+                foretold = SEARCH_POOR < ratio or (predicted < little and reduction > -little)
                 ended = close or (foretold and reduction < little)
-                if ratio < TUNING.poor:
-                    radius = TUNING.poor * moved
-                elif ratio > TUNING.good and TUNING.longer * moved > radius:
+                if ratio < SEARCH_POOR:
+                    radius = SEARCH_POOR * moved
+                elif ratio > SEARCH_GOOD and SEARCH_LONGER * moved > radius:
                     radius = 2 * radius
                 if there is not None and reduction > 0:
                     x, state, cost = new, there, there.cost
@@ -325,7 +312,7 @@ class Least:
         One more row pulls at the constrained value: what it comes to, and what that costs, lie on the profile.
         """
         here, loss, width = outcome(self.x)[0], self.problem.loss, self.problem.width
-        weight = TUNING.pull * math.sqrt(2 * limit) / abs(step)
+        weight = SEARCH_PULL * math.sqrt(2 * limit) / abs(step)
         near, known = [self.x], {0.0: (-math.sqrt(limit), self.x)}  # a search from elsewhere may end elsewhere
 
         def excess(k: float) -> float:
@@ -337,7 +324,7 @@ class Least:
             return value
 
         with contextlib.suppress(JkrError):
-            for k in 2.0 ** np.arange(TUNING.doublings):
+            for k in 2.0 ** np.arange(SEARCH_DOUBLINGS):
                 if excess(k) >= 0:
                     excess(optimize.brentq(excess, 0.0 if k <= 1 else k / 2, k, xtol=NOTICEABLE, rtol=NOTICEABLE))
                     return outcome(near[0])[0]
@@ -360,14 +347,14 @@ class _Ball:
         triangle: Array = np.asarray(np.linalg.qr(np.column_stack([J, off]), mode="r"))
         n = J.shape[1]
         U, sizes, V = np.linalg.svd(triangle[:n, :n])
-        return cls(U.T @ triangle[:n, n], np.maximum(sizes, TUNING.singular * sizes[0]), V)
+        return cls(U.T @ triangle[:n, n], np.maximum(sizes, SEARCH_SINGULAR * sizes[0]), V)
 
     def step(self, radius: float) -> Array:
         """The step to there that is no longer than ``radius``, by Newton's method for the inverse of its length."""
         more, coordinates = 0.0, self.along / self.sizes
         for _ in range(MOST_STEPS):
             length = float(np.linalg.norm(coordinates))
-            if length <= TUNING.longer * radius:
+            if length <= SEARCH_LONGER * radius:
                 break
             rate = float(np.sum(coordinates**2 / (self.sizes**2 + more))) / length
             more += (length / radius - 1) * length / rate
@@ -392,17 +379,12 @@ def by_differences(residuals: Callable[[Array], Array], x: Array, steps: Array) 
 #
 # Each quantity has a scale on which it is regular (``Parameter.kind``), and intervals are made there.
 
-
-@dataclass(frozen=True)
-class IntervalTuning:
-    """How intervals are computed."""
-
-    step: float = 1e-6  # theory: of unknowns, for central differences: of smooth meanings round-off leaves 1e-10
-    exact: float = 1e-24  # theory: variance of residuals over their standard deviations that round-off leaves
-    begin: float = 0.1  # choice: of a log, where a profile begins while no error is known
+# How intervals are computed.
+INTERVAL_STEP = 1e-6  # theory: of unknowns, for central differences: of smooth meanings round-off leaves 1e-10
+INTERVAL_EXACT = 1e-24  # theory: variance of residuals over their standard deviations that round-off leaves
+INTERVAL_BEGIN = 0.1  # choice: of a log, where a profile begins while no error is known
 
 
-INTERVALS_TUNING = IntervalTuning()
 Followed = Literal["covariance", "profile"]  # how intervals are computed where records are not drawn again
 Meaning = Callable[[Array], Mapping[str, float]]  # of the unknowns: quantities by name, on their scales
 
@@ -438,7 +420,7 @@ class Intervals:
             values = unknowns.meaning(x)
             return values if E_star is None else values | {ALIAS: values["modulus"] + math.log(E_star)}
 
-        variance = max(least.variance, INTERVALS_TUNING.exact) if variance is None else variance
+        variance = max(least.variance, INTERVAL_EXACT) if variance is None else variance
         own, t = covariance(least.state.jacobian, variance), t_quantile(level, least.dof)
         return cls(least, (*unknowns.parameters, *follow), meaning, own, t, level, confidence == "profile")
 
@@ -454,7 +436,7 @@ class Intervals:
 
     def _rates(self, x: Array) -> dict[str, Array]:
         sigma = np.ones(x.size) if self.covariance is None else np.sqrt(np.diag(self.covariance))
-        steps = INTERVALS_TUNING.step * np.maximum(np.abs(x), np.minimum(sigma, 1.0))
+        steps = INTERVAL_STEP * np.maximum(np.abs(x), np.minimum(sigma, 1.0))
         ends = [(self.meaning(x + step), self.meaning(x - step), 2 * float(step.sum())) for step in np.diag(steps)]
         return {name: np.array([(high[name] - low[name]) / width for high, low, width in ends]) for name in self.here}
 
@@ -537,7 +519,7 @@ class Intervals:
         """The value at which the least cost with the quantity held is as much higher as ``width`` standard errors make
         it where the model is linear; None: it never is."""
         rate, sigma = self.rates[item.name], self._sigma(item)
-        step = math.copysign(INTERVALS_TUNING.begin, width) if sigma is None else width * sigma
+        step = math.copysign(INTERVAL_BEGIN, width) if sigma is None else width * sigma
         if item.kind == "log":  # of a vague one more would overflow
             step = max(min(step, 1.0), -1.0)
         variance = self.variance
@@ -634,42 +616,35 @@ def wider(item: FittedValue, systematic: Mapping[str, float], t: float) -> Fitte
 # 48, 817, 1980); where W C W^T = 1, the generalised least squares, it is the least there is. Noise slower than the
 # free rows are long hides in them (a random walk of a fifth of the white noise, in every fifth record): where they
 # tell none that is slow, its colour is that of all residuals, if they are as likely with it and it raises standard
-# errors by no more than ``TUNING.hidden``. Other residuals in contact that are larger or slower are no noise: an
+# errors by no more than ``COLOURED_HIDDEN``. Other residuals in contact that are larger or slower are no noise: an
 # excess reports them. Where noise goes on rising below the frequencies of the free rows (1/f) nothing tells how far:
 # standard errors are wider there, by the excess too. An octave stands at the frequency where 1/f has its mean over
 # what the fit has left of it: at that of its middle, the lowest octave of a run, of which a straight line was taken,
 # would tell two thirds of such noise.
 
-
-@dataclass(frozen=True)
-class ColouredTuning:
-    """How spectra are estimated."""
-
-    corners: int = 24  # choice: correlation times tried, from a few rows to the whole record
-    powers: tuple[float, ...] = (0.5, 0.75, 1.0, 1.25, 1.5, 2.0)  # choice: of 1/f, tried
-    rounds: int = 8  # choice: of reweighting; the likelihood is then good to 1e-3
-    share: float = 0.25  # choice: of an octave that the fit must have left, below which it joins the next
-    least: float = 4.0  # theory: Akaike's criterion, 2 ln of the likelihoods' ratio for two more parameters
-    beside: int = 8  # choice: least rows on each side of missing ones, whose means a line goes through
-    likely: float = 0.05  # choice: of the likeliest spectrum, likelihood below which one has no share
-    free: int = 40  # choice: free rows of a direction that tell its noise
-    seen: float = 4.0  # choice: of the lowest frequency of the free rows, the lowest corner that they tell
-    # choice: of the lowest frequency of the free rows, the corner of a power of f: below what a record sees, but not so
-    # far that its mean says nothing of the offsets
-    lowest: float = 0.05
-    # of standard errors, where noise goes on rising at frequencies that no free row tells; tuned on cycles with 1/f
-    # noise, by `make record-bounds`
-    unseen: float = 1.1
-    exceeded: float = 2.0  # choice: of the noise there, what the rows in contact say more of it at most
-    # choice: of standard errors, by which slow noise that free rows do not tell may raise them; more is misfit
-    hidden: float = 3.0
-    white: float = 0.5  # theory: before the data nothing speaks for a slow part of the noise or against it
-    # choice: of the white part at the lowest frequency that free rows tell, the slow parts that may hide
-    heights: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
-    singular: float = 1e-12  # theory: of the largest singular value, round-off of some thousand rows, each 2e-16
-
-
-COLOURED_TUNING = ColouredTuning()
+# How spectra are estimated.
+COLOURED_CORNERS = 24  # choice: correlation times tried, from a few rows to the whole record
+COLOURED_POWERS = (0.5, 0.75, 1.0, 1.25, 1.5, 2.0)  # choice: of 1/f, tried
+COLOURED_ROUNDS = 8  # choice: of reweighting; the likelihood is then good to 1e-3
+COLOURED_SHARE = 0.25  # choice: of an octave that the fit must have left, below which it joins the next
+COLOURED_LEAST = 4.0  # theory: Akaike's criterion, 2 ln of the likelihoods' ratio for two more parameters
+COLOURED_BESIDE = 8  # choice: least rows on each side of missing ones, whose means a line goes through
+COLOURED_LIKELY = 0.05  # choice: of the likeliest spectrum, likelihood below which one has no share
+COLOURED_FREE = 40  # choice: free rows of a direction that tell its noise
+COLOURED_SEEN = 4.0  # choice: of the lowest frequency of the free rows, the lowest corner that they tell
+# choice: of the lowest frequency of the free rows, the corner of a power of f: below what a record sees, but not so
+# far that its mean says nothing of the offsets
+COLOURED_LOWEST = 0.05
+# of standard errors, where noise goes on rising at frequencies that no free row tells; tuned on cycles with 1/f
+# noise, by `make record-bounds`
+COLOURED_UNSEEN = 1.1
+COLOURED_EXCEEDED = 2.0  # choice: of the noise there, what the rows in contact say more of it at most
+# choice: of standard errors, by which slow noise that free rows do not tell may raise them; more is misfit
+COLOURED_HIDDEN = 3.0
+COLOURED_WHITE = 0.5  # theory: before the data nothing speaks for a slow part of the noise or against it
+# choice: of the white part at the lowest frequency that free rows tell, the slow parts that may hide
+COLOURED_HEIGHTS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
+COLOURED_SINGULAR = 1e-12  # theory: of the largest singular value, round-off of some thousand rows, each 2e-16
 
 
 @dataclass(frozen=True)
@@ -762,7 +737,7 @@ def in_time(columns: Array, rows: Array, noise: Spectrum) -> Array:
     for i in np.flatnonzero(np.diff(rows) > 1) + 1:
         count = int(rows[i] - rows[i - 1]) - 1
         slow = 1 - noise.A / float(noise(np.array(1 / (2 * count))))
-        beside = max(count, COLOURED_TUNING.beside)
+        beside = max(count, COLOURED_BESIDE)
         first, last = (slow * part.mean(axis=0) for part in (columns[max(i - beside, 0) : i], columns[i : i + beside]))
         share = np.arange(1, count + 1) / (count + 1)
         series[rows[i - 1] + 1 : rows[i]] = first + np.multiply.outer(share, last - first)
@@ -784,11 +759,11 @@ def spread(off: Array, J: Array, free: Sequence[Array], weight: Spectrum, roundi
     scale = np.linalg.norm(rows[:, :-1], axis=0)
     scale[scale == 0] = 1.0
     U, s, V = np.linalg.svd(rows[:, :-1] / scale, full_matrices=False)
-    root = (V / np.maximum(s, COLOURED_TUNING.singular * s[0])[:, None] / scale).T
+    root = (V / np.maximum(s, COLOURED_SINGULAR * s[0])[:, None] / scale).T
     all_rows = Octaves.of(f, rows[:, -1] ** 2, np.sum(U**2, axis=1)).spectrum()
     every = all_rows(f) * own
     loose = sum(run.size for run in free)
-    seen = _of_base_lines(free, rounding) if loose >= COLOURED_TUNING.free else None
+    seen = _of_base_lines(free, rounding) if loose >= COLOURED_FREE else None
     noise = Spectrum(float(np.mean(every))) if seen is None else seen.spectrum()
 
     def of(noise: Array | float) -> Array:
@@ -796,13 +771,13 @@ def spread(off: Array, J: Array, free: Sequence[Array], weight: Spectrum, roundi
         return matrix
 
     beside, covariance = of(every), of(every if seen is None else noise(f))
-    if seen is not None and _rise(beside, covariance) < COLOURED_TUNING.hidden**2:
+    if seen is not None and _rise(beside, covariance) < COLOURED_HIDDEN**2:
         noise = _hidden(seen, noise, weight if weight.slow else all_rows)
         covariance = of(noise(f))
     tau = _rise(covariance, of(float(np.mean(every if seen is None else noise(f)))))
     excess = math.sqrt(max(_rise(beside, covariance), 1.0))
     if seen is not None and noise.beyond(1 / (2 * max(run.size for run in free))):
-        covariance = covariance * (COLOURED_TUNING.unseen * min(excess, COLOURED_TUNING.exceeded)) ** 2
+        covariance = covariance * (COLOURED_UNSEEN * min(excess, COLOURED_EXCEEDED)) ** 2
     possible = None if seen is None or noise.slow else seen.possible()
     return Spread(covariance, max(tau, 1.0), excess, off.size if seen is None else loose, noise, possible)
 
@@ -864,7 +839,7 @@ class Octaves:
         mean, count, centre, lowest = self.mean, self.count, self.centre, self.lowest
         white = float(np.average(mean, weights=count))
         most = _unlikely(mean, np.stack([np.full(mean.size, white), _falling(mean, count)]), count)
-        if most[0] < most[1] + COLOURED_TUNING.least:
+        if most[0] < most[1] + COLOURED_LEAST:
             return Spectrum(white)  # no spectrum that falls gains as much
         corner, power = _shapes(lowest)
         slow = _slow(centre, corner[:, None], power[:, None])
@@ -872,31 +847,29 @@ class Octaves:
         slow /= tops[:, None]
         A, B = _parts(slow, mean, count)
         deviance = _unlikely(mean, A[:, None] + B[:, None] * slow, count)
-        if deviance.min() > most[0] - COLOURED_TUNING.least:
+        if deviance.min() > most[0] - COLOURED_LEAST:
             return Spectrum(white)
         share = np.exp((deviance.min() - deviance) / 2)
-        share = np.where(share > COLOURED_TUNING.likely, share, 0.0) / share[share > COLOURED_TUNING.likely].sum()
+        share = np.where(share > COLOURED_LIKELY, share, 0.0) / share[share > COLOURED_LIKELY].sum()
         parts = zip((share * B / tops).tolist(), corner.tolist(), power.tolist(), strict=True)
         return Spectrum(float(share @ A), tuple(part for part in parts if part[0]))
 
     def possible(self) -> Possible:
         """Spectra with their chances after the data: white or with one slow part, those of one correlation time and
         those of 1/f being as likely before."""
-        (corner, power), heights = _shapes(self.lowest), np.array(COLOURED_TUNING.heights)
+        (corner, power), heights = _shapes(self.lowest), np.array(COLOURED_HEIGHTS)
         slow = _slow(self.centre, corner[:, None], power[:, None])
         tops = slow[:, 0]
         ratio = np.vstack([np.zeros(self.centre.size), *(heights[:, None, None] * (slow / tops[:, None]))])
         A = np.average(self.mean / (1 + ratio), weights=self.count, axis=1)
         kinds = (
             np.repeat(
-                [1 / COLOURED_TUNING.corners, 1 / len(COLOURED_TUNING.powers)],
-                [COLOURED_TUNING.corners, len(COLOURED_TUNING.powers)],
+                [1 / COLOURED_CORNERS, 1 / len(COLOURED_POWERS)],
+                [COLOURED_CORNERS, len(COLOURED_POWERS)],
             )
             / 2
         )
-        before = np.append(
-            COLOURED_TUNING.white, np.tile((1 - COLOURED_TUNING.white) / heights.size * kinds, heights.size)
-        )
+        before = np.append(COLOURED_WHITE, np.tile((1 - COLOURED_WHITE) / heights.size * kinds, heights.size))
         unlikely = _unlikely(self.mean, A[:, None] * (1 + ratio), self.count)
         chance = before * np.exp((unlikely.min() - unlikely) / 2)
         B = A * np.append(0.0, np.outer(heights, 1 / tops))
@@ -906,10 +879,10 @@ class Octaves:
 def _shapes(lowest: float) -> tuple[Array, Array]:
     """Corners and powers of slow parts, of one correlation time and of 1/f, of runs of a ``lowest`` frequency."""
     corners, powers = (
-        np.geomspace(COLOURED_TUNING.seen * lowest, 0.2, COLOURED_TUNING.corners),
-        np.array(COLOURED_TUNING.powers),
+        np.geomspace(COLOURED_SEEN * lowest, 0.2, COLOURED_CORNERS),
+        np.array(COLOURED_POWERS),
     )
-    return np.append(corners, 0 * powers + COLOURED_TUNING.lowest * lowest), np.append(0 * corners + 2.0, powers)
+    return np.append(corners, 0 * powers + COLOURED_LOWEST * lowest), np.append(0 * corners + 2.0, powers)
 
 
 def _falling(mean: Array, count: Array) -> Array:
@@ -924,14 +897,14 @@ def _falling(mean: Array, count: Array) -> Array:
             pool = (before[0] * before[1] + pool[0] * pool[1]) / weights, weights, before[2] + pool[2]
         pools.append(pool)
     levels, _, octaves = zip(*pools, strict=True)
-    return np.maximum(np.repeat(levels, octaves), COLOURED_TUNING.singular * mean.max())
+    return np.maximum(np.repeat(levels, octaves), COLOURED_SINGULAR * mean.max())
 
 
 def _octaves(left: Array) -> Array:
     """First index of each octave of frequencies; one of which too little is ``left`` joins the next."""
     edges, first = [0], 1
     while 2 * first < left.size:
-        if left[edges[-1] : first].sum() > max(COLOURED_TUNING.share * (first - edges[-1]), COLOURED_TUNING.share):
+        if left[edges[-1] : first].sum() > max(COLOURED_SHARE * (first - edges[-1]), COLOURED_SHARE):
             edges.append(first)
         first *= 2
     return np.array(edges)
@@ -939,7 +912,7 @@ def _octaves(left: Array) -> Array:
 
 def _unlikely(mean: Array, S: Array, count: Array) -> Array:
     """Minus twice the logarithm of Whittle's likelihood of spectra ``S``, (spectra, octaves)."""
-    likely = np.maximum(S, COLOURED_TUNING.singular * mean.max())
+    likely = np.maximum(S, COLOURED_SINGULAR * mean.max())
     deviance: Array = np.where((S > 0).all(axis=1), np.sum(count * (np.log(likely) + mean / likely), axis=1), np.inf)
     return deviance
 
@@ -949,10 +922,10 @@ def _parts(slow: Array, mean: Array, count: Array) -> tuple[Array, Array]:
     with the spectrum so far."""
     items = np.stack([np.ones_like(slow), slow, slow**2, np.broadcast_to(mean, slow.shape), slow * mean])
     S = np.broadcast_to(np.maximum(mean, 1e-3 * mean.max()), slow.shape)
-    for _ in range(COLOURED_TUNING.rounds):
+    for _ in range(COLOURED_ROUNDS):
         weights = count / np.maximum(S, TINY) ** 2
         aa, ab, bb, a, b = np.einsum("ij,kij->ki", weights, items)
-        determinant = aa * bb * (1 + COLOURED_TUNING.singular) - ab * ab
+        determinant = aa * bb * (1 + COLOURED_SINGULAR) - ab * ab
         A, B = (a * bb - b * ab) / determinant, (b * aa - a * ab) / determinant
         A, B = np.where(B < 0, a / aa, np.where(A < 0, 0.0, A)), np.where(B < 0, 0.0, np.where(A < 0, b / bb, B))
         S = A[:, None] + B[:, None] * slow

@@ -19,16 +19,9 @@ from ..base import SAME, Array, InputError, Ranged, did_you_mean
 # --------------------------------------------------------------------------------------------------
 # The result of any fit: values with their errors and intervals, their correlations, and warnings on both.
 
-
-@dataclass(frozen=True)
-class AnswerTuning:
-    """Limits beyond which a reader is warned; nothing else depends on them."""
-
-    apart: float = 0.99  # choice: correlation beyond which the data hardly separate two parameters
-    vague: float = 0.3  # choice: relative standard error beyond which a value is little more than its order
-
-
-ANSWER_TUNING = AnswerTuning()
+# Limits beyond which a reader is warned; nothing else depends on them.
+ANSWER_APART = 0.99  # choice: correlation beyond which the data hardly separate two parameters
+ANSWER_VAGUE = 0.3  # choice: relative standard error beyond which a value is little more than its order
 
 
 @dataclass(frozen=True)
@@ -92,13 +85,13 @@ class Answer:
         if (matrix := self.correlation) is None:
             return
         for (i, one), (j, two) in itertools.combinations(enumerate(self.free), 2):
-            if abs(matrix[i, j]) > ANSWER_TUNING.apart:
+            if abs(matrix[i, j]) > ANSWER_APART:
                 yield one, two, f"{word(one)} and {word(two)} are strongly correlated ({matrix[i, j]:.4f})"
 
     def vague(self, names: Sequence[str]) -> Iterator[str]:
         """A sentence on each of these that is little more than its order."""
         for item in map(self.estimate, names):
-            if item.error is not None and item.error > ANSWER_TUNING.vague * item.value > 0:
+            if item.error is not None and item.error > ANSWER_VAGUE * item.value > 0:
                 yield f"{word(item.name)} is uncertain by {item.error / item.value:.0%} (standard error)"
 
 
@@ -114,15 +107,10 @@ LIMIT: Kind = "limit"
 ROOT: Kind = "root"
 LIMITED = (LIMIT, ROOT)  # that have an upper limit where 0 is not excluded
 
-
-@dataclass(frozen=True)
-class ParameterTuning:
-    """Limits of what is known of a value."""
-
-    widest: float = 10.0  # choice: half-width of a log, from which on a value is unknown
+# Limits of what is known of a value.
+PARAMETER_WIDEST = 10.0  # choice: half-width of a log, from which on a value is unknown
 
 
-TUNING = ParameterTuning()
 DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load", "compliance": "number",
               "drift": "speed", "hysteresis": "number", "creep": "number", "range": "length",
               "stress": "modulus"}  # fmt: skip
@@ -220,7 +208,7 @@ class Parameter:
     def estimate(self, x: float, sigma: float | None, t: float) -> FittedValue:
         """What is known of it where it is free, by its unknown and the standard error ``sigma`` of that; ``t`` of these
         make the interval."""
-        if sigma is None or (self.kind == "log" and t * sigma > TUNING.widest):
+        if sigma is None or (self.kind == "log" and t * sigma > PARAMETER_WIDEST):
             error = None if sigma is None else self.derivative(x) * sigma
             return FittedValue(self.name, self.outer(x), True, self.dimension, error)
         low, high = x - t * sigma, x + t * sigma

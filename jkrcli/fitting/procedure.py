@@ -67,6 +67,8 @@ from .result import Fit, Further, JKRBeside
 from .rows import (
     COLUMNS,
     EDGES,
+    SEARCH_CONVERGED_ROUGH,
+    SEARCH_EVALUATIONS,
     Distances,
     FootPoints,
     Minimum,
@@ -79,22 +81,14 @@ from .rows import (
     robust,
     search,
 )
-from .rows import TUNING as SEARCH
 from .settings import CALIBRATED, RANGES, TENSION, Settings
 
 # --------------------------------------------------------------------------------------------------
 # Confidence of a fit to prepared readings: intervals as the settings want them, the systematic part, and how much
 # worse JKR describes the same rows beside adhesion of finite range.
 
-
-@dataclass(frozen=True)
-class ConfidenceTuning:
-    """How intervals are computed."""
-
-    few: int = 10  # choice: degrees of freedom, below which residuals do not show the noise's change along the curve
-
-
-TUNING = ConfidenceTuning()
+# How intervals are computed.
+CONFIDENCE_FEW = 10  # choice: degrees of freedom, below which residuals do not show the noise's change along the curve
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +117,7 @@ def confidence_of(
     t, samples = t_quantile(settings.level, dof), None
     if settings.confidence == "bootstrap":
         change = partial(_redrawn, minimum.distances.residuals.shape)
-        samples = bootstrap(minimum.least, change, SEARCH.converged_rough, settings.samples, settings.seed, pool)
+        samples = bootstrap(minimum.least, change, SEARCH_CONVERGED_ROUGH, settings.samples, settings.seed, pool)
     intervals = Intervals(
         minimum.least, _quantities(minimum), partial(_meaning, minimum), inner, t, settings.level,
         settings.confidence == "profile", factor, samples,
@@ -185,7 +179,7 @@ def spread_of(minimum: Minimum, settings: Settings) -> tuple[Array | None, float
     factor = variance_factor(residuals, dof, settings.loss, minimum.width)
     inner = covariance(jacobian, factor) if minimum.least.ended else None
     even = measured <= settings.noise.keys()  # else that is more than a record of a sensor shows
-    if settings.loss == "linear" and dof >= TUNING.few and not even:
+    if settings.loss == "linear" and dof >= CONFIDENCE_FEW and not even:
         inner = larger(inner, covariance_of_uneven(jacobian, residuals))
     return inner, factor, dof
 
@@ -220,7 +214,7 @@ def jkr_beside(minimum: Minimum, body: FittedBody, points: Points, settings: Set
     except JkrError as error:
         return Unknown(str(error))
     if not jkr.least.ended:
-        return Unknown(f"the fit did not converge in {SEARCH.evaluations} steps")
+        return Unknown(f"the fit did not converge in {SEARCH_EVALUATIONS} steps")
     values = objective.values(jkr.x)
     rms, with_range = (math.sqrt(float(np.mean(item.distances.residuals**2))) for item in (jkr, minimum))
     E_star = values["modulus"] * body.problem.E_star
@@ -584,17 +578,10 @@ def _determined_by(settings: Settings, points: Points) -> tuple[Settings, tuple[
 # --------------------------------------------------------------------------------------------------
 # Whether the surfaces slid or stuck: what it means for a fit, and what the data prefer.
 
-
-@dataclass(frozen=True)
-class PreferenceTuning:
-    """When data prefer one assumption."""
-
-    # Difference of Akaike's criterion, whose parameters are as many on both sides:
-    clear: float = 10.0  # theory: odds of exp(5) (Burnham and Anderson 2002, Sec. 2.6)
-    least: float = 0.02  # of the scatter; choice: smaller differences are those of the series and of the noise's shape
-
-
-FRICTION_TUNING = PreferenceTuning()
+# When data prefer one assumption.
+# Difference of Akaike's criterion, whose parameters are as many on both sides:
+PREFERENCE_CLEAR = 10.0  # theory: odds of exp(5) (Burnham and Anderson 2002, Sec. 2.6)
+PREFERENCE_LEAST = 0.02  # of the scatter; choice: smaller differences are those of the series and of the noise's shape
 
 
 def preferences(results: Sequence[Fit | Failure]) -> Iterator[str]:
@@ -623,7 +610,7 @@ def _verdict(sliding: Fit, sticking: Fit) -> str:
     better = sliding if first < second else sticking
     lag = min(max(better.structure.lag1, 0.0), 0.99)
     difference = 2 * better.dof * (1 - lag) / (1 + lag) * math.log(first / second)
-    if abs(difference) < FRICTION_TUNING.clear or abs(first / second - 1) < FRICTION_TUNING.least:
+    if abs(difference) < PREFERENCE_CLEAR or abs(first / second - 1) < PREFERENCE_LEAST:
         return f"the data do not decide ({scatter})"
     return f"the data prefer {better.surface} ({scatter}; Akaike's criterion lower by {abs(difference):.0f})"
 
@@ -658,17 +645,10 @@ def friction_warnings(body: FittedBody, results: Sequence[Fit | Failure]) -> Ite
 WANTED = ("modulus", "w")
 ZEROS = ("delta0", "P0")
 
-
-@dataclass(frozen=True)
-class PlanTuning:
-    """Which measurements are proposed."""
-
-    radii: tuple[float, ...] = (0.25, 0.5, 2.0, 4.0)  # choice: over that at hand
-    factors: tuple[float, ...] = (0.3, 3.0)  # choice: loads and thicknesses over those at hand
-    widest: float = 0.4  # choice: of a tip's radius, to which it is pressed at most
-
-
-PLAN_TUNING = PlanTuning()
+# Which measurements are proposed.
+PLAN_RADII = (0.25, 0.5, 2.0, 4.0)  # choice: over that at hand
+PLAN_FACTORS = (0.3, 3.0)  # choice: loads and thicknesses over those at hand
+PLAN_WIDEST = 0.4  # choice: of a tip's radius, to which it is pressed at most
 
 
 def further(body: FittedBody, fit: Fit) -> tuple[Further, ...]:
@@ -698,17 +678,17 @@ def planned(body: FittedBody, fit: Fit) -> Fit:
 
 def _candidates(body: FittedBody, fit: Fit, largest: float) -> Iterator[tuple[str, Mapping[str, float], float]]:
     """Measurements in words, changes of the body, and their largest load [N]."""
-    for factor in PLAN_TUNING.factors:
+    for factor in PLAN_FACTORS:
         yield f"largest load {show(factor * largest, 'load', 3)}", {}, factor * largest
     if not body.own_parameters:
         return
     if hasattr(body.problem.indenter, "R"):
-        for factor in PLAN_TUNING.radii:
+        for factor in PLAN_RADII:
             R = factor * body.nominal(RADIUS)
             yield f"tip radius {show(R, 'length', 3)}", {RADIUS: R}, largest
     for name in [name for name in body.own_parameters if name.startswith("h:")][:1]:
         h = next((item.value for item in fit.estimates if item.name == name), body.nominal(name))
-        for factor in PLAN_TUNING.factors:
+        for factor in PLAN_FACTORS:
             yield f"thickness {show(factor * h, 'length', 3)}", {name: factor * h}, largest
 
 
@@ -776,7 +756,7 @@ def _branch(body: FittedBody, s: float, w: float, largest: float) -> tuple[Fitte
     """The body solved as far as it is pressed, and the logs of the contact radii at pull-off under load and there."""
     R = body.problem.indenter.tip_radius
     for _ in range(2):
-        high = math.log(PLAN_TUNING.widest * R) if R is not None and body.extensible else body.family.high
+        high = math.log(PLAN_WIDEST * R) if R is not None and body.extensible else body.family.high
         u = np.linspace(min(body.family.low, high - 5), high, LOOKED_AT)
         P = body.family.member({"modulus": s, "w": w}).along(u)[0][2]
         low = int(np.argmin(P))

@@ -21,26 +21,20 @@ from ..methods.layered.spectrum import spectrum_seconds
 from .forward_model import Drift
 from .least_squares import influence, rise, t_quantile
 from .parameters import FittedValue, Parameter
-from .rows import TUNING as SEARCH
-from .rows import Minimum, Objective
+from .rows import SEARCH_HALVINGS, SEARCH_REACH, Minimum, Objective
 from .settings import Loss, Settings
 
+# Which ranges are tried, and when one is significant.
+# Over the displacement that adhesion adds at JKR's pull-off; Tabor numbers of a sphere 3 to 0.03:
+RANGE_RANGES = (0.1, 0.3, 1.0, 3.0, 10.0)  # choice: what lies between is interpolated
 
-@dataclass(frozen=True)
-class RangeRivalTuning:
-    """Which ranges are tried, and when one is significant."""
-
-    # Over the displacement that adhesion adds at JKR's pull-off; Tabor numbers of a sphere 3 to 0.03:
-    ranges: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0, 10.0)  # choice: what lies between is interpolated
-
-    short: float = 0.1  # theory: relative change of w by the last step; what remains is its square, a hundredth
-    hopeless: float = 30.0  # choice: excess over what is possible, from which on there are no more steps
-    rounded: float = 0.05  # choice: of logs of range and w with which curves are solved, so that fits share them
-    chance: float = 2e-3  # choice: at which data of JKR itself show a range
-    slow: float = 0.1  # choice: CPU seconds of a body's spectrum, above which no range is tried
+RANGE_SHORT = 0.1  # theory: relative change of w by the last step; what remains is its square, a hundredth
+RANGE_HOPELESS = 30.0  # choice: excess over what is possible, from which on there are no more steps
+RANGE_ROUNDED = 0.05  # choice: of logs of range and w with which curves are solved, so that fits share them
+RANGE_CHANCE = 2e-3  # choice: at which data of JKR itself show a range
+RANGE_SLOW = 0.1  # choice: CPU seconds of a body's spectrum, above which no range is tried
 
 
-TUNING = RangeRivalTuning()
 WORKS = ("w", "w_approach")
 
 
@@ -56,7 +50,7 @@ class RangeRival:
 
     @property
     def significant(self) -> bool:
-        return self.best > 0 and self.chance < TUNING.chance
+        return self.best > 0 and self.chance < RANGE_CHANCE
 
     def warnings(self) -> Iterator[str]:
         """A sentence where a range is significant."""
@@ -86,7 +80,7 @@ def range_rival_of(minimum: Minimum, variance: float, limit: float, settings: Se
     body = minimum.objective.body
     problem = body.problem
     own, values = any(p.of_body for p in minimum.objective.parameters), minimum.objective.values(minimum.x)
-    if own or problem.specimen.radius is not None or spectrum_seconds(problem) > TUNING.slow:
+    if own or problem.specimen.radius is not None or spectrum_seconds(problem) > RANGE_SLOW:
         return None
     if min(_works(values)) < NOTICEABLE * values["modulus"] * body.family.natural_work:
         return None
@@ -95,9 +89,9 @@ def range_rival_of(minimum: Minimum, variance: float, limit: float, settings: Se
     except JkrError:
         return None
     neck = math.log(body.family.neck(values["modulus"], values["w"]))
-    neck = math.exp(TUNING.rounded * round(neck / TUNING.rounded))
-    lengths = [part * neck for part in TUNING.ranges if part * neck < settings.range_at_most]
-    lengths += [settings.range_at_most] * (len(lengths) < len(TUNING.ranges))
+    neck = math.exp(RANGE_ROUNDED * round(neck / RANGE_ROUNDED))
+    lengths = [part * neck for part in RANGE_RANGES if part * neck < settings.range_at_most]
+    lengths += [settings.range_at_most] * (len(lengths) < len(RANGE_RANGES))
     rungs = _climbed(
         lengths, partial(_rung, minimum, variance=variance, limit=limit, loss=settings.loss), values, limit
     )
@@ -113,7 +107,7 @@ def _climbed(
     longest possible one is halved.
     """
     rungs, best = {-1: _Rung(0.0, 0.0, dict.fromkeys(values, 0.0))}, 0.0
-    k, step = min(len(TUNING.ranges) // 2, len(lengths) - 1), 0
+    k, step = min(len(RANGE_RANGES) // 2, len(lengths) - 1), 0
     while 0 <= k < len(lengths):
         try:
             rungs[k] = rung_of(lengths[k])
@@ -130,7 +124,7 @@ def _climbed(
         k += step
     climbed = [rungs[k] for k in sorted(rungs)]
     with contextlib.suppress(JkrError):
-        for _ in range(SEARCH.halvings):
+        for _ in range(SEARCH_HALVINGS):
             if (length := _between(climbed, limit)) is not None:
                 climbed.append(rung_of(length))
                 climbed.sort(key=lambda rung: rung.length)
@@ -147,7 +141,7 @@ def _between(rungs: Sequence[_Rung], limit: float) -> float | None:
     """A range [m] between the longest possible one and the next, where a straight line between
     them would not do; None where it does."""
     i = _last_possible(rungs, limit)
-    if i == 0 or i + 1 == len(rungs) or rungs[i + 1].excess > TUNING.hopeless * limit:
+    if i == 0 or i + 1 == len(rungs) or rungs[i + 1].excess > RANGE_HOPELESS * limit:
         return None
     return math.sqrt(rungs[i].length * rungs[i + 1].length)
 
@@ -171,7 +165,7 @@ def _rung(minimum: Minimum, length: float, variance: float, limit: float, loss: 
             raise SolveError(f"a step with a range of {show(length, 'length')} led nowhere")
         excess = (float(np.sum(weights * (there - jacobian @ step) ** 2)) - least) / variance
         moved = abs(_works(plain.values(x))[0] / works[0] - 1)
-        if not (math.isfinite(excess) and excess < TUNING.hopeless * limit) or moved < TUNING.short:
+        if not (math.isfinite(excess) and excess < RANGE_HOPELESS * limit) or moved < RANGE_SHORT:
             break
     return _Rung(length, excess if math.isfinite(excess) else math.inf, _moves(plain, minimum.x, x))
 
@@ -179,7 +173,7 @@ def _rung(minimum: Minimum, length: float, variance: float, limit: float, loss: 
 def _near(objective: Objective, x: Array, start: Array) -> bool:
     """Whether all unknowns are numbers and their logs are within reach of where they started."""
     logs = [i for i, parameter in enumerate(objective.parameters) if parameter.kind == "log"]
-    return bool(np.isfinite(x).all() and (np.abs(x - start)[logs] <= SEARCH.reach).all())
+    return bool(np.isfinite(x).all() and (np.abs(x - start)[logs] <= SEARCH_REACH).all())
 
 
 def _rounded(objective: Objective, x: Array) -> Array:
@@ -187,8 +181,8 @@ def _rounded(objective: Objective, x: Array) -> Array:
     values, near = objective.values(x), x.copy()
     for i, parameter in enumerate(objective.parameters):
         if parameter.free and parameter.name in WORKS:
-            ratio = round(math.log(values[parameter.name] / values["modulus"]) / TUNING.rounded)
-            near[i] = parameter.inner(values["modulus"] * math.exp(TUNING.rounded * ratio))
+            ratio = round(math.log(values[parameter.name] / values["modulus"]) / RANGE_ROUNDED)
+            near[i] = parameter.inner(values["modulus"] * math.exp(RANGE_ROUNDED * ratio))
     return near
 
 
@@ -236,23 +230,17 @@ def _judged(rungs: Sequence[_Rung], minimum: Minimum, limit: float) -> RangeRiva
 # first order, this is a warning. What the data leave of it is fitted again at both of its ends: it moves the
 # parameters, a second part of their uncertainty beside the statistical one.
 
+# What is expected of rivals before the data, and when they are significant.
+ALTERNATIVE_LIKELY = 0.5  # choice: standard deviation of the relative change along the record; w of polymers may double
+# choice: the change for which moves are told, and not counted, where the data hold no pull-off that would test it
+ALTERNATIVE_UNIT = 0.01
+ALTERNATIVE_CHANCE = 5e-3  # choice: at which data of the model itself show a rival
+ALTERNATIVE_CHANGES = (-0.7, 1.2)  # choice: guard, along the record; w and moduli stay above 0
+ALTERNATIVE_CLOSE = 0.5  # theory: the last step, in standard errors; what remains is its square, a quarter
+ALTERNATIVE_FEWEST = 6  # choice: degrees of freedom; two of them go to the rivals
+ALTERNATIVE_REACHED = 1.1  # choice: in contact radius, how near to pull-off the data must come
+ALTERNATIVE_TOUCHING = 0.05  # choice: of the largest contact radius, below which pull-off without contact is near
 
-@dataclass(frozen=True)
-class RivalTuning:
-    """What is expected of rivals before the data, and when they are significant."""
-
-    likely: float = 0.5  # choice: standard deviation of the relative change along the record; w of polymers may double
-    # choice: the change for which moves are told, and not counted, where the data hold no pull-off that would test it
-    unit: float = 0.01
-    chance: float = 5e-3  # choice: at which data of the model itself show a rival
-    changes: tuple[float, float] = (-0.7, 1.2)  # choice: guard, along the record; w and moduli stay above 0
-    close: float = 0.5  # theory: the last step, in standard errors; what remains is its square, a quarter
-    fewest: int = 6  # choice: degrees of freedom; two of them go to the rivals
-    reached: float = 1.1  # choice: in contact radius, how near to pull-off the data must come
-    touching: float = 0.05  # choice: of the largest contact radius, below which pull-off without contact is near
-
-
-RIVALS_TUNING = RivalTuning()
 # What changes along the record, how it is called, and where on the record the fitted value is meant to hold: 0 at the
 # smallest contact radius (w there decides pull-off), 1/2 in the middle.
 RIVALS = {"w": ("a change of w along the record", 0.0), "modulus": ("a change of E* along the record", 0.5)}
@@ -270,8 +258,8 @@ class Rival:
 
     @property
     def words(self) -> str:
-        """The change with its size, which is of first order and no number where it is beyond ``TUNING``'s guards."""
-        clipped = float(np.clip(self.change, *RIVALS_TUNING.changes))
+        """The change with its size, which is of first order and no number where it is beyond the guards."""
+        clipped = float(np.clip(self.change, *ALTERNATIVE_CHANGES))
         return f"{RIVALS[self.name][0]} by {'' if clipped == self.change else 'more than '}{clipped:+.0%}"
 
 
@@ -279,8 +267,8 @@ class Rival:
 class Rivals:
     """The rivals of a fit; ``chance``: that data of the model itself speak as much for its ``members``; ``range``: of
     adhesion, None where none was tried. ``untested``: whether the data end before pull-off, so that nothing tests a
-    change along the record: the moves of the ``values`` are then those of a change by ``TUNING.unit``, told and not
-    counted."""
+    change along the record: the moves of the ``values`` are then those of a change by ``ALTERNATIVE_UNIT``, told and
+    not counted."""
 
     members: tuple[Rival, ...]
     chance: float
@@ -299,14 +287,12 @@ class Rivals:
             for rival in self.members
         ]  # fmt: skip
         return (
-            f"a change by {RIVALS_TUNING.unit:.0%} along the record {', '.join(parts)}"
-            if self.untested and parts
-            else ""
+            f"a change by {ALTERNATIVE_UNIT:.0%} along the record {', '.join(parts)}" if self.untested and parts else ""
         )
 
     def warnings(self) -> Iterator[str]:
         """A sentence where a rival is significant."""
-        if self.chance < RIVALS_TUNING.chance:
+        if self.chance < ALTERNATIVE_CHANCE:
             parts = " or ".join(rival.words for rival in self.members)
             yield (
                 f"model rejected, p = {self.chance:.1g}, in favour of {parts} with the contact "
@@ -336,7 +322,7 @@ def missed_pull_off(a: Array, line: Mapping[str, Array]) -> tuple[float, float] 
     if "P" not in line:
         return None
     radius, least = float(line["a"][int(np.argmin(line["P"]))]), float(np.min(a))
-    near = max(RIVALS_TUNING.reached * radius, RIVALS_TUNING.touching * float(np.max(a)))
+    near = max(ALTERNATIVE_REACHED * radius, ALTERNATIVE_TOUCHING * float(np.max(a)))
     return (least, radius) if least > near else None
 
 
@@ -346,22 +332,22 @@ def rivals_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -
     objective, residuals = minimum.objective, minimum.distances.residuals.ravel()
     values = objective.values(minimum.x)
     wanted = [name for name in RIVALS if values.get(name, 0.0) > 0]
-    if dof < RIVALS_TUNING.fewest or not wanted or not variance > 0:
+    if dof < ALTERNATIVE_FEWEST or not wanted or not variance > 0:
         return Rivals((), 1.0)
     t, both = t_quantile(settings.level, dof), dof * rise(settings.level, dof, 2)  # w and the range together
     ranged = range_rival_of(minimum, variance, both, settings) if "w" in wanted else None
     jacobian = minimum.distances.jacobian(objective.free)
     directions = np.stack([_direction(minimum, name) for name in wanted], axis=1)
     alone = directions - jacobian @ np.linalg.lstsq(jacobian, directions, rcond=None)[0]
-    rivals, close = [], RIVALS_TUNING.close * math.sqrt(variance)
+    rivals, close = [], ALTERNATIVE_CLOSE * math.sqrt(variance)
     untested = values.get("w", 0.0) > 0 and missed_pull_off(minimum.distances.a, minimum.distances.line()) is not None
     for name, direction in zip(wanted, alone.T, strict=True):
         precision = float(direction @ direction) / variance
         if precision > 0:
             change = -float(direction @ residuals) / variance / precision
-            spread = t / math.sqrt(precision + 1 / RIVALS_TUNING.likely**2)
+            spread = t / math.sqrt(precision + 1 / ALTERNATIVE_LIKELY**2)
             centre = change * (spread / t) ** 2 * precision
-            changes = (-RIVALS_TUNING.unit, RIVALS_TUNING.unit) if untested else (centre - spread, centre + spread)
+            changes = (-ALTERNATIVE_UNIT, ALTERNATIVE_UNIT) if untested else (centre - spread, centre + spread)
             rivals.append(Rival(name, change, _shifts(minimum, name, changes, close)))
     return Rivals(tuple(rivals), _chance(alone, residuals, variance, dof), ranged, untested, values)
 
@@ -374,7 +360,7 @@ def _shifts(minimum: Minimum, name: str, changes: tuple[float, ...], close: floa
     a = minimum.distances.a
     for change in changes:
         drift = Drift(
-            name, float(np.clip(change, *RIVALS_TUNING.changes)), RIVALS[name][1], float(a.min()), float(a.max())
+            name, float(np.clip(change, *ALTERNATIVE_CHANGES)), RIVALS[name][1], float(a.min()), float(a.max())
         )
         after = _followed(minimum, drift, close)
         moves = {key: max(move, abs(after[key] - before[key])) for key, move in moves.items()}
@@ -387,7 +373,7 @@ def _followed(minimum: Minimum, drift: Drift, close: float) -> dict[str, float]:
     objective, x = replace(minimum.objective, drift=drift), minimum.x.copy()
     free, target = objective.free, minimum.distances.residuals.ravel()
     logs = np.array([parameter.kind == "log" for parameter in objective.parameters])
-    low, high = x - np.where(logs, SEARCH.reach, np.inf), x + np.where(logs, SEARCH.reach, np.inf)
+    low, high = x - np.where(logs, SEARCH_REACH, np.inf), x + np.where(logs, SEARCH_REACH, np.inf)
     before = x
     for _ in range(MOST_SOLVES):
         try:

@@ -37,8 +37,19 @@ from ..base import (
 )
 from ..data import Curve
 from .forward_model import FittedBody
-from .least_squares import TUNING as FITS
-from .least_squares import Followed, Intervals, Least, LeastSquares, State, covariance, larger, robust_scale, t_quantile
+from .least_squares import (
+    SEARCH_MISFIT,
+    SEARCH_REACH,
+    Followed,
+    Intervals,
+    Least,
+    LeastSquares,
+    State,
+    covariance,
+    larger,
+    robust_scale,
+    t_quantile,
+)
 from .parameters import MODULUS, Answer, Nameable, Parameter, Unknowns, check_law, parameters_of
 from .procedure import fit
 from .relaxation import check_over_time, check_rising, noise_about, noise_of, through
@@ -49,20 +60,13 @@ from .work_along_curve import WorkAlong, work_along
 # --------------------------------------------------------------------------------------------------
 # Records of retraction over time: which rows are fitted, and what the device did.
 
-
-@dataclass(frozen=True)
-class RateRecordTuning:
-    """Limits of the rows of a retraction."""
-
-    moving: float = 0.1  # choice: of the travel, beyond which the device surely moves back
-    recovered: float = 0.2  # choice: of the pull-off force: rows of less tension behind it are taken as free
-    still: float = 3.0  # theory: standard deviations above the highest rows, where the way back would begin: it waited
-    highest: float = 2.33  # theory: standard deviations by which 1 % of rows at rest lie higher
-    straight: float = 1.5  # choice: scatter about a straight line over the noise, beyond which the motion is no line
-    knots: int = 40  # choice: points of a motion that is no line
-
-
-RECORD_TUNING = RateRecordTuning()
+# Limits of the rows of a retraction.
+RECORD_MOVING = 0.1  # choice: of the travel, beyond which the device surely moves back
+RECORD_RECOVERED = 0.2  # choice: of the pull-off force: rows of less tension behind it are taken as free
+RECORD_STILL = 3.0  # theory: standard deviations above the highest rows, where the way back would begin: it waited
+RECORD_HIGHEST = 2.33  # theory: standard deviations by which 1 % of rows at rest lie higher
+RECORD_STRAIGHT = 1.5  # choice: scatter about a straight line over the noise, beyond which the motion is no line
+RECORD_KNOTS = 40  # choice: points of a motion that is no line
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +145,7 @@ def rate_record(curve: Curve, segment: str | None, lost: float | None = None) ->
 def _retraction(t: Array, P: Array, device: Array, lost: float | None) -> Array:
     """Rows from the turn of the device to loss of contact; none where the device does not move back."""
     top, end = float(np.quantile(device, 0.99)), float(np.min(device))
-    moved = np.flatnonzero(device > top - RECORD_TUNING.moving * (top - end))
+    moved = np.flatnonzero(device > top - RECORD_MOVING * (top - end))
     last = int(moved[-1]) if moved.size else 0
     if last + 2 > t.size:
         return np.empty(0, dtype=int)
@@ -152,8 +156,8 @@ def _retraction(t: Array, P: Array, device: Array, lost: float | None) -> Array:
     level = float(way.mean() - rate * since.mean())
     noise = third_differences(device)
     begin = 0
-    if rate < 0 and level + rate * (t[0] - t[last]) > top + RECORD_TUNING.still * noise:
-        begin = int(np.searchsorted(t, t[last] + (top - RECORD_TUNING.highest * noise - level) / rate))
+    if rate < 0 and level + rate * (t[0] - t[last]) > top + RECORD_STILL * noise:
+        begin = int(np.searchsorted(t, t[last] + (top - RECORD_HIGHEST * noise - level) / rate))
     over = _over(P, lowest) if lost is None else max(int(np.searchsorted(t, lost)), begin + FEWEST_ROWS)
     return np.arange(begin, min(over, t.size))
 
@@ -167,7 +171,7 @@ def _over(P: Array, lowest: int) -> int:
 
 def recovered(P: Array, lowest: int) -> int:
     """The row behind the ``lowest`` where the tension has all but gone; the number of rows where it never has."""
-    risen = np.flatnonzero(P[lowest:] > RECORD_TUNING.recovered * P[lowest])
+    risen = np.flatnonzero(P[lowest:] > RECORD_RECOVERED * P[lowest])
     return lowest + int(risen[0]) if risen.size else P.size
 
 
@@ -178,8 +182,8 @@ def _motion(t: Array, device: Array) -> tuple[tuple[Array, Array], tuple[float, 
     z, least = (t - middle) / half, SAME * float(np.ptp(device))
     line = np.polynomial.Polynomial(np.polynomial.polynomial.polyfit(z, device, 1))
     base, noise = (t[[0, -1]], line(np.array([-1.0, 1.0]))), _rms(device - line(z), 2)
-    if noise > RECORD_TUNING.straight * third_differences(device) + least:
-        knots = np.linspace(t[0], t[-1], min(RECORD_TUNING.knots, t.size // 4) + 1)
+    if noise > RECORD_STRAIGHT * third_differences(device) + least:
+        knots = np.linspace(t[0], t[-1], min(RECORD_KNOTS, t.size // 4) + 1)
         places, pieces = through(t, device, knots)
         base, noise = (knots, places), _rms(device - pieces, knots.size)
     noise = max(noise, least)
@@ -194,30 +198,25 @@ def _rms(residuals: Array, parameters: int) -> float:
 # --------------------------------------------------------------------------------------------------
 # A law through works of adhesion at measured speeds of the edge: what `work` shows, and where a fit begins.
 
-
-@dataclass(frozen=True)
-class ThroughTuning:
-    """When a law is put through points, and how."""
-
-    least: int = 12  # choice: points
-    decade: float = 10.0  # choice: ratio of the speeds below which the points do not separate n and v0
-    exponents: tuple[float, ...] = (0.25, 0.5, 1.0)  # choice: starts of n
-    laws: tuple[float, float] = (0.1, 3.0)  # choice: exponents that are sought; measured ones are 0.1 to 1
-    reach: float = 40.0  # tuned on work along a record, by `make constants`: guard, how far logs move
-    # tuned on work along a record, by `make constants`: relative half-width of a speed, beyond which its point says
-    # nothing about a law
-    sure: float = 0.3
-    # tuned on work along a record, by `make constants`: of weights by the errors of the speeds, which ask for the law
-    rounds: int = 3
-    blocks: int = 8  # choice: of neighbouring points that are left out in turn
-    even: float = 0.01  # choice: guard, least weight of a point's error over the median
-    # tuned on work along a record, by `make constants`: standard deviations beyond which a point pulls less, as
-    # outliers are usual
-    turn: float = 1.5
+# When a law is put through points, and how.
+WHOLE_LEAST = 12  # choice: points
+WHOLE_DECADE = 10.0  # choice: ratio of the speeds below which the points do not separate n and v0
+WHOLE_EXPONENTS = (0.25, 0.5, 1.0)  # choice: starts of n
+WHOLE_LAWS = (0.1, 3.0)  # choice: exponents that are sought; measured ones are 0.1 to 1
+WHOLE_REACH = 40.0  # tuned on work along a record, by `make constants`: guard, how far logs move
+# tuned on work along a record, by `make constants`: relative half-width of a speed, beyond which its point says
+# nothing about a law
+WHOLE_SURE = 0.3
+# tuned on work along a record, by `make constants`: of weights by the errors of the speeds, which ask for the law
+WHOLE_ROUNDS = 3
+WHOLE_BLOCKS = 8  # choice: of neighbouring points that are left out in turn
+WHOLE_EVEN = 0.01  # choice: guard, least weight of a point's error over the median
+# tuned on work along a record, by `make constants`: standard deviations beyond which a point pulls less, as
+# outliers are usual
+WHOLE_TURN = 1.5
 
 
-THROUGH_TUNING = ThroughTuning()
-ENDS = {"n": THROUGH_TUNING.laws}
+ENDS = {"n": WHOLE_LAWS}
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,10 +246,8 @@ class LawThrough:
     @property
     def narrow(self) -> bool:
         """Whether the speeds span less than the decade that separates n and v0, or n ends on a bound."""
-        ends = (
-            "n" in self.values and not THROUGH_TUNING.laws[0] * 1.01 < self.values["n"] < THROUGH_TUNING.laws[1] * 0.99
-        )
-        return ends or self.speeds[1] < THROUGH_TUNING.decade * self.speeds[0]
+        ends = "n" in self.values and not WHOLE_LAWS[0] * 1.01 < self.values["n"] < WHOLE_LAWS[1] * 0.99
+        return ends or self.speeds[1] < WHOLE_DECADE * self.speeds[0]
 
     def band(self, v: Array, level: float = 0.9) -> tuple[Array, Array, Array]:
         """w [J/m^2] at the speeds ``v`` [m/s], and the ends of its confidence band."""
@@ -292,14 +289,14 @@ def law_through(name: str, v: Array, w: Array, together: int = 1, v_err: Array |
     """
     rows = (v > 0) & (w > 0)
     if v_err is not None:
-        rows &= v_err < THROUGH_TUNING.sure * v
+        rows &= v_err < WHOLE_SURE * v
     v, w = v[rows], w[rows]
-    if v.size < THROUGH_TUNING.least * max(1, together // 4):
+    if v.size < WHOLE_LEAST * max(1, together // 4):
         return Unknown(f"{v.size} points with a receding edge are too few for a law")
     ranges = law_ranges(name)
     logs = Unknowns(parameters_of(ranges, ranges, {}, ENDS))
     starts, sigma = _starts(logs, v, w), np.ones(v.size)
-    for _ in range(1 if v_err is None else THROUGH_TUNING.rounds):
+    for _ in range(1 if v_err is None else WHOLE_ROUNDS):
         best = min((_nearest(name, logs, v, w, sigma, start) for start in starts), key=lambda least: least.cost)
         law, w0 = law_of(name, logs.values(best.x))
         residuals, starts = np.log(law.work(w0, v) / w), [best.x]
@@ -322,22 +319,18 @@ def _uneven(law: RateLaw, w0: float, v: Array, v_err: Array, residuals: Array) -
     known = by_v * v_err / (TWO_SIDED_90 * v)
     surest = known <= np.median(known)
     sigma = np.hypot(known, robust_scale(residuals[surest]))
-    return (
-        np.ones_like(v)
-        if not (middle := float(np.median(sigma))) > 0
-        else np.maximum(sigma / middle, THROUGH_TUNING.even)
-    )
+    return np.ones_like(v) if not (middle := float(np.median(sigma))) > 0 else np.maximum(sigma / middle, WHOLE_EVEN)
 
 
 def _of_blocks(name: str, logs: Unknowns, v: Array, w: Array, sigma: Array, x: Array) -> Array:
     """Covariance of the logs of (w0, parameters) by leaving out blocks of neighbouring points in turn: what smoothing
     has done to the speeds of neighbours is no noise that averages out (delete-block jackknife, Kuensch, Ann. Statist.
     17 (1989) 1217)."""
-    blocks = np.array_split(np.arange(v.size), THROUGH_TUNING.blocks)
+    blocks = np.array_split(np.arange(v.size), WHOLE_BLOCKS)
     rest = [np.setdiff1d(np.arange(v.size), block) for block in blocks]
     estimates = np.array([_nearest(name, logs, v[rows], w[rows], sigma[rows], x).x for rows in rest])
     apart = estimates - estimates.mean(axis=0)
-    return (THROUGH_TUNING.blocks - 1) / THROUGH_TUNING.blocks * apart.T @ apart
+    return (WHOLE_BLOCKS - 1) / WHOLE_BLOCKS * apart.T @ apart
 
 
 def receding(along: Sequence[WorkAlong]) -> tuple[Array, Array, int, Array]:
@@ -364,7 +357,7 @@ def _starts(logs: Unknowns, v: Array, w: Array) -> list[Array]:
     """Unknowns to begin with: half of w at the middle speed is due to it."""
     low, middle, speed = float(np.quantile(w, 0.02)), float(np.median(w)), float(np.median(v))
     known = dict.fromkeys(logs.names, 1.0) | {"w0": min(low, middle / 2), "v0": speed, "b": middle / 2}
-    return [logs.at(known | {"n": exponent}) for exponent in THROUGH_TUNING.exponents]
+    return [logs.at(known | {"n": exponent}) for exponent in WHOLE_EXPONENTS]
 
 
 def _nearest(name: str, logs: Unknowns, v: Array, w: Array, sigma: Array, start: Array) -> Least:
@@ -376,7 +369,7 @@ def _nearest(name: str, logs: Unknowns, v: Array, w: Array, sigma: Array, start:
         return State(residuals(x), lambda: (log_rates(*law_of(name, logs.values(x)), v) / sigma).T)
 
     scale = max(float(np.median(np.abs(residuals(start)))), 1e-3)
-    width, bounds = scale * THROUGH_TUNING.turn / 10, logs.bounds(start, THROUGH_TUNING.reach)
+    width, bounds = scale * WHOLE_TURN / 10, logs.bounds(start, WHOLE_REACH)
     return LeastSquares(state, bounds, loss="soft_l1", width=width).least(start)
 
 
@@ -387,20 +380,14 @@ def _nearest(name: str, logs: Unknowns, v: Array, w: Array, sigma: Array, start:
 # obeys the linear equation dy/dt = F_u y + F_p of the motion du/dt = F(u, t, p). It is solved on the nodes of the
 # path by exponential steps, whose error is of second order and bounded where the equation is stiff.
 
+# Accuracy of a trace that is compared with readings.
+PREDICTION_TOLERANCE = 1e-8  # choice: of the integrator, far below the noise of any record
+PREDICTION_EVALUATIONS = 5_000  # choice: guard, ten times what a retraction takes; beyond it values are far off
+PREDICTION_BETWEEN = 4  # choice: nodes per step of the integrator; the steps of the derivatives err by 1e-4 with them
+PREDICTION_STEP = 1e-4  # theory: of log v, for the law's slope: the square root of what round-off leaves of it
 
-@dataclass(frozen=True)
-class PredictionTuning:
-    """Accuracy of a trace that is compared with readings."""
-
-    tolerance: float = 1e-8  # choice: of the integrator, far below the noise of any record
-    evaluations: int = 5_000  # choice: guard, ten times what a retraction takes; beyond it values are far off
-    between: int = 4  # choice: nodes per step of the integrator; the steps of the derivatives err by 1e-4 with them
-    step: float = 1e-4  # theory: of log v, for the law's slope: the square root of what round-off leaves of it
-
-
-PREDICTION_TUNING = PredictionTuning()
-
-BESIDE = 3  # columns beside the law's: common modulus, what the device holds, its speed; then the radius at the begin
+# theory: columns beside the law's: common modulus, what the device holds, its speed; then the radius at the begin
+BESIDE = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -430,8 +417,8 @@ def predict(
         w0,
         0.0,
         stiffness,
-        tolerance=PREDICTION_TUNING.tolerance,
-        evaluations=PREDICTION_TUNING.evaluations,
+        tolerance=PREDICTION_TOLERANCE,
+        evaluations=PREDICTION_EVALUATIONS,
         slow=0.0,
     )
     pieces = contact.once(program, start).pieces
@@ -455,7 +442,7 @@ def _moving(
     edge: Edge, piece: Motion, law: RateLaw, w0: float, tilt: tuple[float, float], y: Array, t: Array
 ) -> tuple[Array, Array, Array, Array]:
     """log a and its derivatives at the times ``t`` of a motion, the derivatives at its end, and the edge's speed."""
-    inner = np.arange(PREDICTION_TUNING.between) / PREDICTION_TUNING.between
+    inner = np.arange(PREDICTION_BETWEEN) / PREDICTION_BETWEEN
     s = np.append((piece.nodes[:-1, None] + np.diff(piece.nodes)[:, None] * inner).ravel(), piece.nodes[-1])
     tau, u = piece.path(s)[:2]
     times, a = piece.ramp.t + piece.unit * tau, np.exp(u)
@@ -483,7 +470,7 @@ def _linearised(
     g_u = a * rate.dS / here.dS + 2 * lag_u / state.lag - 1  # of log G
     g_x = -2 / (c * state.lag)
     moves = state.G > w0 * (1 + ROUNDED)  # below, round-off hides how v follows from G
-    safe, step = np.where(moves, v, 1.0), PREDICTION_TUNING.step
+    safe, step = np.where(moves, v, 1.0), PREDICTION_STEP
     slope = np.log(law.work(w0, safe * (1 + step)) / law.work(w0, safe * (1 - step))) / (2 * step)  # dlog w/dlog v
     by_G = np.where(moves, 1 / slope, 0.0)  # dlog v/dlog G
     F = -v / a
@@ -531,20 +518,16 @@ def _readings(edge: Edge, u: Array, rates: Array, x: Array, tilts: Array, speed:
     )
 
 
-@dataclass(frozen=True)
-class RateFitTuning:
-    """How the least sum of squares is sought, and when it is doubted."""
-
-    good: float = 3.0  # theory: standard deviations of the scatter over 1 up to which no other start is tried
-    softer: tuple[float, ...] = (1.0, 0.8, 0.64, 0.5, 0.4)  # choice: moduli over that of an even adhesion
-    beyond: float = 0.2  # choice: of a record's length, how long after its last row contact may be predicted to be lost
-    looked_at: int = 1_000  # choice: times at which the contact is examined for it
-    rows: int = 120  # choice: of each record, by which starts are compared and followed
-    exponents: tuple[float, ...] = (0.3, 0.6, 1.0)  # choice: starts of n, where the points' own does not lead to it
-    first: int = 15  # choice: rows from which the radius at the begin is guessed
+# How the least sum of squares is sought, and when it is doubted.
+FIT_GOOD = 3.0  # theory: standard deviations of the scatter over 1 up to which no other start is tried
+FIT_SOFTER = (1.0, 0.8, 0.64, 0.5, 0.4)  # choice: moduli over that of an even adhesion
+FIT_BEYOND = 0.2  # choice: of a record's length, how long after its last row contact may be predicted to be lost
+FIT_LOOKED_AT = 1_000  # choice: times at which the contact is examined for it
+FIT_ROWS = 120  # choice: of each record, by which starts are compared and followed
+FIT_EXPONENTS = (0.3, 0.6, 1.0)  # choice: starts of n, where the points' own does not lead to it
+FIT_FIRST = 15  # choice: rows from which the radius at the begin is guessed
 
 
-TUNING = RateFitTuning()
 NO_START = "the fit over speed found no start from which it converges; fix n or v0, or check the units"
 
 
@@ -609,7 +592,7 @@ def rate_fit(body: FittedBody, curves: Sequence[Curve], settings: RateSettings) 
     """
     problem = _Problem(body, tuple(rate_record(curve, settings.segment) for curve in curves), settings)
     coarse, best = problem.thinned(), list[Least]()
-    usual = 1 + TUNING.good / math.sqrt(2 * coarse.size)
+    usual = 1 + FIT_GOOD / math.sqrt(2 * coarse.size)
     for start in coarse.starts():
         with contextlib.suppress(SolveError):
             least = coarse.minimise(start, NOTICEABLE)  # what is below takes the whole records
@@ -633,7 +616,7 @@ class _Problem:
 
     def thinned(self) -> _Problem:
         """The problem with a few rows of each record only, to find where to start."""
-        return replace(self, records=tuple(record.thinned(TUNING.rows) for record in self.records))
+        return replace(self, records=tuple(record.thinned(FIT_ROWS) for record in self.records))
 
     @property
     def unknowns(self) -> Unknowns:
@@ -687,7 +670,7 @@ class _Problem:
     def minimise(self, start: Array, cost: float = 0.0) -> Least:
         """The least sum of squares from ``start`` on, to ``cost`` relatively; SolveError where the way there fails."""
         try:
-            bounds = self.unknowns.bounds(start, FITS.reach)
+            bounds = self.unknowns.bounds(start, SEARCH_REACH)
             return LeastSquares(self.equations, bounds, SAME, cost).least(start)
         except (JkrError, FloatingPointError, OverflowError, np.linalg.LinAlgError):
             raise SolveError(NO_START) from None
@@ -711,7 +694,7 @@ class _Problem:
     def _lost(self, theta: Array, i: int) -> float | None:
         """The time [s] at which the predicted tension of record ``i`` has all but gone; None where it does not go."""
         begin, end = self.records[i].t[[0, -1]]
-        t = np.linspace(begin, end + TUNING.beyond * (end - begin), TUNING.looked_at)
+        t = np.linspace(begin, end + FIT_BEYOND * (end - begin), FIT_LOOKED_AT)
         P = self._predicted(theta, i, t, True).P
         row = recovered(P, int(np.argmin(P)))
         return None if row == t.size else float(t[row])
@@ -744,19 +727,19 @@ class _Problem:
         """Starts with this elastic part: by the points of w over speed, and by exponents."""
         along = self._along(elastic)
         v, w, *_ = receding(along)
-        some = slice(None, None, 1 + v.size // (TUNING.rows * len(along)))
+        some = slice(None, None, 1 + v.size // (FIT_ROWS * len(along)))
         through = law_through(self.settings.law, v[some], w[some], 1)
         guesses = [] if isinstance(through, Unknown) or through.narrow else [through.values]
         speed = float(np.median(v)) if v.size else float(np.median([record.speed for record in self.records]))
         middle = float(np.median(w)) if w.size else float(np.median(along[0].w[along[0].ok]))
-        guesses += [{"w0": middle / 2, "v0": speed, "n": n, "b": middle / 2} for n in TUNING.exponents]
+        guesses += [{"w0": middle / 2, "v0": speed, "n": n, "b": middle / 2} for n in FIT_EXPONENTS]
         known = {**self.settings.start, **self.unknowns.fixed}
         return [self._from({**elastic, **guess, **known}, along) for guess in guesses]
 
     def _from(self, values: Mapping[str, float], along: Sequence[WorkAlong]) -> Array:
         """The unknowns of common ``values``, SI, and the radii at the begins of the records; w ``along`` each."""
         least, most = self.body.nonadhesive.a[[0, -1]] * (1.01, 0.999)
-        radii = [np.clip(np.median(item.a[item.ok][: TUNING.first]), least, most) for item in along]
+        radii = [np.clip(np.median(item.a[item.ok][:FIT_FIRST]), least, most) for item in along]
         return np.array([*self.unknowns.at(values), *(x for a in radii for x in (math.log(a), 0.0, 0.0))])
 
     def _along(self, values: Mapping[str, float]) -> list[WorkAlong]:
@@ -776,7 +759,7 @@ class _Problem:
         if "modulus" in self.unknowns.fixed:
             moduli = [self.unknowns.fixed["modulus"]]
         elif free is not None:
-            moduli = [free["modulus"] * factor for factor in TUNING.softer] + [1.0]
+            moduli = [free["modulus"] * factor for factor in FIT_SOFTER] + [1.0]
         for modulus in moduli:
             elastic = self._quiet(modulus)
             if elastic is not None:
@@ -792,7 +775,7 @@ class _Problem:
         parameters = [Parameter(name, True) for name in (*names, "w")]
         parameters += [Parameter(name, False, value) for name, value in known.items()]
         curve = replace(slowest.curve.rows(slowest.rows), segment=None)
-        curve = curve.rows(evenly(len(curve), TUNING.rows))
+        curve = curve.rows(evenly(len(curve), FIT_ROWS))
         try:
             fitted = fit(self.body, curve, Settings(tuple(parameters), contact="as-is"))
         except JkrError:
@@ -824,7 +807,7 @@ def _warnings(fit: RateFit) -> list[str]:
     lines = []
     low, high = fit.speeds
     of_law = [name for name in rate_parameters(fit.settings.law) if name in fit.free]
-    if len(of_law) > 1 and high < THROUGH_TUNING.decade * low:
+    if len(of_law) > 1 and high < WHOLE_DECADE * low:
         lines.append(
             f"the edge's speeds span a factor of {high / low if low else 1:.2g} only ({show(low, 'speed')} to "
             f"{show(high, 'speed')}): less than a decade hardly determines {' and '.join(of_law)}; add other speeds"
@@ -833,7 +816,7 @@ def _warnings(fit: RateFit) -> list[str]:
         return [*lines, f"the data do not determine {', '.join(fit.free)} together: fix one of them (--fix)"]
     lines += [line for _, _, line in fit.hardly_apart]
     lines += fit.vague([name for name in fit.free if name not in ("delta0", "P0")])
-    if fit.scatter > FITS.misfit:
+    if fit.scatter > SEARCH_MISFIT:
         lines.append(
             f"the loads scatter {fit.scatter:.2g} times as far about the prediction as from row to row: the law, the "
             "body or the device's stiffness is not what the data show; intervals are too narrow"

@@ -14,8 +14,8 @@ from ..data import APPROACH, RETRACT, TURNED, Curve, ForceCurve, examine
 from ..methods.radii import ROOM
 from .alternatives import OF_RIVALS
 from .checks import warnings_of
-from .force_curve import FORCE_CURVE_FIT_TUNING as SEARCH
 from .force_curve import (
+    FIT_ENOUGH,
     TIMED,
     DirectionReadings,
     ForceCurveFit,
@@ -95,20 +95,15 @@ def another_modulus(fit: ForceCurveFit) -> OneMore:
 # --------------------------------------------------------------------------------------------------
 # What a fit of a raw record says of itself: flags, quality, sentences.
 
-
-@dataclass(frozen=True)
-class RecordFlagsTuning:
-    """What raises a flag."""
-
-    misfit: float = 0.03  # choice: residual over the range of the load above which the model does not describe it
-    vague: float = 0.1  # choice: noise over the range, error of the contact point over the depth: little is known
-    spoilt: float = 0.1  # choice: factor of the quality for each thing that is wrong with the record itself
-    dependent: float = 2.0  # choice: rows worth one above which a warning tells
-    sure: float = 3.0  # choice: standard errors of w below 0, or of a drift, that are no noise
-    excess: float = 4.0  # choice: of the standard errors, what misfit would add to them where its flag is raised
+# What raises a flag.
+FLAG_MISFIT = 0.03  # choice: residual over the range of the load above which the model does not describe it
+FLAG_VAGUE = 0.1  # choice: noise over the range, error of the contact point over the depth: little is known
+FLAG_SPOILT = 0.1  # choice: factor of the quality for each thing that is wrong with the record itself
+FLAG_DEPENDENT = 2.0  # choice: rows worth one above which a warning tells
+FLAG_SURE = 3.0  # choice: standard errors of w below 0, or of a drift, that are no noise
+FLAG_EXCESS = 4.0  # choice: of the standard errors, what misfit would add to them where its flag is raised
 
 
-RECORD_FLAGS_TUNING = RecordFlagsTuning()
 RESTS = "w: the edge of the contact rests in all rows of the retraction, w is at least what the last holds"
 NAMES = {APPROACH: APPROACH, RETRACT: "retraction"}
 
@@ -132,26 +127,26 @@ def judgement(record: ForceCurve, best: ForceCurveFit, a: Array) -> tuple[dict[s
     contact = best.error("z0") / depth if "z0" in best.names else 0.0
     wavy = max(side.base.waviness for side in record.directions) / span
     flags = {} if best.ended else {"not determined": GIVEN_UP.format(best.least.steps)}
-    beyond = (best.spread.excess - 1) / RECORD_FLAGS_TUNING.excess
+    beyond = (best.spread.excess - 1) / FLAG_EXCESS
     if beyond > 1:
         flags["misfit"] = (
             f"the residuals in contact are {best.spread.excess:.0f} times what the noise of the free rows explains: "
             "another body, indenter or adhesion"
         )
-    if slow > RECORD_FLAGS_TUNING.misfit:
+    if slow > FLAG_MISFIT:
         flags["misfit"] = f"the residuals in contact are {slow:.1%} of the range of the load: another body or indenter"
-    if noise / span > RECORD_FLAGS_TUNING.vague:
+    if noise / span > FLAG_VAGUE:
         flags["noisy"] = f"the noise is {noise / span:.0%} of the range of the load"
-    if contact > RECORD_FLAGS_TUNING.vague:
+    if contact > FLAG_VAGUE:
         flags["vague contact point"] = f"known to {contact:.0%} of the depth only"
     ratios = {
-        "misfit": max(slow / RECORD_FLAGS_TUNING.misfit, beyond),
-        "noise": noise / span / RECORD_FLAGS_TUNING.vague,
-        "base line": wavy / RECORD_FLAGS_TUNING.misfit,
-        "contact point": contact / RECORD_FLAGS_TUNING.vague,
+        "misfit": max(slow / FLAG_MISFIT, beyond),
+        "noise": noise / span / FLAG_VAGUE,
+        "base line": wavy / FLAG_MISFIT,
+        "contact point": contact / FLAG_VAGUE,
     }
     parts = {name: math.exp(-(x**2) / 2) for name, x in ratios.items()}
-    parts["record"] = RECORD_FLAGS_TUNING.spoilt ** sum(not name.endswith((APPROACH, RETRACT)) for name in record.flags)
+    parts["record"] = FLAG_SPOILT ** sum(not name.endswith((APPROACH, RETRACT)) for name in record.flags)
     return flags, {"quality": math.prod(parts.values()), **parts}
 
 
@@ -169,7 +164,7 @@ def sentences(best: ForceCurveFit, settings: Settings) -> Iterator[str]:
     timed = all(np.ptp(part.t) > 0 for part in model.stretches)
     if timed and len(model.stretches) > 1 and "drift" not in model.positions:
         drift = drift_left_out(best)
-        if drift.size > RECORD_FLAGS_TUNING.sure and abs(drift.last) > RECORD_FLAGS_TUNING.sure * drift.error:
+        if drift.size > FLAG_SURE and abs(drift.last) > FLAG_SURE * drift.error:
             change = float(drift.step[best.names.index("ln_s")]) if "ln_s" in best.names else 0.0
             yield (
                 f"drift: the depth drifts by {show(drift.last, 'speed', 3)} ± {show(drift.error, 'speed', 2)}, which "
@@ -177,7 +172,7 @@ def sentences(best: ForceCurveFit, settings: Settings) -> Iterator[str]:
             )
     if not all(part.line.rows for part in best.model.stretches):
         yield "no free rows: noise cannot be separated from misfit"
-    if best.spread.tau > RECORD_FLAGS_TUNING.dependent:
+    if best.spread.tau > FLAG_DEPENDENT:
         yield (
             f"residuals are autocorrelated (effective sample size n/{best.spread.tau:.1f}), "
             f"which widens the intervals by {math.sqrt(best.spread.tau):.1f}"
@@ -196,15 +191,9 @@ def _on_adhesion(best: ForceCurveFit) -> Iterator[str]:
 # --------------------------------------------------------------------------------------------------
 # Which curves are fitted as whole raw records, and which of their directions.
 
+# When a record is taken as a whole.
+WHOLE_RECORD_PLACED = 0.3  # choice: scatter of positions over that of loads, both over their range, of a table
 
-@dataclass(frozen=True)
-class WholeRecordTuning:
-    """When a record is taken as a whole."""
-
-    placed: float = 0.3  # choice: scatter of positions over that of loads, both over their range, of a table
-
-
-WHOLE_RECORD_TUNING = WholeRecordTuning()
 
 PARAMETERS = frozenset({"modulus", "w", "delta0", "P0", *POSITIONS})  # of a whole record; others need prepared readings
 FREE = (-math.inf, math.inf)
@@ -273,7 +262,7 @@ def _raw(record: ForceCurve) -> bool:
     sides = [kind for kind in (APPROACH, RETRACT) if usable(record, kind)]
     delta, P = record.curve.device, record.curve.P
     assert P is not None
-    if third_differences(delta) * np.ptp(P) > WHOLE_RECORD_TUNING.placed * third_differences(P) * np.ptp(delta):
+    if third_differences(delta) * np.ptp(P) > WHOLE_RECORD_PLACED * third_differences(P) * np.ptp(delta):
         return False
     if len(sides) > 1 or (sides and record.curve.stiffness is not None):
         return True
@@ -530,17 +519,11 @@ def _adhesion(record: ForceCurve) -> float | None:
     return None if side is None else known(side.adhesion)
 
 
-@dataclass(frozen=True)
-class RecordTuning:
-    """When one modulus does not describe both directions, or the rows determine none."""
-
-    placed_rows: float = 0.05  # choice: of the loads' relative scatter, that of positions which have none
-    apart: float = 4.0  # choice: standard errors between the moduli of the two directions from which on they differ
-    undetermined: float = 1.0  # theory: of ln E*, a standard error with which 95 % span a factor of fifty
-    differs: float = 0.01  # choice: of a modulus, or of the way of a device in contact, a difference that is none
-
-
-TUNING = RecordTuning()
+# When one modulus does not describe both directions, or the rows determine none.
+RECORD_PLACED_ROWS = 0.05  # choice: of the loads' relative scatter, that of positions which have none
+RECORD_APART = 4.0  # choice: standard errors between the moduli of the two directions from which on they differ
+RECORD_UNDETERMINED = 1.0  # theory: of ln E*, a standard error with which 95 % span a factor of fifty
+RECORD_DIFFERS = 0.01  # choice: of a modulus, or of the way of a device in contact, a difference that is none
 
 
 def fit_record(
@@ -579,7 +562,7 @@ def fit_record(
 
 def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
     """InputError where the rows determine no modulus."""
-    if "ln_s" not in joint.names or (error := joint.error("ln_s")) <= TUNING.undetermined:
+    if "ln_s" not in joint.names or (error := joint.error("ln_s")) <= RECORD_UNDETERMINED:
         return
     times = f"{error:.2g}" if error < 1000 else "more than 1000"
     other = "fit both directions, or " if len(joint.model.stretches) == 1 else ""
@@ -587,7 +570,7 @@ def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
     model, part = joint.model, joint.model.stretches[-1]
     values = model.values(joint.x)
     reach = model.k * float(model.depth(part, values).max())
-    if math.isfinite(model.k) and float((part.P - base_line(part, values)[0]).max()) > (1 - TUNING.differs) * reach:
+    if math.isfinite(model.k) and float((part.P - base_line(part, values)[0]).max()) > (1 - RECORD_DIFFERS) * reach:
         reason = (
             f"beside a device of {show(model.k, 'stiffness')} the specimen is rigid: check --stiffness and the units"
         )
@@ -664,7 +647,7 @@ def reduced(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[C
         f"the rows in contact alone are fitted, less the base lines of the whole record and from its zero, delta0 = "
         f"{show(outcome['delta0'], 'length', 5)} and P0 = {show(outcome['P0'], 'load', 5)}"
     )
-    placed = TUNING.placed_rows * best.sigma * float(np.ptp(delta) / np.ptp(curve.load))
+    placed = RECORD_PLACED_ROWS * best.sigma * float(np.ptp(delta) / np.ptp(curve.load))
     placed = max(placed, best.sigma * (1 / best.model.k - stiff))
     fixed = {"compliance": Parameter("compliance", False, stiff)} | {"P0": Parameter("P0", True)}
     parameters = tuple(fixed.get(p.name, p) if p.name not in chosen else p for p in settings.parameters)
@@ -710,14 +693,14 @@ def _repels(best: ForceCurveFit, kind: str) -> bool:
     """Whether w of a direction comes out below 0 by more than noise and misfit explain: another body, w = 0 is as near
     as it can come."""
     name = next((name for name in (f"q:{kind}", f"r:{kind}") if name in best.names), None)
-    return name is not None and best.value(name) < -RECORD_FLAGS_TUNING.sure * best.error(name) * best.spread.excess
+    return name is not None and best.value(name) < -FLAG_SURE * best.error(name) * best.spread.excess
 
 
 def _apart(best: ForceCurveFit) -> bool:
     """Whether the data ask for another modulus on the way back than on the way in."""
     if "ln_s" not in best.names:
         return False
-    if best.sigma > SEARCH.enough * best.model.noise:
+    if best.sigma > FIT_ENOUGH * best.model.noise:
         return True
     other = another_modulus(best)
     return differ(1.0, 1 + other.last, 0.0) and differ(1.0, 1 + other.last, other.error)
@@ -732,7 +715,7 @@ def beside(back: Fit, into: Fit, both: Fit) -> Fit:
         "retraction, one value does not fit both: the specimen relaxes or yields, or the device drifts"
     )
     work, drifts = into.estimate("w_approach"), [line for line in both.warnings if line.startswith("drift")]
-    quality = back.quality and {**back.quality, "quality": RECORD_FLAGS_TUNING.spoilt * back.quality["quality"]}
+    quality = back.quality and {**back.quality, "quality": FLAG_SPOILT * back.quality["quality"]}
     return replace(
         back, estimates=(*back.estimates, replace(other, name="E_star_approach"), work), quality=quality,
         flags=(*back.flags, name), warnings=(sentence, *drifts, *back.warnings),
@@ -742,7 +725,7 @@ def beside(back: Fit, into: Fit, both: Fit) -> Fit:
 
 def differ(into: float, back: float, error: float) -> bool:
     """Whether the moduli of two directions exclude each other, by the ``error`` of their relative difference."""
-    return abs(back / into - 1) > max(TUNING.apart * error, TUNING.differs)
+    return abs(back / into - 1) > max(RECORD_APART * error, RECORD_DIFFERS)
 
 
 def _model(

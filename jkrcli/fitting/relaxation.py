@@ -35,27 +35,19 @@ from ..base import (
 from ..bodies import RELAXATIONS, Relaxation
 from ..data import Curve
 from .forward_model import FittedBody
-from .least_squares import TUNING as FITS
-from .least_squares import Followed, Intervals, Least, LeastSquares, State, by_differences
+from .least_squares import SEARCH_MISFIT, SEARCH_REACH, Followed, Intervals, Least, LeastSquares, State, by_differences
 from .parameters import MODULUS, Answer, Nameable, Parameter, Unknowns, check_law, parameters_of, word
 from .rows import third_differences
 
 # --------------------------------------------------------------------------------------------------
 # What a device did, from its readings: straight pieces between corners.
 
-
-@dataclass(frozen=True)
-class MotionTuning:
-    """Limits of the search for corners."""
-
-    # tuned on relaxing records, by `make constants`: corners, ends among them; of more no pieces are straight
-    most: int = 9
-    worth: float = 30.0  # theory: of the sum of squares over the noise's; chance gives 20 in one of 1e3 records of 1e4
-    tried: int = 64  # choice: rows of a piece where a corner is begun; it is then moved
-    straight: float = 1.1  # choice: scatter over the noise up to which no corner is missing
-
-
-MOTION_TUNING = MotionTuning()
+# Limits of the search for corners.
+# tuned on relaxing records, by `make constants`: corners, ends among them; of more no pieces are straight
+MOTION_MOST = 9
+MOTION_WORTH = 30.0  # theory: of the sum of squares over the noise's; chance gives 20 in one of 1e3 records of 1e4
+MOTION_TRIED = 64  # choice: rows of a piece where a corner is begun; it is then moved
+MOTION_STRAIGHT = 1.1  # choice: scatter over the noise up to which no corner is missing
 
 
 def noise_of(column: Array) -> float:
@@ -86,12 +78,12 @@ def corners(t: Array, x: Array, noise: float) -> tuple[Array, Array]:
     """The times and places of the corners, ends among them, of straight pieces that leave of ``x`` at rising times
     ``t`` no more than ``noise``; as many as are worth it."""
     knots, sums = [0, t.size - 1], _Sums.of(t, x)
-    while len(knots) < MOTION_TUNING.most:
+    while len(knots) < MOTION_MOST:
         rest = x - through(t, x, t[knots])[1]
-        if np.sqrt(np.mean(rest**2)) < MOTION_TUNING.straight * noise:
+        if np.sqrt(np.mean(rest**2)) < MOTION_STRAIGHT * noise:
             break
         better = _settled(sums, sorted([*knots, _next(rest, knots)]))
-        if sums.left(knots) - sums.left(better) < MOTION_TUNING.worth * noise**2:
+        if sums.left(knots) - sums.left(better) < MOTION_WORTH * noise**2:
             break
         knots = better
     times = _between_rows(t, x, knots)
@@ -156,7 +148,7 @@ def _next(rest: Array, knots: list[int]) -> int:
     squares = [float(np.sum(rest[a : b + 1] ** 2)) if b - a > 1 else -1.0 for a, b in itertools.pairwise(knots)]
     a, b = knots[(i := int(np.argmax(squares)))], knots[i + 1]
     tops, rows = (
-        np.unique(np.linspace(a + 1, b - 1, min(b - a - 1, MOTION_TUNING.tried)).astype(int)),
+        np.unique(np.linspace(a + 1, b - 1, min(b - a - 1, MOTION_TRIED)).astype(int)),
         np.arange(a, b + 1),
     )
     sums = [abs(float(np.sum(rest[a : b + 1] * np.interp(rows, [a, top, b], [0, 1, 0])))) for top in tops]
@@ -183,23 +175,16 @@ def _settled(sums: _Sums, knots: list[int]) -> list[int]:
 # --------------------------------------------------------------------------------------------------
 # Which rows of a record that relaxes are fitted: means of many, and none of a retraction that adheres.
 
-
-@dataclass(frozen=True)
-class RowsTuning:
-    """Limits on rows."""
-
-    most: int = 1_500  # choice: rows beyond which means of as few as possible are taken
-    apart: float = 5.0  # theory: standard deviations by which a load stands out, as that of a contact does
-    falls: float = 0.2  # choice: of the largest speed, at which a device goes back
-    before: int = 5  # choice: rows before contact that make a base line
-
-
-RELAXING_ROWS_TUNING = RowsTuning()
+# Limits on rows.
+ROWS_MOST = 1_500  # choice: rows beyond which means of as few as possible are taken
+ROWS_APART = 5.0  # theory: standard deviations by which a load stands out, as that of a contact does
+ROWS_FALLS = 0.2  # choice: of the largest speed, at which a device goes back
+ROWS_BEFORE = 5  # choice: rows before contact that make a base line
 
 
 def averaged(curve: Curve) -> Curve:
     """Means of neighbouring rows, where there are very many."""
-    each = math.ceil(len(curve) / RELAXING_ROWS_TUNING.most)
+    each = math.ceil(len(curve) / ROWS_MOST)
     if each == 1:
         return curve
     whole = slice(len(curve) // each * each)
@@ -211,11 +196,11 @@ def without_adhesion(curve: Curve) -> tuple[Curve, tuple[str, ...]]:
     """The rows up to a retraction that pulls, and a flag on it, if any."""
     t, x = corners(curve.time, curve.device, noise_of(curve.device))
     slopes = np.diff(x) / np.diff(t)
-    back = np.logical_and.accumulate(slopes[::-1] < -RELAXING_ROWS_TUNING.falls * np.abs(slopes).max())
+    back = np.logical_and.accumulate(slopes[::-1] < -ROWS_FALLS * np.abs(slopes).max())
     begin = float(t[-1 - int(back.sum())])
     later = curve.time > begin
     pulls = float(np.min(curve.load[~later]) - np.min(curve.load[later], initial=math.inf))
-    if pulls < RELAXING_ROWS_TUNING.apart * noise_of(curve.load) or later.all():
+    if pulls < ROWS_APART * noise_of(curve.load) or later.all():
         return curve, ()
     flag = (
         f"the retraction adheres, it pulls with {show(pulls, 'load')}: fitted without it, up to {show(begin, 'time')}"
@@ -225,12 +210,12 @@ def without_adhesion(curve: Curve) -> tuple[Curve, tuple[str, ...]]:
 
 def base_line(P: Array, x: Array, noise: float) -> tuple[str, ...]:
     """Which of "P0" and "tilt" the loads ``P`` before contact show, at places ``x``."""
-    if P.size < RELAXING_ROWS_TUNING.before:
+    if P.size < ROWS_BEFORE:
         return ()
-    shown = ["P0"] if abs(float(P.mean())) > RELAXING_ROWS_TUNING.apart * noise / math.sqrt(P.size) else []
+    shown = ["P0"] if abs(float(P.mean())) > ROWS_APART * noise / math.sqrt(P.size) else []
     about = x - x.mean()
     tilt = float(about @ P) / math.sqrt(max(float(about @ about), TINY))
-    return (*shown, "tilt") if abs(tilt) > RELAXING_ROWS_TUNING.apart * noise else tuple(shown)
+    return (*shown, "tilt") if abs(tilt) > ROWS_APART * noise else tuple(shown)
 
 
 def followed(t: Array, depth: Array) -> tuple[Array, Array]:
@@ -242,27 +227,23 @@ def followed(t: Array, depth: Array) -> tuple[Array, Array]:
     return t, x
 
 
-@dataclass(frozen=True)
-class RelaxationFitTuning:
-    """How the least sum of squares is sought, and when it is doubted."""
-
-    rows: int = 1_000  # choice: by which corners are sought
-    some: int = 80  # choice: by which starts are compared
-    times: tuple[float, ...] = (0.02, 0.06, 0.2, 0.6)  # choice: starts of a relaxation time, over the record's length
-    shares: tuple[float, ...] = (0.2, 0.6)  # choice: starts of the ratio
-    exponents: tuple[float, ...] = (0.05, 0.15, 0.4)  # choice: starts of an exponent
-    depths: tuple[float, ...] = (0.0, 0.3, 1.0)  # choice: starts of the depth at which contact shows, over ``unseen``
-    rises: float = 0.5  # theory: exponent of the depth over the load of a cone, the least of common tips
-    deeper: float = 1.5  # times the depth, to which a body is solved; choice: guard of a search
-    shown: float = 0.01  # choice: of the range of the load, that does too; a tilted base line does not
-    apart: float = 2.5  # theory: rows between two corners, within which no row shows when a step was
-    step: float = 1e-6  # theory: of the unknowns, for derivatives: the root of what the histories err by
-    converged: float = 1e-6  # theory: relative, of the sum of squares; a change of 1e-3 standard errors in 1e3 rows
-    coarser: int = 3  # choice: steps joined in the histories of a spring or a load, 1e-4 of the loads
-    grows: float = 0.02  # choice: of the depth, by which a contact may grow again: corners have the noise of readings
+# How the least sum of squares is sought, and when it is doubted.
+FIT_ROWS = 1_000  # choice: by which corners are sought
+FIT_SOME = 80  # choice: by which starts are compared
+FIT_TIMES = (0.02, 0.06, 0.2, 0.6)  # choice: starts of a relaxation time, over the record's length
+FIT_SHARES = (0.2, 0.6)  # choice: starts of the ratio
+FIT_EXPONENTS = (0.05, 0.15, 0.4)  # choice: starts of an exponent
+FIT_DEPTHS = (0.0, 0.3, 1.0)  # choice: starts of the depth at which contact shows, over ``unseen``
+FIT_RISES = 0.5  # theory: exponent of the depth over the load of a cone, the least of common tips
+FIT_DEEPER = 1.5  # times the depth, to which a body is solved; choice: guard of a search
+FIT_SHOWN = 0.01  # choice: of the range of the load, that does too; a tilted base line does not
+FIT_APART = 2.5  # theory: rows between two corners, within which no row shows when a step was
+FIT_STEP = 1e-6  # theory: of the unknowns, for derivatives: the root of what the histories err by
+FIT_CONVERGED = 1e-6  # theory: relative, of the sum of squares; a change of 1e-3 standard errors in 1e3 rows
+FIT_COARSER = 3  # choice: steps joined in the histories of a spring or a load, 1e-4 of the loads
+FIT_GROWS = 0.02  # choice: of the depth, by which a contact may grow again: corners have the noise of readings
 
 
-TUNING = RelaxationFitTuning()
 MISFIT = "the law or the body is not what the record shows"
 RANGE = "the numbers leave the range of arithmetic"
 AS_READ = (
@@ -356,7 +337,7 @@ class TimedRecord:
         """The load, by how much it stands out where contact shows, and its largest [N]."""
         load, noise = (self.imposed, self.noise[0]) if self.loaded else (self.response, self.noise[1])
         load = load - np.median(load[:3])
-        return load, max(RELAXING_ROWS_TUNING.apart * noise, TUNING.shown * float(np.ptp(load))), float(load.max())
+        return load, max(ROWS_APART * noise, FIT_SHOWN * float(np.ptp(load))), float(load.max())
 
     @cached_property
     def shows(self) -> int:
@@ -368,7 +349,7 @@ class TimedRecord:
     def unseen(self) -> float:
         """How deep the tip may be before the load shows it [m]."""
         load, _, most = self._load
-        share = min(max(float(load[self.shows]) / most, 0.0), 1 - TUNING.shown) ** TUNING.rises
+        share = min(max(float(load[self.shows]) / most, 0.0), 1 - FIT_SHOWN) ** FIT_RISES
         return self._shown * share / (1 - share)
 
     @property
@@ -392,7 +373,7 @@ class TimedRecord:
 
     def thinned(self) -> TimedRecord:
         """The record by a few of its rows."""
-        some = evenly(self.t.size, TUNING.some)
+        some = evenly(self.t.size, FIT_SOME)
         return replace(self, t=self.t[some], imposed=self.imposed[some], response=self.response[some])
 
     def weighed(self, off: tuple[Array, Array]) -> tuple[Array, Array]:
@@ -421,7 +402,7 @@ class RelaxationFit(Answer):
         lost = [word(item.name) for item in own if item.error is None or item.low is item.high is None]
         doubts = [f"{', '.join(lost)} not determined"] if lost else []
         doubts += self.vague([item.name for item in own if word(item.name) not in lost])
-        return doubts + ([MISFIT] if self.scatter > FITS.misfit else [])
+        return doubts + ([MISFIT] if self.scatter > SEARCH_MISFIT else [])
 
 
 def timed_record(curve: Curve) -> TimedRecord:
@@ -433,7 +414,7 @@ def timed_record(curve: Curve) -> TimedRecord:
     curve, flags = without_adhesion(averaged(curve))
     t, load = curve.time, curve.load
     moved = _straight(curve)
-    if moved is not None and moved[0] == "load" and np.ptp(moved[1][1]) < RELAXING_ROWS_TUNING.apart * noise_of(load):
+    if moved is not None and moved[0] == "load" and np.ptp(moved[1][1]) < ROWS_APART * noise_of(load):
         raise InputError(
             f"{curve.where}: no contact shows: the load stays within its noise, {show(noise_of(load), 'load')}"
         )
@@ -472,7 +453,7 @@ def _straight(curve: Curve) -> tuple[Control, tuple[Array, Array]] | None:
     """What moved in the fewest straight pieces, and their corners; None: nothing did. Of device and tip with as many,
     that which is nearer to its pieces: the noise of a lever's load is in the other; the load where neither has as
     few."""
-    t, some = curve.time, evenly(len(curve), TUNING.rows)
+    t, some = curve.time, evenly(len(curve), FIT_ROWS)
     found: dict[Control, tuple[Array, Array]] = {}
     ranks: dict[Control, tuple[int, float]] = {}
     for name, column in {**_motions(curve), "load": curve.load}.items():
@@ -480,7 +461,7 @@ def _straight(curve: Curve) -> tuple[Control, tuple[Array, Array]] | None:
         off = float(np.std(column[some] - np.interp(t[some], *found[name])))
         ranks[name] = found[name][0].size, math.inf if name == "load" else off
     best = min(ranks, key=lambda name: ranks[name])
-    return None if ranks[best][0] >= MOTION_TUNING.most else (best, found[best])
+    return None if ranks[best][0] >= MOTION_MOST else (best, found[best])
 
 
 def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> RelaxationFit:
@@ -500,7 +481,7 @@ def _fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> Relaxa
         raise InputError("fit: --relaxation needs a rigid indenter and frictionless contact")
     record = timed_record(curve)
     settings = _with_base_line(record, settings)
-    body = body.to_depth(TUNING.deeper * record.depth)
+    body = body.to_depth(FIT_DEEPER * record.depth)
     problem = _Problem(body.nonadhesive, record, settings)
     least = problem.minimise(problem.start())
     problem = replace(problem, record=problem.reweighed(least))
@@ -550,7 +531,7 @@ class _Problem:
         """Which corners may move in time: not the ends, and not those of a step between two rows."""
         if self.record.read:
             return np.array([], dtype=int)
-        gaps = np.diff(self.record.knots[0]) > TUNING.apart * float(np.median(np.diff(self.record.curve.time)))
+        gaps = np.diff(self.record.knots[0]) > FIT_APART * float(np.median(np.diff(self.record.curve.time)))
         return np.flatnonzero(np.concatenate([[False], gaps[:-1] & gaps[1:], [False]]))
 
     def program(self, theta: Array) -> Program:
@@ -580,8 +561,8 @@ class _Problem:
         return imposed, response + values[other] + values["tilt"] * (imposed - imposed[0]), a > 0
 
     def _contact(self, law: Relaxation, stiffness: float) -> RelaxingContact:
-        coarser = 1 if math.isinf(stiffness) else TUNING.coarser
-        return RelaxingContact(self.body, law, stiffness, coarser, TUNING.grows)
+        coarser = 1 if math.isinf(stiffness) else FIT_COARSER
+        return RelaxingContact(self.body, law, stiffness, coarser, FIT_GROWS)
 
     def residuals(self, theta: Array) -> Array:
         """In standard deviations; as large as the readings where there is no such history."""
@@ -609,18 +590,18 @@ class _Problem:
         return replace(record, sigma=(first, second), shared=shared)
 
     def minimise(self, start: Array) -> Least:
-        return LeastSquares(self.state, self._bounds(start), TUNING.converged).least(start)
+        return LeastSquares(self.state, self._bounds(start), FIT_CONVERGED).least(start)
 
     def state(self, theta: Array) -> State:
         """The residuals with their derivatives, backwards where an unknown is a share."""
         shares = np.array([parameter.high < 1 for parameter in self.unknowns.free], dtype=bool)
-        steps = np.full(theta.size, TUNING.step)
-        steps[: len(shares)] *= np.where(shares & (theta[: len(shares)] > TUNING.step), -1.0, 1.0)
+        steps = np.full(theta.size, FIT_STEP)
+        steps[: len(shares)] *= np.where(shares & (theta[: len(shares)] > FIT_STEP), -1.0, 1.0)
         return by_differences(self.residuals, theta, steps)
 
     def _bounds(self, start: Array) -> tuple[Array, Array]:
         """Logs stay near their start, shares within 0 and 1, corners between their neighbours."""
-        low, high = self.unknowns.bounds(start, FITS.reach)
+        low, high = self.unknowns.bounds(start, SEARCH_REACH)
         t, k = self.record.knots[0] / np.ptp(self.record.knots[0]), self.moving
         first = start.size - k.size
         low[first:], high[first:] = (t[k - 1] - t[k]) / 2, (t[k + 1] - t[k]) / 2
@@ -649,15 +630,15 @@ class _Problem:
     def _tried(self) -> list[dict[str, float]]:
         """Values of the parameters to begin with, those that are fixed among them."""
         duration, fixed = float(np.ptp(self.record.t)), self.unknowns.fixed
-        n, times = self.settings.terms, [time * duration for time in TUNING.times]
+        n, times = self.settings.terms, [time * duration for time in FIT_TIMES]
         if self.settings.law == "power":
-            laws = [{"exponent": x} for x in TUNING.exponents]
+            laws = [{"exponent": x} for x in FIT_EXPONENTS]
         elif self.settings.law == "prony":
             spans = {f"time{i + 1}": 8.0 ** (i - (n - 1)) for i in range(n)}
             weights = {f"weight{i + 1}": 0.6 / n for i in range(n)}
             laws = [{name: time * span for name, span in spans.items()} | weights for time in times]
         else:
-            laws = [{"ratio": r, "time": time} for r in TUNING.shares for time in times]
+            laws = [{"ratio": r, "time": time} for r in FIT_SHARES for time in times]
         own = {parameter.name: 1.0 for parameter in self.settings.parameters if parameter.name not in ZEROS}
         base = 0.0 if self.record.loaded else float(np.median(self.record.response[:3]))
         zeros = [{"delta0": zero, "P0": base, "tilt": 0.0} for zero in self._zeros()]
@@ -668,7 +649,7 @@ class _Problem:
         record = self.record
         if record.loaded:
             return [float(record.response[max(record.shows - 1, 0)])]
-        return [float(record.imposed[record.shows]) - share * record.unseen for share in TUNING.depths]
+        return [float(record.imposed[record.shows]) - share * record.unseen for share in FIT_DEPTHS]
 
     def _from(self, values: Mapping[str, float]) -> Array:
         x = self.record.knots[1] if not self.record.read else np.array([])
@@ -732,7 +713,7 @@ def _warnings(fit: RelaxationFit, program: Program) -> list[str]:
             f"the first rise lasts {show(float(rises[0]), 'time')}, {float(rises[0]) / min(times):.2g} times the "
             "shortest relaxation time: the instant modulus is extrapolated; press faster"
         )
-    if fit.scatter > FITS.misfit:
+    if fit.scatter > SEARCH_MISFIT:
         lines.append(
             f"the readings scatter {fit.scatter:.2g} times as far about the model as from row to row: {MISFIT}; "
             "intervals are too narrow"

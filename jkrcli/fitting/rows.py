@@ -34,8 +34,7 @@ from ..base import (
 )
 from ..data import APPROACH, RETRACT, Curve
 from .forward_model import ADVANCING, RECEDING, RESTING, Drift, Family, FittedBody, Member, Members, RestingMember
-from .least_squares import STATISTICS_TUNING as STATISTICS
-from .least_squares import TURNS, Least, LeastSquares, State, robust_scale
+from .least_squares import STATISTICS_NORMAL_MEDIAN, TURNS, Least, LeastSquares, State, robust_scale
 from .parameters import OF_A_CYCLE, Parameter, Unknowns
 from .settings import RANGES, BranchName, Loss, SegmentName, Settings
 
@@ -45,29 +44,22 @@ from .settings import RANGES, BranchName, Loss, SegmentName, Settings
 COLUMNS = ("a", "delta", "P")
 EDGES: dict[SegmentName, int] = {"approach": ADVANCING, "retract": RECEDING}  # of directions
 
+# Limits that separate rows out of contact from rows of the curve, and noise from the curve.
+ROWS_LEAST = 8  # choice: points, and at least twice as many as free parameters
+ROWS_LOST = 0.3  # tuned on records by `make tuning`: of the pull-off force: near 0 after a jump
+ROWS_LEVEL = 0.02  # tuned on records by `make tuning`: of the pull-off force: on the base line
+ROWS_SEVERAL = 5  # tuned on records by `make tuning`: readings that no jump leaves
+ROWS_FLAT = 0.2  # tuned on records by `make tuning`: of the pull-off force: standing still
+ROWS_ADHESION = 6.0  # theory: standard deviations of normal noise that no reading of thousands reaches
+ROWS_LONGER = 2.0  # choice: times as far as any curve stays near its beginning, a base line reaches
+ROWS_NOISE = 3.0  # theory: standard deviations that one reading in 370 exceeds
 
-@dataclass(frozen=True)
-class RowsTuning:
-    """Limits that separate rows out of contact from rows of the curve, and noise from the curve."""
-
-    least: int = 8  # choice: points, and at least twice as many as free parameters
-    lost: float = 0.3  # tuned on records by `make tuning`: of the pull-off force: near 0 after a jump
-    level: float = 0.02  # tuned on records by `make tuning`: of the pull-off force: on the base line
-    several: int = 5  # tuned on records by `make tuning`: readings that no jump leaves
-    flat: float = 0.2  # tuned on records by `make tuning`: of the pull-off force: standing still
-    adhesion: float = 6.0  # theory: standard deviations of normal noise that no reading of thousands reaches
-    longer: float = 2.0  # choice: times as far as any curve stays near its beginning, a base line reaches
-    noise: float = 3.0  # theory: standard deviations that one reading in 370 exceeds
-
-    largest_noise: float = 0.1  # tuned on records by `make tuning`: of the curve: rows in no order beyond it
-    opposite: float = -0.3  # choice: correlation of columns of which one has the wrong sign
-    ordered: float = 0.9  # choice: rank correlation of rows with their order, from which on they go one way
-    swing: float = 0.2  # choice: of the range of a column, the least way back that is a turn and no noise
-    way: int = 5  # choice: rows between turns, of several; those of rows in no order are fewer
-    balance: float = 0.05  # tuned on records by `make tuning`: least ratio of the axes' relative scatters
-
-
-POINTS_TUNING = RowsTuning()
+ROWS_LARGEST_NOISE = 0.1  # tuned on records by `make tuning`: of the curve: rows in no order beyond it
+ROWS_OPPOSITE = -0.3  # choice: correlation of columns of which one has the wrong sign
+ROWS_ORDERED = 0.9  # choice: rank correlation of rows with their order, from which on they go one way
+ROWS_SWING = 0.2  # choice: of the range of a column, the least way back that is a turn and no noise
+ROWS_WAY = 5  # choice: rows between turns, of several; those of rows in no order are fewer
+ROWS_BALANCE = 0.05  # tuned on records by `make tuning`: least ratio of the axes' relative scatters
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +133,7 @@ def _rows_of(
         "out of contact": (~touching).sum(),
         "of the adhesive part": (touching & ~taken).sum(),
     })  # fmt: skip
-    least = max(POINTS_TUNING.least, 2 * unknowns)
+    least = max(ROWS_LEAST, 2 * unknowns)
     if taken.sum() < least:
         out = f" ({', '.join(words)} left out)" if words else ""
         raise InputError(f"{curve.where}: {int(taken.sum())} rows to fit{out}, at least {least} are needed")
@@ -183,7 +175,7 @@ def directed(curve: Curve) -> Curve:
         note += "a column branch"
         return replace(curve, segment=words, flags=(*curve.flags, note))
     parts = sure[: turn + 1], -sure[turn:]
-    if min(part.size for part in parts) <= POINTS_TUNING.least or min(map(_rising, parts)) < POINTS_TUNING.ordered:
+    if min(part.size for part in parts) <= ROWS_LEAST or min(map(_rising, parts)) < ROWS_ORDERED:
         return curve
     words = np.where(np.arange(len(curve)) <= turn, APPROACH, RETRACT)
     return replace(curve, segment=words)
@@ -201,9 +193,9 @@ def _alternating(column: Array, driven: Array) -> Array | None:
         ends[i] = ends[i - 1] + int(np.argmax(driven[ends[i - 1] : ends[i + 1]])) + 1
     ways = [column[first:end] for first, end in itertools.pairwise(ends)]
     signs = [1 if (i % 2 == 0) == first_up else -1 for i in range(len(ways))]
-    if min(way.size for way in ways) < POINTS_TUNING.way:
+    if min(way.size for way in ways) < ROWS_WAY:
         return None
-    if min(_rising(sign * way) for sign, way in zip(signs, ways, strict=True)) < POINTS_TUNING.ordered:
+    if min(_rising(sign * way) for sign, way in zip(signs, ways, strict=True)) < ROWS_ORDERED:
         return None
     return np.repeat([APPROACH if sign > 0 else RETRACT for sign in signs], [way.size for way in ways])
 
@@ -211,7 +203,7 @@ def _alternating(column: Array, driven: Array) -> Array | None:
 def _starts(column: Array) -> list[int]:
     """The rows at which a ``column`` begins to go the other way: after the largest, and after the least or at it, where
     that is nearer to the next row than to the one before, as where contact was lost and is made anew."""
-    values, least = column.tolist(), POINTS_TUNING.swing * float(np.ptp(column))
+    values, least = column.tolist(), ROWS_SWING * float(np.ptp(column))
     starts: list[int] = []
     low, high, way = 0, 0, 0
     for i, value in enumerate(values):
@@ -269,13 +261,11 @@ def in_contact(values: Mapping[str, Array], level: float) -> Array:
     P, delta, noise = values["P"], values["delta"], third_differences(values["P"])
     lowest = int(np.argmin(P))
     force = level - P[lowest]
-    if force > POINTS_TUNING.adhesion * noise or noise > POINTS_TUNING.largest_noise * np.ptp(P):
-        return ~_lost(delta < delta[lowest], (P - level) / force, POINTS_TUNING.noise * noise / force)
-    quiet = np.abs(P - level) <= POINTS_TUNING.noise * noise
+    if force > ROWS_ADHESION * noise or noise > ROWS_LARGEST_NOISE * np.ptp(P):
+        return ~_lost(delta < delta[lowest], (P - level) / force, ROWS_NOISE * noise / force)
+    quiet = np.abs(P - level) <= ROWS_NOISE * noise
     # a base line is half of a direction or more, or stands longer than any curve that begins there
-    line = quiet.sum() > FEWEST_ROWS // 2 or _stands(
-        delta, quiet, POINTS_TUNING.noise * noise / max(float(np.ptp(P)), TINY)
-    )
+    line = quiet.sum() > FEWEST_ROWS // 2 or _stands(delta, quiet, ROWS_NOISE * noise / max(float(np.ptp(P)), TINY))
     return touching & ((delta > delta[quiet].max()) if line else True)
 
 
@@ -285,10 +275,10 @@ def _stands(delta: Array, quiet: Array, near: float) -> bool:
     layer, stays so near."""
     order = np.argsort(delta, kind="stable")
     count = int(np.argmin(np.append(quiet[order], False)))
-    if count < POINTS_TUNING.several:
+    if count < ROWS_SEVERAL:
         return False
     reach = float(delta[order[count - 1]] - delta[order[0]])
-    return reach > POINTS_TUNING.longer * near ** (1 / 3) * float(np.ptp(delta))
+    return reach > ROWS_LONGER * near ** (1 / 3) * float(np.ptp(delta))
 
 
 def _lost(beyond: Array, P: Array, near: float) -> Array:
@@ -297,8 +287,8 @@ def _lost(beyond: Array, P: Array, near: float) -> Array:
     Contact is lost in a jump, on whose way lie few readings. Many of them there are a curve that a stiff device follows
     further, as on thin layers: then only what stands ``near`` the base line is out of contact.
     """
-    risen, standing = P > -POINTS_TUNING.lost, P > -max(near, POINTS_TUNING.level)
-    jump = (beyond & risen & ~standing).sum() < POINTS_TUNING.several
+    risen, standing = P > -ROWS_LOST, P > -max(near, ROWS_LEVEL)
+    jump = (beyond & risen & ~standing).sum() < ROWS_SEVERAL
     return beyond & (risen if jump else standing)
 
 
@@ -314,7 +304,7 @@ def _level(values: Mapping[str, Array]) -> float:
     level, least = float(np.median(far)), float(np.min(P))
     before = delta < delta[int(np.argmin(P))]
     between = before & (P < level - 0.1 * (level - least)) & (P > level - 0.5 * (level - least))
-    return level if np.ptp(far) < POINTS_TUNING.flat * (level - least) and between.sum() < 3 else 0.0
+    return level if np.ptp(far) < ROWS_FLAT * (level - least) and between.sum() < 3 else 0.0
 
 
 def _check_signs(curve: Curve, values: Mapping[str, Array]) -> None:
@@ -324,7 +314,7 @@ def _check_signs(curve: Curve, values: Mapping[str, Array]) -> None:
             raise InputError(f"{curve.where}: {name} has the same value {column[0]:g} in all rows")
     for one, two in itertools.combinations(values, 2):
         together = float(np.corrcoef(values[one], values[two])[0, 1])
-        if together < POINTS_TUNING.opposite:
+        if together < ROWS_OPPOSITE:
             raise InputError(
                 f"{curve.where}: {two} falls as {one} rises (correlation {together:.2f}): one of them has the wrong "
                 "sign; displacement into the specimen and compression are positive (--flip delta, --flip P)"
@@ -340,9 +330,9 @@ def scatter(values: Mapping[str, Array], units: Mapping[str, float]) -> dict[str
     """
     relative = {name: third_differences(values[name]) / units[name] for name in values}
     largest = max(relative.values())
-    if largest > POINTS_TUNING.largest_noise or largest == 0:
+    if largest > ROWS_LARGEST_NOISE or largest == 0:
         return {name: units[name] for name in values}
-    return {name: max(part, POINTS_TUNING.balance * largest) * units[name] for name, part in relative.items()}
+    return {name: max(part, ROWS_BALANCE * largest) * units[name] for name, part in relative.items()}
 
 
 def third_differences(column: Array) -> float:
@@ -350,7 +340,7 @@ def third_differences(column: Array) -> float:
     for independent normal noise scatter sqrt(20) times as much; infinite below 5 rows."""
     if column.size <= 4:
         return np.inf
-    return float(np.median(np.abs(np.diff(column, 3)))) / (STATISTICS.normal_median * math.sqrt(20))
+    return float(np.median(np.abs(np.diff(column, 3)))) / (STATISTICS_NORMAL_MEDIAN * math.sqrt(20))
 
 
 # --------------------------------------------------------------------------------------------------
@@ -363,21 +353,14 @@ def third_differences(column: Array) -> float:
 # moves the distance by the normal part of the change of the readings alone. With two columns that derivative is
 # exact; with three it leaves out the turning of the normal plane, which does not enter the gradient.
 
+# Limits of the search for foot points on the curve of readings; radii by their logs.
+FOOT_POINT_VERTICES = 400  # tuned on records by `make tuning`: of the polyline that starts the foot points
+FOOT_POINT_BEYOND_LAST = 0.4  # tuned on records by `make tuning`: beyond the series, on the way to a solution
+FOOT_POINT_BELOW_FOLD = 0.5  # tuned on records by `make tuning`: below the radius of stationary displacement
 
-@dataclass(frozen=True)
-class FootPointTuning:
-    """Limits of the search for foot points on the curve of readings; radii by their logs."""
-
-    vertices: int = 400  # tuned on records by `make tuning`: of the polyline that starts the foot points
-    beyond_last: float = 0.4  # tuned on records by `make tuning`: beyond the series, on the way to a solution
-    below_fold: float = 0.5  # tuned on records by `make tuning`: below the radius of stationary displacement
-
-    longest_step: float = 0.1  # choice: guard, some vertices
-    least_bend: float = 0.2  # choice: guard, of the squared speed along the curve, where a point is far off it
-    close: float = 1e-6  # theory: errors of the distance are its square
-
-
-MODEL_TUNING = FootPointTuning()
+FOOT_POINT_LONGEST_STEP = 0.1  # choice: guard, some vertices
+FOOT_POINT_LEAST_BEND = 0.2  # choice: guard, of the squared speed along the curve, where a point is far off it
+FOOT_POINT_CLOSE = 1e-6  # theory: errors of the distance are its square
 
 
 @dataclass(frozen=True, eq=False)
@@ -540,10 +523,10 @@ def foot_points(readings: Readings, points: Array, places: Array) -> FootPoints:
         length2 = np.einsum("cn,cn->n", first, first)
         slope = np.einsum("cn,cn->n", first, gap)
         bend = length2 - np.einsum("cn,cn->n", second, gap)
-        step = slope / np.maximum(bend, MODEL_TUNING.least_bend * length2)
-        step = np.clip(step, -MODEL_TUNING.longest_step, MODEL_TUNING.longest_step)
+        step = slope / np.maximum(bend, FOOT_POINT_LEAST_BEND * length2)
+        step = np.clip(step, -FOOT_POINT_LONGEST_STEP, FOOT_POINT_LONGEST_STEP)
         u = u + step
-        if np.max(np.abs(step)) < MODEL_TUNING.close:
+        if np.max(np.abs(step)) < FOOT_POINT_CLOSE:
             break
     X, first, _ = readings.along(u)
     speed = np.sqrt(np.maximum(np.einsum("cn,cn->n", first, first), TINY))
@@ -560,9 +543,7 @@ def _normal(tangent: Array) -> Array:
 def arc(readings: Readings, least: float | None = None) -> Array:
     """u of the vertices of the part of the curve on which foot points are sought, down to the ``least`` radius that was
     measured [m], if any."""
-    return np.linspace(
-        *readings.member.ends(MODEL_TUNING.below_fold, MODEL_TUNING.beyond_last, least), MODEL_TUNING.vertices
-    )
+    return np.linspace(*readings.member.ends(FOOT_POINT_BELOW_FOLD, FOOT_POINT_BEYOND_LAST, least), FOOT_POINT_VERTICES)
 
 
 # ---------------------------------------------------------------------- what is minimised
@@ -627,62 +608,56 @@ class Objective:
         return Unknowns(self.parameters, {"w": w, "w_approach": w, "delta0": D, "P0": H, "compliance": D / H})
 
 
-@dataclass(frozen=True)
-class FitSearchTuning:
-    """Limits of the search: where it starts, which starts it follows, which minimum is the answer."""
+# Limits of the search: where it starts, which starts it follows, which minimum is the answer.
+# Least squares
+SEARCH_CONVERGED_ROUGH = 1e-7  # choice: relative, of a robust loss, whose turn is an estimate, and of samples
+SEARCH_EVALUATIONS = 200  # choice: guard
+SEARCH_REACH = 7.0  # choice: guard, how far logs may move from their start
+SEARCH_BODY_REACH = 9.0  # choice: guard, the same of layers from their nominal values
+SEARCH_FAINT = 1e-8  # theory: w > 0, in natural units: at 0 the shift by its root has no derivative by w
+# Starts
+SEARCH_NODES = 200  # tuned on records by `make tuning`: vertices of a curve that is tried
+SEARCH_BEYOND = 1.2  # choice: of log a, how far beyond a series that can be extended curves are tried
+SEARCH_SLIGHTLY = 0.05  # choice: the same of one that cannot
+SEARCH_SHAPES = 24  # tuned on records by `make tuning`: values of sqrt(w/s) that are tried
+SEARCH_FACTORS = 24  # tuned on records by `make tuning`: values of s that are tried
+SEARCH_READINGS = 60  # tuned on records by `make tuning`: rows that starts are compared with
+SEARCH_ALTERNATIVES = 4  # tuned on records by `make tuning`: starts kept for each body
+SEARCH_LOAD_ZEROS = (0.0, -0.3, 0.3, -0.8, 0.8)  # choice: zeros of the load, in ranges of the loads
+# Factors of nominal values where one or two parameters of layers are free; of more only the nominal values.
+SEARCH_SCANNED: Mapping[int, Mapping[str, tuple[float, ...]]] = field(  # choice: factors that least squares bridges
+    default_factory=lambda: {
+        1: {"E": (0.05, 0.2, 1.0, 4.0, 16.0), "h": (0.2, 0.45, 1.0, 2.2, 5.0)},
+        2: {"E": (0.1, 1.0, 10.0), "h": (0.3, 1.0, 3.0)},
+    }
+)
+SEARCH_LOOKED_AT = 8  # tuned on records by `make tuning`: starts whose cost is computed in full
+SEARCH_FOLLOWED = 4  # tuned on records by `make tuning`: starts that are followed to their minimum
 
-    # Least squares
-    converged_rough: float = 1e-7  # choice: relative, of a robust loss, whose turn is an estimate, and of samples
-    evaluations: int = 200  # choice: guard
-    reach: float = 7.0  # choice: guard, how far logs may move from their start
-    body_reach: float = 9.0  # choice: guard, the same of layers from their nominal values
-    faint: float = 1e-8  # theory: w > 0, in natural units: at 0 the shift by its root has no derivative by w
-    # Starts
-    nodes: int = 200  # tuned on records by `make tuning`: vertices of a curve that is tried
-    beyond: float = 1.2  # choice: of log a, how far beyond a series that can be extended curves are tried
-    slightly: float = 0.05  # choice: the same of one that cannot
-    shapes: int = 24  # tuned on records by `make tuning`: values of sqrt(w/s) that are tried
-    factors: int = 24  # tuned on records by `make tuning`: values of s that are tried
-    readings: int = 60  # tuned on records by `make tuning`: rows that starts are compared with
-    alternatives: int = 4  # tuned on records by `make tuning`: starts kept for each body
-    load_zeros: tuple[float, ...] = (0.0, -0.3, 0.3, -0.8, 0.8)  # choice: zeros of the load, in ranges of the loads
-    # Factors of nominal values where one or two parameters of layers are free; of more only the nominal values.
-    scanned: Mapping[int, Mapping[str, tuple[float, ...]]] = field(  # choice: factors that least squares bridges
-        default_factory=lambda: {
-            1: {"E": (0.05, 0.2, 1.0, 4.0, 16.0), "h": (0.2, 0.45, 1.0, 2.2, 5.0)},
-            2: {"E": (0.1, 1.0, 10.0), "h": (0.3, 1.0, 3.0)},
-        }
-    )
-    looked_at: int = 8  # tuned on records by `make tuning`: starts whose cost is computed in full
-    followed: int = 4  # tuned on records by `make tuning`: starts that are followed to their minimum
+# Ranges over the displacement that adhesion adds at JKR's pull-off; Tabor numbers 0.3, 1, 3, 10:
+SEARCH_RANGES = (1.0, 0.3, 0.1, 0.03)  # choice: least squares bridges what lies between
+SEARCH_HALVINGS = 2  # choice: of the steps next to the least, whose valley may be as narrow as one
+SEARCH_FOLLOWED_RANGES = 2  # choice: of them that are followed to their minimum
 
-    # Ranges over the displacement that adhesion adds at JKR's pull-off; Tabor numbers 0.3, 1, 3, 10:
-    ranges: tuple[float, ...] = (1.0, 0.3, 0.1, 0.03)  # choice: least squares bridges what lies between
-    halvings: int = 2  # choice: of the steps next to the least, whose valley may be as narrow as one
-    followed_ranges: int = 2  # choice: of them that are followed to their minimum
-
-    span: float = 5.0  # choice: of the log of a range from its start: beyond, all is a rigid sphere or JKR
-    # Cycles
-    shares: tuple[float, ...] = (0.75, 0.5)  # choice: of a way back, what may recede if the rest is at rest
-    worth: float = 16.0  # theory: fall of chi^2 by a turn and a choice of rows that chance brings once in 2000
-    nearer: float = 16.0  # theory: square of four standard deviations, beyond which 6e-5 of normal noise lies
-    # Minima, in sizes of the curve
-    least_size: float = 0.05  # choice: of the data's range, the least size of a curve
-    near: float = 1e-3  # tuned on records by `make tuning`: residuals so small that no other start is tried
-    noise: float = 2.0  # theory: standard deviations of the readings that leave nothing to explain
-    far: float = 0.1  # tuned on records by `make tuning`: noise that hides whether a fit is good
-    alien: float = 0.5  # choice: residuals that are no fit at all
-    # Radii
-    past_end: float = 1.02  # choice: how far the data may reach beyond a series, as noise does
-    # choice: of the radii that the data reach, where a body is solved anew, and how far starts may reach beyond a
-    # series before it is
-    room: float = 1.25
-    # of the largest radius, to which the series must begin at most; theory: the depth there is 1e-6 of the largest
-    smallest: float = 1e-3
-    least_used: float = 0.5  # choice: part of the series below which it is solved anew to smaller radii
-
-
-TUNING = FitSearchTuning()
+SEARCH_SPAN = 5.0  # choice: of the log of a range from its start: beyond, all is a rigid sphere or JKR
+# Cycles
+SEARCH_SHARES = (0.75, 0.5)  # choice: of a way back, what may recede if the rest is at rest
+SEARCH_WORTH = 16.0  # theory: fall of chi^2 by a turn and a choice of rows that chance brings once in 2000
+SEARCH_NEARER = 16.0  # theory: square of four standard deviations, beyond which 6e-5 of normal noise lies
+# Minima, in sizes of the curve
+SEARCH_LEAST_SIZE = 0.05  # choice: of the data's range, the least size of a curve
+SEARCH_NEAR = 1e-3  # tuned on records by `make tuning`: residuals so small that no other start is tried
+SEARCH_NOISE = 2.0  # theory: standard deviations of the readings that leave nothing to explain
+SEARCH_FAR = 0.1  # tuned on records by `make tuning`: noise that hides whether a fit is good
+SEARCH_ALIEN = 0.5  # choice: residuals that are no fit at all
+# Radii
+SEARCH_PAST_END = 1.02  # choice: how far the data may reach beyond a series, as noise does
+# choice: of the radii that the data reach, where a body is solved anew, and how far starts may reach beyond a
+# series before it is
+SEARCH_ROOM = 1.25
+# of the largest radius, to which the series must begin at most; theory: the depth there is 1e-6 of the largest
+SEARCH_SMALLEST = 1e-3
+SEARCH_LEAST_USED = 0.5  # choice: part of the series below which it is solved anew to smaller radii
 
 
 # ---------------------------------------------------------------------- least squares
@@ -745,9 +720,9 @@ def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: f
     y = begin[objective.free] / objective.unknowns.scales
     splines = objective.ranged or any(parameter.of_body for parameter in objective.unknowns.free)
     close = ROUNDED if splines else SETTLED  # curves of layers and ranges are good to 1e-8 themselves
-    close = close if loss == "linear" else max(close, TUNING.converged_rough)
+    close = close if loss == "linear" else max(close, SEARCH_CONVERGED_ROUGH)
     model, bounds = partial(_scaled, objective, begin), _bounds(objective, y)
-    problem = LeastSquares(model, bounds, close, 0.0, TUNING.evaluations, loss, width)
+    problem = LeastSquares(model, bounds, close, 0.0, SEARCH_EVALUATIONS, loss, width)
     least = problem.least(_inside(y, *bounds))
     return Minimum(objective, objective.at(begin, least.x), least)
 
@@ -776,11 +751,11 @@ def _bounds(objective: Objective, start: Array) -> tuple[Array, Array]:
     free, about = objective.unknowns.free, {}
     for p, x in zip(free, start.tolist(), strict=True):
         if p.of_body:
-            about[p.name] = p.inner(objective.body.nominal(p.name)), TUNING.body_reach
+            about[p.name] = p.inner(objective.body.nominal(p.name)), SEARCH_BODY_REACH
         elif p.name in RANGES:
-            about[p.name] = x, TUNING.span
-    low, high = objective.unknowns.bounds(start, TUNING.reach, about)
-    faint = np.array([TUNING.faint if p.kind == "positive" else -math.inf for p in free])
+            about[p.name] = x, SEARCH_SPAN
+    low, high = objective.unknowns.bounds(start, SEARCH_REACH, about)
+    faint = np.array([SEARCH_FAINT if p.kind == "positive" else -math.inf for p in free])
     return np.maximum(low, np.minimum(faint, high / 2)), high
 
 
@@ -809,7 +784,7 @@ def starts(family: Family, points: Points, known: Mapping[str, float], beyond: b
     if "a" in points.columns:
         return [_with_radii(family, points, known)]
     delta, P = _stable_rows(points.values["delta"], points.values["P"])
-    u = np.linspace(family.low, family.high + (TUNING.beyond if beyond else TUNING.slightly), TUNING.nodes)
+    u = np.linspace(family.low, family.high + (SEARCH_BEYOND if beyond else SEARCH_SLIGHTLY), SEARCH_NODES)
     (D, T, H, V), (dD, dT, dH, dV), _ = family.at(u)
     candidates = []
     for P0, shape in itertools.product(_load_zeros(points, known), _shapes(dH / dV)):
@@ -820,14 +795,14 @@ def starts(family: Family, points: Points, known: Mapping[str, float], beyond: b
     candidates.sort(key=lambda start: start.cost)
     if not candidates:
         raise InputError("no curve of the series resembles the data: check signs, units and the indenter")
-    return candidates[: TUNING.alternatives]
+    return candidates[:SEARCH_ALTERNATIVES]
 
 
 def _stable_rows(delta: Array, P: Array) -> tuple[Array, Array]:
     """A few readings spread over those that are stable under load control: not beyond the least load, if enough."""
     rows = np.flatnonzero(delta >= delta[int(np.argmin(P))])
-    rows = rows if rows.size >= POINTS_TUNING.least else np.arange(P.size)
-    some = rows[evenly(rows.size, TUNING.readings)]
+    rows = rows if rows.size >= ROWS_LEAST else np.arange(P.size)
+    some = rows[evenly(rows.size, SEARCH_READINGS)]
     return delta[some], P[some]
 
 
@@ -872,7 +847,7 @@ class StableBranch:
             yield known["w"] / self.shape**2
         else:
             end = P.max() if P.max() >= -P.min() else P.min()
-            loads = self.P[np.linspace(0, self.P.size - 1, TUNING.factors).astype(int)]
+            loads = self.P[np.linspace(0, self.P.size - 1, SEARCH_FACTORS).astype(int)]
             yield from (end / load for load in loads if load * end > 0)
 
 
@@ -884,7 +859,7 @@ def _values(modulus: float, w: float, delta0: float, P0: float, compliance: floa
 def _shapes(stationary: Array) -> Array:
     """sqrt(w/s) of curves that are pulled off at radii across the series, and of almost no adhesion."""
     shapes = np.unique(stationary[stationary > 0])
-    some = shapes[np.linspace(0, shapes.size - 1, min(TUNING.shapes, shapes.size)).astype(int)]
+    some = shapes[np.linspace(0, shapes.size - 1, min(SEARCH_SHAPES, shapes.size)).astype(int)]
     return np.concatenate([[0.0], some])
 
 
@@ -893,7 +868,7 @@ def _load_zeros(points: Points, known: Mapping[str, float]) -> tuple[float, ...]
         return (known["P0"],)
     if points.baseline is not None:
         return (points.baseline,)
-    return tuple(part * float(np.ptp(points.values["P"])) for part in TUNING.load_zeros)
+    return tuple(part * float(np.ptp(points.values["P"])) for part in SEARCH_LOAD_ZEROS)
 
 
 def _with_radii(family: Family, points: Points, known: Mapping[str, float]) -> Start:
@@ -953,7 +928,7 @@ def _there_and_back(body: FittedBody, points: Points, settings: Settings) -> Min
     objective = replace(into.objective, parameters=plain.parameters, points=points)
     values = into.objective.values(into.x) | {"a_turn": float(into.distances.a.max())}
     values["w_approach"] = values["w"]
-    shifts = np.append(0.0, np.geomspace(math.sqrt(UNSEEN), 1, TUNING.nodes // 8)) ** 2
+    shifts = np.append(0.0, np.geomspace(math.sqrt(UNSEEN), 1, SEARCH_NODES // 8)) ** 2
     natural = objective.body.family.natural_work * values["modulus"]
     tried = [{**values, "w": values["w_approach"] + shift * natural} for shift in shifts]
     values = min(tried, key=lambda values: _assigned(objective, values)[0])
@@ -963,7 +938,7 @@ def _there_and_back(body: FittedBody, points: Points, settings: Settings) -> Min
     values, objective = jkr.objective.values(jkr.x), replace(objective, parameters=settings.parameters)
     tried = list(_ranged(body, values, law.name)) if law.free else [{**values, law.name: float(law.value or 0.0)}]
     tried.sort(key=lambda values: _assigned(objective, values)[0])
-    minima = [_settled(objective, values) for values in tried[: TUNING.followed_ranges]]
+    minima = [_settled(objective, values) for values in tried[:SEARCH_FOLLOWED_RANGES]]
     return min(minima, key=lambda item: item.cost)
 
 
@@ -973,13 +948,13 @@ def _back(body: FittedBody, points: Points, settings: Settings) -> Minimum:
     objective = replace(minimum.objective, parameters=settings.parameters, points=points)
     variance = minimum.cost / max(len(points) - minimum.objective.free.size, 1)
     order = np.argsort(points.values["P" if "P" in points.columns else "delta"])
-    for share in TUNING.shares:
+    for share in SEARCH_SHARES:
         some = np.sort(order[: round(share * len(points))])
         with contextlib.suppress(JkrError):
             lower = minimise(replace(minimum.objective, points=points.at(some)), minimum.x)
             values = lower.objective.values(lower.x)
             rested = _settled(objective, values | {"a_turn": _turn(objective, values, int(order[-1]))})
-            minimum = rested if minimum.cost - rested.cost > TUNING.worth * variance else minimum
+            minimum = rested if minimum.cost - rested.cost > SEARCH_WORTH * variance else minimum
     return minimum
 
 
@@ -990,7 +965,7 @@ def _turn(objective: Objective, values: Mapping[str, float], top: int) -> float:
     if "a" in read:
         return read["a"]
     family = objective.body.with_values({name: v for name, v in values.items() if ":" in name}).family
-    u = np.linspace(family.low, family.high, TUNING.nodes)
+    u = np.linspace(family.low, family.high, SEARCH_NODES)
     D, T, H, V = family.at(u)[0]
     P = read["P"] - values["P0"]
     v = (D - read["delta"] + values["delta0"] + values["compliance"] * P) / T
@@ -1025,7 +1000,7 @@ def _assigned(objective: Objective, values: Mapping[str, float]) -> tuple[float,
     still, (off, moving) = each[0].at(RESTING), (np.sum(distances.residuals**2, axis=0)[back] for distances in each)
     assert isinstance(still.readings.member, RestingMember)
     end = math.sqrt(values["w"] / values["modulus"]) / still.readings.member.unit
-    rests = (still.u <= end) & (off < moving + TUNING.nearer)
+    rests = (still.u <= end) & (off < moving + SEARCH_NEARER)
     edges[back] = np.where(rests, RESTING, RECEDING)
     cost = float(np.sum(each[0].residuals ** 2) - np.sum(off) + np.sum(np.where(rests, off, moving)))
     return cost, replace(points, edges=edges), x
@@ -1048,16 +1023,16 @@ def _of_a_branch(body: FittedBody, points: Points, settings: Settings) -> Minimu
     for _ in range(MOST_SOLVES):
         tried = _all_starts(body, points, settings)
         high = float(body.series.a[-1])
-        if body.extensible and tried[0].reach > high * TUNING.room:
-            body = body.to_radius(TUNING.room * tried[0].reach)
+        if body.extensible and tried[0].reach > high * SEARCH_ROOM:
+            body = body.to_radius(SEARCH_ROOM * tried[0].reach)
             continue
         minimum = _best(body, points, settings, tried)
         reach = float(minimum.distances.a.max())
         least, low = _least(minimum), float(body.series.a[0])
-        if body.extensible and not TUNING.least_used * high <= reach <= high * TUNING.past_end:
-            body = body.to_radius(TUNING.room * reach)
-        elif body.extensible and least < low / TUNING.past_end:
-            body = body.down_to(max(least / TUNING.room, body.series.a0 * (1 + SAME)))
+        if body.extensible and not SEARCH_LEAST_USED * high <= reach <= high * SEARCH_PAST_END:
+            body = body.to_radius(SEARCH_ROOM * reach)
+        elif body.extensible and least < low / SEARCH_PAST_END:
+            body = body.down_to(max(least / SEARCH_ROOM, body.series.a0 * (1 + SAME)))
         else:
             break
     else:
@@ -1070,7 +1045,7 @@ def _least(minimum: Minimum) -> float:
     """The least contact radius [m] that the series must hold: of the data, but for what is so small that no row tells
     it. A curve of finite range begins at first touch, whatever the series does."""
     a = minimum.distances.a
-    return math.inf if minimum.objective.ranged else max(float(a.min()), TUNING.smallest * float(a.max()))
+    return math.inf if minimum.objective.ranged else max(float(a.min()), SEARCH_SMALLEST * float(a.max()))
 
 
 def _among_radii(body: FittedBody, points: Points) -> FittedBody:
@@ -1082,10 +1057,10 @@ def _among_radii(body: FittedBody, points: Points) -> FittedBody:
         return body
     least, middle, most = (float(a) for a in np.quantile(points.values["a"], (0.0, 0.5, 1.0)))
     low, high = (float(a) for a in body.series.a[[0, -1]])
-    if low / TUNING.room <= middle <= high * TUNING.room:
+    if low / SEARCH_ROOM <= middle <= high * SEARCH_ROOM:
         return body
     if body.extensible:
-        return body.to_radius(TUNING.room * most)
+        return body.to_radius(SEARCH_ROOM * most)
     _check_reach(body, least, most)
     return body
 
@@ -1093,8 +1068,8 @@ def _among_radii(body: FittedBody, points: Points) -> FittedBody:
 def _check_reach(body: FittedBody, least: float, reach: float) -> None:
     """Refuse contact radii of the data outside those of the series, but for noise."""
     low, high = (float(a) for a in body.series.a[[0, -1]])
-    above = reach > high * TUNING.past_end
-    if low / TUNING.past_end <= least and not above:
+    above = reach > high * SEARCH_PAST_END
+    if low / SEARCH_PAST_END <= least and not above:
         return
     end, remedy = (high, "increase [loading] radius") if above else (low, "begin at smaller radii")
     raise InputError(
@@ -1128,7 +1103,7 @@ def _ranged(body: FittedBody, values: Mapping[str, float], name: str) -> Iterato
     """These values with ranges (or tensions, as ``name`` says) from those of a rigid sphere to those of JKR."""
     s = values["modulus"]
     w = max(values["w"], NOTICEABLE * body.family.natural_work * s)
-    for part in TUNING.ranges:
+    for part in SEARCH_RANGES:
         length = part * body.family.neck(s, w)
         yield {**values, "w": w, name: length if name == "range" else w / length}
 
@@ -1138,7 +1113,7 @@ def _bodies(body: FittedBody, settings: Settings) -> Iterator[dict[str, float]]:
     own = [p for p in settings.parameters if p.of_body]
     fixed = {p.name: float(p.value) for p in own if not p.free and p.value is not None}
     free = [p for p in own if p.free]
-    factors = (TUNING.scanned[len(free)][p.name[0]] if len(free) in TUNING.scanned else (1.0,) for p in free)
+    factors = (SEARCH_SCANNED[len(free)][p.name[0]] if len(free) in SEARCH_SCANNED else (1.0,) for p in free)
     for chosen in itertools.product(*factors):
         values = {p.name: body.nominal(p.name) * factor for p, factor in zip(free, chosen, strict=True)}
         if all(p.low <= values[p.name] <= p.high for p in free) or set(chosen) == {1.0}:
@@ -1150,7 +1125,7 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
 
     Starts are those from the data and, if any, the user's. InputError where all stay far.
     """
-    unknowns = [_unknowns(settings, start) for start in tried[: TUNING.looked_at]]
+    unknowns = [_unknowns(settings, start) for start in tried[:SEARCH_LOOKED_AT]]
     objective = Objective(body, settings.parameters, points, np.ones(len(points.columns)))
     sizes = _sizes(objective.readings(unknowns[0], rated=False), points)
     scales = scatter(points.values, sizes) | dict(settings.noise)
@@ -1161,7 +1136,7 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
     far = max(scales[name] / sizes[name] for name in points.columns)
     minima: list[Minimum] = []
     failed: JkrError | None = None
-    for x in _by_cost(objective, unknowns)[: TUNING.followed_ranges if objective.ranged else TUNING.followed]:
+    for x in _by_cost(objective, unknowns)[: SEARCH_FOLLOWED_RANGES if objective.ranged else SEARCH_FOLLOWED]:
         try:
             minima.append(minimise(objective, x))
         except JkrError as error:
@@ -1175,7 +1150,7 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
         raise failed
     minimum = min(minima, key=lambda item: item.cost)
     distance = far * robust_scale(minimum.distances.residuals)
-    if distance > TUNING.alien:
+    if distance > SEARCH_ALIEN:
         raise InputError(
             f"no curve of this body comes within {distance:.2g} of the data's size: "
             "check units, signs, zero points, the indenter and the layers"
@@ -1189,7 +1164,7 @@ def _is_good(minimum: Minimum, far: float) -> bool:
     ``far``: the scales in sizes of the curve, 1 where the record did not show the noise.
     """
     distance = robust_scale(minimum.distances.residuals)
-    return distance * far < TUNING.near or (distance < TUNING.noise and far < TUNING.far)
+    return distance * far < SEARCH_NEAR or (distance < SEARCH_NOISE and far < SEARCH_FAR)
 
 
 def _by_cost(objective: Objective, unknowns: list[Array]) -> list[Array]:
@@ -1199,7 +1174,7 @@ def _by_cost(objective: Objective, unknowns: list[Array]) -> list[Array]:
     if not own or others.free.size == 0:
         return sorted(unknowns, key=lambda x: _cost(objective, x))
     minima = [minimum for x in unknowns if (minimum := _if_any(others, x)) is not None]
-    for _ in range(TUNING.halvings if objective.ranged and minima else 0):
+    for _ in range(SEARCH_HALVINGS if objective.ranged and minima else 0):
         minima += _between(others, minima, next(i for i, p in enumerate(objective.parameters) if p.name in RANGES))
     return [minima[i].x for i in np.argsort([minimum.cost for minimum in minima])] if minima else unknowns
 
@@ -1237,7 +1212,7 @@ def _sizes(readings: Readings, points: Points) -> dict[str, float]:
     curve = readings.along(arc(readings))[0]
     ranges = {name: float(np.ptp(points.values[name])) for name in points.columns}
     return {  # a radius has no zero of its own: its size is its range
-        name: max(offsets[name] - float(np.min(row)), TUNING.least_size * ranges[name])
+        name: max(offsets[name] - float(np.min(row)), SEARCH_LEAST_SIZE * ranges[name])
         if name in offsets
         else ranges[name]
         for name, row in zip(points.columns, curve, strict=True)

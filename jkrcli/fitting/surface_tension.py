@@ -35,29 +35,22 @@ from .parameters import (
     parameters_of,
     word,
 )
-from .rows import POINTS_TUNING as ROWS
+from .rows import ROWS_LEAST
 
 TENSION = "surface_tension"
 RANGES = {TENSION: Ranged("tension", above=0), "w": Ranged("work", least=0)}  # beside E_star
 
-
-@dataclass(frozen=True)
-class TensionFitTuning:
-    """The tabulated family, and the search."""
-
-    lengths: int = 14  # of 2 Ups/E*; choice: curves between them err by 1e-4
-    most: float = 1e2  # of it over the largest contact radius; choice: beyond, tension alone carries
-    smallest: float = 0.002  # of the largest, the least of them; choice: where a slight w lets the contact go
-    beyond: float = 3.0  # times the range of the displacement, to which it reaches; choice: spare for w
-    points: int = 800  # of a curve; choice: interpolated to 1e-5
-    step: float = 1e-4  # of unknowns, for derivatives; choice: the square root of the curves' accuracy is coarser
-    work: float = 0.05  # of its unit, w to begin with; choice: the search goes far from it
-    starts: int = 9  # of 2 Ups/E*, over the whole table; choice: two minima may lie a decade apart
-    followed: int = 2  # choice: of the starts, those from which 2 Ups/E* is searched
-    farthest: float = 80.0  # theory: of logs of SI values, far beyond matter and within arithmetic
-
-
-TUNING = TensionFitTuning()
+# The tabulated family, and the search.
+TENSION_FIT_LENGTHS = 14  # of 2 Ups/E*; choice: curves between them err by 1e-4
+TENSION_FIT_MOST = 1e2  # of it over the largest contact radius; choice: beyond, tension alone carries
+TENSION_FIT_SMALLEST = 0.002  # of the largest, the least of them; choice: where a slight w lets the contact go
+TENSION_FIT_BEYOND = 3.0  # times the range of the displacement, to which it reaches; choice: spare for w
+TENSION_FIT_POINTS = 800  # of a curve; choice: interpolated to 1e-5
+TENSION_FIT_STEP = 1e-4  # of unknowns, for derivatives; choice: the square root of the curves' accuracy is coarser
+TENSION_FIT_WORK = 0.05  # of its unit, w to begin with; choice: the search goes far from it
+TENSION_FIT_STARTS = 9  # of 2 Ups/E*, over the whole table; choice: two minima may lie a decade apart
+TENSION_FIT_FOLLOWED = 2  # choice: of the starts, those from which 2 Ups/E* is searched
+TENSION_FIT_FARTHEST = 80.0  # theory: of logs of SI values, far beyond matter and within arithmetic
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -92,7 +85,7 @@ class TenseFamily:
         """P [N] on the stable branch under a given displacement ``delta`` [m], moduli ``s`` times the problem's; held
         beyond its ends. P is straight in w at first, and goes on so below 0."""
         low, high = np.log(self.radii)
-        u = np.linspace(low, high, TUNING.points)
+        u = np.linspace(low, high, TENSION_FIT_POINTS)
         D, T, H, S = np.exp([spline(math.log(kappa), u)[0] for spline in self.splines])
 
         def interpolated(w: float) -> Array:
@@ -108,8 +101,8 @@ class TenseFamily:
 def _tabulated(problem: Problem) -> TenseFamily:
     plain = replace(problem, specimen=replace(problem.specimen, surface_tension=0.0))
     largest = min(largest_radius(plain), 0.95 * problem.indenter.r_max)
-    radii = largest * np.geomspace(TUNING.smallest, 1.0, DENSE)
-    lengths = largest * np.geomspace(NOTICEABLE, TUNING.most, TUNING.lengths)  # less changes loads by less
+    radii = largest * np.geomspace(TENSION_FIT_SMALLEST, 1.0, DENSE)
+    lengths = largest * np.geomspace(NOTICEABLE, TENSION_FIT_MOST, TENSION_FIT_LENGTHS)  # less changes loads by less
     at_radii = replace(problem, loading=Loading.given("radius", tuple(radii)))
     columns = []
     for kappa in lengths:
@@ -149,10 +142,10 @@ def tension_fit(
     for curve in curves:
         if curve.delta is None or curve.P is None:
             raise InputError(f"{curve.where}: a fit of surface tension needs displacement and load (delta, P)")
-        if len(curve) < ROWS.least:
-            raise InputError(f"{curve.where}: {len(curve)} rows, a fit of surface tension needs {ROWS.least}")
+        if len(curve) < ROWS_LEAST:
+            raise InputError(f"{curve.where}: {len(curve)} rows, a fit of surface tension needs {ROWS_LEAST}")
     families = [
-        TenseFamily.of(changed(problem, {RADIUS: R}), TUNING.beyond * _span(curve.depth))
+        TenseFamily.of(changed(problem, {RADIUS: R}), TENSION_FIT_BEYOND * _span(curve.depth))
         for R, curve in zip(radii, curves, strict=True)
     ]
     model = _Model(problem.E_star, tuple(curves), families, fixed)
@@ -207,17 +200,17 @@ class _Model:
         return np.concatenate([(load - record.load) / _span(record.load) for load, record in parts])
 
     def state(self, x: Array) -> State:
-        return by_differences(self.residuals, x, np.full(x.size, TUNING.step))
+        return by_differences(self.residuals, x, np.full(x.size, TENSION_FIT_STEP))
 
     def best(self) -> Least:
         """The least of all searches: with 2 Ups/E* held at each start first, which leaves one minimum, then from the
         best of these; from all starts where E* or the tension is known."""
         low, high = zip(*(family.lengths for family in self.families), strict=True)  # of 2 Ups/E* [m]
-        lengths = np.geomspace(max(low), min(high), TUNING.starts)
+        lengths = np.geomspace(max(low), min(high), TENSION_FIT_STARTS)
         starts: Sequence[tuple[float, Array | None]] = [(x, None) for x in lengths]
         if {"modulus", TENSION} <= set(self.unknowns.names):
             searches = [(replace(self, length=start).search(start), start) for start, _ in starts]
-            best = sorted(searches, key=lambda item: item[0].cost)[: TUNING.followed]
+            best = sorted(searches, key=lambda item: item[0].cost)[:TENSION_FIT_FOLLOWED]
             starts = [(start, np.insert(least.x, 1, least.x[0] + math.log(start / 2))) for least, start in best]
         return min((self.search(*start) for start in starts), key=lambda least: least.cost)
 
@@ -225,7 +218,7 @@ class _Model:
         """Least squares from 2 Ups/E* = ``start`` [m], and from the unknowns ``x`` where they are known."""
         x = self._first(start) if x is None else x
         try:
-            bounds = self.unknowns.bounds(np.zeros(x.size), TUNING.farthest)
+            bounds = self.unknowns.bounds(np.zeros(x.size), TENSION_FIT_FARTHEST)
             return LeastSquares(self.state, bounds).least(x)
         except ValueError as error:
             raise SolveError(f"fit of surface tension: {error}") from None
@@ -238,7 +231,9 @@ class _Model:
             E = 2 * self.fixed[TENSION] / start
         tension = start * self.fixed.get("modulus", E) / 2
         zeros = {f"delta0:{i}": float(np.min(record.depth)) for i, record in enumerate(self.records)}
-        return self.unknowns.at({"modulus": E, TENSION: tension, "w": TUNING.work * self.unknowns.units["w"], **zeros})
+        return self.unknowns.at(
+            {"modulus": E, TENSION: tension, "w": TENSION_FIT_WORK * self.unknowns.units["w"], **zeros}
+        )
 
 
 def _result(model: _Model, best: Least, radii: Sequence[float], level: float) -> TensionFit:

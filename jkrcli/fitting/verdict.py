@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import brentq
@@ -12,8 +12,8 @@ from scipy.optimize import brentq
 from ..base import ROUNDED, UNSEEN
 from ..bodies import Problem
 from ..data import APPROACH
-from .alternative_tests import TUNING as SCORES
 from .alternative_tests import (
+    SCORE_NORMAL,
     FittedRival,
     RecordRivals,
     RivalFit,
@@ -31,16 +31,9 @@ from .result import Fit
 
 REJECTED, DIFFER = "model rejected", "directions differ"
 
-
-@dataclass(frozen=True)
-class VerdictTuning:
-    """When rivals leave nothing determined."""
-
-    large: float = 0.3  # choice: share of E* or w that rivals may move it by, above which it is flagged
-    tenfold: float = 9.0  # theory: relative change of a quantity that becomes ten times as large
-
-
-TUNING = VerdictTuning()
+# When rivals leave nothing determined.
+VERDICT_LARGE = 0.3  # choice: share of E* or w that rivals may move it by, above which it is flagged
+VERDICT_TENFOLD = 9.0  # theory: relative change of a quantity that becomes ten times as large
 
 
 def judged(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Fit:
@@ -109,7 +102,7 @@ def _beyond(item: FittedValue, other: Fit) -> float:
 
 def _by(change: float) -> str:
     """A relative change; of one step, which is of first order, no more than that it is tenfold."""
-    return f"{change:+.1%}" if change < TUNING.tenfold else "more than tenfold"
+    return f"{change:+.1%}" if change < VERDICT_TENFOLD else "more than tenfold"
 
 
 def _flags(rivals: RecordRivals, fit: ForceCurveFit) -> Iterator[tuple[str, str]]:
@@ -126,7 +119,7 @@ def _flags(rivals: RecordRivals, fit: ForceCurveFit) -> Iterator[tuple[str, str]
     work = "w_approach" if fit.model.stretches[-1].kind == APPROACH else "w"
     for quantity, symbol, error in zip(("E_star", "w"), ("E*", work), relative_errors(fit), strict=True):
         worst = rivals.worst(quantity)
-        if worst is not None and worst[1] > max(TUNING.large, SCORES.normal * error):
+        if worst is not None and worst[1] > max(VERDICT_LARGE, SCORE_NORMAL * error):
             yield f"{symbol} not determined", f"{worst[0]} may change it by {worst[1]:.0%}"
 
 

@@ -29,17 +29,10 @@ PAIRS = (("a", "P"), ("a", "delta"), ("delta", "P"))  # the first needs no zero 
 # What a measured row is: usable, or why it is not.
 OK, NONE, BELOW, ABOVE = "ok", "no adhesion", "below the series", "above the series"
 
-
-@dataclass(frozen=True)
-class WorkTuning:
-    """Limits of the search for contact radii, and of speeds."""
-
-    least_window: int = 5  # theory: rows, a parabola and two more for its error
-    # tuned on fits, by `make constants`: chance with which a cubic is not taken where a parabola does
-    sure: float = 0.995
-
-
-TUNING = WorkTuning()
+# Limits of the search for contact radii, and of speeds.
+WORK_LEAST_WINDOW = 5  # theory: rows, a parabola and two more for its error
+# tuned on fits, by `make constants`: chance with which a cubic is not taken where a parabola does
+WORK_SURE = 0.995
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,8 +317,8 @@ def _gradients(
 # ---------------------------------------------------------------------- the speed of the edge
 def check_window(window: int) -> None:
     """Refuse a window without a middle row, or too short for a parabola with an error."""
-    if window < TUNING.least_window or window % 2 == 0:
-        raise InputError(f"--window: must be an odd number of rows, at least {TUNING.least_window}, got {window}")
+    if window < WORK_LEAST_WINDOW or window % 2 == 0:
+        raise InputError(f"--window: must be an odd number of rows, at least {WORK_LEAST_WINDOW}, got {window}")
 
 
 def rate(t: Array, y: Array, window: int) -> tuple[Array, Array]:
@@ -343,7 +336,7 @@ def rate(t: Array, y: Array, window: int) -> tuple[Array, Array]:
     x, off = (times - t[:, None]) / half[:, None], values - values[:, window // 2, None]
     (slope, variance, by), (bent, least, by_bent) = (_slope(x, off, degree) for degree in (2, 3))
     added, change = np.maximum(by_bent - by, 0.0), np.abs(bent - slope)
-    cubic = change > stdtrit(window - 4, TUNING.sure) * np.sqrt(least * added)
+    cubic = change > stdtrit(window - 4, WORK_SURE) * np.sqrt(least * added)
     spread = stdtrit(window - 3, 0.95) * np.sqrt(variance * by)
     left = np.hypot(stdtrit(window - 4, 0.95) * np.sqrt(least * by_bent), change)
     return np.where(cubic, bent, slope) / half, np.where(cubic, left, spread) / half

@@ -24,18 +24,13 @@ from ..series import RawSeries, Series, Solution
 # --------------------------------------------------------------------------------------------------
 # What a sequence of meshes tells: values on each, errors, observed orders, limits.
 
-
-@dataclass(frozen=True)
-class MeshesTuning:
-    """The sequence of meshes, and what differences between them mean something."""
-
-    ratio: float = 2.0  # theory: of element sizes from mesh to mesh, which halve
-    coarsest_spacing: float = 0.49  # theory: below the limit of the mesher, half
-    steepest_growth: float = 0.59  # theory: below the limit of the mesher, 0.6
-    round_off: float = 1e-12  # theory: some thousand times machine epsilon, relative
+# The sequence of meshes, and what differences between them mean something.
+MESHES_RATIO = 2.0  # theory: of element sizes from mesh to mesh, which halve
+MESHES_COARSEST_SPACING = 0.49  # theory: below the limit of the mesher, half
+MESHES_STEEPEST_GROWTH = 0.59  # theory: below the limit of the mesher, 0.6
+MESHES_ROUND_OFF = 1e-12  # theory: some thousand times machine epsilon, relative
 
 
-TUNING = MeshesTuning()
 WORDS = {"a": "contact radius", "P": "load", "pull_off": "pull-off force"}
 DIMENSIONS = {"a": "length", "P": "load", "pull_off": "load"}
 
@@ -104,7 +99,7 @@ class Meshes:
         if self.exact is None:
             return limit if isinstance(limit, Unknown) else limit[0]
         pairs = [(level.size, abs(error)) for level, error in zip(self.levels, self.errors(quantity), strict=True)
-                 if error is not None and abs(error) > TUNING.round_off]  # fmt: skip
+                 if error is not None and abs(error) > MESHES_ROUND_OFF]  # fmt: skip
         if len(pairs) < 3:
             return Unknown("needs three meshes with an error above round-off")
         sizes, errors = np.log(np.array(pairs)).T
@@ -134,10 +129,10 @@ def richardson(values: Sequence[float | None]) -> tuple[float, float] | Unknown:
     if len(last) < 3 or any(value is None for value in last):
         return Unknown("needs three meshes with a value")
     first, second = (b - a for a, b in itertools.pairwise(last))  # type: ignore[operator]
-    if abs(second) <= TUNING.round_off * abs(last[-1]) or first / second <= 1:  # type: ignore[arg-type]
+    if abs(second) <= MESHES_ROUND_OFF * abs(last[-1]) or first / second <= 1:  # type: ignore[arg-type]
         return Unknown("the differences do not shrink from mesh to mesh")
-    order = math.log(first / second) / math.log(TUNING.ratio)
-    return order, last[-1] + second / (TUNING.ratio**order - 1)
+    order = math.log(first / second) / math.log(MESHES_RATIO)
+    return order, last[-1] + second / (MESHES_RATIO**order - 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,7 +226,7 @@ def converge(
     ``pool``: works on the meshes (default: this process).
     """
     method = replace(method, estimate_error=False, tolerance=None)
-    factors = [TUNING.ratio**k for k in reversed(range(count))]
+    factors = [MESHES_RATIO**k for k in reversed(range(count))]
     methods = [coarser(method, problem, factor) for factor in factors]
     meshes = in_order(pool, partial(_timed, problem), methods, "meshes")
     depth = min(float(solution.increments.delta[-1]) for solution, _, _ in meshes)
@@ -256,13 +251,13 @@ def coarser(method: FEM, problem: Problem, factor: float) -> FEM:
     """The method with every element ``factor`` times as large, as far as the mesher's limits let it."""
     if factor == 1:
         return method
-    growth = min(factor * method.growth_of_sizes, TUNING.steepest_growth)
+    growth = min(factor * method.growth_of_sizes, MESHES_STEEPEST_GROWTH)
     if method.layout == "scaled":
         spacing = factor * method.spacing
-        if spacing > TUNING.coarsest_spacing:
+        if spacing > MESHES_COARSEST_SPACING:
             raise InputError(
                 f"levels: the coarsest mesh would have mesh.spacing = {spacing:g}, at most "
-                f"{TUNING.coarsest_spacing:g} is possible: take fewer levels or a finer mesh in the case"
+                f"{MESHES_COARSEST_SPACING:g} is possible: take fewer levels or a finer mesh in the case"
             )
         return replace(method, spacing=spacing, growth=growth)
     zones = tuple(factor * size for size in method.zone_sizes)
@@ -284,7 +279,7 @@ def spacing_at(radii: Array, a: float) -> float:
 def _state(rows: RawSeries | Series, series: Series, slopes_name: str, w: float, depth: float) -> State:
     """The state at ``depth`` [m]: load and radius (of increments that of a node) between ``rows`` in logarithms, and
     the adhesive curve of the ``series``, or why a mesh is too coarse for one."""
-    at = math.log(depth * (1 + TUNING.round_off))
+    at = math.log(depth * (1 + MESHES_ROUND_OFF))
     touching = rows.a > 0
     x = np.log(rows.delta[touching])
     load, radius = (math.exp(np.interp(at, x, np.log(column[touching]))) for column in (rows.P, rows.a))

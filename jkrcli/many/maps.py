@@ -205,20 +205,15 @@ def layer(nu: float, bonded: bool = True, thickness: float = 1.0) -> Specimen:
 # (P_H(a) - P)/P_H what it adds to the load. Hertz: that part is small; rigid (Bradley): elastic displacements are
 # small against the range; DMT: those of adhesion are; JKR: they are many times the range; else Maugis' transition.
 
-
-@dataclass(frozen=True)
-class ZoneTuning:
-    """Where one model ends, which part of the map there is, and what it takes."""
-
-    little: float = 0.05  # theory: Johnson and Greenwood (1997): what is left out of a model
-    many: float = 20.0  # theory: the same, of delta_a over the range, above which JKR holds
-    points: int = 80  # tuned on maps, by `make constants`: contact radii of a curve; more are added where it bends
-    beyond: float = 1.2  # tuned on maps, by `make constants`: of the largest load, to which the body is solved
-    further: float = 1.6  # tuned on maps, by `make constants`: of the load without adhesion from one solve to the next
-    per_mu: float = 0.065  # CPU seconds; tuned on maps of 29 and 200 ranges, by `make guards`
+# Where one model ends, which part of the map there is, and what it takes.
+ZONE_LITTLE = 0.05  # theory: Johnson and Greenwood (1997): what is left out of a model
+ZONE_MANY = 20.0  # theory: the same, of delta_a over the range, above which JKR holds
+ZONE_POINTS = 80  # tuned on maps, by `make constants`: contact radii of a curve; more are added where it bends
+ZONE_BEYOND = 1.2  # tuned on maps, by `make constants`: of the largest load, to which the body is solved
+ZONE_FURTHER = 1.6  # tuned on maps, by `make constants`: of the load without adhesion from one solve to the next
+ZONE_PER_MU = 0.065  # CPU seconds; tuned on maps of 29 and 200 ranges, by `make guards`
 
 
-ADHESION_TUNING = ZoneTuning()
 ZONES = ("Hertz", "JKR", "Maugis", "DMT", "rigid")
 
 
@@ -227,14 +222,14 @@ def _adhesion_work(values: Values) -> Work:
     q = values["q"]
     # The series without adhesion to the radius at which JKR carries the `load` [N].
     specimen = layer(values["nu"], values["base"] == "bonded")
-    load = ADHESION_TUNING.beyond * values["load"][-1] * math.pi * q
+    load = ZONE_BEYOND * values["load"][-1] * math.pi * q
     plain = load
     for _ in range(MOST_STEPS):
-        problem = Problem(Paraboloid(1.0), specimen, Loading("load", plain, ADHESION_TUNING.points))
+        problem = Problem(Paraboloid(1.0), specimen, Loading("load", plain, ZONE_POINTS))
         series = Layered()(problem).series
         if transform(series, "exact", q).P[-1] > load:
             break
-        plain *= ADHESION_TUNING.further
+        plain *= ZONE_FURTHER
     body = FiniteRangeBody(problem, series, AttractedBody(problem))
     return partial(_adhesion_row, body, values), values["mu"]
 
@@ -254,9 +249,9 @@ def _adhesion_row(body: FiniteRangeBody, values: Values, mu: float) -> Columns:
 
 def _zone(adhesive: Array, elastic: Array, share: Array) -> Array:
     """Which of ``ZONES`` a contact lies in (Johnson and Greenwood)."""
-    small, rigid = adhesive <= ADHESION_TUNING.little, np.maximum(elastic, adhesive) <= ADHESION_TUNING.little
-    inside = np.where(adhesive >= ADHESION_TUNING.many, 1, np.where(rigid, 4, np.where(small, 3, 2)))
-    return np.where(share <= ADHESION_TUNING.little, 0, inside)
+    small, rigid = adhesive <= ZONE_LITTLE, np.maximum(elastic, adhesive) <= ZONE_LITTLE
+    inside = np.where(adhesive >= ZONE_MANY, 1, np.where(rigid, 4, np.where(small, 3, 2)))
+    return np.where(share <= ZONE_LITTLE, 0, inside)
 
 
 def _carried(curve: FiniteRangeCurve, loads: Array) -> Array:
@@ -306,7 +301,7 @@ ADHESION_MAP = Map(
                       within(1e-3, 1e3), "31 from 0.1 to 100"),
     },
     _adhesion_work,
-    lambda values: ADHESION_TUNING.per_mu * len(values["mu"]),
+    lambda values: ZONE_PER_MU * len(values["mu"]),
     "{base} layer on a rigid base, paraboloid, nu = {nu:g}, w R^2/(E* h^3) = {q:g}: what holds",
     _shown,
     _adhesion_figure,
@@ -322,21 +317,14 @@ ADHESION_MAP = Map(
 # incompressible ones. Nearly incompressible layers rise above 2 and come back to it (nu = 0.45: 2.105 at q = 1e3,
 # 2.027 at 1e6).
 
-
-@dataclass(frozen=True)
-class MapTuning:
-    """Which part of the map there is, how finely its series are solved, and what that takes."""
-
-    # tuned on maps, by `make constants`: of the contact radius; twice as many change the pull-off force by 4e-8
-    per_decade: int = 40
-    # tuned on maps, by `make constants`: relative, of the series; a/h near 100 at nu = 1/2 leaves 1e-7
-    tolerance: float = 1e-6
-    per_nu: float = 4e-3  # CPU seconds; tuned on maps of 30 and 300 ratios of Poisson, by `make guards`
-    per_tense: float = 0.3  # CPU seconds of a q under surface tension; tuned on maps of 30, by `make guards`
-    per_point: float = 1e-3  # CPU seconds of a q; tuned on maps of 1000, by `make guards`
-
-
-PULL_OFF_TUNING = MapTuning()
+# Which part of the map there is, how finely its series are solved, and what that takes.
+# tuned on maps, by `make constants`: of the contact radius; twice as many change the pull-off force by 4e-8
+MAP_PER_DECADE = 40
+# tuned on maps, by `make constants`: relative, of the series; a/h near 100 at nu = 1/2 leaves 1e-7
+MAP_TOLERANCE = 1e-6
+MAP_PER_NU = 4e-3  # CPU seconds; tuned on maps of 30 and 300 ratios of Poisson, by `make guards`
+MAP_PER_TENSE = 0.3  # CPU seconds of a q under surface tension; tuned on maps of 30, by `make guards`
+MAP_PER_POINT = 1e-3  # CPU seconds of a q; tuned on maps of 1000, by `make guards`
 
 
 LIMITS = {1.5: "thick: 3/2", 2.0: "thin, compressible: 2", 3.0: "thin, incompressible: 3"}
@@ -363,9 +351,9 @@ def _pull_off_points(base: str, cell: tuple[float, float, Sequence[float]]) -> C
     low, high = 0.4 * min(thick[0], (96 * qs[0]) ** (1 / 6)), 1.5 * min(thick[1], (8 * qs[-1]) ** (1 / 4) + 1)
     if tension:
         low = min(low, 0.5 * wetting_radius(1.0, qs[0], tension))
-    count = max(8, math.ceil(PULL_OFF_TUNING.per_decade * math.log10(high / low)))
+    count = max(8, math.ceil(MAP_PER_DECADE * math.log10(high / low)))
     specimen = replace(layer(nu, base == "bonded"), surface_tension=tension)
-    series = series_at(np.geomspace(low, high, count), specimen, Layered(PULL_OFF_TUNING.tolerance))
+    series = series_at(np.geomspace(low, high, count), specimen, Layered(MAP_TOLERANCE))
     body = Nonadhesive.of(series, "exact")
     q, P, a, delta = np.transpose([_pull_off(nu, q, AdhesiveCurve(body, q)) for q in qs])
     return rows(nu=nu, base=base, w_R2_over_Estar_h3=q, minus_P_over_pi_w_R=-P / (math.pi * q), a_over_h=a,
@@ -417,11 +405,7 @@ PULL_OFF_MAP = Map(
     _pull_off_work,
     lambda values: (
         len(values["nu"])
-        * sum(
-            PULL_OFF_TUNING.per_nu
-            + (PULL_OFF_TUNING.per_tense if beta else PULL_OFF_TUNING.per_point) * len(values["q"])
-            for beta in values["beta"]
-        )
+        * sum(MAP_PER_NU + (MAP_PER_TENSE if beta else MAP_PER_POINT) * len(values["q"]) for beta in values["beta"])
     ),
     "{base} layer on a rigid base, paraboloid: pull-off force in pi w R",
     [SHOWN_NU, ("beta", "beta", "6g"), SHOWN_Q, ("minus_P_over_pi_w_R", "force", "8.4f"), ("a_over_h", "a/h", "9.4g")],
@@ -435,21 +419,16 @@ PULL_OFF_MAP = Map(
 # Units: R = 1 m, E* = w0 = 1 of a paraboloid, v0 = 1 m/s; a layer of thickness h on a rigid base beside the half-
 # space. The device goes back from equilibrium at no load.
 
-
-@dataclass(frozen=True)
-class RateMapTuning:
-    """How finely and how far its series go, and what they take."""
-
-    # tuned on maps, by `make constants`: of the contact radius; twice as many change the forces by less than 1e-7
-    per_decade: int = 40
-    # tuned on maps, by `make constants`: radius in units of that at no load, where contact is as good as lost
-    smallest: float = 1e-3
-    largest: float = 1.3  # tuned on maps, by `make constants`: the same, beyond which no path goes
-    tolerance: float = 1e-7  # tuned on maps, by `make constants`: relative, of the layer's series
-    per_point: float = 0.075  # CPU seconds; tuned on maps of 13 and 100 speeds, by `make guards`
+# How finely and how far its series go, and what they take.
+# tuned on maps, by `make constants`: of the contact radius; twice as many change the forces by less than 1e-7
+RATE_MAP_PER_DECADE = 40
+# tuned on maps, by `make constants`: radius in units of that at no load, where contact is as good as lost
+RATE_MAP_SMALLEST = 1e-3
+RATE_MAP_LARGEST = 1.3  # tuned on maps, by `make constants`: the same, beyond which no path goes
+RATE_MAP_TOLERANCE = 1e-7  # tuned on maps, by `make constants`: relative, of the layer's series
+RATE_MAP_PER_POINT = 0.075  # CPU seconds; tuned on maps of 13 and 100 speeds, by `make guards`
 
 
-RATE_TUNING = RateMapTuning()
 POSITIVE = Ranged("number", above=0)
 
 
@@ -481,9 +460,9 @@ def _body(thickness: float, nu: float) -> tuple[Nonadhesive, float]:
     a = (4.5 * math.pi) ** (1 / 3)  # of the half-space; that of a layer is smaller
     whole = math.isinf(thickness)
     specimen = Specimen((), HalfSpace(Elastic(1 - nu**2, nu))) if whole else layer(nu, thickness=thickness)
-    low, high = RATE_TUNING.smallest * a, RATE_TUNING.largest * a
-    count = math.ceil(RATE_TUNING.per_decade * math.log10(high / low))
-    method = ClosedForm() if whole else Layered(RATE_TUNING.tolerance)
+    low, high = RATE_MAP_SMALLEST * a, RATE_MAP_LARGEST * a
+    count = math.ceil(RATE_MAP_PER_DECADE * math.log10(high / low))
+    method = ClosedForm() if whole else Layered(RATE_MAP_TOLERANCE)
     body = Nonadhesive.of(series_at(np.geomspace(low, high, count), specimen, method), "exact")
     radii = AdhesiveCurve(body, 1.0).radii(P=0.0)
     if not radii:
@@ -534,7 +513,7 @@ RATE_MAP = Map(
     },
     _rate_work,
     lambda values: (
-        RATE_TUNING.per_point * (1 + len(values["thickness"])) * len(values["stiffness"]) * len(values["speed"])
+        RATE_MAP_PER_POINT * (1 + len(values["thickness"])) * len(values["stiffness"]) * len(values["speed"])
     ),
     "paraboloid, E* = R = w0 = v0 = 1: pull-off force in pi w0 R, energy in w0 pi a^2 at no load",
     [
@@ -551,21 +530,14 @@ RATE_MAP = Map(
 # --------------------------------------------------------------------------------------------------
 # A map of what no slip changes: S and load of a bonded layer without slip over those without friction, over a/h.
 
-
-@dataclass(frozen=True)
-class StickingMapTuning:
-    """Which part of the map there is, how finely its series are solved, and what that takes."""
-
-    per_decade: int = 20  # choice: of the contact radius, between which loads are interpolated to 1e-4
-    # of the largest a/h; tuned on maps, by `make constants`: a stuck contact is wider at equal depth by less
-    beyond: float = 1.2
-    # tuned on maps, by `make constants`: relative, of the series; ratios are printed to four digits
-    tolerance: float = 1e-4
-    per_nu: float = 0.25  # CPU seconds; tuned on maps of 6 and 40 ratios of Poisson, by `make guards`
-    per_point: float = 5e-4  # CPU seconds of an a/h; tuned on maps of 1000, by `make guards`
-
-
-STICKING_TUNING = StickingMapTuning()
+# Which part of the map there is, how finely its series are solved, and what that takes.
+STICKING_MAP_PER_DECADE = 20  # choice: of the contact radius, between which loads are interpolated to 1e-4
+# of the largest a/h; tuned on maps, by `make constants`: a stuck contact is wider at equal depth by less
+STICKING_MAP_BEYOND = 1.2
+# tuned on maps, by `make constants`: relative, of the series; ratios are printed to four digits
+STICKING_MAP_TOLERANCE = 1e-4
+STICKING_MAP_PER_NU = 0.25  # CPU seconds; tuned on maps of 6 and 40 ratios of Poisson, by `make guards`
+STICKING_MAP_PER_POINT = 5e-4  # CPU seconds of an a/h; tuned on maps of 1000, by `make guards`
 
 
 def _rows(ratios: Sequence[float], nu: float) -> Columns:
@@ -574,13 +546,11 @@ def _rows(ratios: Sequence[float], nu: float) -> Columns:
     from scipy.interpolate import PchipInterpolator
 
     wanted = np.array(ratios)
-    decades = np.log10(STICKING_TUNING.beyond * wanted[-1] / wanted[0])
-    radii = np.geomspace(
-        wanted[0], STICKING_TUNING.beyond * wanted[-1], max(int(STICKING_TUNING.per_decade * decades), 8)
-    )
+    decades = np.log10(STICKING_MAP_BEYOND * wanted[-1] / wanted[0])
+    radii = np.geomspace(wanted[0], STICKING_MAP_BEYOND * wanted[-1], max(int(STICKING_MAP_PER_DECADE * decades), 8))
     radii = np.unique(np.concatenate([radii, wanted]))
     sliding, sticking = (
-        series_at(radii, layer(nu), Layered(STICKING_TUNING.tolerance), sticks) for sticks in (False, True)
+        series_at(radii, layer(nu), Layered(STICKING_MAP_TOLERANCE), sticks) for sticks in (False, True)
     )
     at = np.searchsorted(radii, wanted)
     assert sliding.S is not None
@@ -620,7 +590,7 @@ STICKING_MAP = Map(
                       within(1e-2, 12.0), "0.05 to 10"),
     },
     _sticking_work,
-    lambda values: len(values["nu"]) * (STICKING_TUNING.per_nu + STICKING_TUNING.per_point * len(values["ratio"])),
+    lambda values: len(values["nu"]) * (STICKING_MAP_PER_NU + STICKING_MAP_PER_POINT * len(values["ratio"])),
     "paraboloid on a bonded layer: no slip over frictionless",
     [SHOWN_NU, ("a_over_h", "a/h", "8.4g"), ("S_ratio", "S", "8.4f"), ("load_ratio", "load at equal depth", "20.4f")],
     _sticking_figure,
@@ -635,17 +605,10 @@ STICKING_MAP = Map(
 # w))^(1/3) alone: the adhesion map of Johnson and Greenwood (J. Colloid Interface Sci. 192 (1997) 326) for a layer.
 # Its limits are JKR's force on that layer for large mu, and 2 for small; thin incompressible layers rise above both.
 
-
-@dataclass(frozen=True)
-class TransitionTuning:
-    """Which part of the map there is, how finely it is solved, and what that takes."""
-
-    points: int = 60  # tuned on maps, by `make constants`: contact radii of a curve; more are added where it bends
-    room: float = 1.5  # tuned on maps, by `make constants`: of the largest radius over that of pull-off without a range
-    per_point: float = 0.06  # CPU seconds; tuned on maps of 17 and 100 ranges, by `make guards`
-
-
-TRANSITION_TUNING = TransitionTuning()
+# Which part of the map there is, how finely it is solved, and what that takes.
+TRANSITION_POINTS = 60  # tuned on maps, by `make constants`: contact radii of a curve; more are added where it bends
+TRANSITION_ROOM = 1.5  # tuned on maps, by `make constants`: of the largest radius over that of pull-off without a range
+TRANSITION_PER_POINT = 0.06  # CPU seconds; tuned on maps of 17 and 100 ranges, by `make guards`
 
 
 def _transition_work(values: Values) -> Work:
@@ -656,8 +619,8 @@ def _transition_row(base: str, mus: Sequence[float], cell: tuple[float, float]) 
     """All ranges of one layer and one work of adhesion, in units of h = R = 1 m, E* = 1 Pa."""
     nu, q = cell
     thick, thin = (9 * math.pi * q / 8) ** (1 / 3), max((8 * q) ** (1 / 4), (384 * q) ** (1 / 6))
-    a = TRANSITION_TUNING.room * max(thick, min(thin, 2 * thick))
-    problem = Problem(Paraboloid(1.0), layer(nu, base == "bonded"), Loading("radius", a, TRANSITION_TUNING.points))
+    a = TRANSITION_ROOM * max(thick, min(thin, 2 * thick))
+    problem = Problem(Paraboloid(1.0), layer(nu, base == "bonded"), Loading("radius", a, TRANSITION_POINTS))
     solution = Layered()(problem)
     sharp = transform(solution.series, "exact", q).pull_off(LOAD_CONTROL)
     if isinstance(sharp, Unknown):
@@ -716,7 +679,7 @@ TRANSITION_MAP = Map(
                    within(0.05, 50.0), "17 from 0.1 to 30"),
     },
     _transition_work,
-    lambda values: TRANSITION_TUNING.per_point * math.prod(len(values[name]) for name in ("nu", "q", "mu")),
+    lambda values: TRANSITION_PER_POINT * math.prod(len(values[name]) for name in ("nu", "q", "mu")),
     "{base} layer on a rigid base, paraboloid: pull-off force in pi w R",
     [SHOWN_NU, SHOWN_Q, ("mu", "mu", "6g"), ("minus_P_over_pi_w_R", "force", "8.4f"),
      ("jkr_minus_P_over_pi_w_R", "JKR", "8.4f"), ("a_over_h", "a/h", "9.4g"), ("c_over_h", "c/h", "9.4g")],

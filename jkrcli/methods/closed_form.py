@@ -16,16 +16,9 @@ from .layered.solver import Layered
 from .protocol import Forecast, without_coating, without_tension
 from .radii import ROUGH, Search
 
-
-@dataclass(frozen=True)
-class ClosedFormTuning:
-    """Accuracies, relative."""
-
-    round_off: float = 1e-14  # theory: 45 times the machine epsilon, for the dozen operations of a formula
-    worst: float = 0.05  # choice: largest error at which the leading order of a thin layer is still offered
-
-
-TUNING = ClosedFormTuning()
+# Accuracies, relative.
+CLOSED_FORM_ROUND_OFF = 1e-14  # theory: 45 times the machine epsilon, for the dozen operations of a formula
+CLOSED_FORM_WORST = 0.05  # choice: largest error at which the leading order of a thin layer is still offered
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +27,7 @@ class Formula:
 
     name: str
     columns: Callable[[Array], tuple[Array, Array, Array, Array]]
-    error: float = TUNING.round_off
+    error: float = CLOSED_FORM_ROUND_OFF
 
 
 @dataclass(frozen=True)
@@ -76,7 +69,7 @@ def _radii(problem: Problem, formula: Formula) -> Array:
     def responses(quantity: str, accuracy: float) -> Callable[[Array], Array]:
         return lambda a: formula.columns(a)[{"depth": 0, "load": 1}[quantity]]
 
-    return Search(problem.loading, problem.indenter, problem.E_star, responses, (ROUGH, TUNING.round_off)).radii
+    return Search(problem.loading, problem.indenter, problem.E_star, responses, (ROUGH, CLOSED_FORM_ROUND_OFF)).radii
 
 
 def _formula(problem: Problem) -> Formula:
@@ -128,11 +121,11 @@ def _thin_layer(problem: Problem, layer: Layer, base: Rigid) -> Formula:
         error = _leading_order_error(problem, formula, radii[[0, -1]] if radii.size > 1 else radii)
     except (InputError, SolveError) as reason:
         raise Refusal(f"the thin-layer formula could not be checked: {reason}") from None
-    if error > TUNING.worst:
+    if error > CLOSED_FORM_WORST:
         first, last = radii[[0, -1]] / layer.thickness
         raise Refusal(
             f"the thin-layer formula {_off(error)} between a/h = {first:.3g} and {last:.3g}, more than "
-            f"{TUNING.worst:.0%}: use method layered"
+            f"{CLOSED_FORM_WORST:.0%}: use method layered"
         )
     return replace(formula, error=error)
 
@@ -175,7 +168,7 @@ def _leading_order_error(problem: Problem, formula: Formula, radii: Array) -> fl
     layered, wide, worst = Layered(SAME), unbounded(problem), 0.0
     for a in radii.tolist():
         while (reason := _long(layered, exactly := replace(wide, loading=Loading.given("radius", (a,))))) is not None:
-            if worst > TUNING.worst:
+            if worst > CLOSED_FORM_WORST:
                 return worst
             if a <= 2 * radii[0]:
                 break

@@ -26,27 +26,22 @@ from .options import HybridOptions
 if TYPE_CHECKING:
     from .hybrid.kernel import AdaptiveKernel, ErrorEstimates, KernelContact  # finite elements: of cylinders alone
 
+# Accuracy of the kernel and how far it is needed.
+# of K by its polynomials; tuned on ranges, by `make constants`: far below what is stated, at no cost
+ATTRACTED_TOLERANCE = 1e-10
+ATTRACTED_CHECKED = 0.01  # of that, of the second panels with which results are compared; choice: two digits more
+ATTRACTED_OTHER_ORDER = 20  # Gauss nodes in k on the second panels; choice: shares nothing with the first's 24
 
-@dataclass(frozen=True)
-class AttractedTuning:
-    """Accuracy of the kernel and how far it is needed."""
-
-    # of K by its polynomials; tuned on ranges, by `make constants`: far below what is stated, at no cost
-    tolerance: float = 1e-10
-    checked: float = 0.01  # of that, of the second panels with which results are compared; choice: two digits more
-    other_order: int = 20  # Gauss nodes in k on the second panels; choice: shares nothing with the first's 24
-
-    # of a reach over the one expected; tuned on ranges, by `make constants`: what is looked at beyond c
-    room: float = 1.15
-    # of the next reach over one that was too short; tuned on ranges, by `make constants`: each is a small solve
-    further: float = 1.5
-    # CPU seconds of a curve, for forecasts, beside those of resolving the stack:
-    curve: float = 0.06  # tuned on half-spaces, by `make bench`
-    polynomials: float = 2.8e-6  # by the square of their number; tuned on 30 to 700 of them, by `make bench`
-    stack: float = 0.25  # of what a solve needs for the spectrum; tuned on 1 to 1000 layers, by `make bench`
+# of a reach over the one expected; tuned on ranges, by `make constants`: what is looked at beyond c
+ATTRACTED_ROOM = 1.15
+# of the next reach over one that was too short; tuned on ranges, by `make constants`: each is a small solve
+ATTRACTED_FURTHER = 1.5
+# CPU seconds of a curve, for forecasts, beside those of resolving the stack:
+ATTRACTED_CURVE = 0.06  # tuned on half-spaces, by `make bench`
+ATTRACTED_POLYNOMIALS = 2.8e-6  # by the square of their number; tuned on 30 to 700 of them, by `make bench`
+ATTRACTED_STACK = 0.25  # of what a solve needs for the spectrum; tuned on 1 to 1000 layers, by `make bench`
 
 
-TUNING = AttractedTuning()
 TOLERANCES = (HybridOptions.tolerance, UNSEEN, NOTICEABLE)  # of cylinders, the first that is met; its error is stated
 
 
@@ -56,7 +51,7 @@ class AttractedBody:
     polynomials; ``kept``: the kernel of these bodies that their series was found with, where it has one."""
 
     problem: Problem
-    tolerance: float = TUNING.tolerance
+    tolerance: float = ATTRACTED_TOLERANCE
     kept: KeptKernel | None = None
 
     @cached_property
@@ -105,8 +100,8 @@ class AttractedBody:
     def check(self, reach: float) -> Attraction:
         """The attraction up to the radius ``reach`` [m] on other panels than those of ``attraction``, for an estimate
         of the error that they leave."""
-        cylinder, finer = self._kernel(reach)[1], self.tolerance * TUNING.checked
-        body = replace(self._wide, order=TUNING.other_order) if cylinder is None else cylinder
+        cylinder, finer = self._kernel(reach)[1], self.tolerance * ATTRACTED_CHECKED
+        body = replace(self._wide, order=ATTRACTED_OTHER_ORDER) if cylinder is None else cylinder
         return self._latest("check", reach, lambda: body.attraction(reach, finer))
 
     def kernel_error(self, reach: float, radii: Array) -> Array:
@@ -132,24 +127,24 @@ class AttractedBody:
         """CPU seconds, about, of the states up to the contact radius ``a`` [m] (see ``reach``), from the polynomials
         that a wide body needs; Refusal where they are too many."""
         wide = self._wide
-        expected = TUNING.room * self._edge(self._half_space.attraction, 2 * a + math.sqrt(gap * a), a, s, gap)
-        count = wide.attraction_panels(min(expected, self.limit), TUNING.tolerance).x.size
-        stack = TUNING.stack * spectrum_seconds(self.problem)
+        expected = ATTRACTED_ROOM * self._edge(self._half_space.attraction, 2 * a + math.sqrt(gap * a), a, s, gap)
+        count = wide.attraction_panels(min(expected, self.limit), ATTRACTED_TOLERANCE).x.size
+        stack = ATTRACTED_STACK * spectrum_seconds(self.problem)
         sides = 0.0
         if self._cylinder is not None:
             sides, _ = self._cylinder.expected_cost(self._cylinder.levels(min(expected, self.limit)))
-        return TUNING.curve + TUNING.polynomials * count**2 + stack + sides
+        return ATTRACTED_CURVE + ATTRACTED_POLYNOMIALS * count**2 + stack + sides
 
     def reach(self, a: float, s: float, gap: float) -> float:
         """A radius [m] beyond that to which the tension s = 2 sigma/E* acts around a contact of the radius ``a`` [m],
         where the separation is ``gap`` [m]. Refusal where it lies beyond a side or the profile."""
         expected = self._edge(self._half_space.attraction, 2 * a + math.sqrt(gap * a), a, s, gap)
-        expected = self._edge(self._wide.attraction, TUNING.room * expected, a, s, gap)
-        reach = min(TUNING.room * expected, self.limit)
+        expected = self._edge(self._wide.attraction, ATTRACTED_ROOM * expected, a, s, gap)
+        reach = min(ATTRACTED_ROOM * expected, self.limit)
         if self._cylinder is None:
             return reach
         edge = self._edge(lambda reach, _: self.attraction(reach), reach, a, s, gap)
-        return max(reach, min(TUNING.room * edge, self.limit)) if edge > reach else reach
+        return max(reach, min(ATTRACTED_ROOM * edge, self.limit)) if edge > reach else reach
 
     def _edge(self, ready: Callable[[float, float], Attraction], start: float, a: float, s: float, gap: float) -> float:
         """The radius c [m] for the contact radius ``a``, by the body that ``ready`` gives for a reach and a tolerance,
@@ -157,12 +152,12 @@ class AttractedBody:
         reach, radii = start, np.array([a])
         for _ in range(MOST_STEPS):
             reach = min(max(reach, a * (1 + 1e-6)), self.limit)
-            discs = ready(reach, TUNING.tolerance).discs(radii)
+            discs = ready(reach, ATTRACTED_TOLERANCE).discs(radii)
             if discs.rims(reach - radii, s).gap[0] >= gap:
                 return float(discs.equilibria(s, gap, reach).c[0])
             if reach == self.limit:
                 raise Refusal(self._too_far(a))
-            reach *= TUNING.further
+            reach *= ATTRACTED_FURTHER
         raise Refusal(self._too_far(a))
 
     def _too_far(self, a: float) -> str:

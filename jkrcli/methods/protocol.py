@@ -187,21 +187,14 @@ def _raised(value: float) -> str:
 #
 # The rule of "auto", from the charts of speed against accuracy (``make chart``, which checks it): of the methods in
 # the order of ``least_first`` the first that represents the body with an unnoticeable expected error within a user's
-# patience (``TUNING``). Each runs with its default mesh or tolerance, the point of its own front beyond which more
-# time buys an accuracy that no measurement sees. Slopes: exact where the series carries them, else the surer of
+# patience (``AUTO_PATIENCE``). Each runs with its default mesh or tolerance, the point of its own front beyond which
+# more time buys an accuracy that no measurement sees. Slopes: exact where the series carries them, else the surer of
 # "integral" and "loocv" (``jkrcli.adhesion.slopes``). The choice lies on the Pareto front of whole-process time and
 # error of P or next to it: nothing as exact is quicker by more than a half.
 
-
-@dataclass(frozen=True)
-class AutoTuning:
-    """When a simpler model gives way to a more general one."""
-
-    patience: float = 10.0  # tuned on the cases, by `make chart`: CPU seconds that a simpler model may take
-    looks: int = 3  # at a spectrum, where the largest radius has to be found; choice: for messages
-
-
-TUNING = AutoTuning()
+# When a simpler model gives way to a more general one.
+AUTO_PATIENCE = 10.0  # tuned on the cases, by `make chart`: CPU seconds that a simpler model may take
+AUTO_LOOKS = 3  # at a spectrum, where the largest radius has to be found; choice: for messages
 
 
 @dataclass(frozen=True)
@@ -215,7 +208,7 @@ class Option:
     @property
     def is_quick(self) -> bool:
         """Whether it is possible within a user's patience."""
-        return self.forecast is not None and self.forecast.seconds <= TUNING.patience
+        return self.forecast is not None and self.forecast.seconds <= AUTO_PATIENCE
 
     @property
     def is_accurate(self) -> bool:
@@ -226,7 +219,7 @@ class Option:
     def objection(self) -> str | None:
         """What speaks against a possible method, so that "auto" takes another that is better; None: nothing."""
         if not self.is_quick:
-            return f"would take longer than {TUNING.patience:g} s"
+            return f"would take longer than {AUTO_PATIENCE:g} s"
         return None if self.is_accurate else f"would err by more than {NOTICEABLE:g}"
 
     @property
@@ -281,7 +274,7 @@ def long_look(problem: Problem) -> str | None:
     """A sentence on what it takes to find out what each method would cost, None where that is a matter of a moment."""
     from .layered.spectrum import spectrum_seconds
 
-    specimen, looks = problem.specimen, 1 if problem.loading.to == "radius" else TUNING.looks
+    specimen, looks = problem.specimen, 1 if problem.loading.to == "radius" else AUTO_LOOKS
     seconds = looks * spectrum_seconds(problem)
     if seconds < SILENCE:
         return None

@@ -18,33 +18,25 @@ from ..bodies import Indenter, Loading, Quantity
 Response = Callable[[Array], Array]  # increasing radii [m] -> delta_H [m] or P_H [N] there
 Responses = Callable[[Quantity, float], Response]  # "depth" or "load", relative accuracy -> its response
 
-
 # theory: radii in a geometric sequence, over four decades splines err by 5/384 (ln 1e4/59)^4 = 8e-6 of f''''
 DENSE = 60
 ROOM = 1.05  # choice: over a radius, so that it lies within a solution
 ROUGH = 1e-5  # accuracy of the first part of every search; choice: what costs least
 
-
-@dataclass(frozen=True)
-class SearchTuning:
-    """How radii are followed to the depths and loads of a loading."""
-
-    # a second radius beside each trial, for the slope; tuned on loads, by `make constants`: what costs least
-    probe: float = 0.98
-    # Largest factor between trials, as a larger contact costs more:
-    stride: float = 3.0  # choice: what costs least
-    table: int = 48  # radii of the first response to all targets; choice: what costs least
-    # Times the accuracy, from where a step leads within it; theory: a secant over ``probe`` errs by some 1 - probe of
-    # the slope, so that 30/50 of the accuracy are left
-    near: float = 30.0
-    above_kink: int = 14  # theory: 1.95 from one to the next, where cubics follow a root to 1e-4
-    nearest: float = 1e-4  # of the distance to the next row, the first of them; theory: its root is 1e-2
-    farthest: float = 0.6  # the last; choice: half way
-    # Part of a miss left after a step along a tangent, above which none is taken; theory: halving leaves as much
-    doubtful: float = 0.5
-
-
-TUNING = SearchTuning()
+# How radii are followed to the depths and loads of a loading.
+# a second radius beside each trial, for the slope; tuned on loads, by `make constants`: what costs least
+SEARCH_PROBE = 0.98
+# Largest factor between trials, as a larger contact costs more:
+SEARCH_STRIDE = 3.0  # choice: what costs least
+SEARCH_TABLE = 48  # radii of the first response to all targets; choice: what costs least
+# Times the accuracy, from where a step leads within it; theory: a secant over ``probe`` errs by some 1 - probe of
+# the slope, so that 30/50 of the accuracy are left
+SEARCH_NEAR = 30.0
+SEARCH_ABOVE_KINK = 14  # theory: 1.95 from one to the next, where cubics follow a root to 1e-4
+SEARCH_NEAREST = 1e-4  # of the distance to the next row, the first of them; theory: its root is 1e-2
+SEARCH_FARTHEST = 0.6  # the last; choice: half way
+# Part of a miss left after a step along a tangent, above which none is taken; theory: halving leaves as much
+SEARCH_DOUBTFUL = 0.5
 
 
 @dataclass(frozen=True)
@@ -134,7 +126,7 @@ def _with_kinks(radii: Array, indenter: Indenter) -> Array:
     power 1/2 or 3/2 of the distance, and is smooth below."""
     for kink in indenter.kinks:
         if max(indenter.a0, radii[0]) < kink < radii[-1]:
-            steps = np.geomspace(TUNING.nearest, TUNING.farthest, TUNING.above_kink)
+            steps = np.geomspace(SEARCH_NEAREST, SEARCH_FARTHEST, SEARCH_ABOVE_KINK)
             beyond = steps * (radii[np.searchsorted(radii, kink, side="right")] - kink)
             close = np.abs(radii / kink - 1) < SAME
             radii = np.unique(np.concatenate([radii[~close], [kink], kink + beyond]))
@@ -173,20 +165,20 @@ def radius_for(response: Response, target: float, indenter: Indenter, start: flo
     low, high = 0.0, _v(end, a0)
     v, tried_end = min(math.sqrt(max(start**2 - a0**2, 0.0)) or start, high / 2), False
     for _ in range(MOST_STEPS):
-        values = response(np.hypot(a0, np.array([TUNING.probe * v, v])))
+        values = response(np.hypot(a0, np.array([SEARCH_PROBE * v, v])))
         if not 0 < values.min() < values.max() < math.inf:
             raise SolveError(f"no contact radius beyond {a0:g} m, where contact begins, was found: check the sizes")
         miss = math.log(values[1] / target)
-        slope = math.log(values[1] / values[0]) / -math.log(TUNING.probe)
-        if abs(miss) <= TUNING.near * tolerance:
+        slope = math.log(values[1] / values[0]) / -math.log(SEARCH_PROBE)
+        if abs(miss) <= SEARCH_NEAR * tolerance:
             return math.hypot(a0, min(v * math.exp(-miss / slope), high))
         if tried_end and v == high and miss < 0:
             break
         low, high = (v, high) if miss < 0 else (low, v)
-        proposal = v * min(max(math.exp(-miss / slope), 1 / TUNING.stride), TUNING.stride)
+        proposal = v * min(max(math.exp(-miss / slope), 1 / SEARCH_STRIDE), SEARCH_STRIDE)
         if proposal >= high:
             tried_end = miss < 0 and math.isfinite(high)
-            proposal = high if tried_end else math.sqrt(v * max(low, v / TUNING.stride))
+            proposal = high if tried_end else math.sqrt(v * max(low, v / SEARCH_STRIDE))
         elif proposal <= low:
             proposal = math.sqrt(v * low)
         v = proposal
@@ -202,7 +194,7 @@ def _first_radii(response: Response, targets: Array, indenter: Indenter, largest
     """Values of v at the targets from a table of the response between their ends."""
     a0, log_target = indenter.a0, np.log(targets)
     first = radius_for(response, float(targets[0]), indenter, math.hypot(a0, 0.3 * _v(largest, a0)), 0.1)
-    v = np.geomspace(0.7 * _v(first, a0), _v(largest, a0), TUNING.table)
+    v = np.geomspace(0.7 * _v(first, a0), _v(largest, a0), SEARCH_TABLE)
     table = np.log(v), np.log(response(np.hypot(a0, v)))
     low, high, secant, _ = _bracketed(table, log_target)
     log_v = _inverse(*table, log_target)
@@ -221,16 +213,16 @@ def _followed(response: Response, log_v: Array, log_target: Array, a0: float, ac
         secants = np.diff(log_v) / np.diff(log_values)
         jumps = np.abs(np.diff(secants)) / np.minimum(np.abs(secants[1:]), np.abs(secants[:-1]))
         inner = np.pad(jumps, 1, mode="edge") if jumps.size else np.zeros(log_v.size)
-        miss, doubt = np.abs(log_values - log_target), np.clip(np.nan_to_num(inner, nan=1.0), 1 / TUNING.near, 1.0)
+        miss, doubt = np.abs(log_values - log_target), np.clip(np.nan_to_num(inner, nan=1.0), 1 / SEARCH_NEAR, 1.0)
         tangent = _inverse(log_v, log_values, log_target)
         near = miss * doubt <= accuracy
         if near[:-1].all():
-            return np.append(np.sort(np.where(doubt < TUNING.doubtful, tangent, log_v)[:-1]), log_v[-1])
+            return np.append(np.sort(np.where(doubt < SEARCH_DOUBTFUL, tangent, log_v)[:-1]), log_v[-1])
         # All known points, both coordinates increasing.
         all_v, first = np.unique(np.concatenate([known[0], log_v]), return_index=True)
         known = all_v, np.maximum.accumulate(np.concatenate([known[1], log_values])[first])
         low, high, secant, middle = _bracketed(known, log_target)
-        step = np.where(doubt < TUNING.doubtful, tangent, secant)
+        step = np.where(doubt < SEARCH_DOUBTFUL, tangent, secant)
         step = np.where((low < step) & (step < high) & (near | (miss < before / 2)), step, middle)
         log_v = np.append(np.sort(step[:-1]), log_v[-1])  # the response wants them increasing
         before = miss
@@ -255,7 +247,7 @@ def _bracketed(known: tuple[Array, Array], log_target: Array) -> tuple[Array, Ar
     left, right = np.clip([above - 1, above], 0, v.size - 1)
     rise = np.maximum(values[right] - values[left], TINY)
     part = np.clip((log_target - values[left]) / rise, 0, 1)
-    beyond = math.log(TUNING.stride) * np.isinf(low)
+    beyond = math.log(SEARCH_STRIDE) * np.isinf(low)
     secant, middle = (v[left] + x * (v[right] - v[left]) - beyond for x in (part, 0.25 + 0.5 * part))
     return low, high, secant, middle
 

@@ -210,24 +210,18 @@ def analyse(
     return [with_solved_points(adhesive(solution, body, w, modulus_factor), *devices) for w in works]
 
 
-@dataclass(frozen=True)
-class CostTuning:
-    """What curves cost, as measured on series of 100 to 1,000,000 rows."""
-
-    mib: float = 110.0  # memory of any; tuned on series of 100 rows, by `make bench`
-    mib_per_row: float = 3e-3  # of curves; tuned on series of 1e6 rows, by `make bench`
-    table_mib_per_row: float = 6e-3  # and of their tables; tuned on series of 1e6 rows, by `make bench`
-    fit: float = 0.2  # CPU seconds of slopes that are fitted; tuned on noisy series of 100 rows, by `make guards`
-    fit_per_row: float = 2e-5  # and per row; tuned on noisy series of 1e5 rows, by `make guards`
-    curve: float = 0.03  # CPU seconds of a curve; tuned on series of 100 rows, by `make bench`
-    per_row: float = 4e-5  # and per row; tuned on series of 1e5 rows, by `make bench`
-    table_per_row: float = 3e-5  # and of its table; tuned on series of 1e5 rows, by `make bench`
-    device: float = 7e-3  # of what is read off it for a device; tuned on 10 to 2,000 devices, by `make guards`
-    page_per_row: float = 2e-4  # of the explorer's page; tuned on series of 2e4 and 6e4 rows, by `make bench`
-    figure: float = 0.6  # of its pictures; tuned on series of 100 rows, by `make bench`
-
-
-COST = CostTuning()
+# What curves cost, as measured on series of 100 to 1,000,000 rows.
+COST_MIB = 110.0  # memory of any; tuned on series of 100 rows, by `make bench`
+COST_MIB_PER_ROW = 3e-3  # of curves; tuned on series of 1e6 rows, by `make bench`
+COST_TABLE_MIB_PER_ROW = 6e-3  # and of their tables; tuned on series of 1e6 rows, by `make bench`
+COST_FIT = 0.2  # CPU seconds of slopes that are fitted; tuned on noisy series of 100 rows, by `make guards`
+COST_FIT_PER_ROW = 2e-5  # and per row; tuned on noisy series of 1e5 rows, by `make guards`
+COST_CURVE = 0.03  # CPU seconds of a curve; tuned on series of 100 rows, by `make bench`
+COST_PER_ROW = 4e-5  # and per row; tuned on series of 1e5 rows, by `make bench`
+COST_TABLE_PER_ROW = 3e-5  # and of its table; tuned on series of 1e5 rows, by `make bench`
+COST_DEVICE = 7e-3  # of what is read off it for a device; tuned on 10 to 2,000 devices, by `make guards`
+COST_PAGE_PER_ROW = 2e-4  # of the explorer's page; tuned on series of 2e4 and 6e4 rows, by `make bench`
+COST_FIGURE = 0.6  # of its pictures; tuned on series of 100 rows, by `make bench`
 
 
 def forecast(
@@ -237,16 +231,16 @@ def forecast(
     """What the curves of a solution for ``works`` of adhesion [J/m^2] cost, with their tables and pictures or without,
     and what is read off for so many ``devices``; ``request``: of finite range."""
     rows = solution.increments.a.size
-    fitted = COST.fit + COST.fit_per_row * rows if solution.series.S is None else 0.0
-    per_row, mib = COST.per_row + tables * COST.table_per_row, COST.mib_per_row + tables * COST.table_mib_per_row
-    each = COST.curve + per_row * rows + figures * COST.figure + devices * COST.device
+    fitted = COST_FIT + COST_FIT_PER_ROW * rows if solution.series.S is None else 0.0
+    per_row, mib = COST_PER_ROW + tables * COST_TABLE_PER_ROW, COST_MIB_PER_ROW + tables * COST_TABLE_MIB_PER_ROW
+    each = COST_CURVE + per_row * rows + figures * COST_FIGURE + devices * COST_DEVICE
     each += _ranged(solution, works, request) if request else seconds_of_points(solution, devices)
-    return Forecast(fitted + len(works) * each, COST.mib + mib * rows, 0.0)
+    return Forecast(fitted + len(works) * each, COST_MIB + mib * rows, 0.0)
 
 
 def seconds_of_page(solution: Solution) -> float:
     """CPU seconds of the explorer's page of a solution, beside those of its curve."""
-    return COST.page_per_row * solution.increments.a.size
+    return COST_PAGE_PER_ROW * solution.increments.a.size
 
 
 def _ranged(solution: Solution, works: Sequence[float], request: RangeRequest) -> float:

@@ -34,23 +34,18 @@ from ..series import Series, Solution
 # was laid down without adhesion and then retracted, the radial displacements with which points were touched do no
 # work.
 
-
-@dataclass(frozen=True)
-class StickingEffectTuning:
-    """The rough solutions, and when their difference is worth a word."""
-
-    # tuned on bodies, by `make constants`: of ratios that are shown to three digits; most are a hundred times as good
-    accuracy: float = 1e-2
-    radii: int = 25  # tuned on bodies, by `make constants`: where pull-off is sought
-    # of the largest radius, the least of them; tuned on bodies, by `make constants`: below, the contact is a
-    # half-space's
-    smallest: float = 0.02
-    # of it, one more; tuned on bodies, by `make constants`: a stuck contact is wider at equal depth by less
-    beyond: float = 1.1
-    noticeable: float = 0.05  # relative change from which a reader is warned; choice: as for Tabor numbers
+# The rough solutions, and when their difference is worth a word.
+# tuned on bodies, by `make constants`: of ratios that are shown to three digits; most are a hundred times as good
+STICKING_EFFECT_ACCURACY = 1e-2
+STICKING_EFFECT_RADII = 25  # tuned on bodies, by `make constants`: where pull-off is sought
+# of the largest radius, the least of them; tuned on bodies, by `make constants`: below, the contact is a
+# half-space's
+STICKING_EFFECT_SMALLEST = 0.02
+# of it, one more; tuned on bodies, by `make constants`: a stuck contact is wider at equal depth by less
+STICKING_EFFECT_BEYOND = 1.1
+STICKING_EFFECT_NOTICEABLE = 0.05  # relative change from which a reader is warned; choice: as for Tabor numbers
 
 
-STICKING_TUNING = StickingEffectTuning()
 OUTSIDE = Unknown("pull-off lies outside the series")
 NOT_KEPT = Unknown("series files do not keep it")
 
@@ -98,7 +93,7 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
         return Unknown(f"effect of no slip not computed at a contact radius of {largest:.3g} m")
     a0 = body.indenter.a0
     radii = a0 + (largest - a0) * np.append(
-        np.geomspace(STICKING_TUNING.smallest, 1.0, STICKING_TUNING.radii), STICKING_TUNING.beyond
+        np.geomspace(STICKING_EFFECT_SMALLEST, 1.0, STICKING_EFFECT_RADII), STICKING_EFFECT_BEYOND
     )
     radii = radii[radii < body.indenter.r_max]
     try:
@@ -106,7 +101,7 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
         pull_off = pull_off_ratios(sticking, sliding, [w for w in works if w > 0])
     except JkrError as error:
         return Unknown(f"effect of no slip unknown: {error}")
-    last = min(STICKING_TUNING.radii, radii.size) - 1
+    last = min(STICKING_EFFECT_RADII, radii.size) - 1
     depth = min(sliding.delta[last], sticking.delta[-1])
     assert sliding.S is not None
     assert sticking.S is not None
@@ -116,7 +111,7 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
 
 
 def _series(contact: stack.LayeredContact | stuck.StuckLayeredContact, radii: Array) -> Series:
-    result: Any = contact.solved(radii, contact.plan(radii, STICKING_TUNING.accuracy))  # type: ignore[arg-type]
+    result: Any = contact.solved(radii, contact.plan(radii, STICKING_EFFECT_ACCURACY))  # type: ignore[arg-type]
     return Series(radii, result.delta, result.P, result.S, result.dS, a0=contact.indenter.a0)
 
 
@@ -141,8 +136,8 @@ def pull_off_ratios(
 
 
 def sticking_warnings(problem: Problem, effect: StickingEffect | Unknown) -> Iterator[str]:
-    """Sentences on an assumption that matters by more than ``TUNING.noticeable``."""
-    if isinstance(effect, Unknown) or effect.largest <= STICKING_TUNING.noticeable:
+    """Sentences on an assumption that matters by more than ``STICKING_EFFECT_NOTICEABLE``."""
+    if isinstance(effect, Unknown) or effect.largest <= STICKING_EFFECT_NOTICEABLE:
         return
     other = "sliding" if problem.sticks else "sticking"
     assumed = "no slip" if problem.sticks else "no friction"
@@ -166,7 +161,7 @@ def effect_on(solution: Solution, works: Sequence[float]) -> StickingEffect | Un
     if isinstance(load, float) and isinstance(stiffness, float):
         small = Unknown("not computed: load and S hardly differ")
         effect = StickingEffect(a, load, stiffness, dict.fromkeys(works, small))
-        if effect.largest <= STICKING_TUNING.noticeable:
+        if effect.largest <= STICKING_EFFECT_NOTICEABLE:
             return effect
     return sticking_effect(solution.problem, a, works)
 
@@ -178,20 +173,13 @@ def effect_as_json(effect: StickingEffect | Unknown) -> Any:
 
 NO_FORMULA = Unknown("no formula for a half-space under this tip")
 
-
-@dataclass(frozen=True)
-class DistanceTuning:
-    """How the point of the exact curve is found that is nearest to a computed one."""
-
-    window: float = 1.8  # factor of the radius within which it lies; choice: errors of the radius are far smaller
-    coarse: int = 129  # points of the exact curve in that window; choice: several to each of its bends
-    fine: int = 17  # and in each refinement around the nearest; choice: time alone depends on it
-    refinements: int = 17  # theory: by fine // 2 each, down to round-off of the radius
-    rim: float = 2e-6  # theory: of a0, the first sqrt(a^2 - a0^2): a - a0 is 1e4 times the round-off of a
-    beyond: float = 3.0  # choice: of the pull-off radius of a paraboloid, up to which that of another tip is sought
-
-
-TUNING = DistanceTuning()
+# How the point of the exact curve is found that is nearest to a computed one.
+DISTANCE_WINDOW = 1.8  # factor of the radius within which it lies; choice: errors of the radius are far smaller
+DISTANCE_COARSE = 129  # points of the exact curve in that window; choice: several to each of its bends
+DISTANCE_FINE = 17  # and in each refinement around the nearest; choice: time alone depends on it
+DISTANCE_REFINEMENTS = 17  # theory: by fine // 2 each, down to round-off of the radius
+DISTANCE_RIM = 2e-6  # theory: of a0, the first sqrt(a^2 - a0^2): a - a0 is 1e4 times the round-off of a
+DISTANCE_BEYOND = 3.0  # choice: of the pull-off radius of a paraboloid, up to which that of another tip is sought
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,7 +236,7 @@ def exact_curve(problem: Problem, w: float, a_max: float, points: int = 400) -> 
     a = indenter.a0 + (top - indenter.a0) * np.linspace(0, 1, points + 1)[1:] ** 2
     if indenter.a0:
         v = np.sqrt((a[0] - indenter.a0) * (a[0] + indenter.a0))
-        rim = np.hypot(indenter.a0, np.geomspace(min(TUNING.rim * indenter.a0, v / 2), v, TUNING.coarse)[:-1])
+        rim = np.hypot(indenter.a0, np.geomspace(min(DISTANCE_RIM * indenter.a0, v / 2), v, DISTANCE_COARSE)[:-1])
         a = np.concatenate([rim, a])
     pair = indenter.half_space(a, E_star)
     if pair is None:
@@ -265,7 +253,7 @@ def half_space_pull_off(problem: Problem, w: float, stiffness: float) -> Critica
     if R is None or problem.specimen.surface_tension:
         return NO_FORMULA
     radius = (9 * np.pi * w * R**2 / (8 * problem.E_star)) ** (1 / 3)  # JKR's under load control, the widest
-    curve = exact_curve(problem, w, TUNING.beyond * radius)
+    curve = exact_curve(problem, w, DISTANCE_BEYOND * radius)
     return NO_FORMULA if curve is None else curve.pull_off(stiffness)
 
 
@@ -310,20 +298,20 @@ def curve_distance(
     """Greatest distance of the points (``delta``, ``P``) from the curve ``exact`` of the radius, which is sought
     near their radii ``a`` [m] between the ``ends`` [m]; the axes in units of the displacement and load of ``unit``,
     or, where ``relative``, of the point itself where these are larger."""
-    low, high = np.maximum(a / TUNING.window, ends[0]), np.minimum(a * TUNING.window, ends[1])
+    low, high = np.maximum(a / DISTANCE_WINDOW, ends[0]), np.minimum(a * DISTANCE_WINDOW, ends[1])
     columns = np.arange(a.size)
     pairs = (delta, abs(unit.delta)), (P, abs(unit.P))
     sizes = [np.maximum(np.abs(values), size) if relative else size for values, size in pairs]
-    v = np.broadcast_to(np.linspace(0, 1, TUNING.coarse)[:, None], (TUNING.coarse, a.size))  # of the way, squared
-    step, least = 1 / (TUNING.coarse - 1), np.full(a.size, np.inf)
-    for _ in range(TUNING.refinements):
+    v = np.broadcast_to(np.linspace(0, 1, DISTANCE_COARSE)[:, None], (DISTANCE_COARSE, a.size))  # of the way, squared
+    step, least = 1 / (DISTANCE_COARSE - 1), np.full(a.size, np.inf)
+    for _ in range(DISTANCE_REFINEMENTS):
         delta_there, P_there = exact(low + (high - low) * v**2)
         off = (delta_there - delta) / sizes[0], (P_there - P) / sizes[1]
         distances = np.hypot(*off)
         nearest = np.argmin(distances, axis=0)
         least = np.minimum(least, distances[nearest, columns])
-        v = np.clip(v[nearest, columns] + step * np.linspace(-1, 1, TUNING.fine)[:, None], 0, 1)
-        step *= 2 / (TUNING.fine - 1)
+        v = np.clip(v[nearest, columns] + step * np.linspace(-1, 1, DISTANCE_FINE)[:, None], 0, 1)
+        step *= 2 / (DISTANCE_FINE - 1)
     return float(np.max(least))
 
 
@@ -333,18 +321,11 @@ def curve_distance(
 # The Tabor number answers it for a half-space alone. Here the same body is solved with a constant tension up to z0,
 # unless the annulus in which it would act, pi z0^2 E*/(4 w) wide, is so narrow that nothing can differ.
 
-
-@dataclass(frozen=True)
-class RangeEffectTuning:
-    """When the effect of a range is computed, and when it is reported."""
-
-    # Width of the annulus over the contact radius and the top layer, below which the force differs by less than is
-    # reported:
-    narrow: float = 0.03  # choice: there a half-space differs by 0.5 %, layers by less
-    points: int = 40  # contact radii of the solution; choice: a tenth of a second
-
-
-RANGE_EFFECT_TUNING = RangeEffectTuning()
+# When the effect of a range is computed, and when it is reported.
+# Width of the annulus over the contact radius and the top layer, below which the force differs by less than is
+# reported:
+RANGE_EFFECT_NARROW = 0.03  # choice: there a half-space differs by 0.5 %, layers by less
+RANGE_EFFECT_POINTS = 40  # contact radii of the solution; choice: a tenth of a second
 
 
 def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point: Equilibrium) -> Estimate:
@@ -358,7 +339,7 @@ def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point
     if problem.specimen.surface_tension:
         return Unknown("adhesion of finite range is not derived with surface tension")
     h = min(point.a, problem.top_thickness)
-    if math.pi * z0**2 * problem.E_star / (4 * w) < RANGE_EFFECT_TUNING.narrow * h:
+    if math.pi * z0**2 * problem.E_star / (4 * w) < RANGE_EFFECT_NARROW * h:
         return 0.0
     try:
         pull_off = ranged(problem, series, w, z0).pull_off(LOAD_CONTROL)
@@ -373,6 +354,6 @@ def ranged(problem: Problem, series: Series, w: float, z0: float) -> Equilibrium
     from ..adhesion import FiniteRangeBody
     from ..methods.finite_range import AttractedBody
 
-    some = np.unique(np.linspace(0, len(series) - 1, RANGE_EFFECT_TUNING.points).astype(int))
+    some = np.unique(np.linspace(0, len(series) - 1, RANGE_EFFECT_POINTS).astype(int))
     body = FiniteRangeBody(problem, Series(series.a[some], series.delta[some], series.P[some]), AttractedBody(problem))
     return body.curve(Range.of(w, length=z0))

@@ -9,32 +9,22 @@ asks for a straight line in the load alone, the likeliest drift, which one numbe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ..adhesion.slopes.integral import estimate, whitener
 from ..base import Array
 from ..series import RawSeries, Series
-from .node_radii import TUNING as LOADS
-from .node_radii import Compared
+from .node_radii import AHEAD_DEEP, Compared
 
-
-@dataclass(frozen=True)
-class DepartureTuning:
-    """When a departure is reported."""
-
-    fewest: int = 8  # choice: points; the parabolas take six numbers
-    chance: float = 2e-3  # probability that independent noise shows as much; choice: rare
-    of_line: float = 2e-2  # that it shows as straight a line in the load; tuned on drifts, by `make noise-study`
-    least: float = 5e-3  # choice: of delta or P; meshes of finite elements leave as much
-    of_nodes: float = 0.05  # of the load where radii are those of nodes; choice: cut and coarse bodies leave as much
-    floor: float = 1e-14  # theory: variance below which nothing is known of the scatter
-    longest: float = 0.99  # choice: correlation of neighbours; more is drift itself
-
-
-TUNING = DepartureTuning()
+# When a departure is reported.
+DEPARTURE_FEWEST = 8  # choice: points; the parabolas take six numbers
+DEPARTURE_CHANCE = 2e-3  # probability that independent noise shows as much; choice: rare
+DEPARTURE_OF_LINE = 2e-2  # that it shows as straight a line in the load; tuned on drifts, by `make noise-study`
+DEPARTURE_LEAST = 5e-3  # choice: of delta or P; meshes of finite elements leave as much
+DEPARTURE_OF_NODES = 0.05  # of the load where radii are those of nodes; choice: cut and coarse bodies leave as much
+DEPARTURE_FLOOR = 1e-14  # theory: variance below which nothing is known of the scatter
+DEPARTURE_LONGEST = 0.99  # choice: correlation of neighbours; more is drift itself
 
 
 def departures(beside: Compared) -> tuple[str, ...]:
@@ -51,24 +41,24 @@ def departures(beside: Compared) -> tuple[str, ...]:
     raw = beside.rows
     usable = (raw.a > own.a[0]) & (raw.a <= own.a[-1]) & (raw.delta > 0) & (raw.P > 0)
     a, delta, P = (values[usable] for values in (raw.a, raw.delta, raw.P))
-    if a.size < TUNING.fewest:
+    if a.size < DEPARTURE_FEWEST:
         return ()
     x, logs = np.log(own.a), np.log(np.stack([own.delta, own.P]))
     at = np.log(a)
     expected = CubicSpline(x, logs, axis=1)
-    return _judged(np.log(np.stack([delta, P])) - expected(at), expected(at, 1), at, TUNING.least, "contact radii")
+    return _judged(np.log(np.stack([delta, P])) - expected(at), expected(at, 1), at, DEPARTURE_LEAST, "contact radii")
 
 
 def _at_equal_displacement(rows: RawSeries, own: Series) -> tuple[str, ...]:
     """The sentence on loads beyond the first elements."""
-    usable = (rows.delta > max(LOADS.deep * rows.delta.max(), own.delta[0])) & (rows.delta <= own.delta[-1])
-    if np.count_nonzero(usable) < TUNING.fewest:
+    usable = (rows.delta > max(AHEAD_DEEP * rows.delta.max(), own.delta[0])) & (rows.delta <= own.delta[-1])
+    if np.count_nonzero(usable) < DEPARTURE_FEWEST:
         return ()
     x, logs = np.log(own.delta), np.log(np.stack([own.a, own.P]))
     log_a, expected = CubicSpline(x, logs, axis=1)(np.log(rows.delta[usable]))
     gap = np.log(rows.P[usable]) - expected
     rates = CubicSpline(logs[0], np.stack([x, logs[1]]), axis=1)(log_a, 1)
-    return _judged(np.stack([0 * gap, gap]), rates, log_a, TUNING.of_nodes, "displacements")
+    return _judged(np.stack([0 * gap, gap]), rates, log_a, DEPARTURE_OF_NODES, "displacements")
 
 
 def _judged(gap: Array, rates: Array, x: Array, least: float, equal: str) -> tuple[str, ...]:
@@ -107,7 +97,7 @@ def _smooth(gap: Array, rates: Array, x: Array) -> tuple[Array, Array] | None:
     columns = np.zeros((6, 2, n))
     columns[:3, 0], columns[3:, 1] = powers, powers
     parabola = np.linalg.lstsq(powers.T, gap.T, rcond=None)[0].T @ powers
-    variances, _ = estimate(x - x.max(), gap - parabola, rates[0], rates[1], 6.0, TUNING.floor)
+    variances, _ = estimate(x - x.max(), gap - parabola, rates[0], rates[1], 6.0, DEPARTURE_FLOOR)
     whiten = whitener(variances, rates[0], rates[1])
     white, basis = (np.einsum("ijn,...jn->...in", whiten, values) for values in (gap, columns))
     rho = _correlation(np.einsum("ijn,jn->in", whiten, gap - parabola))
@@ -119,9 +109,9 @@ def _smooth(gap: Array, rates: Array, x: Array) -> tuple[Array, Array] | None:
         float(fdtrc(more, free, (none - left) / more / max(full / free, 1e-300)))
         for more, left in ((5, full), (1, straight))
     )
-    if chance <= TUNING.chance:
+    if chance <= DEPARTURE_CHANCE:
         return both[:3] @ powers, both[3:] @ powers
-    if of_line <= TUNING.of_line:
+    if of_line <= DEPARTURE_OF_LINE:
         return np.zeros(n), drift @ powers[:2]
     return None
 
@@ -138,7 +128,7 @@ def _correlation(white: Array) -> float:
     lag1 = float(np.sum(white[:, 1:] * white[:, :-1]) / max(np.sum(white**2), 1e-300))
     if lag1 < 2 / np.sqrt(2 * n):
         return 0.0
-    return min(lag1 + (3 + 4 * lag1) / n, TUNING.longest)
+    return min(lag1 + (3 + 4 * lag1) / n, DEPARTURE_LONGEST)
 
 
 def _independent(rows: Array, rho: float) -> Array:

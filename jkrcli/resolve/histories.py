@@ -25,7 +25,7 @@ from ..base import MOST_STEPS, PATIENCE, InputError, JkrError, Refusal, Unknown
 from ..bodies import Loading, Problem
 from ..series import Solution
 from .analysis import Analysis, forecast, nonadhesive
-from .pull_off_range import TUNING
+from .pull_off_range import REACH_INSIDE
 from .refine_pull_off import refined, solver_of
 from .resolve import again, method_behind
 
@@ -149,7 +149,7 @@ def solved_on(
     where its method does not go so far, or not soon."""
     method, there, body = method_behind(solution), solution, unit
     problem = solution.problem
-    most = TUNING.inside * min(problem.indenter.r_max, problem.specimen.radius or problem.indenter.r_max)
+    most = REACH_INSIDE * min(problem.indenter.r_max, problem.specimen.radius or problem.indenter.r_max)
     for _ in range(MOST_STEPS):
         end = min(FURTHER * float(body.a[-1]), most)
         if enough(body):

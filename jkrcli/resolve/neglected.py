@@ -49,29 +49,24 @@ from ..series import Series
 from .comparison import effect_of_range, half_space_pull_off, pull_off_ratios, ranged, sticking_effect
 from .resolve import again
 
-
-@dataclass(frozen=True)
-class LeftOutTuning:
-    """What is taken in where a case does not say how much of it there is, and how well that is solved."""
-
-    glass: tuple[float, float] = (70e9, 0.22)  # choice: E [Pa] and nu of what is taken as rigid: soda-lime glass
-    density: float = 1000.0  # choice: kg/m^3, of a body whose density nobody says: of water
-    of_strains: float = 4 / 3  # theory: change of S over that of P where this grows with the root of the depth
-    # tuned on what cases leave out, by `make constants`: of the solutions; changes are printed to 1e-4
-    accuracy: float = 1e-5
-    # choice: kappa over the largest radius, below which a tension is that, in proportion; the second where the first
-    # would take long
-    slight: tuple[float, float] = (1e-3, 1e-2)
-    # of the largest radius, the least at which a tension is solved for; tuned on bodies, by `make constants`: half of
-    # it moves what S changes by, by half a per cent
-    smallest: float = 0.02
-    per_work: float = 0.09  # CPU seconds for each work of adhesion; tuned on a layer and 40 of them, by `make guards`
-    few: int = 20  # radii of that; tuned on bodies, by `make constants`: half move what S changes by, by 7 %
+# What is taken in where a case does not say how much of it there is, and how well that is solved.
+LEFT_OUT_GLASS = (70e9, 0.22)  # choice: E [Pa] and nu of what is taken as rigid: soda-lime glass
+LEFT_OUT_DENSITY = 1000.0  # choice: kg/m^3, of a body whose density nobody says: of water
+LEFT_OUT_OF_STRAINS = 4 / 3  # theory: change of S over that of P where this grows with the root of the depth
+# tuned on what cases leave out, by `make constants`: of the solutions; changes are printed to 1e-4
+LEFT_OUT_ACCURACY = 1e-5
+# choice: kappa over the largest radius, below which a tension is that, in proportion; the second where the first
+# would take long
+LEFT_OUT_SLIGHT = (1e-3, 1e-2)
+# of the largest radius, the least at which a tension is solved for; tuned on bodies, by `make constants`: half of
+# it moves what S changes by, by half a per cent
+LEFT_OUT_SMALLEST = 0.02
+LEFT_OUT_PER_WORK = 0.09  # CPU seconds for each work of adhesion; tuned on a layer and 40 of them, by `make guards`
+LEFT_OUT_FEW = 20  # radii of that; tuned on bodies, by `make constants`: half move what S changes by, by 7 %
 
 
-TUNING = LeftOutTuning()
 COARSE = Layered(1e-5)
-GLASS = Elastic(*TUNING.glass)
+GLASS = Elastic(*LEFT_OUT_GLASS)
 NO_STRAINS = Unknown("known of rubber, nu about 1/2, under spheres on half-spaces and thick layers alone")
 NO_PULL_OFF = Unknown("pull-off at large strains is not known")
 NOT_COMPARED = Unknown("not computed with a range")
@@ -176,7 +171,7 @@ class LeftOut:
 
 def seconds_of_works(works: Sequence[float]) -> float:
     """CPU seconds that the pull-off forces of so many ``works`` of adhesion take, of a body and its neighbours."""
-    return TUNING.per_work * len(works)
+    return LEFT_OUT_PER_WORK * len(works)
 
 
 def left_out(problem: Problem, expected: Expectation, works: Sequence[float], z0: float | None) -> list[LeftOut]:
@@ -201,7 +196,7 @@ class Neighbours:
     def with_(self, name: str, key: str, **otherwise: Any) -> LeftOut:
         """The body with ``otherwise`` in place of its fields."""
         loading = Loading("depth", self.expected.delta, DENSE, "log")
-        method = Layered(TUNING.accuracy)
+        method = Layered(LEFT_OUT_ACCURACY)
         try:
             other = again(self.body, method=method, longest=PATIENCE, loading=loading, **otherwise).series
         except JkrError as error:
@@ -275,7 +270,7 @@ def _tension(neighbours: Neighbours) -> LeftOut:
     name, key = f"surface tension {show(Ups, 'tension')}", f'specimen.surface_tension = "{show(Ups, "tension")}"'
     rigid = replace(body, indenter=replace(body.indenter, material=None), sticks=False)  # type: ignore[type-var]
     failed = Unknown("")
-    for slight in TUNING.slight:
+    for slight in LEFT_OUT_SLIGHT:
         trial = max(Ups, slight * neighbours.expected.a * rigid.E_star / 2)
         try:
             plain, tense = _tense(rigid, neighbours.expected.a, trial)
@@ -290,8 +285,8 @@ def _tension(neighbours: Neighbours) -> LeftOut:
 
 def _tense(body: Problem, largest: float, tension: float) -> tuple[Series, Series]:
     """The series up to the ``largest`` radius [m] without and with a ``tension`` [N/m]."""
-    a0, method = body.indenter.a0, Layered(TUNING.accuracy)
-    radii = a0 + (largest - a0) * np.geomspace(TUNING.smallest, 1.0, TUNING.few)
+    a0, method = body.indenter.a0, Layered(LEFT_OUT_ACCURACY)
+    radii = a0 + (largest - a0) * np.geomspace(LEFT_OUT_SMALLEST, 1.0, LEFT_OUT_FEW)
     specimens = (body.specimen, replace(body.specimen, surface_tension=tension))
     plain, tense = (again(body, radii, method, PATIENCE, specimen=one).series for one in specimens)
     return plain, tense
@@ -383,7 +378,7 @@ def _strains(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
         return
     load = 1 / (1 + judged.strained) - 1
     pulls = {w: _largest(judged.large_strains) for w, _, judged in expected.adhesion if w > 0}
-    yield LeftOut(name, "", load, TUNING.of_strains * load, pulls)
+    yield LeftOut(name, "", load, LEFT_OUT_OF_STRAINS * load, pulls)
 
 
 def _largest(change: Strains) -> Estimate:
@@ -398,7 +393,7 @@ def _weight(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
     material, R = body.specimen.surface, body.indenter.tip_radius
     if R is None or not body.is_half_space or material.nu < INCOMPRESSIBLE or body.specimen.surface_tension:
         return
-    load, S = over_hertz(expected.a, material.E_star, TUNING.density)
-    pulls = {w: over_jkr(point.a, material.E_star, TUNING.density) if isinstance(point, CriticalPoint) else point
+    load, S = over_hertz(expected.a, material.E_star, LEFT_OUT_DENSITY)
+    pulls = {w: over_jkr(point.a, material.E_star, LEFT_OUT_DENSITY) if isinstance(point, CriticalPoint) else point
              for w, point, _ in expected.adhesion if w > 0}  # fmt: skip
-    yield LeftOut(f"weight of the specimen, {TUNING.density:g} kg/m^3", "", load, S, pulls)
+    yield LeftOut(f"weight of the specimen, {LEFT_OUT_DENSITY:g} kg/m^3", "", load, S, pulls)

@@ -28,46 +28,39 @@ from ..bodies import Indenter, Problem
 from ..series import RawSeries, Series
 from .resolve import own_solution
 
-
-@dataclass(frozen=True)
-class AheadTuning:
-    """What is thought of the edge before, and how it is found."""
-
-    # elements by which the edge runs ahead of a node that begins to carry; theory: 0 for exact complementarity,
-    # 0.1 to 0.3 for surfaces, averaged pressures and thresholds
-    known: tuple[float, float] = (0.0, 0.3)
-    # and what the radius of another node, the nearest or the next one, adds; theory: as the nodes are counted
-    nodes: tuple[float, ...] = (0.0, -0.5, -1.0)
-    usual: float = 0.7  # choice: probability that it is the outermost node
-    least: float = 0.02  # elements that are left; tuned on node-based series, by `make node-study`
-    rows: int = 160  # choice: most rows that are asked, those next to another radius first
-    first: float = 2.5  # choice: elements, below which meshes do not tell where the edge is
-    outlier: float = 0.01  # choice: probability of a row that tells nothing
-    # relative scatter of radii at equal displacement that is thought possible; choice: decades
-    scatter: tuple[float, ...] = (1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
-    blur: float = 0.01  # choice: elements, of the ends of the interval
-    radius: float = 0.002  # of displacements at equal radii; choice: usual size of what meshes and cuts make of them
-    wrong: float = 0.05  # choice: of displacements, from which the radius of the tip is another
-    loads: float = 1.1  # choice: factor of loads that is warned of; meshes that do not lock err by less than a third
-    deep: float = 0.1  # choice: of the largest displacement, from which loads count
-    near: float = 0.04  # choice: by how much a factor may miss that of a usual cause
-    locks: tuple[float, float] = (0.45, 2.5)  # choice: Poisson's ratio from which, and factor up to which elements lock
-    # mean log likelihood of a row, from which the bodies are those; tuned on node-based series, by `make node-study`
-    fits: float = -1.0
-    # of radii, up to which a body departs from the half-space; tuned on node-based series, by `make node-study`
-    half_space: tuple[float, ...] = (0.3, 0.15)
-    # of the radius, from its square on, by which it does; tuned on node-based series, by `make node-study`
-    powers: tuple[int, ...] = (2, 3)
-    spare: int = 4  # touches beyond what is fitted; choice: fewer tell nothing
-    # Radii that increments reach by equal steps are those of nodes where the edge is this many elements off them, and
-    # so many standard errors, and loads at equal displacement are those of the bodies to this part:
-    off: float = 0.25  # choice: less is no matter
-    sure: float = 4.0  # choice: rare
-    same: float = 0.02  # choice: meshes that do not lock err by less
-
-
-TUNING = AheadTuning()
-
+# What is thought of the edge before, and how it is found.
+# elements by which the edge runs ahead of a node that begins to carry; theory: 0 for exact complementarity,
+# 0.1 to 0.3 for surfaces, averaged pressures and thresholds
+AHEAD_KNOWN = (0.0, 0.3)
+# and what the radius of another node, the nearest or the next one, adds; theory: as the nodes are counted
+AHEAD_NODES = (0.0, -0.5, -1.0)
+AHEAD_USUAL = 0.7  # choice: probability that it is the outermost node
+AHEAD_LEAST = 0.02  # elements that are left; tuned on node-based series, by `make node-study`
+AHEAD_ROWS = 160  # choice: most rows that are asked, those next to another radius first
+AHEAD_FIRST = 2.5  # choice: elements, below which meshes do not tell where the edge is
+AHEAD_OUTLIER = 0.01  # choice: probability of a row that tells nothing
+# relative scatter of radii at equal displacement that is thought possible; choice: decades
+AHEAD_SCATTER = (1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
+AHEAD_BLUR = 0.01  # choice: elements, of the ends of the interval
+AHEAD_RADIUS = 0.002  # of displacements at equal radii; choice: usual size of what meshes and cuts make of them
+AHEAD_WRONG = 0.05  # choice: of displacements, from which the radius of the tip is another
+AHEAD_LOADS = 1.1  # choice: factor of loads that is warned of; meshes that do not lock err by less than a third
+AHEAD_DEEP = 0.1  # choice: of the largest displacement, from which loads count
+AHEAD_NEAR = 0.04  # choice: by how much a factor may miss that of a usual cause
+# choice: Poisson's ratio from which, and factor up to which elements lock
+AHEAD_LOCKS = (0.45, 2.5)
+# mean log likelihood of a row, from which the bodies are those; tuned on node-based series, by `make node-study`
+AHEAD_FITS = -1.0
+# of radii, up to which a body departs from the half-space; tuned on node-based series, by `make node-study`
+AHEAD_HALF_SPACE = (0.3, 0.15)
+# of the radius, from its square on, by which it does; tuned on node-based series, by `make node-study`
+AHEAD_POWERS = (2, 3)
+AHEAD_SPARE = 4  # touches beyond what is fitted; choice: fewer tell nothing
+# Radii that increments reach by equal steps are those of nodes where the edge is this many elements off them, and
+# so many standard errors, and loads at equal displacement are those of the bodies to this part:
+AHEAD_OFF = 0.25  # choice: less is no matter
+AHEAD_SURE = 4.0  # choice: rare
+AHEAD_SAME = 0.02  # choice: meshes that do not lock err by less
 
 # theory: loads of a part of the body over those of the whole
 PARTS = {
@@ -102,7 +95,7 @@ class Loads:
     def doubts(self, problem: Problem) -> tuple[str, ...]:
         """What is likely to be wrong, if anything is, as one warning that begins with the loads."""
         parts, R = [], problem.indenter.tip_radius
-        off = abs(math.log(self.factor)) > max(math.log(TUNING.loads), self.error)
+        off = abs(math.log(self.factor)) > max(math.log(AHEAD_LOADS), self.error)
         if off:
             parts.append(f"the loads are {self.words}{f': {self._causes(problem)}' if self.fits else ''}")
         if not self.fits:
@@ -111,21 +104,21 @@ class Loads:
             parts.append(
                 f"contact radii, displacements and loads are not those of these bodies: are {what} and the units right?"
             )
-        elif abs(math.log(self.stretch)) > math.log(TUNING.loads):
+        elif abs(math.log(self.stretch)) > math.log(AHEAD_LOADS):
             fitting = "" if R is None else f" (R = {show(R / self.stretch, 'length')} fits)"
             there = f"at equal contact radii the displacements are {self.stretch:.3g} times those of these bodies"
             parts.append(f"{there}{fitting}: is R right, and the unit of radius and displacement?")
         return ("; ".join(parts),) if parts else ()
 
     def _causes(self, problem: Problem) -> str:
-        usual = [cause for part, cause in PARTS.items() if abs(math.log(self.factor / part)) < TUNING.near]
+        usual = [cause for part, cause in PARTS.items() if abs(math.log(self.factor / part)) < AHEAD_NEAR]
         power = math.log10(self.factor)
-        if round(power) and abs(power - round(power)) < TUNING.near:
+        if round(power) and abs(power - round(power)) < AHEAD_NEAR:
             usual.append(f"a unit, {10.0 ** round(power):g} times too {'large' if power > 0 else 'small'}")
         nu = max(material.surface.nu for material in problem.specimen.materials)
-        if nu > TUNING.locks[0] and 1 < self.factor < TUNING.locks[1]:
+        if nu > AHEAD_LOCKS[0] and 1 < self.factor < AHEAD_LOCKS[1]:
             usual.append(f"elements that lock at nu = {nu:g}")
-        known = any(abs(math.log(self.factor / part)) < TUNING.near for part in PARTS)
+        known = any(abs(math.log(self.factor / part)) < AHEAD_NEAR for part in PARTS)
         return "; ".join(usual if known else [*usual, "a part of the body (--factor P=...), a unit, E?"])
 
 
@@ -172,7 +165,7 @@ class Compared:
         if self.own is None or found is None or loads is None or not loads.fits:
             return 1.0, 1.0
         at_equal_radii = self._loads(self.own, found.stretch, True)
-        most = math.log(TUNING.loads)
+        most = math.log(AHEAD_LOADS)
         if at_equal_radii is None or max(abs(found.stretch), abs(math.log(at_equal_radii.factor))) > most:
             return 1.0, 1.0
         of_profile = _beyond(found.stretch, TWO_SIDED_90 * found.stretch_error)
@@ -183,9 +176,9 @@ class Compared:
         own = self.own
         if own is None:
             return None
-        a, fits = self.rows, self.found is None or self.found.fit > TUNING.fits
+        a, fits = self.rows, self.found is None or self.found.fit > AHEAD_FITS
         stretch = self._stretch(own, a) if self.found is None else self.found.stretch
-        return self._loads(own, stretch if abs(stretch) > TUNING.wrong else 0.0, fits)
+        return self._loads(own, stretch if abs(stretch) > AHEAD_WRONG else 0.0, fits)
 
     def _loads(self, own: Series, stretch: float, fits: bool) -> Loads | None:
         """The factor of the loads at displacements that are those of the bodies after a ``stretch`` of their logs."""
@@ -193,15 +186,15 @@ class Compared:
         x = np.log(rows.delta[rows.delta > 0]) + stretch
         P = rows.P[rows.delta > 0]
         inside = (x > np.log(own.delta[0])) & (x < np.log(own.delta[-1])) & (P > 0)
-        inside &= x > np.log(TUNING.deep) + x[inside].max(initial=-np.inf)
-        if inside.sum() < TUNING.spare:
+        inside &= x > np.log(AHEAD_DEEP) + x[inside].max(initial=-np.inf)
+        if inside.sum() < AHEAD_SPARE:
             return None
         gap = np.log(P[inside]) - CubicSpline(np.log(own.delta), np.log(own.P))(x[inside]) + stretch
-        parts = [float(np.median(part)) for part in np.array_split(gap, min(TUNING.spare, gap.size))]
+        parts = [float(np.median(part)) for part in np.array_split(gap, min(AHEAD_SPARE, gap.size))]
         middle = float(np.median(gap))
         scatter = 1.25 * float(np.median(np.abs(gap - middle))) / 0.6745 / math.sqrt(gap.size)
         error = math.hypot((max(parts) - min(parts)) / 2, TWO_SIDED_90 * scatter)
-        fits = fits and error < math.log(TUNING.loads)
+        fits = fits and error < math.log(AHEAD_LOADS)
         return Loads(math.exp(middle), max(error, 1e-4), math.exp(-stretch), fits)
 
     @staticmethod
@@ -232,7 +225,7 @@ def compared(problem: Problem, raw: RawSeries, with_bodies: bool = True) -> Comp
     if nodes is None:
         return Compared(problem, raw, None, own, AS_THEY_ARE, None)
     found = None if own is None else by_body(nodes, own)
-    if found is not None and found.fit > TUNING.fits:
+    if found is not None and found.fit > AHEAD_FITS:
         return Compared(problem, raw, nodes, own, found.ahead, found)
     return Compared(problem, raw, nodes, own, by_tip(nodes, problem.indenter), found)
 
@@ -246,8 +239,8 @@ def _beside_body(raw: RawSeries, as_they_are: Compared) -> NodeRadii | None:
     if nodes is None:
         return None
     loads, rows, e = as_they_are._loads(own, 0.0, True), nodes.rows, nodes.element
-    inside = (rows.a > TUNING.first * e) & (rows.delta > own.delta[0]) & (rows.delta < own.delta[-1])
-    if loads is None or loads.error > TUNING.same or np.count_nonzero(inside) < 2 + TUNING.spare:
+    inside = (rows.a > AHEAD_FIRST * e) & (rows.delta > own.delta[0]) & (rows.delta < own.delta[-1])
+    if loads is None or loads.error > AHEAD_SAME or np.count_nonzero(inside) < 2 + AHEAD_SPARE:
         return None
     beyond = CubicSpline(np.log(own.delta), np.log(own.a - own.a0))
     x = np.log(rows.delta[inside])
@@ -257,8 +250,8 @@ def _beside_body(raw: RawSeries, as_they_are: Compared) -> NodeRadii | None:
     (off, stretch), *_ = np.linalg.lstsq(columns.T, z, rcond=None)
     left = z - np.array([off, stretch]) @ columns
     variance = float(left @ left) / (z.size - 2) * float(np.linalg.inv(columns @ columns.T)[0, 0])
-    told = abs(off) > max(TUNING.off, TUNING.sure * math.sqrt(variance)) and np.abs(left).max() < 1
-    return nodes if told and by_body(nodes, own).fit > TUNING.fits else None
+    told = abs(off) > max(AHEAD_OFF, AHEAD_SURE * math.sqrt(variance)) and np.abs(left).max() < 1
+    return nodes if told and by_body(nodes, own).fit > AHEAD_FITS else None
 
 
 @dataclass(frozen=True)
@@ -282,12 +275,12 @@ def by_body(nodes: NodeRadii, own: Series) -> Found:
     x = np.log(delta) + offset
     a = own.a0 + np.exp(beyond(x))
     z, lever = (a - r) / e, (a - own.a0) * beyond(x, 1) / e
-    spread = np.sinh(np.linspace(-3, 3, 25)) * TUNING.radius
+    spread = np.sinh(np.linspace(-3, 3, 25)) * AHEAD_RADIUS
     ends = -1.6, 0.9
     for refinement in range(2):
         c = np.linspace(*ends, 41)
-        logs = np.stack([_log_likelihood(z, lever, a / e, c, spread, scatter) for scatter in TUNING.scatter])
-        logs -= np.log1p((spread / TUNING.radius) ** 2)  # Cauchy's: more is rare, not excluded
+        logs = np.stack([_log_likelihood(z, lever, a / e, c, spread, scatter) for scatter in AHEAD_SCATTER])
+        logs -= np.log1p((spread / AHEAD_RADIUS) ** 2)  # Cauchy's: more is rare, not excluded
         weights = np.exp(logs - logs.max())
         weights /= weights.sum()
         mean_c, sd_c = _moments(c, weights.sum(axis=(0, 2)))
@@ -296,16 +289,16 @@ def by_body(nodes: NodeRadii, own: Series) -> Found:
             ends = mean_c - 4 * max(sd_c, 0.02), mean_c + 4 * max(sd_c, 0.02)
             width = 4 * max(sd_s, 3e-4)
             spread = np.linspace(mean_s - width, mean_s + width, 25)
-    error = float(np.hypot(TWO_SIDED_90 * sd_c, TUNING.least))
+    error = float(np.hypot(TWO_SIDED_90 * sd_c, AHEAD_LEAST))
     return Found(Ahead(mean_c, error, "body"), offset + mean_s, sd_s, float(logs.max()) / z.size)
 
 
 def by_tip(nodes: NodeRadii, indenter: Indenter) -> Ahead:
     """What the tip alone tells of the edge: which node it is, where the contact is small enough."""
     c = np.linspace(-1.2, 0.5, 171)
-    low, high = TUNING.known
+    low, high = AHEAD_KNOWN
     prior = np.zeros(c.size)
-    for share, node in zip((TUNING.usual, *[(1 - TUNING.usual) / 2] * 2), TUNING.nodes, strict=True):
+    for share, node in zip((AHEAD_USUAL, *[(1 - AHEAD_USUAL) / 2] * 2), AHEAD_NODES, strict=True):
         inside = (c >= node + low - 1e-9) & (c <= node + high + 1e-9)
         prior[inside] += share / inside.sum()
     seen = _of_half_space(nodes, indenter)
@@ -331,11 +324,11 @@ def _of_half_space(nodes: NodeRadii, indenter: Indenter) -> tuple[float, float] 
     radii = indenter.a0 + np.geomspace(1e-3 * float(a[0]), top - indenter.a0, 2000)
     alone = np.exp(np.interp(np.log(touches.rows.delta), np.log(indenter.abel(radii)), np.log(radii)))
     tries = []
-    for limit in TUNING.half_space:
+    for limit in AHEAD_HALF_SPACE:
         far = np.abs(alone / a - 1) > limit + e / a
         few = int(np.argmax(far)) if far.any() else a.size
-        for powers in TUNING.powers:
-            if few < powers + 1 + TUNING.spare:
+        for powers in AHEAD_POWERS:
+            if few < powers + 1 + AHEAD_SPARE:
                 break
             tries.append(_fitted(a[:few], e[:few], alone[:few], touches.errors[:few], powers))
     if len(tries) < 2:
@@ -364,11 +357,11 @@ def _telling(nodes: NodeRadii) -> Array:
     a = nodes.rows.a
     changes = np.diff(a) > 0
     near = np.append(changes, True) | np.append(True, changes)
-    beyond = a > TUNING.first * nodes.element
-    if np.count_nonzero(near & beyond) < TUNING.rows // 8:
+    beyond = a > AHEAD_FIRST * nodes.element
+    if np.count_nonzero(near & beyond) < AHEAD_ROWS // 8:
         beyond[:] = True
     chosen = np.flatnonzero(near & beyond)
-    return chosen[np.unique(np.linspace(0, chosen.size - 1, TUNING.rows).astype(int))] if chosen.size else chosen
+    return chosen[np.unique(np.linspace(0, chosen.size - 1, AHEAD_ROWS).astype(int))] if chosen.size else chosen
 
 
 def _stretch(own: Series, nodes: NodeRadii) -> float:
@@ -381,16 +374,16 @@ def _stretch(own: Series, nodes: NodeRadii) -> float:
     gap = log_delta(np.log(a[there] + e[there] / 2 - own.a0)) - np.log(delta[there])
     middle = float(np.median(gap)) if gap.size else 0.0
     coarse = float(np.median(e / a))  # a radius is not known better
-    return middle if abs(middle) > TUNING.wrong + 3 * coarse else 0.0
+    return middle if abs(middle) > AHEAD_WRONG + 3 * coarse else 0.0
 
 
 def _log_likelihood(z: Array, lever: Array, count: Array, c: Array, stretch: Array, scatter: float) -> Array:
     """Log of the likelihood of ``c`` (m,) elements and ``stretch`` (k,), shape (m, k), for rows (n,) that lie ``z``
     elements beyond their nodes, each blurred by the ``scatter`` of its radius of ``count`` elements."""
-    blur = np.hypot(TUNING.blur, scatter * count)
+    blur = np.hypot(AHEAD_BLUR, scatter * count)
     at = ((z[:, None] + lever[:, None] * stretch)[:, None, :] - c[:, None]) / blur[:, None, None]
     inside = ndtr(at) - ndtr(at - 1 / blur[:, None, None])
-    return np.log((1 - TUNING.outlier) * inside + 0.1 * TUNING.outlier).sum(axis=0)
+    return np.log((1 - AHEAD_OUTLIER) * inside + 0.1 * AHEAD_OUTLIER).sum(axis=0)
 
 
 def _moments(x: Array, weights: Array) -> tuple[float, float]:

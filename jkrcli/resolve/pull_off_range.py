@@ -19,19 +19,12 @@ from .analysis import nonadhesive
 from .neglected import COARSE
 from .resolve import again
 
+# Radii at which a half-space is looked at, and those of a body whose w is known.
+REACH_RADII = (1e-13, 1e3)  # choice: [m], from below atoms to beyond every body
 
-@dataclass(frozen=True)
-class ReachTuning:
-    """Radii at which a half-space is looked at, and those of a body whose w is known."""
-
-    radii: tuple[float, float] = (1e-13, 1e3)  # choice: [m], from below atoms to beyond every body
-
-    inside: float = 0.99  # choice: of the radius at which the indenter ends
-    further: float = 3.0  # choice: times the thickness of layers, then the radius of the contact before: the next one's
-    of_devices: float = 1e3  # choice: w of a force under displacement control over that under load control; a cone's: 3
-
-
-TUNING = ReachTuning()
+REACH_INSIDE = 0.99  # choice: of the radius at which the indenter ends
+REACH_FURTHER = 3.0  # choice: times the thickness of layers, then the radius of the contact before: the next one's
+REACH_OF_DEVICES = 1e3  # choice: w of a force under displacement control over that under load control; a cone's: 3
 
 
 def solved_for(problem: Problem, works: Sequence[float], slopes: str = "auto", modulus_factor: float = 1.0) -> Solution:
@@ -56,7 +49,7 @@ def solved_for_force(
     """The same for the pull-off force ``load`` [N, > 0] measured by devices of the ``stiffnesses`` [N/m] (default: load
     control), whose w is sought on series that reach farther and farther."""
     w = work_on_half_space(problem.indenter, modulus_factor * problem.E_star, load)
-    for wider in _wider(problem, w * TUNING.of_devices if stiffnesses else w, modulus_factor):
+    for wider in _wider(problem, w * REACH_OF_DEVICES if stiffnesses else w, modulus_factor):
         body = nonadhesive(wider, slopes).scaled(modulus_factor)
         try:
             works = [work_from_pull_off(body, load, stiffness).w for stiffness in stiffnesses or (LOAD_CONTROL,)]
@@ -82,26 +75,26 @@ def _wider(problem: Problem, w: float, modulus_factor: float) -> Iterator[Soluti
     _, P = adhesive_half_space(a, delta_H, P_H, E_star, w)
     widest = float(a[P <= 0].max(initial=a[0]))
     layers = problem.layers
-    reach = min(TUNING.further * sum(layer.thickness for layer in layers), widest) if layers else widest
+    reach = min(REACH_FURTHER * sum(layer.thickness for layer in layers), widest) if layers else widest
     while True:
         far = _to(problem, reach)
         yield again(far, method=COARSE) if layers else again(far)
         if reach == widest:
             return
-        reach = min(TUNING.further * reach, widest)
+        reach = min(REACH_FURTHER * reach, widest)
 
 
 def _to(problem: Problem, a: float) -> Problem:
     """The problem to little more than the contact radius ``a`` [m], by rows that crowd towards first touch."""
-    end = min(ROOM * a, TUNING.inside * problem.indenter.r_max)
+    end = min(ROOM * a, REACH_INSIDE * problem.indenter.r_max)
     return replace(problem, loading=Loading("radius", end, ROWS, "log"))
 
 
 def half_space_radii(indenter: Indenter, E_star: float) -> tuple[Array, Array, Array]:
     """Contact radii from atoms to the end of the indenter [m], ``ROWS`` per decade, with delta_H [m] and P_H [N] on a
     half-space."""
-    least, most = TUNING.radii
-    end = min(most, TUNING.inside * indenter.r_max)
+    least, most = REACH_RADII
+    end = min(most, REACH_INSIDE * indenter.r_max)
     a = indenter.a0 + np.geomspace(least, end - indenter.a0, round(ROWS * math.log10(most / least)))
     columns = indenter.half_space(a, E_star)
     if columns is None:

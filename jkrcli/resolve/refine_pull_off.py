@@ -13,7 +13,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,39 +25,32 @@ from ..methods import METHODS
 from ..series import Series, Solution
 from .resolve import again, method_behind
 
-POINTS = 14  # radii that are solved at once for a curve: seven around each of two pull-off points
+POINTS = 14  # choice: radii that are solved at once for a curve: seven around each of two pull-off points
 Further = Callable[[Array], Nonadhesive]  # the functions at other radii [m], solved
 STEPS = np.arange(-3, 4)
 MIDDLE = STEPS.size // 2
 # Rows: derivatives of the polynomials through all values at ``STEPS``, the inner five, the inner three, by the step.
 WEIGHTS = np.array([[-1, 9, -45, 0, 45, -9, 1], [0, 5, -40, 0, 40, -5, 0], [0, 0, -30, 0, 30, 0, 0]]) / 60
 
-
-@dataclass(frozen=True)
-class SolvedTuning:
-    """Where further radii are solved, and how often."""
-
-    step: float = 0.02  # of log(a - a0) between the seven; tuned on random bodies, by `make bounds`
-    # Of what is stated of columns, and of S', what is neither a spring in series nor a stiffness: on random bodies at
-    # most 0.03 of delta, 0.08 of S'
-    own: tuple[float, ...] = (0.06, 0.06, 0.06, 0.13)  # tuned on random bodies, by `make bounds`
-    # of delta where delta' is meant, at least
-    rough: float = 0.25  # tuned on random bodies, by `make bounds`
-    # and of S' where S'' is meant, at least
-    bent: float = 0.45  # tuned on random bodies, by `make bounds`
-    # Error of a rate, in logs, over that of its column: one kernel errs smoothly
-    steeper: float = 1.5  # tuned on random bodies, by `make bounds`
-    # Radius up to which such a kernel is made over that of the outermost point, less the flat end, at most:
-    reach: float = 1.6  # tuned on random bodies, by `make bounds`
-    scatter: float = 1e-11  # of the columns from radius to radius; tuned on random bodies, by `make bounds`
-    each: float = 0.3  # of that of a solve, the cost of a curve's points; tuned on 1 to 1000 layers, by `make bench`
-    # Rows below a series, in equal steps of log sqrt(a^2 - a0^2), and how many more below the least pull-off:
-    decade: int = 15  # choice: a little closer than the 25 of four decades of "log", per decade of a - a0
-    under: int = 4  # theory: of which splines and seven points around the point need some
-    rim: float = 2e-6  # theory: of a0, the first sqrt(a^2 - a0^2): a - a0 is 1e4 times the round-off of a
-
-
-TUNING = SolvedTuning()
+# Where further radii are solved, and how often.
+SOLVED_STEP = 0.02  # of log(a - a0) between the seven; tuned on random bodies, by `make bounds`
+# Of what is stated of columns, and of S', what is neither a spring in series nor a stiffness: on random bodies at
+# most 0.03 of delta, 0.08 of S'
+SOLVED_OWN = (0.06, 0.06, 0.06, 0.13)  # tuned on random bodies, by `make bounds`
+# of delta where delta' is meant, at least
+SOLVED_ROUGH = 0.25  # tuned on random bodies, by `make bounds`
+# and of S' where S'' is meant, at least
+SOLVED_BENT = 0.45  # tuned on random bodies, by `make bounds`
+# Error of a rate, in logs, over that of its column: one kernel errs smoothly
+SOLVED_STEEPER = 1.5  # tuned on random bodies, by `make bounds`
+# Radius up to which such a kernel is made over that of the outermost point, less the flat end, at most:
+SOLVED_REACH = 1.6  # tuned on random bodies, by `make bounds`
+SOLVED_SCATTER = 1e-11  # of the columns from radius to radius; tuned on random bodies, by `make bounds`
+SOLVED_EACH = 0.3  # of that of a solve, the cost of a curve's points; tuned on 1 to 1000 layers, by `make bench`
+# Rows below a series, in equal steps of log sqrt(a^2 - a0^2), and how many more below the least pull-off:
+SOLVED_DECADE = 15  # choice: a little closer than the 25 of four decades of "log", per decade of a - a0
+SOLVED_UNDER = 4  # theory: of which splines and seven points around the point need some
+SOLVED_RIM = 2e-6  # theory: of a0, the first sqrt(a^2 - a0^2): a - a0 is 1e4 times the round-off of a
 
 
 def solver_of(solution: Solution) -> Further | None:
@@ -72,10 +65,10 @@ def solver_of(solution: Solution) -> Further | None:
         return None
 
     def further(a: Array) -> Nonadhesive:
-        beyond = np.outer(a - series.a0, np.exp(TUNING.step * STEPS))
+        beyond = np.outer(a - series.a0, np.exp(SOLVED_STEP * STEPS))
         radii = (series.a0 + beyond).ravel()
         if "parameters" in solution.facts and (kept is None or radii.max() > kept.reach):
-            end = min(series.a0 + TUNING.reach * float(np.max(a - series.a0)), float(series.a[-1]))
+            end = min(series.a0 + SOLVED_REACH * float(np.max(a - series.a0)), float(series.a[-1]))
             radii = np.append(radii, max(end, radii.max()))
         radii, order = np.unique(radii, return_inverse=True)
         return _in_the_middle(again(problem, radii, method), order[: beyond.size].reshape(-1, STEPS.size))
@@ -92,7 +85,7 @@ def seconds_of_points(solution: Solution, devices: int = 0) -> float:
     least, most = (float(solution.series.a[end]) for end in (0, -1))
     radii = np.unique(np.linspace(max(0.5 * most, least), most, POINTS + STEPS.size * devices))
     problem = replace(solution.problem, loading=Loading.given("radius", tuple(radii.tolist())))
-    return TUNING.each * method.forecast(problem).seconds
+    return SOLVED_EACH * method.forecast(problem).seconds
 
 
 def _in_the_middle(solution: Solution, sevens: Array) -> Nonadhesive:
@@ -145,11 +138,11 @@ def _joint(solution: Solution, sevens: Array, rates: Array, left: Array) -> Arra
     steep = np.maximum(np.abs(rates), unit)
     pair = kernel[::3]
     not_of = np.sqrt(np.maximum(pair**2 - by_spring[:4:3] ** 2, 0.0))  # one spring
-    rough = np.maximum(not_of, np.array([[TUNING.rough], [TUNING.bent]]) * pair)
-    of_rates = TUNING.steeper * steep * rough / values[::3] + left + TUNING.scatter / TUNING.step * unit
+    rough = np.maximum(not_of, np.array([[SOLVED_ROUGH], [SOLVED_BENT]]) * pair)
+    of_rates = SOLVED_STEEPER * steep * rough / values[::3] + left + SOLVED_SCATTER / SOLVED_STEP * unit
     profile = np.stack([shift, S * shift, 0 * S, 0 * S, slope, 0 * S])
     covariance = np.sum(common[:, :, None] * common[:, None], axis=0)
-    own = np.array(TUNING.own)[:, None] * kernel
+    own = np.array(SOLVED_OWN)[:, None] * kernel
     if companions is None:  # by the quadrature of F, where S is known much better: no spring
         own[0] = np.maximum(own[0], not_of[0])
     covariance[np.arange(6), np.arange(6)] += np.concatenate([own, of_rates]) ** 2 + profile**2
@@ -174,7 +167,7 @@ def _own(places: Array) -> Array:
     away = np.abs(places[:, :, None] - middle)
     own = np.abs(places - middle[:, None])
     away[np.arange(middle.size), :, np.arange(middle.size)] = np.inf
-    nearer: Array = np.min(away, axis=2) >= own + TUNING.step / 2
+    nearer: Array = np.min(away, axis=2) >= own + SOLVED_STEP / 2
     nearer[:, MIDDLE] = True
     return nearer
 
@@ -187,7 +180,7 @@ def _followed(problem: Problem, series: Series, seven: Array) -> tuple[Array, fl
     log_dS = np.polynomial.Polynomial.fit(STEPS, np.log(series.dS[seven]), STEPS.size - 1)
 
     def rate(r: Array) -> Array:
-        places = np.log((r - a0) / (a[MIDDLE] - a0)) / TUNING.step
+        places = np.log((r - a0) / (a[MIDDLE] - a0)) / SOLVED_STEP
         return np.sqrt(2 * problem.E_star) * np.exp(-log_dS(places) / 2) * indenter.abel_slope(r)
 
     joints = [joint for joint in indenter.joints if a[0] < joint < a[-1]]
@@ -200,11 +193,11 @@ def _followed(problem: Problem, series: Series, seven: Array) -> tuple[Array, fl
 def _rates(values: Array) -> tuple[Array, Array]:
     """Slopes (...) over log(a - a0) of ``values`` (..., 7) at ``STEPS``, and what the polynomials leave: their changes
     go on to fall as they have done, and no faster than by the step."""
-    sixth, quartic, parabola = np.einsum("...k,wk->w...", values, WEIGHTS) / TUNING.step
+    sixth, quartic, parabola = np.einsum("...k,wk->w...", values, WEIGHTS) / SOLVED_STEP
     first = np.abs(quartic - parabola)
-    second = np.maximum(np.abs(sixth - quartic), TUNING.step**2 * first)
+    second = np.maximum(np.abs(sixth - quartic), SOLVED_STEP**2 * first)
     fall = np.divide(second, first, out=np.ones_like(first), where=first > second)
-    return sixth, second * np.maximum(fall, TUNING.step)
+    return sixth, second * np.maximum(fall, SOLVED_STEP)
 
 
 def solved(curve: AdhesiveCurve, further: Further, *devices: float) -> AdhesiveCurve:
@@ -246,14 +239,14 @@ def solved_below(
         return min(radii)
 
     first, a0 = float(np.sqrt((series.a[0] - series.a0) * (series.a[0] + series.a0))), series.a0
-    floor = TUNING.rim * a0 if a0 else solution.record.z0
+    floor = SOLVED_RIM * a0 if a0 else solution.record.z0
     if first <= floor or least(series) > 0:
         return solution
-    steps = math.ceil(TUNING.decade * math.log10(first / floor))
+    steps = math.ceil(SOLVED_DECADE * math.log10(first / floor))
     below = np.hypot(a0, np.geomspace(floor, first, steps + 1)[:-1])
     try:
         rows = again(solution.problem, np.append(below, series.a), method, PATIENCE)
-        begin = np.searchsorted(below, least(rows.series)) - TUNING.under
+        begin = np.searchsorted(below, least(rows.series)) - SOLVED_UNDER
         if begin > 0:
             below = below[begin:]
             rows = again(solution.problem, np.append(below, series.a), method, PATIENCE)
@@ -286,7 +279,7 @@ def _apart(before: Array, radii: Array, a0: float) -> Array:
     """Those radii of the step ``before`` that lie apart from the new ``radii``: where steps go to and fro, the place
     lies between them."""
     steps = np.abs(np.log((before[:, None] - a0) / (radii - a0)))
-    return before[np.min(steps, axis=1) > TUNING.step]
+    return before[np.min(steps, axis=1) > SOLVED_STEP]
 
 
 def is_solved(curve: EquilibriumCurve, point: Equilibrium) -> bool:

@@ -4,7 +4,7 @@ solution of the bodies that a measured or computed series is claimed to be of.""
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,19 +15,12 @@ from ..case import Case, method_of
 from ..methods import METHODS, Method, method_class
 from ..series import Series, Solution
 
-
-@dataclass(frozen=True)
-class OwnBodyTuning:
-    """The radii of the solution, and how long it may take."""
-
-    # in equal steps of log(a - a0); tuned on bodies, by `make constants`: half move the radius of a jump by 2e-5
-    radii: int = 80
-    # of log(a - a0), how far below the least radius it reaches, as far as a fit does; tuned on bodies,
-    # by `make constants`: half of it moves the radius of a jump by 2 %
-    below: float = 2.5
-
-
-TUNING = OwnBodyTuning()
+# The radii of the solution, and how long it may take.
+# in equal steps of log(a - a0); tuned on bodies, by `make constants`: half move the radius of a jump by 2e-5
+OWN_BODY_RADII = 80
+# of log(a - a0), how far below the least radius it reaches, as far as a fit does; tuned on bodies,
+# by `make constants`: half of it moves the radius of a jump by 2 %
+OWN_BODY_BELOW = 2.5
 
 
 def again(
@@ -72,7 +65,7 @@ def own_solution(problem: Problem, a: Array) -> Series | None:
     """The solution over the radii ``a`` (n,) [m] and some way below; None where no exact method represents them, or
     not soon."""
     beyond = a - problem.indenter.a0
-    steps = np.geomspace(beyond.min() * np.exp(-TUNING.below), beyond.max(), TUNING.radii)
+    steps = np.geomspace(beyond.min() * np.exp(-OWN_BODY_BELOW), beyond.max(), OWN_BODY_RADII)
     try:
         return again(problem, problem.indenter.a0 + steps, longest=PATIENCE).series
     except JkrError:

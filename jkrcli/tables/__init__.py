@@ -97,15 +97,8 @@ _DIGIT = re.compile(r"\d")
 _WORD = re.compile(r"[^\W\d]|\d{1,2}:\d\d(?!\d)")  # a time of day is none of the numbers of a table
 _ROW = re.compile(r"""\s*["']?[+-]?[.,]?\d""")  # a line that begins with a number
 
-
-@dataclass(frozen=True)
-class TextTuning:
-    """How much of a file shows how it is written."""
-
-    gaps: float = 0.1  # choice: of the rows, that may lack a number
-
-
-TUNING = TextTuning()
+# How much of a file shows how it is written.
+TEXT_GAPS = 0.1  # choice: of the rows, that may lack a number
 
 
 @dataclass(frozen=True)
@@ -403,7 +396,7 @@ def _rows(content: Lines, dialect: Dialect, gaps: bool) -> tuple[Array, Array]:
         more, whole = list(_data(body, dialect, gaps=True)), {n for n, _ in rows}
         text = dict(body)
         other = sum(n not in whole and not any(map(_FAILED.match, dialect.cells(text[n]))) for n, _ in more)
-        rows = more if other <= TUNING.gaps * len(more) else rows
+        rows = more if other <= TEXT_GAPS * len(more) else rows
     return np.array([n for n, _ in rows]), np.array([row for _, row in rows])
 
 

@@ -14,7 +14,7 @@ from stopwatch import takes_less_than
 from jkrcli.adhesion.curve import AdhesiveCurve
 from jkrcli.adhesion.device_path import Program, there_and_back
 from jkrcli.adhesion.interpolation import Nonadhesive
-from jkrcli.adhesion.rate import HISTORY_TUNING, RATE_LAWS, History, LogRate, PowerRate, RateContact
+from jkrcli.adhesion.rate import HISTORY_TOLERANCE, RATE_LAWS, History, LogRate, PowerRate, RateContact
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.stability import cycle
 from jkrcli.base.errors import InputError, Unknown
@@ -56,7 +56,7 @@ def gel() -> Nonadhesive:
     return Nonadhesive(series, slopes(series))
 
 
-def pulled(V: float, n: float, stiffness: float = RIGID, tolerance: float = HISTORY_TUNING.tolerance) -> History:
+def pulled(V: float, n: float, stiffness: float = RIGID, tolerance: float = HISTORY_TOLERANCE) -> History:
     """Back at the speed ``V`` from equilibrium at no load."""
     contact = RateContact(half_space(), PowerRate(1.0, n), 1.0, 1.0, stiffness, tolerance=tolerance)
     x = float(contact.edge.position_at(np.array(UNLOADED), 1.0))

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from jkrcli.adhesion.curve import SHARP_TUNING, CriticalPoint
+from jkrcli.adhesion.curve import SHARP_PRESSURE, CriticalPoint
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
 from jkrcli.bodies.materials import Elastic, Layer
@@ -59,7 +59,7 @@ def said(E: float, half_angle: float, specimen: Specimen | None = None) -> bool:
 
 
 def test_plasticity_is_hinted_at_where_the_mean_pressure_exceeds_a_tenth_of_the_modulus() -> None:
-    limit = math.degrees(math.atan(1 / (2 * SHARP_TUNING.pressure)))  # Sneddon's cone: mean pressure = E* cot(angle)/2
+    limit = math.degrees(math.atan(1 / (2 * SHARP_PRESSURE)))  # Sneddon's cone: mean pressure = E* cot(angle)/2
     assert said(70e9, limit - 1)
     assert not said(70e9, limit + 1)
     assert not said(1e6, limit - 1), "a gel does not flow"

@@ -42,13 +42,11 @@ def test_check_says_what_many_works_of_adhesion_take(jkr: Callable, monkeypatch:
     assert "solved" in last
 
 
-def test_the_explorer_counts_its_page(jkr: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_explorer_counts_its_page(jkr: Callable, tuned: Callable) -> None:
     """100,000 rows were announced as 4 s and took 38: the page's errors were not counted."""
-    from jkrcli.resolve import analysis
-
     Path("gel.toml").write_text(CASE.format("0.01"))
     assert jkr("run", "gel.toml").code == 0
-    monkeypatch.setattr(analysis, "COST", analysis.CostTuning(page_per_row=1.0))
+    tuned("jkrcli.resolve.analysis.COST_PAGE_PER_ROW", 1.0)
     done = jkr("explore", "gel.h5")
     assert "explore of 20 rows" in done.err
     assert "20 s of CPU time" in done.err

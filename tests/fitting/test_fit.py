@@ -90,7 +90,7 @@ def test_a_search_that_is_given_up_tells_no_interval(
     tuned: Callable[[str, object], None], confidence: ConfidenceName
 ) -> None:
     """Where it would have ended is a matter of round-off, on records that do not determine what is sought."""
-    tuned("jkrcli.fitting.rows.TUNING.evaluations", 2)
+    tuned("jkrcli.fitting.rows.SEARCH_EVALUATIONS", 2)
     found = fit(half_space(), sphere(noise=0.01), usual(confidence=confidence, samples=20))
     assert found.covariance is None
     for name in ("modulus", "w", "delta0", "E_star"):

@@ -23,7 +23,6 @@ from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve, Reading
 from jkrcli.data.measured import read
 from jkrcli.fitting import Fit, FittedBody, FittedValue, fit
-from jkrcli.fitting import force_curve as force_curve_fit
 from jkrcli.fitting.parameters import ROOT, Parameter
 from jkrcli.fitting.record import whole_record
 from jkrcli.fitting.rows import third_differences
@@ -607,10 +606,8 @@ def test_prepared_readings_of_both_directions_have_a_w_each() -> None:
     assert found.estimate("w").low > found.estimate("w_approach").high
 
 
-def test_a_search_that_is_given_up_says_what_is_not_determined(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        force_curve_fit, "FORCE_CURVE_FIT_TUNING", replace(force_curve_fit.FORCE_CURVE_FIT_TUNING, evaluations=1)
-    )
+def test_a_search_that_is_given_up_says_what_is_not_determined(tuned: Callable[[str, object], None]) -> None:
+    tuned("jkrcli.fitting.force_curve.FIT_EVALUATIONS", 1)
     found = fit(BODY, cycled(1), usual())
     assert "not determined" in found.flags
     assert found.estimate("E_star").high is None

@@ -32,6 +32,7 @@ from jkrcli.fitting.alternative_tests import (
 )
 from jkrcli.fitting.alternatives import (
     AMOUNT,
+    CHANGE_SMALL,
     LITTLE,
     RIVALS,
     Change,
@@ -44,7 +45,6 @@ from jkrcli.fitting.alternatives import (
     narrow_range,
     work_over_speed,
 )
-from jkrcli.fitting.alternatives import RECORD_CHANGE_TUNING as CHANGES
 from jkrcli.fitting.forward_model import grid, on_grid
 from jkrcli.fitting.least_squares import Spectrum
 from jkrcli.fitting.record import _fitted, _model, directions_of, whole_record
@@ -123,7 +123,7 @@ def test_surface_tension_of_a_half_space() -> None:
     at = elastic()
     ours = column(at, "surface tension")
     i = int(np.argmax(at.a))
-    log = math.log(2 / CHANGES.small) + 0.5772157
+    log = math.log(2 / CHANGE_SMALL) + 0.5772157
     of_theory = at.body.problem.E_star * at.modulus * at.a_max**3 / R * (4 * log - 4 * (log - 1)) / math.pi
     assert ours[i] / at.at_fixed_position[i] == pytest.approx(of_theory, rel=0.02)  # at constant displacement
 

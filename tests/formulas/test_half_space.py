@@ -14,7 +14,7 @@ from jkrcli import formulas as thin_layer
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
-from jkrcli.methods.closed_form import TUNING, ClosedForm
+from jkrcli.methods.closed_form import CLOSED_FORM_ROUND_OFF, ClosedForm
 
 E_STAR, R = 7.0e5, 2e-3
 SHAPES = [Sphere(R), Paraboloid(R), PowerLaw(0.3, 1.0), PowerLaw(5e6, 4.0), RoundedFlat(0.1 * R, R)]
@@ -76,7 +76,7 @@ def test_rounded_flat_is_exact_near_first_touch(beyond: float) -> None:
     b = 1e-6
     a = b * (1 + beyond)
     delta, P = half_space.rounded_flat(np.array(a), 1.0, b, 1.0)
-    assert (float(delta), float(P)) == pytest.approx(exact_rounded_flat(a, b), rel=TUNING.round_off / 2, abs=0)
+    assert (float(delta), float(P)) == pytest.approx(exact_rounded_flat(a, b), rel=CLOSED_FORM_ROUND_OFF / 2, abs=0)
 
 
 def test_dimensionless_jkr_is_eq_7_in_the_units_of_eq_15() -> None:

@@ -9,7 +9,7 @@ from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, TableProfile
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.closed_form import TUNING, ClosedForm
+from jkrcli.methods.closed_form import CLOSED_FORM_WORST, ClosedForm
 from jkrcli.methods.layered.solver import Layered
 
 R, H = 1000.0, 1.0
@@ -27,7 +27,7 @@ def test_thin_layers_are_within_their_stated_error_of_the_exact_solution(nu, rad
     problem = layer(nu, radii, bonded)
     found, exact = ClosedForm()(problem), Layered(1e-6)(problem).series
     error = found.budget.discretisation
-    assert 1e-3 < error <= TUNING.worst
+    assert 1e-3 < error <= CLOSED_FORM_WORST
     for name in ("delta", "P", "S", "dS"):
         ratio = getattr(found.series, name) / getattr(exact, name)
         assert np.max(np.abs(ratio - 1)) <= error * (1 + 1e-6)  # the check itself is good to 1e-6

@@ -152,7 +152,7 @@ KINDS = {
     "fem: smallest": kind(
         "method fem: " + TOO_MANY + "take a larger mesh.spacing or mesh.smallest, or a larger mesh.growth",
         fem({"smallest": 1e-6, "spacing": 0.04}), {"mesh": {"smallest": 0.1}},
-        jkrcli__methods__fem__mesh__TUNING__most_cells=4000),
+        jkrcli__methods__fem__mesh__LAYOUT_MOST_CELLS=4000),
     "fem: points": kind(
         "mesh: {} points between {} and {} of the contact's size, at most {}: take a larger mesh.spacing or "
         "mesh.smallest, or a smaller mesh.width or specimen",
@@ -163,11 +163,11 @@ KINDS = {
     "fem: quadrilaterals": kind(
         "method fem: " + TOO_MANY + "take a larger mesh.spacing or mesh.smallest, or triangles",
         fem({"element": "quadrilateral"}), {"mesh": {"element": "triangle"}},
-        jkrcli__methods__fem__mesh__TUNING__most_cells=1000),
+        jkrcli__methods__fem__mesh__LAYOUT_MOST_CELLS=1000),
     "fem: quadrilaterals on a thin layer": kind(  # of which triangles are more
         "method fem: " + TOO_MANY + "take a larger mesh.spacing or mesh.smallest, or a larger mesh.growth",
         fem({"element": "quadrilateral"}, specimen={"layers": [layer("200 nm")]}),
-        {"mesh": {"growth": 0.5}}, near=0.05, jkrcli__methods__fem__mesh__TUNING__most_cells=2100),
+        {"mesh": {"growth": 0.5}}, near=0.05, jkrcli__methods__fem__mesh__LAYOUT_MOST_CELLS=2100),
     "fem: zones": kind("method fem: " + TOO_MANY + "take a larger mesh.element_size, or a larger mesh.growth",
         {"method": "fem", "mesh": {**ZONES, "element_size": 1e-12}}, {"mesh": {"element_size": "1 um"}}),
     "fem: a tolerance of too many": kind("method fem: " + TOO_MANY + "ask for a larger mesh.tolerance, or use the "
@@ -211,7 +211,7 @@ KINDS = {
     "fem: tolerance with radii of vertices": kind(UNREACHED, {"method": "fem", "specimen": HALF_SPACE,
         "mesh": {"tolerance": 1e-3}, "contact": {"algorithm": "incremental"}},
         lambda said: {"mesh": {"tolerance": 1.5 * float(said[2])}}, LAYERED,
-        jkrcli__methods__fem__method__TUNING__finest=0.02),
+        jkrcli__methods__fem__method__REFINEMENT_FINEST=0.02),
     # ------------------------------------------------------------ hybrid
     "hybrid: half-space": kind(
         "method hybrid: a homogeneous half-space needs no correction: use method closed-form or layered",
@@ -238,21 +238,21 @@ KINDS = {
     "hybrid: cost on a cylinder": kind(COST + "fem",
         {**HYBRID, "specimen": cylinder("200 um", layer("1 um", nu=0.3)), "loading": {"radius": "20 um"}},
         {"loading": {"radius": "5 um"}}, {"hybrid": {"tolerance": 1e-2}}, fem(),
-        jkrcli__methods__hybrid__kernel__TUNING__most_seconds=0.5),
+        jkrcli__methods__hybrid__kernel__HYBRID_MOST_SECONDS=0.5),
     "hybrid: cost under an elastic indenter": kind(COST + FEM_RIGID,
         {**HYBRID, "specimen": cylinder("200 um", layer("1 um", nu=0.3)), "loading": {"radius": "20 um"},
          "indenter": ELASTIC},
         {"loading": {"radius": "5 um"}}, {"hybrid": {"tolerance": 1e-2}}, fem(**RIGID), near=None,
-        jkrcli__methods__hybrid__kernel__TUNING__most_seconds=0.5),
+        jkrcli__methods__hybrid__kernel__HYBRID_MOST_SECONDS=0.5),
     "hybrid: cost": kind(COST + "layered", {**HYBRID, "specimen": THIN, "loading": {"radius": "20 um"}},
         {"loading": {"radius": "5 um"}}, {"hybrid": {"tolerance": 1e-2}}, LAYERED,
-        jkrcli__methods__hybrid__kernel__TUNING__most_seconds=0.5),
+        jkrcli__methods__hybrid__kernel__HYBRID_MOST_SECONDS=0.5),
     "hybrid: rows on a cylinder": kind(ROWS + "fem (with a rigid indenter)",
         {**HYBRID, "specimen": cylinder("200 um", layer("1 um")), "loading": {"radius": "20 um"}},
-        fem(), {"loading": {"radius": "2 um"}}, jkrcli__methods__hybrid__correction__LINES_TUNING__most=15),
+        fem(), {"loading": {"radius": "2 um"}}, jkrcli__methods__hybrid__correction__LINE_MOST=15),
     "hybrid: rows": kind(ROWS + "layered or fem",
         {**HYBRID, "specimen": {"layers": [layer("1 um")]}, "loading": {"radius": "20 um"}},
-        LAYERED, fem(), {"loading": {"radius": "2 um"}}, jkrcli__methods__hybrid__correction__LINES_TUNING__most=15),
+        LAYERED, fem(), {"loading": {"radius": "2 um"}}, jkrcli__methods__hybrid__correction__LINE_MOST=15),
     "hybrid: accuracy": kind(
         UNSURE + "set hybrid.tolerance to {}, or ask for a smaller contact radius or use method fem",
         {**HYBRID, "specimen": ROD, "loading": {"radius": "0.5 um"}},
@@ -264,12 +264,12 @@ KINDS = {
         "prescribe loading.radius, or use method fem",
         {**HYBRID, "specimen": cylinder("11 um"), "loading": {"radius": None, "load": "2 uN"}},
         {"loading": {"load": None, "radius": "5 um"}}, fem(), near=None,
-        jkrcli__methods__hybrid__method__MOST_SOLVES=1, jkrcli__methods__hybrid__method__TUNING__room=0.8),
+        jkrcli__methods__hybrid__method__MOST_SOLVES=1, jkrcli__methods__hybrid__method__REACH_ROOM=0.8),
     "hybrid: no radius found under an elastic indenter": kind("hybrid: no largest contact radius was found within {} "
         "kernels, the last up to {}: prescribe loading.radius, or use method " + FEM_RIGID,
         {**HYBRID, "specimen": cylinder("11 um"), "loading": {"radius": None, "load": "2 uN"}, "indenter": ELASTIC},
         {"loading": {"load": None, "radius": "5 um"}}, fem(**RIGID), near=None,
-        jkrcli__methods__hybrid__method__MOST_SOLVES=1, jkrcli__methods__hybrid__method__TUNING__room=0.8),
+        jkrcli__methods__hybrid__method__MOST_SOLVES=1, jkrcli__methods__hybrid__method__REACH_ROOM=0.8),
     "hybrid: beyond a sphere": kind("{}" + BEYOND, {**HYBRID, "indenter": SPHERE},
         {"loading": {"radius": "5 um"}}, {"indenter": {"radius": "1 mm"}}),
     "hybrid: a plate on its rim": kind(FALLS, {**HYBRID, **STIFF}, {"loading": {"radius": 0.99}}),
@@ -279,10 +279,10 @@ KINDS = {
         {**LAYERED, "specimen": cylinder("60 um")}, HYBRID, {"specimen": {"radius": None, "side": None}}),
     "layered: many points": kind(MUCH + ", or fewer points",
         {**LAYERED, "loading": {"radius": "100 um", "points": 2000}}, {"loading": {"points": 30}},
-        jkrcli__methods__layered__contact__TUNING__most_flops=2e8),
+        jkrcli__methods__layered__contact__LAYERED_MOST_FLOPS=2e8),
     "layered: a contact too large for any": kind(MUCH,
         {**LAYERED, "loading": {"radius": "100 um", "points": 1}}, {"loading": {"radius": "10 um"}},
-        jkrcli__methods__layered__contact__TUNING__most_nodes=35),
+        jkrcli__methods__layered__contact__LAYERED_MOST_NODES=35),
     "layered: accuracy": kind("layered: the estimated relative error is {} with {} nodes, above the tolerance {}; set "
         "layered.tolerance to {}, or ask for a smaller contact radius",
         {**LAYERED, "specimen": THIN, "loading": {"radius": "100 um"}},
@@ -290,12 +290,12 @@ KINDS = {
     "layered: no such tolerance": kind("layered: the estimated relative error is {} with {} nodes, above the tolerance "
         "{}; ask for a smaller contact radius",
         {**LAYERED, "specimen": RUBBER, "loading": {"radius": "50 um", "points": 1}},
-        {"loading": {"radius": "2 um"}}, jkrcli__methods__integral__fredholm__TUNING__frequency=0.1),
+        {"loading": {"radius": "2 um"}}, jkrcli__methods__integral__fredholm__QUADRATURE_FREQUENCY=0.1),
     "layered: kernel not resolved": kind("layered: {} nodes do not resolve the kernel, the error is not known; ask for "
         "more points or a smaller contact radius",
         {**LAYERED, "specimen": RUBBER, "loading": {"radius": "200 um", "points": 1}},
         {"loading": {"points": 100}}, {"loading": {"radius": "2 um"}}, near=None,
-        jkrcli__methods__integral__fredholm__TUNING__frequency=0.1),
+        jkrcli__methods__integral__fredholm__QUADRATURE_FREQUENCY=0.1),
     "layered: a plate on its rim": kind(FALLS, {**LAYERED, **STIFF}, {"loading": {"radius": 0.99}}),
     "layered: beyond the profile": kind(BEYOND, {**LAYERED, "indenter": TABLE},
         {"loading": {"radius": "5 um"}}, {"indenter": LARGER}),
@@ -319,6 +319,6 @@ KINDS = {
         {**CLOSED, "specimen": {"layers": [layer("1 um", nu=0.2)]},
          "loading": {"radius": ["80 um", "100 um"], "points": None}},
         {"loading": {"radius": ["50 um", "60 um"]}}, near=0.05,
-        jkrcli__methods__layered__contact__TUNING__most_nodes=350),
+        jkrcli__methods__layered__contact__LAYERED_MOST_NODES=350),
 }
 # fmt: on

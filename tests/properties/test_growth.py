@@ -17,7 +17,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.base.process import SILENCE
 from jkrcli.case import parse_case
 from jkrcli.cli import MOST_WORDS
-from jkrcli.cli.inputs import TUNING
+from jkrcli.cli.inputs import TABLE_PER_ROW
 from jkrcli.data import foreign, instruments, measured
 from jkrcli.data.afm_formats import rows_expected
 from jkrcli.many.sweep.plan import Wanted, load_plan, solve_group
@@ -228,7 +228,7 @@ def test_rows_are_told_from_size_and_first_lines(tmp_path: Path) -> None:
     (tmp_path / "wide.csv").write_text(("1," * 999 + "1\n") * 100)
     assert 1000 < rows_expected(tmp_path / "wide.csv") < 2000  # as many take as long
     assert rows_expected(tmp_path / "none.csv") == 0
-    assert TUNING.per_row * 10_000 < SILENCE
+    assert TABLE_PER_ROW * 10_000 < SILENCE
 
 
 def test_lists_of_loads_count_in_the_forecast_of_elements() -> None:

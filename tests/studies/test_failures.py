@@ -96,7 +96,7 @@ def endless(cell: Cell) -> None:
 
 
 def test_a_cell_that_does_not_end_is_too_slow(monkeypatch, tuned) -> None:
-    tuned("studies.failures_judge.TUNING.limit", 0.2)
+    tuned("studies.failures_judge.JUDGE_LIMIT", 0.2)
     monkeypatch.setattr(failures_judge, "method_of", endless)
     with takes_less_than(2):  # the limit, and the exact solution
         verdict = judge(PLAIN)

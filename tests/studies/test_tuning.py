@@ -12,25 +12,15 @@ import pytest
 from jkrcli.methods.layered import solver as layered
 from studies import tuning
 
-MADE_UP = '''
-from dataclasses import dataclass
-
-
-@dataclass(frozen=True)
-class MadeUpTuning:
-    """Numbers of no algorithm."""
-
-    nodes: int = 40  # tuned on nothing, by `make tuning`
-    # A share of it; tuned likewise.
-    share: float = 0.5
-    few: int = 3  # tuned likewise
-    limit: float = 9.0  # choice: a guard
-    order: int = 2  # theory: Eq. 13
-    names: tuple[str, ...] = ("a",)  # tuned, but no number
-
-
-TUNING = MadeUpTuning()
-'''
+MADE_UP = """
+MADE_UP_NODES = 40  # tuned on nothing, by `make tuning`
+# A share of it; tuned likewise.
+MADE_UP_SHARE = 0.5
+MADE_UP_FEW = 3  # tuned likewise
+MADE_UP_LIMIT = 9.0  # choice: a guard
+MADE_UP_ORDER = 2  # theory: Eq. 13
+MADE_UP_NAMES = ("a",)  # tuned, but no number
+"""
 
 
 @pytest.fixture(name="module")
@@ -50,15 +40,19 @@ def _module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 
 def test_tuned_numbers_are_found_by_their_comments(module: ModuleType) -> None:
     found = tuning.knobs(["layered.made-up"])
-    assert {knob.field: knob.values for knob in found} == {"nodes": (20, 80), "share": (0.25, 1.0), "few": (2, 4)}
+    assert {knob.name: knob.values for knob in found} == {
+        "MADE_UP_NODES": (20, 80),
+        "MADE_UP_SHARE": (0.25, 1.0),
+        "MADE_UP_FEW": (2, 4),
+    }
 
 
 def test_a_varied_number_reaches_all_who_hold_it(module: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(layered, "BORROWED", module.TUNING, raising=False)
+    monkeypatch.setattr(layered, "MADE_UP_NODES", module.MADE_UP_NODES, raising=False)
     knob = tuning.knobs(["made_up"])[0]
     with tuning.varied(knob, 80):
-        assert (module.TUNING.nodes, layered.BORROWED.nodes) == (80, 80)
-    assert (module.TUNING.nodes, layered.BORROWED.nodes) == (40, 40)
+        assert (module.MADE_UP_NODES, layered.MADE_UP_NODES) == (80, 80)
+    assert (module.MADE_UP_NODES, layered.MADE_UP_NODES) == (40, 40)
 
 
 @pytest.mark.slow
@@ -67,7 +61,9 @@ def test_the_study_writes_a_row_per_value_and_body(study, module: ModuleType) ->
     assert (outcome.code, outcome.err) == (0, "")
     with Path("tuning.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [row["field"] for row in rows] == ["nodes", "nodes", "share", "share", "few", "few"]
+    assert [row["constant"] for row in rows] == [
+        f"MADE_UP_{name}" for name in ("NODES", "NODES", "SHARE", "SHARE", "FEW", "FEW")
+    ]
     assert {(row["algorithm"], row["body"], row["method"]) for row in rows} == {
         ("methods.layered.made_up", "coating", "layered")
     }
@@ -91,7 +87,7 @@ def test_failures_are_told_and_end_nothing(study, module: ModuleType, monkeypatc
 
 @pytest.mark.slow
 def test_limits_of_fits_are_varied_on_simulated_records() -> None:
-    knob = tuning.knobs(["identification.fit.points"])[0]
+    knob = tuning.knobs(["fitting.rows"])[0]
     (variant, _) = tuning.variants_of(knob, ["coating"])
     assert (variant.body, variant.method) == ("half-space", "fit")
     assert 0 < tuning.measure(variant).error < 0.01  # 1 % of noise on 150 rows

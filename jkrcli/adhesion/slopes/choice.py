@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,16 +13,9 @@ from . import slopes_function
 from .node_radii import AS_THEY_ARE, Ahead
 from .result import Slopes
 
-
-@dataclass(frozen=True)
-class ChoiceTuning:
-    """When "auto" takes the slopes that a series carries."""
-
-    # of the radii at which a smooth fit may leave their error; choice: half of what 90 % intervals leave
-    few: float = 0.05
-
-
-TUNING = ChoiceTuning()
+# When "auto" takes the slopes that a series carries.
+# of the radii at which a smooth fit may leave their error; choice: half of what 90 % intervals leave
+CHOICE_FEW = 0.05
 
 
 def slopes(series: Series, name: str = "auto", against: tuple[Series, Slopes] | None = None) -> Slopes:
@@ -54,7 +47,7 @@ def _carried(series: Series) -> Slopes:
         reason = "a smooth fit errs where the profile bends"
     elif (fitted := _integral_or_none(series)) is None or fitted.flags:
         reason = "'integral' finds none that settle"
-    elif (beyond := np.mean(np.abs(fitted.dS - exact.dS) > series.errors["dS"])) > TUNING.few:
+    elif (beyond := np.mean(np.abs(fitted.dS - exact.dS) > series.errors["dS"])) > CHOICE_FEW:
         reason = f"'integral' leaves their stated error at {beyond:.0%} of the radii"
     else:
         reason = f"smoother than the slopes that the series carries, within their stated error ({exact.error:.1g})"

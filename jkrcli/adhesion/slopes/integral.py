@@ -26,8 +26,7 @@ from scipy.special import stdtrit
 from ...base import MOST_SOLVES, MOST_STEPS, SHOWN, TINY, UNSEEN, Array, Estimate, InputError, Refusal, Unknown
 from ...series import RawSeries, Series
 from .node_radii import AS_THEY_ARE, Ahead, node_radii
-from .result import TUNING as ERRORS
-from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
+from .result import ERROR_AT_DISPLACEMENT, ERROR_COMMON, TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 
 # --------------------------------------------------------------------------------------------------
 # A smooth nonadhesive series given by log g and log s as B-splines in the log of the radius.
@@ -44,21 +43,14 @@ Points = tuple[Array, Array, Array]
 OnGrid = tuple[tuple[tuple[Array, Array], tuple[Array, Array]], ...]
 GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(3)
 
-
-@dataclass(frozen=True)
-class SplineTuning:
-    """The splines of log g and log s, and the grid on which they are integrated."""
-
-    degree: int = 5  # tuned on noisy series, by `make tuning`
-    below: float = 2.5  # in x, how far they reach below the first point; tuned on the same, by `make tuning`
-    intervals_below: int = 3  # there; tuned on the same, by `make tuning`
-    step: float = 0.04  # of the grid in x; theory: Hermite and Gauss errors stay below 1e-9
-    # of an integral towards zero radius, kept positive below it; tuned on imported tables, by `make constants`: no body
-    # has less
-    small_exponent: float = 0.2
-
-
-MODEL_TUNING = SplineTuning()
+# The splines of log g and log s, and the grid on which they are integrated.
+SPLINE_DEGREE = 5  # tuned on noisy series, by `make tuning`
+SPLINE_BELOW = 2.5  # in x, how far they reach below the first point; tuned on the same, by `make tuning`
+SPLINE_INTERVALS_BELOW = 3  # there; tuned on the same, by `make tuning`
+SPLINE_STEP = 0.04  # of the grid in x; theory: Hermite and Gauss errors stay below 1e-9
+# of an integral towards zero radius, kept positive below it; tuned on imported tables, by `make constants`: no body
+# has less
+SPLINE_SMALL_EXPONENT = 0.2
 
 
 class LogColumns(NamedTuple):
@@ -117,12 +109,12 @@ class LogSplineModel:
     """
 
     def __init__(self, x: Array, intervals: int, S0: float | None, shape: Shape | None = None):
-        low, high = float(np.min(x)) - MODEL_TUNING.below, float(np.max(x))
+        low, high = float(np.min(x)) - SPLINE_BELOW, float(np.max(x))
         self.knots = _knots(np.sort(x), intervals)
-        self.size = self.knots.size - MODEL_TUNING.degree - 1
+        self.size = self.knots.size - SPLINE_DEGREE - 1
         self.shapes = self._shapes()
         self.S0 = S0
-        self.x = np.linspace(low, high, int(np.ceil((high - low) / MODEL_TUNING.step)) + 2)
+        self.x = np.linspace(low, high, int(np.ceil((high - low) / SPLINE_STEP)) + 2)
         self.step = self.x[1] - self.x[0]
         inner = (self.x[:-1, None] + self.step * (1 + GAUSS_X) / 2).ravel()
         self.inner_y = np.exp(inner)
@@ -224,17 +216,15 @@ class LogSplineModel:
     def _splines(self, x: Array, order: int) -> Array:
         """B-splines (or derivatives) at ``x``, shape (m, size)."""
         if order == 0:
-            return BSpline.design_matrix(
-                np.clip(x, self.knots[0], self.knots[-1]), self.knots, MODEL_TUNING.degree
-            ).toarray()
-        return BSpline(self.knots, np.eye(self.size), MODEL_TUNING.degree)(x, order)
+            return BSpline.design_matrix(np.clip(x, self.knots[0], self.knots[-1]), self.knots, SPLINE_DEGREE).toarray()
+        return BSpline(self.knots, np.eye(self.size), SPLINE_DEGREE)(x, order)
 
     def _shapes(self) -> Array:
         """B-spline coefficients, by columns, of 1, of x, and of shapes of unit roughness orthogonal in it."""
-        sites = sliding_window_view(self.knots[1:-1], MODEL_TUNING.degree).mean(axis=1)  # Greville: they give x
+        sites = sliding_window_view(self.knots[1:-1], SPLINE_DEGREE).mean(axis=1)  # Greville: they give x
         # Gram matrix of second derivatives, int B_i'' B_j'' dx, exact by Gauss points in every interval.
-        breaks = self.knots[MODEL_TUNING.degree : self.size + 1]
-        nodes, weights = np.polynomial.legendre.leggauss(MODEL_TUNING.degree - 1)
+        breaks = self.knots[SPLINE_DEGREE : self.size + 1]
+        nodes, weights = np.polynomial.legendre.leggauss(SPLINE_DEGREE - 1)
         h = np.diff(breaks)[:, None]
         x = (breaks[:-1, None] + h * (1 + nodes) / 2).ravel()
         second = self._splines(x, 2)
@@ -243,11 +233,11 @@ class LogSplineModel:
 
 
 def _floored_exponent(power: float) -> tuple[float, float]:
-    """``power`` and 1 (its derivative), continued smoothly to positive values below TUNING.small_exponent."""
-    if power >= MODEL_TUNING.small_exponent:
+    """``power`` and 1 (its derivative), continued smoothly to positive values below SPLINE_SMALL_EXPONENT."""
+    if power >= SPLINE_SMALL_EXPONENT:
         return power, 1.0
-    slope = float(np.exp(max(power / MODEL_TUNING.small_exponent - 1, -50.0)))
-    return MODEL_TUNING.small_exponent * slope, slope
+    slope = float(np.exp(max(power / SPLINE_SMALL_EXPONENT - 1, -50.0)))
+    return SPLINE_SMALL_EXPONENT * slope, slope
 
 
 def _hermite(t: Array, step: float) -> tuple[Array, Array]:
@@ -278,8 +268,8 @@ def _knots(x: Array, intervals: int) -> Array:
     even = np.linspace(0, 1, x.size)
     rank = (even + (x - low) / (high - low)) / 2
     breaks = np.interp(np.linspace(0, 1, intervals + 1), rank, x)
-    below = np.linspace(low - MODEL_TUNING.below, low, MODEL_TUNING.intervals_below, endpoint=False)
-    return np.concatenate([[below[0]] * MODEL_TUNING.degree, below, breaks, [high] * MODEL_TUNING.degree])
+    below = np.linspace(low - SPLINE_BELOW, low, SPLINE_INTERVALS_BELOW, endpoint=False)
+    return np.concatenate([[below[0]] * SPLINE_DEGREE, below, breaks, [high] * SPLINE_DEGREE])
 
 
 # --------------------------------------------------------------------------------------------------
@@ -304,40 +294,33 @@ def _knots(x: Array, intervals: int) -> Array:
 Linearised = tuple[Array, Array]  # residuals (rows, n) and their Jacobian (rows, n, p)
 Residuals = Callable[[Array], Linearised]
 
-
-@dataclass(frozen=True)
-class PenaltyTuning:
-    """How the fit steps, how the penalties follow the data, and when both are settled."""
-
-    least: float = 1e-15  # lambda, in units of the mean diagonal of J^T J over the block; theory: round-off
-    most: float = 100.0  # and the largest; tuned on imported tables, by `make constants`: it leaves none of the block
-    # variance of a coefficient before data are seen; tuned on imported tables, by `make constants`: bodies do not bend
-    # more
-    most_prior: float = 10.0
-    spread: tuple[float, ...] = tuple(4.0**n for n in range(-7, 3))  # about a lambda; choice: beyond, weights vanish
-    bias: float = 0.2  # of the allowance for smoothing bias, in noise; tuned on noisy series, by `make noise-study`
-    factor: float = 100.0  # most that an update changes a lambda by; tuned on noisy series, by `make tuning`
-    settled: float = 0.02  # change of log(lambda); tuned on the same, by `make tuning`
-    freeze: int = 25  # steps, after which the lambdas stay; tuned on the same, by `make tuning`
-    steps: int = 50  # tuned on imported tables, by `make constants`: what has not settled then does not
-    damping: float = 1e-8  # least, of the diagonal of the linearised problem; tuned on the same, by `make tuning`
-    poor_step: float = 0.2  # below it the next step is damped (Levenberg); tuned on the same, by `make tuning`
-    halvings: int = 30  # theory: down to a billionth of a step
-    # of a coefficient; tuned on imported tables, by `make constants`: all of them belong to logarithms
-    longest_step: float = 5.0
-    tolerance: float = 3e-2  # of a step, in standard deviations of the fit; tuned on the same, by `make tuning`
-    stuck: float = 0.5  # standard deviations of a step still open at the end; choice: more is flagged as not settled
-    # Correlations of neighbours that are thought possible beside none; choice: beyond the last, noise is drift
-    correlations: tuple[float, ...] = (0.15, 0.3, 0.45, 0.6, 0.7, 0.78, 0.85, 0.9, 0.94, 0.97, 0.985)
-    uncorrelated: float = 0.5  # probability of no correlation before data are seen; theory: as likely as any
-    worth: float = 2.0  # log of a likelihood ratio that makes a correlation believed; choice: none is simpler
-    beyond: float = 4.0  # standard errors of the residuals' own correlation; choice: above, none is tried
-    # tuned on imported tables, by `make constants`: residuals over those of the fit, beyond which a correlation's are
-    # not believed
-    linear: float = 2.0
-
-
-PENALISED_TUNING = PenaltyTuning()
+# How the fit steps, how the penalties follow the data, and when both are settled.
+PENALTY_LEAST = 1e-15  # lambda, in units of the mean diagonal of J^T J over the block; theory: round-off
+PENALTY_MOST = 100.0  # and the largest; tuned on imported tables, by `make constants`: it leaves none of the block
+# variance of a coefficient before data are seen; tuned on imported tables, by `make constants`: bodies do not bend
+# more
+PENALTY_MOST_PRIOR = 10.0
+PENALTY_SPREAD = tuple(4.0**n for n in range(-7, 3))  # about a lambda; choice: beyond, weights vanish
+PENALTY_BIAS = 0.2  # of the allowance for smoothing bias, in noise; tuned on noisy series, by `make noise-study`
+PENALTY_FACTOR = 100.0  # most that an update changes a lambda by; tuned on noisy series, by `make tuning`
+PENALTY_SETTLED = 0.02  # change of log(lambda); tuned on the same, by `make tuning`
+PENALTY_FREEZE = 25  # steps, after which the lambdas stay; tuned on the same, by `make tuning`
+PENALTY_STEPS = 50  # tuned on imported tables, by `make constants`: what has not settled then does not
+PENALTY_DAMPING = 1e-8  # least, of the diagonal of the linearised problem; tuned on the same, by `make tuning`
+PENALTY_POOR_STEP = 0.2  # below it the next step is damped (Levenberg); tuned on the same, by `make tuning`
+PENALTY_HALVINGS = 30  # theory: down to a billionth of a step
+# of a coefficient; tuned on imported tables, by `make constants`: all of them belong to logarithms
+PENALTY_LONGEST_STEP = 5.0
+PENALTY_TOLERANCE = 3e-2  # of a step, in standard deviations of the fit; tuned on the same, by `make tuning`
+PENALTY_STUCK = 0.5  # standard deviations of a step still open at the end; choice: more is flagged as not settled
+# Correlations of neighbours that are thought possible beside none; choice: beyond the last, noise is drift
+PENALTY_CORRELATIONS = (0.15, 0.3, 0.45, 0.6, 0.7, 0.78, 0.85, 0.9, 0.94, 0.97, 0.985)
+PENALTY_UNCORRELATED = 0.5  # probability of no correlation before data are seen; theory: as likely as any
+PENALTY_WORTH = 2.0  # log of a likelihood ratio that makes a correlation believed; choice: none is simpler
+PENALTY_BEYOND = 4.0  # standard errors of the residuals' own correlation; choice: above, none is tried
+# tuned on imported tables, by `make constants`: residuals over those of the fit, beyond which a correlation's are
+# not believed
+PENALTY_LINEAR = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -406,20 +389,20 @@ def minimise(
     """
     c, damping = start, 0.0
     seen = residuals(c)
-    for step in range(PENALISED_TUNING.steps):
+    for step in range(PENALTY_STEPS):
         now = _flat(seen, rho)
         linear = _linear(now, c, blocks, lambdas, phi_floor, damping, updates=MOST_STEPS if step < freeze else 0)
         lambdas = linear.lambdas
         c, seen, taken = _line_search(residuals, c, seen, linear, rho)
         moved = taken * linear.deviations
-        if linear.deviations < PENALISED_TUNING.tolerance or moved < 1e-3 * PENALISED_TUNING.tolerance:
+        if linear.deviations < PENALTY_TOLERANCE or moved < 1e-3 * PENALTY_TOLERANCE:
             break
         damping = (
-            max(10 * damping, PENALISED_TUNING.damping)
-            if taken < PENALISED_TUNING.poor_step
-            else damping / 3 * (damping > PENALISED_TUNING.damping)
+            max(10 * damping, PENALTY_DAMPING)
+            if taken < PENALTY_POOR_STEP
+            else damping / 3 * (damping > PENALTY_DAMPING)
         )
-    settled = moved < PENALISED_TUNING.stuck and (taken > 0 or linear.deviations < PENALISED_TUNING.stuck)
+    settled = moved < PENALTY_STUCK and (taken > 0 or linear.deviations < PENALTY_STUCK)
     return PenalisedFit(c, *seen, blocks, rho, linear.phi, phi_floor, lambdas, linear.spent, settled)
 
 
@@ -464,10 +447,10 @@ def posterior(fit: PenalisedFit, noise: bool, correlated: bool) -> Posterior:
     The prior is even in the size of a block's coefficients, 1/sqrt(lambda) (Gelman 2006); that of ``inner``, in
     ``noise``, in the log of this size, for many bodies do not bend at all.
     """
-    rhos = np.array(_possible(fit, PENALISED_TUNING.correlations)) if correlated else np.zeros(1)
-    spread = PENALISED_TUNING.spread[1::2] if correlated else PENALISED_TUNING.spread
-    priors = np.full(rhos.size, (1 - PENALISED_TUNING.uncorrelated) / max(rhos.size - 1, 1))
-    priors[0] = PENALISED_TUNING.uncorrelated if correlated else 1.0
+    rhos = np.array(_possible(fit, PENALTY_CORRELATIONS)) if correlated else np.zeros(1)
+    spread = PENALTY_SPREAD[1::2] if correlated else PENALTY_SPREAD
+    priors = np.full(rhos.size, (1 - PENALTY_UNCORRELATED) / max(rhos.size - 1, 1))
+    priors[0] = PENALTY_UNCORRELATED if correlated else 1.0
     best = [_at_best(fit, float(rho)) for rho in rhos]
     heights = np.array([height for height, _ in best])
     guesses: list[_Guess] = []
@@ -479,16 +462,16 @@ def posterior(fit: PenalisedFit, noise: bool, correlated: bool) -> Posterior:
             masses[i] = np.logaddexp.reduce([guess.height for guess in of_rho])
             guesses += of_rho
     full = _mean_covariance(guesses, fit.phi, 1.0, 1.0)
-    inner = _mean_covariance(guesses, fit.phi, 0.0, PENALISED_TUNING.bias) if noise else full
+    inner = _mean_covariance(guesses, fit.phi, 0.0, PENALTY_BIAS) if noise else full
     return Posterior(full, inner, float(rhos[np.argmax(masses)]), float(heights.max() - heights[0]))
 
 
 def likeliest_correlation(fit: PenalisedFit) -> float:
     """The correlation of neighbours, among every other up to 0.9, with the greatest likelihood: a fit that leaves more
     to it follows what drifts."""
-    rhos = _possible(fit, PENALISED_TUNING.correlations[1:8:2])
+    rhos = _possible(fit, PENALTY_CORRELATIONS[1:8:2])
     heights = [_at_best(fit, rho)[0] for rho in rhos]
-    heights[0] += PENALISED_TUNING.worth
+    heights[0] += PENALTY_WORTH
     return rhos[int(np.argmax(heights))]
 
 
@@ -497,7 +480,7 @@ def _possible(fit: PenalisedFit, rhos: Sequence[float]) -> tuple[float, ...]:
     a likelihood is that of a linearised fit far from where it holds."""
     r, n = fit.residuals, fit.residuals.shape[1]
     lag1 = float(np.sum(r[:, 1:] * r[:, :-1]) / max(np.sum(r**2), TINY))
-    limit = lag1 + PENALISED_TUNING.beyond / math.sqrt(n) + (1 + 3 * max(lag1, 0.0)) * fit.spent / n
+    limit = lag1 + PENALTY_BEYOND / math.sqrt(n) + (1 + 3 * max(lag1, 0.0)) * fit.spent / n
     return (0.0, *(rho for rho in rhos if rho <= limit))
 
 
@@ -519,7 +502,7 @@ def _at_best(fit: PenalisedFit, rho: float) -> tuple[float, Array]:
     best = np.array([lam * diagonal[block].mean() for lam, block in zip(lambdas, fit.blocks, strict=True)])
     (guess,) = _guesses(fit, now, best, _log_det(fit, rho), (1.0,))
     there = np.sum((fit.residuals + fit.jacobian @ guess.step) ** 2)
-    return guess.height if there <= PENALISED_TUNING.linear**2 * np.sum(fit.residuals**2) else -math.inf, best
+    return guess.height if there <= PENALTY_LINEAR**2 * np.sum(fit.residuals**2) else -math.inf, best
 
 
 def _guesses(
@@ -601,7 +584,7 @@ def _linear(
             break
         pieces = zip(blocks, lambdas, scales, strict=True)
         updated = np.array([_update(lam, scale, (c + step)[b], V[b, b], phi) for b, lam, scale in pieces])
-        if np.abs(np.log(updated / lambdas)).max() < PENALISED_TUNING.settled:
+        if np.abs(np.log(updated / lambdas)).max() < PENALTY_SETTLED:
             break
         lambdas = updated
     system = normal + np.diag(penalty + 1e-15 * diagonal.max())
@@ -614,12 +597,8 @@ def _linear(
 def _update(lam: float, scale: float, c: Array, V: Array, phi: float) -> float:
     free = max(c.size - lam * scale * float(np.trace(V)), 1e-12 * c.size)
     rough = max(lam * scale * float(c @ c), TINY)
-    ratio = np.clip(phi * free / rough, 1 / PENALISED_TUNING.factor, PENALISED_TUNING.factor)
-    return float(
-        np.clip(
-            lam * ratio, max(PENALISED_TUNING.least, phi / (scale * PENALISED_TUNING.most_prior)), PENALISED_TUNING.most
-        )
-    )
+    ratio = np.clip(phi * free / rough, 1 / PENALTY_FACTOR, PENALTY_FACTOR)
+    return float(np.clip(lam * ratio, max(PENALTY_LEAST, phi / (scale * PENALTY_MOST_PRIOR)), PENALTY_MOST))
 
 
 def _line_search(
@@ -631,8 +610,8 @@ def _line_search(
         return float(np.sum(decorrelated(r, rho) ** 2) + linear.penalty @ c**2)
 
     before = objective(now[0], c) + 1e-6 * linear.phi
-    taken = min(1.0, PENALISED_TUNING.longest_step / max(float(np.max(np.abs(linear.step))), TINY))
-    for _ in range(PENALISED_TUNING.halvings):
+    taken = min(1.0, PENALTY_LONGEST_STEP / max(float(np.max(np.abs(linear.step))), TINY))
+    for _ in range(PENALTY_HALVINGS):
         trial = c + taken * linear.step
         there = residuals(trial)
         if objective(there[0], trial) <= before:
@@ -649,20 +628,13 @@ def _line_search(
 #
 #     cov(log delta, log P) = diag(var_delta, var_P) + var_a (k, m)^T (k, m)
 
-
-@dataclass(frozen=True)
-class ScatterTuning:
-    """What the residuals are believed to tell about the scatter of the data."""
-
-    trace: float = 1e-3  # the least share of a column; tuned on noisy series, by `make tuning`
-    most_trend: float = 4.0  # exponent of the variance over the radius; tuned on the same, by `make tuning`
-    outlier: float = 3.0  # standard deviations where points begin to count less; tuned on the same, by `make tuning`
-    free: int = 20  # points that tell the errors of a, delta, P apart; tuned on the same, by `make tuning`
-    false: float = 5e-3  # probability of an outlier reported in a series without any; choice: rare
-    chance: float = 2.5  # theory: standard deviations of the correlation of neighbours that chance brings once in 160
-
-
-SCATTER_TUNING = ScatterTuning()
+# What the residuals are believed to tell about the scatter of the data.
+SCATTER_TRACE = 1e-3  # the least share of a column; tuned on noisy series, by `make tuning`
+SCATTER_MOST_TREND = 4.0  # exponent of the variance over the radius; tuned on the same, by `make tuning`
+SCATTER_OUTLIER = 3.0  # standard deviations where points begin to count less; tuned on the same, by `make tuning`
+SCATTER_FREE = 20  # points that tell the errors of a, delta, P apart; tuned on the same, by `make tuning`
+SCATTER_FALSE = 5e-3  # probability of an outlier reported in a series without any; choice: rare
+SCATTER_CHANCE = 2.5  # theory: standard deviations of the correlation of neighbours that chance brings once in 160
 
 
 def floored(variances: Array, share: float, floor: float) -> Array:
@@ -693,13 +665,13 @@ def estimate(x: Array, residuals: Array, k: Array, m: Array, spent: float, floor
     shares, size = np.ones((3, 1)), np.ones(x.size)
     inliers = np.ones(x.size, dtype=bool)
     for round_ in range(MOST_SOLVES):
-        if x.size >= SCATTER_TUNING.free:
+        if x.size >= SCATTER_FREE:
             shares = _shares(residuals[:, inliers], k[inliers], m[inliers], spent, floor)
         white = np.einsum("ijn,jn->in", whitener(shares, k, m), residuals)
         squares = np.mean(white**2, axis=0)
         if not np.mean(squares[inliers]) > floor:
             return np.ones((3, x.size)), np.zeros(x.size, dtype=bool)
-        if x.size >= SCATTER_TUNING.free:
+        if x.size >= SCATTER_FREE:
             size = np.exp(_trend(x[inliers], squares[inliers]) * x)
         relative = squares / size
         # theory: the sum of two squares is exponential, of median log 2; outliers hide in a mean that holds them
@@ -708,15 +680,15 @@ def estimate(x: Array, residuals: Array, k: Array, m: Array, spent: float, floor
         if round_ > 0 and (before == inliers).all():
             break
     distance = np.sqrt(relative / np.mean(relative[inliers]))
-    far = np.where(inliers, np.maximum(1.0, distance / SCATTER_TUNING.outlier), distance)
+    far = np.where(inliers, np.maximum(1.0, distance / SCATTER_OUTLIER), distance)
     return shares * size * far**2, ~inliers
 
 
 def _rare(free: float, n: int) -> float:
     """The square, in units of the mean of ``free`` others, that chance brings among ``n`` with probability
-    ``TUNING.false``: both are exponential, so that their ratio exceeds t with probability (1 + t/free)^-free."""
+    ``SCATTER_FALSE``: both are exponential, so that their ratio exceeds t with probability (1 + t/free)^-free."""
     free = max(free, 2.0)
-    return float(free * math.expm1(math.log(n / SCATTER_TUNING.false) / free))
+    return float(free * math.expm1(math.log(n / SCATTER_FALSE) / free))
 
 
 def _shares(residuals: Array, k: Array, m: Array, spent: float, floor: float) -> Array:
@@ -730,7 +702,7 @@ def _shares(residuals: Array, k: Array, m: Array, spent: float, floor: float) ->
     largest = max(radius, delta, P)
     if largest <= floor:
         return np.ones((3, 1))
-    return np.maximum(np.array([[radius], [delta], [P]]) / largest, SCATTER_TUNING.trace)
+    return np.maximum(np.array([[radius], [delta], [P]]) / largest, SCATTER_TRACE)
 
 
 def _trend(x: Array, squares: Array) -> float:
@@ -738,7 +710,7 @@ def _trend(x: Array, squares: Array) -> float:
     centred = x - x.mean()
     minimum = minimize_scalar(
         lambda b: float(np.log(np.mean(squares * np.exp(-b * centred)))),
-        bounds=(-SCATTER_TUNING.most_trend, SCATTER_TUNING.most_trend),
+        bounds=(-SCATTER_MOST_TREND, SCATTER_MOST_TREND),
         method="bounded",
     )
     return float(minimum.x)
@@ -752,7 +724,7 @@ def correlation_length(residuals: Array) -> float:
     lengths = [1.0]
     for row in residuals:
         correlations = np.correlate(row, row, "full")[n:] / max(float(row @ row), TINY)
-        if correlations[0] * np.sqrt(n) > SCATTER_TUNING.chance:
+        if correlations[0] * np.sqrt(n) > SCATTER_CHANCE:
             positive = np.logical_and.accumulate(correlations > 0)
             lengths.append(1 + 2 * float(correlations[positive].sum()))
     return max(lengths)
@@ -761,32 +733,25 @@ def correlation_length(residuals: Array) -> float:
 TOO_FEW = "the correlation of neighbouring rows cannot be estimated from so few points"
 UNSETTLED = "the fit did not converge: a, delta and P contradict each other; look for outliers"
 
-
-@dataclass(frozen=True)
-class IntegralTuning:
-    """The rounds of the rule "integral"."""
-
-    fewest: int = 5  # points; theory: two power laws have four parameters
-    decades: float = 12.0  # of a - a0; choice: the grid grows with them, a series over more has a radius out of place
-    intervals: int = 24  # of the splines, twice as many if need be; tuned on noisy series, by `make tuning`
-    most_bins: int = 400  # of points; choice: more points are fitted no better
-    stiff: float = 1e-2  # penalty of the first fit over what the data weigh; tuned on the same, by `make tuning`
-    noise: float = 3e-4  # relative scatter above which it is noise; choice: below, splines do not bend
-    tell_correlation: int = 20  # points that tell correlations; tuned on the same, by `make noise-study`
-    evidence: float = 3.5  # log of a likelihood ratio from which correlation is reported; theory: by chance once in 250
-    recorded: float = 0.9  # rank correlation with x of rows in the order of recording; choice: noise leaves more
-    share: float = 1e-2  # least of the variances of a, delta, P in later rounds; tuned on the same, by `make tuning`
-    beside: int = 4  # choice: rows on either side that tell a radius far off; three outliers among them do no harm
-    far: float = 8.0  # choice: standard deviations; the fit itself finds what is nearer
-    # Of the errors of the radii, each the largest of many rows, what is left of them in a smooth fit:
-    radii: float = 0.1  # tuned on random bodies, by `make bounds`
-    rates: float = 1.5  # and of the rates; tuned on random bodies, by `make bounds`
-    # Of the variance of loads, what all columns share where each mesh is one stiffness that is too large:
-    of_meshes: float = 0.98  # tuned on series of finite elements in increments, by `make node-study`
-    floor: float = 1e-7  # theory: of the scatter, accuracy of the model's own integrals and linear algebra
-
-
-TUNING = IntegralTuning()
+# The rounds of the rule "integral".
+INTEGRAL_FEWEST = 5  # points; theory: two power laws have four parameters
+INTEGRAL_DECADES = 12.0  # of a - a0; choice: the grid grows with them, a series over more has a radius out of place
+INTEGRAL_INTERVALS = 24  # of the splines, twice as many if need be; tuned on noisy series, by `make tuning`
+INTEGRAL_MOST_BINS = 400  # of points; choice: more points are fitted no better
+INTEGRAL_STIFF = 1e-2  # penalty of the first fit over what the data weigh; tuned on the same, by `make tuning`
+INTEGRAL_NOISE = 3e-4  # relative scatter above which it is noise; choice: below, splines do not bend
+INTEGRAL_TELL_CORRELATION = 20  # points that tell correlations; tuned on the same, by `make noise-study`
+INTEGRAL_EVIDENCE = 3.5  # log of a likelihood ratio from which correlation is reported; theory: by chance once in 250
+INTEGRAL_RECORDED = 0.9  # rank correlation with x of rows in the order of recording; choice: noise leaves more
+INTEGRAL_SHARE = 1e-2  # least of the variances of a, delta, P in later rounds; tuned on the same, by `make tuning`
+INTEGRAL_BESIDE = 4  # choice: rows on either side that tell a radius far off; three outliers among them do no harm
+INTEGRAL_FAR = 8.0  # choice: standard deviations; the fit itself finds what is nearer
+# Of the errors of the radii, each the largest of many rows, what is left of them in a smooth fit:
+INTEGRAL_RADII = 0.1  # tuned on random bodies, by `make bounds`
+INTEGRAL_RATES = 1.5  # and of the rates; tuned on random bodies, by `make bounds`
+# Of the variance of loads, what all columns share where each mesh is one stiffness that is too large:
+INTEGRAL_OF_MESHES = 0.98  # tuned on series of finite elements in increments, by `make node-study`
+INTEGRAL_FLOOR = 1e-7  # theory: of the scatter, accuracy of the model's own integrals and linear algebra
 
 
 @dataclass(frozen=True, eq=False)
@@ -810,7 +775,7 @@ class _Data:
     def _starts(self) -> Array:
         # bins of one size: where some hold one point and some two, the noise left in them differs as it does not along
         # the record, and correlation is estimated too small
-        return np.arange(0, self.x.size, -(-self.x.size // TUNING.most_bins))
+        return np.arange(0, self.x.size, -(-self.x.size // INTEGRAL_MOST_BINS))
 
     @cached_property
     def counts(self) -> Array:
@@ -889,16 +854,16 @@ def _slopes(settled: _Settled, raw: RawSeries, errors: Mapping[str, Array], a0: 
             of_P = {"S": there["P"] / P_H * S, "dS": there["P"] / P_H * dS}
             there |= {name: np.minimum(error, there.get(name, error)) for name, error in of_P.items()}
         if "a" in there:
-            there["a"] = TUNING.radii * there["a"]
-        common = TUNING.of_meshes if settled.of_nodes else ERRORS.common
-        stated = covariance_from_errors(wanted, there, dS, ERRORS.at_displacement, common)
+            there["a"] = INTEGRAL_RADII * there["a"]
+        common = INTEGRAL_OF_MESHES if settled.of_nodes else ERROR_COMMON
+        stated = covariance_from_errors(wanted, there, dS, ERROR_AT_DISPLACEMENT, common)
         assert stated is not None
         # what the scatter does not show is shared by all points; that of nodes shows nothing of it
         shared = stated if settled.of_nodes else max(0.0, 1 - fit.phi) * stated
         joint[:, :4, :4] += shared
         # rates in their logs err as columns do that err smoothly: d(delta_H)/da as the radius, S'' as S'
         if wanted.size > 1 and "a" in there:
-            of_radius = TUNING.rates / TUNING.radii * there["a"] / wanted / TWO_SIDED_90
+            of_radius = INTEGRAL_RATES / INTEGRAL_RADII * there["a"] / wanted / TWO_SIDED_90
             joint[:, 4, 4] += (np.gradient(delta_H, wanted) * of_radius) ** 2
             joint[:, 5, 5] += (2 * dS / wanted * of_radius) ** 2
         covariance += shared
@@ -930,7 +895,7 @@ def _flags(settled: _Settled, raw: RawSeries) -> Iterator[str]:
     if settled.hidden:
         yield f"errors of neighbouring rows may be correlated; {TOO_FEW} ({raw.a.size})"
     rho = settled.correlation
-    if isinstance(rho, float) and rho > 0 and settled.known.evidence > TUNING.evidence:
+    if isinstance(rho, float) and rho > 0 and settled.known.evidence > INTEGRAL_EVIDENCE:
         bins = settled.fit.residuals.size / 2
         worth = bins * (1 - rho) / (1 + rho)
         yield (
@@ -963,9 +928,9 @@ def _prepare(raw: RawSeries, errors: Mapping[str, Array], a0: float) -> _Data:
     a, delta, P = raw.a, raw.delta, raw.P
     usable = (a > a0) & (delta > 0) & (P > 0)
     different = np.unique(a[usable]).size
-    if different < TUNING.fewest:
+    if different < INTEGRAL_FEWEST:
         raise Refusal(
-            f"slopes 'integral': needs at least {TUNING.fewest} points with different contact radii, delta > 0 and "
+            f"slopes 'integral': needs at least {INTEGRAL_FEWEST} points with different contact radii, delta > 0 and "
             f"P > 0, got {different}; give more increments, or refine the mesh where radii repeat"
         )
     if not usable.all():
@@ -989,18 +954,18 @@ def _order(x: Array) -> Array:
     """That of recording where ``x`` follows it, else that of ``x``."""
     recorded = np.arange(x.size)
     ranks = np.argsort(np.argsort(x, kind="stable"), kind="stable")
-    follows = float(np.corrcoef(recorded, ranks)[0, 1]) > TUNING.recorded
+    follows = float(np.corrcoef(recorded, ranks)[0, 1]) > INTEGRAL_RECORDED
     return recorded if follows else np.argsort(x, kind="stable")
 
 
 def _refuse_span(a: Array, y: Array) -> None:
     """Refuse radii over more decades than a series has, by the one that lies farthest off."""
     logs = np.log10(y)
-    if np.ptp(logs) > TUNING.decades:
+    if np.ptp(logs) > INTEGRAL_DECADES:
         i = int(np.argmax(np.abs(logs - np.median(logs))))
         raise InputError(
             f"slopes 'integral': point {i + 1} has a = {a[i]:g} m, radii beyond the flat end differ by "
-            f"{np.ptp(logs):.0f} decades, at most {TUNING.decades:g} are fitted: drop it"
+            f"{np.ptp(logs):.0f} decades, at most {INTEGRAL_DECADES:g} are fitted: drop it"
         )
 
 
@@ -1040,7 +1005,7 @@ class _Task:
         grid = self.model.on_grid(fit.c)
         columns = self.model.columns(fit.c, self.at, self.basis, grid)
         k, m = (self.data.lever * self.data.spread(rate) for rate in columns.rates)
-        return estimate(self.data.x, self.difference(grid), k, m, fit.spent, TUNING.floor**2)
+        return estimate(self.data.x, self.difference(grid), k, m, fit.spent, INTEGRAL_FLOOR**2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -1072,10 +1037,10 @@ class _Settled:
 
 def _fine_enough(data: _Data, S0: float | None, shape: Shape | None) -> _Settled:
     """The fit with the knots that the data need; residuals still correlated count as that many fewer data."""
-    for intervals in (TUNING.intervals, 2 * TUNING.intervals):
+    for intervals in (INTEGRAL_INTERVALS, 2 * INTEGRAL_INTERVALS):
         settled = _fit(_Task(LogSplineModel(data.x, intervals, S0, shape), data))
         length = 1.0 if _explained(settled.fit, data) else correlation_length(settled.fit.independent)
-        if length == 1 and settled.known.rho < max(PENALISED_TUNING.correlations):
+        if length == 1 and settled.known.rho < max(PENALTY_CORRELATIONS):
             break
     known = replace(settled.known, V=length * settled.known.V, inner=length * settled.known.inner)
     return replace(settled, known=known)
@@ -1088,18 +1053,18 @@ def _explained(fit: PenalisedFit, data: _Data) -> bool:
 
 def _fit(task: _Task) -> _Settled:
     """The fit with penalties found from the data, in rounds, each with the scatter that the one before has shown."""
-    stiff = np.full(len(task.blocks), TUNING.stiff)
+    stiff = np.full(len(task.blocks), INTEGRAL_STIFF)
     data, stated = task.data, task.data.stated
     variances = _far_off(data) * np.ones((3, 1)) if stated is None else stated
     best: PenalisedFit | None = None
     outliers = np.zeros(data.x.size, dtype=bool)
-    rho, noisy, many = 0.0, False, data.x.size >= TUNING.tell_correlation
-    for share in (1.0, TUNING.share, TUNING.share):
-        variances = floored(variances, share, TUNING.floor**2)
-        floor = 1.0 if data.known else TUNING.floor**2 / float(np.mean(variances))
+    rho, noisy, many = 0.0, False, data.x.size >= INTEGRAL_TELL_CORRELATION
+    for share in (1.0, INTEGRAL_SHARE, INTEGRAL_SHARE):
+        variances = floored(variances, share, INTEGRAL_FLOOR**2)
+        floor = 1.0 if data.known else INTEGRAL_FLOOR**2 / float(np.mean(variances))
         # a stiff fit first: far from the solution a linearised one takes all for signal
         start = best or task.minimise(_start(task), variances, stiff, floor, 0)
-        fit = task.minimise(start.c, variances, start.lambdas, floor, PENALISED_TUNING.freeze, rho)
+        fit = task.minimise(start.c, variances, start.lambdas, floor, PENALTY_FREEZE, rho)
         if best is not None and not fit.settled:
             break  # weights too uneven to go on: the last fit stands
         if fit.settled:
@@ -1121,7 +1086,7 @@ def _far_off(data: _Data) -> Array:
     off what their load and displacement, beside those of their neighbours, make of it: a radius beyond all others bends
     any spline to itself."""
     x, load = data.x, np.sum(data.measured, axis=0)
-    n, reach = x.size, TUNING.beside
+    n, reach = x.size, INTEGRAL_BESIDE
     if n <= 2 * reach + 1:
         return np.ones(n)
     rows = np.arange(n)[:, None] + np.array([j for j in range(-reach, reach + 1) if j])
@@ -1131,14 +1096,14 @@ def _far_off(data: _Data) -> Array:
     gap = np.abs(x - np.median(x[rows] + expected, axis=1))
     usual = float(np.median(gap)) / 0.6745  # theory: the median of the size of a normal number
     # theory: an exponent that changes along the record moves a row by no more than the way to its neighbours
-    far = gap > np.maximum(TUNING.far * usual, np.median(np.abs(expected), axis=1))
-    return np.where(far, (gap / max(usual, TUNING.floor)) ** 2, 1.0)
+    far = gap > np.maximum(INTEGRAL_FAR * usual, np.median(np.abs(expected), axis=1))
+    return np.where(far, (gap / max(usual, INTEGRAL_FLOOR)) ** 2, 1.0)
 
 
 def _noisy(fit: PenalisedFit, data: _Data, variances: Array) -> bool:
     """Whether the residuals are noise rather than what the splines cannot bend to."""
     size = math.sqrt(fit.phi * float(np.mean(np.median(variances, axis=1))))
-    return data.stated is None and not _explained(fit, data) and size > TUNING.noise
+    return data.stated is None and not _explained(fit, data) and size > INTEGRAL_NOISE
 
 
 def _start(task: _Task) -> Array:

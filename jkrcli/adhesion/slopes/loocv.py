@@ -42,17 +42,10 @@ from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 
 Criterion = Literal["loocv", "gcv"]
 
-
-@dataclass(frozen=True)
-class SmoothingTuning:
-    """Bounds of the smoothing parameter, in units of the mean spacing."""
-
-    least: float = 1e-8  # theory: below, the penalty drowns in round-off
-    most: float = 1e13  # theory: above, the Gram matrix does
-    near: float = 0.1  # choice: of log(lambda), within which a minimum lies at a bound; Brent stops within 1e-4
-
-
-SMOOTHING_TUNING = SmoothingTuning()
+# Bounds of the smoothing parameter, in units of the mean spacing.
+SMOOTHING_LEAST = 1e-8  # theory: below, the penalty drowns in round-off
+SMOOTHING_MOST = 1e13  # theory: above, the Gram matrix does
+SMOOTHING_NEAR = 0.1  # choice: of log(lambda), within which a minimum lies at a bound; Brent stops within 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,9 +66,9 @@ class SmoothingSpline:
     @property
     def at_bound(self) -> Literal["lower", "upper"] | None:
         """Which bound of the range of the smoothing parameter the minimum of the criterion lies at; None: inside."""
-        if math.log(self.smoothing_lambda / SMOOTHING_TUNING.least) < SMOOTHING_TUNING.near:
+        if math.log(self.smoothing_lambda / SMOOTHING_LEAST) < SMOOTHING_NEAR:
             return "lower"
-        return "upper" if math.log(SMOOTHING_TUNING.most / self.smoothing_lambda) < SMOOTHING_TUNING.near else None
+        return "upper" if math.log(SMOOTHING_MOST / self.smoothing_lambda) < SMOOTHING_NEAR else None
 
     def __call__(self, x: Array, order: int = 0) -> Array:
         """Value (``order`` 0), first or second derivative at ``x``; straight beyond the ends."""
@@ -192,8 +185,8 @@ def smoothing_spline(
     score = _score(smoother, scaled, weights, criterion)
     if smoothing_lambda is None:
         # Lambda at the least score: a coarse grid in log(lambda) finds the valley, Brent's method its floor.
-        decades = round(math.log10(SMOOTHING_TUNING.most / SMOOTHING_TUNING.least))
-        grid = np.linspace(math.log(SMOOTHING_TUNING.least), math.log(SMOOTHING_TUNING.most), decades + 1)
+        decades = round(math.log10(SMOOTHING_MOST / SMOOTHING_LEAST))
+        grid = np.linspace(math.log(SMOOTHING_LEAST), math.log(SMOOTHING_MOST), decades + 1)
         values = [score(value) for value in grid]
         best = int(np.argmin(values))
         low, high = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
@@ -256,17 +249,13 @@ def _score(smoother: _Smoother, y: Array, weights: Array, criterion: Criterion) 
     return score
 
 
-@dataclass(frozen=True)
-class LoocvTuning:
-    """What the rule "loocv" asks of a series, and how it tells its errors."""
-
-    fewest: int = 5  # points; theory: leaving one out must leave a cubic
-    # random replicas of the noise; tuned on noisy series, by `make constants`: half as many move stated errors by an
-    # eighth, as 1/sqrt(2 * 64) says
-    probes: int = 64
+# What the rule "loocv" asks of a series, and how it tells its errors.
+LOOCV_FEWEST = 5  # points; theory: leaving one out must leave a cubic
+# random replicas of the noise; tuned on noisy series, by `make constants`: half as many move stated errors by an
+# eighth, as 1/sqrt(2 * 64) says
+LOOCV_PROBES = 64
 
 
-TUNING = LoocvTuning()
 KEPT = "S kept from the cubic spline P(delta)"
 REEVALUATED = "S re-evaluated by the smoothing spline"
 
@@ -278,9 +267,9 @@ def loocv(series: Series, criterion: Criterion = "loocv", keep_S: bool = False) 
     the paper's default, instead of re-evaluating it by the smoothing spline, its optional step. Source: the paper's
     Fig. 2 and App. B.
     """
-    if len(series) < TUNING.fewest:
+    if len(series) < LOOCV_FEWEST:
         raise Refusal(
-            f"slopes 'loocv': needs at least {TUNING.fewest} points with different contact radii, got {len(series)}; "
+            f"slopes 'loocv': needs at least {LOOCV_FEWEST} points with different contact radii, got {len(series)}; "
             "give more increments, or refine the mesh where radii repeat"
         )
     raw = interpolated_slope(series.delta, series.P)
@@ -377,19 +366,19 @@ def _covariance(series: Series, spline: SmoothingSpline, weights: Array, dS: Arr
     slopes about the smoothing spline.
     """
     first = spline.x.size - len(series)
-    shape = (3, len(series), TUNING.probes)
+    shape = (3, len(series), LOOCV_PROBES)
     a, delta, P = (
         np.random.default_rng(1).standard_normal(shape) * np.stack([series.a, series.delta, series.P])[..., None]
     )
     S, growth = spline.g[first:, None], np.gradient(series.delta, series.a)[:, None]
     raw = interpolated_slope(series.delta, P - S * delta) - dS[:, None] * a
-    smooth, slope = linear_fit(spline, weights, np.concatenate([np.zeros((first, TUNING.probes)), raw]))
+    smooth, slope = linear_fit(spline, weights, np.concatenate([np.zeros((first, LOOCV_PROBES)), raw]))
     smooth, slope = smooth[first:], slope[first:]
     scatter = interpolated_slope(series.delta, series.P) - spline.g[first:]
     size = math.sqrt(np.sum(scatter**2) / np.mean(np.sum((raw - smooth) ** 2, axis=0)))
     of_S = raw if keep_S else smooth
     replicas = size * np.stack([delta - growth * a, P - S * growth * a, of_S, slope], axis=1)
-    covariance = np.einsum("nip,njp->nij", replicas, replicas) / TUNING.probes
+    covariance = np.einsum("nip,njp->nij", replicas, replicas) / LOOCV_PROBES
     covariance[:, 3, 3] += bias**2
     of_errors = covariance_from_errors(series.a, series.errors, dS)
     return covariance if of_errors is None else covariance + of_errors

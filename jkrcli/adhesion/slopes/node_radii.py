@@ -19,25 +19,18 @@ import numpy as np
 from ...base import Array
 from ...series import RawSeries
 
-
-@dataclass(frozen=True)
-class NodeTuning:
-    """When radii are those of nodes, and what their rows tell."""
-
-    repeats: float = 0.2  # choice: share of the rows that repeat a radius, from which it is that of a node
-    fewest: int = 5  # theory: differences of radii that chance does not make multiples of one
-    few: int = 20  # choice: rows that do not repeat radii, from which this can be told
-    multiple: float = 0.1  # choice: of an element, by how far differences of radii may miss its multiples
-    parts: int = 6  # choice: most elements in the smallest difference of radii
-    most: float = 1000.0  # choice: elements under the largest contact; more are no matter
-    # theory: of an element, by which radii miss what their neighbours make of them; those of nodes miss it by 0.4,
-    # radii that were asked for by nothing
-    scatter: float = 0.15
-    turns: int = 3  # choice: times that the nodes passed become more and fewer by turns; radii asked for do not
-    half_width: float = 0.9  # theory: of an interval in which all places are as likely, for 90 %
-
-
-TUNING = NodeTuning()
+# When radii are those of nodes, and what their rows tell.
+NODE_REPEATS = 0.2  # choice: share of the rows that repeat a radius, from which it is that of a node
+NODE_FEWEST = 5  # theory: differences of radii that chance does not make multiples of one
+NODE_FEW = 20  # choice: rows that do not repeat radii, from which this can be told
+NODE_MULTIPLE = 0.1  # choice: of an element, by how far differences of radii may miss its multiples
+NODE_PARTS = 6  # choice: most elements in the smallest difference of radii
+NODE_MOST = 1000.0  # choice: elements under the largest contact; more are no matter
+# theory: of an element, by which radii miss what their neighbours make of them; those of nodes miss it by 0.4,
+# radii that were asked for by nothing
+NODE_SCATTER = 0.15
+NODE_TURNS = 3  # choice: times that the nodes passed become more and fewer by turns; radii asked for do not
+NODE_HALF_WIDTH = 0.9  # theory: of an interval in which all places are as likely, for 90 %
 
 
 class Ahead(NamedTuple):
@@ -103,7 +96,7 @@ class NodeRadii:
             load[i] = _on_line(delta, P, min(begin, max(first[i] - 1, 0)), max(end, 2), depth[i])
         rows = RawSeries(radius, depth, load, self.rows.rows[first])
         known = radius > 0
-        errors = TUNING.half_width * share / 2 * e
+        errors = NODE_HALF_WIDTH * share / 2 * e
         return Touches(rows.only(known), errors[known], e[known])
 
 
@@ -118,7 +111,7 @@ def _on_line(delta: Array, P: Array, begin: int, end: int, depth: float) -> floa
 def has_plateaus(raw: RawSeries) -> bool:
     """Whether radii repeat while depth and load go on, as node-based radii do: at one increment in five at least."""
     raw = raw.touching
-    return bool(raw.a.size > 1 and np.all(np.diff(raw.a) >= 0) and np.mean(np.diff(raw.a) == 0) > TUNING.repeats)
+    return bool(raw.a.size > 1 and np.all(np.diff(raw.a) >= 0) and np.mean(np.diff(raw.a) == 0) > NODE_REPEATS)
 
 
 def node_radii(raw: RawSeries) -> NodeRadii | None:
@@ -144,7 +137,7 @@ def evenly_spaced(raw: RawSeries) -> NodeRadii | None:
     differ by multiples of one length."""
     rows = raw.touching
     even = _even_spacing(np.unique(rows.a)) if _in_order(rows) else None
-    if even is None or rows.a[-1] > TUNING.most * even:
+    if even is None or rows.a[-1] > NODE_MOST * even:
         return None
     return NodeRadii(rows, np.full(rows.a.size, even), _before(raw))
 
@@ -169,12 +162,12 @@ def _repeat(rows: RawSeries) -> bool:
 def _even_spacing(radii: Array) -> float | None:
     """The largest length of which all differences of the ``radii`` are multiples; None where there is none."""
     steps = np.diff(radii)
-    if steps.size < TUNING.fewest:
+    if steps.size < NODE_FEWEST:
         return None
-    for parts in range(1, TUNING.parts + 1):
+    for parts in range(1, NODE_PARTS + 1):
         multiples = np.round(steps * parts / steps.min())
         length = float(steps.sum() / multiples.sum())
-        if np.abs(steps / length - multiples).max() < TUNING.multiple / parts:
+        if np.abs(steps / length - multiples).max() < NODE_MULTIPLE / parts:
             return length
     return None
 
@@ -182,10 +175,10 @@ def _even_spacing(radii: Array) -> float | None:
 def _scatters(rows: RawSeries, element: float) -> bool:
     """Whether radii that do not repeat lie off what two neighbours on either side make of them by parts of an element,
     as those of nodes do."""
-    if rows.a.size < TUNING.few or np.any(np.diff(rows.delta) <= 0):
+    if rows.a.size < NODE_FEW or np.any(np.diff(rows.delta) <= 0):
         return False
     turns = np.diff(np.round(np.diff(rows.a) / element))
-    if np.count_nonzero(turns[turns != 0][1:] * turns[turns != 0][:-1] < 0) < TUNING.turns:
+    if np.count_nonzero(turns[turns != 0][1:] * turns[turns != 0][:-1] < 0) < NODE_TURNS:
         return False
     x, y = np.log(rows.delta), np.log(rows.a)
     i = np.arange(2, x.size - 2)
@@ -196,4 +189,4 @@ def _scatters(rows: RawSeries, element: float) -> bool:
             if k != j:
                 weights[j] *= (x[i] - x[others[k]]) / (x[others[j]] - x[others[k]])
     gap = np.abs(y[i] - np.sum(weights * y[others], axis=0)) * rows.a[i] / element
-    return bool(np.sqrt(np.mean(gap**2)) > TUNING.scatter)
+    return bool(np.sqrt(np.mean(gap**2)) > NODE_SCATTER)

@@ -15,19 +15,12 @@ from ...series import COLUMNS, Series
 Signs: TypeAlias = tuple[int, int, int, int]
 TWO_SIDED_90 = NormalDist().inv_cdf(0.95)  # half-width of a 90 % interval in standard deviations
 
-
-@dataclass(frozen=True)
-class ErrorTuning:
-    """How errors of columns go together."""
-
-    # Of the variances, what is common to columns that err together:
-    common: float = 0.9  # tuned on random bodies, by `make bounds`
-    # Signs of common errors of (delta_H, P_H, S, S'):
-    at_radius: Signs = (-1, 0, 1, 1)  # theory: a spring in series
-    at_displacement: Signs = (0, 1, 1, 1)  # theory: a stiffness that is too large
-
-
-TUNING = ErrorTuning()
+# How errors of columns go together.
+# Of the variances, what is common to columns that err together:
+ERROR_COMMON = 0.9  # tuned on random bodies, by `make bounds`
+# Signs of common errors of (delta_H, P_H, S, S'):
+ERROR_AT_RADIUS = (-1, 0, 1, 1)  # theory: a spring in series
+ERROR_AT_DISPLACEMENT = (0, 1, 1, 1)  # theory: a stiffness that is too large
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +83,7 @@ class Slopes:
 
 
 def covariance_from_errors(
-    a: Array, errors: Mapping[str, Array], dS: Array, signs: Signs = TUNING.at_radius, common: float = TUNING.common
+    a: Array, errors: Mapping[str, Array], dS: Array, signs: Signs = ERROR_AT_RADIUS, common: float = ERROR_COMMON
 ) -> Array | None:
     """Covariance (n, 4, 4) of (delta_H, P_H, S, S') at radii ``a`` from a series' ``errors``, 90 % half-widths; None
     where there are none.

@@ -18,27 +18,21 @@ import numpy as np
 
 from ...base import Array, InputError, show
 
-
-@dataclass(frozen=True)
-class SmoothingTuning:
-    """Knots, corners and what is taken for noise."""
-
-    knots: tuple[int, int] = (6, 24)  # choice: at least and at most, f'' is smoothed between them
-    points_per_knot: int = 3  # choice: at least
-    strengths: tuple[float, float, int] = (-12.0, 2.0, 15)  # choice: of log10 lambda, in units of noise and length
-    # of log10 lambda, where a corner is sought; choice: with the corner the rest may be far smoother than without it
-    coarse: tuple[float, float, int] = (-11.0, 2.0, 5)
-    corner: float = 12.0  # by which Cp must fall for a corner; choice: two unknowns, and forty places are tried
-    flat: float = 4.0  # chi^2 by which a flat end may be worse; choice: two standard errors
-    corners: int = 2  # choice: most that are found
-    places: int = 40  # choice: at which a corner is sought first
-    steps: int = 12  # theory: of the golden section, 1/300 of their distance
-    fewest: int = 12  # choice: points from which their scatter is found
-    rms: float = 2.0  # of the noise, the most that points may scatter about the profile; choice: no chance does
-    largest: float = 6.0  # of the noise, the most that one point may lie off; choice: one of a thousand millions
-
-
-TUNING = SmoothingTuning()
+# Knots, corners and what is taken for noise.
+SMOOTHING_KNOTS = (6, 24)  # choice: at least and at most, f'' is smoothed between them
+SMOOTHING_POINTS_PER_KNOT = 3  # choice: at least
+# choice: of log10 lambda, in units of noise and length
+SMOOTHING_STRENGTHS = (-12.0, 2.0, 15)
+# of log10 lambda, where a corner is sought; choice: with the corner the rest may be far smoother than without it
+SMOOTHING_COARSE = (-11.0, 2.0, 5)
+SMOOTHING_CORNER = 12.0  # by which Cp must fall for a corner; choice: two unknowns, and forty places are tried
+SMOOTHING_FLAT = 4.0  # chi^2 by which a flat end may be worse; choice: two standard errors
+SMOOTHING_CORNERS = 2  # choice: most that are found
+SMOOTHING_PLACES = 40  # choice: at which a corner is sought first
+SMOOTHING_STEPS = 12  # theory: of the golden section, 1/300 of their distance
+SMOOTHING_FEWEST = 12  # choice: points from which their scatter is found
+SMOOTHING_RMS = 2.0  # of the noise, the most that points may scatter about the profile; choice: no chance does
+SMOOTHING_LARGEST = 6.0  # of the noise, the most that one point may lie off; choice: one of a thousand millions
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,16 +66,16 @@ def smooth_convex(r: Array, f: Array, noise: float, bends: Array) -> SmoothProfi
     """The smooth convex profile within the ``noise`` [m] of the points, with corners at ``bends`` [m] and where the
     points show them; InputError where they depart from any convex one by more."""
     best = _Fit.of(r, f, noise, tuple(bends.tolist()))
-    for _ in range(TUNING.corners):
+    for _ in range(SMOOTHING_CORNERS):
         other = best.with_corner()
-        if other.cp > best.cp - TUNING.corner:
+        if other.cp > best.cp - SMOOTHING_CORNER:
             break
         best = other
     best = best.with_flat_end()
     residual = f - best.fitted
     rms, worst = float(np.sqrt(np.mean(residual**2))), int(np.argmax(np.abs(residual)))
     largest = float(np.abs(residual[worst]))
-    if rms > TUNING.rms * noise or largest > TUNING.largest * noise:
+    if rms > SMOOTHING_RMS * noise or largest > SMOOTHING_LARGEST * noise:
         raise InputError(
             f"profile table: is not convex within its noise of {show(noise, 'length', 3)}: departs from the nearest "
             f"smooth convex profile by {show(largest, 'length', 3)} at r = {show(float(r[worst]), 'length', 3)} "
@@ -117,7 +111,7 @@ class _Fit:
         """The fit with the best further corner: a point at the axis, or one in between by a golden section. A flat end
         is tried along with the corner: it leaves fewer unknowns, so that the points show the two where they do not
         show a corner alone."""
-        places = np.linspace(self.x[2], self.x[-3], min(TUNING.places, self.x.size))
+        places = np.linspace(self.x[2], self.x[-3], min(SMOOTHING_PLACES, self.x.size))
         apart = float(places[1] - places[0])
         places = places[np.all(np.abs(places[:, None] - np.array([-1.0, *self.corners])) > apart, axis=1)]
         ends = (False,) if 0.0 in self.corners else (False, True)
@@ -126,7 +120,7 @@ class _Fit:
         (place,) = set(best.corners) - set(self.corners)
         low, high = max(place - apart, float(self.x[1])), min(place + apart, float(self.x[-2]))
         ratio = (math.sqrt(5) - 1) / 2
-        for _ in range(TUNING.steps):
+        for _ in range(SMOOTHING_STEPS):
             left, right = high - ratio * (high - low), low + ratio * (high - low)
             closer = self.tried(left, best.flat).cp < self.tried(right, best.flat).cp
             low, high = (low, right) if closer else (left, high)
@@ -139,14 +133,14 @@ class _Fit:
         if not self.corners or self.corners[0] == 0 or self.flat:
             return self
         other = replace(self, flat=True)
-        return other if other.chi2 < self.chi2 + TUNING.flat else self
+        return other if other.chi2 < self.chi2 + SMOOTHING_FLAT else self
 
     # ------------------------------------------------------------------ columns: offset, jumps of slope, f'' at nodes
     @cached_property
     def segments(self) -> list[Array]:
         """The nodes of f'' between corners."""
-        least, most = TUNING.knots
-        count = int(np.clip(self.x.size // TUNING.points_per_knot, least, most))
+        least, most = SMOOTHING_KNOTS
+        count = int(np.clip(self.x.size // SMOOTHING_POINTS_PER_KNOT, least, most))
         edges = [0.0, *(c for c in self.corners if c > 0), 1.0]
         return [
             np.linspace(low, high, max(round(count * (high - low)), 2) + 1) for low, high in itertools.pairwise(edges)
@@ -214,7 +208,7 @@ class _Fit:
         q, reduced = np.linalg.qr(self.columns)
         target, rest = q.T @ self.y, float(np.sum((self.y - q @ (q.T @ self.y)) ** 2))
         found = []
-        for strength in np.logspace(*(TUNING.coarse if self.coarse else TUNING.strengths)):
+        for strength in np.logspace(*(SMOOTHING_COARSE if self.coarse else SMOOTHING_STRENGTHS)):
             stacked = np.concatenate([reduced, np.sqrt(strength) * self.penalty])
             goal = np.append(target, np.zeros(self.penalty.shape[0]))
             both = np.concatenate([stacked, -stacked[:, :1]], axis=1)  # the offset has either sign

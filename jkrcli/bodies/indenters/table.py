@@ -28,32 +28,24 @@ from ...base import (
 )
 from ..indenter import Indenter, shape
 from ..materials import Solid
-from .smoothing import TUNING as SMOOTHING
-from .smoothing import SmoothProfile, cut_at, scatter, smooth_convex
+from .smoothing import SMOOTHING_FEWEST, SmoothProfile, cut_at, scatter, smooth_convex
 
-
-@dataclass(frozen=True)
-class TableTuning:
-    """How points become a profile, and the error of that."""
-
-    points: int = 5000  # most of a table; choice: the cost grows with their square, so many take ten seconds
-    pointed: float = 0.25  # slope at the axis over the first chord above which a tip has a point; choice: a cone has 1
-    # Times the error that every second point changes: what every fourth changes more shows the order; of F, its slope,
-    # and the mean of F over the contact at least
-    flattest: tuple[float, float, float] = (2.0, 1.0, 1.0)  # choice: near first order, of points that scatter
-    steepest: tuple[float, float, float] = (14.0, 7.0, 14.0)  # theory: 2^4 and 2^3 less 1, of smooth splines
-    safety: float = 1.25  # theory: on errors by the order of three grids (Roache, J. Fluids Eng. 116 (1994) 405)
-    corner: float = 0.1  # jump of the slope where a straight run ends, over the slope beyond; choice: less is none
-    near: float = 0.01  # of an interval, to its end: a corner as near is at that point; choice: points are rounded
-    normal: float = 1.645  # theory: 90 % of a normal distribution, in standard errors
-    draws: int = 3  # choice: profiles that the noise leaves, where a state moves with the profile
-    # of what the largest of so many draws changes, that 90 % half-width; 1.645/1.8, which ``fewer_points`` adds
-    of_draws: float = 0.9  # theory: over about one standard error
-    few: int = 9  # theory: points of a table, of every fourth of which no spline is left, and then
-    few_factors: tuple[float, float, float] = (1.7, 1.0, 1.7)  # theory: of parabolas, less where a tip is blunt
-
-
-TUNING = TableTuning()
+# How points become a profile, and the error of that.
+TABLE_POINTS = 5000  # most of a table; choice: the cost grows with their square, so many take ten seconds
+TABLE_POINTED = 0.25  # slope at the axis over the first chord above which a tip has a point; choice: a cone has 1
+# Times the error that every second point changes: what every fourth changes more shows the order; of F, its slope,
+# and the mean of F over the contact at least
+TABLE_FLATTEST = (2.0, 1.0, 1.0)  # choice: near first order, of points that scatter
+TABLE_STEEPEST = (14.0, 7.0, 14.0)  # theory: 2^4 and 2^3 less 1, of smooth splines
+TABLE_SAFETY = 1.25  # theory: on errors by the order of three grids (Roache, J. Fluids Eng. 116 (1994) 405)
+TABLE_CORNER = 0.1  # jump of the slope where a straight run ends, over the slope beyond; choice: less is none
+TABLE_NEAR = 0.01  # of an interval, to its end: a corner as near is at that point; choice: points are rounded
+TABLE_NORMAL = 1.645  # theory: 90 % of a normal distribution, in standard errors
+TABLE_DRAWS = 3  # choice: profiles that the noise leaves, where a state moves with the profile
+# of what the largest of so many draws changes, that 90 % half-width; 1.645/1.8, which ``fewer_points`` adds
+TABLE_OF_DRAWS = 0.9  # theory: over about one standard error
+TABLE_FEW = 9  # theory: points of a table, of every fourth of which no spline is left, and then
+TABLE_FEW_FACTORS = (1.7, 1.0, 1.7)  # theory: of parabolas, less where a tip is blunt
 
 
 @shape("table")
@@ -114,7 +106,7 @@ class TableProfile(Indenter):
             dip = _first_dip(r, f)
             if dip is None:
                 return None
-            noise = scatter(r, f) if r.size >= SMOOTHING.fewest else 0.0
+            noise = scatter(r, f) if r.size >= SMOOTHING_FEWEST else 0.0
             if not noise > ROUNDED * np.ptp(f):
                 raise InputError(
                     f"profile table: must be convex, the slope falls at point {dip + 1} (r = {r[dip]:g} m); "
@@ -200,7 +192,7 @@ class TableProfile(Indenter):
         return np.stack([F + mean, np.maximum(slope, at_tip)])
 
     def left(self, a: Array) -> Array:
-        return np.full((3, a.size), TUNING.of_draws) if self.smooth is not None else self._at(self._resolved, a)[1]
+        return np.full((3, a.size), TABLE_OF_DRAWS) if self.smooth is not None else self._at(self._resolved, a)[1]
 
     def _at(self, columns: tuple[Array, ...], a: Array) -> list[Array]:
         """The ``columns`` after the first, even radii [m], at the next to each of ``a``."""
@@ -218,7 +210,7 @@ class TableProfile(Indenter):
             F, slope = _images(knots, pieces, x)
             mean = np.cumsum(F) / np.arange(1.0, x.size + 1)
             total += np.array([F, F - mean, slope]) ** 2
-        F, less_mean, slope = TUNING.normal * np.sqrt(total)
+        F, less_mean, slope = TABLE_NORMAL * np.sqrt(total)
         return x, np.stack([np.maximum(F, less_mean), slope])
 
     @cached_property
@@ -230,13 +222,13 @@ class TableProfile(Indenter):
         seen, before = _changes(self, halves, x), _changes(halves[0], halves[0].thinned[:1], x)
         points, largest, shares = np.searchsorted(self.r, x).tolist(), np.empty((3, x.size)), np.empty((3, x.size))
         for i, k in enumerate(points):
-            if len(self.r) < TUNING.few:
-                largest[:, i], shares[:, i] = _most(seen, i // 2, i), 1 / np.array(TUNING.few_factors)
+            if len(self.r) < TABLE_FEW:
+                largest[:, i], shares[:, i] = _most(seen, i // 2, i), 1 / np.array(TABLE_FEW_FACTORS)
                 continue
             near, wider = (_most(part, *self._beside(x, k, steps)) for part, steps in ((seen, 1), (before, 2)))
             near[2], wider[2] = seen[2, i], before[2, i]
             orders = np.divide(wider, near, out=np.full(3, np.inf), where=near > 0) - 1
-            largest[:, i], shares[:, i] = near, TUNING.safety / np.clip(orders, TUNING.flattest, TUNING.steepest)
+            largest[:, i], shares[:, i] = near, TABLE_SAFETY / np.clip(orders, TABLE_FLATTEST, TABLE_STEEPEST)
         return x, largest, shares
 
     @cached_property
@@ -252,7 +244,7 @@ class TableProfile(Indenter):
             return 0.0
         if len(others) == 2:
             near, wider = abs(others[0] - error), abs(others[1] - others[0])
-            error = min(TUNING.safety * near**2 / max(wider - near, TINY), error)
+            error = min(TABLE_SAFETY * near**2 / max(wider - near, TINY), error)
         return math.pi / 2 * error
 
     def _beside(self, x: Array, k: int, steps: int) -> tuple[int, int]:
@@ -266,7 +258,7 @@ class TableProfile(Indenter):
         """The profiles through every second point, ends and bends kept; of smoothed points other profiles that the
         noise leaves."""
         if self.smooth is not None:
-            return tuple(_Drawn.of(self, self.smooth, number) for number in range(TUNING.draws))
+            return tuple(_Drawn.of(self, self.smooth, number) for number in range(TABLE_DRAWS))
         r, f = np.array(self.r), np.array(self.heights)
         fixed = [0, r.size - 1, *np.searchsorted(r, self.bends)]
         rows = [np.unique([*fixed, *range(first, r.size, 2)]) for first in (0, 1)]
@@ -352,9 +344,9 @@ def _most(changes: Array, first: int, last: int) -> Array:
 
 def _check_table(r: Array, f: Array, exact: bool) -> None:
     """Refuse what is no profile; ``exact``: heights without noise, of which the first is 0."""
-    if r.size > TUNING.points:
+    if r.size > TABLE_POINTS:
         raise InputError(
-            f"profile table: has {r.size:,} points, at most {TUNING.points:,} are taken; leave out points that lie "
+            f"profile table: has {r.size:,} points, at most {TABLE_POINTS:,} are taken; leave out points that lie "
             "nearly on the parabolas between their neighbours"
         )
     if r.ndim != 1 or r.shape != f.shape or r.size < 3:
@@ -407,10 +399,10 @@ def _with_corners(r: Array, f: Array, bends: Array) -> tuple[Array, Array, Array
 
         # They meet at its first zero, where the slope jumps by the root of b^2 - 4 a c
         square = max(b**2 - 4 * a * c, 0.0)
-        if b >= 0 or square <= (TUNING.corner * b) ** 2:
+        if b >= 0 or square <= (TABLE_CORNER * b) ** 2:
             continue
         y = 2 * c / (math.sqrt(square) - b)
-        if abs(y / h[i] - 1) < TUNING.near:
+        if abs(y / h[i] - 1) < TABLE_NEAR:
             corners.append((r[i], f[i]))
         elif y < h[i]:
             corners.append((r[i + 1] - y, f[i] + chord[i - 1] * (h[i] - y)))
@@ -472,7 +464,7 @@ def _end_slopes(r: Array, f: Array, chord: Array, bends: Array) -> tuple[Array, 
 def _start(r: Array, chord: Array) -> float:
     """The slope at the axis: of the parabola through the first points where they come to a tip there, else 0."""
     start = float(2 * chord[0] - _gentle(r, chord)[1])
-    return start if start > TUNING.pointed * chord[0] else 0.0
+    return start if start > TABLE_POINTED * chord[0] else 0.0
 
 
 def _gentle(r: Array, chord: Array) -> Array:

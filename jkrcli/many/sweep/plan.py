@@ -429,16 +429,9 @@ PHYSICS = {"title", "indenter", "specimen", "loading", "adhesion"}
 OK, FAILED = "ok", "failed"
 Cases: TypeAlias = Sequence[tuple[int, Mapping[str, Any]]]  # by their numbers and values, which share one solve
 
-
-@dataclass(frozen=True)
-class SharingTuning:
-    """How solves are distinguished and which are kept."""
-
-    digits: int = 13  # of numbers at unit modulus, theory: of the 16 of a double quotients lose the last ones
-    worth_keeping: float = 0.1  # choice: CPU seconds; reading a file takes a tenth of it
-
-
-TUNING = SharingTuning()
+# How solves are distinguished and which are kept.
+SHARING_DIGITS = 13  # of numbers at unit modulus, theory: of the 16 of a double quotients lose the last ones
+SHARING_WORTH_KEEPING = 0.1  # choice: CPU seconds; reading a file takes a tenth of it
 
 
 @dataclass(frozen=True)
@@ -560,9 +553,9 @@ def at_unit_modulus(problem: Problem) -> tuple[Problem, float]:
 
 
 def _rounded(value: Any) -> Any:
-    """``value`` rounded throughout (``SharingTuning``): quotients that are equal on paper become equal."""
+    """``value`` rounded throughout (to ``SHARING_DIGITS``): quotients that are equal on paper become equal."""
     if isinstance(value, float):
-        return float(f"{value:.{TUNING.digits - 1}e}")
+        return float(f"{value:.{SHARING_DIGITS - 1}e}")
     if isinstance(value, tuple):
         return tuple(_rounded(item) for item in value)
     if is_dataclass(value) and not isinstance(value, type):
@@ -660,7 +653,7 @@ def _solved(body: Problem, model: CaseModel, folder: Path | None) -> Solution:
 
 def solved_once(problem: Problem, method: Method, folder: Path | None = None) -> Solution:
     """The solution of ``problem`` by ``method``: from ``folder`` where it is kept there, else solved, and kept there
-    where that was expensive (``SharingTuning``)."""
+    where that was expensive (``SHARING_WORTH_KEEPING``)."""
     # A hash of all that a solve depends on: the physics, the method with its options, the release.
     key = hashlib.sha256(f"{problem.key}\n{method!r}\n{__version__}".encode()).hexdigest()[:24]
     path = None if folder is None else folder / f"{key}.h5"
@@ -668,7 +661,7 @@ def solved_once(problem: Problem, method: Method, folder: Path | None = None) ->
         return stored
     start = time.process_time()
     solution = replace(method(problem), record=Record(path=Path("series")))
-    expensive = time.process_time() - start > TUNING.worth_keeping
+    expensive = time.process_time() - start > SHARING_WORTH_KEEPING
     if path is not None and expensive and solution.raw is None and path.parent.is_dir():
         with contextlib.suppress(JkrError):  # no room, or a shape that no case can say: it is solved every time
             check_target(path, force=True)  # also what is damaged

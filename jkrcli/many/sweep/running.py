@@ -393,20 +393,13 @@ def _arrow(values: list[Any], whole: bool) -> Any:
 JOURNAL, FAILED_TABLE, SOLVES = "journal.jsonl", "failed.csv", "solves"
 Say = Callable[[str], None]
 
-
-@dataclass(frozen=True)
-class SweepTuning:
-    """What a sweep is expected to cost, and in what portions it is handed out."""
-
-    per_case: float = 0.012  # CPU seconds of a case besides its solve; tuned on the shipped sweeps, by `make sweep`
-    per_cell: float = 5e-6  # and per column of its row; tuned on 1,000 radii, by `make guards`
-    per_column: float = 6e-4  # CPU seconds of each in the files; tuned on 1,000 radii, by `make guards`
-    look: float = 0.0004  # CPU seconds to look at a case; tuned on the shipped sweeps, by `make sweep`
-    looked_at: int = 12  # choice: groups whose forecasts stand for all
-    shares: int = 8  # choice: tasks per worker at least, so that the last ones end together
-
-
-TUNING = SweepTuning()
+# What a sweep is expected to cost, and in what portions it is handed out.
+SWEEP_PER_CASE = 0.012  # CPU seconds of a case besides its solve; tuned on the shipped sweeps, by `make sweep`
+SWEEP_PER_CELL = 5e-6  # and per column of its row; tuned on 1,000 radii, by `make guards`
+SWEEP_PER_COLUMN = 6e-4  # CPU seconds of each in the files; tuned on 1,000 radii, by `make guards`
+SWEEP_LOOK = 0.0004  # CPU seconds to look at a case; tuned on the shipped sweeps, by `make sweep`
+SWEEP_LOOKED_AT = 12  # choice: groups whose forecasts stand for all
+SWEEP_SHARES = 8  # choice: tasks per worker at least, so that the last ones end together
 
 
 @dataclass(frozen=True)
@@ -431,7 +424,7 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say, picture
     make_folder(folder)
     for name in (*(f"{STEM}{ending}" for ending in endings()), FAILED_TABLE):
         check_target(folder / name, force)
-    look = TUNING.look * plan.count
+    look = SWEEP_LOOK * plan.count
     if look > SILENCE:
         say(
             f"{plan.count:,} cases: looking through them takes about {duration(look)} of CPU time before the first is "
@@ -499,7 +492,7 @@ def _left(plan: Plan, journal: Journal, say: Say) -> list[Cases]:
 
 def forecast(plan: Plan, groups: Sequence[Cases]) -> float:
     """CPU seconds that the groups will take, from the methods' own forecasts for some of them."""
-    some = groups[:: max(1, len(groups) // TUNING.looked_at)]
+    some = groups[:: max(1, len(groups) // SWEEP_LOOKED_AT)]
     seconds = [_solve_seconds(plan, group) for group in some]
     return _beside(plan, sum(map(len, groups))) + len(groups) * sum(seconds) / max(len(seconds), 1)
 
@@ -507,7 +500,7 @@ def forecast(plan: Plan, groups: Sequence[Cases]) -> float:
 def _beside(plan: Plan, cases: int) -> float:
     """CPU seconds of ``cases`` besides their solves."""
     columns = len(plan.recipe.wanted.columns)
-    return TUNING.per_column * columns + (TUNING.per_case + TUNING.per_cell * columns) * cases
+    return SWEEP_PER_COLUMN * columns + (SWEEP_PER_CASE + SWEEP_PER_CELL * columns) * cases
 
 
 def _solve_seconds(plan: Plan, group: Cases) -> float:
@@ -540,7 +533,7 @@ def _solve(
         if pool.dashboard:
             say(f"dashboard {pool.dashboard}")
         by_time = SILENCE * len(groups) / max(seconds, 1e-9)  # much more than handing out, and the next is seen soon
-        chunk = max(1, min(round(by_time), math.ceil(len(groups) / (TUNING.shares * pool.workers))))
+        chunk = max(1, min(round(by_time), math.ceil(len(groups) / (SWEEP_SHARES * pool.workers))))
         try:
             function = partial(solve_group, plan.recipe, solves)
             for index, rows in completed(pool, function, groups, plan.title or "sweep", chunk):

@@ -34,16 +34,11 @@ from .elasticity import ElasticSystem
 # along one of a few directions, whichever cuts the fewest facets, until the groups are small; all groups of a level
 # at once. The nodes between two halves are eliminated after both.
 
-
-@dataclass(frozen=True)
-class FactorTuning:
-    """Sizes on which the time of a solve depends, not its result."""
-
-    small: int = 20_000  # unknowns; CHOLMOD gains less than its import costs; tuned on its cases, by `make bench`
-    leaf: int = 6  # cells; smaller groups gain nothing; tuned on the cases of `make bench`, by `make bench`
+# Sizes on which the time of a solve depends, not its result.
+FACTOR_SMALL = 20_000  # unknowns; CHOLMOD gains less than its import costs; tuned on its cases, by `make bench`
+FACTOR_LEAF = 6  # cells; smaller groups gain nothing; tuned on the cases of `make bench`, by `make bench`
 
 
-TUNING = FactorTuning()
 ONLY_THE_GIVEN_ORDER = {"supernodal": 2, "nmethods": 1, "postorder": False}
 
 
@@ -64,7 +59,7 @@ def sparse_factor(matrix: csc_matrix, tail: int, definite: bool, solver: Solver)
     SolveError."""
     if solver == "cholmod" and not has_cholmod():
         raise InputError(f'mesh.solver: "cholmod" needs the optional package cvxopt: {installs("fast")}')
-    pays = solver == "cholmod" or (solver == "auto" and matrix.shape[0] > TUNING.small)
+    pays = solver == "cholmod" or (solver == "auto" and matrix.shape[0] > FACTOR_SMALL)
     return _cholmod(matrix, tail) if definite and pays and has_cholmod() else _superlu(matrix, tail)
 
 
@@ -153,7 +148,7 @@ def _cell_codes(centres: Array, neighbours: Array) -> Array:
     by_axis = [np.argsort(values, kind="stable") for values in along]
     code = np.zeros(m, dtype=np.int64)
     groups = 1
-    while m > TUNING.leaf * groups:
+    while m > FACTOR_LEAF * groups:
         code = 2 * code + _halves(code, groups, by_axis, neighbours)
         groups *= 2
     return code

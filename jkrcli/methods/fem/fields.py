@@ -33,15 +33,10 @@ from .model import Discretisation, Model, finest_spacing, pressure_layers
 # On a line: the tractions that balance the nodal forces which the elements on one side of it exert, int t v dA = int
 # sigma : eps(v) dV for every shape function v of the line. They are in equilibrium whatever the mesh.
 
-
-@dataclass(frozen=True)
-class TractionTuning:
-    """What the error of tractions is concluded from."""
-
-    caution: float = 4.0  # times what one order less changes; tuned on the bodies of test_fields.py, by `make test-all`
+# What the error of tractions is concluded from.
+TRACTION_CAUTION = 4.0  # times what one order less changes; tuned on the bodies of test_fields.py, by `make test-all`
 
 
-STRESS_TUNING = TractionTuning()
 COMPONENTS = ("rr", "tt", "zz", "rz")
 
 
@@ -152,7 +147,7 @@ def _traction(products: csc_matrix, force: Array, first: int, order: int) -> tup
     for space in (identity(force.size, format="csc"), _one_order_less(force.size, order)):
         T = space[:, first:].tocsc()
         tractions.append(T @ spsolve((T.T @ products @ T).tocsc(), T.T @ force))
-    return tractions[0], STRESS_TUNING.caution * np.abs(tractions[0] - tractions[1])
+    return tractions[0], TRACTION_CAUTION * np.abs(tractions[0] - tractions[1])
 
 
 def _one_order_less(nodes: int, order: int) -> csc_matrix:
@@ -165,19 +160,13 @@ def _one_order_less(nodes: int, order: int) -> csc_matrix:
     return csc_matrix(matrix)
 
 
-@dataclass(frozen=True)
-class StateTuning:
-    """The mesh for the field at one contact radius."""
-
-    order: int = 4  # of the elements; tuned on gel and coating, by `make tuning`
-    spacing: float = 0.2  # element size over the distance from the edge; tuned on gel and coating, by `make tuning`
-    stuck: float = 0.1  # the same of surfaces that stick, which must be grown on it; choice: as exact there
-    growth: float = 0.2  # beyond the contact; tuned on the bodies of `make tuning`, by `make tuning`
-    finest: float = 1e-5  # radii from the edge with elements of one size; tuned on gel and coating, by `make tuning`
-    near: float = 3.0  # radii within which tractions are judged; choice: what the error stands for
-
-
-TUNING = StateTuning()
+# The mesh for the field at one contact radius.
+STATE_ORDER = 4  # of the elements; tuned on gel and coating, by `make tuning`
+STATE_SPACING = 0.2  # element size over the distance from the edge; tuned on gel and coating, by `make tuning`
+STATE_STUCK = 0.1  # the same of surfaces that stick, which must be grown on it; choice: as exact there
+STATE_GROWTH = 0.2  # beyond the contact; tuned on the bodies of `make tuning`, by `make tuning`
+STATE_FINEST = 1e-5  # radii from the edge with elements of one size; tuned on gel and coating, by `make tuning`
+STATE_NEAR = 3.0  # radii within which tractions are judged; choice: what the error stands for
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,7 +200,7 @@ class ContactState:
     @cached_property
     def error(self) -> dict[str, float]:
         """Mean error of each line's tractions zz within three contact radii, relative to their mean size."""
-        return {name: line.error(TUNING.near * self.a) for name, line in self.lines.items()}
+        return {name: line.error(STATE_NEAR * self.a) for name, line in self.lines.items()}
 
 
 def contact_state(
@@ -236,13 +225,13 @@ def contact_state(
     if edge is not None and a >= edge:
         raise InputError(f"fields: contact radius {a:g} m reaches the edge of the body, {edge:g} m")
     body = cut_out(problem, a, method.depth, method.width)
-    spacing, finest = TUNING.spacing, TUNING.finest
+    spacing, finest = STATE_SPACING, STATE_FINEST
     if problem.sticks:
-        spacing = TUNING.stuck
-        finest = max(finest, finest_spacing(body.materials[0]) * TUNING.order / (2 * spacing))
-    layout = scaled_layout(body, "triangle", a, a, finest * a, spacing, TUNING.growth)
+        spacing = STATE_STUCK
+        finest = max(finest, finest_spacing(body.materials[0]) * STATE_ORDER / (2 * spacing))
+    layout = scaled_layout(body, "triangle", a, a, finest * a, spacing, STATE_GROWTH)
     mixed = pressure_layers(body.materials, problem.sticks)
-    model = Discretisation(layout, TUNING.order, mixed, a, method.solver, problem.sticks).build(StageClock())
+    model = Discretisation(layout, STATE_ORDER, mixed, a, method.solver, problem.sticks).build(StageClock())
     contact = model.contact(problem.indenter)
     if problem.sticks:
         p = contact.pressed(contact.surface.last[-1:], np.array([delta]))[1][:, 0]

@@ -36,17 +36,11 @@ from ..options import FEMOptions
 # The law is a formula written once: it is evaluated on numbers, or written out as text for the mesh generator.
 
 
-@dataclass(frozen=True)
-class CountTuning:
-    """Where a law of sizes is looked at to count elements before they are made."""
-
-    near: int = 150  # points towards a place of small sizes; choice: the count is then good to a few per cent
-    points: int = 15_000  # of them together over all layers; choice: a thousand layers in a tenth of a second
-    least_near: int = 40  # of them, however many layers; choice: the count is then good to a fifth
-    least_across: int = 2  # points towards either side of a layer; choice: likewise
-
-
-SIZES_TUNING = CountTuning()
+# Where a law of sizes is looked at to count elements before they are made.
+COUNT_NEAR = 150  # points towards a place of small sizes; choice: the count is then good to a few per cent
+COUNT_POINTS = 15_000  # of them together over all layers; choice: a thousand layers in a tenth of a second
+COUNT_LEAST_NEAR = 40  # of them, however many layers; choice: the count is then good to a fifth
+COUNT_LEAST_ACROSS = 2  # points towards either side of a layer; choice: likewise
 
 
 class Expression(NDArrayOperatorsMixin):
@@ -210,13 +204,11 @@ def _along(size: Array, x: Array) -> Array:
 def _looked_at(law: SizeLaw, width: float, depth: float) -> tuple[Array, Array]:
     """Radii and depths at which a law is looked at to count elements: dense where its sizes may be small."""
     many = len(law.layers)
-    near = np.geomspace(
-        1e-9, 1, max(SIZES_TUNING.least_near, min(SIZES_TUNING.near, SIZES_TUNING.points // max(many, 1)))
-    )
+    near = np.geomspace(1e-9, 1, max(COUNT_LEAST_NEAR, min(COUNT_NEAR, COUNT_POINTS // max(many, 1))))
     near *= max(width, depth)
     knots = [0.0, law.a0, law.reach, *(radius for radius, *_ in law.corners)]
     r = np.concatenate([k + sign * near for k in knots for sign in (-1, 1)] + [knots])
-    share = np.geomspace(1e-6, 0.5, max(SIZES_TUNING.least_across, SIZES_TUNING.near // max(many, 1)))
+    share = np.geomspace(1e-6, 0.5, max(COUNT_LEAST_ACROSS, COUNT_NEAR // max(many, 1)))
     tops, across = np.array(law.layers)[:, :2].T if many else np.zeros((2, 0))
     inside = tops + across * np.concatenate([[0.0], share, 1 - share])[:, None]
     ends = [0.0, *(tops + across)[-1:]]
@@ -389,17 +381,11 @@ class Strip:
 # The body that is meshed: a rectangle of layers with supports, cut out of the specimen where that is unbounded.
 
 
-@dataclass(frozen=True)
-class CutTuning:
-    """Where an unbounded specimen is cut, in lengths over which its field changes far from the contact."""
-
-    half_space: float = 500.0  # size of the cut-out; tuned on the bodies of `make tuning`, by `make tuning`
-    bonded: float = 40.0  # width beyond the contact on a bonded base; tuned on the same, by `make tuning`
-    sliding: float = 1000.0  # width beyond the contact on a sliding base; tuned on the same, by `make tuning`
-    calibration: float = 100.0  # candidate radii to its half-space's end; theory: the rest of what it lacks ~ its ^-3
-
-
-BODY_TUNING = CutTuning()
+# Where an unbounded specimen is cut, in lengths over which its field changes far from the contact.
+CUT_HALF_SPACE = 500.0  # size of the cut-out; tuned on the bodies of `make tuning`, by `make tuning`
+CUT_BONDED = 40.0  # width beyond the contact on a bonded base; tuned on the same, by `make tuning`
+CUT_SLIDING = 1000.0  # width beyond the contact on a sliding base; tuned on the same, by `make tuning`
+CUT_CALIBRATION = 100.0  # candidate radii to its half-space's end; theory: the rest of what it lacks ~ its ^-3
 
 
 @dataclass(frozen=True)
@@ -444,11 +430,11 @@ def cut_out(problem: Problem, reach: float, depth: float | None, width: float | 
     base, decay = specimen.base, _decay_length(specimen, reach)
     thicknesses = [layer.thickness for layer in specimen.layers]
     if isinstance(base, HalfSpace):
-        far = BODY_TUNING.half_space * decay
+        far = CUT_HALF_SPACE * decay
         thicknesses.append(_cut_below(sum(thicknesses), reach, far if depth is None else depth))
         bonded = True
     else:
-        bonded, far = base.bonded, reach + (BODY_TUNING.bonded if base.bonded else BODY_TUNING.sliding) * decay
+        bonded, far = base.bonded, reach + (CUT_BONDED if base.bonded else CUT_SLIDING) * decay
         if depth is not None:
             raise Refusal(
                 f"mesh.depth: the specimen ends at its rigid base, {specimen.thickness:g} m deep: leave it out"
@@ -463,7 +449,7 @@ def cut_out(problem: Problem, reach: float, depth: float | None, width: float | 
 def half_space_like(body: MeshedBody, reach: float) -> MeshedBody:
     """A homogeneous half-space of the uppermost material at the surface, for contact radii up to ``reach`` [m]."""
     top = at_surface(body.materials[0])
-    size = BODY_TUNING.calibration * max(reach, 2 * body.tension / top.surface.E_star)
+    size = CUT_CALIBRATION * max(reach, 2 * body.tension / top.surface.E_star)
     return MeshedBody((size,), (top,), size, True, "free", True, True, completed=True, tension=body.tension)
 
 
@@ -649,34 +635,28 @@ def write_vtu(grid: Grid, path: Path, point_data: Mapping[str, Array] | None = N
     mesh.write(str(path), file_format="vtu")
 
 
-@dataclass(frozen=True)
-class LayoutTuning:
-    """Element sizes over a body, dimensionless."""
-
-    far: float = 5.0  # reaches from the contact, beyond which the field is smooth; tuned on the bodies of `make tuning`
-    far_growth: float = 0.2  # growth there, at most, twice the near one; tuned on the same, by `make tuning`
-    steepest: float = 0.6  # growth of any mesh; tuned on bodies, by `make constants`: beyond it triangles are slender
-    top_layer: float = 1.0  # size in the top layer, of growth times thickness; tuned on the same, by `make tuning`
-    deep_layer: float = 2.0  # size in deeper ones; tuned on the same, by `make tuning`
-    fewest_rows: float = 2.0  # through a layer; tuned on bodies, by `make constants`: one row holds no bending
-    longest: float = 100.0  # cell in a layer far from the contact, in thicknesses; tuned on the same, by `make tuning`
-    corner: float = 0.02  # size at a corner singularity, of growth times extent; tuned on the same, by `make tuning`
-    zone_three: float = 20.0  # units; theory: depth of the paper's body (Sec. 4.1), beyond it elements grow on
-    rows: int = 2  # of the strip below the contact; tuned on the same, by `make tuning`
-    height: float = 0.8  # of a row, in local distances of the vertices; tuned on the same, by `make tuning`
-    # Rows at the surface of a material whose modulus changes much within the first one, each so high over the next:
-    thinner: float = 0.3  # tuned on power laws of depth, by `make bounds`
-    changed: float = 1.3  # factor of the modulus that one row follows; tuned on power laws of depth, by `make bounds`
-    thinnest: int = 5  # of them, at most; choice: the first is then 2e-3 of a row
-    share: float = 0.6  # of the top layer that the strip takes, at most; tuned on the same, by `make tuning`
-    beyond: float = 4.0  # sizes at the reach: so far the strip goes on; tuned on the same, by `make tuning`
-    below: float = 5 / 3  # growth below the strip of a calibration, in the body's; tuned on the same, by `make tuning`
-    far_below: float = 4.0  # and far from the contact; tuned on the same, by `make tuning`
-    digits: int = 12  # of dimensionless lengths; choice: the mesh does not depend on the unit of length
-    most_cells: int = 3_000_000  # choice: more need more memory than machines have
-
-
-TUNING = LayoutTuning()
+# Element sizes over a body, dimensionless.
+LAYOUT_FAR = 5.0  # reaches from the contact, beyond which the field is smooth; tuned on the bodies of `make tuning`
+LAYOUT_FAR_GROWTH = 0.2  # growth there, at most, twice the near one; tuned on the same, by `make tuning`
+LAYOUT_STEEPEST = 0.6  # growth of any mesh; tuned on bodies, by `make constants`: beyond it triangles are slender
+LAYOUT_TOP_LAYER = 1.0  # size in the top layer, of growth times thickness; tuned on the same, by `make tuning`
+LAYOUT_DEEP_LAYER = 2.0  # size in deeper ones; tuned on the same, by `make tuning`
+LAYOUT_FEWEST_ROWS = 2.0  # through a layer; tuned on bodies, by `make constants`: one row holds no bending
+LAYOUT_LONGEST = 100.0  # cell in a layer far from the contact, in thicknesses; tuned on the same, by `make tuning`
+LAYOUT_CORNER = 0.02  # size at a corner singularity, of growth times extent; tuned on the same, by `make tuning`
+LAYOUT_ZONE_THREE = 20.0  # units; theory: depth of the paper's body (Sec. 4.1), beyond it elements grow on
+LAYOUT_ROWS = 2  # of the strip below the contact; tuned on the same, by `make tuning`
+LAYOUT_HEIGHT = 0.8  # of a row, in local distances of the vertices; tuned on the same, by `make tuning`
+# Rows at the surface of a material whose modulus changes much within the first one, each so high over the next:
+LAYOUT_THINNER = 0.3  # tuned on power laws of depth, by `make bounds`
+LAYOUT_CHANGED = 1.3  # factor of the modulus that one row follows; tuned on power laws of depth, by `make bounds`
+LAYOUT_THINNEST = 5  # of them, at most; choice: the first is then 2e-3 of a row
+LAYOUT_SHARE = 0.6  # of the top layer that the strip takes, at most; tuned on the same, by `make tuning`
+LAYOUT_BEYOND = 4.0  # sizes at the reach: so far the strip goes on; tuned on the same, by `make tuning`
+LAYOUT_BELOW = 5 / 3  # growth below the strip of a calibration, in the body's; tuned on the same, by `make tuning`
+LAYOUT_FAR_BELOW = 4.0  # and far from the contact; tuned on the same, by `make tuning`
+LAYOUT_DIGITS = 12  # of dimensionless lengths; choice: the mesh does not depend on the unit of length
+LAYOUT_MOST_CELLS = 3_000_000  # choice: more need more memory than machines have
 
 
 @dataclass(frozen=True)
@@ -700,23 +680,23 @@ class Layout:
     @property
     def shares(self) -> Array:
         """Depths of the rows below the surface in the height of one, as far as they are ``thin``."""
-        return np.append(TUNING.thinner ** np.arange(self.thin, 0.0, -1), 1.0)
+        return np.append(LAYOUT_THINNER ** np.arange(self.thin, 0.0, -1), 1.0)
 
     def following(self) -> Layout:
         """The layout with as many thin rows as follow how the modulus grows below the surface."""
         material = self.body.materials[0]
         if not isinstance(material, AnyGraded):
             return self
-        heights = self._row * TUNING.thinner ** np.arange(TUNING.thinnest)
+        heights = self._row * LAYOUT_THINNER ** np.arange(LAYOUT_THINNEST)
         moduli = np.log([law.at(np.append(heights, 0.0)) for law in material.laws])
-        large = np.abs(moduli[:, :-1] - moduli[:, -1:]).max(axis=0) > np.log(TUNING.changed)
+        large = np.abs(moduli[:, :-1] - moduli[:, -1:]).max(axis=0) > np.log(LAYOUT_CHANGED)
         return replace(self, thin=int(large.sum()))
 
     @property
     def _row(self) -> float:
         """Height of the largest row below the contact [m], thin ones together."""
         size = float(self._along_surface(np.array([self.law.reach]))[0])
-        return min(TUNING.height * size, self._thickest / TUNING.rows) * self.unit
+        return min(LAYOUT_HEIGHT * size, self._thickest / LAYOUT_ROWS) * self.unit
 
     @property
     def unresolved(self) -> float:
@@ -733,11 +713,11 @@ class Layout:
     def coarser(self, factor: float) -> Layout:
         """The same layout with every element ``factor`` times as large."""
         sides = tuple((extent, size * factor) for extent, size in self.sides)
-        return replace(self, law=self.law.coarser(factor, TUNING.steepest), sides=sides)
+        return replace(self, law=self.law.coarser(factor, LAYOUT_STEEPEST), sides=sides)
 
     def on(self, body: MeshedBody) -> Layout:
         """The same surface vertices in the contact, and strip below them, on another body without layers."""
-        growth, far = (min(factor * self.law.growth, TUNING.steepest) for factor in (TUNING.below, TUNING.far_below))
+        growth, far = (min(factor * self.law.growth, LAYOUT_STEEPEST) for factor in (LAYOUT_BELOW, LAYOUT_FAR_BELOW))
         law = replace(self.law, layers=(), zones=(), corners=(), growth=growth, far_growth=far)
         surface = self._surface_points(self.body.width / self.unit)
         fixed = surface[: self._strip_width(surface)]
@@ -763,8 +743,8 @@ class Layout:
         surface = self._surface_points(width)
         if self.element == "triangle":
             below = surface[: self._strip_width(surface)]
-            shares = np.append(self.shares, np.arange(2.0, TUNING.rows + 1))
-            strip = Strip.below(below, _rounded(self._thickest), shares, TUNING.height)
+            shares = np.append(self.shares, np.arange(2.0, LAYOUT_ROWS + 1))
+            strip = Strip.below(below, _rounded(self._thickest), shares, LAYOUT_HEIGHT)
             made = triangles(surface, depth, interfaces, self.law.text(), strip)
         else:
             made = make_grid(*self._quadrilaterals(surface, depth, interfaces), interfaces)
@@ -793,7 +773,7 @@ class Layout:
     @property
     def _strip_end(self) -> float:
         law = self.law
-        return law.reach + TUNING.beyond * float(self._along_surface(np.array([law.reach]))[0])
+        return law.reach + LAYOUT_BEYOND * float(self._along_surface(np.array([law.reach]))[0])
 
     def _strip_width(self, surface: Array) -> int:
         """Number of surface vertices of the strip; all where it would nearly reach the end of the body."""
@@ -808,7 +788,7 @@ class Layout:
         if self.thickest is not None:
             return self.thickest
         layers = self.body.layers or [(0.0, self.body.depth)]
-        return TUNING.share * layers[0][1] / self.unit
+        return LAYOUT_SHARE * layers[0][1] / self.unit
 
     def _quadrilaterals(self, surface: Array, depth: float, interfaces: Array) -> tuple[Array, Array]:
         """Vertices and cells of a tensor grid, or of rings around a smaller one."""
@@ -842,14 +822,14 @@ def _expected_points(size: Callable[[Array], Array], stop: float) -> float:
 
 def _rounded(x: float) -> float:
     """The length ``x``, rounded to so many digits that the mesh does not depend on the unit of length."""
-    scale = 10.0 ** (TUNING.digits - np.ceil(np.log10(x or 1.0)))
+    scale = 10.0 ** (LAYOUT_DIGITS - np.ceil(np.log10(x or 1.0)))
     return float(np.round(x * scale) / scale)
 
 
 def _limited(surface: Array, lines: Array) -> Array:
-    if surface.size * lines.size > TUNING.most_cells:
+    if surface.size * lines.size > LAYOUT_MOST_CELLS:
         raise Refusal(
-            f"mesh: {surface.size} x {lines.size} lines make too many quadrilaterals (at most {TUNING.most_cells}): "
+            f"mesh: {surface.size} x {lines.size} lines make too many quadrilaterals (at most {LAYOUT_MOST_CELLS}): "
             "take larger elements, or triangles"
         )
     return lines
@@ -866,9 +846,9 @@ def layout_for(options: FEMOptions, problem: Problem, reach: float) -> Layout:
         layout = scaled_layout(body, options.element, reach, a0, smallest, options.spacing, growth)
     else:
         layout = zones_layout(body, options, reach, a0, problem.indenter.tip_radius or 6 * reach)
-    if (cells := layout.expected_cells()) > TUNING.most_cells:
+    if (cells := layout.expected_cells()) > LAYOUT_MOST_CELLS:
         raise Refusal(
-            f"mesh: about {cells:.1e} elements expected, too many {options.element}s (at most {TUNING.most_cells}): "
+            f"mesh: about {cells:.1e} elements expected, too many {options.element}s (at most {LAYOUT_MOST_CELLS}): "
             + _fewer(options, layout, cells)
         )
     return layout
@@ -901,7 +881,7 @@ def zones_layout(body: MeshedBody, options: FEMOptions, reach: float, a0: float,
     extent, e = _rounded(reach / unit), _rounded(size / unit)
     halves = 2 if options.order == 2 and options.element == "triangle" else 1
     second = max(2.0, 2.5 * extent)
-    ends = (max(1.0, 1.25 * extent), second, max(TUNING.zone_three, 2 * second))
+    ends = (max(1.0, 1.25 * extent), second, max(LAYOUT_ZONE_THREE, 2 * second))
     zones = tuple((end, max(halves * size, e)) for end, size in zip(ends, options.zone_sizes, strict=True))
     law = replace(_law(body, unit, extent, a0, options.growth_of_sizes), floor=e, zones=() if thin else zones)
     if options.element == "triangle":
@@ -913,8 +893,8 @@ def zones_layout(body: MeshedBody, options: FEMOptions, reach: float, a0: float,
 
 def _law(body: MeshedBody, unit: float, reach: float, a0: float, growth: float) -> SizeLaw:
     """Size law of contact, layers and corners in units of ``unit`` [m]: out to ``reach`` units, round ``a0`` [m]."""
-    far_growth = max(growth, min(2 * growth, TUNING.far_growth))
-    law = SizeLaw(reach, growth, far_growth, TUNING.far, _rounded(a0 / unit))
+    far_growth = max(growth, min(2 * growth, LAYOUT_FAR_GROWTH))
+    law = SizeLaw(reach, growth, far_growth, LAYOUT_FAR, _rounded(a0 / unit))
     layers, corners = tuple(_layer_limits(body, unit, growth)), tuple(_corners(body, unit, growth))
     return replace(law, layers=layers, corners=corners)
 
@@ -922,7 +902,7 @@ def _law(body: MeshedBody, unit: float, reach: float, a0: float, growth: float) 
 def _corners(body: MeshedBody, unit: float, growth: float) -> Iterator[tuple[float, float, float]]:
     """Points of singular fields, where the side's support meets another one: a free side on a bonded base, a clamped
     side at the free surface."""
-    size = TUNING.corner * growth * min(body.depth, body.width) / unit
+    size = LAYOUT_CORNER * growth * min(body.depth, body.width) / unit
     singular = {body.depth: body.side == "free" and body.bonded, 0.0: body.side == "clamped"}
     for depth, is_singular in singular.items():
         if is_singular and not body.cut_beside:
@@ -932,6 +912,6 @@ def _corners(body: MeshedBody, unit: float, growth: float) -> Iterator[tuple[flo
 def _layer_limits(body: MeshedBody, unit: float, growth: float) -> Iterator[tuple[float, float, float, float]]:
     """Elements across the layers: ``1/growth`` through the uppermost one, half as many through deeper ones."""
     for i, (top, thickness) in enumerate(body.layers):
-        share = (TUNING.top_layer if i == 0 else TUNING.deep_layer) * growth
+        share = (LAYOUT_TOP_LAYER if i == 0 else LAYOUT_DEEP_LAYER) * growth
         t = _rounded(thickness / unit)
-        yield _rounded(top / unit), t, min(share, 1 / TUNING.fewest_rows) * t, TUNING.longest * t
+        yield _rounded(top / unit), t, min(share, 1 / LAYOUT_FEWEST_ROWS) * t, LAYOUT_LONGEST * t

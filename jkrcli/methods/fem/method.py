@@ -13,32 +13,35 @@ from ...series import ErrorBudget, Solution
 from ..options import DOUBLED, FEMOptions
 from ..protocol import Forecast, without_coating
 from .mesh import Grid, Layout, half_space_like, layout_for
-from .model import BUDGET_TUNING as BUDGET
-from .model import Assessment, Run, assessed, expected_reach, finest_spacing, finished, mixed_layers, run, truncation_of
+from .model import (
+    BUDGET_JUDGED_DEPTH,
+    Assessment,
+    Run,
+    assessed,
+    expected_reach,
+    finest_spacing,
+    finished,
+    mixed_layers,
+    run,
+    truncation_of,
+)
 
 # --------------------------------------------------------------------------------------------------
 # What a solve by ``fem`` costs and how accurate it is, before it is begun.
 
-
-@dataclass(frozen=True)
-class ForecastTuning:
-    """Cost and accuracy as measured."""
-
-    start: float = 0.03  # CPU seconds of any model; tuned on the cases of `make bench`, by `make bench`
-    per_unknown: float = 2.5e-5  # and per unknown of a small one; tuned on the same, by `make bench`
-    large: float = 1e5  # unknowns, from which they grow like the power 3/2; tuned on the same, by `make bench`
-    per_row: float = 1.5e-4  # and per depth, load or radius of a list; tuned on lists of 1e5, by `make guards`
-    mib_per_row: float = 8e-3  # memory of one; tuned on the same, by `make guards`
-    mib: float = 100.0  # memory of any model; tuned on the same, by `make bench`
-    mib_per_unknown: float = 5e-3  # tuned on the same, by `make bench`
-    load: float = 3e-4  # error of the default spacing, second order; tuned on the bodies of `make chart`, by it
-    load_order: float = 2.3  # by which it falls; tuned on the same, by `make chart`
-    load_first: float = 1e-2  # error with first-order elements; tuned on the same, by `make chart`
-    graded: float = 0.15  # of what a graded top leaves unresolved; tuned on power laws of depth, by `make bounds`
-    radius: float = 6e-4  # error of calibrated radii; tuned on the same, by `make chart`
-
-
-TUNING = ForecastTuning()
+# Cost and accuracy as measured.
+FORECAST_START = 0.03  # CPU seconds of any model; tuned on the cases of `make bench`, by `make bench`
+FORECAST_PER_UNKNOWN = 2.5e-5  # and per unknown of a small one; tuned on the same, by `make bench`
+FORECAST_LARGE = 1e5  # unknowns, from which they grow like the power 3/2; tuned on the same, by `make bench`
+FORECAST_PER_ROW = 1.5e-4  # and per depth, load or radius of a list; tuned on lists of 1e5, by `make guards`
+FORECAST_MIB_PER_ROW = 8e-3  # memory of one; tuned on the same, by `make guards`
+FORECAST_MIB = 100.0  # memory of any model; tuned on the same, by `make bench`
+FORECAST_MIB_PER_UNKNOWN = 5e-3  # tuned on the same, by `make bench`
+FORECAST_LOAD = 3e-4  # error of the default spacing, second order; tuned on the bodies of `make chart`, by it
+FORECAST_LOAD_ORDER = 2.3  # by which it falls; tuned on the same, by `make chart`
+FORECAST_LOAD_FIRST = 1e-2  # error with first-order elements; tuned on the same, by `make chart`
+FORECAST_GRADED = 0.15  # of what a graded top leaves unresolved; tuned on power laws of depth, by `make bounds`
+FORECAST_RADIUS = 6e-4  # error of calibrated radii; tuned on the same, by `make chart`
 
 
 def forecast(options: FEMOptions, problem: Problem, layout: Layout) -> Forecast:
@@ -55,8 +58,8 @@ def forecast(options: FEMOptions, problem: Problem, layout: Layout) -> Forecast:
         half_space = half_space_like(layout.body, layout.law.reach * layout.unit)
         seconds += _seconds(options, layout.on(half_space).expected_cells() * per_cell)
     rows = len(problem.loading.values)
-    seconds += TUNING.per_row * rows
-    memory = TUNING.mib + cells * per_cell * TUNING.mib_per_unknown + TUNING.mib_per_row * rows
+    seconds += FORECAST_PER_ROW * rows
+    memory = FORECAST_MIB + cells * per_cell * FORECAST_MIB_PER_UNKNOWN + FORECAST_MIB_PER_ROW * rows
     note = f"about {float(f'{cells:.2g}'):.0f} elements"
     return Forecast(seconds, memory, _error(options, layout, elsewhere), note)
 
@@ -64,48 +67,39 @@ def forecast(options: FEMOptions, problem: Problem, layout: Layout) -> Forecast:
 def _seconds(options: FEMOptions, unknowns: float) -> float:
     """CPU seconds to mesh, assemble, factorise and condense a model, and its companion for the error estimate."""
     models = (unknowns, unknowns / DOUBLED**2) if options.estimate_error else (unknowns,)
-    return sum(TUNING.start + TUNING.per_unknown * n * (1 + (n / TUNING.large) ** 0.5) for n in models)
+    return sum(FORECAST_START + FORECAST_PER_UNKNOWN * n * (1 + (n / FORECAST_LARGE) ** 0.5) for n in models)
 
 
 def _error(options: FEMOptions, layout: Layout, calibrated: bool) -> float:
     """Expected relative error of loads and radii together; zones leave no less than the default's, however small."""
     spacing = layout.law.slope or layout.law.floor / layout.law.reach
     coarseness = spacing / FEMOptions.spacing if options.layout == "scaled" else max(spacing / FEMOptions.spacing, 1.0)
-    rates = TUNING
-    load = rates.load * coarseness**rates.load_order if options.order == 2 else rates.load_first * coarseness**2
-    load += rates.graded * layout.unresolved
+    load = (
+        FORECAST_LOAD * coarseness**FORECAST_LOAD_ORDER if options.order == 2 else FORECAST_LOAD_FIRST * coarseness**2
+    )
+    load += FORECAST_GRADED * layout.unresolved
     if options.contact == "incremental" or not options.edge_correction:
         return load + spacing
-    return load + (TUNING.radius * coarseness if calibrated else 0.0)
+    return load + (FORECAST_RADIUS * coarseness if calibrated else 0.0)
 
 
 # --------------------------------------------------------------------------------------------------
 # Meshes refined until a tolerance is reached, each from what the one before leaves.
 
-
-@dataclass(frozen=True)
-class RefinementTuning:
-    """Spacings from a tolerance, and from one mesh to the next.
-
-    The spacing of the first mesh is guessed from the tolerance. Every finer mesh is judged against the one before, so
-    that each is solved once; the first against a companion whose sizes are not doubled as for a single series: what a
-    smaller step changes tells the error more closely where meshes converge faster than to first order, which the
-    estimate assumes.
-    """
-
-    coarsest: float = 0.12  # spacing of the first mesh; tuned on the bodies of `make tuning`, by `make tuning`
-    finest: float = 5e-4  # of any; choice: more unknowns than machines have memory for
-    usual_spacing: float = 0.04  # theory: the default, whose usual error is
-    usual: float = 4e-4  # tuned on the bodies of `make failures`, by `make failures`
-    order: float = 1.7  # by which it falls with the spacing; tuned on the same, by `make failures`
-    aim: float = 0.6  # of the tolerance; tuned on the bodies of `make tuning`, by `make tuning`
-    least: float = 0.4  # by what the spacing may shrink at once; tuned on the same, by `make tuning`
-    most: float = 0.75  # and must; tuned on the same, by `make tuning`
-    steepest: float = 0.4  # growth; tuned on the same, by `make tuning`
-    companion: float = 2**0.5  # element sizes the first mesh is judged against; tuned on the same, by `make tuning`
-
-
-REFINEMENT_TUNING = RefinementTuning()
+# Spacings from a tolerance, and from one mesh to the next. The spacing of the first mesh is guessed from the
+# tolerance. Every finer mesh is judged against the one before, so that each is solved once; the first against a
+# companion whose sizes are not doubled as for a single series: what a smaller step changes tells the error more
+# closely where meshes converge faster than to first order, which the estimate assumes.
+REFINEMENT_COARSEST = 0.12  # spacing of the first mesh; tuned on the bodies of `make tuning`, by `make tuning`
+REFINEMENT_FINEST = 5e-4  # of any; choice: more unknowns than machines have memory for
+REFINEMENT_USUAL_SPACING = 0.04  # theory: the default, whose usual error is
+REFINEMENT_USUAL = 4e-4  # tuned on the bodies of `make failures`, by `make failures`
+REFINEMENT_ORDER = 1.7  # by which it falls with the spacing; tuned on the same, by `make failures`
+REFINEMENT_AIM = 0.6  # of the tolerance; tuned on the bodies of `make tuning`, by `make tuning`
+REFINEMENT_LEAST = 0.4  # by what the spacing may shrink at once; tuned on the same, by `make tuning`
+REFINEMENT_MOST = 0.75  # and must; tuned on the same, by `make tuning`
+REFINEMENT_STEEPEST = 0.4  # growth; tuned on the same, by `make tuning`
+REFINEMENT_COMPANION = 2**0.5  # element sizes the first mesh is judged against; tuned on the same, by `make tuning`
 
 
 def adapted(options: FEMOptions, problem: Problem, clock: StageClock) -> Solution:
@@ -113,7 +107,7 @@ def adapted(options: FEMOptions, problem: Problem, clock: StageClock) -> Solutio
     tolerance = options.tolerance
     assert tolerance is not None
     options = first(options, problem)
-    spacing, ratio = options.spacing, REFINEMENT_TUNING.companion
+    spacing, ratio = options.spacing, REFINEMENT_COMPANION
     solved = run(options, problem, clock)
     with clock("error estimate"):
         coarse = solved.companion(ratio)
@@ -136,15 +130,13 @@ def first(options: FEMOptions, problem: Problem) -> FEMOptions:
     """The options with the sizes of the first mesh: their own, or what the tolerance begins with."""
     if options.tolerance is None:
         return options
-    guess = REFINEMENT_TUNING.usual_spacing * (REFINEMENT_TUNING.aim * options.tolerance / REFINEMENT_TUNING.usual) ** (
-        1 / REFINEMENT_TUNING.order
-    )
-    spacing = max(min(REFINEMENT_TUNING.coarsest, guess), _finest(problem))
+    guess = REFINEMENT_USUAL_SPACING * (REFINEMENT_AIM * options.tolerance / REFINEMENT_USUAL) ** (1 / REFINEMENT_ORDER)
+    spacing = max(min(REFINEMENT_COARSEST, guess), _finest(problem))
     # Fraction of the reach down to which the spacing follows the radius: half the width at the least depth judged.
     reach = expected_reach(options, problem)
     width = np.geomspace(1e-4, 1, 400) * (reach - problem.indenter.a0)
     depths = problem.indenter.abel(problem.indenter.a0 + width)
-    judged = np.interp(np.log(BUDGET.judged_depth * depths[-1]), np.log(depths), np.log(width))
+    judged = np.interp(np.log(BUDGET_JUDGED_DEPTH * depths[-1]), np.log(depths), np.log(width))
     smallest = min(options.smallest, 0.5 * float(np.exp(judged)) / (reach - problem.indenter.a0))
     return sized(replace(options, smallest=smallest), spacing)
 
@@ -152,23 +144,21 @@ def first(options: FEMOptions, problem: Problem) -> FEMOptions:
 def _finest(problem: Problem) -> float:
     """Least spacing that the problem is solved with."""
     follows = finest_spacing(problem.specimen.materials[0]) if problem.sticks else 0.0
-    return max(REFINEMENT_TUNING.finest, follows)
+    return max(REFINEMENT_FINEST, follows)
 
 
 def sized(options: FEMOptions, spacing: float) -> FEMOptions:
     """The options with elements in proportion to ``spacing``, as far as the growth may go."""
-    growth = min(options.growth_of_sizes * spacing / options.spacing, REFINEMENT_TUNING.steepest)
+    growth = min(options.growth_of_sizes * spacing / options.spacing, REFINEMENT_STEEPEST)
     return replace(options, spacing=spacing, growth=growth)
 
 
 def _shrinkage(tolerance: float, reached: Estimate, truncation: Estimate) -> float:
     """Factor by which the spacing is to shrink; what the truncation takes of the tolerance is lost."""
     if isinstance(reached, Unknown) or isinstance(truncation, Unknown) or truncation >= tolerance:
-        return REFINEMENT_TUNING.least
-    wanted = (REFINEMENT_TUNING.aim * (tolerance - truncation) / (reached - truncation)) ** (
-        1 / REFINEMENT_TUNING.order
-    )
-    return min(max(wanted, REFINEMENT_TUNING.least), REFINEMENT_TUNING.most)
+        return REFINEMENT_LEAST
+    wanted = (REFINEMENT_AIM * (tolerance - truncation) / (reached - truncation)) ** (1 / REFINEMENT_ORDER)
+    return min(max(wanted, REFINEMENT_LEAST), REFINEMENT_MOST)
 
 
 def _finer(options: FEMOptions, problem: Problem, clock: StageClock, before: Run, unreached: Refusal) -> Run:

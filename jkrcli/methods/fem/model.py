@@ -198,26 +198,19 @@ def point_force(material: Elastic | TransverselyIsotropic) -> Boussinesq | Trans
 #
 #     z = delta_H(r) y + delta_H'(r) N xi_1.
 
-
-@dataclass(frozen=True)
-class EdgeTuning:
-    """The exact half-space under surface tension, and node spacings over the radius between which meshes tell where the
-    edge is."""
-
-    near: float = 0.8  # of the vertices' radii, beyond which their contact radii do not lie; choice: spare
-    accuracy: float = 1e-7  # theory: a thousandth of what the half-space's own mesh errs by, as below
-    # theory: a tenth of a spacing is then half the error of the half-space's own mesh, 1e-4 of the radius
-    resolved: float = 5e-4
-    # Node spacings over the radius, down to which the half-space's own mesh tells the fraction of a spacing; tuned on
-    # the thin layer of `make paper`, by `make paper`: below, what that mesh errs by as a whole is read as one
-    telling: float = 1e-2
-    # Next to the edge the field of a compressible body oscillates with eta times the logarithm of the distance. Where
-    # that is turned too far nodes fall out of step. choice: logarithm of where the turn begins, and the turn; on bonded
-    # layers of nu = -0.5, -0.8, -0.95 nodes do below spacings of 0.045, 0.1, 0.16
-    phase: tuple[float, float] = (3.8, 1.7)
-
-
-EDGE_TUNING = EdgeTuning()
+# The exact half-space under surface tension, and node spacings over the radius between which meshes tell where the
+# edge is.
+EDGE_NEAR = 0.8  # of the vertices' radii, beyond which their contact radii do not lie; choice: spare
+EDGE_ACCURACY = 1e-7  # theory: a thousandth of what the half-space's own mesh errs by, as below
+# theory: a tenth of a spacing is then half the error of the half-space's own mesh, 1e-4 of the radius
+EDGE_RESOLVED = 5e-4
+# Node spacings over the radius, down to which the half-space's own mesh tells the fraction of a spacing; tuned on
+# the thin layer of `make paper`, by `make paper`: below, what that mesh errs by as a whole is read as one
+EDGE_TELLING = 1e-2
+# Next to the edge the field of a compressible body oscillates with eta times the logarithm of the distance. Where
+# that is turned too far nodes fall out of step. choice: logarithm of where the turn begins, and the turn; on bonded
+# layers of nu = -0.5, -0.8, -0.95 nodes do below spacings of 0.045, 0.1, 0.16
+EDGE_PHASE = (3.8, 1.7)
 
 
 def edge_correction(surface: Surface, body: MeshedBody, reach: float, indenter: Indenter) -> Array:
@@ -242,8 +235,8 @@ def _in_step(edges: Array, a0: float, vertices: Array) -> Array:
     """Radii of the edge (n,) at ``vertices`` [m], those where nodes are close by the fraction of a spacing that it lies
     off the vertices before: it is the same at all radii."""
     spacing = np.gradient(vertices)
-    told = spacing >= EDGE_TUNING.telling * (vertices - a0)
-    last = told & (spacing < 2 * EDGE_TUNING.telling * (vertices - a0))
+    told = spacing >= EDGE_TELLING * (vertices - a0)
+    last = told & (spacing < 2 * EDGE_TELLING * (vertices - a0))
     if told.all() or not last.any():
         return edges
     fraction = float(np.mean((edges - vertices)[last] / spacing[last]))
@@ -257,8 +250,8 @@ def _under_tension(body: MeshedBody, profile: Indenter, radii: Array) -> Callabl
 
     specimen = Specimen((), HalfSpace(at_surface(body.materials[0])), surface_tension=body.tension)
     contact, a0 = TenseContact(profile, specimen), profile.a0
-    beyond = np.geomspace(EDGE_TUNING.near * (radii[0] - a0), (radii[-1] - a0) / EDGE_TUNING.near, DENSE)
-    result = contact.solved(a0 + beyond, contact.plan(a0 + beyond, EDGE_TUNING.accuracy))
+    beyond = np.geomspace(EDGE_NEAR * (radii[0] - a0), (radii[-1] - a0) / EDGE_NEAR, DENSE)
+    result = contact.solved(a0 + beyond, contact.plan(a0 + beyond, EDGE_ACCURACY))
     spline = CubicSpline(np.log(beyond), np.log(result.delta))
     return lambda a: np.exp(spline(np.log(a - a0)))
 
@@ -267,7 +260,7 @@ def _under_tension(body: MeshedBody, profile: Indenter, radii: Array) -> Callabl
 def finest_spacing(material: Material) -> float:
     """Least spacing of surface vertices over the radius that follows a contact that sticks to the ``material``."""
     eta = abs(_oscillation(at_surface(material))[1])
-    start, turn = EDGE_TUNING.phase
+    start, turn = EDGE_PHASE
     return math.exp(start - turn / eta) if eta else 0.0
 
 
@@ -301,7 +294,7 @@ def edge_rows(surface: Surface, material: Material) -> Array:
     M = _over(halves[..., unit], xi[..., unit])
     N = _over(halves[..., unit] @ edge - halves[..., profile], slope[..., unit] @ edge - slope[..., profile])
     reading = np.zeros((surface.radii.size, 2, 2))
-    close = np.gradient(surface.radii)[beyond] < EDGE_TUNING.resolved * r
+    close = np.gradient(surface.radii)[beyond] < EDGE_RESOLVED * r
     reading[beyond] = np.where(close[:, None, None], 0.0, _over(N, M))
     return reading
 
@@ -311,28 +304,20 @@ def _over(A: Array, B: Array) -> Array:
     return np.swapaxes(np.linalg.solve(np.swapaxes(B, 1, 2), np.swapaxes(A, 1, 2)), 1, 2)
 
 
-@dataclass(frozen=True)
-class LockingTuning:
-    """Poisson's ratios beyond which displacements alone lock."""
+# Poisson's ratios beyond which displacements alone lock.
+LOCKING_SLIDING = 0.49  # tuned on the gel of Sec. 4.3 and its like, by `make tuning`
+# tuned on bodies, by `make constants`: the edge of the shear locks before the layer does; at 0.45 and a/h = 10/3
+# radii err by 3e-4, mixed by 5e-5
+LOCKING_STICKING = 0.4
 
-    sliding: float = 0.49  # tuned on the gel of Sec. 4.3 and its like, by `make tuning`
-    # tuned on bodies, by `make constants`: the edge of the shear locks before the layer does; at 0.45 and a/h = 10/3
-    # radii err by 3e-4, mixed by 5e-5
-    sticking: float = 0.4
-
-
-@dataclass(frozen=True)
-class EventTuning:
-    """Which events of the contact make a series."""
-
-    # of the distance to the next event; choice: one as close to the end gives way to it, no two rows alike
-    close: float = 0.05
-    fewest: int = 4  # events for slopes; theory: S takes two, dS/da three, and its error one more
-    # events beyond the end of the loading; theory: the end lies between two, and dS/da takes one more
-    spare: int = 2
+# Which events of the contact make a series.
+# of the distance to the next event; choice: one as close to the end gives way to it, no two rows alike
+EVENT_CLOSE = 0.05
+EVENT_FEWEST = 4  # events for slopes; theory: S takes two, dS/da three, and its error one more
+# events beyond the end of the loading; theory: the end lies between two, and dS/da takes one more
+EVENT_SPARE = 2
 
 
-TUNING, EVENTS = LockingTuning(), EventTuning()
 Columns = tuple[Array, Array, Array]  # a [m], delta [m], P [N]
 GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(3)
 
@@ -341,7 +326,7 @@ def pressure_layers(materials: Sequence[Material], sticks: bool, above: float | 
     """Layers that get a pressure unknown: those of a Poisson's ratio ``above`` this one (None: where displacements of
     surfaces that slide, or stick, lock)."""
     if above is None:
-        above = TUNING.sticking if sticks else TUNING.sliding
+        above = LOCKING_STICKING if sticks else LOCKING_SLIDING
     return tuple(i for i, material in enumerate(materials) if material.surface.nu > above)
 
 
@@ -465,7 +450,7 @@ class MeshLevel:
         model = recipe.build(StageClock())
         contact = model.contact(indenter)
         return cls(
-            model, indenter, contact, nested_events(contact, indenter.a0, "depth", deepest, EVENTS.spare), correct
+            model, indenter, contact, nested_events(contact, indenter.a0, "depth", deepest, EVENT_SPARE), correct
         )
 
     @cached_property
@@ -493,7 +478,7 @@ class MeshLevel:
         the mean of those sets' stiffness, and belong to the mean radius on the way; dS/da are their differences.
         """
         events = self.events
-        if not (self.correct and events.valid) or events.a.size < EVENTS.fewest:
+        if not (self.correct and events.valid) or events.a.size < EVENT_FEWEST:
             return None
         # Mean of the radius over delta from each touch to the next [m].
         delta, a0 = self.events.delta, self.indenter.a0
@@ -594,7 +579,7 @@ def _solve_large_enough(
         model = recipe.build(clock)
         with clock("contact"):
             contact = model.contact(problem.indenter)
-            events = nested_events(contact, problem.indenter.a0, loading.to, loading.maximum, EVENTS.spare)
+            events = nested_events(contact, problem.indenter.a0, loading.to, loading.maximum, EVENT_SPARE)
         needed = needed_radius(problem, events, reach)
         if needed is None:
             return model, contact, events
@@ -660,7 +645,7 @@ def nested_columns(loading: Loading, events: Events, a0: float) -> Columns:
     else:
         end = loading.maximum - shift
         ahead = min(max(int(np.searchsorted(x, end)), 1), x.size - 1)
-        before = x < end - EVENTS.close * (x[ahead] - x[ahead - 1])
+        before = x < end - EVENT_CLOSE * (x[ahead] - x[ahead - 1])
         last = _at(table, x, np.array([end]))
         a, delta, P = (np.append(y[before], value) for y, value in zip(table.values(), last, strict=True))
     return a + a0, delta, P
@@ -741,27 +726,22 @@ def pressures(surface: Surface, forces: Array) -> PressureTable:
 # --------------------------------------------------------------------------------------------------
 # Error budget of a finite-element series: against a second mesh with larger elements, and for what the cut costs.
 
-
-@dataclass(frozen=True)
-class BudgetTuning:
-    """How errors are concluded from what larger elements change."""
-
-    # of the largest depth: below it few nodes are in contact, and the budget leaves the rows out; tuned on bodies, by
-    # `make constants`: says so
-    judged_depth: float = 0.01
-    # errors in what doubling the sizes changes: first order leaves 1, and meshes differ by luck
-    loads: float = 1.4  # tuned on the bodies of `make failures`, by `make failures`
-    radii: float = 2.0  # tuned on the bodies of `make failures`, by `make failures`
-    fallen: float = 1.5  # of changes over errors, at most; tuned on random bodies, by `make bounds`: 3 is second order
-    # Of what doubling changed before over what it changes, at most; where that falls by more, the meshes agree by
-    # accident:
-    plausible: float = 12.0  # of loads; tuned on random bodies, by `make bounds`
-    plausible_radii: float = 4.0  # of radii; tuned on random bodies, by `make bounds`
-    tension: float = 2.0  # times that of radii; choice: calibrated radii then err by up to the estimate itself
-    round_off: float = 1e-12  # of radii; theory: 1e4 eps, as they come from a search
+# How errors are concluded from what larger elements change.
+# of the largest depth: below it few nodes are in contact, and the budget leaves the rows out; tuned on bodies, by
+# `make constants`: says so
+BUDGET_JUDGED_DEPTH = 0.01
+# errors in what doubling the sizes changes: first order leaves 1, and meshes differ by luck
+BUDGET_LOADS = 1.4  # tuned on the bodies of `make failures`, by `make failures`
+BUDGET_RADII = 2.0  # tuned on the bodies of `make failures`, by `make failures`
+BUDGET_FALLEN = 1.5  # of changes over errors, at most; tuned on random bodies, by `make bounds`: 3 is second order
+# Of what doubling changed before over what it changes, at most; where that falls by more, the meshes agree by
+# accident:
+BUDGET_PLAUSIBLE = 12.0  # of loads; tuned on random bodies, by `make bounds`
+BUDGET_PLAUSIBLE_RADII = 4.0  # of radii; tuned on random bodies, by `make bounds`
+BUDGET_TENSION = 2.0  # times that of radii; choice: calibrated radii then err by up to the estimate itself
+BUDGET_ROUND_OFF = 1e-12  # of radii; theory: 1e4 eps, as they come from a search
 
 
-BUDGET_TUNING = BudgetTuning()
 TOO_FEW = Unknown("fewer than four vertices in contact")
 
 
@@ -786,14 +766,14 @@ def assessed(run: Run, larger: Sequence[MeshLevel], ratio: float, truncation: Es
         return Assessment(ErrorBudget(TOO_FEW, truncation, TOO_FEW))
     run, rows = _with_events(run)
     fine, (a, delta, P) = run.level, run.columns
-    judged = delta >= BUDGET_TUNING.judged_depth * delta[-1]
-    loads, radii = BUDGET_TUNING.loads / (ratio - 1), BUDGET_TUNING.radii / (ratio - 1)
-    radii *= BUDGET_TUNING.tension if fine.model.body.tension else 1.0
+    judged = delta >= BUDGET_JUDGED_DEPTH * delta[-1]
+    loads, radii = BUDGET_LOADS / (ratio - 1), BUDGET_RADII / (ratio - 1)
+    radii *= BUDGET_TENSION if fine.model.body.tension else 1.0
     if not all(level.touches.valid and level.touches.a.size >= 4 for level in larger):
         larger = [coarse]
     there, radius = _on_coarse(run, larger, radii)
     values = [P, there, *(_load_on(level, run) for level in larger[1:])]
-    change = loads * _change(values, BUDGET_TUNING.plausible) / _fallen(values, judged)
+    change = loads * _change(values, BUDGET_PLAUSIBLE) / _fallen(values, judged)
     width = a - fine.indenter.a0  # errors fall by no more than its square, as those of a uniform mesh do
     load = np.maximum.accumulate(change * width**2) / width**2
     # the many rows of increments cross zero between nodes: what shallower rows leave of it is already that of a row
@@ -862,9 +842,9 @@ def _fallen(values: Sequence[Array], judged: Array) -> float:
         return 1.0
     change, before = (changes[judged] for changes in _changes(values))
     if not change.any():
-        return BUDGET_TUNING.fallen
+        return BUDGET_FALLEN
     order = min(before.mean() / change.mean(), before[np.argmax(change)] / change.max()) - 1
-    return float(np.clip(order, 1.0, BUDGET_TUNING.fallen))
+    return float(np.clip(order, 1.0, BUDGET_FALLEN))
 
 
 def _on_coarse(run: Run, larger: Sequence[MeshLevel], caution: float) -> tuple[Array, Array | Unknown]:
@@ -918,7 +898,7 @@ def _radius(levels: Sequence[Events], a: Array, delta: Array, caution: float) ->
     fine = power_interpolated(events.delta, events.a, delta)
     samples = np.unique(np.clip(np.concatenate([delta, coarse.delta, events.delta]), first, last))
     radii = [power_interpolated(level.delta, level.a, samples) for level in levels]
-    changes = np.maximum(caution * _change(radii, BUDGET_TUNING.plausible_radii), BUDGET_TUNING.round_off)
+    changes = np.maximum(caution * _change(radii, BUDGET_PLAUSIBLE_RADII), BUDGET_ROUND_OFF)
     changes = _envelope(changes, samples)
     at_first = power_interpolated(events.delta, events.a, np.array([first]))
     change = np.interp(delta, samples, changes) * np.maximum(at_first / fine, 1.0)

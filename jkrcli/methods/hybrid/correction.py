@@ -44,25 +44,19 @@ from ..integral import rule
 # The rectangle in which the correction is computed: layers with supports, in units of the largest contact radius.
 
 
-@dataclass(frozen=True)
-class RegionTuning:
-    """Which layers get a pressure, and where an unbounded body is cut."""
-
-    nearly_incompressible: float = 0.49  # above it a layer gets a pressure; tuned on reference bodies, by `make tuning`
-    # of a second cut, which shows what the first one costs; tuned on bodies, by `make constants`: as cheap as it can be
-    shrink: float = 3.0
-    # degree of the elements that show it, at least: with 4 those between both cuts err by more
-    least: int = 6  # tuned on reference bodies, by `make tuning`
-    decays: float = 40.0  # lengths, where the field falls exponentially; tuned on reference bodies, by `make tuning`
-    # Left by extrapolation over its change, times size/length:
-    next_order: float = 12.0  # tuned on random bodies, by `make bounds`
-    # Poisson's ratio of a half-space, from which on it does not move sideways where it is pulled from far:
-    vanishing: float = 0.45  # tuned on random bodies, by `make bounds`
-    # Relative error left elsewhere, times (size/length)^3:
-    cut: float = 2.0  # tuned on reference bodies, by `make tuning`
-
-
-REGION_TUNING = RegionTuning()
+# Which layers get a pressure, and where an unbounded body is cut.
+REGION_NEARLY_INCOMPRESSIBLE = 0.49  # above it a layer gets a pressure; tuned on reference bodies, by `make tuning`
+# of a second cut, which shows what the first one costs; tuned on bodies, by `make constants`: as cheap as it can be
+REGION_SHRINK = 3.0
+# degree of the elements that show it, at least: with 4 those between both cuts err by more
+REGION_LEAST = 6  # tuned on reference bodies, by `make tuning`
+REGION_DECAYS = 40.0  # lengths, where the field falls exponentially; tuned on reference bodies, by `make tuning`
+# Left by extrapolation over its change, times size/length:
+REGION_NEXT_ORDER = 12.0  # tuned on random bodies, by `make bounds`
+# Poisson's ratio of a half-space, from which on it does not move sideways where it is pulled from far:
+REGION_VANISHING = 0.45  # tuned on random bodies, by `make bounds`
+# Relative error left elsewhere, times (size/length)^3:
+REGION_CUT = 2.0  # tuned on reference bodies, by `make tuning`
 
 
 @dataclass(frozen=True)
@@ -137,12 +131,12 @@ class Region:
     @property
     def next_order(self) -> float:
         """Part of the change by extrapolating the cut that is left as its error, about."""
-        return min(REGION_TUNING.next_order * self.length / self.width, 1.0)
+        return min(REGION_NEXT_ORDER * self.length / self.width, 1.0)
 
     @property
     def higher_order(self) -> bool:
         """Whether the leading term of the far field on a half-space nearly vanishes, which extrapolation rests on."""
-        return self.far is not None and self.far.nu > REGION_TUNING.vanishing
+        return self.far is not None and self.far.nu > REGION_VANISHING
 
     @property
     def cuts(self) -> tuple[float, ...]:
@@ -154,7 +148,7 @@ class Region:
         if not self.cut_beside or self.cut_again:
             return ()
         inner = 0.0 if self.algebraic else 1.0
-        return (inner + (self.width - inner) / REGION_TUNING.shrink,)
+        return (inner + (self.width - inner) / REGION_SHRINK,)
 
     @property
     def corners(self) -> tuple[float, ...]:
@@ -191,7 +185,7 @@ class Region:
     @cached_property
     def mixed(self) -> tuple[bool, ...]:
         """Which layers have a pressure unknown."""
-        limit = REGION_TUNING.nearly_incompressible
+        limit = REGION_NEARLY_INCOMPRESSIBLE
         return tuple(not isinstance(m, AnyTransverse) and m.nu > limit for m in self.materials)
 
     def moduli(self, z: Array) -> Moduli:
@@ -246,13 +240,13 @@ def _size(specimen: Specimen, thick: list[float], error: float) -> tuple[float, 
         length = sum(thick)
         if specimen.base.bonded:
             length *= (stiffest / softest) ** 0.25
-            return length, 1.0 + REGION_TUNING.decays * length
+            return length, 1.0 + REGION_DECAYS * length
     else:
         assert isinstance(specimen.base.material, Elastic)
         soft = specimen.base.material.E
         length = sum(t * max(layer.moduli[1] / soft, 1.0) for t, layer in zip(thick, specimen.layers, strict=True))
     length = max(1.0, 2 * length)
-    return length, length * (REGION_TUNING.cut / error) ** (1 / 3)
+    return length, length * (REGION_CUT / error) ** (1 / 3)
 
 
 def nearest(region: Region) -> float:
@@ -272,25 +266,21 @@ def nearest(region: Region) -> float:
 # over ever longer ones away from it.
 
 
-@dataclass(frozen=True)
-class LineTuning:
-    """How long intervals are, and of which degree towards singular corners."""
-
-    extra: int = 2  # Gauss points per interval beyond the degree; tuned on reference bodies, by `make tuning`
-    spare: float = 0.2  # part of an interval that is done without; choice: with 0.3 errors of thick layers change sign
-    length: float = 1.5  # of intervals, over the distance of the source; tuned on reference bodies, by `make tuning`
-    growth: float = 0.67  # of lengths with the distance from the contact; tuned on reference bodies, by `make tuning`
-    far_growth: float = 1.0  # the same far from it; tuned on reference bodies, by `make tuning`
-    far: float = 10.0  # contact radii, or depths of the first interface; tuned on reference bodies, by `make tuning`
-    # Of a field that decays exponentially, in lengths: over which it changes, and after which it is gone:
-    decaying: float = 0.5  # tuned on random bodies, by `make bounds`
-    decayed: float = 2.0  # tuned on random bodies, by `make bounds`
-    corner: float = 0.15  # ratio of intervals towards a singular corner; theory: Babuska and Suri 1994, about 0.15
-    corner_degree: int = 2  # on the smallest of them, growing by one per interval; theory: likewise
-    most: int = 10_000  # intervals between two stops; choice: no solve of the cost that is allowed has as many
+# How long intervals are, and of which degree towards singular corners.
+LINE_EXTRA = 2  # Gauss points per interval beyond the degree; tuned on reference bodies, by `make tuning`
+LINE_SPARE = 0.2  # part of an interval that is done without; choice: with 0.3 errors of thick layers change sign
+LINE_LENGTH = 1.5  # of intervals, over the distance of the source; tuned on reference bodies, by `make tuning`
+LINE_GROWTH = 0.67  # of lengths with the distance from the contact; tuned on reference bodies, by `make tuning`
+LINE_FAR_GROWTH = 1.0  # the same far from it; tuned on reference bodies, by `make tuning`
+LINE_FAR = 10.0  # contact radii, or depths of the first interface; tuned on reference bodies, by `make tuning`
+# Of a field that decays exponentially, in lengths: over which it changes, and after which it is gone:
+LINE_DECAYING = 0.5  # tuned on random bodies, by `make bounds`
+LINE_DECAYED = 2.0  # tuned on random bodies, by `make bounds`
+LINE_CORNER = 0.15  # ratio of intervals towards a singular corner; theory: Babuska and Suri 1994, about 0.15
+LINE_CORNER_DEGREE = 2  # on the smallest of them, growing by one per interval; theory: likewise
+LINE_MOST = 10_000  # intervals between two stops; choice: no solve of the cost that is allowed has as many
 
 
-LINES_TUNING = LineTuning()
 SAMPLES = np.unique(np.concatenate([np.linspace(0, 1, 65), np.geomspace(1e-5, 1, 65), 1 - np.geomspace(1e-5, 1, 65)]))
 
 
@@ -335,7 +325,7 @@ class LineElements:
     @cached_property
     def rule(self) -> tuple[Array, Array]:
         """Gauss points and weights, interval by interval."""
-        parts = [rule(int(p) + LINES_TUNING.extra) for p in self.degrees]
+        parts = [rule(int(p) + LINE_EXTRA) for p in self.degrees]
         half = np.diff(self.edges) / 2
         centre = self.edges[:-1] + half
         x = np.concatenate([c + h * u for c, h, (u, _) in zip(centre, half, parts, strict=True)])
@@ -358,8 +348,8 @@ class LineElements:
         return values, slopes, _assembled(owner, local, self.degrees - 1, joined, np.diff(self.edges))[0]
 
     def _collocated(self, degrees: Array, joined: Array) -> tuple[Array, Array]:
-        local = np.concatenate([rule(int(p) + LINES_TUNING.extra)[0] for p in self.degrees])
-        owner = np.repeat(np.arange(self.degrees.size), self.degrees + LINES_TUNING.extra)
+        local = np.concatenate([rule(int(p) + LINE_EXTRA)[0] for p in self.degrees])
+        owner = np.repeat(np.arange(self.degrees.size), self.degrees + LINE_EXTRA)
         return _assembled(owner, local, degrees, joined, np.diff(self.edges))
 
 
@@ -382,10 +372,10 @@ def lines(region: Region, degree: int) -> tuple[LineElements, LineElements]:
 
     def radial(r: Array) -> Array:
         size = np.minimum(first + _grown(r - 1, first), gap + region.width - r)
-        return LINES_TUNING.length * np.minimum(size, _decaying(r, region))
+        return LINE_LENGTH * np.minimum(size, _decaying(r, region))
 
     def vertical(z: Array) -> Array:
-        return LINES_TUNING.length * np.minimum(first + _grown(z - first, first), gap + z)
+        return LINE_LENGTH * np.minimum(first + _grown(z - first, first), gap + z)
 
     # As many graded intervals as let both errors fall together; fewer where the singularity is weaker.
     corners = [(z, degree // 2) for z in region.corners] + [(z, max(degree // 2 - 1, 1)) for z in region.free_edges]
@@ -402,7 +392,7 @@ def extended(r: LineElements, region: Region, degree: int) -> LineElements:
     end = float(r.edges[-1])
 
     def beyond(x: Array) -> Array:
-        return LINES_TUNING.length * np.minimum(region.first + _grown(x - 1, region.first), _decaying(x, region))
+        return LINE_LENGTH * np.minimum(region.first + _grown(x - 1, region.first), _decaying(x, region))
 
     more = _partition([end, region.width], beyond, region.cut_beside)[1:]
     degrees = np.full(more.size, degree)
@@ -411,10 +401,8 @@ def extended(r: LineElements, region: Region, degree: int) -> LineElements:
 
 def _grown(beyond: Array, first: float) -> Array:
     """What lengths gain at the distance ``beyond`` the contact, or below the ``first`` interface."""
-    faster = (LINES_TUNING.far_growth - LINES_TUNING.growth) * np.maximum(
-        beyond - LINES_TUNING.far * max(1.0, first), 0.0
-    )
-    return LINES_TUNING.growth * np.maximum(beyond, 0.0) + faster
+    faster = (LINE_FAR_GROWTH - LINE_GROWTH) * np.maximum(beyond - LINE_FAR * max(1.0, first), 0.0)
+    return LINE_GROWTH * np.maximum(beyond, 0.0) + faster
 
 
 def _decaying(r: Array, region: Region) -> Array:
@@ -422,8 +410,8 @@ def _decaying(r: Array, region: Region) -> Array:
     has decayed more."""
     if region.algebraic or not region.cut_beside:
         return np.full(np.shape(r), np.inf)
-    gone = r - 1 - LINES_TUNING.decayed * region.length
-    return LINES_TUNING.decaying * region.length + LINES_TUNING.growth * np.maximum(gone, 0.0)
+    gone = r - 1 - LINE_DECAYED * region.length
+    return LINE_DECAYING * region.length + LINE_GROWTH * np.maximum(gone, 0.0)
 
 
 def _partition(stops: Iterable[float], size: Callable[[Array], Array], wide: bool) -> Array:
@@ -435,14 +423,14 @@ def _partition(stops: Iterable[float], size: Callable[[Array], Array], wide: boo
         x = lo + (hi - lo) * SAMPLES
         density = 1 / size(x)
         count = np.concatenate([[0.0], np.cumsum(np.diff(x) * (density[1:] + density[:-1]) / 2)])
-        if count[-1] > LINES_TUNING.most:
+        if count[-1] > LINE_MOST:
             instead = "layered or fem" if wide else "fem (with a rigid indenter)"
             raise Refusal(
                 f"hybrid: the contact or body is so large against the nearest interface that elements would lie in "
-                f"{count[-1]:.2g} rows (limit {LINES_TUNING.most}); "
+                f"{count[-1]:.2g} rows (limit {LINE_MOST}); "
                 f"ask for a smaller contact, or use the method {instead}"
             )
-        pieces = max(1, math.ceil(float(count[-1]) - LINES_TUNING.spare))
+        pieces = max(1, math.ceil(float(count[-1]) - LINE_SPARE))
         edges += [np.interp(np.arange(1, pieces) * count[-1] / pieces, count, x), np.array([hi])]
     return np.concatenate(edges)
 
@@ -456,13 +444,13 @@ def _graded(edges: Array, corners: list[tuple[float, int]], degree: int) -> Line
 
 
 def _cut(piece: tuple[float, float, int], corner: float, count: int) -> list[tuple[float, float, int]]:
-    """A piece that ends at the ``corner`` cut ``count`` times, every time at ``TUNING.corner`` of the distance."""
+    """A piece that ends at the ``corner`` cut ``count`` times, every time at ``LINE_CORNER`` of the distance."""
     a, b, degree = piece
     if not count or corner not in (a, b):
         return [piece]
     far = b if a == corner else a
-    marks = [far, *(corner + (far - corner) * LINES_TUNING.corner**k for k in range(1, count + 1)), corner]
-    degrees = [degree, *(min(degree, LINES_TUNING.corner_degree + k) for k in range(count - 1, -1, -1))]
+    marks = [far, *(corner + (far - corner) * LINE_CORNER**k for k in range(1, count + 1)), corner]
+    degrees = [degree, *(min(degree, LINE_CORNER_DEGREE + k) for k in range(count - 1, -1, -1))]
     return sorted((min(p, q), max(p, q), d) for (p, q), d in zip(itertools.pairwise(marks), degrees, strict=True))
 
 
@@ -474,17 +462,11 @@ def _cut(piece: tuple[float, float, int], corner: float, count: int) -> list[tup
 # less, continuous in the layer (Taylor and Hood 1973). All integrals carry the weight 2 pi r.
 
 
-@dataclass(frozen=True)
-class SolveTuning:
-    """When a factor pivots, and when a solve is repeated."""
-
-    # Of the column's largest entry, what a diagonal entry must be: with pressures some are zero.
-    pivot: float = 1e-3  # tuned on nearly incompressible bodies, by `make tuning`
-    # Relative residual of a solve that is not repeated for what is left: great contrasts and distances leave 1e-7.
-    close: float = 1e-9  # theory: K errs by its square only
-
-
-SYSTEM_TUNING = SolveTuning()
+# When a factor pivots, and when a solve is repeated.
+# Of the column's largest entry, what a diagonal entry must be: with pressures some are zero.
+SOLVE_PIVOT = 1e-3  # tuned on nearly incompressible bodies, by `make tuning`
+# Relative residual of a solve that is not repeated for what is left: great contrasts and distances leave 1e-7.
+SOLVE_CLOSE = 1e-9  # theory: K errs by its square only
 
 
 @dataclass(frozen=True, eq=False)
@@ -626,12 +608,12 @@ class Mesh:
         known[free] = 0.0
         right = (loads - K @ known)[free]
         matrix = K[free][:, free].tocsc()
-        threshold = SYSTEM_TUNING.pivot if self.pressure[1].shape[1] else 0.0
+        threshold = SOLVE_PIVOT if self.pressure[1].shape[1] else 0.0
         options = {"SymmetricMode": True}
         lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=threshold, options=options)
         known[free] = lu.solve(right)
         size, left = np.abs(right).max(), right - matrix @ known[free]
-        if not np.abs(left).max() < SYSTEM_TUNING.close * size:
+        if not np.abs(left).max() < SOLVE_CLOSE * size:
             known[free] += lu.solve(left)
             left = right - matrix @ known[free]
         residual = np.abs(left).max() / size
@@ -683,18 +665,12 @@ def _integral(left: Array, weights: Array, right: Array) -> Array:
     return left.T @ (weights[:, None] * right)
 
 
-@dataclass(frozen=True)
-class CorrectionTuning:
-    """Quadrature towards a ring where the modulus changes from the contact on, and how much is in memory at a time."""
-
-    towards: float = 0.15  # ratio of successive panels; tuned on graded cylinders, by `make tuning`
-    panels: int = 7  # tuned on graded cylinders, by `make tuning`
-    points: int = 8  # on each; tuned on graded cylinders, by `make tuning`
-    # Of the sum of all entries of the energy without their signs, times eps:
-    rounding: float = 0.3  # tuned on a layer on one 2,783 times as stiff, by `make failures`
-
-
-TUNING = CorrectionTuning()
+# Quadrature towards a ring where the modulus changes from the contact on, and how much is in memory at a time.
+CORRECTION_TOWARDS = 0.15  # ratio of successive panels; tuned on graded cylinders, by `make tuning`
+CORRECTION_PANELS = 7  # tuned on graded cylinders, by `make tuning`
+CORRECTION_POINTS = 8  # on each; tuned on graded cylinders, by `make tuning`
+# Of the sum of all entries of the energy without their signs, times eps:
+CORRECTION_ROUNDING = 0.3  # tuned on a layer on one 2,783 times as stiff, by `make failures`
 
 
 # ---------------------------------------------------------------------- the half-space
@@ -794,7 +770,7 @@ def _solved(mesh: Mesh, t: Array, inner: float = 0.0) -> Correction:
     pi_E_star = np.pi / (1 - region.reference.nu**2)
     K = J / pi_E_star
     size = np.abs(F).T @ np.abs(U)
-    rounding = TUNING.rounding * (moved + np.finfo(float).eps * (size + size.T)) / pi_E_star
+    rounding = CORRECTION_ROUNDING * (moved + np.finfo(float).eps * (size + size.T)) / pi_E_star
     asymmetry, elements = float(np.abs(K - K.T).max() / np.abs(K).max()), mesh.r.degrees.size * mesh.z.degrees.size
     return Correction((K + K.T) / 2, rounding, asymmetry, int(mesh.free.size), elements)
 
@@ -951,9 +927,9 @@ def _work(stress: Array, strain: Array) -> Array:
 
 def _crowded(line: LineElements, stop: float, centre: float) -> tuple[Array, Array]:
     """Gauss points and weights between 0 and ``stop``, panels ending at the line's edges and crowding at ``centre``."""
-    away = stop * TUNING.towards ** np.arange(TUNING.panels)
+    away = stop * CORRECTION_TOWARDS ** np.arange(CORRECTION_PANELS)
     edges = np.concatenate([line.edges, centre - away, centre + away, [centre, 0.0, stop]])
     edges = np.unique(edges[(edges >= 0) & (edges <= stop)])
-    nodes, weights = rule(TUNING.points)
+    nodes, weights = rule(CORRECTION_POINTS)
     half = np.diff(edges)[:, None] / 2
     return np.ravel(edges[:-1, None] + half * (1 + nodes)), np.ravel(half * weights)

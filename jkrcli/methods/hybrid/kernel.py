@@ -16,41 +16,43 @@ from ...series import KeptKernel
 from .. import integral
 from ..integral import rule
 from ..layered.contact import GRADED, LayeredContact
-from .correction import LINES_TUNING as LINES
-from .correction import REGION_TUNING as REGIONS
-from .correction import Correction, LineElements, Region, correction, lines, nearest, side_correction
+from .correction import (
+    LINE_EXTRA,
+    REGION_LEAST,
+    REGION_SHRINK,
+    Correction,
+    LineElements,
+    Region,
+    correction,
+    lines,
+    nearest,
+    side_correction,
+)
 
 # --------------------------------------------------------------------------------------------------
 # The kernel K(x, t) of a body of revolution as even polynomials in x and t, from finite-element corrections.
 
 STEP = 2  # in the degree, from level to level; tuned on bodies by hybrid, by `make constants`: odd ones gain little
 
-
-@dataclass(frozen=True)
-class CostTuning:
-    """Rates of one core for forecasts."""
-
-    begin: float = 5e-3  # s; tuned on bodies, by `make guards`: for forecasts
-    # s, to integrate and factorise, per entry of the stiffness; tuned on bodies, by `make guards`: for forecasts
-    per_entry: float = 1e-7
-    # s, to solve, per entry and right-hand side; tuned on bodies, by `make guards`: for forecasts
-    per_entry_and_side: float = 1.2e-9
-    # s, for the half-space's field, per Gauss point and parameter t; tuned on bodies, by `make guards`: for forecasts
-    per_point: float = 2e-7
-    # s, for their works in one another, per pair of t; tuned on bodies, by `make guards`: for forecasts
-    per_point_and_pair: float = 2e-9
-    # s, for a field towards its ring under a graded top; tuned on bodies, by `make guards`: for forecasts
-    around: float = 8e-3
-    # entries of the factor beside elements graded to a corner, per unknown; tuned on bodies, by `make guards`: for
-    # forecasts
-    fill: float = 4.5
-    operations: float = 1.2e10  # on them, per s; tuned on bodies, by `make guards`: for forecasts
-    bytes_per_entry: float = 40.0  # of the stiffness and its factor; tuned on bodies, by `make guards`: for forecasts
-    # of the unknowns of one parameter t; tuned on bodies, by `make guards`: for forecasts
-    bytes_per_value: float = 100.0
-
-
-COST_TUNING = CostTuning()
+# Rates of one core for forecasts.
+COST_BEGIN = 5e-3  # s; tuned on bodies, by `make guards`: for forecasts
+# s, to integrate and factorise, per entry of the stiffness; tuned on bodies, by `make guards`: for forecasts
+COST_PER_ENTRY = 1e-7
+# s, to solve, per entry and right-hand side; tuned on bodies, by `make guards`: for forecasts
+COST_PER_ENTRY_AND_SIDE = 1.2e-9
+# s, for the half-space's field, per Gauss point and parameter t; tuned on bodies, by `make guards`: for forecasts
+COST_PER_POINT = 2e-7
+# s, for their works in one another, per pair of t; tuned on bodies, by `make guards`: for forecasts
+COST_PER_POINT_AND_PAIR = 2e-9
+# s, for a field towards its ring under a graded top; tuned on bodies, by `make guards`: for forecasts
+COST_AROUND = 8e-3
+# entries of the factor beside elements graded to a corner, per unknown; tuned on bodies, by `make guards`: for
+# forecasts
+COST_FILL = 4.5
+COST_OPERATIONS = 1.2e10  # on them, per s; tuned on bodies, by `make guards`: for forecasts
+COST_BYTES_PER_ENTRY = 40.0  # of the stiffness and its factor; tuned on bodies, by `make guards`: for forecasts
+# of the unknowns of one parameter t; tuned on bodies, by `make guards`: for forecasts
+COST_BYTES_PER_VALUE = 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,19 +115,18 @@ class CorrectionCost(NamedTuple):
 def cost_of(region: Region, count: int, degree: int) -> CorrectionCost:
     """Cost of the correction for ``count`` parameters t: operations counted, with rates of one core."""
     r, z = lines(region, degree)
-    rates = COST_TUNING
     pressures = 1 + any(region.mixed) / 3
     unknowns = 2 * pressures * (r.degrees.sum() + 1.0) * (z.degrees.sum() + 1.0)
     entries = 4 * pressures**2 * _pairs(r) * _pairs(z)
-    points = float((r.degrees + LINES.extra).sum() * (z.degrees + LINES.extra).sum())
+    points = float((r.degrees + LINE_EXTRA).sum() * (z.degrees + LINE_EXTRA).sum())
     fill = 0.0
     if region.corners or region.free_edges:
-        fill = rates.fill * unknowns * 2 * pressures * min(r.degrees.sum(), z.degrees.sum())
-    seconds = rates.begin + rates.per_entry * entries + rates.per_entry_and_side * count * (entries + fill)
-    seconds += fill * (fill + 2 * entries) / unknowns / rates.operations
-    fields = (rates.per_point + rates.per_point_and_pair * count) * points * count
-    seconds += fields + rates.around * count * region.changing
-    memory = (rates.bytes_per_entry * (entries + fill / 2) + rates.bytes_per_value * unknowns * count) / 2**20
+        fill = COST_FILL * unknowns * 2 * pressures * min(r.degrees.sum(), z.degrees.sum())
+    seconds = COST_BEGIN + COST_PER_ENTRY * entries + COST_PER_ENTRY_AND_SIDE * count * (entries + fill)
+    seconds += fill * (fill + 2 * entries) / unknowns / COST_OPERATIONS
+    fields = (COST_PER_POINT + COST_PER_POINT_AND_PAIR * count) * points * count
+    seconds += fields + COST_AROUND * count * region.changing
+    memory = (COST_BYTES_PER_ENTRY * (entries + fill / 2) + COST_BYTES_PER_VALUE * unknowns * count) / 2**20
     return CorrectionCost(float(seconds), float(memory), int(unknowns))
 
 
@@ -136,7 +137,7 @@ def _pairs(line: LineElements) -> float:
 
 def _below(degree: int) -> int:
     """The degree of elements that tell what a cut changes."""
-    return max(degree - STEP, REGIONS.least)
+    return max(degree - STEP, REGION_LEAST)
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,7 +187,7 @@ class KernelLevels:
         cut costs falls with the square of its distance."""
         K = self.correction(degree - STEP * coarser).K
         if self.region.algebraic:
-            K = K + self._by_cut(degree) / (REGIONS.shrink**2 - 1)
+            K = K + self._by_cut(degree) / (REGION_SHRINK**2 - 1)
         return self._kernel(K)
 
     def _by_cut(self, degree: int) -> Array:
@@ -209,66 +210,62 @@ class KernelLevels:
         return PolynomialKernel(self.factor / unit * (even.T @ K @ even), unit, unit * nearest(self.region))
 
 
-@dataclass(frozen=True)
-class HybridTuning:
-    """How the tolerance is shared out, how errors are judged from what they change, and when refinement ends."""
-
-    edge: float = 0.98  # largest contact radius over the radius of the body; choice: a side so near needs other means
-    rough: float = 1e-3  # accuracy of the kernel with which radii are searched; choice: what costs least
-    # Shares of the tolerance:
-    # Planned for the number of t; conditioning takes the rest:
-    parameters: float = 1e-2  # tuned on reference bodies, by `make tuning`
-    cut: float = 0.1  # of an unbounded body; choice: a tenth
-    no_claim: float = 0.005  # smaller errors are not distinguished; tuned on random bodies, by `make bounds`
-    finest: float = 1e-7  # accuracy of K where the modulus changes from the contact on; choice: below ``GRADED``
-    # Errors from what a step changes, at some radii:
-    samples: int = 13  # radii; tuned on random bodies, by `make bounds`
-    smallest: float = 0.02  # of the largest, the first of them; tuned on random bodies, by `make bounds`
-    # more near the largest, where polynomials err in their shortest waves: one radius alone may lie at a node of them
-    near: tuple[float, ...] = (0.84, 0.92, 0.97)  # of it; tuned on random bodies, by `make bounds`
-    # On the error that the last step of the degree leaves:
-    safety: float = 3.0  # tuned on random bodies, by `make bounds`
-    # Of the largest change that of a column, from which on it tells how fast errors fall:
-    telling: float = 0.1  # tuned on random bodies, by `make bounds`
-    slowest: float = 3.0  # what a step divides it by, at least; tuned on random bodies, by `make failures`
-    fastest: float = 300.0  # at most; tuned on random bodies, by `make bounds`
-    unproven: float = 50.0  # at most, after one step from the lowest; tuned on random bodies, by `make bounds`
-    cornered: float = 8.0  # at most, with singular corners; tuned on random bodies, by `make bounds`
-    irregular: int = 2  # elements, up to which no fall is trusted; tuned on random bodies, by `make bounds`
-    # Of a last step that is as much smaller than the one before as that of the other radii and columns:
-    accident: float = 0.8  # tuned on random bodies, by `make bounds`
-    plausible: float = 100.0  # so much smaller, of irregular elements; tuned on random bodies, by `make bounds`
-    # Times what is small by accident, at pull-off points, after one step from the lowest:
-    at_points: float = 2.0  # tuned on random bodies, by `make bounds`
-    steeper: float = 2.0  # error of S' over that of the others, at least; tuned on random bodies, by `make failures`
-    allowed: float = 0.5  # of the tolerance, up to which ``steeper`` asks for no finer elements; choice: half
-    unseen: float = 3.0  # times the last polynomial's change / (convergence - 1): its error; theory: geometric series
-    least: float = 0.5  # of that change, at least; tuned on random bodies, by `make failures`
-    # Error of S' by the cut over that of S, at least; theory: the next order changes S by a^3 relative to S ~ a
-    steeper_cut: float = 3.0
-    # Of the largest change by extrapolating the cut, where the order that it rests on vanishes and others may cancel
-    cancelled: float = 1.5  # tuned on random bodies, by `make bounds`
-    # Of what the second cut changes where fields decay exponentially:
-    decayed: float = 0.05  # tuned on random bodies, by `make failures`
-    # Refinement:
-    lowest: int = 4  # degree; tuned on reference bodies, by `make tuning`
-    highest: int = 16  # degree; choice: rounding sets the limit beyond
-    # Of the tolerance, to which parameters and cut are brought:
-    share: float = 0.25  # tuned on reference bodies, by `make tuning`
-    again: int = 2  # times that parameters are added, and that the cut is moved out; choice: each costs a solve
-    stalls: int = 1  # times that a step may bring next to nothing; choice: corners need one
-    hopeless: float = 30.0  # times the tolerance, where none is forgiven; tuned on random bodies, by `make failures`
-    # Forecasts of the degree, in steps from the lowest:
-    per_decade: float = 0.5  # of moduli; tuned on bodies, by `make guards`: for forecasts
-    per_decade_wide: float = 0.6  # of contact radius over depth; tuned on bodies, by `make guards`: for forecasts
-    # more for nearly incompressible layers with sides; tuned on bodies, by `make guards`: for forecasts
-    at_sides: float = 1.0
-    # Limits of one level:
-    most_seconds: float = 60.0  # CPU time; choice: what a user waits for
-    most_mib: float = 4096.0  # choice: what a laptop has
+# How the tolerance is shared out, how errors are judged from what they change, and when refinement ends.
+HYBRID_EDGE = 0.98  # largest contact radius over the radius of the body; choice: a side so near needs other means
+HYBRID_ROUGH = 1e-3  # accuracy of the kernel with which radii are searched; choice: what costs least
+# Shares of the tolerance:
+# Planned for the number of t; conditioning takes the rest:
+HYBRID_PARAMETERS = 1e-2  # tuned on reference bodies, by `make tuning`
+HYBRID_CUT = 0.1  # of an unbounded body; choice: a tenth
+HYBRID_NO_CLAIM = 0.005  # smaller errors are not distinguished; tuned on random bodies, by `make bounds`
+HYBRID_FINEST = 1e-7  # accuracy of K where the modulus changes from the contact on; choice: below ``GRADED``
+# Errors from what a step changes, at some radii:
+HYBRID_SAMPLES = 13  # radii; tuned on random bodies, by `make bounds`
+HYBRID_SMALLEST = 0.02  # of the largest, the first of them; tuned on random bodies, by `make bounds`
+# more near the largest, where polynomials err in their shortest waves: one radius alone may lie at a node of them
+HYBRID_NEAR = (0.84, 0.92, 0.97)  # of it; tuned on random bodies, by `make bounds`
+# On the error that the last step of the degree leaves:
+HYBRID_SAFETY = 3.0  # tuned on random bodies, by `make bounds`
+# Of the largest change that of a column, from which on it tells how fast errors fall:
+HYBRID_TELLING = 0.1  # tuned on random bodies, by `make bounds`
+HYBRID_SLOWEST = 3.0  # what a step divides it by, at least; tuned on random bodies, by `make failures`
+HYBRID_FASTEST = 300.0  # at most; tuned on random bodies, by `make bounds`
+HYBRID_UNPROVEN = 50.0  # at most, after one step from the lowest; tuned on random bodies, by `make bounds`
+HYBRID_CORNERED = 8.0  # at most, with singular corners; tuned on random bodies, by `make bounds`
+HYBRID_IRREGULAR = 2  # elements, up to which no fall is trusted; tuned on random bodies, by `make bounds`
+# Of a last step that is as much smaller than the one before as that of the other radii and columns:
+HYBRID_ACCIDENT = 0.8  # tuned on random bodies, by `make bounds`
+HYBRID_PLAUSIBLE = 100.0  # so much smaller, of irregular elements; tuned on random bodies, by `make bounds`
+# Times what is small by accident, at pull-off points, after one step from the lowest:
+HYBRID_AT_POINTS = 2.0  # tuned on random bodies, by `make bounds`
+HYBRID_STEEPER = 2.0  # error of S' over that of the others, at least; tuned on random bodies, by `make failures`
+HYBRID_ALLOWED = 0.5  # of the tolerance, up to which ``steeper`` asks for no finer elements; choice: half
+HYBRID_UNSEEN = 3.0  # times the last polynomial's change / (convergence - 1): its error; theory: geometric series
+HYBRID_LEAST = 0.5  # of that change, at least; tuned on random bodies, by `make failures`
+# Error of S' by the cut over that of S, at least; theory: the next order changes S by a^3 relative to S ~ a
+HYBRID_STEEPER_CUT = 3.0
+# Of the largest change by extrapolating the cut, where the order that it rests on vanishes and others may cancel
+HYBRID_CANCELLED = 1.5  # tuned on random bodies, by `make bounds`
+# Of what the second cut changes where fields decay exponentially:
+HYBRID_DECAYED = 0.05  # tuned on random bodies, by `make failures`
+# Refinement:
+HYBRID_LOWEST = 4  # degree; tuned on reference bodies, by `make tuning`
+HYBRID_HIGHEST = 16  # degree; choice: rounding sets the limit beyond
+# Of the tolerance, to which parameters and cut are brought:
+HYBRID_SHARE = 0.25  # tuned on reference bodies, by `make tuning`
+HYBRID_AGAIN = 2  # times that parameters are added, and that the cut is moved out; choice: each costs a solve
+HYBRID_STALLS = 1  # times that a step may bring next to nothing; choice: corners need one
+HYBRID_HOPELESS = 30.0  # times the tolerance, where none is forgiven; tuned on random bodies, by `make failures`
+# Forecasts of the degree, in steps from the lowest:
+HYBRID_PER_DECADE = 0.5  # of moduli; tuned on bodies, by `make guards`: for forecasts
+HYBRID_PER_DECADE_WIDE = 0.6  # of contact radius over depth; tuned on bodies, by `make guards`: for forecasts
+# more for nearly incompressible layers with sides; tuned on bodies, by `make guards`: for forecasts
+HYBRID_AT_SIDES = 1.0
+# Limits of one level:
+HYBRID_MOST_SECONDS = 60.0  # CPU time; choice: what a user waits for
+HYBRID_MOST_MIB = 4096.0  # choice: what a laptop has
 
 
-TUNING = HybridTuning()
 ALL = np.ones(4)  # of delta, P, S, S' alike
 
 
@@ -337,7 +334,7 @@ class SideContact(KernelContact):
         return min(self.kernel.scale, self.wide.scale)
 
     def plan(self, radii: Array, tolerance: float) -> integral.Quadrature:
-        plan = self.wide.together(radii, max(tolerance, TUNING.finest))
+        plan = self.wide.together(radii, max(tolerance, HYBRID_FINEST))
         return replace(plan, widest=plan.widest * min(self.kernel.scale / self.wide.scale, 1.0))
 
     def solved(self, radii: Array, plan: integral.Quadrature) -> integral.EquationResult:
@@ -427,37 +424,37 @@ class Refinement:
     error that is ``sharper`` times as small; how often parameters were ``added``, the cut was ``widened``, and a higher
     degree ``stalled``: left more than half of the ``least`` error so far, last seen ``at`` a lower degree."""
 
-    degree: int = field(default_factory=lambda: TUNING.lowest + STEP)
+    degree: int = field(default_factory=lambda: HYBRID_LOWEST + STEP)
     more: int = 0
     sharper: float = 1.0
     added: int = 0
     widened: int = 0
     stalled: int = 0
     least: float = math.inf
-    at: int = field(default_factory=lambda: TUNING.highest)
+    at: int = field(default_factory=lambda: HYBRID_HIGHEST)
 
     def after(self, errors: ErrorEstimates, tolerance: float, region: Region) -> Refinement | None:
         """The next refinement, which lessens the largest of the ``errors``; None where nothing does."""
         total = float(errors.total.max())
         stalled = self.stalled + (self.degree > self.at and total > self.least / 2)
-        if stalled > (self.stalled if total > TUNING.hopeless * tolerance else TUNING.stalls):
+        if stalled > (self.stalled if total > HYBRID_HOPELESS * tolerance else HYBRID_STALLS):
             return None
         here = replace(self, stalled=stalled, least=min(self.least, total), at=self.degree)
         elements, parameters, cut = (float(e.max()) for e in (errors.elements, errors.parameters, errors.cut))
-        goal = TUNING.share * tolerance
+        goal = HYBRID_SHARE * tolerance
         fuller = here
-        if math.inf > parameters > goal and self.added < TUNING.again:
+        if math.inf > parameters > goal and self.added < HYBRID_AGAIN:
             missing = math.ceil(math.log(parameters / goal) / math.log(convergence(region)))
             fuller = replace(here, more=self.more + max(missing, 1), added=self.added + 1)
             if parameters > max(elements, cut):
                 return fuller
         if math.inf > cut > max(elements, parameters, goal) and region.algebraic:
             wider = replace(here, sharper=self.sharper * cut / goal, widened=self.widened + 1)
-            return wider if wider.widened <= TUNING.again else None
-        if self.degree >= TUNING.highest:
+            return wider if wider.widened <= HYBRID_AGAIN else None
+        if self.degree >= HYBRID_HIGHEST:
             return None
         # what is missing at every degree is not computed anew at a higher one
-        return replace(fuller if parameters > (1 - TUNING.share) * tolerance else here, degree=self.degree + STEP)
+        return replace(fuller if parameters > (1 - HYBRID_SHARE) * tolerance else here, degree=self.degree + STEP)
 
 
 @dataclass(frozen=True, eq=False)
@@ -475,7 +472,7 @@ class AdaptiveKernel:
     @property
     def limit(self) -> float:
         """Largest contact radius [m]."""
-        return np.inf if self.specimen.radius is None else TUNING.edge * self.specimen.radius
+        return np.inf if self.specimen.radius is None else HYBRID_EDGE * self.specimen.radius
 
     @property
     def attainable(self) -> float:
@@ -490,9 +487,9 @@ class AdaptiveKernel:
     def levels(self, reach: float, step: Refinement | None = None) -> KernelLevels:
         """Levels for contact radii up to ``reach`` [m], as far as ``step`` has refined what was planned."""
         step = step or Refinement()
-        cut = TUNING.cut * self.tolerance / step.sharper
+        cut = HYBRID_CUT * self.tolerance / step.sharper
         region = Region.of(self.specimen, reach, cut)
-        error = TUNING.parameters * self.tolerance / math.sqrt(_stiffening(region))
+        error = HYBRID_PARAMETERS * self.tolerance / math.sqrt(_stiffening(region))
         count = count_for(region, error) + step.more
         wide = Region.of(self.wide.specimen, reach, cut) if region.changing else None
         return KernelLevels(region, count, self.E_star / self.specimen.surface.E_star, wide)
@@ -501,11 +498,11 @@ class AdaptiveKernel:
         """Refuse what would take minutes or gigabytes."""
         cost, unit = levels.cost(degree), levels.region.unit
         away = show(nearest(levels.region) * unit, "length")
-        if cost.seconds > TUNING.most_seconds or cost.memory_mib > TUNING.most_mib:
+        if cost.seconds > HYBRID_MOST_SECONDS or cost.memory_mib > HYBRID_MOST_MIB:
             raise Refusal(
                 f"hybrid: contact radii up to {show(unit, 'length')} need elements of degree {degree} with about "
                 f"{cost.unknowns} unknowns for {levels.count} right-hand sides, {duration(cost.seconds)} and "
-                f"{cost.memory_mib:.0f} MiB (limits {TUNING.most_seconds:g} s, {TUNING.most_mib:g} MiB): the contact "
+                f"{cost.memory_mib:.0f} MiB (limits {HYBRID_MOST_SECONDS:g} s, {HYBRID_MOST_MIB:g} MiB): the contact "
                 f"is large against the nearest interface or side ({away} away); "
                 "ask for a smaller contact or a larger hybrid.tolerance, or use method "
                 f"{instead(self.indenter, self.specimen)}"
@@ -518,30 +515,30 @@ class AdaptiveKernel:
             moduli.append(self.specimen.base.material.surface.E)
         contrast = math.log10(max(moduli) / min(moduli))
         wide = math.log10(max(1 / levels.region.first, 1.0))
-        steps = -math.log10(self.tolerance) - 3 + TUNING.per_decade * contrast + TUNING.per_decade_wide * wide
+        steps = -math.log10(self.tolerance) - 3 + HYBRID_PER_DECADE * contrast + HYBRID_PER_DECADE_WIDE * wide
         if any(levels.region.mixed) and not levels.region.cut_beside:
-            steps += TUNING.at_sides
-        return min(max(steps, 1.0), (TUNING.highest - TUNING.lowest) / STEP)
+            steps += HYBRID_AT_SIDES
+        return min(max(steps, 1.0), (HYBRID_HIGHEST - HYBRID_LOWEST) / STEP)
 
     def expected_cost(self, levels: KernelLevels) -> tuple[float, CorrectionCost]:
         """CPU seconds of all levels up to the one that the tolerance is expected to need, and the cost of that one."""
         steps = self.expected_steps(levels)
-        degrees = range(TUNING.lowest, TUNING.lowest + STEP * math.ceil(steps) + 1, STEP)
+        degrees = range(HYBRID_LOWEST, HYBRID_LOWEST + STEP * math.ceil(steps) + 1, STEP)
         costs = [levels.cost(degree) for degree in degrees]
         shares = np.clip(steps - np.arange(len(costs)) + 1, 0, 1)  # the last level is needed in some of such bodies
         return float(shares @ [cost.seconds for cost in costs]), costs[-1]
 
     def rough(self, reach: float) -> KernelContact:
         """Contact for finding radii: by the first level from the second on that gives a positive definite equation."""
-        levels = replace(self, tolerance=max(self.tolerance, TUNING.rough)).levels(reach)
-        for degree in range(TUNING.lowest + STEP, TUNING.highest, STEP):
+        levels = replace(self, tolerance=max(self.tolerance, HYBRID_ROUGH)).levels(reach)
+        for degree in range(HYBRID_LOWEST + STEP, HYBRID_HIGHEST, STEP):
             contact = self._contact(levels, degree)
             try:
-                contact.columns(np.array([reach]), TUNING.rough)
+                contact.columns(np.array([reach]), HYBRID_ROUGH)
             except SolveError:
                 continue
             return contact
-        return self._contact(levels, TUNING.highest)
+        return self._contact(levels, HYBRID_HIGHEST)
 
     def _contact(self, levels: KernelLevels, degree: int) -> KernelContact:
         self.guard(levels, degree)
@@ -569,7 +566,7 @@ class AdaptiveKernel:
             try:
                 errors = self._judge(contact, levels, step.degree)
             except SolveError:  # not positive definite: too coarse for a great contrast of moduli
-                if step.degree == TUNING.highest:
+                if step.degree == HYBRID_HIGHEST:
                     raise
                 step = replace(step, degree=step.degree + STEP)
                 continue
@@ -588,14 +585,14 @@ class AdaptiveKernel:
     def _first(self, levels: KernelLevels) -> int:
         """The lowest degree that is judged, by the two below it: of one element the lowest may be right by accident, so
         that the next two differ by no more than it errs."""
-        higher = TUNING.lowest + 2 * STEP
+        higher = HYBRID_LOWEST + 2 * STEP
         is_one = levels.cost(higher).unknowns < 3 * (higher + 1) ** 2  # two unknowns a node and pressures; of two: 4
-        return higher if is_one else TUNING.lowest + STEP
+        return higher if is_one else HYBRID_LOWEST + STEP
 
     def _judge(self, contact: KernelContact, levels: KernelLevels, degree: int) -> ErrorEstimates:
         """Errors at some radii, from what lower levels, one polynomial less and the cut change."""
         a0, end = self.indenter.a0, levels.region.unit
-        radii = a0 + (end - a0) * np.union1d(np.geomspace(TUNING.smallest, 1, TUNING.samples), TUNING.near)
+        radii = a0 + (end - a0) * np.union1d(np.geomspace(HYBRID_SMALLEST, 1, HYBRID_SAMPLES), HYBRID_NEAR)
         region, precise = levels.region, NO_CLAIM * self.tolerance
         shorter = contact.kernel.shorter()
         kernels = [levels.kernel(degree, coarser=1), levels.kernel(degree, coarser=2), shorter, shorter.shorter()]
@@ -603,29 +600,29 @@ class AdaptiveKernel:
         kernels += [levels.cut(degree)] if region.cut_beside else []
         companions = Companions(contact, tuple(kernels), precise)
         last, before, wave, other, rounding, *cuts = np.abs(companions.changes(radii))
-        fastest = TUNING.cornered if region.corners else TUNING.fastest
-        after_lowest = degree - 2 * STEP < TUNING.lowest
-        fastest = min(fastest, TUNING.unproven) if after_lowest else fastest
+        fastest = HYBRID_CORNERED if region.corners else HYBRID_FASTEST
+        after_lowest = degree - 2 * STEP < HYBRID_LOWEST
+        fastest = min(fastest, HYBRID_UNPROVEN) if after_lowest else fastest
         known = bool(np.isfinite(before).all())
-        fast = known and levels.correction(degree).elements > TUNING.irregular
-        falls = np.full(radii.size, TUNING.slowest)
-        smaller = np.full(radii.size, TUNING.plausible)
+        fast = known and levels.correction(degree).elements > HYBRID_IRREGULAR
+        falls = np.full(radii.size, HYBRID_SLOWEST)
+        smaller = np.full(radii.size, HYBRID_PLAUSIBLE)
         if fast:
             falls = _falls(before, last, fastest)
-            smaller = _falls(before, last, TUNING.cornered if region.corners else TUNING.fastest)
+            smaller = _falls(before, last, HYBRID_CORNERED if region.corners else HYBRID_FASTEST)
         # Two levels may agree by accident at some radii in some columns: what the step before says of the last counts
-        by_accident = TUNING.accident * known / (smaller * falls)
+        by_accident = HYBRID_ACCIDENT * known / (smaller * falls)
         accident = by_accident * (before if known else 0.0)
-        left = max(TUNING.unseen / (convergence(region) - 1), TUNING.least)
+        left = max(HYBRID_UNSEEN / (convergence(region) - 1), HYBRID_LEAST)
         # The polynomial that is missing goes in waves: the last one shows one phase of them, the last but one another:
         parameters = left * np.hypot(wave, other / convergence(region))
         cut = _left_by_cut(region, cuts[0]) if cuts else np.zeros_like(last)
-        least = TUNING.no_claim * self.tolerance + (GRADED if levels.wide is not None else 0.0)
-        elements = np.hypot(TUNING.safety / falls * last, accident) + rounding + least
-        steeper = np.minimum(TUNING.steeper * elements[:-1].max(axis=0), TUNING.allowed * self.attainable)
+        least = HYBRID_NO_CLAIM * self.tolerance + (GRADED if levels.wide is not None else 0.0)
+        elements = np.hypot(HYBRID_SAFETY / falls * last, accident) + rounding + least
+        steeper = np.minimum(HYBRID_STEEPER * elements[:-1].max(axis=0), HYBRID_ALLOWED * self.attainable)
         elements[-1] = np.maximum(elements[-1], steeper)
-        at_points = float(by_accident[-1]) * (TUNING.at_points if after_lowest else 1.0)
-        parts = (TUNING.safety / float(falls[-1]), at_points, left, left / convergence(region), 1.0)
+        at_points = float(by_accident[-1]) * (HYBRID_AT_POINTS if after_lowest else 1.0)
+        parts = (HYBRID_SAFETY / float(falls[-1]), at_points, left, left / convergence(region), 1.0)
         weights = (*(part * ALL for part in parts), _of_cut(region))[: len(kernels)]
         companions = replace(companions, weights=weights, least=least + precise)
         return ErrorEstimates(radii, elements, parameters, cut, companions)
@@ -636,8 +633,8 @@ def _falls(before: Array, last: Array, fastest: float) -> Array:
     one (4, radii) changed the column that falls least, as another may seem to fall fast by accident; one that hardly
     changes tells nothing. At smaller radii less than at the largest, where errors fall first."""
     before, last = (np.maximum.accumulate(changes, axis=1) for changes in (before, last))
-    each = np.where(last >= TUNING.telling * last.max(axis=0), before / np.maximum(last, TINY), np.inf)
-    falls: Array = np.clip(each.min(axis=0) - 1, TUNING.slowest, fastest)
+    each = np.where(last >= HYBRID_TELLING * last.max(axis=0), before / np.maximum(last, TINY), np.inf)
+    falls: Array = np.clip(each.min(axis=0) - 1, HYBRID_SLOWEST, fastest)
     return np.minimum(falls, falls[-1])
 
 
@@ -648,16 +645,16 @@ def _left_by_cut(region: Region, change: Array) -> Array:
     if not region.algebraic:
         return left
     *others, last = left
-    left = np.stack([*others, np.maximum(last, TUNING.steeper_cut * left[2])])
+    left = np.stack([*others, np.maximum(last, HYBRID_STEEPER_CUT * left[2])])
     return np.maximum(left, left[:-1].max()) if region.higher_order else left
 
 
 def _of_cut(region: Region) -> Array:
     """What is left of such a change of delta, P, S, S'; of P all, which the spring that extrapolating adds leaves."""
     if not region.algebraic:
-        return np.full(4, TUNING.decayed)
+        return np.full(4, HYBRID_DECAYED)
     if region.higher_order:
-        return np.full(4, TUNING.cancelled)
+        return np.full(4, HYBRID_CANCELLED)
     return np.where([False, True, False, False], 1.0, region.next_order)
 
 

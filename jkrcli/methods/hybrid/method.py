@@ -15,23 +15,26 @@ from ..layered.solver import expected_radius
 from ..options import HybridOptions
 from ..protocol import Forecast, without_coating, without_tension
 from ..radii import check_radius
-from .kernel import STEP, AdaptiveKernel, ErrorEstimates, KernelContact, KernelLevels, fem_for, instead
-from .kernel import TUNING as REFINING
+from .kernel import (
+    HYBRID_EDGE,
+    HYBRID_LOWEST,
+    HYBRID_ROUGH,
+    STEP,
+    AdaptiveKernel,
+    ErrorEstimates,
+    KernelContact,
+    KernelLevels,
+    fem_for,
+    instead,
+)
 
-
-@dataclass(frozen=True)
-class ReachTuning:
-    """How the largest radius is found, for which the kernel must be known before it is."""
-
-    # Reach of the first one over the radius expected on the unbounded body:
-    room: float = 1.2  # tuned on shipped cases, by `make bench`
-    # of the last one over the largest radius found; tuned on bodies, by `make constants`: covers the accuracy of the
-    # search
-    spare: float = 1.01
-    searches: int = 2  # kernels for that; tuned on bodies, by `make guards`: for forecasts
-
-
-TUNING = ReachTuning()
+# How the largest radius is found, for which the kernel must be known before it is.
+# Reach of the first one over the radius expected on the unbounded body:
+REACH_ROOM = 1.2  # tuned on shipped cases, by `make bench`
+# of the last one over the largest radius found; tuned on bodies, by `make constants`: covers the accuracy of the
+# search
+REACH_SPARE = 1.01
+REACH_SEARCHES = 2  # kernels for that; tuned on bodies, by `make guards`: for forecasts
 
 
 @dataclass(frozen=True)
@@ -60,7 +63,7 @@ class Hybrid(HybridOptions):
             if loading.to == "radius":
                 check_radius(problem.indenter, loading.maximum)
             levels = body.levels(_expected_radius(problem, body))
-            body.guard(levels, REFINING.lowest + STEP * int(body.expected_steps(levels)))
+            body.guard(levels, HYBRID_LOWEST + STEP * int(body.expected_steps(levels)))
         except JkrError as error:
             return str(error).removeprefix("hybrid: ")
         return None
@@ -78,7 +81,7 @@ class Hybrid(HybridOptions):
         solves, last = body.expected_cost(levels)
         seconds = 0.02 + solves
         if problem.loading.to != "radius":
-            seconds += TUNING.searches * levels.cost(REFINING.lowest + STEP).seconds
+            seconds += REACH_SEARCHES * levels.cost(HYBRID_LOWEST + STEP).seconds
         if levels.wide is not None:
             seconds += 0.8  # the kernel of the wide body; measured by `make bench`
         memory = 20 + last.memory_mib + of_equation
@@ -151,11 +154,11 @@ class Hybrid(HybridOptions):
         expected = _expected_radius(problem, body)
         if loading.to == "radius":
             return expected
-        reach = min(TUNING.room * expected, _end(problem, body))
+        reach = min(REACH_ROOM * expected, _end(problem, body))
         for _ in range(MOST_SOLVES):
-            largest = integral.search(body.rough(reach), loading, REFINING.rough).largest
-            if largest <= reach and (TUNING.spare * largest <= reach or reach == _end(problem, body)):
-                return min(TUNING.spare * largest, _end(problem, body))
+            largest = integral.search(body.rough(reach), loading, HYBRID_ROUGH).largest
+            if largest <= reach and (REACH_SPARE * largest <= reach or reach == _end(problem, body)):
+                return min(REACH_SPARE * largest, _end(problem, body))
             reach = self._further(problem, body, reach, largest)
         raise Refusal(_no_radius(problem, reach))
 
@@ -164,7 +167,7 @@ class Hybrid(HybridOptions):
         end = _end(problem, body)
         if reach == end:
             raise Refusal(_too_much(problem))
-        return min(TUNING.room * largest, end)
+        return min(REACH_ROOM * largest, end)
 
 
 def _end(problem: Problem, body: AdaptiveKernel) -> float:
@@ -176,7 +179,7 @@ def _expected_radius(problem: Problem, body: AdaptiveKernel) -> float:
     """The largest contact radius [m] as on the laterally unbounded body, about."""
     if problem.loading.to == "radius":
         return problem.loading.maximum
-    return min(expected_radius(body.wide, problem.loading, REFINING.rough), _end(problem, body))
+    return min(expected_radius(body.wide, problem.loading, HYBRID_ROUGH), _end(problem, body))
 
 
 def _no_radius(problem: Problem, reach: float) -> str:
@@ -216,7 +219,7 @@ def _too_much(problem: Problem) -> str:
         )
     word = {"depth": "depth", "load": "load", "radius": "contact radius"}[loading.to]
     return (
-        f"loading: before a {word} of {goal} the contact comes too near to the side (a at most {REFINING.edge:g} of "
+        f"loading: before a {word} of {goal} the contact comes too near to the side (a at most {HYBRID_EDGE:g} of "
         f"the body's radius, {show(radius, 'length')}): load less, or use method {fem_for(problem.indenter)}"
     )
 

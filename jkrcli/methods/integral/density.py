@@ -22,18 +22,11 @@ from ...base import SAME, Array, JkrError, Refusal, show
 from ...bodies import AnyGraded, Indenter, Specimen, stacks
 from .fredholm import EXACT, Contact, EquationResult, FredholmKernel, crowded, gauss, rule, split, to_legendre
 
-
-@dataclass(frozen=True)
-class DensityTuning:
-    """Nodes for phi between those of the equation."""
-
-    # On each piece of the smooth part, one kernel scale wide:
-    piece: int = 18  # tuned on reference bodies, by `make tuning`
-    more: int = 6  # than that on each panel of an integral over phi; tuned on reference bodies, by `make tuning`
-    widest: float = 1.5  # panel in an angle [rad]; tuned on reference bodies, by `make tuning`
-
-
-TUNING = DensityTuning()
+# Nodes for phi between those of the equation.
+# On each piece of the smooth part, one kernel scale wide:
+DENSITY_PIECE = 18  # tuned on reference bodies, by `make tuning`
+DENSITY_MORE = 6  # than that on each panel of an integral over phi; tuned on reference bodies, by `make tuning`
+DENSITY_WIDEST = 1.5  # panel in an angle [rad]; tuned on reference bodies, by `make tuning`
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +51,12 @@ class Density:
 
     @classmethod
     def each(
-        cls, kernel: FredholmKernel, result: EquationResult, reach: float, shift: float = 0.0, order: int = TUNING.piece
+        cls,
+        kernel: FredholmKernel,
+        result: EquationResult,
+        reach: float,
+        shift: float = 0.0,
+        order: int = DENSITY_PIECE,
     ) -> Iterator[Density]:
         """Densities at all radii, from one evaluation of the kernel; ``order``: nodes on each piece."""
         edges, x = pieces(reach, kernel.scale, order)
@@ -96,9 +94,9 @@ class Density:
         inner = np.concatenate([self.edges, self.indenter.joints])
         inner = inner[(inner > lo) & (inner < hi)]
         theta = angle(np.unique(np.concatenate([[lo], inner, [hi]])))
-        pieces = np.maximum(np.ceil(np.diff(theta) / TUNING.widest), 1).astype(int)
+        pieces = np.maximum(np.ceil(np.diff(theta) / DENSITY_WIDEST), 1).astype(int)
         left, right = split(theta[:-1], theta[1:], pieces)
-        x, w = crowded(left, right, self.coefficients.shape[1] + TUNING.more)
+        x, w = crowded(left, right, self.coefficients.shape[1] + DENSITY_MORE)
         return x.ravel(), w.ravel()
 
     def arc(self, lo: float, hi: float, r: float) -> float:
@@ -152,20 +150,15 @@ def unsmooth(specimen: Specimen) -> str | None:
 # The contact equation takes the disc for granted. On a coating stiffer than what lies below it bends like a plate,
 # and a profile that is not curved enough at its tip loses touch there, or the plate touches again beyond the edge.
 
-
-@dataclass(frozen=True)
-class DiscTuning:
-    """Where a contact is looked at, and what counts as more than the rounding of the quadrature."""
-
-    fractions: tuple[float, ...] = (0.1, 0.25, 0.5, 1.0)  # of the largest contact radius; choice: for a warning
-    # Over each radius, to look at; choice: for a warning
-    places: tuple[float, ...] = (0.03, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 0.95, 1.02, 1.1, 1.3, 2.0)
-    pull: float = 1e-3  # least tension over the mean pressure; tuned on stiff coatings, by `make failures`
-    overlap: float = 1e-5  # least overlap over the displacement; tuned on stiff coatings, by `make failures`
+# Where a contact is looked at, and what counts as more than the rounding of the quadrature.
+DISC_FRACTIONS = (0.1, 0.25, 0.5, 1.0)  # of the largest contact radius; choice: for a warning
+# Over each radius, to look at; choice: for a warning
+DISC_PLACES = (0.03, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 0.95, 1.02, 1.1, 1.3, 2.0)
+DISC_PULL = 1e-3  # least tension over the mean pressure; tuned on stiff coatings, by `make failures`
+DISC_OVERLAP = 1e-5  # least overlap over the displacement; tuned on stiff coatings, by `make failures`
 
 
-DISC_TUNING = DiscTuning()
-PLACES = np.array(DISC_TUNING.places)
+PLACES = np.array(DISC_PLACES)
 
 
 def refuse_shrinking(a: Array, delta: Array) -> None:
@@ -188,14 +181,14 @@ def disc_warnings(
     if not any(_bends(body) for body in (specimen, *stacks(specimen, contact.indenter.material))):
         return ()
     a0 = contact.indenter.a0
-    radii = a0 + np.array(DISC_TUNING.fractions) * (largest - a0)
+    radii = a0 + np.array(DISC_FRACTIONS) * (largest - a0)
     try:
         if reason := unsmooth(specimen):
             raise Refusal(reason)
         result = contact.solved(radii, contact.plan(radii, SAME))
     except JkrError as error:
         return (f"it was not checked whether the contact is a full disc ({error})",)
-    end = min(DISC_TUNING.places[-1] * largest, contact.indenter.r_max, contact.limit)
+    end = min(DISC_PLACES[-1] * largest, contact.indenter.r_max, contact.limit)
     densities = Density.each(kernel(largest + end), result, end, order=EXACT)
     for phi, P in zip(densities, result.P.tolist(), strict=True):
         if words := _broken(phi.anchored(), contact.E_star / 2, P, end):
@@ -217,9 +210,9 @@ def _broken(phi: Density, factor: float, P: float, end: float) -> str | None:
     """Where the pressure, ``factor`` [Pa] times that of ``phi``, or the gap up to ``end`` [m] is negative."""
     inside, outside = phi.a * PLACES[PLACES < 1], phi.a * PLACES[PLACES > 1]
     pull = factor * float(phi.pressures(0.0, inside).min()) / (P / (math.pi * phi.a**2))
-    if pull < -DISC_TUNING.pull:
+    if pull < -DISC_PULL:
         return f"the middle pulls with {-pull:.2g} of the mean pressure"
     overlap = -float(phi.gaps(outside[outside <= end]).min(initial=0.0)) / phi.delta
-    if overlap > DISC_TUNING.overlap:
+    if overlap > DISC_OVERLAP:
         return f"the surfaces overlap by {overlap:.2g} of the displacement beyond the edge"
     return None

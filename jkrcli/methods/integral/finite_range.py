@@ -27,37 +27,29 @@ import numpy as np
 from ...base import MOST_STEPS, ROUNDED, SAME, SETTLED, Array, Refusal, SolveError, show
 from ...bodies import Indenter
 from ...formulas import shift
-from .density import TUNING as DENSITY
-from .density import Density, pieces
+from .density import DENSITY_PIECE, Density, pieces
 from .fredholm import AbelMoments, LegendrePanels, Panels, Quadrature, angle, gauss, rule, tension_moments, to_legendre
 
-
-@dataclass(frozen=True)
-class AttractionTuning:
-    """How the edge of the attracted annulus is found."""
-
-    # nodes in the integrals of F; tuned on bodies, by `make constants`: as in the equation without attraction
-    inner: int = 20
-    halvings: int = 40  # of the rest to the profile's end, cut there; theory: F of a sphere is singular at it
-    # nodes in separations; tuned on bodies, by `make constants`: half as many move displacements around a contact by
-    # 1e-8
-    arc: int = 24
-    # polynomials on a panel; tuned on bodies, by `make constants`: beyond, narrower panels are as cheap
-    most_order: int = 16
-    most_nodes: int = 800  # choice: some seconds, half a gigabyte
-    unsmooth_order: int = 8  # on a panel under a kernel with a logarithm; choice: more gain little
-    # Of the annulus and beyond, to look at; choice: for a warning
-    fractions: tuple[float, ...] = (0.1, 0.25, 0.5, 0.75)
-    narrowest: float = 1e-13  # theory: of c, the width of an annulus of which c - a still knows two digits
-    # Search for the width of the annulus, in logarithms:
-    power: float = 1.3  # theory: of the width, with which the separation grows: 1 to 2; of the first step
-    far: float = 1.5  # tuned on ranges, by `make constants`: longest step
-    # smallest separation over the wanted one that is distinguished; theory: below exp(-2 far) = 0.05 steps are as long
-    # as they may be
-    least: float = 1e-3
-
-
-TUNING = AttractionTuning()
+# How the edge of the attracted annulus is found.
+# nodes in the integrals of F; tuned on bodies, by `make constants`: as in the equation without attraction
+ATTRACTION_INNER = 20
+ATTRACTION_HALVINGS = 40  # of the rest to the profile's end, cut there; theory: F of a sphere is singular at it
+# nodes in separations; tuned on bodies, by `make constants`: half as many move displacements around a contact by
+# 1e-8
+ATTRACTION_ARC = 24
+# polynomials on a panel; tuned on bodies, by `make constants`: beyond, narrower panels are as cheap
+ATTRACTION_MOST_ORDER = 16
+ATTRACTION_MOST_NODES = 800  # choice: some seconds, half a gigabyte
+ATTRACTION_UNSMOOTH_ORDER = 8  # on a panel under a kernel with a logarithm; choice: more gain little
+# Of the annulus and beyond, to look at; choice: for a warning
+ATTRACTION_FRACTIONS = (0.1, 0.25, 0.5, 0.75)
+ATTRACTION_NARROWEST = 1e-13  # theory: of c, the width of an annulus of which c - a still knows two digits
+# Search for the width of the annulus, in logarithms:
+ATTRACTION_POWER = 1.3  # theory: of the width, with which the separation grows: 1 to 2; of the first step
+ATTRACTION_FAR = 1.5  # tuned on ranges, by `make constants`: longest step
+# smallest separation over the wanted one that is distinguished; theory: below exp(-2 far) = 0.05 steps are as long
+# as they may be
+ATTRACTION_LEAST = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,10 +136,12 @@ class Discs:
         ``rims``), so that there is one. ``near``: radii c [m] from which the search begins."""
 
         def excess(b: Array) -> Array:
-            return np.log(np.maximum(self.rims(b, s).gap / gap, TUNING.least))
+            return np.log(np.maximum(self.rims(b, s).gap / gap, ATTRACTION_LEAST))
 
         widest = reach - self.a
-        first = _first_width(self, s, gap, reach) if near is None else np.maximum(near - self.a, TUNING.least * widest)
+        first = (
+            _first_width(self, s, gap, reach) if near is None else np.maximum(near - self.a, ATTRACTION_LEAST * widest)
+        )
         return self.rims(_rising_root(excess, np.minimum(first, widest / 2), widest), s)
 
     def smooth(self, rims: Rims, s: float) -> Array:
@@ -169,8 +163,8 @@ class Discs:
     def doubt(self, rims: Rims, s: float, gap: float, reach: float) -> str | None:
         """What speaks against the states ``rims``: the separation must rise to ``gap`` [m] at c and stay above it up to
         ``reach`` [m], and c be the only such radius; None where nothing does."""
-        inside = self.a[:, None] + (rims.c - self.a)[:, None] * np.array([*TUNING.fractions, 1 - ROUNDED])
-        outside = rims.c[:, None] + (reach - rims.c)[:, None] * np.array([*TUNING.fractions, 1.0])
+        inside = self.a[:, None] + (rims.c - self.a)[:, None] * np.array([*ATTRACTION_FRACTIONS, 1 - ROUNDED])
+        outside = rims.c[:, None] + (reach - rims.c)[:, None] * np.array([*ATTRACTION_FRACTIONS, 1.0])
         within = self.separations(rims, s, inside)
         overlap, slack = within[:, 0] < -SAME * gap, SAME * gap
         if (overlap | (np.diff(within, axis=1) < -slack).any(axis=1)).any():
@@ -185,18 +179,18 @@ class Discs:
 def refuse_narrow(rims: Rims) -> None:
     """Refuse annuli that rounding does not tell from the edge of the contact."""
     widths = (rims.c - rims.a) / rims.c
-    if (widths < TUNING.narrowest).any():
+    if (widths < ATTRACTION_NARROWEST).any():
         a = show(float(rims.a[np.argmin(widths)]), "length")
         raise Refusal(
             f"adhesion of finite range: around the contact radius {a} the surfaces attract each other over less than "
-            f"{TUNING.narrowest:g} of it, which is adhesion without a range: leave stress and range out"
+            f"{ATTRACTION_NARROWEST:g} of it, which is adhesion without a range: leave stress and range out"
         )
 
 
 def tension_arc(a: Array, c: Array, r: Array) -> Array:
     """int sqrt(c^2 - x^2)/sqrt(r^2 - x^2) dx [m] from a to the smaller of c and r, by x = that times cos(psi)."""
     near, far = np.minimum(r, c)[:, None], np.maximum(r, c)[:, None]
-    nodes, weights = rule(TUNING.arc)
+    nodes, weights = rule(ATTRACTION_ARC)
     half = angle(near[:, 0] - a, near[:, 0]) / 2
     psi = half[:, None] * (nodes + 1)
     root = np.sqrt((far - near + 2 * near * np.sin(psi / 2) ** 2) * (far + near * np.cos(psi)))
@@ -206,12 +200,12 @@ def tension_arc(a: Array, c: Array, r: Array) -> Array:
 def _rising_root(excess: Callable[[Array], Array], first: Array, widest: Array) -> Array:
     """Widths b in (0, ``widest``] where each ``excess`` rises through 0: secants in log b, bracketed."""
     low, high = np.zeros_like(first), widest.copy()
-    b, power = first, np.full_like(first, TUNING.power)
+    b, power = first, np.full_like(first, ATTRACTION_POWER)
     here = excess(b)
     for _ in range(MOST_STEPS):
         low, high = np.where(here <= 0, b, low), np.where(here >= 0, b, high)
-        aimed = b * np.exp(np.clip(-here / power, -TUNING.far, TUNING.far))
-        between = np.where(low > 0, np.sqrt(low) * np.sqrt(high), high * math.exp(-TUNING.far))
+        aimed = b * np.exp(np.clip(-here / power, -ATTRACTION_FAR, ATTRACTION_FAR))
+        between = np.where(low > 0, np.sqrt(low) * np.sqrt(high), high * math.exp(-ATTRACTION_FAR))
         aimed = np.where((aimed > low) & (aimed < high), aimed, between)
         aimed = np.where(high == low, b, aimed)
         if np.max(np.abs(aimed / b - 1)) < SETTLED:
@@ -259,9 +253,9 @@ class Attraction:
 
     @cached_property
     def _abel(self) -> AbelMoments:
-        towards_end = self.indenter.r_max * (1 - 0.5 ** np.arange(1, TUNING.halvings))
+        towards_end = self.indenter.r_max * (1 - 0.5 ** np.arange(1, ATTRACTION_HALVINGS))
         kinks = np.unique([self.indenter.a0, *self.indenter.joints, *towards_end])
-        return AbelMoments(self.indenter.abel, kinks[(kinks > 0) & (kinks < self.reach)], self.basis, TUNING.inner)
+        return AbelMoments(self.indenter.abel, kinks[(kinks > 0) & (kinks < self.reach)], self.basis, ATTRACTION_INNER)
 
     @cached_property
     def _schur(self) -> list[Array]:
@@ -313,16 +307,16 @@ def panels_for(reach: float, a0: float, scale: float, tolerance: float, crowding
 
     Gauss quadrature is accurate to the square of what polynomials through its nodes are.
     """
-    end, orders = np.array([reach]), range(1, TUNING.most_order + 1)
+    end, orders = np.array([reach]), range(1, ATTRACTION_MOST_ORDER + 1)
     plan = Quadrature.cheapest(end, a0, scale, tolerance**2, orders)
     if crowding > 1:
-        order = TUNING.unsmooth_order
+        order = ATTRACTION_UNSMOOTH_ORDER
         plan = Quadrature(order, scale / crowding, math.ceil(reach / scale * crowding) * order)
-    if plan.nodes > TUNING.most_nodes:
+    if plan.nodes > ATTRACTION_MOST_NODES:
         raise Refusal(
             f"adhesion of finite range: it reaches out to {show(reach, 'length')}, {reach / scale:.3g} times the "
-            f"length over which the body acts, and needs {plan.nodes} polynomials (limit {TUNING.most_nodes}); ask for "
-            "a smaller contact, or a larger stress (a shorter range)"
+            f"length over which the body acts, and needs {plan.nodes} polynomials (limit {ATTRACTION_MOST_NODES}); "
+            "ask for a smaller contact, or a larger stress (a shorter range)"
         )
     return Panels.through(end, plan, a0)
 
@@ -387,7 +381,7 @@ def _surface(
 
 def _density(indenter: Indenter, discs: Discs, rims: Rims, s: float, scale: float) -> Density:
     """The density up to a, its smooth part on equal pieces."""
-    a, order = float(discs.a[0]), DENSITY.piece
+    a, order = float(discs.a[0]), DENSITY_PIECE
     edges, x = pieces(a, scale, order)
     smooth = 2 / math.pi * (discs.basis.at(x) @ discs.smooth(rims, s)[0])
     return Density(indenter, a, float(rims.delta[0]), edges, smooth.reshape(-1, order) @ to_legendre(order))

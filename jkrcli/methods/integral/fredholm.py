@@ -85,25 +85,18 @@ def _chunks(count: int) -> Iterator[slice]:
 # rounding
 EXACT = 12
 
-
-@dataclass(frozen=True)
-class QuadratureTuning:
-    """How nodes are planned for an accuracy of the contact equation."""
-
-    most_nodes: int = 10  # on a panel; tuned on bodies, by `make constants`: beyond, narrower panels are as cheap
-    # Times the kernel's scale: highest wave number noticed:
-    frequency: float = 5.0  # tuned on reference bodies, by `make tuning`
-    # of panels, from one refinement to the next where phi is not smooth; choice: what a step costs
-    narrower: float = 1.5
-    # Crowding of panels before each radius under a kernel with a logarithm, where phi is not smooth at its edge:
-    unsmooth_nodes: int = 4  # least on a panel; tuned on graded layers, by `make tuning`
-    # Error there: square of this, the panel's width, the logarithm's strength:
-    edge: float = 0.03  # tuned on reference bodies, by `make tuning`
-    most_cuts: int = 8  # tuned on graded layers, by `make tuning`
-    shrink: float = 0.2  # ratio of successive panels; tuned on graded layers, by `make tuning`
-
-
-TUNING = QuadratureTuning()
+# How nodes are planned for an accuracy of the contact equation.
+QUADRATURE_MOST_NODES = 10  # on a panel; tuned on bodies, by `make constants`: beyond, narrower panels are as cheap
+# Times the kernel's scale: highest wave number noticed:
+QUADRATURE_FREQUENCY = 5.0  # tuned on reference bodies, by `make tuning`
+# of panels, from one refinement to the next where phi is not smooth; choice: what a step costs
+QUADRATURE_NARROWER = 1.5
+# Crowding of panels before each radius under a kernel with a logarithm, where phi is not smooth at its edge:
+QUADRATURE_UNSMOOTH_NODES = 4  # least on a panel; tuned on graded layers, by `make tuning`
+# Error there: square of this, the panel's width, the logarithm's strength:
+QUADRATURE_EDGE = 0.03  # tuned on reference bodies, by `make tuning`
+QUADRATURE_MOST_CUTS = 8  # tuned on graded layers, by `make tuning`
+QUADRATURE_SHRINK = 0.2  # ratio of successive panels; tuned on graded layers, by `make tuning`
 
 
 @cache
@@ -181,8 +174,8 @@ class Quadrature:
         flat end of the radius ``a0`` and a kernel that varies over the length ``scale`` [m]."""
         widths = np.diff(np.unique(np.concatenate([[0.0, a0], radii])))
         plans = []
-        for order in orders or range(1, TUNING.most_nodes + 1):
-            widest = float(phase_allowed(order, tolerance)) * scale / TUNING.frequency
+        for order in orders or range(1, QUADRATURE_MOST_NODES + 1):
+            widest = float(phase_allowed(order, tolerance)) * scale / QUADRATURE_FREQUENCY
             pieces = np.ceil(widths / widest) if math.isfinite(widest) else np.ones(widths.size)
             plans.append(cls(order, widest, int(order * np.maximum(pieces, 1).sum())))
         return min(plans, key=lambda plan: plan.nodes)
@@ -191,11 +184,11 @@ class Quadrature:
     def crowded(cls, radii: Array, a0: float, scale: float, tolerance: float, strength: float) -> Quadrature:
         """Quadrature as by ``cheapest``, with panels that crowd before each radius, for a kernel -``strength`` ln |x -
         t| [1/m]."""
-        orders = range(TUNING.unsmooth_nodes, TUNING.most_nodes + 1)
+        orders = range(QUADRATURE_UNSMOOTH_NODES, QUADRATURE_MOST_NODES + 1)
         plain = cls.cheapest(radii, a0, scale, tolerance, orders)
         wide = min(float(np.max(np.diff(radii, prepend=0.0))), plain.widest)
-        excess = TUNING.edge * strength * wide / math.sqrt(tolerance)
-        cuts = min(math.ceil(math.log(max(excess, 1.0)) / -math.log(TUNING.shrink)), TUNING.most_cuts)
+        excess = QUADRATURE_EDGE * strength * wide / math.sqrt(tolerance)
+        cuts = min(math.ceil(math.log(max(excess, 1.0)) / -math.log(QUADRATURE_SHRINK)), QUADRATURE_MOST_CUTS)
         return cls(plain.order, plain.widest, plain.nodes + plain.order * cuts * radii.size, cuts)
 
     def finer(self) -> Quadrature:
@@ -207,7 +200,7 @@ class Quadrature:
     def narrower(self) -> Quadrature:
         """Quadrature of narrower panels and the same order, more crowded: product integration loses accuracy at higher
         orders."""
-        nodes, widest = math.ceil(self.nodes * TUNING.narrower), self.widest / TUNING.narrower
+        nodes, widest = math.ceil(self.nodes * QUADRATURE_NARROWER), self.widest / QUADRATURE_NARROWER
         return replace(self, widest=widest, nodes=nodes, crowding=self.crowding + 1, inner=self.inner + 8)
 
 
@@ -234,8 +227,8 @@ class Panels:
     def through(cls, radii: Array, quadrature: Quadrature, a0: float = 0.0) -> Panels:
         """Panels with edges at all ``radii`` (increasing, > 0) and at the flat end ``a0`` [m].
 
-        The last panel before each radius is cut ``quadrature.crowding`` times, at ``TUNING.shrink`` of its width from
-        the radius, for a solution that is not smooth at the edge of its contact.
+        The last panel before each radius is cut ``quadrature.crowding`` times, at ``QUADRATURE_SHRINK`` of its width
+        from the radius, for a solution that is not smooth at the edge of its contact.
         """
         radii = np.asarray(radii, dtype=float)
         edges = np.unique(np.concatenate([[0.0], [a0] if a0 < radii[-1] else [], radii]))
@@ -243,7 +236,7 @@ class Panels:
         lo, _ = split(edges[:-1], edges[1:], pieces)
         edges = np.append(lo, radii[-1])
         before = edges[np.searchsorted(edges, radii) - 1]
-        cuts = radii[:, None] - (radii - before)[:, None] * TUNING.shrink ** np.arange(1, quadrature.crowding + 1)
+        cuts = radii[:, None] - (radii - before)[:, None] * QUADRATURE_SHRINK ** np.arange(1, quadrature.crowding + 1)
         edges = np.sort(np.concatenate([edges, np.ravel(cuts)]))
         x, w = gauss(edges[:-1], edges[1:], *rule(quadrature.order))
         return cls(edges, quadrature.order, radii, x, w, quadrature.order * np.searchsorted(edges, radii))

@@ -28,7 +28,7 @@ from numpy.polynomial import legendre, polynomial
 
 from ...base import ROUNDED, Array
 from ...bodies import Indenter
-from .density import TUNING as DENSITY
+from .density import DENSITY_WIDEST
 from .fredholm import EXACT, Panels, crowded, forward_substitution, gauss, nested_factor, rounding_error, rule, split
 
 # --------------------------------------------------------------------------------------------------
@@ -37,17 +37,10 @@ from .fredholm import EXACT, Panels, crowded, forward_substitution, gauss, neste
 # F(eta, rho) obeys F'' = (2 eta/rho - 1) F, F(0) = 0, F'(0) = C, C^2 = 2 pi eta/(exp(2 pi eta) - 1) (Abramowitz and
 # Stegun 14.1). F(0, rho) = sin rho. Power series at the origin, Taylor series from step to step beyond it.
 
-
-@dataclass(frozen=True)
-class CoulombTuning:
-    """Series of the waves."""
-
-    first: float = 4.0  # rho up to which the series at the origin is summed; theory: its terms stay below exp(4)
-    first_terms: int = 40  # theory: 4^40/40! is below rounding
-    terms: int = 18  # of each centre beyond, 1 from the next; theory: 1/18! is below rounding
-
-
-COULOMB_TUNING = CoulombTuning()
+# Series of the waves.
+COULOMB_FIRST = 4.0  # rho up to which the series at the origin is summed; theory: its terms stay below exp(4)
+COULOMB_FIRST_TERMS = 40  # theory: 4^40/40! is below rounding
+COULOMB_TERMS = 18  # of each centre beyond, 1 from the next; theory: 1/18! is below rounding
 
 
 def amplitude(eta: float) -> float:
@@ -60,7 +53,7 @@ def coulomb_waves(eta: float, rho: Array) -> tuple[Array, Array]:
     if eta == 0:
         return np.sin(rho), np.cos(rho)
     F, slope = np.empty_like(rho), np.empty_like(rho)
-    near = rho < COULOMB_TUNING.first
+    near = rho < COULOMB_FIRST
     series = coulomb_series(eta)
     F[near] = polynomial.polyval(rho[near], series)
     slope[near] = polynomial.polyval(rho[near], polynomial.polyder(series))
@@ -84,14 +77,14 @@ def _horner(table: Array, row: Array, ahead: Array) -> Array:
 def coulomb_series(eta: float) -> Array:
     """Coefficients of F at the origin."""
     c = [0.0, amplitude(eta)]
-    for m in range(2, COULOMB_TUNING.first_terms):
+    for m in range(2, COULOMB_FIRST_TERMS):
         c.append((2 * eta * c[m - 1] - c[m - 2]) / (m * (m - 1)))
     return np.array(c)
 
 
 def _table(eta: float, largest: float, series: Array) -> tuple[Array, Array]:
     """Centres rho_i and the Taylor coefficients (terms, i) of F about each."""
-    centres = COULOMB_TUNING.first + np.arange(math.ceil(largest - COULOMB_TUNING.first) + 1)
+    centres = COULOMB_FIRST + np.arange(math.ceil(largest - COULOMB_FIRST) + 1)
     start = [float(polynomial.polyval(centres[0], s)) for s in (series, polynomial.polyder(series))]
     rows = [_taylor(eta, float(centres[0]), *start)]
     for centre in centres[1:]:
@@ -103,7 +96,7 @@ def _table(eta: float, largest: float, series: Array) -> tuple[Array, Array]:
 def _taylor(eta: float, rho: float, F: float, slope: float) -> Array:
     """Taylor coefficients of F about ``rho``, from (rho + d) F'' = (2 eta - rho - d) F."""
     t = [F, slope]
-    for m in range(2, COULOMB_TUNING.terms + 1):
+    for m in range(2, COULOMB_TERMS + 1):
         before = t[m - 3] if m > 2 else 0.0
         t.append(((2 * eta - rho) * t[m - 2] - before - (m - 1) * (m - 2) * t[m - 1]) / (rho * m * (m - 1)))
     return np.array(t)
@@ -225,15 +218,9 @@ class StuckDisc:
         return rounding_error(self.panels, self.largest, self.S)
 
 
-@dataclass(frozen=True)
-class GrowthTuning:
-    """Integrals of the ring fields Z."""
-
-    last: float = 19.0  # largest tau; theory: 1 - tanh^2 is then below rounding
-    first: tuple[float, ...] = (0.25, 0.5)  # cuts of the first piece; choice: a fourth of a coating's thickness
-
-
-TUNING = GrowthTuning()
+# Integrals of the ring fields Z.
+GROWTH_LAST = 19.0  # largest tau; theory: 1 - tanh^2 is then below rounding
+GROWTH_FIRST = (0.25, 0.5)  # cuts of the first piece; choice: a fourth of a coating's thickness
 
 
 @cache
@@ -264,7 +251,7 @@ class Pieces:
         edges: list[float] = []
         for lo, hi in itertools.pairwise([*kinks, largest]):
             plain = np.linspace(lo, hi, max(math.ceil((hi - lo) / widest - ROUNDED), 1) + 1)
-            edges += list(plain[:-1]) if lo > 0 else [0.0, *plain[1] * np.array(TUNING.first), *plain[1:-1]]
+            edges += list(plain[:-1]) if lo > 0 else [0.0, *plain[1] * np.array(GROWTH_FIRST), *plain[1:-1]]
         crowd = np.isin(edges, [b for b in kinks if b > 0])
         return cls(np.append(edges, largest), crowd, count)
 
@@ -349,8 +336,8 @@ class Growth:
         """
         eta, edges = self.disc.eta, self.pieces.edges
         inside = np.append(edges[edges < x * (1 - 1e-12)], [])
-        ends = np.append(np.arctanh(inside / x), TUNING.last)
-        lo, hi = split(ends[:-1], ends[1:], np.maximum(np.ceil(np.diff(ends) / DENSITY.widest), 1).astype(int))
+        ends = np.append(np.arctanh(inside / x), GROWTH_LAST)
+        lo, hi = split(ends[:-1], ends[1:], np.maximum(np.ceil(np.diff(ends) / DENSITY_WIDEST), 1).astype(int))
         tau, w = gauss(lo, hi, *rule(EXACT))
         s = x * np.tanh(tau)
         values = self.pieces.at(s) * self.indenter.abel(s)[:, None]

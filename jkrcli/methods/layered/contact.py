@@ -32,24 +32,17 @@ from .spectrum import LayeredSpectrum
 
 Transform = Callable[[Array], Array]
 
-
-@dataclass(frozen=True)
-class ProductTuning:
-    """Points of the integrals on panels that lie close to each other."""
-
-    close: float = 2.0  # widths of the wider one, within which panels do; tuned on graded layers, by `make tuning`
-    # points along each of two panels, for each node of one: the polynomials of the nodes in a root of three
-    crowded: float = 3.0  # tuned on graded layers, by `make tuning`
-    least: int = 14  # of those points; tuned on graded layers, by `make tuning`
-    per_decade: int = 250  # knots of the spline of tau, good to 1e-9; tuned on graded layers, by `make tuning`
-
-
-PRODUCT_TUNING = ProductTuning()
+# Points of the integrals on panels that lie close to each other.
+PRODUCT_CLOSE = 2.0  # widths of the wider one, within which panels do; tuned on graded layers, by `make tuning`
+# points along each of two panels, for each node of one: the polynomials of the nodes in a root of three
+PRODUCT_CROWDED = 3.0  # tuned on graded layers, by `make tuning`
+PRODUCT_LEAST = 14  # of those points; tuned on graded layers, by `make tuning`
+PRODUCT_PER_DECADE = 250  # knots of the spline of tau, good to 1e-9; tuned on graded layers, by `make tuning`
 
 
 def _points(order: int) -> int:
     """Points along a panel of ``order`` nodes."""
-    return max(PRODUCT_TUNING.least, math.ceil(PRODUCT_TUNING.crowded * order))
+    return max(PRODUCT_LEAST, math.ceil(PRODUCT_CROWDED * order))
 
 
 def product_matrix(transform: Transform, panels: Panels) -> Array:
@@ -80,7 +73,7 @@ def _tabulated(transform: Transform, panels: Panels) -> Transform:
 def logarithms(smallest: float, largest: float) -> Array:
     """Evenly spaced knots ln(s) with which a spline of tau is good to 1e-9."""
     ends = math.log(smallest), math.log(largest)
-    return np.linspace(*ends, math.ceil(PRODUCT_TUNING.per_decade * (ends[1] - ends[0]) / math.log(10)))
+    return np.linspace(*ends, math.ceil(PRODUCT_PER_DECADE * (ends[1] - ends[0]) / math.log(10)))
 
 
 def _entries(transform: Transform, panels: Panels, mirrored: bool) -> Array:
@@ -93,9 +86,7 @@ def _entries(transform: Transform, panels: Panels, mirrored: bool) -> Array:
     values[i, j] = values[j, i] = transform(panels.x[i] + panels.x[j] if mirrored else panels.x[i] - panels.x[j])
     plain = values.reshape(count, order, count, order)
     gaps = lo[:, None] + lo if mirrored else lo[:, None] - panels.edges[1:]
-    right, left = np.nonzero(
-        np.tril(gaps < PRODUCT_TUNING.close * np.maximum(width[:, None], width), 0 if mirrored else -1)
-    )
+    right, left = np.nonzero(np.tril(gaps < PRODUCT_CLOSE * np.maximum(width[:, None], width), 0 if mirrored else -1))
     points = _points(order)
     project = _projection(order, points)
     facing = project if mirrored else project[:, ::-1]
@@ -120,7 +111,7 @@ def _columns(transform: Transform, panels: Panels, mirrored: bool) -> Array:
     plain = transform(distance).reshape(count, order, -1)
     gaps = (lo if mirrored else -panels.edges[1:])[:, None] + panels.radii
     inside = panels.edges[1:, None] <= panels.radii
-    panel, radius = np.nonzero(inside & (gaps < PRODUCT_TUNING.close * width[:, None]))
+    panel, radius = np.nonzero(inside & (gaps < PRODUCT_CLOSE * width[:, None]))
     points = _points(order)
     project = _projection(order, points)
     values = transform(gaps[panel, radius][:, None] + width[panel][:, None] * crowded_rule(points, 3)[0])
@@ -151,32 +142,28 @@ def lagrange(order: int, u: Array) -> Array:
     return np.polynomial.legendre.legvander(2 * u - 1, order - 1) @ to_legendre(order).T
 
 
-@dataclass(frozen=True)
-class LayeredTuning:
-    """How a result is refined and checked, and what is refused."""
-
-    # The quadrature is planned for this much less than the tolerance:
-    margin: float = 8.0  # tuned on random bodies, by `make failures`
-    refinements: int = 4  # at most; choice: each takes about twice the time
-    checks: int = 12  # radii of the second quadrature, spread over all; tuned on random bodies, by `make failures`
-    graded: int = 20  # under a modulus that varies over depth; tuned on graded layers, by `make failures`
-    gaps: int = 6  # more of them, after the widest gaps; tuned on random bodies, by `make failures`
-    firsts: int = 4  # and first ones of groups; tuned on random bodies, by `make failures`
-    safety: float = 4.0  # on the difference of the two quadratures; tuned on random bodies, by `make failures`
-    # radii on each side of one, from which its error is: differences go through zero
-    about: int = 2  # tuned on graded layers, by `make failures`
-    # of the largest difference of its column, and of its radius, which is stated where less is seen:
-    share: float = 0.01  # tuned on graded layers, by `make failures`
-    most_nodes: int = 4000  # choice: a matrix of 128 MB
-    most_flops: float = 4e11  # choice: minutes
-    group: int = 16  # least radii that are solved together; tuned on series of 100 to 10,000 points, by `make guards`
-    per_group: float = 2e7  # operations in place of what each group costs beside; tuned on the same, by `make guards`
-    narrower: float = 8.0  # panels per length over which a graded modulus changes; choice: some 1e-5 of the load
-    # operations per entry of a kernel's logarithmic part; tuned on bodies, by `make guards`: for forecasts
-    logarithm: int = 400
+# How a result is refined and checked, and what is refused.
+# The quadrature is planned for this much less than the tolerance:
+LAYERED_MARGIN = 8.0  # tuned on random bodies, by `make failures`
+LAYERED_REFINEMENTS = 4  # at most; choice: each takes about twice the time
+LAYERED_CHECKS = 12  # radii of the second quadrature, spread over all; tuned on random bodies, by `make failures`
+LAYERED_GRADED = 20  # under a modulus that varies over depth; tuned on graded layers, by `make failures`
+LAYERED_GAPS = 6  # more of them, after the widest gaps; tuned on random bodies, by `make failures`
+LAYERED_FIRSTS = 4  # and first ones of groups; tuned on random bodies, by `make failures`
+LAYERED_SAFETY = 4.0  # on the difference of the two quadratures; tuned on random bodies, by `make failures`
+# radii on each side of one, from which its error is: differences go through zero
+LAYERED_ABOUT = 2  # tuned on graded layers, by `make failures`
+# of the largest difference of its column, and of its radius, which is stated where less is seen:
+LAYERED_SHARE = 0.01  # tuned on graded layers, by `make failures`
+LAYERED_MOST_NODES = 4000  # choice: a matrix of 128 MB
+LAYERED_MOST_FLOPS = 4e11  # choice: minutes
+LAYERED_GROUP = 16  # least radii that are solved together; tuned on series of 100 to 10,000 points, by `make guards`
+LAYERED_PER_GROUP = 2e7  # operations in place of what each group costs beside; tuned on the same, by `make guards`
+LAYERED_NARROWER = 8.0  # panels per length over which a graded modulus changes; choice: some 1e-5 of the load
+# operations per entry of a kernel's logarithmic part; tuned on bodies, by `make guards`: for forecasts
+LAYERED_LOGARITHM = 400
 
 
-TUNING = LayeredTuning()
 GRADED = 1e-5  # the least tolerance under a modulus that varies over depth; tuned on graded layers, by `make failures`
 
 
@@ -230,11 +217,11 @@ class IndenterOnLayers(ABC):
         """The result at ``radii`` and its estimated relative error at each, below ``tolerance``, from a second
         discretisation that differs in every part; it is done at some of the radii. Refusal where refinement does not
         reach the tolerance."""
-        plan, best = self.plan(radii, tolerance / TUNING.margin), math.inf
+        plan, best = self.plan(radii, tolerance / LAYERED_MARGIN), math.inf
         some = checked(radii, getattr(plan, "groups", 1), self.specimen.is_graded)
         failure = SolveError("contact equation: not solved")
         other, check = self.checking(radii[some], plan, tolerance)
-        for _ in range(TUNING.refinements):
+        for _ in range(LAYERED_REFINEMENTS):
             try:
                 main = self.solved(radii, plan)
                 if (rounding := float(main.rounding.max())) > tolerance:
@@ -279,7 +266,7 @@ class LayeredContact(IndenterOnLayers):
         Radii begin panels, which many radii would make more than the kernel needs: they are dealt out in groups.
         """
         plans = []
-        for groups in 2 ** np.arange(int(math.log2(max(radii.size / TUNING.group, 1))) + 1):
+        for groups in 2 ** np.arange(int(math.log2(max(radii.size / LAYERED_GROUP, 1))) + 1):
             each = self.together(radii[(radii.size - 1) % groups :: groups], tolerance)
             plans.append(replace(each, groups=int(groups)))
         return min(plans, key=lambda plan: self.flops(radii, plan))
@@ -294,19 +281,19 @@ class LayeredContact(IndenterOnLayers):
         """Floating-point operations of one solve, about."""
         spectrum, each = self.spectrum, math.ceil(radii.size / plan.groups)
         waves = 200 + 0.7 * spectrum.bandwidth(spectrum.floor) * 2 * radii[-1]
-        waves += 0 if spectrum.tail is None else TUNING.logarithm
+        waves += 0 if spectrum.tail is None else LAYERED_LOGARITHM
         group = (plan.nodes + each) ** 2 * waves + plan.nodes**3 / 3 + plan.nodes**2 * each
-        return float(plan.groups * group + (plan.groups - 1) * TUNING.per_group)
+        return float(plan.groups * group + (plan.groups - 1) * LAYERED_PER_GROUP)
 
     def guard(self, radii: Array, plan: integral.Quadrature) -> None:
         """Refuse what would take minutes or gigabytes."""
-        if plan.nodes > TUNING.most_nodes or self.flops(radii, plan) > TUNING.most_flops:
-            many = plan.groups > 1 and plan.nodes <= TUNING.most_nodes  # each group costs as much
+        if plan.nodes > LAYERED_MOST_NODES or self.flops(radii, plan) > LAYERED_MOST_FLOPS:
+            many = plan.groups > 1 and plan.nodes <= LAYERED_MOST_NODES  # each group costs as much
             fewer = ", or fewer points" if many else ""
             raise Refusal(
                 f"layered: a = {radii[-1]:g} m is {radii[-1] / self.spectrum.scale:.4g} times the length over which "
                 f"the layers act ({self.spectrum.scale:.3g} m) and needs {plan.nodes} nodes for {radii.size} radii "
-                f"(limit {TUNING.most_nodes}); ask for a smaller contact{fewer}"
+                f"(limit {LAYERED_MOST_NODES}); ask for a smaller contact{fewer}"
             )
 
     def solved(self, radii: Array, plan: integral.Quadrature) -> integral.ContactResult:
@@ -342,13 +329,13 @@ class LayeredContact(IndenterOnLayers):
 
     def attraction_panels(self, reach: float, tolerance: float) -> integral.Panels:
         """The panels of ``attraction``; Refusal where they are too many."""
-        crowding = 1.0 if self.spectrum.tail is None else TUNING.narrower * self.scale / self.spectrum.tail.finest
+        crowding = 1.0 if self.spectrum.tail is None else LAYERED_NARROWER * self.scale / self.spectrum.tail.finest
         return integral.panels_for(reach, self.indenter.a0, self.scale, tolerance, crowding)
 
     def checking(self, radii: Array, plan: Any, tolerance: float) -> tuple[LayeredContact, integral.Quadrature]:
         """Shared is g(k) alone: other panels and nodes in x, few wide ones of high order, other nodes in k, other means
         of F."""
-        check = self.plan(radii, tolerance / TUNING.margin**3).finer()
+        check = self.plan(radii, tolerance / LAYERED_MARGIN**3).finer()
         return replace(self, order=20), replace(check, inner=26)
 
     def finer(self, plan: integral.Quadrature) -> integral.Quadrature:
@@ -368,18 +355,18 @@ def _spectrum(specimen: Specimen, indenter: Solid | None) -> LayeredSpectrum:
 def _errors(main: integral.ContactResult, other: integral.ContactResult, some: Array) -> Array:
     """Relative error of each column at every radius (4, radii): the largest difference at the ``some`` radii about it,
     ``about`` and one on each side, with a safety, and rounding."""
-    seen, about = np.abs(other.columns / main.columns[:, some] - 1), TUNING.about
+    seen, about = np.abs(other.columns / main.columns[:, some] - 1), LAYERED_ABOUT
     wide = np.lib.stride_tricks.sliding_window_view(np.pad(seen, ((0, 0), (about, about))), 2 * about + 1, axis=1)
-    near = np.maximum(wide.max(axis=-1), TUNING.share * np.maximum(seen.max(axis=0), seen.max(axis=1)[:, None]))
+    near = np.maximum(wide.max(axis=-1), LAYERED_SHARE * np.maximum(seen.max(axis=0), seen.max(axis=1)[:, None]))
     after = np.minimum(np.searchsorted(some, np.arange(main.delta.size)), some.size - 1)
-    return TUNING.safety * np.maximum(near[:, after], near[:, np.maximum(after - 1, 0)]) + main.rounding
+    return LAYERED_SAFETY * np.maximum(near[:, after], near[:, np.maximum(after - 1, 0)]) + main.rounding
 
 
 def checked(radii: Array, groups: int = 1, graded: bool = False) -> Array:
     """Indices of the radii at which a result is checked: spread over all, more of them under a ``graded`` modulus,
     whose errors change from radius to radius, with the ends of the widest gaps and the first radii of some ``groups``,
     inside which a single panel has to hold what F does next to the axis."""
-    spread = np.linspace(0, radii.size - 1, TUNING.graded if graded else TUNING.checks).astype(int)
-    widest = np.argsort(np.diff(radii, prepend=0.0))[-TUNING.gaps :]
-    firsts = np.geomspace(1, groups, TUNING.firsts).astype(int) - 1
+    spread = np.linspace(0, radii.size - 1, LAYERED_GRADED if graded else LAYERED_CHECKS).astype(int)
+    widest = np.argsort(np.diff(radii, prepend=0.0))[-LAYERED_GAPS:]
+    firsts = np.geomspace(1, groups, LAYERED_FIRSTS).astype(int) - 1
     return np.unique(np.concatenate([spread, widest, firsts]))

@@ -16,29 +16,21 @@ from ...base import Array, Refusal
 from ...bodies import AnyGraded, AnyTransverse, Coated, Indenter, Material, Specimen, stacks
 from ..integral import EXACT, ContactResult, Panels, Quadrature, StuckDisc, StuckKernel
 from ..integral.no_slip import Growth, Pieces
-from .contact import TUNING as REFINING
-from .contact import IndenterOnLayers
+from .contact import LAYERED_MOST_FLOPS, LAYERED_MOST_NODES, IndenterOnLayers
 from .spectrum import LayeredSpectrum, Medium, minors_of, resolved, shear_moduli
 
-
-@dataclass(frozen=True)
-class StuckTuning:
-    """How the growing contact is discretised for an accuracy."""
-
-    # widest, over the kernel's scale; tuned on bodies, by `make constants`: with half of it the same accuracy takes
-    # twice as long
-    piece: float = 1.4
-    # Points on each piece: at the accuracy 1, and more for each decade:
-    # tuned on bodies, by `make constants`: with ``per_decade`` paraboloids on bonded layers err by less than a tenth of
-    # the accuracy
-    points: int = 4
-    # tuned on bodies, by `make constants`: with half as many they err by ten times the accuracy 1e-6
-    per_decade: float = 1.0
-    most_points: int = 16  # tuned on bodies, by `make constants`: beyond, narrower pieces are as cheap
-    narrower: float = 0.9  # pieces of the second discretisation; choice: other nodes
-
-
-TUNING = StuckTuning()
+# How the growing contact is discretised for an accuracy.
+# widest, over the kernel's scale; tuned on bodies, by `make constants`: with half of it the same accuracy takes
+# twice as long
+STUCK_PIECE = 1.4
+# Points on each piece: at the accuracy 1, and more for each decade:
+# tuned on bodies, by `make constants`: with ``per_decade`` paraboloids on bonded layers err by less than a tenth of
+# the accuracy
+STUCK_POINTS = 4
+# tuned on bodies, by `make constants`: with half as many they err by ten times the accuracy 1e-6
+STUCK_PER_DECADE = 1.0
+STUCK_MOST_POINTS = 16  # tuned on bodies, by `make constants`: beyond, narrower pieces are as cheap
+STUCK_NARROWER = 0.9  # pieces of the second discretisation; choice: other nodes
 
 
 @dataclass(frozen=True)
@@ -58,7 +50,7 @@ class StuckPlan:
 
     def finer(self) -> StuckPlan:
         """A plan that is more accurate in every part and shares no node with this one."""
-        widest, order = self.widest * TUNING.narrower, 20 if self.order == 24 else 24
+        widest, order = self.widest * STUCK_NARROWER, 20 if self.order == 24 else 24
         return StuckPlan(self.quadrature.finer(), widest, self.points + 1, order)
 
 
@@ -148,10 +140,10 @@ class StuckLayeredContact(IndenterOnLayers):
 
     def plan(self, radii: Array, tolerance: float) -> StuckPlan:
         """The plan expected to be accurate to ``tolerance`` up to the last of the ``radii`` [m]."""
-        points = TUNING.points + math.ceil(-TUNING.per_decade * math.log10(tolerance))
-        points, widest = min(points, TUNING.most_points), TUNING.piece * self.scale
+        points = STUCK_POINTS + math.ceil(-STUCK_PER_DECADE * math.log10(tolerance))
+        points, widest = min(points, STUCK_MOST_POINTS), STUCK_PIECE * self.scale
         count = points * math.ceil(float(radii[-1]) / widest) if math.isfinite(widest) else points
-        if count > REFINING.most_nodes:  # more than is solved: counted, not laid out
+        if count > LAYERED_MOST_NODES:  # more than is solved: counted, not laid out
             return StuckPlan(Quadrature(points, widest, count), widest, points)
         nodes = self._pieces(float(radii[-1]), widest, points).nodes
         quadrature = Quadrature.cheapest(nodes, self.indenter.a0, self.scale, tolerance)
@@ -169,10 +161,10 @@ class StuckLayeredContact(IndenterOnLayers):
 
     def guard(self, radii: Array, plan: StuckPlan) -> None:
         """Refuse what would take minutes or gigabytes."""
-        if plan.nodes > REFINING.most_nodes or self.flops(radii, plan) > REFINING.most_flops:
+        if plan.nodes > LAYERED_MOST_NODES or self.flops(radii, plan) > LAYERED_MOST_FLOPS:
             raise Refusal(
                 f"layered: a = {radii[-1]:g} m is {radii[-1] / self.scale:.4g} times the length over which the layers "
-                f"act and needs {plan.nodes} rows without slip (limit {REFINING.most_nodes}); ask for a "
+                f"act and needs {plan.nodes} rows without slip (limit {LAYERED_MOST_NODES}); ask for a "
                 f"smaller contact{' or use method fem' if self.indenter.material is None else ''}"
             )
 

@@ -18,11 +18,10 @@ from ..integral import InaccurateError
 from ..integral.density import Density, unsmooth
 from ..options import LayeredOptions
 from ..protocol import Forecast
-from .contact import GRADED, TUNING, LayeredContact, checked
+from .contact import GRADED, LAYERED_MARGIN, LayeredContact, checked
 from .no_slip import StuckLayeredContact, unable
 from .spectrum import spectrum_seconds
-from .surface_tension import TUNING as TENSE
-from .surface_tension import TenseContact
+from .surface_tension import TENSE_TOLERANCE, TenseContact
 
 SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met; choice: finer than any tolerance in use
 QUICK = 20.0  # choice: sqrt(a^2 - a0^2) over the kernel's scale up to which a solve takes a fraction of a second
@@ -38,7 +37,7 @@ class Layered(LayeredOptions):
     on a rigid base, bonded or frictionless, or on an elastic half-space, wider than the contact by so much that its
     sides do not matter, with surface tension or without; any convex indenter, rigid, elastic or coated.
     ``tolerance``: relative error of delta, P, S and S' at every radius, estimated by a second quadrature; no
-    smaller than ``GRADED`` where any layer is graded, or ``TenseTuning.tolerance`` under surface tension.
+    smaller than ``GRADED`` where any layer is graded, or ``TENSE_TOLERANCE`` under surface tension.
     """
 
     def refusal(self, problem: Problem) -> str | None:
@@ -54,7 +53,7 @@ class Layered(LayeredOptions):
 
     def attainable(self, specimen: Specimen) -> float:
         """The tolerance that holds for ``specimen``."""
-        least = max(GRADED if specimen.is_graded else 0.0, TENSE.tolerance if specimen.surface_tension else 0.0)
+        least = max(GRADED if specimen.is_graded else 0.0, TENSE_TOLERANCE if specimen.surface_tension else 0.0)
         return max(self.tolerance, least)
 
     def forecast(self, problem: Problem) -> Forecast:
@@ -64,7 +63,7 @@ class Layered(LayeredOptions):
         """
         contact = _contact(problem)
         radii = np.linspace(problem.indenter.a0, largest_radius(problem), max(problem.loading.points, 1) + 1)[1:]
-        plan: Any = contact.plan(radii, self.attainable(problem.specimen) / TUNING.margin)
+        plan: Any = contact.plan(radii, self.attainable(problem.specimen) / LAYERED_MARGIN)
         contact.guard(radii, plan)
         seconds = spectrum_seconds(problem) + self._operations(contact, problem, radii) / integral.FLOPS_PER_SECOND
         memory = 8 * 6 * (plan.nodes + radii.size / getattr(plan, "groups", 1)) ** 2 / 2**20
@@ -74,10 +73,10 @@ class Layered(LayeredOptions):
         """Floating-point operations: of the solve, of its check at some of the ``radii``, and of finding them all where
         depths or loads are prescribed."""
         tolerance, loading = self.attainable(problem.specimen), problem.loading
-        plan: Any = contact.plan(radii, tolerance / TUNING.margin)
+        plan: Any = contact.plan(radii, tolerance / LAYERED_MARGIN)
         main = float(contact.flops(radii, plan))
         some = radii[checked(radii, getattr(plan, "groups", 1), problem.specimen.is_graded)]
-        check = contact.flops(some, contact.plan(some, tolerance / TUNING.margin**3).finer())
+        check = contact.flops(some, contact.plan(some, tolerance / LAYERED_MARGIN**3).finer())
         each_is_looked_for = loading.spacing == "depth" or (loading.to != "radius" and loading.values)
         return main * (SEARCHES if each_is_looked_for else 1) + float(check)
 

@@ -74,26 +74,22 @@ from ..integral import CosineKernel, gauss, phase_allowed, rule, split, to_legen
 # below a smooth part's top, s the slowest root, is not felt at that top; sublayers become thinner towards it.
 
 
-@dataclass(frozen=True)
-class MinorsTuning:
-    """Where series replace closed forms, and how finely a graded layer is cut."""
-
-    small: float = 1.0  # y below which the isotropic functions are power series; theory: both hold there to rounding
-    small_transverse: float = 2.0  # the same of A y and |D| y; theory: both hold there to rounding
-    seen: float = 18.0  # theory: exp(-2 seen) is the rounding of a double
-    # times 1/k, the depth below the top layer from which nothing is felt; theory: 24^4 exp(-2 * 24) is 1e-15 of it
-    felt: float = 24.0
-    steps: int = 5  # of the extrapolation; tuned on graded layers, by `make tuning`
-    accuracy: float = 1e-10  # of g, judged by the last of them; tuned on graded layers, by `make tuning`
-    fewest: int = 6  # sublayers in the first of them; tuned on graded layers, by `make tuning`
-    # theory: ``fewest`` doubled four times; the extrapolation is of order ten, so that these gain 2^40, and what is not
-    # as accurate by then is not smooth
-    most: int = 96
-    looks: int = 17  # depths at which a piece's slowest root is looked for; choice: of smooth laws of little contrast
-    steep: float = 6.0  # largest ratio of moduli in one piece; tuned on graded layers, by `make tuning`
+# Where series replace closed forms, and how finely a graded layer is cut.
+MINORS_SMALL = 1.0  # y below which the isotropic functions are power series; theory: both hold there to rounding
+MINORS_SMALL_TRANSVERSE = 2.0  # the same of A y and |D| y; theory: both hold there to rounding
+MINORS_SEEN = 18.0  # theory: exp(-2 seen) is the rounding of a double
+# times 1/k, the depth below the top layer from which nothing is felt; theory: 24^4 exp(-2 * 24) is 1e-15 of it
+MINORS_FELT = 24.0
+MINORS_STEPS = 5  # of the extrapolation; tuned on graded layers, by `make tuning`
+MINORS_ACCURACY = 1e-10  # of g, judged by the last of them; tuned on graded layers, by `make tuning`
+MINORS_FEWEST = 6  # sublayers in the first of them; tuned on graded layers, by `make tuning`
+# theory: ``fewest`` doubled four times; the extrapolation is of order ten, so that these gain 2^40, and what is not
+# as accurate by then is not smooth
+MINORS_MOST = 96
+MINORS_LOOKS = 17  # depths at which a piece's slowest root is looked for; choice: of smooth laws of little contrast
+MINORS_STEEP = 6.0  # largest ratio of moduli in one piece; tuned on graded layers, by `make tuning`
 
 
-MINORS_TUNING = MinorsTuning()
 _ODD = 1 / np.array([float(math.factorial(n)) for n in range(3, 28, 2)])
 _EVEN = 1 / np.array([float(math.factorial(n)) for n in range(4, 29, 2)])
 
@@ -206,7 +202,7 @@ def _isotropic_functions(y: Array) -> tuple[Array, Array, Array]:
     twice = once * once
     odd = (1 - twice) / 2 - x * once
     even = (1 + twice) / 2 - (1 + x * x / 2) * once
-    small = np.flatnonzero(y < MINORS_TUNING.small)
+    small = np.flatnonzero(y < MINORS_SMALL)
     if small.size:  # differences of nearly equal numbers: their power series instead
         s = x[small]
         squares = np.multiply.accumulate(np.broadcast_to(s * s, (_ODD.size, s.size)))
@@ -224,7 +220,7 @@ def _transverse_functions(A2: Any, D2: Any, y: Array) -> tuple[Array, Array, Arr
     o, q = _hyperbolic(D2, y, A)
     largest = np.sqrt(np.maximum(A2, -D2))  # |D| > A under a stiffness in shear far above the others
     o1, q1 = (o_A - o) / (A2 - D2), (q_A - q) / (A2 - D2)
-    small = np.flatnonzero(largest * y < MINORS_TUNING.small_transverse)
+    small = np.flatnonzero(largest * y < MINORS_SMALL_TRANSVERSE)
     if small.size:  # differences of nearly equal numbers: their power series, of (a^n - b^n)/(a - b)
         x = y[small]
         a, b = A2[small] * x**2, D2[small] * x**2
@@ -260,8 +256,8 @@ def through_graded(m: Array, k: Array, material: AnyGraded, thickness: float) ->
     units of that at the bottom; ``k`` (n,) [1/m]. Raises SolveError where the moduli change too quickly."""
     parts = [part for ends in smooth_parts(material.laws, thickness) for part in _gentle_parts(material.laws, *ends)]
     for top, bottom in reversed(parts):
-        count, slowest = _sublayers(material, top, bottom, MINORS_TUNING)
-        steps = range(1, MINORS_TUNING.steps + 1)
+        count, slowest = _sublayers(material, top, bottom)
+        steps = range(1, MINORS_STEPS + 1)
         m = _extrapolated([_through_part(m, k, material, (top, bottom), n * count, slowest) for n in steps])
     return m
 
@@ -269,26 +265,26 @@ def through_graded(m: Array, k: Array, material: AnyGraded, thickness: float) ->
 def _gentle_parts(laws: Sequence[Law], top: float, bottom: float) -> list[tuple[float, float]]:
     """A smooth part halved until no modulus changes by more than the factor ``steep`` in each piece."""
     ends = np.array([law.at(np.array([top, bottom])) for law in laws])
-    if np.all(ends.max(axis=1) <= MINORS_TUNING.steep * ends.min(axis=1)):
+    if np.all(ends.max(axis=1) <= MINORS_STEEP * ends.min(axis=1)):
         return [(top, bottom)]
     middle = (top + bottom) / 2
     return _gentle_parts(laws, top, middle) + _gentle_parts(laws, middle, bottom)
 
 
 @lru_cache(maxsize=REMEMBERED)
-def _sublayers(material: AnyGraded, top: float, bottom: float, tuning: MinorsTuning) -> tuple[int, float]:
+def _sublayers(material: AnyGraded, top: float, bottom: float) -> tuple[int, float]:
     """The number of sublayers in the first step that makes g accurate enough, starting from a rigid base; and the
     slowest root in the part."""
     slowest = slowest_root(material, top, bottom)
     k = np.geomspace(1e-2, 1e3, 12) / (bottom - top)
     start = np.repeat(np.eye(5)[:, :1], k.size, axis=1)
-    count = tuning.fewest
-    while count <= tuning.most:
+    count = MINORS_FEWEST
+    while count <= MINORS_MOST:
         steps = [
-            _through_part(start, k, material, (top, bottom), n * count, slowest) for n in range(1, tuning.steps + 1)
+            _through_part(start, k, material, (top, bottom), n * count, slowest) for n in range(1, MINORS_STEPS + 1)
         ]
         best, before = _extrapolated(steps), _extrapolated(steps[:-1])
-        if np.max(np.abs((before[2] / before[0]) / (best[2] / best[0]) - 1)) < 100 * tuning.accuracy:
+        if np.max(np.abs((before[2] / before[0]) / (best[2] / best[0]) - 1)) < 100 * MINORS_ACCURACY:
             return count, slowest
         count *= 2
     raise SolveError(
@@ -303,7 +299,7 @@ def slowest_root(material: Material, top: float = 0.0, bottom: float = 0.0) -> f
         case TransverselyIsotropic():
             return min(Medium.transverse(material).slowest, 1.0)
         case GradedTransverselyIsotropic():
-            return min(_medium(material, np.linspace(top, bottom, MINORS_TUNING.looks))[0].slowest, 1.0)
+            return min(_medium(material, np.linspace(top, bottom, MINORS_LOOKS))[0].slowest, 1.0)
         case _:
             return 1.0
 
@@ -319,7 +315,7 @@ def _through_part(
 ) -> Array:
     """Minors after ``count`` homogeneous sublayers between the depths ``part`` [m], from its bottom to its top."""
     top, bottom = part
-    seen = np.minimum(bottom - top, MINORS_TUNING.seen / (slowest * k))
+    seen = np.minimum(bottom - top, MINORS_SEEN / (slowest * k))
     edges = np.linspace(0, 1, 2 * count + 1) ** 2
     modulus = _shear_modulus(material, top + seen)
     for upper, middle, lower in zip(edges[-3::-2], edges[-2::-2], edges[:1:-2], strict=True):
@@ -380,7 +376,7 @@ def minors_below(specimen: Specimen, k: Array) -> Array:
     m, G = _base(specimen.base, k.size)
     for layer, depth in zip(reversed(below), depths[-2::-1], strict=True):
         top, bottom = shear_moduli(layer)
-        felt = k * depth < MINORS_TUNING.felt
+        felt = k * depth < MINORS_FELT
         if felt.all():
             m = upwards(rescaled(m, bottom / G), k, layer)
         elif felt.any():
@@ -581,28 +577,22 @@ def regularised(c: Array, rate: float) -> Array:
     return b
 
 
-@dataclass(frozen=True)
-class SpectrumTuning:
-    """How far and how finely g(k) is resolved."""
-
-    samples: int = 16  # Gauss nodes per panel on which it is judged; tuned on reference bodies, by `make tuning`
-    last: float = 1e-10  # coefficients of g on a panel, relative; theory: Gauss quadrature squares this
-    noise: float = 1e-14  # theory: 50 times machine epsilon, the rounding of g - 1 and of its coefficients
-    floor: float = 1e-12  # |g - 1| beyond k_max; tuned on reference bodies, by `make tuning`
-    graded_floor: float = 1e-9  # the same of graded layers; choice: there g is accurate to 1e-10
-    phase: float = 1e-14  # error of a panel of (g - 1) cos(k s); theory: 50 times machine epsilon
-    start: float = 0.012  # CPU seconds of any stack; tuned on the cases of `make bench`, by `make bench`
-    layer_seconds: float = 5e-4  # and of a layer; tuned on stacks of 50 to 1000 layers, by `make bench`
-    graded_seconds: float = 0.1  # and of a smooth piece of a law; tuned on tables of 10 to 100 points, by `make bench`
-    transverse: float = 3.0  # choice: times as much where it is transversely isotropic, where 2.5 to 3.2 was measured
-    halvings: int = 60  # theory: the panel from k = 0 is then 2^-60 of k_max, below all that counts
-    narrowest: float = 1e-12  # panel over its k; theory: g varies over k itself, and that is far below
-    # octaves below the first node of the panel from k = 0, in which g is looked for, each at two places;
-    # theory: as wave numbers, all that counts of layers 1e-15 times as thin as the depth
-    below: int = 50
-
-
-TUNING = SpectrumTuning()
+# How far and how finely g(k) is resolved.
+SPECTRUM_SAMPLES = 16  # Gauss nodes per panel on which it is judged; tuned on reference bodies, by `make tuning`
+SPECTRUM_LAST = 1e-10  # coefficients of g on a panel, relative; theory: Gauss quadrature squares this
+SPECTRUM_NOISE = 1e-14  # theory: 50 times machine epsilon, the rounding of g - 1 and of its coefficients
+SPECTRUM_FLOOR = 1e-12  # |g - 1| beyond k_max; tuned on reference bodies, by `make tuning`
+SPECTRUM_GRADED_FLOOR = 1e-9  # the same of graded layers; choice: there g is accurate to 1e-10
+SPECTRUM_PHASE = 1e-14  # error of a panel of (g - 1) cos(k s); theory: 50 times machine epsilon
+SPECTRUM_START = 0.012  # CPU seconds of any stack; tuned on the cases of `make bench`, by `make bench`
+SPECTRUM_LAYER_SECONDS = 5e-4  # and of a layer; tuned on stacks of 50 to 1000 layers, by `make bench`
+SPECTRUM_GRADED_SECONDS = 0.1  # and of a smooth piece of a law; tuned on tables of 10 to 100 points, by `make bench`
+SPECTRUM_TRANSVERSE = 3.0  # choice: times as much where it is transversely isotropic, where 2.5 to 3.2 was measured
+SPECTRUM_HALVINGS = 60  # theory: the panel from k = 0 is then 2^-60 of k_max, below all that counts
+SPECTRUM_NARROWEST = 1e-12  # panel over its k; theory: g varies over k itself, and that is far below
+# octaves below the first node of the panel from k = 0, in which g is looked for, each at two places;
+# theory: as wave numbers, all that counts of layers 1e-15 times as thin as the depth
+SPECTRUM_BELOW = 50
 
 
 def deviation(specimen: Specimen, k: Array, indenter: Solid | None = None) -> Array:
@@ -636,7 +626,7 @@ def _of_stack(specimen: Specimen, k: Array) -> Array:
     y = k * top.thickness
     dev = np.empty_like(k)
     g = np.empty_like(k)
-    small = y < MINORS_TUNING.small
+    small = y < MINORS_SMALL
     g[small] = _over(through_isotropic(below[:, small], y[small], nu), 1 - nu)
     dev[small] = g[small] - 1
     dev[~small] = _far(below[:, ~small], y[~small], nu)
@@ -685,7 +675,7 @@ class LayeredSpectrum:
     @property
     def floor(self) -> float:
         """Size of the rest beyond k_max."""
-        return TUNING.floor if self.tail is None else TUNING.graded_floor
+        return SPECTRUM_FLOOR if self.tail is None else SPECTRUM_GRADED_FLOOR
 
     @cached_property
     def scan(self) -> tuple[Array, Array]:
@@ -740,7 +730,7 @@ class LayeredSpectrum:
         ``reach`` [m], and the number of each one's panel."""
         lo, hi, values = self.panels
         size = np.max(np.abs(values), axis=1)
-        turn = reach / phase_allowed(order - 5, TUNING.phase / np.clip(size, 1e-12, 1.0))
+        turn = reach / phase_allowed(order - 5, SPECTRUM_PHASE / np.clip(size, 1e-12, 1.0))
         pieces = np.maximum(np.ceil((hi - lo) * turn), 1).astype(int)
         return *gauss(*split(lo, hi, pieces), *rule(order)), np.repeat(np.arange(lo.size), order * pieces)
 
@@ -754,41 +744,43 @@ class LayeredSpectrum:
         """The rest at ``k``, each on the panel of the given index: cheaper than g itself through graded layers."""
         lo, hi, values = self.panels
         local = (2 * k - lo[panel] - hi[panel]) / (hi - lo)[panel]
-        return legendre.legval(local, (values @ to_legendre(TUNING.samples)).T[:, panel], tensor=False)
+        return legendre.legval(local, (values @ to_legendre(SPECTRUM_SAMPLES)).T[:, panel], tensor=False)
 
 
 def spectrum_seconds(problem: Problem) -> float:
     """CPU seconds to resolve the spectrum of the bodies and evaluate its kernels, about; a single look takes half."""
     specimen = problem.specimen
-    graded = TUNING.graded_seconds * (2 + specimen.pieces) if specimen.is_graded else 0.0
+    graded = SPECTRUM_GRADED_SECONDS * (2 + specimen.pieces) if specimen.is_graded else 0.0
     if any(isinstance(material, GradedTransverselyIsotropic) for material in specimen.materials):
-        graded *= TUNING.transverse
-    return TUNING.start + TUNING.layer_seconds * len(problem.layers) + graded
+        graded *= SPECTRUM_TRANSVERSE
+    return SPECTRUM_START + SPECTRUM_LAYER_SECONDS * len(problem.layers) + graded
 
 
 def resolved(
     function: Callable[[Array], Array], lo: Array, hi: Array, tail: Callable[[Array], Array] | None = None
 ) -> tuple[Array, Array, Array]:
-    """Panels, cut until ``function`` = g - 1, less its ``tail``, is a polynomial on each, to ``TUNING.last`` of g.
+    """Panels, cut until ``function`` = g - 1, less its ``tail``, is a polynomial on each, to ``SPECTRUM_LAST`` of g.
 
     Returns the ends and the values at the Gauss nodes of each. An error of g relative to g itself is what counts: S is
     the minimum of a quadratic form with the symbol g > 0. Panels are halved; one that begins at k = 0 is cut into
     octaves down to what lies below its first node.
     """
     done: list[tuple[Array, Array, Array]] = []
-    project = to_legendre(TUNING.samples)
-    for _ in range(TUNING.halvings):
-        k, _ = gauss(lo, hi, *rule(TUNING.samples))
-        values = function(k).reshape(lo.size, TUNING.samples)
+    project = to_legendre(SPECTRUM_SAMPLES)
+    for _ in range(SPECTRUM_HALVINGS):
+        k, _ = gauss(lo, hi, *rule(SPECTRUM_SAMPLES))
+        values = function(k).reshape(lo.size, SPECTRUM_SAMPLES)
         size = np.max(np.abs(values), axis=1)
         g = 1 + values if tail is None else 1 + values + tail(k).reshape(values.shape)
-        coefficients, allowed = values @ project, TUNING.last * np.max(g, axis=1) + TUNING.noise * size
+        coefficients, allowed = values @ project, SPECTRUM_LAST * np.max(g, axis=1) + SPECTRUM_NOISE * size
         good = np.max(np.abs(coefficients[:, -2:]), axis=1) <= allowed
         octaves = np.zeros(0)
         if lo.size and lo[0] == 0 and good[0]:
-            octaves = _octaves_to(function, hi[0], coefficients[0], allowed[0] + len(project) * TUNING.noise * size[0])
+            octaves = _octaves_to(
+                function, hi[0], coefficients[0], allowed[0] + len(project) * SPECTRUM_NOISE * size[0]
+            )
             good[0] = not octaves.size
-        if (rough := lo[~good & (hi - lo < TUNING.narrowest * hi)]).size:
+        if (rough := lo[~good & (hi - lo < SPECTRUM_NARROWEST * hi)]).size:
             break
         done.append((lo[good], hi[good], values[good]))
         if good.all():
@@ -808,8 +800,8 @@ def _octaves_to(function: Callable[[Array], Array], hi: float, coefficients: Arr
 
     It may be off by what is ``allowed`` at the first node, and by more like 1/k below: its integral is no more.
     """
-    first = hi * (1 + rule(TUNING.samples)[0][0]) / 2
-    k = first * 2.0 ** np.arange(-0.5, -TUNING.below, -0.5)
+    first = hi * (1 + rule(SPECTRUM_SAMPLES)[0][0]) / 2
+    k = first * 2.0 ** np.arange(-0.5, -SPECTRUM_BELOW, -0.5)
     off = np.abs(function(k) - legendre.legval(2 * k / hi - 1, coefficients))
     missed = k[off * k > allowed * first]
     if not missed.size:

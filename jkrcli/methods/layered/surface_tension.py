@@ -31,8 +31,7 @@ from ...base import Array, EvenCubic, Refusal, show
 from ...bodies import AnyGraded, Specimen
 from .. import integral
 from ..integral import crowded_rule, gauss, rule
-from .contact import TUNING as REFINING
-from .contact import IndenterOnLayers, lagrange, logarithms
+from .contact import LAYERED_MOST_FLOPS, LAYERED_MOST_NODES, IndenterOnLayers, lagrange, logarithms
 from .spectrum import COUNT, LayeredSpectrum, Tail, compliance, divided, regularised, resolved, surface_series
 
 # --------------------------------------------------------------------------------------------------
@@ -47,22 +46,15 @@ from .spectrum import COUNT, LayeredSpectrum, Tail, compliance, divided, regular
 
 Function = Callable[[Array], Array]
 
-
-@dataclass(frozen=True)
-class AnglesTuning:
-    """Points near a singularity, and what psi begins with."""
-
-    # of the crowding; tuned on bodies, by `make constants`: 28 points and more then follow a kernel over the decades of
-    # a/kappa
-    power: int = 5
-    # widths of a panel, within which it is; tuned on bodies, by `make constants`: ten nodes then err by 1e-10
-    near: float = 1.0
-    # panels at the edge from which psi(0) is found; tuned on bodies, by `make constants`: with five it errs by 1e-6
-    first: int = 3
-    terms: int = 2  # theory: psi = c0 + sum tau^2n (c_n + d_n ln(tau)), n up to this
-
-
-ANGLES_TUNING = AnglesTuning()
+# Points near a singularity, and what psi begins with.
+# of the crowding; tuned on bodies, by `make constants`: 28 points and more then follow a kernel over the decades of
+# a/kappa
+ANGLES_POWER = 5
+# widths of a panel, within which it is; tuned on bodies, by `make constants`: ten nodes then err by 1e-10
+ANGLES_NEAR = 1.0
+# panels at the edge from which psi(0) is found; tuned on bodies, by `make constants`: with five it errs by 1e-6
+ANGLES_FIRST = 3
+ANGLES_TERMS = 2  # theory: psi = c0 + sum tau^2n (c_n + d_n ln(tau)), n up to this
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,16 +90,16 @@ class Angles:
         tau, w = gauss(edges[:-1], edges[1:], *rule(order))
         both = np.concatenate([edges, (np.pi - edges[::-1])[1:]])
         lo, hi = both[:-1, None], both[1:, None]
-        near = np.maximum(np.maximum(lo - tau, tau - hi), 0) < ANGLES_TUNING.near * (hi - lo)
+        near = np.maximum(np.maximum(lo - tau, tau - hi), 0) < ANGLES_NEAR * (hi - lo)
         far = np.repeat(~near, order, axis=0).reshape(2, tau.size, tau.size)
         apart = _apart(tau[:, None], tau[:, None] - tau)
         across = np.add.outer(np.cos(tau), np.cos(tau))
         plain, mirrored = far[0].T * w, far[1, ::-1].T * w
         rest = _near(tau, both, near, order, points)
         # The row that takes psi at the nodes to psi(0): least squares on the first panels by what psi begins with.
-        n = ANGLES_TUNING.first * order
-        t, root = tau[:n] / edges[ANGLES_TUNING.first], np.sqrt(w[:n])
-        powers = [t ** (2 * i) for i in range(1, ANGLES_TUNING.terms + 1)]
+        n = ANGLES_FIRST * order
+        t, root = tau[:n] / edges[ANGLES_FIRST], np.sqrt(w[:n])
+        powers = [t ** (2 * i) for i in range(1, ANGLES_TERMS + 1)]
         basis = np.stack([np.ones(n), *powers, *(power * np.log(t) for power in powers)], axis=1)
         row = np.zeros(tau.size)
         row[:n] = np.linalg.pinv(basis * root[:, None])[0] * root
@@ -152,7 +144,7 @@ def _near(tau: Array, both: Array, near: Array, order: int, points: int) -> tupl
     start, end = np.clip(theta, lo, hi), np.where(theta >= hi, lo, hi)
     start, end = np.append(start, theta[inside]), np.append(end, lo[inside])
     panel, row, lo, hi = (np.append(x, x[inside]) for x in (panel, row, lo, hi))
-    u, v = crowded_rule(points, ANGLES_TUNING.power)
+    u, v = crowded_rule(points, ANGLES_POWER)
     offset = (end - start)[:, None] * u
     local = (start[:, None] + offset - lo[:, None]) / (hi - lo)[:, None]
     panels = (both.size - 1) // 2
@@ -163,36 +155,30 @@ def _near(tau: Array, both: Array, near: Array, order: int, points: int) -> tupl
     return distance, weights, row, np.where(beyond, 2 * panels - 1 - panel, panel)
 
 
-@dataclass(frozen=True)
-class TenseTuning:
-    """How the equation of the first kind is discretised for an accuracy."""
-
-    # the least; tuned on bodies by layered, by `make constants`: rounding leaves some 1e-9 on thin incompressible
-    # layers
-    tolerance: float = 5e-8
-    # halvings towards the edge for a = kappa; tuned on bodies, by `make constants`: one less moves depths by 2e-5
-    levels: int = 7
-    # nodes on a panel at the accuracy 1e-4, one more for each decade; tuned on bodies, by `make constants`: one less
-    # moves S by 2e-5
-    least_order: int = 6
-    most_order: int = 14  # tuned on bodies, by `make constants`: half of it moves S by 2e-5, beyond it rounding counts
-    # of a/kappa, points near a singularity, beside 2.5 times the order; tuned on bodies, by `make constants`: one less
-    # moves S by 3e-6
-    per_decade: int = 5
-    frequency: float = 5.0  # times the scale of the layers: highest wave number noticed; theory: as for ``Quadrature``
-    # of the smooth part's spline of degree 7, per scale; tuned on bodies, by `make constants`: half as many move S by
-    # 4e-9
-    knots: int = 60
-    # of the cubic that stands for it, ten times as fast; tuned on bodies, by `make constants`: half as many move S by
-    # 4e-9
-    finer: int = 12
-    least: float = 1e-6  # kappa/a of layers; choice: below, tension changes nothing by 1e-5
-    # nodes per panel in integrals of F; tuned on bodies, by `make constants`: half as many move depths by 1e-9
-    inner: int = 20
-    per_entry: int = 60  # operations per entry of the matrix; tuned on half-spaces and layers, by `make bench`
-
-
-TUNING = TenseTuning()
+# How the equation of the first kind is discretised for an accuracy.
+# the least; tuned on bodies by layered, by `make constants`: rounding leaves some 1e-9 on thin incompressible
+# layers
+TENSE_TOLERANCE = 5e-8
+# halvings towards the edge for a = kappa; tuned on bodies, by `make constants`: one less moves depths by 2e-5
+TENSE_LEVELS = 7
+# nodes on a panel at the accuracy 1e-4, one more for each decade; tuned on bodies, by `make constants`: one less
+# moves S by 2e-5
+TENSE_LEAST_ORDER = 6
+TENSE_MOST_ORDER = 14  # tuned on bodies, by `make constants`: half of it moves S by 2e-5, beyond it rounding counts
+# of a/kappa, points near a singularity, beside 2.5 times the order; tuned on bodies, by `make constants`: one less
+# moves S by 3e-6
+TENSE_PER_DECADE = 5
+TENSE_FREQUENCY = 5.0  # times the scale of the layers: highest wave number noticed; theory: as for ``Quadrature``
+# of the smooth part's spline of degree 7, per scale; tuned on bodies, by `make constants`: half as many move S by
+# 4e-9
+TENSE_KNOTS = 60
+# of the cubic that stands for it, ten times as fast; tuned on bodies, by `make constants`: half as many move S by
+# 4e-9
+TENSE_FINER = 12
+TENSE_LEAST = 1e-6  # kappa/a of layers; choice: below, tension changes nothing by 1e-5
+# nodes per panel in integrals of F; tuned on bodies, by `make constants`: half as many move depths by 1e-9
+TENSE_INNER = 20
+TENSE_PER_ENTRY = 60  # operations per entry of the matrix; tuned on half-spaces and layers, by `make bench`
 
 
 @dataclass(frozen=True)
@@ -272,12 +258,12 @@ class TenseSpectrum(LayeredSpectrum):
             return lambda s: np.zeros((2, 1))
         from scipy.interpolate import CubicSpline, make_interp_spline
 
-        step = self.scale / TUNING.knots
+        step = self.scale / TENSE_KNOTS
         s = step * np.arange(-8, math.ceil(reach / step) + 9)
         kernel = self.kernel(float(s[-1]), order)
         parts = np.array_split(s, s.size // 256 + 1)
         values = np.concatenate([np.cos(np.outer(part, kernel.k)) @ kernel.weights for part in parts])
-        spline, finer = make_interp_spline(s, values, k=7), np.linspace(0.0, s[-8], TUNING.finer * (s.size - 16) + 1)
+        spline, finer = make_interp_spline(s, values, k=7), np.linspace(0.0, s[-8], TENSE_FINER * (s.size - 16) + 1)
         both = [CubicSpline(finer, f).c for f in (spline(finer), finer * spline(finer, 1))]
         return EvenCubic(0.0, finer[1], np.stack(both, axis=1))
 
@@ -299,9 +285,9 @@ class TenseContact(IndenterOnLayers):
 
     def plan(self, radii: Array, tolerance: float) -> TensePlan:
         """The plan expected to be accurate to ``tolerance`` up to the last of the ``radii`` [m]."""
-        order = TUNING.least_order + math.ceil(max(-math.log10(tolerance) - 4, 0))
-        order = min(order, TUNING.most_order)
-        widest = float(integral.phase_allowed(order, tolerance)) * self.scale / TUNING.frequency
+        order = TENSE_LEAST_ORDER + math.ceil(max(-math.log10(tolerance) - 4, 0))
+        order = min(order, TENSE_MOST_ORDER)
+        widest = float(integral.phase_allowed(order, tolerance)) * self.scale / TENSE_FREQUENCY
         plan = TensePlan(order, widest, tolerance, 0)
         levels, cuts = self._panels(float(radii[-1]), plan)
         return TensePlan(order, widest, tolerance, order * (2**cuts + levels - cuts))
@@ -310,29 +296,29 @@ class TenseContact(IndenterOnLayers):
         """Halvings towards the edge, and of the quarter circle into equal panels, at the radius ``a`` [m]."""
         cuts = max(math.ceil(math.log2(math.pi / 2 * a / plan.widest)), 0) if math.isfinite(plan.widest) else 0
         halvings = math.ceil(max(math.log2(a / self.kappa), 0.0) / 2)
-        return max(TUNING.levels + halvings, cuts) + plan.extra, cuts
+        return max(TENSE_LEVELS + halvings, cuts) + plan.extra, cuts
 
     def flops(self, radii: Array, plan: TensePlan) -> float:
         """Floating-point operations of one solve, about."""
         waves = self.spectrum.bandwidth(self.spectrum.floor) * 2 * radii[-1]
-        table = 0.0 if waves == 0 else 20 * (400 + waves) * TUNING.knots * 2 * radii[-1] / self.scale
-        return float(radii.size * plan.nodes**2 * (plan.nodes + TUNING.per_entry * plan.order) + table)
+        table = 0.0 if waves == 0 else 20 * (400 + waves) * TENSE_KNOTS * 2 * radii[-1] / self.scale
+        return float(radii.size * plan.nodes**2 * (plan.nodes + TENSE_PER_ENTRY * plan.order) + table)
 
     def guard(self, radii: Array, plan: TensePlan) -> None:
         """Refuse what would take minutes or gigabytes, and layers on which tension is too slight to be solved for."""
         slight = self.kappa / float(radii[-1])
-        if self.specimen.layers and slight < TUNING.least:
+        if self.specimen.layers and slight < TENSE_LEAST:
             raise Refusal(
                 f"layered: the surface tension acts over 2 Ups/E* = {show(self.kappa, 'length')}, {slight:.0e} of the "
-                f"contact radius, and changes the solution by less than {10 * TUNING.least:.0e}: leave "
+                f"contact radius, and changes the solution by less than {10 * TENSE_LEAST:.0e}: leave "
                 "specimen.surface_tension out"
             )
         flops = self.flops(radii, plan)
-        if plan.nodes > REFINING.most_nodes or flops > REFINING.most_flops:
+        if plan.nodes > LAYERED_MOST_NODES or flops > LAYERED_MOST_FLOPS:
             raise Refusal(
                 f"layered: a = {radii[-1]:g} m is {radii[-1] / self.scale:.4g} times the length over which the layers "
                 f"act and needs {plan.nodes} nodes under surface tension for {radii.size} radii, {flops:.1e} operations"
-                f" (limits {REFINING.most_nodes} and {REFINING.most_flops:.0e}); ask for a smaller contact or fewer "
+                f" (limits {LAYERED_MOST_NODES} and {LAYERED_MOST_FLOPS:.0e}); ask for a smaller contact or fewer "
                 "points, or use method fem"
             )
 
@@ -356,7 +342,7 @@ class TenseContact(IndenterOnLayers):
         return integral.Panels(a * np.cos(grid.edges[::-1]), grid.order, radii, x, w, np.searchsorted(x, radii))
 
     def _angles(self, a: float, plan: TensePlan) -> Angles:
-        points = 5 * plan.order // 2 + math.ceil(TUNING.per_decade * max(math.log10(a / self.kappa), 0.0))
+        points = 5 * plan.order // 2 + math.ceil(TENSE_PER_DECADE * max(math.log10(a / self.kappa), 0.0))
         return Angles.of(*self._panels(a, plan), plan.order, points + points % 2)
 
     def _first_kind(self, radii: Array, plan: TensePlan) -> Array:
@@ -381,7 +367,7 @@ class TenseContact(IndenterOnLayers):
         # F and x F' [m] at the nodes, their means on the panels.
         joints = np.array([joint for joint in self.indenter.joints if joint < a])
         edges = math.pi / 2 - grid.edges[::-1]  # angles from the axis: F begins at its kinks
-        cuts = edges, grid.order, TUNING.inner
+        cuts = edges, grid.order, TENSE_INNER
         F = integral.panel_means(lambda x: self.indenter.abel(a * np.sin(x)), np.arcsin(joints / a), *cuts)
         slope = integral.panel_means(lambda x: self.indenter.abel_slope(a * np.sin(x)), np.arcsin(joints / a), *cuts)
         F, steep = np.array([F[::-1], a * np.cos(grid.tau) * slope[::-1]])
@@ -399,7 +385,7 @@ class TenseContact(IndenterOnLayers):
         """
         cuts = np.array([joint / a for joint in self.indenter.joints if joint < a])
         cuts = np.union1d(np.linspace(0.0, 1.0, 3), cuts)
-        u, w = (part.ravel() for part in integral.crowded(cuts[:-1], cuts[1:], TUNING.inner))
+        u, w = (part.ravel() for part in integral.crowded(cuts[:-1], cuts[1:], TENSE_INNER))
         F, slope = self.indenter.abel(a * u), self.indenter.abel_slope(a * u)
         (F_a,), (slope_a,) = self.indenter.abel(np.array([a])), self.indenter.abel_slope(np.array([a]))
         ring, share = formulas.logarithm(np.array(a), self.kappa) + 1, self.kappa / math.pi

@@ -94,5 +94,5 @@ def test_a_missing_library_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_auto_takes_cholmod_where_it_pays(tuned) -> None:
     pytest.importorskip("cvxopt")
     assert sparse_factor(chain(50), 2, True, "auto").name == "SuperLU"
-    tuned("jkrcli.methods.fem.contact.TUNING.small", 10)
+    tuned("jkrcli.methods.fem.contact.FACTOR_SMALL", 10)
     assert sparse_factor(chain(50), 2, True, "auto").name == "CHOLMOD"

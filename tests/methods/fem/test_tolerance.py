@@ -13,7 +13,7 @@ from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat,
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.case import store
-from jkrcli.methods.fem.method import FEM, REFINEMENT_TUNING
+from jkrcli.methods.fem.method import FEM, REFINEMENT_COMPANION
 from jkrcli.methods.fem.model import Discretisation
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import Solution
@@ -98,10 +98,10 @@ def test_a_finer_mesh_is_judged_against_the_one_before(monkeypatch: pytest.Monke
         return build(recipe, clock)
 
     monkeypatch.setattr(Discretisation, "build", counted)
-    tuned("jkrcli.methods.fem.method.REFINEMENT_TUNING.usual", 1e-5)  # a guess that is much too coarse
+    tuned("jkrcli.methods.fem.method.REFINEMENT_USUAL", 1e-5)  # a guess that is much too coarse
     solution = FEM(tolerance=5e-4)(PROBLEMS["half-space"])
     assert len(sizes) >= 3  # a first mesh, its companion, and at least one finer
-    assert sizes[1] == pytest.approx(REFINEMENT_TUNING.companion * sizes[0])
+    assert sizes[1] == pytest.approx(REFINEMENT_COMPANION * sizes[0])
     assert sizes[2:] == sorted(sizes[2:], reverse=True)
     assert sizes[-1] < sizes[0]
     assert len(set(sizes)) == len(sizes)
@@ -121,7 +121,7 @@ def test_a_finer_mesh_is_judged_against_the_one_before(monkeypatch: pytest.Monke
     ids=["the user's truncation", "radii of nodes"],
 )
 def test_a_tolerance_out_of_reach_is_refused_with_what_was_reached(options, message, tuned) -> None:
-    tuned("jkrcli.methods.fem.method.REFINEMENT_TUNING.finest", 0.02)
+    tuned("jkrcli.methods.fem.method.REFINEMENT_FINEST", 0.02)
     with pytest.raises(Refusal, match=message):
         FEM(tolerance=1e-3, **options)(PROBLEMS["half-space"])
 

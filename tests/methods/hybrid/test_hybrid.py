@@ -15,8 +15,7 @@ from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer, Linear,
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.methods import method_class
 from jkrcli.methods.hybrid.correction import Region
-from jkrcli.methods.hybrid.kernel import TUNING as REFINING
-from jkrcli.methods.hybrid.kernel import AdaptiveKernel, KernelContact, KernelLevels, count_for
+from jkrcli.methods.hybrid.kernel import HYBRID_NO_CLAIM, AdaptiveKernel, KernelContact, KernelLevels, count_for
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.integral.fredholm import COLUMNS, rule
 from jkrcli.methods.layered.solver import Layered
@@ -97,7 +96,7 @@ def test_wide_bodies_within_the_tolerance(name: str) -> None:
 @pytest.mark.slow
 def test_estimates_are_between_one_and_twenty_times_the_error_in_nine_of_ten() -> None:
     """Errors below a two-hundredth of the tolerance, which the method does not tell apart, count as that."""
-    ratios, least = [], REFINING.no_claim * 1e-4
+    ratios, least = [], HYBRID_NO_CLAIM * 1e-4
     for specimen, a in WIDE.values():
         solution = solve(specimen, a, 1e-4)
         ratios.append(stated(solution) / max(difference(solution.series, exact(specimen, a)), least))

@@ -10,7 +10,7 @@ from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Sphere
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.methods import Method
-from jkrcli.methods.hybrid.kernel import TUNING, AdaptiveKernel
+from jkrcli.methods.hybrid.kernel import HYBRID_NO_CLAIM, AdaptiveKernel
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.solver import Layered
 
@@ -161,7 +161,7 @@ def test_a_column_that_hardly_changes_tells_nothing_of_the_rest() -> None:
     specimen = Specimen((Layer(Elastic(1.0, 0.0), 1.0), Layer(Elastic(2.0, 0.5), 1.0)), Rigid())
     problem = Problem(Paraboloid(1e3), specimen, Loading("radius", 1.0, 20))
     found, truth = Hybrid(1e-4)(problem).series, Layered(1e-9)(problem).series
-    least = TUNING.no_claim * 1e-4  # below it nothing is told apart
+    least = HYBRID_NO_CLAIM * 1e-4  # below it nothing is told apart
     for name in COLUMNS:
         true = float(np.max(np.abs(getattr(found, name) / getattr(truth, name) - 1)))
         assert true <= float(np.max(found.errors[name] / getattr(found, name))) <= 20 * max(true, least)

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Rigid, Specimen
 from jkrcli.formulas import point_force
-from jkrcli.methods.hybrid.correction import LINES_TUNING, LineElements, Mesh, Region, RingField, lines
+from jkrcli.methods.hybrid.correction import LINE_CORNER, LineElements, Mesh, Region, RingField, lines
 
 T = np.array([0.2, 0.7])
 STEP = 1e-5
@@ -139,7 +139,7 @@ def test_intervals() -> None:
     assert (r.edges[-1], z.edges[-1]) == (region.width, region.depth)
     assert (np.diff(z.edges) > 0).all()
     gaps = np.diff(r.edges)[-4:]
-    assert_allclose(gaps[1:3] / gaps[:2], LINES_TUNING.corner, rtol=1e-9)
+    assert_allclose(gaps[1:3] / gaps[:2], LINE_CORNER, rtol=1e-9)
     assert list(r.degrees[-4:]) == [5, 4, 3, 2]
     smooth = Region.of(replace(body(), side="roller"), 1.0, 1e-5)
     assert set(lines(smooth, 8)[1].degrees) == {8}

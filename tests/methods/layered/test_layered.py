@@ -468,7 +468,7 @@ def test_few_radii_on_a_steeply_graded_layer(points: int) -> None:
 def test_a_remedy_is_a_tolerance_above_the_one_missed_and_allowed(
     tuned: Callable[[str, object], None], frequency: float, radius: float, message: str
 ) -> None:
-    tuned("jkrcli.methods.integral.fredholm.TUNING.frequency", frequency)
+    tuned("jkrcli.methods.integral.fredholm.QUADRATURE_FREQUENCY", frequency)
     with pytest.raises(Refusal) as caught:
         at(bonded(0.5), Paraboloid(1000.0), radius)
     found = str(caught.value)

@@ -51,22 +51,73 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from . import fitting as fits
-from . import report
-from .adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, LoadingHistory, RangeRequest, Rest
-from .base import InputError, check_series_target, one_thread, parse
-from .bodies import Problem
-from .case import Case, load_case, read_solution, write_solution
-from .case import parse_case as _parse_case
-from .case import solve as _solve
-from .data import Curve, Reading, from_columns
-from .data import read as read_curves
-from .methods import Limits, Method
-from .resolve import analyse, nonadhesive, with_solved_points
+from .adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
+from .adhesion.device_path import Program
+from .adhesion.finite_range import RangeRequest
+from .adhesion.from_rest import LoadingHistory, Rest
+from .adhesion.rate import LogRate, PowerRate
+from .base.errors import InputError, JkrError, Refusal, Unknown
+from .base.files import check_series_target
+from .base.process import one_thread
+from .base.units import parse
+from .bodies.indenters import Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere, TableProfile
+from .bodies.materials import (
+    Coated,
+    Elastic,
+    Exponential,
+    Graded,
+    GradedTransverselyIsotropic,
+    Layer,
+    Linear,
+    Power,
+    PowerRelaxation,
+    Prony,
+    StandardSolid,
+    Tabulated,
+    TransverselyIsotropic,
+)
+from .bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from .case.reading import Case, load_case
+from .case.reading import parse_case as _parse_case
+from .case.store import read_solution, write_solution
+from .case.store import solve as _solve
+from .data.curve import Curve, Reading
+from .data.measured import from_columns
+from .data.measured import read as read_curves
+from .fitting import procedure
+from .fitting.forward_model import FittedBody, body_of
+from .fitting.joint import joint_fit, shared_of, with_radii
+from .fitting.procedure import further
+from .fitting.result import Fit, Further
+from .fitting.settings import settings_of
+from .methods.closed_form import ClosedForm
+from .methods.fem.method import FEM
+from .methods.hybrid.method import Hybrid
+from .methods.layered.solver import Layered
+from .methods.protocol import Limits, Method
+from .report.check import Check
+from .report.forward import (
+    Compared,
+    Cycled,
+    CycledByProgram,
+    MeasuredByHistory,
+    MeasuredPullOff,
+    Profile,
+    PullOff,
+    Transformed,
+)
+from .report.inverse import Fitted, JointFitted, LawFit, Look, RelaxationFitted, TensionFitted, Work
+from .report.rate import CycledAtSpeed, CycledInLimits, CycledRelaxing, traced_histories
+from .report.result import AnyResult, Figure, Result, as_result
+from .resolve.analysis import analyse, nonadhesive, with_solved_points
 from .series import Solution
 
 __all__ = [
-    "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "fit", "identify", "identify_joint",
+    "FEM", "ClosedForm", "Coated", "Elastic", "Exponential", "Graded", "GradedTransverselyIsotropic", "HalfSpace", "Hybrid", "InputError", "JkrError",
+    "Layer", "Layered", "Limits", "Linear", "Loading", "LogRate", "Paraboloid", "Power", "PowerLaw", "PowerRate",
+    "PowerRelaxation", "Problem", "Program", "Prony", "Pyramid", "Reading", "Refusal", "Rigid", "RoundedCone",
+    "RoundedFlat", "Specimen", "Sphere", "StandardSolid", "TableProfile", "Tabulated", "TransverselyIsotropic",
+    "Unknown", "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "fit", "identify", "identify_joint",
     "identify_law", "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case",
     "plan", "plot", "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas",
     "transform", "work",
@@ -74,8 +125,10 @@ __all__ = [
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from .adhesion import Program, RateContact, RateLaw, RelaxingContact
-    from .bodies import Indenter, Relaxation
+    from .adhesion.rate import RateContact, RateLaw
+    from .adhesion.relaxation import RelaxingContact
+    from .bodies.indenters import Indenter
+    from .bodies.materials import Relaxation
     from .many.maps import MapResult
 
 Body: TypeAlias = Case | Problem | Solution | str | Path  # to be solved, or solved; or the file of either
@@ -123,7 +176,7 @@ def save(solved: Solution, path: str | Path, force: bool = False) -> Path:
 def transform(
     solved: Body, w: Number, slopes: str = "auto", modulus_factor: float = 1.0, method: str | Method | None = None, *,
     stress: Number | None = None, length: Number | None = None,
-) -> report.Transformed:  # fmt: skip
+) -> Transformed:  # fmt: skip
     """The adhesive curve for the work of adhesion ``w`` [J/m^2], with pull-off, errors, validity and warnings.
 
     ``solved``: a solution or its file; a case, its file or a problem is solved first, by ``method``. ``w``: a number,
@@ -134,7 +187,7 @@ def transform(
     solution = _solution(solved, method)
     ranged = _range(solution, stress, length)
     curve = analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, ranged)[0]
-    return report.as_result(report.Transformed, curve)
+    return as_result(Transformed, curve)
 
 
 @one_thread()
@@ -143,7 +196,7 @@ def cycle(
     to_load: Number | None = None, to_depth: Number | None = None, stiffness: Number = DISPLACEMENT_CONTROL,
     slopes: str = "auto", modulus_factor: float = 1.0, stress: Number | None = None, length: Number | None = None,
     rest_load: Number | None = None, rest_depth: Number | None = None,
-) -> report.Cycled | report.CycledByProgram | report.CycledInLimits:  # fmt: skip
+) -> Cycled | CycledByProgram | CycledInLimits:  # fmt: skip
     """What a device records that presses the bodies together and pulls them apart, however slowly.
 
     ``w`` on retraction [J/m^2], not smaller than ``w_approach`` (default: ``w``). The device of ``stiffness`` [N/m] (0:
@@ -153,42 +206,42 @@ def cycle(
     and very slow cycles, and at rest under ``rest_load`` or at ``rest_depth`` (default: at the turn, else at P = 0),
     then pulled at once.
     """
-    from .resolve import curves_from_rest
+    from .resolve.histories import curves_from_rest
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
     works = (_number("w", w if w_approach is None else w_approach, "work"), _number("w", w, "work"))
     ranged = _range(solution, stress, length)
     turn = _maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length")
 
-    def cycled(history: LoadingHistory | None) -> report.Cycled | report.CycledByProgram:
+    def cycled(history: LoadingHistory | None) -> Cycled | CycledByProgram:
         if history is not None and history.rest is not None:
             pulled = curves_from_rest(solution, works, history, slopes, modulus_factor, k)
-            return report.Cycled.from_rest(solution.record.path, *pulled, k, history=history.words)
+            return Cycled.from_rest(solution.record.path, *pulled, k, history=history.words)
         share, words = (1.0, "") if history is None else (history.moduli, history.words)
         pair = analyse(solution, works, slopes, modulus_factor * share, ranged)
         curves = [with_solved_points(curve, k) for curve in pair]
         if program is not None:
-            return report.CycledByProgram.of(curves, k, program)
-        return report.Cycled.of(curves, k, *turn, history=words)
+            return CycledByProgram.of(curves, k, program)
+        return Cycled.of(curves, k, *turn, history=words)
 
     rest = _rest(rest_load, rest_depth)
     return _in_limits(solution, cycled, rest, *turn, program is None and not ranged)
 
 
 def _in_limits(
-    solution: Solution, cycled: Callable[[LoadingHistory | None], report.AnyResult], rest: Rest | None = None,
+    solution: Solution, cycled: Callable[[LoadingHistory | None], AnyResult], rest: Rest | None = None,
     load: float | None = None, depth: float | None = None, rests: bool = False,
-) -> report.AnyResult | report.CycledInLimits:  # fmt: skip
+) -> AnyResult | CycledInLimits:  # fmt: skip
     """What was ``cycled`` on the moduli as they are; of a specimen that relaxes after each history that is known."""
     if solution.problem.specimen.relaxation is None:
         return cycled(None)
-    known = report.traced_histories(solution, rest, load, depth, rests)
-    return report.CycledInLimits.of(solution.record.path, known, cycled)
+    known = traced_histories(solution, rest, load, depth, rests)
+    return CycledInLimits.of(solution.record.path, known, cycled)
 
 
 def _rest(load: Number | None, depth: Number | None) -> Rest | None:
     """Where a viscoelastic specimen rests before it is pulled, in numbers or text."""
-    from .resolve import rest_of
+    from .resolve.histories import rest_of
 
     return rest_of(_maybe("rest_load", load, "load"), _maybe("rest_depth", depth, "length"))
 
@@ -199,7 +252,7 @@ def cycle_at_speed(
     program: Program | None = None, w_approach: Number | None = None, law_approach: AnyLaw | None = None,
     speed_approach: Number | None = None, to_load: Number | None = None, to_depth: Number | None = None,
     hold: Number = 0.0, stiffness: Number = DISPLACEMENT_CONTROL, slopes: str = "auto", stress: Number | None = None,
-) -> report.CycledAtSpeed | report.CycledInLimits:  # fmt: skip
+) -> CycledAtSpeed | CycledInLimits:  # fmt: skip
     """What a device records over time while the work of adhesion depends on the speed of the contact's edge.
 
     ``w`` at rest on retraction [J/m^2] and its ``law``: PowerRate(v0=1e-6, n=0.6), LogRate, or their keys as of ``jkr
@@ -213,20 +266,20 @@ def cycle_at_speed(
     gives its columns. A specimen that relaxes is traced for very fast and very slow cycles. Raises InputError where the
     contact leaves the series.
     """
-    from .adhesion import RateContact
+    from .adhesion.rate import RateContact
 
     w0, k = _number("w", w, "work"), _number("stiffness", stiffness, "stiffness")
     w_a = w0 if w_approach is None else _number("w_approach", w_approach, "work")
     inwards = None if law_approach is None else _law(law_approach)
     solution = _solution(solved, None)
 
-    def cycled(history: LoadingHistory | None) -> report.CycledAtSpeed:
+    def cycled(history: LoadingHistory | None) -> CycledAtSpeed:
         share, words = (1.0, "") if history is None else (history.moduli, history.words)
         result = with_solved_points(analyse(solution, [w0], slopes, share)[0], k)
         contact = RateContact(result.jkr.nonadhesive, _law(law), w0, w_a, k, inwards)
         driven = _driven("cycle_at_speed", contact, program, speed, speed_approach, to_load, to_depth, hold)
         zone_stress = _maybe("stress", stress, "modulus")
-        return report.CycledAtSpeed.of(contact, driven, result, stress=zone_stress, history=words)
+        return CycledAtSpeed.of(contact, driven, result, stress=zone_stress, history=words)
 
     return _in_limits(solution, cycled)
 
@@ -236,7 +289,7 @@ def cycle_relaxing(
     solved: Body, relaxation: Relaxation | None = None, speed: Number | None = None, *,
     program: Program | None = None, speed_approach: Number | None = None, to_load: Number | None = None,
     to_depth: Number | None = None, hold: Number = 0.0, stiffness: Number = DISPLACEMENT_CONTROL, slopes: str = "auto",
-) -> report.CycledRelaxing:  # fmt: skip
+) -> CycledRelaxing:  # fmt: skip
     """What a device records over time while the moduli of the specimen relax, without adhesion.
 
     ``relaxation``: StandardSolid(ratio=0.25, time=1.0), PowerRelaxation, Prony; default: that of the specimen. The
@@ -245,7 +298,7 @@ def cycle_relaxing(
     The result's ``peak``, ``corners``, ``turn``, ``lost`` and ``error`` tell what happened, ``table(points)`` gives its
     columns. Raises InputError where the contact leaves the series, or is loaded again onto its dent.
     """
-    from .adhesion import RelaxingContact
+    from .adhesion.relaxation import RelaxingContact
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
     law = relaxation or solution.problem.specimen.relaxation
@@ -256,7 +309,7 @@ def cycle_relaxing(
     relaxing = replace(solution.problem, specimen=replace(solution.problem.specimen, relaxation=law))  # may refuse
     contact = RelaxingContact(nonadhesive(replace(solution, problem=relaxing), slopes), law, k)
     driven = _driven("cycle_relaxing", contact, program, speed, speed_approach, to_load, to_depth, hold)
-    return report.CycledRelaxing.of(contact, driven, solution.record.path)
+    return CycledRelaxing.of(contact, driven, solution.record.path)
 
 
 def _driven(
@@ -264,7 +317,7 @@ def _driven(
     speed_approach: Number | None, to_load: Number | None, to_depth: Number | None, hold: Number,
 ) -> Program:  # fmt: skip
     """The ``program``, or there and back at a speed."""
-    from .adhesion import Course
+    from .adhesion.device_path import Course
 
     if (speed is None) == (program is None):
         raise InputError(f"{verb}: give either the speed of the device or its program")
@@ -281,7 +334,7 @@ def _range(solution: Solution, stress: Number | None, length: Number | None) -> 
 
 
 def _law(law: AnyLaw) -> RateLaw:
-    from .adhesion import rate_law_of
+    from .adhesion.rate import rate_law_of
 
     return rate_law_of(law, "law") if isinstance(law, Mapping) else law
 
@@ -315,7 +368,7 @@ def identify(
     body: Body, measured: OneCurve | DataFrame | Mapping[str, Any] | None = None, free: Iterable[str] = (),
     fix: Known = None, slopes: str = "auto", *, reading: Reading | None = None,
     a: Any = None, delta: Any = None, P: Any = None, t: Any = None, **options: Any,
-) -> report.Fitted:  # fmt: skip
+) -> Fitted:  # fmt: skip
     """E*, w and the zero points that bring the adhesive curve of ``body`` nearest to one ``measured`` curve: of a file,
     a data frame with columns named as in a table ("delta_um", "P (nN)"), or arrays of ``a, delta, P, t`` [SI]. In these
     ``reading``, Reading(units={"P": "nN"}), tells units, signs and the device.
@@ -332,9 +385,9 @@ def identify(
         options = {"contact": reading.contact} | options
         reading = replace(reading, contact="as-is")
     curve = _curve_of(named if measured is None else measured, reading)
-    source = fits.body_of(body, slopes)
-    result = one_thread()(fits.fit)(source, curve, fits.settings_of(source, free, _texts(fix), **options))
-    return report.as_result(report.Fitted, result, body=_named(body, source))
+    source = body_of(body, slopes)
+    result = one_thread()(procedure.fit)(source, curve, settings_of(source, free, _texts(fix), **options))
+    return as_result(Fitted, result, body=_named(body, source))
 
 
 fit = identify  # the verb's name
@@ -343,31 +396,31 @@ fit = identify  # the verb's name
 def identify_joint(
     body: Body, measured: Sequence[OneCurve], shared: Iterable[str] = ("E_star", "w"), own: Iterable[str] = (),
     tip_radii: Sequence[Number] = (), free: Iterable[str] = (), fix: Known = None, slopes: str = "auto", **options: Any,
-) -> report.JointFitted:  # fmt: skip
+) -> JointFitted:  # fmt: skip
     """E*, w or whatever else all records ``measured`` share, from all of them together; the rest is each record's own.
 
     ``tip_radii`` [m]: of each, or one of all (default: the body's); ``free``, ``fix``, ``options`` as of ``identify``.
     Raises InputError where a record cannot be used, or the records do not tell what they share.
     """
-    source = fits.body_of(body, slopes)
+    source = body_of(body, slopes)
     curves = [_curve_of(item, None) for item in measured]
-    settings = fits.settings_of(source, free, _texts(fix), **options)
-    bodies = fits.with_radii(source, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
-    result = one_thread()(fits.joint_fit)(bodies, curves, settings, fits.shared_of(shared, own, settings))
-    return report.as_result(report.JointFitted, result, body=_named(body, source), level=settings.level)
+    settings = settings_of(source, free, _texts(fix), **options)
+    bodies = with_radii(source, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
+    result = one_thread()(joint_fit)(bodies, curves, settings, shared_of(shared, own, settings))
+    return as_result(JointFitted, result, body=_named(body, source), level=settings.level)
 
 
-def plan(body: Body, found: fits.Fit, slopes: str = "auto") -> tuple[fits.Further, ...]:
+def plan(body: Body, found: Fit, slopes: str = "auto") -> tuple[Further, ...]:
     """Which further measurement would narrow E* and w of a fit most: relative standard errors now and with the same
     measurement again, other largest loads, tip radii, thicknesses. InputError where the data do not tell both."""
 
-    return one_thread()(fits.further)(fits.body_of(body, slopes), found)
+    return one_thread()(further)(body_of(body, slopes), found)
 
 
 def identify_law(
     body: Body, measured: Iterable[OneCurve], law: str = "power", free: Iterable[str] = (), fix: Known = None,
     slopes: str = "auto", **options: Any,
-) -> report.LawFit:  # fmt: skip
+) -> LawFit:  # fmt: skip
     """w0, the parameters of a ``law`` over the edge's speed, E* and the zero point, from records with time together.
 
     ``measured``: curves of retractions at one or several speeds, or their files; ``free``: more parameters ("P0");
@@ -376,16 +429,16 @@ def identify_law(
     """
     from .fitting.rate import rate_fit, rate_settings
 
-    source = fits.body_of(body, slopes)
+    source = body_of(body, slopes)
     start = _texts(options.pop("start", None))
     settings = rate_settings(source, law, free, _texts(fix), start, **options)
     curves = [curve for each in measured for curve in ([each] if isinstance(each, Curve) else measured_curves(each))]
-    return report.as_result(report.LawFit, one_thread()(rate_fit)(source, curves, settings), body=_named(body, source))
+    return as_result(LawFit, one_thread()(rate_fit)(source, curves, settings), body=_named(body, source))
 
 
 def identify_relaxation(
     body: Body, measured: OneCurve, law: str = "sls", fix: Known = None, slopes: str = "auto", **options: Any,
-) -> report.RelaxationFitted:  # fmt: skip
+) -> RelaxationFitted:  # fmt: skip
     """The modulus, the parameters of a ``law`` of relaxation and the zero point, from a record with time.
 
     ``measured``: one curve of t, delta, P, or its file; ``fix``: known ones, {"ratio": "0.3"}; ``options``: level,
@@ -393,16 +446,16 @@ def identify_relaxation(
     """
     from .fitting.relaxation import relaxation_fit, relaxation_settings
 
-    source = fits.body_of(body, slopes)
+    source = body_of(body, slopes)
     curve = _curve_of(measured, None)
     result = one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, _texts(fix), **options))
-    return report.as_result(report.RelaxationFitted, result, body=_named(body, source))
+    return as_result(RelaxationFitted, result, body=_named(body, source))
 
 
 def identify_tension(
     body: Body, measured: Sequence[OneCurve], tip_radii: Sequence[Number] = (), fix: Known = None,
     level: float = 0.95,
-) -> report.TensionFitted:  # fmt: skip
+) -> TensionFitted:  # fmt: skip
     """Surface tension, E*, w and the zero points from records by tips of one or more radii on the same body, together.
 
     ``measured``: curves or their files; ``tip_radii`` [m]: of each, or one of all (default: the body's); ``fix``: known
@@ -410,16 +463,16 @@ def identify_tension(
     """
     from .fitting.surface_tension import TENSION, known_values, radii_of, tension_fit
 
-    source = fits.body_of(body)
+    source = body_of(body)
     problem = source.problem
     curves = [_curve_of(item, None) for item in measured]
     radii = radii_of(problem, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
     known = known_values(problem, [] if TENSION in (fix or {}) else [TENSION], _texts(fix))
     result = one_thread()(tension_fit)(problem, curves, radii, known, level)
-    return report.as_result(report.TensionFitted, result, body=_named(body, source), level=level)
+    return as_result(TensionFitted, result, body=_named(body, source), level=level)
 
 
-def _named(body: Any, source: fits.FittedBody) -> str:
+def _named(body: Any, source: FittedBody) -> str:
     """What was fitted in words: its file, or the body."""
     return str(body) if isinstance(body, str | Path) else source.problem.words
 
@@ -443,27 +496,27 @@ def measured_curves(path: str | Path, **reading: Any) -> list[Curve]:
     return read_curves(Path(path), Reading(**reading))
 
 
-def check(case: Case | str | Path) -> report.Check:
+def check(case: Case | str | Path) -> Check:
     """Which method a case needs, what each would cost, and what to expect, as ``jkr check`` says it; nothing is
     solved."""
     loaded = load_case(case) if isinstance(case, str | Path) else case
-    return one_thread()(report.Check.of)(Path(case) if isinstance(case, str | Path) else Path("case"), loaded)
+    return one_thread()(Check.of)(Path(case) if isinstance(case, str | Path) else Path("case"), loaded)
 
 
-def look(path: str | Path, tip: Indenter | None = None, **reading: Any) -> report.Look:
+def look(path: str | Path, tip: Indenter | None = None, **reading: Any) -> Look:
     """What a measured file holds, as ``jkr look`` says it: segments, base line, contact, jumps, adhesion; no body is
     needed. With a ``tip``, Sphere(5e-6), a rough modulus too. ``reading``: see jkrcli.data.measured.Reading."""
-    return one_thread()(report.Look.at)(Path(path), Reading(**reading), tip)
+    return one_thread()(Look.at)(Path(path), Reading(**reading), tip)
 
 
 @one_thread()
 def profile(
     solved: Body, a: Number | None = None, load: Number | None = None, w: Number = 0.0, *,
     stress: Number | None = None, length: Number | None = None,
-) -> report.Profile:  # fmt: skip
+) -> Profile:  # fmt: skip
     """Pressure, displacement and gap around one contact, of radius ``a`` [m] or under a ``load`` [N], with the work of
     adhesion ``w`` [J/m^2] (default: none); ``stress`` and ``length`` as of ``transform``."""
-    from .resolve import profile_columns, radius_under
+    from .resolve.profile import profile_columns, radius_under
 
     if (a is None) == (load is None):
         raise InputError("profile: give exactly one of a and load")
@@ -474,7 +527,7 @@ def profile(
     else:
         assert a is not None
         radius = _number("a", a, "length")
-    return report.Profile(solution.record.path, radius, work, profile_columns(solution, radius, work, ranged))
+    return Profile(solution.record.path, radius, work, profile_columns(solution, radius, work, ranged))
 
 
 @one_thread()
@@ -482,7 +535,7 @@ def pull_off(
     solved: Body, w: Number | None = None, load: Number | None = None, stiffness: Sequence[Number] = (),
     slopes: str = "auto", modulus_factor: float = 1.0, *, stress: Number | None = None, length: Number | None = None,
     uncertain: Known = None, rest_load: Number | None = None, rest_depth: Number | None = None,
-) -> report.PullOff | report.MeasuredPullOff | report.MeasuredByHistory:  # fmt: skip
+) -> PullOff | MeasuredPullOff | MeasuredByHistory:  # fmt: skip
     """Where contact is lost with the work of adhesion ``w`` [J/m^2] under load and displacement control or by devices
     of a ``stiffness`` [N/m]; or which w a measured pull-off ``load`` [N] means, its inputs ``uncertain``: {"R": "2%"}.
 
@@ -490,7 +543,8 @@ def pull_off(
     ``rest_load`` or at ``rest_depth`` (default: at P = 0) and then pulled at once, and the largest of any other.
     """
     from .fitting.pull_off_work import measured_work, works_by_history
-    from .resolve import lost_by_history, where_lost
+    from .resolve.analysis import where_lost
+    from .resolve.histories import lost_by_history
 
     if (w is None) == (load is None):
         raise InputError("pull_off: give exactly one of w and load")
@@ -501,41 +555,41 @@ def pull_off(
         under = (devices or [LOAD_CONTROL])[0]
         found = works_by_history(solution, force, under, rest, slopes, modulus_factor, pairs)
         if isinstance(found, list):
-            return report.MeasuredByHistory.of(solution, force, under, found, slopes, modulus_factor)
-        return report.MeasuredPullOff(measured_work(solution, force, under, slopes, modulus_factor, pairs))
+            return MeasuredByHistory.of(solution, force, under, found, slopes, modulus_factor)
+        return MeasuredPullOff(measured_work(solution, force, under, slopes, modulus_factor, pairs))
     assert w is not None
     ranged = _range(solution, stress, length)
     curve, lost = where_lost(solution, [_number("w", w, "work")], devices, slopes, modulus_factor, ranged)[0]
     controls = devices or [LOAD_CONTROL, DISPLACEMENT_CONTROL]
-    return report.PullOff(curve, lost, lost_by_history(curve, controls, rest, slopes))
+    return PullOff(curve, lost, lost_by_history(curve, controls, rest, slopes))
 
 
 @one_thread()
 def work(
     solved: Body, measured: str | Path, slopes: str = "auto", modulus_factor: float = 1.0, *,
     reading: Reading | None = None, **options: Any,
-) -> report.Work:  # fmt: skip
+) -> Work:  # fmt: skip
     """The work of adhesion along the curves of a ``measured`` file, as ``jkr work`` says it; ``options``: use ("a,P"),
     segment, noise {"P": 2e-9}, window."""
-    from .base import executor
+    from .base.executors import executor
     from .fitting.work_along_curve import along_file, evaluation_of
 
     solution, path, reading = _solution(solved, None), Path(measured), reading or Reading()
     unit = nonadhesive(solution, slopes)
     evaluation = evaluation_of(solution, unit, reading, modulus_factor, **options)
     with executor(1) as pool:
-        return report.Work.of(path, *along_file(path, reading, evaluation, pool), solution, unit, modulus_factor)
+        return Work.of(path, *along_file(path, reading, evaluation, pool), solution, unit, modulus_factor)
 
 
 def compare(
     first: Body, second: Body, rtol: float = 1e-3, columns: Iterable[str] = (), overlap: float = 0.9,
-) -> report.Compared:  # fmt: skip
+) -> Compared:  # fmt: skip
     """How far two results of the same problem lie apart: series ("P" and "a" at equal displacement, "S" and "dS" at
     equal radius), or the CSV files of curves; they ``agree`` where no column that counts (default: P, of curves all)
     differs by more than ``rtol``. Raises InputError where less than ``overlap`` of their range is common."""
     one, two = (Path(item) if isinstance(item, str | Path) else Path("solved") for item in (first, second))
     both = (first, second)
-    return report.Compared.of((one, two), lambda: [_solution(item, None) for item in both], rtol, columns, overlap)
+    return Compared.of((one, two), lambda: [_solution(item, None) for item in both], rtol, columns, overlap)
 
 
 def study_map(name: str, **axes: Any) -> MapResult:
@@ -546,17 +600,17 @@ def study_map(name: str, **axes: Any) -> MapResult:
     return one_thread()(map_of(name).over)(**axes)
 
 
-def table(curve: report.Result) -> Mapping[str, Any]:
+def table(curve: Result) -> Mapping[str, Any]:
     """The columns of a result's CSV file: names with units, one value per contact radius of a curve."""
     return curve.columns
 
 
-def to_pandas(curve: report.Result) -> DataFrame:
+def to_pandas(curve: Result) -> DataFrame:
     """The columns as a data frame (needs the optional package pandas)."""
     return curve.to_pandas()
 
 
-def plot(curve: report.Result, path: str | Path | None = None) -> report.Figure:
+def plot(curve: Result, path: str | Path | None = None) -> Figure:
     """The picture of a result, of a curve load over displacement and contact radius over load; also written to ``path``
     (.png, .svg, .pdf) where given."""
     from .report import plots
@@ -567,6 +621,6 @@ def plot(curve: report.Result, path: str | Path | None = None) -> report.Figure:
     return figure
 
 
-def summary(curve: report.Result) -> dict[str, Any]:
+def summary(curve: Result) -> dict[str, Any]:
     """What the result's JSON file says."""
     return curve.summary()

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from jkrcli import Elastic, Specimen
-from jkrcli.base import Array
-from jkrcli.bodies import contact_modulus
+from jkrcli.base.numerics import Array
+from jkrcli.bodies.materials import contact_modulus
 from jkrcli.methods.layered.spectrum import minors_of, shear_moduli
 
 

@@ -14,7 +14,9 @@ from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
-from jkrcli.fitting import FittedBody, Parameter, Settings
+from jkrcli.fitting.forward_model import FittedBody
+from jkrcli.fitting.parameters import Parameter
+from jkrcli.fitting.settings import Settings
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.layered.solver import Layered
 

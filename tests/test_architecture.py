@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import importlib
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
@@ -12,6 +11,8 @@ from pathlib import Path
 import pytest
 from sources import nodes
 
+from jkrcli import api
+
 PACKAGE = Path(__file__).parent.parent / "jkrcli"
 # The rooms, each above those that may import from it; what stands at the top of the package may import from all.
 ROOMS = (
@@ -19,11 +20,6 @@ ROOMS = (
     "report", "many", "cli",
 )  # fmt: skip
 MOST_AT_TOP = 4
-# Rooms, and folders in them, that offer names of their modules.
-OFFERING = (
-    "adhesion", "base", "bodies", "case", "data", "fitting", "methods", "methods.integral",
-    "report", "resolve",
-)  # fmt: skip
 # Libraries and the one folder or module that may import each.
 DOORS = {
     "afmformats": "data/afm_formats.py",
@@ -157,26 +153,14 @@ def test_each_heavy_library_has_one_door() -> None:
             assert door is None or relative.is_relative_to(door), f"{relative} imports {target}"
 
 
-@pytest.mark.parametrize("room", OFFERING)
-def test_what_a_room_offers_is_there(room: str) -> None:
-    """Names that a room imports for the types are imported when they are first asked for."""
-    package, parts = importlib.import_module(f"jkrcli.{room}"), nodes(PACKAGE / room.replace(".", "/") / "__init__.py")
-    typed = [alias.name for block in parts if isinstance(block, ast.If)
-             for node in block.body if isinstance(node, ast.ImportFrom) for alias in node.names]  # fmt: skip
-    assert typed
-    assert all(hasattr(package, name) for name in typed)
-    with pytest.raises(AttributeError, match=f"module jkrcli.{room} has no attribute nothing"):
-        _ = package.nothing
+def test_the_package_offers_the_names_of_the_python_interface() -> None:
+    """They are loaded when the first is asked for, so that neither a checker of types nor an import tells."""
+    import jkrcli
 
-
-def test_what_is_taken_of_a_room_is_there() -> None:
-    """A room's names are imported when they are asked for, so that neither a checker of types nor an import tells."""
-    known = modules(PACKAGE)
-    for name, path in known.items():
-        for target in imported(name, path):
-            room, _, taken = target.removeprefix("jkrcli.").rpartition(".")
-            if target.startswith("jkrcli.") and room in OFFERING and f"{room}.{taken}" not in known:
-                assert hasattr(importlib.import_module(f"jkrcli.{room}"), taken), f"{name} takes {target}"
+    assert set(api.__all__) < set(dir(jkrcli))
+    assert all(getattr(jkrcli, name) is getattr(api, name) for name in api.__all__)
+    with pytest.raises(AttributeError, match="module jkrcli has no attribute nothing"):
+        _ = jkrcli.nothing
 
 
 def test_help_imports_no_heavy_module() -> None:

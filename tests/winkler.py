@@ -11,7 +11,7 @@ import numpy as np
 from jkrcli.base.units import Ranged
 from jkrcli.bodies.problem import Problem
 from jkrcli.formulas import foundation_modulus, thin_layer_slopes
-from jkrcli.methods import Descriptor, Forecast, register
+from jkrcli.methods.protocol import Descriptor, Forecast, register
 from jkrcli.series import ErrorBudget, Series, Solution
 
 

@@ -26,7 +26,7 @@ from jkrcli.case.models import (
     TransverseLayerTable,
     as_several,
 )
-from jkrcli.methods import METHODS
+from jkrcli.methods.protocol import METHODS
 
 PLAIN = {str: "text", bool: "true or false", int: "a whole number", float: "a number", type(None): ""}
 

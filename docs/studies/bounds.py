@@ -15,14 +15,13 @@ from jkrcli.base.errors import JkrError, Unknown
 from jkrcli.base.executors import completed
 from jkrcli.base.files import as_json
 from jkrcli.base.numerics import Array
-from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Side, Specimen
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import Spacing
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Side, Spacing, Specimen
 from jkrcli.formulas import shift
-from jkrcli.methods import method_class
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.solver import Layered
+from jkrcli.methods.protocol import method_class
 from jkrcli.resolve.analysis import analyse, error_of_point, with_solved_points
 from jkrcli.series import Series, Solution
 

@@ -14,12 +14,12 @@ from jkrcli.base.errors import Estimate, InputError, JkrError, Unknown
 from jkrcli.base.files import read_bytes
 from jkrcli.bodies.materials import INCOMPRESSIBLE
 from jkrcli.bodies.problem import Problem
-from jkrcli.case import Case, store
+from jkrcli.case import store
 from jkrcli.case.models import CaseModel, fem_of, method_of
+from jkrcli.case.reading import Case
 from jkrcli.many.bench import Cost, process_cost
-from jkrcli.methods import METHODS, method_class
 from jkrcli.methods.layered.solver import largest_radius
-from jkrcli.methods.protocol import choose_method
+from jkrcli.methods.protocol import METHODS, choose_method, method_class
 from jkrcli.resolve.analysis import Analysis, analyse
 
 from .chart_measure import timed, typical

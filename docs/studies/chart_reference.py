@@ -12,9 +12,9 @@ from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import JkrError, Refusal
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.problem import Loading, Problem
-from jkrcli.methods import Method, method_class
 from jkrcli.methods.integral.fredholm import InaccurateError
 from jkrcli.methods.layered.solver import Layered, largest_radius
+from jkrcli.methods.protocol import Method, method_class
 from jkrcli.resolve.comparison import curve_distance
 from jkrcli.series import Series
 

@@ -16,7 +16,7 @@ from jkrcli.base import units
 from jkrcli.base.errors import InputError, JkrError
 from jkrcli.base.executors import Pool, Step, executor
 from jkrcli.base.process import pin_blas
-from jkrcli.report import Output
+from jkrcli.report.result import Output
 
 Main: TypeAlias = Callable[[Sequence[str] | None], int]
 

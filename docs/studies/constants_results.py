@@ -20,7 +20,7 @@ from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import TableProfile
 from jkrcli.data.curve import Curve
 from jkrcli.data.foreign import SeriesReading, read_series
-from jkrcli.methods import method_class
+from jkrcli.methods.protocol import method_class
 from jkrcli.report.dem import Exported
 from jkrcli.series import Solution
 

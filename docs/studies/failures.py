@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 from jkrcli.base.files import as_json
-from jkrcli.methods import METHODS
-from jkrcli.report import PICTURES
+from jkrcli.methods.protocol import METHODS
 from jkrcli.report.plots import Axes, Figure, drawing
 from jkrcli.report.plots.looks import BLACK, BLUE, GREEN, ORANGE, PURPLE, WIDE
+from jkrcli.report.result import PICTURES
 
 from .command import call, output_of, parser_of, pool_of
 from .failures_cells import AXES, BODIES, SHAPES, Cell

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
-from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 
 SHAPES = ("sphere", "paraboloid", "cone", "power", "flat", "table")
 BODIES = ("half-space", "bonded", "sliding", "coating", "two layers")

@@ -22,8 +22,8 @@ from jkrcli.base.executors import Pool, completed
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.problem import Loading, Problem
 from jkrcli.formulas import shift
-from jkrcli.methods import METHODS, Method, method_class
 from jkrcli.methods.layered.solver import Layered, surface_profile
+from jkrcli.methods.protocol import METHODS, Method, method_class
 from jkrcli.series import RawSeries, Series, Solution, first_of_plateaus
 
 from .failures_cells import Cell, draw

@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from node_series import NodeSeries, many  # type: ignore[import-not-found]
 
-from jkrcli.base import JkrError, Unknown
+from jkrcli.base.errors import JkrError, Unknown
 from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.resolve.analysis import analyse
 

@@ -12,9 +12,9 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from jkrcli.report import PICTURES
 from jkrcli.report.plots import Axes, Figure, drawing, legend_below
 from jkrcli.report.plots.looks import BLUE, GREEN, NARROW, ORANGE, WIDE
+from jkrcli.report.result import PICTURES
 
 from .command import call, output_of, parser_of, pool_of
 from .noise_cells import BODIES, METHODS, NOISE, POINTS, NoiseCell, noise_study

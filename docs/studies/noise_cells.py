@@ -19,10 +19,10 @@ from jkrcli.adhesion.slopes.choice import slopes, smoothed
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.base.executors import Pool, in_order
 from jkrcli.base.numerics import Array
-from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
-from jkrcli.methods import method_class
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.protocol import method_class
 from jkrcli.series import RawSeries, Series
 
 POINTS = (15, 60, 300)  # rows of a series

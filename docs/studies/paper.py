@@ -23,16 +23,16 @@ from jkrcli.base.errors import InputError, Unknown
 from jkrcli.base.numerics import Array
 from jkrcli.base.units import scale, show
 from jkrcli.bodies.problem import Loading, Problem
-from jkrcli.case import load_case
 from jkrcli.case.models import method_of
+from jkrcli.case.reading import load_case
 from jkrcli.data.measured import read
 from jkrcli.many.convergence import COLORS, converge, curves_panel, radius_panel
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.layered.solver import Layered
-from jkrcli.report import PICTURES
 from jkrcli.report.plots import Figure
 from jkrcli.report.plots.looks import BLACK, BLUE, GREEN, ORANGE, pretty
 from jkrcli.report.plots.studies import Line, Panel, panels_figure
+from jkrcli.report.result import PICTURES
 from jkrcli.report.tables import Scales, scales_of
 from jkrcli.resolve.analysis import Analysis, analyse
 from jkrcli.series import Series, Solution

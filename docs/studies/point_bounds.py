@@ -15,7 +15,7 @@ from jkrcli.base.errors import JkrError, Unknown
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.problem import Loading
 from jkrcli.formulas import shift
-from jkrcli.methods import method_class
+from jkrcli.methods.protocol import method_class
 from jkrcli.resolve.analysis import nonadhesive
 from jkrcli.series import Series
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from jkrcli.base.errors import JkrError
-from jkrcli.methods import method_class
+from jkrcli.methods.protocol import method_class
 
 from .bounds import PATIENCE, Bound, study
 from .bounds import body as random_body

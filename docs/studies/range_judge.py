@@ -12,8 +12,7 @@ from jkrcli.adhesion.curve import CONTROLS, CriticalPoint, position
 from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve, Range
 from jkrcli.base.errors import JkrError
 from jkrcli.base.numerics import Array
-from jkrcli.bodies import unbounded
-from jkrcli.bodies.problem import Problem
+from jkrcli.bodies.problem import Problem, unbounded
 from jkrcli.formulas import shift
 from jkrcli.methods.finite_range import AttractedBody
 from jkrcli.methods.hybrid.kernel import AdaptiveKernel

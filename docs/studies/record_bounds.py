@@ -23,11 +23,12 @@ from layer_contact import BondedLayer, half_space  # type: ignore[import-not-fou
 
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import JkrError
-from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import APPROACH, RETRACT, Curve
-from jkrcli.fitting import FittedBody, fit
+from jkrcli.fitting.forward_model import FittedBody
+from jkrcli.fitting.procedure import fit
 from jkrcli.fitting.settings import settings_of
 from jkrcli.methods.layered.solver import Layered
 

@@ -23,18 +23,20 @@ import numpy as np
 from cycle_records import spoilt  # type: ignore[import-not-found]
 from wrong_records import SPEED, WRONG, Drawn, Wrong, right  # type: ignore[import-not-found]
 
-from jkrcli.adhesion import LIMITS
 from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.validity import LIMITS
 from jkrcli.base.errors import JkrError
-from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.bodies.indenters import Paraboloid, Sphere
-from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
-from jkrcli.fitting import Fit, FittedBody, fit
 from jkrcli.fitting import force_curve as force_curve_fit
 from jkrcli.fitting import verdict as record_verdict
 from jkrcli.fitting.alternative_tests import RecordRivals, relative_errors
 from jkrcli.fitting.alternatives import AMOUNT, RIVALS, Change, FittedRecord, RivalModel
+from jkrcli.fitting.forward_model import FittedBody
+from jkrcli.fitting.procedure import fit
+from jkrcli.fitting.result import Fit
 from jkrcli.fitting.settings import settings_of, uncertain_of
 from jkrcli.methods.layered.solver import Layered
 

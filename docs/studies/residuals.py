@@ -16,11 +16,11 @@ from wrong_records import WRONG, Drawn, right  # type: ignore[import-not-found]
 
 from jkrcli.base.numerics import Array
 from jkrcli.data.curve import APPROACH
-from jkrcli.fitting import Fit
 from jkrcli.fitting.force_curve import ForceCurveFit
-from jkrcli.report import PICTURES
+from jkrcli.fitting.result import Fit
 from jkrcli.report.plots import Axes, Figure, drawing, few_ticks
 from jkrcli.report.plots.looks import BLUE, ORANGE, WIDE
+from jkrcli.report.result import PICTURES
 
 from .command import call, output_of, parser_of
 from .record_rivals import fitted, last, timed_scores

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.materials import Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.layered.solver import Layered
 
 from .bounds import Bound, study

@@ -29,12 +29,15 @@ from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import SolveError, Unknown
 from jkrcli.base.executors import Pool, completed
-from jkrcli.bodies import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.bodies.indenters import Paraboloid
-from jkrcli.bodies.materials import Elastic, Exponential, Graded
+from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
-from jkrcli.fitting import FittedBody, Parameter, Settings, fit
-from jkrcli.methods import METHODS, method_class
+from jkrcli.fitting.forward_model import FittedBody
+from jkrcli.fitting.parameters import Parameter
+from jkrcli.fitting.procedure import fit
+from jkrcli.fitting.settings import Settings
+from jkrcli.methods.protocol import METHODS, method_class
 
 from . import noise_cells
 from .chart_reference import Reference, reference_of

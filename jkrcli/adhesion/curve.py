@@ -17,8 +17,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 import numpy as np
 
-from ..base import ROUNDED, UNSEEN, Array, Estimate, InputError, Unknown, composite_gauss, show, zeros_between
-from ..bodies import Problem
+from ..base.errors import Estimate, InputError, Unknown
+from ..base.numerics import ROUNDED, UNSEEN, Array, composite_gauss, zeros_between
+from ..base.units import show
+from ..bodies.problem import Problem
 from ..formulas import shift
 from ..series import Series
 from .interpolation import Nonadhesive

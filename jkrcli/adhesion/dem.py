@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import MOST_SOLVES, Array, InputError, Unknown, zeros_between
+from ..base.errors import InputError, Unknown
+from ..base.numerics import MOST_SOLVES, Array, zeros_between
 from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, CriticalPoint, Equilibrium, EquilibriumCurve
 from .stability import behaviour
 

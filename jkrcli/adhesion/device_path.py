@@ -20,7 +20,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ..base import MOST_STEPS, ROUNDED, SAME, Array, InputError, Unknown, parse, show, zeros_between
+from ..base.errors import InputError, Unknown
+from ..base.numerics import MOST_STEPS, ROUNDED, SAME, Array, zeros_between
+from ..base.units import parse, show
 from .curve import LOAD_CONTROL, AdhesiveCurve, Equilibrium, EquilibriumCurve, control, position
 from .from_rest import FromRest
 from .interpolation import Nonadhesive

@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ..base import Estimate, JkrError, Unknown
+from ..base.errors import Estimate, JkrError, Unknown
 from .curve import AdhesiveCurve, EquilibriumCurve, position
 from .device_path import Follow, Path, QuasiStatic, shrink
 from .pull_off_error import COARSER_LEFT, larger_elements

@@ -15,25 +15,14 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from ..base import (
-    MOST_STEPS,
-    ROUNDED,
-    SAME,
-    TINY,
-    Array,
-    Estimate,
-    InputError,
-    Refusal,
-    Unknown,
-    composite_gauss,
-    positive,
-    show,
-    zeros_between,
-)
-from ..bodies import NO_FINITE_RANGE, Problem
-from ..methods import METHODS, AttractedBody
-from ..methods.integral import Attraction, Rims, refuse_narrow
+from ..base.errors import Estimate, InputError, Refusal, Unknown, positive
+from ..base.numerics import MOST_STEPS, ROUNDED, SAME, TINY, Array, composite_gauss, zeros_between
+from ..base.units import show
+from ..bodies.problem import NO_FINITE_RANGE, Problem
+from ..methods.finite_range import AttractedBody
+from ..methods.integral.finite_range import Attraction, Rims, refuse_narrow
 from ..methods.layered.contact import checked
+from ..methods.protocol import METHODS
 from ..series import Record, Series, Solution
 from .curve import CONTROLS, CURVE_SAMPLES, CriticalPoint, Equilibrium, EquilibriumCurve, controlled, position
 from .interpolation import Nonadhesive, Parts

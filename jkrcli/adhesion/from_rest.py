@@ -22,8 +22,10 @@ from typing import Self
 
 import numpy as np
 
-from ..base import SAME, Array, Estimate, InputError, Unknown, show
-from ..bodies import Relaxation
+from ..base.errors import Estimate, InputError, Unknown
+from ..base.numerics import SAME, Array
+from ..base.units import show
+from ..bodies.materials import Relaxation
 from ..series import Series
 from .curve import (
     DISPLACEMENT_CONTROL,

@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..base import ROUNDED, Array, InputError, PiecewiseCubic, PiecewiseQuintic, composite_gauss, spline_slopes
+from ..base.errors import InputError
+from ..base.numerics import ROUNDED, Array, PiecewiseCubic, PiecewiseQuintic, composite_gauss, spline_slopes
 from ..formulas import shift
 from ..series import COLUMNS, Series
 from .slopes.result import Slopes

@@ -23,8 +23,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..base import SAME, UNSEEN, Array, InputError, Unknown
-from ..bodies import Indenter
+from ..base.errors import InputError, Unknown
+from ..base.numerics import SAME, UNSEEN, Array
+from ..bodies.indenters import Indenter
 from ..series import Series
 from .curve import (
     CURVE_ORDER,

@@ -21,21 +21,10 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from ..base import (
-    LOOKED_AT,
-    MOST_STEPS,
-    Array,
-    Estimate,
-    InputError,
-    Ranged,
-    Registry,
-    SolveError,
-    Unknown,
-    check_ranges,
-    did_you_mean,
-    positive,
-    show,
-)
+from ..base.errors import Estimate, InputError, SolveError, Unknown, did_you_mean, positive
+from ..base.numerics import LOOKED_AT, MOST_STEPS, Array
+from ..base.registry import Registry
+from ..base.units import Ranged, check_ranges, show
 from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, AdhesiveCurve, position
 from .device_path import (
     ADVANCE,

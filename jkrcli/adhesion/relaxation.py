@@ -15,7 +15,8 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from ..base import (
+from ..base.errors import Estimate, InputError, SolveError, Unknown
+from ..base.numerics import (
     LOOKED_AT,
     MOST_STEPS,
     NOTICEABLE,
@@ -23,16 +24,12 @@ from ..base import (
     SAME,
     SETTLED,
     Array,
-    Estimate,
-    InputError,
     PiecewiseCubic,
-    SolveError,
-    Unknown,
     composite_gauss,
-    show,
     zeros_between,
 )
-from ..bodies import Modes, Relaxation
+from ..base.units import show
+from ..bodies.materials import Modes, Relaxation
 from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
 from .device_path import Program, TimedState
 from .interpolation import Nonadhesive

@@ -13,7 +13,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ..base import ROUNDED, SAME, Array, Estimate, InputError, SolveError, Unknown, show, zeros_between
+from ..base.errors import Estimate, InputError, SolveError, Unknown
+from ..base.numerics import ROUNDED, SAME, Array, zeros_between
+from ..base.units import show
 from .curve import (
     DISPLACEMENT_CONTROL,
     LOAD_CONTROL,

@@ -17,8 +17,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from ..base import SAME, Estimate, InputError, Refusal, Unknown, show
-from ..bodies import INCOMPRESSIBLE, Elastic, HalfSpace, Indenter, Problem
+from ..base.errors import Estimate, InputError, Refusal, Unknown
+from ..base.numerics import SAME
+from ..base.units import show
+from ..bodies.indenters import Indenter
+from ..bodies.materials import INCOMPRESSIBLE, Elastic
+from ..bodies.problem import HalfSpace, Problem
 from ..formulas import BY_DISPLACEMENT, BY_LOAD, edge_angle, strained_pull_off, tabor
 
 if TYPE_CHECKING:

@@ -12,7 +12,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..base import Array, Registry
+from ..base.numerics import Array
+from ..base.registry import Registry
 from .materials import Solid
 
 SHAPES = Registry(inherited="material", word="shape")

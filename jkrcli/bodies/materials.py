@@ -16,20 +16,10 @@ from typing import Annotated, Any, NamedTuple, Protocol, Self, TypeAlias
 
 import numpy as np
 
-from ..base import (
-    ROUNDED,
-    AnyLength,
-    Array,
-    InputError,
-    Key,
-    Length,
-    Modulus,
-    Ranged,
-    Registry,
-    check_ranges,
-    positive,
-    show,
-)
+from ..base.errors import InputError, positive
+from ..base.numerics import ROUNDED, Array
+from ..base.registry import Key, Registry
+from ..base.units import AnyLength, Length, Modulus, Ranged, check_ranges, show
 
 # --------------------------------------------------------------------------------------------------
 # Laws of Young's modulus over depth, measured from the top of the layer that has them.

@@ -8,7 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, cast
 
-from ..base import InputError, did_you_mean, positive, show
+from ..base.errors import InputError, did_you_mean, positive
+from ..base.units import show
 from .indenter import Indenter
 from .materials import (
     AnyGraded,

@@ -32,35 +32,32 @@ from pydantic import (
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError
 from pydantic_core.core_schema import no_info_before_validator_function
 
-from ..base import InputError, Ranged, Registry, did_you_mean, read_bytes, units
-from ..bodies import (
+from ..base import units
+from ..base.errors import InputError, did_you_mean
+from ..base.files import read_bytes
+from ..base.registry import Registry
+from ..base.units import Ranged
+from ..bodies.indenters import SHAPES, Indenter
+from ..bodies.materials import (
     LAWS,
-    NO_FINITE_RANGE,
     RELAXATIONS,
-    SHAPES,
     Coated,
     Elastic,
     Graded,
     GradedTransverselyIsotropic,
-    HalfSpace,
-    Indenter,
     Layer,
-    Loading,
-    Problem,
-    Quantity,
-    Rigid,
     Solid,
-    Specimen,
     TransverselyIsotropic,
 )
+from ..bodies.problem import NO_FINITE_RANGE, HalfSpace, Loading, Problem, Quantity, Rigid, Specimen
 from ..formulas import capillary, kelvin_radius
-from ..methods import METHODS, Descriptor, Method, method_class
+from ..methods.protocol import METHODS, Descriptor, Method, method_class
 from ..series import Record
 from ..tables import TextTable, read_table, split_name, unit_power
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from ..methods import FEM
+    from ..methods.fem.method import FEM
 
 
 # --------------------------------------------------------------------------------------------------

@@ -12,24 +12,23 @@ from typing import Any, TypeVar
 import tomli_w
 from pydantic import ValidationError
 
-from ..base import InputError, did_you_mean, doubtful_work, nearest, ranges_of, read_bytes
-from ..bodies import (
+from ..base.errors import InputError, did_you_mean, nearest
+from ..base.files import read_bytes
+from ..base.units import doubtful_work, ranges_of
+from ..bodies.indenters import SHAPES
+from ..bodies.materials import (
     LAWS,
     RELAXATIONS,
-    SHAPES,
     Coated,
     Graded,
     GradedTransverselyIsotropic,
-    HalfSpace,
     Law,
     Layer,
-    Loading,
     Material,
-    Problem,
     Solid,
-    Specimen,
 )
-from ..methods import METHODS
+from ..bodies.problem import HalfSpace, Loading, Problem, Specimen
+from ..methods.protocol import METHODS
 from .models import CaseModel, RootTable, UnquotedError, case_model, other_tables
 
 Root = TypeVar("Root", bound=RootTable)

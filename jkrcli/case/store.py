@@ -15,22 +15,14 @@ import numpy as np
 import tomli_w
 
 from .. import __version__
-from ..base import (
-    LARGEST_SI,
-    MOST_CELLS,
-    Array,
-    Estimate,
-    InputError,
-    JkrError,
-    Unknown,
-    hdf5,
-    one_thread,
-    process,
-    read_bytes,
-    write_bytes,
-)
-from ..bodies import Problem
-from ..methods import Choice, Limits, Method, admit, choose_method, long_look, method_class
+from ..base import hdf5, process
+from ..base.errors import Estimate, InputError, JkrError, Unknown
+from ..base.files import read_bytes, write_bytes
+from ..base.numerics import MOST_CELLS, Array
+from ..base.process import one_thread
+from ..base.units import LARGEST_SI
+from ..bodies.problem import Problem
+from ..methods.protocol import Choice, Limits, Method, admit, choose_method, long_look, method_class
 from ..series import (
     COLUMNS,
     Coarser,

@@ -8,7 +8,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from ..base import DISTRIBUTIONS, read_bytes
+from ..base.files import read_bytes
+from ..base.numerics import DISTRIBUTIONS
 from .models import Length, RootTable, Table, as_tuple, one_or_more, quantity, wrong
 from .reading import parse_toml, validated
 

@@ -13,7 +13,8 @@ from collections.abc import Sequence
 import click
 
 from .. import __version__
-from ..base import InputError, JkrError, begin_with_one, did_you_mean, printable
+from ..base.errors import InputError, JkrError, did_you_mean, printable
+from ..base.process import begin_with_one
 from .output import folded, give_up, tell, warn
 from .verb import LateGroup
 

@@ -13,12 +13,17 @@ from typing import Any
 import click
 
 from .. import __version__
-from ..base import InputError, atomic, check_series_target, check_target, read_bytes, together, write_text
-from ..case import Case, CaseModel, LoadingTable, fem_of, load_case, parse_case, record_of, solve, write_solution
+from ..base.errors import InputError
+from ..base.files import atomic, check_series_target, check_target, read_bytes, together, write_text
+from ..case.models import CaseModel, LoadingTable, fem_of
+from ..case.reading import Case, load_case, parse_case
+from ..case.store import record_of, solve, write_solution
 from ..data.foreign import NAMES, SeriesReading, read_series
-from ..methods import METHODS, Limits, write_msh, write_vtu
-from ..report import Imported, Meshed, Output, Solved
-from ..resolve import effect_facts, sticking_effect
+from ..methods.fem.mesh import write_msh, write_vtu
+from ..methods.protocol import METHODS, Limits
+from ..report.result import Output
+from ..report.solved import Imported, Meshed, Solved
+from ..resolve.comparison import effect_facts, sticking_effect
 from .inputs import SEPARATED, Flags, begin_reading, body_options, case_of, named_flags, reading_of
 from .options import (
     LENGTH,

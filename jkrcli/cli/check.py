@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..case import load_case
-from ..methods import long_look
-from ..report import Check
+from ..case.reading import load_case
+from ..methods.protocol import long_look
+from ..report.check import Check
 from ..resolve.neglected import seconds_of_works
 from .options import json_option
 from .output import announce, give, note

@@ -9,43 +9,33 @@ from typing import cast
 
 import click
 
-from ..adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, RangeRequest, Rest
-from ..base import InputError, atomic, together, write_text
-from ..bodies import relaxing
-from ..case import Case
-from ..data import Reading, measured
-from ..methods import Limits
-from ..report import (
-    COMPONENTS,
-    PICTURES,
-    Fields,
-    Files,
-    MeasuredByHistory,
-    MeasuredPullOff,
-    Output,
-    Profile,
-    PullOff,
-    Result,
-    Results,
-    Transformed,
-    as_result,
-    figure_of,
-)
+from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
+from ..adhesion.finite_range import RangeRequest
+from ..adhesion.from_rest import Rest
+from ..base.errors import InputError
+from ..base.files import atomic, together, write_text
+from ..bodies.materials import relaxing
+from ..case.reading import Case
+from ..data import measured
+from ..data.curve import Reading
+from ..methods.protocol import Limits
 from ..report import tables as scaling
 from ..report.explorer import Explored, page, payload, start_work
-from ..resolve import (
-    analyse,
-    checked_histories,
-    effect_on,
-    lost_by_history,
-    profile_columns,
-    radius_under,
-    rest_of,
-    seconds_of_histories,
-    seconds_of_page,
-    sticking_warnings,
-    where_lost,
+from ..report.forward import (
+    COMPONENTS,
+    Fields,
+    MeasuredByHistory,
+    MeasuredPullOff,
+    Profile,
+    PullOff,
+    Transformed,
+    figure_of,
 )
+from ..report.result import PICTURES, Files, Output, Result, Results, as_result
+from ..resolve.analysis import analyse, seconds_of_page, where_lost
+from ..resolve.comparison import effect_on, sticking_warnings
+from ..resolve.histories import checked_histories, lost_by_history, rest_of, seconds_of_histories
+from ..resolve.profile import profile_columns, radius_under
 from ..series import Solution
 from .case_verbs import MARKS
 from .inputs import (
@@ -360,7 +350,7 @@ def fields(file: Path, state: State, component: str, output: Output) -> None:
     output.folder(Path())
     file, solution, w = body_and_work("fields", file, state.work)
     targets = output.files(output.folder(file.parent) / f"{file.stem}-fields", (".vtu", ".csv", *PICTURES), [file])
-    from ..case import fem_of
+    from ..case.models import fem_of
 
     method = fem_of(cast(Case, solution.record.case).model)
     result = Fields.of(analyse(solution, [w])[0], method, a=state.radius, load=state.load, component=component)
@@ -401,7 +391,7 @@ def export(file: Path, dem: bool, work: float | None, slopes: str, limits: Limit
         raise InputError(f"{file}: a contact without adhesion needs no table of what holds it: give --w")
     targets = output.files(output.folder(file.parent) / f"{file.stem}-dem", (".h", ".csv"), [file])
     begin_curves("export", [solution], [(w,)], limits)
-    from ..report import Exported
+    from ..report.dem import Exported
 
     law = Exported.of(analyse(solution, [w], slopes)[0])
     with together():

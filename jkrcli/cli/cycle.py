@@ -8,13 +8,21 @@ from pathlib import Path
 
 import click
 
-from .. import adhesion, bodies, report
-from .. import resolve as beside
-from ..adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, LoadingHistory, Rest
-from ..base import InputError, show, together
-from ..methods import Limits
-from ..report import PICTURES, Cycled, CycledByProgram, CycledInLimits, Output, Result, traced_histories
-from ..resolve import analyse, curves_from_rest, rest_of, with_solved_points
+from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
+from ..adhesion.device_path import Course, Program
+from ..adhesion.from_rest import LoadingHistory, Rest
+from ..adhesion.rate import RateContact, parameters_of, rate_law_of
+from ..adhesion.relaxation import RelaxingContact
+from ..base.errors import InputError
+from ..base.files import together
+from ..base.units import show
+from ..bodies.materials import Relaxation
+from ..methods.protocol import Limits
+from ..report.forward import Cycled, CycledByProgram
+from ..report.rate import CycledAtSpeed, CycledInLimits, CycledRelaxing, traced_histories
+from ..report.result import PICTURES, Output, Result
+from ..resolve.analysis import Analysis, analyse, with_solved_points
+from ..resolve.histories import curves_from_rest, rest_of
 from ..series import Solution
 from .inputs import (
     TABLE_CYCLE_MIB_PER_ROW,
@@ -100,7 +108,7 @@ class RateOptions:
                 "slow cycles and from rest alone, which do not depend on time: leave it out, or give --w-approach 0"
             )
 
-    def program_of(self, contact: adhesion.RateContact | adhesion.RelaxingContact) -> adhesion.Program:
+    def program_of(self, contact: RateContact | RelaxingContact) -> Program:
         """What the device does, of the table or of the speeds."""
         if self.program is not None:
             return read_program(self.program, contact.stiffness)
@@ -109,7 +117,7 @@ class RateOptions:
     def refuse_wrong(self, stiffness: float) -> None:
         """InputError where a speed, time or place is none, before anything is solved."""
         if self.speed is not None:
-            self._course.moves(stiffness == adhesion.LOAD_CONTROL, flag)
+            self._course.moves(stiffness == LOAD_CONTROL, flag)
 
     def suffix(self, stiffness: float) -> str:
         """What distinguishes names of files, of the options that were given: ``-to-load0.0005-speed1e-05``, SI."""
@@ -117,54 +125,52 @@ class RateOptions:
         parts = list[str]()
         for name, pairs in (("rate", self.rate), ("rate_advance", self.rate_advance)):
             if pairs is not None:
-                law, values = adhesion.parameters_of(adhesion.rate_law_of(pairs, flag(name)))
+                law, values = parameters_of(rate_law_of(pairs, flag(name)))
                 parts.append("-".join([f"{flag(name)[1:]}-{law}", *(f"{value:g}" for value in values.values())]))
         if self.speed is not None:
-            moves = self._course.moves(stiffness == adhesion.LOAD_CONTROL, flag)
+            moves = self._course.moves(stiffness == LOAD_CONTROL, flag)
             told = (moves.back, moves.there, moves.hold, moves.dwell, moves.dwell_time)
             si |= {name: x for name, x in zip(ALONE, told, strict=True) if getattr(self, name) is not None}
         parts += [f"{flag(name)[1:]}{x:g}" for name, x in si.items() if x is not None]
         return "".join([*parts, "" if self.program is None else f"-program-{self.program.stem}"])
 
     @property
-    def _course(self) -> adhesion.Course:
-        return adhesion.Course(**{name: getattr(self, name) for name in ("to_load", "to_depth", *ALONE)})
+    def _course(self) -> Course:
+        return Course(**{name: getattr(self, name) for name in ("to_load", "to_depth", *ALONE)})
 
 
 rate_options = as_one("rates", RateOptions)
 
 
 def run(
-    curves: Sequence[beside.Analysis], stiffness: float, points: int, rates: RateOptions, history: str = ""
-) -> report.CycledAtSpeed:
+    curves: Sequence[Analysis], stiffness: float, points: int, rates: RateOptions, history: str = ""
+) -> CycledAtSpeed:
     """What happens over time; ``curves``: those of approach and of retraction; ``history``: of a viscoelastic
     specimen, in words."""
     inwards, outwards = curves
-    law = adhesion.rate_law_of(rates.rate or {}, "--rate")
-    advance = None if rates.rate_advance is None else adhesion.rate_law_of(rates.rate_advance, "--rate-advance")
-    contact = adhesion.RateContact(outwards.jkr.nonadhesive, law, outwards.w, inwards.w, stiffness, advance)
+    law = rate_law_of(rates.rate or {}, "--rate")
+    advance = None if rates.rate_advance is None else rate_law_of(rates.rate_advance, "--rate-advance")
+    contact = RateContact(outwards.jkr.nonadhesive, law, outwards.w, inwards.w, stiffness, advance)
     program = rates.program_of(contact)
-    return report.CycledAtSpeed.of(contact, program, outwards, stress=rates.stress, points=points, history=history)
+    return CycledAtSpeed.of(contact, program, outwards, stress=rates.stress, points=points, history=history)
 
 
-def run_relaxing(
-    body: beside.Analysis, law: bodies.Relaxation, stiffness: float, points: int, rates: RateOptions
-) -> report.CycledRelaxing:
+def run_relaxing(body: Analysis, law: Relaxation, stiffness: float, points: int, rates: RateOptions) -> CycledRelaxing:
     """What happens over time to a body that relaxes, without adhesion."""
     if rates.rate is not None:
         raise InputError("cycle: --rate needs adhesion: give --w-approach, or leave it out")
     if rates.speed is None and rates.program is None:
         raise InputError('cycle: the specimen relaxes: say what the device does, --speed "10 um/s" or --program TABLE')
-    contact = adhesion.RelaxingContact(body.jkr.nonadhesive, law, stiffness)
-    return report.CycledRelaxing.of(contact, rates.program_of(contact), body.path, points)
+    contact = RelaxingContact(body.jkr.nonadhesive, law, stiffness)
+    return CycledRelaxing.of(contact, rates.program_of(contact), body.path, points)
 
 
-def read_program(path: Path, stiffness: float) -> adhesion.Program:
+def read_program(path: Path, stiffness: float) -> Program:
     """What the table at ``path`` says that a device of ``stiffness`` [N/m] does."""
     from ..data import foreign as device_program
 
-    dimension = "load" if stiffness == adhesion.LOAD_CONTROL else "length"
-    return adhesion.Program(*device_program.read_program(path, dimension))
+    dimension = "load" if stiffness == LOAD_CONTROL else "length"
+    return Program(*device_program.read_program(path, dimension))
 
 
 @verb("file")

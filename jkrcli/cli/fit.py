@@ -11,14 +11,27 @@ from typing import Any, TypeAlias, TypeVar
 import click
 from click.core import ParameterSource
 
-from .. import data, report
-from .. import fitting as fits
-from ..adhesion import RATE_LAWS
-from ..base import InputError, SolveError, beside, executor, files, one_thread, together
-from ..bodies import RELAXATIONS
-from ..data import Reading
-from ..methods import Forecast, Limits
-from ..report import PICTURES, SHOWN, Output
+from ..adhesion.rate import RATE_LAWS
+from ..base import files
+from ..base.errors import InputError, SolveError
+from ..base.executors import executor
+from ..base.files import beside, together
+from ..base.process import one_thread
+from ..bodies.materials import RELAXATIONS
+from ..data import measured
+from ..data.curve import Curve, Reading
+from ..data.measured import usable
+from ..data.segmentation import examine
+from ..fitting.forward_model import FittedBody
+from ..fitting.joint import joint_fit, shared_of, with_radii
+from ..fitting.parameters import ALIAS
+from ..fitting.procedure import Failure, fit_all, planned
+from ..fitting.result import Fit
+from ..fitting.settings import USUALLY_FREE, Settings, settings_of, uncertain_of
+from ..methods.protocol import Forecast, Limits
+from ..report.inverse import Fits, JointFitted, LawFit, RelaxationFits, TensionFitted, plan_table, rivals_table
+from ..report.result import PICTURES, SHOWN, Files, Output, Result, as_result
+from ..tables import some
 from . import options
 from .inputs import (
     TABLE_CARRIED,
@@ -94,47 +107,47 @@ class FitRequest:
     """What is fitted to what, how the files are read, and where it goes; ``names``: of what is free beside the usual;
     ``body_words``: the ``body`` in words; ``options``: of the fit, by name; ``inputs``: files not to write over."""
 
-    body: fits.FittedBody
+    body: FittedBody
     measured: Sequence[Path]
-    reading: data.Reading
+    reading: Reading
     names: Sequence[str]
     options: dict[str, Any]
-    targets: report.Files
+    targets: Files
     body_words: str
-    output: report.Output
+    output: Output
     inputs: Sequence[Path]
 
-    def curves(self, beside: Sequence[Beside]) -> tuple[list[data.Curve], list[Beside]]:
+    def curves(self, beside: Sequence[Beside]) -> tuple[list[Curve], list[Beside]]:
         """The curves in all files, each with what stands ``beside`` its file; InputError where one cannot be read."""
         pairs = [(item, one) for path, one in zip(self.measured, beside, strict=True)
-                 for item in data.each(path, self.reading)]  # fmt: skip
+                 for item in measured.each(path, self.reading)]  # fmt: skip
         for item, _ in pairs:
             if isinstance(item, InputError):
                 raise item
         return [item for item, _ in pairs if not isinstance(item, InputError)], [one for _, one in pairs]
 
-    def conclude(self, kind: type[report.Result], fit: Callable[[], Any], **more: Any) -> None:
+    def conclude(self, kind: type[Result], fit: Callable[[], Any], **more: Any) -> None:
         """One fit of all curves as a result of a ``kind``, with what is ``more``: its table, summary and, where it has
         one, picture."""
         try:
             with one_thread():
-                result = report.as_result(kind, fit(), body=self.body_words, **more)
+                result = as_result(kind, fit(), body=self.body_words, **more)
         except SolveError as error:
             raise InputError(f"{self.measured[0]}: {error}") from None
         self.write(result)
 
-    def write(self, result: report.Result) -> None:
+    def write(self, result: Result) -> None:
         """The files of a ``result``, and what is said of it."""
         self.targets.write(result.columns, result.summary(), self.targets.draw(result.figure))
         give(result, self.output.json, f"  written {self.targets}")
 
 
-def fit_joint(request: FitRequest, settings: fits.Settings) -> None:
+def fit_joint(request: FitRequest, settings: Settings) -> None:
     """What all records have in common, from all of them together."""
     shared, own = ([name for group in request.options[kind] for name in group] for kind in ("shared", "own"))
-    names = fits.shared_of(shared, own, settings)
-    curves, bodies = request.curves(fits.with_radii(request.body, request.options["tip_radius"], len(request.measured)))
-    request.conclude(report.JointFitted, lambda: fits.joint_fit(bodies, curves, settings, names), level=settings.level)
+    names = shared_of(shared, own, settings)
+    curves, bodies = request.curves(with_radii(request.body, request.options["tip_radius"], len(request.measured)))
+    request.conclude(JointFitted, lambda: joint_fit(bodies, curves, settings, names), level=settings.level)
 
 
 def fit_law(request: FitRequest) -> None:
@@ -145,7 +158,7 @@ def fit_law(request: FitRequest) -> None:
     how = {name: request.options[name] for name in ("level", "segment", "confidence")}
     settings = rate_settings(request.body, law, request.names, fix, start, **how)
     curves, _ = request.curves(request.measured)
-    request.conclude(report.LawFit, lambda: rate_fit(request.body, curves, settings))
+    request.conclude(LawFit, lambda: rate_fit(request.body, curves, settings))
 
 
 def has_tension(request: FitRequest) -> bool:
@@ -161,7 +174,7 @@ def fit_tension(request: FitRequest) -> None:
     problem, level = request.body.problem, request.options["level"]
     fixed = known_values(problem, request.names, request.options["fix"])
     curves, tips = request.curves(radii_of(problem, request.options["tip_radius"], len(request.measured)))
-    request.conclude(report.TensionFitted, lambda: tension_fit(problem, curves, tips, fixed, level), level=level)
+    request.conclude(TensionFitted, lambda: tension_fit(problem, curves, tips, fixed, level), level=level)
 
 
 def fit_relaxation(request: FitRequest) -> None:
@@ -173,7 +186,7 @@ def fit_relaxation(request: FitRequest) -> None:
     terms = {} if options["terms"] is None else {"terms": options["terms"]}
     how = {name: options[name] for name in ("level", "confidence")} | terms
     settings = relaxation_settings(options["relaxation"], options["fix"], request.names, body.problem.E_star, **how)
-    curves, skipped = data.usable(request.measured, request.reading)
+    curves, skipped = usable(request.measured, request.reading)
     done = []
     for curve in curves:
         try:
@@ -183,17 +196,17 @@ def fit_relaxation(request: FitRequest) -> None:
         except InputError as error:
             skipped += error.lines
     if not done:
-        raise InputError(data.some(skipped))
+        raise InputError(some(skipped))
     for line in skipped:
         warn(f"skipped: {line}")
-    request.write(report.RelaxationFits(done, request.body_words))
+    request.write(RelaxationFits(done, request.body_words))
 
 
 # --------------------------------------------------------------------------------------------------
 # ``jkr fit`` of curves one by one: their table, summary, archive and pictures.
 
-Outcome: TypeAlias = "fits.Fit | fits.Failure"
-Pictures: TypeAlias = "list[tuple[Outcome, report.Files]]"
+Outcome: TypeAlias = "Fit | Failure"
+Pictures: TypeAlias = "list[tuple[Outcome, Files]]"
 FEWER = "fewer rows, curves or samples"
 
 
@@ -204,32 +217,32 @@ def refits_of(confidence: str, samples: int, uncertain: int) -> int:
 
 
 def fit_curves(
-    request: FitRequest, bodies: list[fits.FittedBody], settings: fits.Settings, refits: int, limits: Limits,
+    request: FitRequest, bodies: list[FittedBody], settings: Settings, refits: int, limits: Limits,
     parallel: Parallel,
 ) -> None:  # fmt: skip
     """Each curve on each of the ``bodies``, which are one under different surfaces: table, archive and pictures."""
     from ..fitting.procedure import friction_warnings, preferences
 
     output = request.output
-    curves, reasons = data.usable(request.measured, request.reading)
+    curves, reasons = usable(request.measured, request.reading)
     each_curve = (TABLE_FIT_PER_CURVE + refits * (TABLE_REFIT + TABLE_REFIT_PER_ROW * len(one)) for one in curves)
     seconds = sum(each_curve)
     begin(f"fit of {len(curves):,} curves", Forecast(len(bodies) * seconds, 0.0, 0.0), limits, FEWER)
     each = []
     for one in bodies:
         with executor(*parallel, progress, seconds) as pool:
-            each.append(fits.fit_all(one, curves, settings, pool))
+            each.append(fit_all(one, curves, settings, pool))
     outcomes = [item for items in each for item in items]
-    if request.options["rivals"] and not any(isinstance(item, fits.Fit) and item.verdict for item in outcomes):
+    if request.options["rivals"] and not any(isinstance(item, Fit) and item.verdict for item in outcomes):
         raise InputError("fit: --rivals is for raw records, which none of these was fitted as: leave it out")
     if request.options["plan"]:
-        outcomes = [fits.planned(one, item) if isinstance(item, fits.Fit) else item
+        outcomes = [planned(one, item) if isinstance(item, Fit) else item
                  for one, items in zip(bodies, each, strict=True) for item in items]  # fmt: skip
-    reasons += [line for item in each[0] if isinstance(item, fits.Failure) for line in item.lines]
+    reasons += [line for item in each[0] if isinstance(item, Failure) for line in item.lines]
     pictures = _pictures(request, each, bodies) if output.plots else []
     preferred = list(preferences(outcomes)) if len(bodies) > 1 else []
     friction = [] if len(bodies) > 1 else list(friction_warnings(request.body, outcomes))
-    result = report.Fits(outcomes, request.body_words, friction)
+    result = Fits(outcomes, request.body_words, friction)
     map_file = _write(request, result, reasons, pictures)
     for line in reasons:
         warn(f"skipped: {line}")
@@ -238,20 +251,20 @@ def fit_curves(
     scan = f", the map in {map_file}" if map_file else ""
     give(result, output.json, f"  written {request.targets}{drawn}{scan}{more}")
     for item in result.fits[:SHOWN] if not output.json else []:
-        if lines := [*(report.rivals_table(item) if request.options["rivals"] else []), *report.plan_table(item)]:
+        if lines := [*(rivals_table(item) if request.options["rivals"] else []), *plan_table(item)]:
             say("\n".join(lines))
     for line in preferred:
         (note if output.json else say)(line)
 
 
-def _write(request: FitRequest, result: report.Fits, reasons: list[str], pictures: Pictures) -> report.Files | None:
+def _write(request: FitRequest, result: Fits, reasons: list[str], pictures: Pictures) -> Files | None:
     """Write table, summary, archive and pictures; the files of the map, if there is one. InputError, when all that can
     be written is, where no curve could be used."""
     from ..report import archive as fit_archive
     from ..report import map as scans
 
     if not result.outcomes:
-        raise InputError(data.some(reasons))
+        raise InputError(some(reasons))
     targets, output, summary = request.targets, request.output, result.summary()
     scan = scans.map_of(result.outcomes) if output.plots else None
     of_map = None if scan is None else output.files(Path(f"{targets.stem}-map"), PICTURES, request.inputs)
@@ -265,18 +278,18 @@ def _write(request: FitRequest, result: report.Fits, reasons: list[str], picture
 
             of_map.write(figure=map_figure(scan))
     if not result.fits:
-        raise InputError(data.some(reasons))
+        raise InputError(some(reasons))
     return of_map
 
 
-def _pictures(request: FitRequest, each: list[list[Outcome]], bodies: list[fits.FittedBody]) -> Pictures:
+def _pictures(request: FitRequest, each: list[list[Outcome]], bodies: list[FittedBody]) -> Pictures:
     """Curves to draw, fitted or not, each with its files, named after its file, itself where it is not alone, and, of
     several, the surface; none where they are many."""
     named: list[tuple[Outcome, str]] = []
     for items, body in zip(each, bodies, strict=True):
-        shown = [item for item in items if isinstance(item, fits.Fit) or {"delta", "P"} <= set(item.curve.measured)]
+        shown = [item for item in items if isinstance(item, Fit) or {"delta", "P"} <= set(item.curve.measured)]
         for item in shown if len(shown) <= SHOWN else []:
-            file, name = (item.file, item.name) if isinstance(item, fits.Fit) else (item.curve.origin, item.curve.name)
+            file, name = (item.file, item.name) if isinstance(item, Fit) else (item.curve.origin, item.curve.name)
             words = [Path(file or "").stem, *[name] * (len(shown) > 1), *[body.problem.surface] * (len(bodies) > 1)]
             named.append((item, "-".join(words)))
     stems = beside(request.targets.stem, [name for _, name in named])
@@ -289,11 +302,11 @@ def _draw(drawn: Pictures) -> None:
     from ..report.plots.inverse import fit_figure, record_figure
 
     for item, target in drawn:
-        if not isinstance(item, fits.Failure):
+        if not isinstance(item, Failure):
             target.write(figure=fit_figure(item))
             continue
         with contextlib.suppress(InputError):
-            target.write(figure=record_figure([data.examine(item.curve)]))
+            target.write(figure=record_figure([examine(item.curve)]))
 
 
 SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}
@@ -414,7 +427,7 @@ def fit(
         raise InputError(f"fit: {kind} {NO_RANGE}")
     words = str(source) if isinstance(source, Path) else fitted.problem.words
     # The parameters that are free beside the usual ones, those that records share or have each among them.
-    known = (*fits.USUALLY_FREE, fits.ALIAS, *dict(values["fix"]))
+    known = (*USUALLY_FREE, ALIAS, *dict(values["fix"]))
     own = [name for name in _flat((*values["shared"], *values["own"])) if name not in known]
     request = FitRequest(fitted, paths, reading, [*_flat(values["free"]), *own], values, targets, words, output, inputs)
     if kind in (EACH, SHARED):
@@ -434,15 +447,15 @@ def fit(
         fit_curves(request, bodies, _settings(request, reading.contact), refits, limits, parallel)
 
 
-def _settings(request: FitRequest, contact: str) -> fits.Settings:
+def _settings(request: FitRequest, contact: str) -> Settings:
     """What is fitted and how; uncertain inputs are known only when the parameters are."""
     values = request.options
     free = (request.body, request.names, values["fix"], values["start"], values["bound"])
     how = {name: values[name] for name in HOW} | {"noise": dict(values["noise"]), "contact": contact}
-    settings = fits.settings_of(*free, **how)
+    settings = settings_of(*free, **how)
     if not values["uncertain"]:
         return settings
-    return fits.settings_of(*free, uncertain=fits.uncertain_of(request.body, values["uncertain"], settings), **how)
+    return settings_of(*free, uncertain=uncertain_of(request.body, values["uncertain"], settings), **how)
 
 
 def _flat(groups: Iterable[Sequence[str]]) -> list[str]:

@@ -8,7 +8,7 @@ from typing import Any
 import click
 from click.shell_completion import get_completion_class
 
-from ..case import plain_toml
+from ..case.reading import plain_toml
 from ..report import archive
 from ..report import archive as shown
 from ..report.doctor import Machine

@@ -8,25 +8,33 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
-from .. import __version__, bodies, case
-from .. import fitting as fits
-from ..adhesion import RangeRequest
-from ..base import InputError, check_series_target, doubtful_modulus, writable
-from ..bodies import relaxing
-from ..case import NO_DIGEST, Case, load_case, other_tables, read_solution, record_of, write_solution
-from ..data import SEPARATORS, Reading
+from .. import __version__
+from ..adhesion.finite_range import RangeRequest
+from ..base.errors import InputError, writable
+from ..base.files import check_series_target
+from ..base.units import doubtful_modulus
+from ..bodies.indenters import Indenter
+from ..bodies.materials import relaxing
+from ..case.models import other_tables
+from ..case.reading import Case, load_case, parse_case
+from ..case.store import NO_DIGEST, read_solution, record_of, write_solution
+from ..data.curve import Reading
 from ..data.text_formats import NAMES
-from ..methods import Forecast, Limits
+from ..methods.protocol import Forecast, Limits
 from ..series import Record, Solution
+from ..tables import SEPARATORS
 from . import options
 from .options import begin
 from .output import announce, command_line, note, warn
 from .verb import as_one
 from .verb import flag as option
+
+if TYPE_CHECKING:
+    from ..fitting.forward_model import FittedBody
 
 SHALLOW = 0.2  # choice: of the tip radius, to which a body is solved first; the data may ask for more
 Flags: TypeAlias = Mapping[str, str | None]  # by their names; None: not given
@@ -75,19 +83,19 @@ def by_flags(verb: str, body: Flags, files: Sequence[Path]) -> bool:
     return bool(named)
 
 
-def case_of(verb: str, body: Flags, instead: str, modulus: str | None = None, **keys: Any) -> case.Case:
+def case_of(verb: str, body: Flags, instead: str, modulus: str | None = None, **keys: Any) -> Case:
     """The case of a body by flags, with more ``keys`` of its own, "loading" among them; the rest as of ``tables_of``.
     InputError names flags, not the keys that they stand for."""
     import tomli_w
 
     content = tomli_w.dumps(tables_of(verb, body, instead, modulus) | keys).encode()
     try:
-        return case.parse_case(content, verb)
+        return parse_case(content, verb)
     except InputError as error:
         raise InputError([KEYS.sub(lambda key: flag(FLAG_OF[key[1]]), line, count=1) for line in error.lines]) from None
 
 
-def tip_of(verb: str, flags: Flags) -> bodies.Indenter | None:
+def tip_of(verb: str, flags: Flags) -> Indenter | None:
     """The tip of the ``tip_options``; None where none is given."""
     if not any(flags.values()):
         return None
@@ -153,23 +161,24 @@ def _is_body(path: Path) -> bool:
     """Whether the file is a case, or a series and no measured one."""
     if path.suffix != ".h5" or not path.is_file():
         return path.suffix == ".toml"
-    from ..base import format_of
-    from ..case import SERIES
+    from ..base.hdf5 import format_of
+    from ..case.store import SERIES
 
     return format_of(path) == SERIES
 
 
-def fitted_body(source: Path | Flags, slopes: str, limits: Limits) -> fits.FittedBody:
+def fitted_body(source: Path | Flags, slopes: str, limits: Limits) -> FittedBody:
     """The body of a file, or of flags: there a modulus that is not told is 1 MPa, which no result depends on."""
+    from ..fitting.forward_model import body_of
 
     if isinstance(source, Path):
-        return fits.body_of(source if source.suffix == ".toml" else read_series(source), slopes, limits)
+        return body_of(source if source.suffix == ".toml" else read_series(source), slopes, limits)
     of_flags = partial(case_of, "fit", source, "a case or series file", "1 MPa")
     radius = of_flags(loading={"radius": 1.0}).model.problem().indenter.tip_radius
     method = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
     radius = radius or 5e-6  # choice: [m], of a tip that has none
     shallow = of_flags(loading={"radius": SHALLOW * radius}, method=method)
-    return replace(fits.body_of(shallow, slopes, limits), moduli_known=source["modulus"] is not None)
+    return replace(body_of(shallow, slopes, limits), moduli_known=source["modulus"] is not None)
 
 
 # --------------------------------------------------------------------------------------------------
@@ -195,7 +204,7 @@ def series_file(path: Path) -> Path:
         if _adhesion(existing.record) != _adhesion(record_of(case)):
             write_solution(target, replace(existing, record=record_of(case)), existing.record.command_line)
         return target
-    from ..case import solve
+    from ..case.store import solve
 
     choice, solution = solve(case, announce=note)
     write_solution(target, solution, command_line())
@@ -291,7 +300,7 @@ def begin_curves(
     """Say what the curves of a ``verb`` will cost together, with the ``ranges`` of adhesion of each solution (default:
     none), read off for so many ``devices``, and what takes so many CPU seconds ``beside``, where that is much; Refusal
     beyond the ``limits``."""
-    from ..resolve import forecast
+    from ..resolve.analysis import forecast
 
     ranges = ranges or [RangeRequest()] * len(solutions)
     costs = [forecast(*each, tables, figures, devices) for each in zip(solutions, works, ranges, strict=True)]

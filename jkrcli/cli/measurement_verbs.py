@@ -7,9 +7,10 @@ from typing import Any
 
 import click
 
-from ..base import InputError, together
-from ..data import Reading
-from ..report import PICTURES, Output, Results
+from ..base.errors import InputError
+from ..base.files import together
+from ..data.curve import Reading
+from ..report.result import PICTURES, Output, Results
 from .inputs import TABLE_WORK_PER_ROW, Flags, begin_reading, reading_options, tip_of, tip_options
 from .options import SCALE, WORKERS, into_folder, modulus_factor_option, output_options, slopes_option
 from .output import answer, give, progress
@@ -35,7 +36,7 @@ def look(files: tuple[Path, ...], flags: Flags, reading: Reading, output: Output
     jkr look curve.jpk-force --radius "5 um"
     jkr look probe.csv --flip delta --unit P=nN
     """
-    from ..report import Look
+    from ..report.inverse import Look
 
     tip = tip_of("look", flags)
     targets = output.each([output.beside(path, "-look") for path in files], PICTURES, files)
@@ -93,10 +94,10 @@ def work(
     jkr work gel.h5 probe.csv --unit P=mN --flip delta --stiffness "2 kN/m"
     jkr work data.h5 map.jpk-force-map --contact estimate --segment retract
     """
-    from ..base import executor
+    from ..base.executors import executor
     from ..fitting.work_along_curve import along_file, evaluation_of
-    from ..report import Work
-    from ..resolve import nonadhesive
+    from ..report.inverse import Work
+    from ..resolve.analysis import nonadhesive
     from .inputs import read_series, series_file, warn_of_constant_moduli, without_range
 
     targets = output.each(

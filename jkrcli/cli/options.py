@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
-from ..adhesion import RULES, RangeRequest
-from ..base import LARGEST_SI, InputError, doubtful_work, parse
-from ..methods import LESS, Forecast, Limits, admit
-from ..report import Output
+from ..adhesion.finite_range import RangeRequest
+from ..adhesion.slopes import RULES
+from ..base.errors import InputError
+from ..base.units import LARGEST_SI, doubtful_work, parse
+from ..methods.protocol import LESS, Forecast, Limits, admit
+from ..report.result import Output
 from ..series import Solution
 from .output import forewarn, warn
 from .verb import Options, as_one, typed

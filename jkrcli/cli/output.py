@@ -17,10 +17,11 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
-from ..base import SILENCE, duration, printable, writable
+from ..base.errors import printable, writable
+from ..base.process import SILENCE, duration
 
 if TYPE_CHECKING:
-    from ..report import Result
+    from ..report.result import Result
 
 LEVEL, WARNED, ANNOUNCED = "jkr.level", "jkr.warned", "jkr.announced"
 QUIET, USUAL, VERBOSE = range(3)
@@ -154,7 +155,7 @@ def command_line() -> str:
 
 def answer(data: Mapping[str, Any]) -> None:
     """A result for machines on stdout."""
-    from ..base import as_json
+    from ..base.files import as_json
 
     click.echo(as_json(data), nl=False)
 

@@ -8,14 +8,17 @@ from typing import Any, ClassVar
 
 import click
 
-from ..base import InputError, executor
-from ..case import load_case, plain_toml, solve
+from ..base.errors import InputError
+from ..base.executors import executor
+from ..case.reading import load_case, plain_toml
+from ..case.store import solve
 from ..many.bench import FEW, Bench
 from ..many.maps import MAPS
 from ..many.sweep import plan as plans
 from ..many.sweep import running
-from ..methods import METHODS, Limits
-from ..report import PICTURES, Compared, Output
+from ..methods.protocol import METHODS, Limits
+from ..report.forward import Compared
+from ..report.result import PICTURES, Output
 from .inputs import begin_reading, read_files
 from .options import (
     PAIRS,
@@ -119,9 +122,10 @@ def study_converge(
     jkr study converge cases/thin-layer.toml --levels 5
     jkr study converge cases/halfspace.toml --contact incremental -o results
     """
-    from ..case import load_case, method_of
+    from ..case.models import method_of
+    from ..case.reading import load_case
     from ..many import convergence as converge
-    from ..methods import FEM
+    from ..methods.fem.method import FEM
 
     loaded = load_case(case)
     w = work if work is not None else next(iter(loaded.model.adhesion.w), None)

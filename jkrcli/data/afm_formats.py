@@ -16,21 +16,12 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..base import (
-    LARGEST_SI,
-    LOOKED_AT,
-    Array,
-    InputError,
-    check_size,
-    check_text,
-    first_line,
-    hdf5,
-    installs,
-    opened,
-    packed,
-    process,
-    read_bytes,
-)
+from ..base import hdf5, process
+from ..base.errors import InputError, first_line, installs
+from ..base.files import opened, packed, read_bytes
+from ..base.numerics import LOOKED_AT, Array
+from ..base.process import check_size, check_text
+from ..base.units import LARGEST_SI
 from ..tables import unit_power
 from . import instruments as archive
 from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, AsRead, Curve, Pixel, Reading, place

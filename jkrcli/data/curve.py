@@ -10,7 +10,9 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from ..base import Array, InputError, parse
+from ..base.errors import InputError
+from ..base.numerics import Array
+from ..base.units import parse
 
 QUANTITIES = ("a", "delta", "P", "t")
 APPROACH, RETRACT = "approach", "retract"

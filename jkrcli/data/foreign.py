@@ -10,8 +10,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..base import LARGEST_SI, Array, InputError, Unknown
-from ..bodies import Indenter, Loading, Problem, Sphere
+from ..base.errors import InputError, Unknown
+from ..base.numerics import Array
+from ..base.units import LARGEST_SI
+from ..bodies.indenters import Indenter, Sphere
+from ..bodies.problem import Loading, Problem
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus, is_series
 from ..tables import TextTable, read_table, some, split_name, unit_power
 from .tables import check_chosen, is_noise, near_first_touch, vocabulary, with_units

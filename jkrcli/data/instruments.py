@@ -16,7 +16,11 @@ from pathlib import Path, PurePosixPath
 
 import numpy as np
 
-from ..base import Array, InputError, check_size, first_line, opened, process
+from ..base import process
+from ..base.errors import InputError, first_line
+from ..base.files import opened
+from ..base.numerics import Array
+from ..base.process import check_size
 from ..tables import LONGEST, MOST_COLUMNS, WORDS, TextTable, split_name, unit_power
 from .curve import APPROACH, RETRACT
 

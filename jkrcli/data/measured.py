@@ -10,7 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from ..base import SHOWN, InputError, did_you_mean, format_of, packed
+from ..base.errors import InputError, did_you_mean
+from ..base.files import packed
+from ..base.hdf5 import format_of
+from ..base.numerics import SHOWN
 from . import afm_formats as afm
 from . import afm_formats as nanoscope
 from . import instruments

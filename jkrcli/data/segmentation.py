@@ -12,7 +12,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base import FEWEST_ROWS, NOTICEABLE, SAME, Array, Estimate, InputError, Unknown, known, show
+from ..base.errors import Estimate, InputError, Unknown, known
+from ..base.numerics import FEWEST_ROWS, NOTICEABLE, SAME, Array
+from ..base.units import show
 from .curve import APPROACH, AS_DEPTH, NOT_SUBTRACTED, RETRACT, Curve
 from .instruments import presses_outward
 from .tables import NO_UNIT

@@ -9,7 +9,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..base import LARGEST_SI, REMEMBERED, Array, InputError
+from ..base.errors import InputError
+from ..base.numerics import REMEMBERED, Array
+from ..base.units import LARGEST_SI
 from ..tables import LONGEST, WORDS, TextTable, split_name, unit_power
 
 NO_UNIT = " left out: it ends in no unit of "  # in a sentence on a column

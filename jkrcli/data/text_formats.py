@@ -13,7 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..base import SAME, SHOWN, Array, InputError
+from ..base.errors import InputError
+from ..base.numerics import SAME, SHOWN, Array
 from ..tables import TEXT_GAPS, TextTable, read_table, split_name, unit_power
 from . import instruments
 from . import instruments as archive

@@ -17,8 +17,9 @@ from functools import cached_property, partial
 import numpy as np
 from scipy.special import fdtrc
 
-from ..base import MOST_SOLVES, MOST_STEPS, TINY, UNSEEN, Array, JkrError, SolveError
-from ..bodies import GEL_TENSION
+from ..base.errors import JkrError, SolveError
+from ..base.numerics import MOST_SOLVES, MOST_STEPS, TINY, UNSEEN, Array
+from ..bodies.materials import GEL_TENSION
 from .alternatives import (
     ADHESION_ENDLESS,
     AMOUNT,

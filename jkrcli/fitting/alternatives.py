@@ -17,11 +17,15 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.special import ndtri
 
-from ..adhesion import LIMITS, Nonadhesive, Program, RelaxingContact
-from ..adhesion.validity import EXCESS, STRAINED
-from ..base import MOST_STEPS, REMEMBERED, SAME, SETTLED, UNSEEN, Array, InputError, JkrError, SolveError
-from ..bodies import HalfSpace, Layer, Loading, PowerRelaxation, Relaxation, Rigid, Specimen, StandardSolid, unbounded
-from ..data import APPROACH
+from ..adhesion.device_path import Program
+from ..adhesion.interpolation import Nonadhesive
+from ..adhesion.relaxation import RelaxingContact
+from ..adhesion.validity import EXCESS, LIMITS, STRAINED
+from ..base.errors import InputError, JkrError, SolveError
+from ..base.numerics import MOST_STEPS, REMEMBERED, SAME, SETTLED, UNSEEN, Array
+from ..bodies.materials import Layer, PowerRelaxation, Relaxation, StandardSolid
+from ..bodies.problem import HalfSpace, Loading, Rigid, Specimen, unbounded
+from ..data.curve import APPROACH
 from ..methods.radii import DENSE
 from .force_curve import (
     SLOW_EDGE_WIDEST,

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..adhesion import REMEDY, judge
-from ..base import SAME, Unknown, implausible_work, show
+from ..adhesion.validity import REMEDY, judge
+from ..base.errors import Unknown
+from ..base.numerics import SAME
+from ..base.units import implausible_work, show
 from ..series import Record
 from .forward_model import Family, FittedBody
 from .parameters import POSITIONS, word

@@ -24,8 +24,10 @@ from functools import cached_property, lru_cache, partial
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from ..base import FEWEST_ROWS, MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SETTLED, Array, SolveError, known
-from ..data import APPROACH, BaseLine, Curve, Direction, ForceCurve, examine
+from ..base.errors import SolveError, known
+from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SETTLED, Array
+from ..data.curve import APPROACH, Curve
+from ..data.segmentation import BaseLine, Direction, ForceCurve, examine
 from .forward_model import Changes, DeviceBranch, Family, Rest, branch, on_grid, rest
 from .least_squares import TURNS, Least, LeastSquares, Spectrum, Spread, State, in_time, influence, robust_scale
 from .least_squares import spread as covariance

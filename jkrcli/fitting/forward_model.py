@@ -19,29 +19,22 @@ from typing import Any, Protocol, cast
 import numpy as np
 from scipy.interpolate import BSpline, CubicHermiteSpline, PPoly, make_interp_spline
 
-from ..adhesion import FiniteRangeBody, Nonadhesive, RangeRequest, Slopes
+from ..adhesion.finite_range import FiniteRangeBody, RangeRequest
+from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.slopes.choice import slopes
-from ..base import (
-    LOOKED_AT,
-    MOST_STEPS,
-    REMEMBERED,
-    ROUNDED,
-    ROWS,
-    SAME,
-    SETTLED,
-    UNSEEN,
-    Array,
-    InputError,
-    JkrError,
-    Refusal,
-    SolveError,
-    show,
-)
-from ..bodies import RADIUS, Indenter, Loading, Problem, changed, checked_names, layer_names, nominal, unbounded
-from ..case import Case, load_case, read_solution, solve
-from ..methods import AttractedBody, Layered, Limits
-from ..methods.integral import Attraction, Discs, Rims, refuse_narrow
-from ..resolve import JKR, nonadhesive
+from ..adhesion.slopes.result import Slopes
+from ..base.errors import InputError, JkrError, Refusal, SolveError
+from ..base.numerics import LOOKED_AT, MOST_STEPS, REMEMBERED, ROUNDED, ROWS, SAME, SETTLED, UNSEEN, Array
+from ..base.units import show
+from ..bodies.indenters import Indenter
+from ..bodies.problem import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal, unbounded
+from ..case.reading import Case, load_case
+from ..case.store import read_solution, solve
+from ..methods.finite_range import AttractedBody
+from ..methods.integral.finite_range import Attraction, Discs, Rims, refuse_narrow
+from ..methods.layered.solver import Layered
+from ..methods.protocol import Limits
+from ..resolve.analysis import JKR, nonadhesive
 from ..series import Series, Solution
 
 FUNCTIONS = 4  # theory: D, T, H, V

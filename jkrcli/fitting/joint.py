@@ -15,9 +15,11 @@ from functools import cached_property
 import numpy as np
 from scipy.special import chdtrc
 
-from ..base import MOST_STEPS, ROUNDED, Array, InputError, did_you_mean
-from ..bodies import RADIUS
-from ..data import Curve, ForceCurve
+from ..base.errors import InputError, did_you_mean
+from ..base.numerics import MOST_STEPS, ROUNDED, Array
+from ..bodies.problem import RADIUS
+from ..data.curve import Curve
+from ..data.segmentation import ForceCurve
 from .forward_model import FittedBody, for_each
 from .least_squares import STATISTICS_IMPROBABLE, Intervals, Least, LeastSquares, State, covariance
 from .parameters import ALIAS, LOG, Answer, FittedValue, Parameter, Unknowns, word

@@ -18,7 +18,9 @@ import numpy as np
 from scipy import optimize, special
 from scipy.fft import dct, idct
 
-from ..base import MOST_STEPS, NOTICEABLE, SAME, TINY, TOGETHER, Array, InputError, JkrError, Pool, SolveError, in_order
+from ..base.errors import InputError, JkrError, SolveError
+from ..base.executors import Pool, in_order
+from ..base.numerics import MOST_STEPS, NOTICEABLE, SAME, TINY, TOGETHER, Array
 from .parameters import ALIAS, LIMITED, LOG, ONE_SIDED, FittedValue, Parameter, Unknowns
 from .settings import Loss
 

@@ -14,7 +14,9 @@ from typing import Literal
 import numpy as np
 from scipy.special import ndtri
 
-from ..base import SAME, Array, InputError, Ranged, did_you_mean
+from ..base.errors import InputError, did_you_mean
+from ..base.numerics import SAME, Array
+from ..base.units import Ranged
 
 # --------------------------------------------------------------------------------------------------
 # The result of any fit: values with their errors and intervals, their correlations, and warnings on both.

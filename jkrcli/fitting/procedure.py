@@ -11,39 +11,19 @@ from functools import partial
 
 import numpy as np
 
-from ..adhesion import Equilibrium, large_strains, strain_words
-from ..base import (
-    LOOKED_AT,
-    TOGETHER,
-    UNSEEN,
-    Array,
-    InputError,
-    JkrError,
-    Pool,
-    SolveError,
-    Unknown,
-    completed,
-    executor,
-    show,
-)
-from ..bodies import RADIUS, Paraboloid, Sphere, changed
-from ..data import (
-    APPROACH,
-    AS_DEPTH,
-    GAPS,
-    NO_UNIT,
-    NOT_SUBTRACTED,
-    OVERRULED,
-    RETRACT,
-    SUBTRACTED_TWICE,
-    Curve,
-    ForceCurve,
-    Pixel,
-    examine,
-    with_zero_points,
-)
+from ..adhesion.curve import Equilibrium
+from ..adhesion.validity import large_strains, strain_words
+from ..base.errors import InputError, JkrError, SolveError, Unknown
+from ..base.executors import Pool, completed, executor
+from ..base.numerics import LOOKED_AT, TOGETHER, UNSEEN, Array
+from ..base.units import show
+from ..bodies.indenters import Paraboloid, Sphere
+from ..bodies.problem import RADIUS, changed
+from ..data.curve import APPROACH, AS_DEPTH, GAPS, NOT_SUBTRACTED, OVERRULED, RETRACT, Curve, Pixel
+from ..data.segmentation import SUBTRACTED_TWICE, ForceCurve, examine, with_zero_points
+from ..data.tables import NO_UNIT
 from ..methods.radii import ROOM
-from ..resolve import sticking_effect, sticking_warnings
+from ..resolve.comparison import sticking_effect, sticking_warnings
 from .checks import warnings_of
 from .force_curve import Neighbour
 from .forward_model import ADVANCING, RECEDING, RESTING, FittedBody, RestingMember, check_parameters

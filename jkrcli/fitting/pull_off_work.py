@@ -7,22 +7,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
-from ..adhesion import (
-    CONTROLS,
-    LOAD_CONTROL,
-    AdhesiveCurve,
-    FoundWork,
-    LoadingHistory,
-    Nonadhesive,
-    Rest,
-    Strains,
-    history_error,
-    work_from_pull_off,
-)
-from ..adhesion.stability import ELASTIC
-from ..base import Estimate, InputError, JkrError, Unknown, evenly, parse
-from ..bodies import RADIUS, Loading, changed, checked_names, layer_names, nominal
-from ..resolve import Analysis, adhesive, checked_histories, nonadhesive, solved_on, strains_after, with_history_solved
+from ..adhesion.curve import CONTROLS, LOAD_CONTROL, AdhesiveCurve
+from ..adhesion.from_rest import LoadingHistory, Rest, history_error
+from ..adhesion.interpolation import Nonadhesive
+from ..adhesion.stability import ELASTIC, FoundWork, work_from_pull_off
+from ..adhesion.validity import Strains
+from ..base.errors import Estimate, InputError, JkrError, Unknown
+from ..base.numerics import evenly
+from ..base.units import parse
+from ..bodies.problem import RADIUS, Loading, changed, checked_names, layer_names, nominal
+from ..resolve.analysis import Analysis, adhesive, nonadhesive
+from ..resolve.histories import checked_histories, solved_on, strains_after, with_history_solved
 from ..resolve.resolve import method_behind
 from ..series import Solution
 from .least_squares import changes_by

@@ -16,7 +16,9 @@ from functools import partial
 import numpy as np
 from scipy.special import fdtrc
 
-from ..base import MOST_SOLVES, NOTICEABLE, TINY, Array, JkrError, SolveError, show
+from ..base.errors import JkrError, SolveError
+from ..base.numerics import MOST_SOLVES, NOTICEABLE, TINY, Array
+from ..base.units import show
 from ..methods.layered.spectrum import spectrum_seconds
 from .forward_model import Drift
 from .least_squares import influence, rise, t_quantile

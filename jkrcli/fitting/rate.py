@@ -15,27 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion import RATE_LAWS, REST, TWO_SIDED_90, Nonadhesive, Program, RateContact, RateLaw, rate_parameters
-from ..adhesion.device_path import Edge
-from ..adhesion.rate import Motion
-from ..base import (
-    FEWEST_ROWS,
-    LARGEST_SI,
-    NOTICEABLE,
-    ROUNDED,
-    SAME,
-    Array,
-    InputError,
-    JkrError,
-    PiecewiseCubic,
-    Ranged,
-    SolveError,
-    Unknown,
-    evenly,
-    show,
-    zeros_between,
-)
-from ..data import Curve
+from ..adhesion.device_path import REST, Edge, Program
+from ..adhesion.interpolation import Nonadhesive
+from ..adhesion.rate import RATE_LAWS, Motion, RateContact, RateLaw, rate_parameters
+from ..adhesion.slopes.result import TWO_SIDED_90
+from ..base.errors import InputError, JkrError, SolveError, Unknown
+from ..base.numerics import FEWEST_ROWS, NOTICEABLE, ROUNDED, SAME, Array, PiecewiseCubic, evenly, zeros_between
+from ..base.units import LARGEST_SI, Ranged, show
+from ..data.curve import Curve
 from .forward_model import FittedBody
 from .least_squares import (
     SEARCH_MISFIT,

@@ -9,8 +9,12 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from ..base import FEWEST_ROWS, MOST_SOLVES, SAME, Array, InputError, Pool, SolveError, Unknown, known, show
-from ..data import APPROACH, RETRACT, TURNED, Curve, ForceCurve, examine
+from ..base.errors import InputError, SolveError, Unknown, known
+from ..base.executors import Pool
+from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, SAME, Array
+from ..base.units import show
+from ..data.curve import APPROACH, RETRACT, TURNED, Curve
+from ..data.segmentation import ForceCurve, examine
 from ..methods.radii import ROOM
 from .alternatives import OF_RIVALS
 from .checks import warnings_of

@@ -16,24 +16,14 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from ..adhesion import Nonadhesive, Program, RelaxingContact
-from ..base import (
-    FEWEST_ROWS,
-    MOST_STEPS,
-    ROWS,
-    SAME,
-    TINY,
-    Array,
-    InputError,
-    JkrError,
-    Ranged,
-    SolveError,
-    evenly,
-    ranges_of,
-    show,
-)
-from ..bodies import RELAXATIONS, Relaxation
-from ..data import Curve
+from ..adhesion.device_path import Program
+from ..adhesion.interpolation import Nonadhesive
+from ..adhesion.relaxation import RelaxingContact
+from ..base.errors import InputError, JkrError, SolveError
+from ..base.numerics import FEWEST_ROWS, MOST_STEPS, ROWS, SAME, TINY, Array, evenly
+from ..base.units import Ranged, ranges_of, show
+from ..bodies.materials import RELAXATIONS, Relaxation
+from ..data.curve import Curve
 from .forward_model import FittedBody
 from .least_squares import SEARCH_MISFIT, SEARCH_REACH, Followed, Intervals, Least, LeastSquares, State, by_differences
 from .parameters import MODULUS, Answer, Nameable, Parameter, Unknowns, check_law, parameters_of, word

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ..base import Array, Unknown
-from ..data import Pixel
+from ..base.errors import Unknown
+from ..base.numerics import Array
+from ..data.curve import Pixel
 from .alternative_tests import Verdict
 from .least_squares import Structure
 from .parameters import Answer, FittedValue

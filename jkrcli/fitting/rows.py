@@ -17,22 +17,10 @@ from functools import cached_property, partial
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..base import (
-    FEWEST_ROWS,
-    MOST_SOLVES,
-    NOTICEABLE,
-    ROUNDED,
-    SAME,
-    SETTLED,
-    TINY,
-    UNSEEN,
-    Array,
-    InputError,
-    JkrError,
-    evenly,
-    show,
-)
-from ..data import APPROACH, RETRACT, Curve
+from ..base.errors import InputError, JkrError
+from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, NOTICEABLE, ROUNDED, SAME, SETTLED, TINY, UNSEEN, Array, evenly
+from ..base.units import show
+from ..data.curve import APPROACH, RETRACT, Curve
 from .forward_model import ADVANCING, RECEDING, RESTING, Drift, Family, FittedBody, Member, Members, RestingMember
 from .least_squares import STATISTICS_NORMAL_MEDIAN, TURNS, Least, LeastSquares, State, robust_scale
 from .parameters import OF_A_CYCLE, Parameter, Unknowns

@@ -7,8 +7,9 @@ from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from ..base import InputError, Ranged
-from ..bodies import RADIUS, checked_names
+from ..base.errors import InputError
+from ..base.units import Ranged
+from ..bodies.problem import RADIUS, checked_names
 from .forward_model import FittedBody
 from .parameters import ALIAS, DIMENSIONS, OF_A_CYCLE, OF_TRAVEL, POSITIONS, Parameter, dimension_of, read_value
 

@@ -15,12 +15,15 @@ from functools import cached_property, lru_cache
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
-from ..adhesion import LIMITS
-from ..base import NOTICEABLE, SAME, Array, InputError, Ranged, SolveError, show
-from ..bodies import RADIUS, Loading, Problem, changed, unbounded
-from ..data import Curve
+from ..adhesion.validity import LIMITS
+from ..base.errors import InputError, SolveError
+from ..base.numerics import NOTICEABLE, SAME, Array
+from ..base.units import Ranged, show
+from ..bodies.problem import RADIUS, Loading, Problem, changed, unbounded
+from ..data.curve import Curve
 from ..formulas import edge_angle, shift
-from ..methods import DENSE, Layered, largest_radius
+from ..methods.layered.solver import Layered, largest_radius
+from ..methods.radii import DENSE
 from .forward_model import for_each
 from .least_squares import Intervals, Least, LeastSquares, State, by_differences
 from .parameters import (

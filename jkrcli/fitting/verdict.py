@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
-from ..base import ROUNDED, UNSEEN
-from ..bodies import Problem
-from ..data import APPROACH
+from ..base.numerics import ROUNDED, UNSEEN
+from ..bodies.problem import Problem
+from ..data.curve import APPROACH
 from .alternative_tests import (
     SCORE_NORMAL,
     FittedRival,

@@ -17,10 +17,17 @@ from typing import Any
 import numpy as np
 from scipy.special import stdtrit
 
-from ..adhesion import TWO_SIDED_90, Nonadhesive
-from ..base import ROUNDED, SETTLED, TOGETHER, Array, InputError, Pool, completed, show, zeros_between
-from ..data import Curve, Reading, each, examine, some
+from ..adhesion.interpolation import Nonadhesive
+from ..adhesion.slopes.result import TWO_SIDED_90
+from ..base.errors import InputError
+from ..base.executors import Pool, completed
+from ..base.numerics import ROUNDED, SETTLED, TOGETHER, Array, zeros_between
+from ..base.units import show
+from ..data.curve import Curve, Reading
+from ..data.measured import each
+from ..data.segmentation import examine
 from ..series import Solution
+from ..tables import some
 from .forward_model import FittedBody, body_of
 from .record import receding
 from .settings import Settings, settings_of

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import Array
+from ..base.numerics import Array
 
 # --------------------------------------------------------------------------------------------------
 # Thin-layer formulae: leading order for a contact radius much larger than the thickness of a layer on a rigid base.

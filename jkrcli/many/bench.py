@@ -13,9 +13,11 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from ..base import SolveError, StageClock
-from ..case import Case, solve, write_solution
-from ..report import Result
+from ..base.errors import SolveError
+from ..base.process import StageClock
+from ..case.reading import Case
+from ..case.store import solve, write_solution
+from ..report.result import Result
 
 # --------------------------------------------------------------------------------------------------
 # What a command costs: CPU and wall time and peak memory of a whole process.

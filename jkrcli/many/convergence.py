@@ -12,13 +12,18 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion import AdhesiveCurve, CriticalPoint, transform
-from ..base import Array, Estimate, InputError, Pool, Unknown, in_order, show
-from ..bodies import Problem
-from ..methods import FEM, Layered
-from ..report import Figure, Result, tables
+from ..adhesion.curve import AdhesiveCurve, CriticalPoint, transform
+from ..base.errors import Estimate, InputError, Unknown
+from ..base.executors import Pool, in_order
+from ..base.numerics import Array
+from ..base.units import show
+from ..bodies.problem import Problem
+from ..methods.fem.method import FEM
+from ..methods.layered.solver import Layered
+from ..report import tables
 from ..report.plots.looks import BLACK, BLUE, GREEN, ORANGE, axis_of
 from ..report.plots.studies import Line, Panel, panels_figure
+from ..report.result import Figure, Result
 from ..series import RawSeries, Series, Solution
 
 # --------------------------------------------------------------------------------------------------

@@ -12,24 +12,25 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from .. import __version__
-from ..adhesion import (
-    LOAD_CONTROL,
-    AdhesiveCurve,
-    CriticalPoint,
-    FiniteRangeBody,
-    FiniteRangeCurve,
-    Nonadhesive,
-    Program,
-    Range,
-    RateContact,
-    rate_law_of,
-    transform,
-)
-from ..base import MOST_STEPS, Array, InputError, JkrError, Pool, Ranged, SolveError, Unknown, in_order, known, lists
-from ..bodies import Elastic, HalfSpace, Layer, Loading, Paraboloid, Problem, Rigid, Specimen
+from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, transform
+from ..adhesion.device_path import Program
+from ..adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve, Range
+from ..adhesion.interpolation import Nonadhesive
+from ..adhesion.rate import RateContact, rate_law_of
+from ..base.errors import InputError, JkrError, SolveError, Unknown, known
+from ..base.executors import Pool, in_order
+from ..base.files import lists
+from ..base.numerics import MOST_STEPS, Array
+from ..base.units import Ranged
+from ..bodies.indenters import Paraboloid
+from ..bodies.materials import Elastic, Layer
+from ..bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from ..formulas import wetting_radius
-from ..methods import AttractedBody, ClosedForm, Layered, Method
-from ..report import Figure, Result
+from ..methods.closed_form import ClosedForm
+from ..methods.finite_range import AttractedBody
+from ..methods.layered.solver import Layered
+from ..methods.protocol import Method
+from ..report.result import Figure, Result
 from ..series import Series
 
 MAPS = {
@@ -276,7 +277,7 @@ def _shown(columns: Columns) -> Iterator[str]:
 
 
 def _adhesion_figure(columns: Columns) -> Figure:
-    from ..report import zones_figure
+    from ..report.plots.studies import zones_figure
 
     return zones_figure(columns, ZONES)
 
@@ -368,7 +369,7 @@ def _pull_off(nu: float, q: float, curve: AdhesiveCurve) -> tuple[float, float, 
 
 
 def _pull_off_figure(columns: Columns) -> Figure:
-    from ..report import MapPanel, lines_figure
+    from ..report.plots.studies import MapPanel, lines_figure
 
     title = f"layer on a rigid base, {columns['base'][0]}"
     families = {"nu": r"$\nu$ = {:g}".format}
@@ -478,7 +479,7 @@ def _stiffness(text: Any) -> float:
 
 
 def _rate_figure(columns: Columns) -> Figure:
-    from ..report import MapPanel, lines_figure
+    from ..report.plots.studies import MapPanel, lines_figure
 
     panels = [MapPanel("minus_P_over_pi_w0_R", r"pull-off force / $\pi w_0 R$", logs="xy"),
               MapPanel("dissipated_over_w0_pi_a2", r"energy lost at the edge / $\pi w_0 a^2$", logs="xy")]  # fmt: skip
@@ -562,7 +563,7 @@ def _rows(ratios: Sequence[float], nu: float) -> Columns:
 
 
 def _sticking_figure(columns: Columns) -> Figure:
-    from ..report import MapPanel, lines_figure
+    from ..report.plots.studies import MapPanel, lines_figure
 
     titles = {"S_ratio": "$S$ at equal radius", "load_ratio": "load at equal depth"}
     panels = [MapPanel(name, "no slip / frictionless", title) for name, title in titles.items()]
@@ -648,7 +649,7 @@ def _transition_point(body: FiniteRangeBody, where: str, q: float, mu: float) ->
 
 def _transition_figure(columns: Columns) -> Figure:
     """Filled where there are values enough on both axes, else as lines."""
-    from ..report import MU, MapPanel, filled_figure, is_filled, lines_figure
+    from ..report.plots.studies import MU, MapPanel, filled_figure, is_filled, lines_figure
 
     if is_filled(columns):
         return filled_figure(columns)

@@ -7,36 +7,4 @@ one's own may register itself in any module that has been imported.
 
 from __future__ import annotations
 
-from ..base.lazy import lazily
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from .closed_form import ClosedForm
-    from .fem.fields import ContactState, contact_state
-    from .fem.mesh import write_msh, write_vtu
-    from .fem.method import FEM
-    from .finite_range import AttractedBody
-    from .hybrid.method import Hybrid
-    from .layered.solver import Layered, largest_radius, surface_profile
-    from .protocol import (
-        LESS,
-        METHODS,
-        Choice,
-        Descriptor,
-        Forecast,
-        Limits,
-        Method,
-        Option,
-        admit,
-        choose_method,
-        least_first,
-        long_look,
-        method_class,
-        register,
-        survey,
-    )
-    from .radii import DENSE
-
-__getattr__ = lazily(__name__, __file__)
-
-from . import options as _options  # noqa: E402  # registers the four methods
+from . import options as _options  # registers the four methods

@@ -9,8 +9,13 @@ from typing import ClassVar
 import numpy as np
 
 from .. import formulas
-from ..base import PATIENCE, SAME, Array, InputError, Refusal, SolveError, StageClock, show
-from ..bodies import Elastic, Layer, Loading, Paraboloid, Problem, Rigid, Sphere, unbounded
+from ..base.errors import InputError, Refusal, SolveError
+from ..base.numerics import SAME, Array
+from ..base.process import PATIENCE, StageClock
+from ..base.units import show
+from ..bodies.indenters import Paraboloid, Sphere
+from ..bodies.materials import Elastic, Layer
+from ..bodies.problem import Loading, Problem, Rigid, unbounded
 from ..series import COLUMNS, ErrorBudget, Series, Solution
 from .layered.solver import Layered
 from .protocol import Forecast, without_coating, without_tension

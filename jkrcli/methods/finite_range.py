@@ -15,10 +15,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import MOST_STEPS, NOTICEABLE, ROUNDED, UNSEEN, Array, Refusal, show
-from ..bodies import Problem, alone, unbounded
+from ..base.errors import Refusal
+from ..base.numerics import MOST_STEPS, NOTICEABLE, ROUNDED, UNSEEN, Array
+from ..base.units import show
+from ..bodies.problem import Problem, alone, unbounded
 from ..series import KeptKernel
-from .integral import Attraction
+from .integral.finite_range import Attraction
 from .layered.contact import GRADED, LayeredContact
 from .layered.spectrum import spectrum_seconds
 from .options import HybridOptions

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias
 
-from ..base import InputError, Length, Ranged, check_ranges
+from ..base.errors import InputError
+from ..base.units import Length, Ranged, check_ranges
 from .protocol import Descriptor, InTable, register
 
 CLOSED_FORM = "Formulae for the half-space and for one thin layer, where they hold."

@@ -9,8 +9,10 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, Protocol, cast, get_type_hints
 
-from ..base import NOTICEABLE, SHARE, SILENCE, InputError, Refusal, duration, free_memory
-from ..bodies import Problem
+from ..base.errors import InputError, Refusal
+from ..base.numerics import NOTICEABLE
+from ..base.process import SHARE, SILENCE, duration, free_memory
+from ..bodies.problem import Problem
 from ..series import Solution
 
 
@@ -265,7 +267,7 @@ class Choice:
 
 def _would_do(error: Exception) -> float:
     """The tolerance to which the method that failed with ``error`` would do; infinite where it tells none."""
-    from .integral import InaccurateError
+    from .integral.fredholm import InaccurateError
 
     return error.would_do if isinstance(error, InaccurateError) else math.inf
 

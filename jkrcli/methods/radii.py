@@ -12,8 +12,11 @@ from functools import cached_property
 
 import numpy as np
 
-from ..base import MOST_STEPS, SAME, TINY, Array, InputError, Refusal, SolveError, show
-from ..bodies import Indenter, Loading, Quantity
+from ..base.errors import InputError, Refusal, SolveError
+from ..base.numerics import MOST_STEPS, SAME, TINY, Array
+from ..base.units import show
+from ..bodies.indenters import Indenter
+from ..bodies.problem import Loading, Quantity
 
 Response = Callable[[Array], Array]  # increasing radii [m] -> delta_H [m] or P_H [N] there
 Responses = Callable[[Quantity, float], Response]  # "depth" or "load", relative accuracy -> its response

@@ -11,20 +11,14 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from ..base import (
-    Array,
-    Dataset,
-    Group,
-    InputError,
-    accuracy,
-    as_json,
-    hdf5,
-    read_bytes,
-    show,
-    unit_column,
-    write_bytes,
-)
-from ..fitting import Failure, Fit
+from ..base import hdf5
+from ..base.errors import InputError, accuracy
+from ..base.files import as_json, read_bytes, write_bytes
+from ..base.hdf5 import Dataset, Group, unit_column
+from ..base.numerics import Array
+from ..base.units import show
+from ..fitting.procedure import Failure
+from ..fitting.result import Fit
 from ..series import COLUMNS, Solution
 from .map import images_of, map_of
 from .result import SHOWN, Several

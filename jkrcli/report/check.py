@@ -7,11 +7,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from ..adhesion import unable
-from ..base import NOTICEABLE, Estimate, Refusal, Unknown, reached, show
-from ..bodies import Problem
-from ..case import Case, CaseModel, method_of
-from ..methods import Choice, Option, choose_method, survey
+from ..adhesion.finite_range import unable
+from ..base.errors import Estimate, Refusal, Unknown
+from ..base.numerics import NOTICEABLE
+from ..base.units import reached, show
+from ..bodies.problem import Problem
+from ..case.models import CaseModel, method_of
+from ..case.reading import Case
+from ..methods.protocol import Choice, Option, choose_method, survey
 from ..resolve.neglected import Expectation, LeftOut, expect, left_out
 from . import tables
 from .result import Result

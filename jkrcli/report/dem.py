@@ -11,9 +11,11 @@ from typing import Any
 import numpy as np
 
 from ..adhesion.dem import DemLaw
-from ..base import Array, InputError, show
+from ..base.errors import InputError
+from ..base.numerics import Array
+from ..base.units import show
 from ..formulas import jkr
-from ..resolve import Analysis
+from ..resolve.analysis import Analysis
 from .result import Result
 from .tables import quantities, state_words
 

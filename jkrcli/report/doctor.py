@@ -14,7 +14,8 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Literal
 
 from .. import __version__
-from ..base import free_memory, installs
+from ..base.errors import installs
+from ..base.process import free_memory
 from .result import Result
 
 REQUIRED = ("numpy", "scipy", "h5py", "click", "pydantic", "tomli-w", "matplotlib", "scikit-fem", "meshio",

@@ -10,46 +10,31 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion import (
+from ..adhesion import device_path as path
+from ..adhesion.curve import (
     LOAD_CONTROL,
     AdhesiveCurve,
-    Behaviour,
     CriticalPoint,
-    Cycle,
     Equilibrium,
     EquilibriumCurve,
-    Errors,
-    FromRest,
-    Jump,
-    LoadingHistory,
-    Program,
-    Strains,
     control,
-    cycle,
-    energy_lost_error,
-    faces,
-    separation_error,
-    stable_radius,
-    strain_words,
-    trace,
-    turning_radius,
     yielding,
 )
-from ..adhesion import device_path as path
-from ..adhesion.from_rest import AT_MOST, FROM_REST
-from ..base import ROWS, Array, Estimate, InputError, Unknown, accuracy, implausible_work, known, lists, show
-from ..bodies import relaxing
-from ..resolve import (
-    Analysis,
-    Lost,
-    LostByHistory,
-    StickingEffect,
-    analyse,
-    effect_as_json,
-    effect_on,
-    is_solved,
-    strains_after,
-)
+from ..adhesion.device_path import Jump, Program
+from ..adhesion.energy_error import energy_lost_error, separation_error
+from ..adhesion.from_rest import AT_MOST, FROM_REST, FromRest, LoadingHistory
+from ..adhesion.pull_off_error import Errors
+from ..adhesion.stability import Behaviour, Cycle, cycle, stable_radius, trace, turning_radius
+from ..adhesion.validity import Strains, faces, strain_words
+from ..base.errors import Estimate, InputError, Unknown, accuracy, known
+from ..base.files import lists
+from ..base.numerics import ROWS, Array
+from ..base.units import implausible_work, show
+from ..bodies.materials import relaxing
+from ..resolve.analysis import Analysis, Lost, analyse
+from ..resolve.comparison import StickingEffect, effect_as_json, effect_on
+from ..resolve.histories import LostByHistory, strains_after
+from ..resolve.refine_pull_off import is_solved
 from ..series import Solution
 from ..series.differences import Difference, curve_differences, series_differences
 from . import tables
@@ -59,7 +44,8 @@ from .tables import Scales, by_columns, quantities, read_curve, state_words
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from ..fitting.pull_off_work import MeasuredWork
-    from ..methods import FEM, ContactState
+    from ..methods.fem.fields import ContactState
+    from ..methods.fem.method import FEM
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -794,7 +780,7 @@ class Fields(Result):
         cls, curve: Analysis, method: FEM, *, a: float | None = None, load: float | None = None, component: str = "zz"
     ) -> Fields:
         """The state at the contact radius ``a`` [m], or at a ``load`` [N] on the stable branch."""
-        from ..methods import contact_state
+        from ..methods.fem.fields import contact_state
 
         if a is None:
             assert load is not None
@@ -853,7 +839,7 @@ class Fields(Result):
 
     def write_vtu(self, target: Path, mark: str = "") -> None:
         """Displacement and stresses at all nodes for ParaView, with ``mark`` behind it."""
-        from ..methods import write_vtu
+        from ..methods.fem.mesh import write_vtu
 
         state = self.state
         stress = zip(("rr", "tt", "zz", "rz"), state.stress, strict=True)
@@ -867,7 +853,7 @@ class Fields(Result):
 def _surface(curve: Analysis, a: float) -> Callable[[Array], Array] | None:
     """What an elastic indenter leaves of the displacement on a layered body, from the pressures of method layered; None
     where it is rigid, or acts by the modulus alone."""
-    from ..methods import surface_profile
+    from ..methods.layered.solver import surface_profile
 
     problem = curve.problem
     if problem.indenter.material is None or problem.is_half_space:

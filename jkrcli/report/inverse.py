@@ -12,22 +12,30 @@ from typing import Any
 import numpy as np
 from scipy.special import ndtri
 
-from ..adhesion import Nonadhesive
+from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.validity import NEGLECTED
-from ..base import SI, Array, InputError, Unknown, scale, show
-from ..bodies import Indenter
-from ..data import ARBITRARY, Direction, ForceCurve, examine, measured, saturation, some, text_formats
-from ..fitting import Failure, Fit, FittedValue, JKRBeside, JointFit
+from ..base.errors import InputError, Unknown
+from ..base.numerics import Array
+from ..base.units import SI, scale, show
+from ..bodies.indenters import Indenter
+from ..data import measured, text_formats
+from ..data.curve import ARBITRARY
+from ..data.segmentation import Direction, ForceCurve, examine, saturation
 from ..fitting import alternative_tests as record_scores
 from ..fitting import alternatives as record_rivals
 from ..fitting import range_alternative as rivals
+from ..fitting.joint import JointFit
+from ..fitting.parameters import FittedValue
+from ..fitting.procedure import Failure
 from ..fitting.rate import LawThrough, RateFit, law_along
 from ..fitting.relaxation import RelaxationFit
+from ..fitting.result import Fit, JKRBeside
 from ..fitting.surface_tension import TensionFit
 from ..fitting.work_along_curve import ABOVE, BELOW, NONE, OK, WorkAlong, typical
-from ..resolve import Analysis, adhesive
+from ..resolve.analysis import Analysis, adhesive
 from ..resolve.pull_off_range import Rough, rough
 from ..series import Solution
+from ..tables import some
 from . import archive
 from .rate import RELAXATION_NEGLECTED, law_words, relaxation_law_summary, through_summary, through_words
 from .result import SHOWN, Figure, Result, Several

@@ -7,8 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import SI, Array, Group, unit_column
-from ..fitting import Failure, Fit
+from ..base.hdf5 import Group, unit_column
+from ..base.numerics import Array
+from ..base.units import SI
+from ..fitting.procedure import Failure
+from ..fitting.result import Fit
 
 IMAGES = {  # name: dimension
     "E_star": "modulus",

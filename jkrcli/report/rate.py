@@ -10,14 +10,19 @@ from typing import Any
 
 import numpy as np
 
-from .. import adhesion
-from ..adhesion import LoadingHistory, Program, RelaxedHistory, RelaxingContact, Rest, control
-from ..adhesion.from_rest import AT_MOST, FROM_REST
+from ..adhesion.curve import LOAD_CONTROL, control, position
+from ..adhesion.device_path import Program
+from ..adhesion.from_rest import AT_MOST, FROM_REST, LoadingHistory, Rest
+from ..adhesion.rate import History, RateContact, RateLaw, parameters_of, rate_parameters
+from ..adhesion.relaxation import RelaxedHistory, RelaxingContact
 from ..adhesion.validity import NEGLECTED, Zone, zone
-from ..base import ROWS, SAME, UNSEEN, Array, InputError, SolveError, Unknown, known, show
-from ..bodies import RELAXATIONS, Relaxation
+from ..base.errors import InputError, SolveError, Unknown, known
+from ..base.numerics import ROWS, SAME, UNSEEN, Array
+from ..base.units import show
+from ..bodies.materials import RELAXATIONS, Relaxation
 from ..fitting.rate import LawThrough
-from ..resolve import Analysis, checked_histories
+from ..resolve.analysis import Analysis
+from ..resolve.histories import checked_histories
 from ..series import Solution
 from .result import Figure, Result, Several, as_result
 from .tables import cycle_title, device, energies, speed_words, state_words, timed, timed_jump, with_unit
@@ -25,37 +30,37 @@ from .tables import cycle_title, device, energies, speed_words, state_words, tim
 VAGUE = 1.0  # relative standard error, theory: one as large as the parameter does not tell it from zero
 
 
-def law_words(law: adhesion.RateLaw) -> str:
+def law_words(law: RateLaw) -> str:
     """The law and its parameters as people write them."""
-    name, values = adhesion.parameters_of(law)
-    ranges = adhesion.rate_parameters(name)
+    name, values = parameters_of(law)
+    ranges = rate_parameters(name)
     parameters = ", ".join(f"{key} = {show(value, ranges[key].dimension)}" for key, value in values.items())
     return f"{name} law, {parameters}"
 
 
-def law_summary(law: adhesion.RateLaw | None) -> dict[str, Any] | None:
+def law_summary(law: RateLaw | None) -> dict[str, Any] | None:
     """The law and its parameters, keys with their units."""
     if law is None:
         return None
-    name, values = adhesion.parameters_of(law)
-    ranges = adhesion.rate_parameters(name)
+    name, values = parameters_of(law)
+    ranges = rate_parameters(name)
     return {"law": name} | {with_unit(key, ranges[key].dimension): value for key, value in values.items()}
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class CycledAtSpeed(adhesion.History, Result):
+class CycledAtSpeed(History, Result):
     """A history as a result; ``body``: the curve of retraction, ``stress`` [Pa] in the zone at the edge,
     ``points``: rows of a piece, ``history``: of a
     viscoelastic specimen, in words."""
 
     body: Analysis
-    program: adhesion.Program
+    program: Program
     stress: float | None = None
     points: int = ROWS
     history: str = ""
 
     @classmethod
-    def of(cls, contact: adhesion.RateContact, program: adhesion.Program, body: Analysis, **more: Any) -> CycledAtSpeed:
+    def of(cls, contact: RateContact, program: Program, body: Analysis, **more: Any) -> CycledAtSpeed:
         """What happens to ``contact`` under ``program``; InputError where it leaves the series."""
         try:
             history = contact.history(program)
@@ -73,7 +78,7 @@ class CycledAtSpeed(adhesion.History, Result):
     def zone(self) -> Zone:
         """The dissipating zone at pull-off."""
         pulled, contact, problem = self.pull_off, self.contact, self.body.problem
-        x = adhesion.position(pulled.delta, pulled.P, contact.stiffness)
+        x = position(pulled.delta, pulled.P, contact.stiffness)
         G = float(contact.states(np.array([pulled.a]), np.array([x])).G[0])
         z0 = self.body.solution.record.z0
         return zone(G, contact.w0, problem.E_star, pulled.a, problem.top_thickness, self.stress, z0)
@@ -139,7 +144,7 @@ class CycledAtSpeed(adhesion.History, Result):
         ]  # fmt: skip
         end = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost.t, 'time')}"
         if lost is not None and self.waited is not None:
-            loaded = contact.stiffness == adhesion.LOAD_CONTROL
+            loaded = contact.stiffness == LOAD_CONTROL
             where = f"at {state_words(lost.start, 'P')}" if loaded else "with the device at rest"
             end += f", after {show(self.waited, 'time')} {where}"
         lines.append(f"  {end}; the contact stopped growing at t = {show(self.turn, 'time')}")

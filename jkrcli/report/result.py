@@ -8,7 +8,8 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from ..base import InputError, as_json, check_target, installs, make_folder, real_path, together, write_csv, write_text
+from ..base.errors import InputError, installs
+from ..base.files import as_json, check_target, make_folder, real_path, together, write_csv, write_text
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion import end_of_body, judge, sizes
-from ..base import Array, Estimate, Unknown, accuracy, reached, show
-from ..bodies import relaxing
-from ..methods import Choice
+from ..adhesion.validity import end_of_body, judge, sizes
+from ..base.errors import Estimate, Unknown, accuracy
+from ..base.numerics import Array
+from ..base.units import reached, show
+from ..bodies.materials import relaxing
 from ..methods.fem.mesh import Grid
-from ..resolve import StickingEffect, effect_as_json, sticking_warnings
+from ..methods.protocol import Choice
+from ..resolve.comparison import StickingEffect, effect_as_json, sticking_warnings
 from ..series import COLUMNS, Series, Solution
 from .result import Figure, Result
 

@@ -11,24 +11,30 @@ from typing import Any
 
 import numpy as np
 
-from .. import adhesion
-from ..base import (
-    SAME,
-    SI,
-    Array,
-    Estimate,
-    InputError,
-    Unknown,
-    accuracy,
-    check_text,
-    known,
-    process,
-    read_bytes,
-    show,
+from ..adhesion import energy_error, stability
+from ..adhesion.curve import (
+    CONTROLS,
+    DISPLACEMENT_CONTROL,
+    LOAD_CONTROL,
+    CriticalPoint,
+    Equilibrium,
+    EquilibriumCurve,
+    control,
 )
-from ..bodies import Elastic, Problem, Rigid
+from ..adhesion.device_path import Jump, Program, TimedState
+from ..adhesion.pull_off_error import Errors
+from ..adhesion.stability import Behaviour, branch
+from ..adhesion.validity import Strains, Validity, strain_size, strain_words
+from ..base import process
+from ..base.errors import Estimate, InputError, Unknown, accuracy, known
+from ..base.files import read_bytes
+from ..base.numerics import SAME, Array
+from ..base.process import check_text
+from ..base.units import SI, show
+from ..bodies.materials import Elastic
+from ..bodies.problem import Problem, Rigid
 from ..formulas import foundation_modulus, scales_half_space, scales_thin_layer
-from ..resolve import Analysis
+from ..resolve.analysis import Analysis
 
 SEEN = 0.01  # choice: of the model's error, from which on the numerical one is said beside it
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1  # type and version of the JSON
@@ -63,7 +69,7 @@ def quantities(source: Any, names: str) -> dict[str, Any]:
     return {with_unit(name, DIMENSIONS[name]): getattr(source, name) for name in names.split()}
 
 
-def size_words(judged: adhesion.Validity, sizes: Mapping[str, str]) -> list[str]:
+def size_words(judged: Validity, sizes: Mapping[str, str]) -> list[str]:
     """``a/h = 0.3`` of each of the ``sizes``, by their names, that the body has."""
     values = ((name, getattr(judged, key)) for name, key in sizes.items())
     return [f"{name} = {value:.3g}" for name, value in values if isinstance(value, float)]
@@ -74,13 +80,13 @@ def state_words(state: Any, names: str = "P delta a") -> str:
     return ", ".join(f"{name} = {show(getattr(state, name), DIMENSIONS[name])}" for name in names.split())
 
 
-def curve_columns(curve: adhesion.EquilibriumCurve) -> dict[str, Array]:
+def curve_columns(curve: EquilibriumCurve) -> dict[str, Array]:
     """The columns of the CSV file by name; later versions may add columns after these."""
     columns = dict(curve.columns)
     attracted = {name: columns.pop(name) for name in ("c_m",) if name in columns}
     if curve.errors:
         columns |= {"P_err_N": curve.errors["P"], "delta_err_m": curve.errors["delta"]}
-    return columns | {"branch": adhesion.branch(curve)} | attracted
+    return columns | {"branch": branch(curve)} | attracted
 
 
 def read_curve(path: Path) -> dict[str, Array]:
@@ -148,7 +154,7 @@ def summary(result: Analysis) -> dict[str, Any]:
             name: point(place) | errors(result.pull_off_errors.get(name)) | strains(_strains_at(result, place))
             for name, place in result.pull_off.items()
         },
-        "stability": stability(result),
+        "stability": stable_states(result),
         "tabor": judged["tabor"],
         "validity": judged,
         "errors": result.budget.as_dict() | {"between_rows": result.curve.interpolation_error},
@@ -175,23 +181,23 @@ def law_words(result: Analysis) -> str:
     return f", stress {show(result.law.stress, 'modulus')} up to {show(result.law.length, 'length')}"
 
 
-def digits(value: float, change: adhesion.Strains) -> int:
+def digits(value: float, change: Strains) -> int:
     """How many digits of a ``value`` are worth showing that large strains ``change``: to the second of the change."""
-    error = abs(value) * adhesion.strain_size(change)
+    error = abs(value) * strain_size(change)
     return 4 if error == 0 else min(max(math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2, 2), 4)
 
 
-def error_words(error: Estimate, change: adhesion.Strains) -> str:
+def error_words(error: Estimate, change: Strains) -> str:
     """The relative numerical ``error``, and the model's: what large strains ``change``, far larger or not."""
     if change is None:
         return f"{accuracy(error)} (90 %)"
-    size = adhesion.strain_size(change)
+    size = strain_size(change)
     seen = isinstance(error, Unknown) or error > SEEN * size
     numerical = f"{accuracy(error)} (90 %)" if seen else "numerical error far smaller"
-    return f"{adhesion.strain_words(change)} (model), {numerical}"
+    return f"{strain_words(change)} (model), {numerical}"
 
 
-def strains(change: adhesion.Strains) -> dict[str, Any]:
+def strains(change: Strains) -> dict[str, Any]:
     """What large strains change of a pull-off force, relative: the least and the largest, or null and the reason."""
     if isinstance(change, Unknown):
         return {"large_strains": None, "large_strains_reason": change.reason}
@@ -199,7 +205,7 @@ def strains(change: adhesion.Strains) -> dict[str, Any]:
 
 
 def lost_words(
-    result: Analysis, points: Mapping[str, tuple[adhesion.Equilibrium | Unknown, adhesion.Errors | Unknown | None]]
+    result: Analysis, points: Mapping[str, tuple[Equilibrium | Unknown, Errors | Unknown | None]]
 ) -> list[str]:
     """The verdict on a curve: its pull-off force under each control, ``points`` with their half-widths; then the
     numerical error of each, of one number where all are far below what is read off."""
@@ -224,10 +230,10 @@ def lost_words(
     else:
         beside = ""
     lines = [f"{verdict} at w = {show(result.w, 'work')}{law_words(result)}{beside}: {result.path}"]
-    change = max(changes.values(), key=adhesion.strain_size, default=None)
+    change = max(changes.values(), key=strain_size, default=None)
     if noticed and len(errors) > 1:
         each = ", ".join(f"{percent(error)} ({name})" for name, error in errors.items())
-        model = "" if change is None else f"{adhesion.strain_words(change)} (model), "
+        model = "" if change is None else f"{strain_words(change)} (model), "
         return [*lines, f"  pull-off: {model}numerical error {each}, 90 %"]
     if errors:
         return [*lines, f"  pull-off: {error_words(max(errors.values()), change)}"]
@@ -235,8 +241,8 @@ def lost_words(
     return lines + ([f"  pull-off: numerical error {'; '.join(unknown)}"] if unknown else [])
 
 
-def _strains_at(result: Analysis, point: adhesion.Equilibrium | Unknown) -> adhesion.Strains:
-    return result.large_strains(point) if isinstance(point, adhesion.CriticalPoint) else None
+def _strains_at(result: Analysis, point: Equilibrium | Unknown) -> Strains:
+    return result.large_strains(point) if isinstance(point, CriticalPoint) else None
 
 
 def percent(error: float) -> str:
@@ -244,14 +250,14 @@ def percent(error: float) -> str:
     return f"{float(f'{100 * error:.2g}'):g} %"
 
 
-def point(state: adhesion.Equilibrium | Unknown) -> dict[str, Any]:
+def point(state: Equilibrium | Unknown) -> dict[str, Any]:
     """A critical point or state by its columns; all None with the reason where it lies outside the series."""
     if isinstance(state, Unknown):
         return {"P_N": None, "delta_m": None, "a_m": None, "reason": state.reason}
     return quantities(state, "P delta a" if state.c is None else "P delta a c")
 
 
-def errors(half_widths: adhesion.Errors | Unknown | None) -> dict[str, Any]:
+def errors(half_widths: Errors | Unknown | None) -> dict[str, Any]:
     """The half-widths beside a point; None with the reason where they are unknown, nothing where there is no point."""
     if half_widths is None:
         return {}
@@ -260,17 +266,17 @@ def errors(half_widths: adhesion.Errors | Unknown | None) -> dict[str, Any]:
     return {"P_err_N": half_widths["P"], "delta_err_m": half_widths["delta"]}
 
 
-def validity(result: Analysis, *points: adhesion.CriticalPoint | Unknown) -> dict[str, Any]:
+def validity(result: Analysis, *points: CriticalPoint | Unknown) -> dict[str, Any]:
     """The numbers by which the result is judged, with pull-off at ``points``, else under load control."""
     return vars(result.validity_at(*points) if points else result.validity)
 
 
-def stability(result: Analysis) -> dict[str, Any]:
+def stable_states(result: Analysis) -> dict[str, Any]:
     """What the curve means under load and under displacement control."""
-    return {name: under_control(adhesion.behaviour(result.curve, k)) for name, k in adhesion.CONTROLS.items()}
+    return {name: under_control(stability.behaviour(result.curve, k)) for name, k in CONTROLS.items()}
 
 
-def under_control(behaviour: adhesion.Behaviour) -> dict[str, Any]:
+def under_control(behaviour: Behaviour) -> dict[str, Any]:
     """Everything that is read off a curve under one control; a null with its reason where there is no number."""
     return {
         "critical_points": [{"kind": item.kind, **point(item)} for item in behaviour.critical],
@@ -284,43 +290,43 @@ def under_control(behaviour: adhesion.Behaviour) -> dict[str, Any]:
     }
 
 
-def jump(event: adhesion.Jump) -> dict[str, Any]:
+def jump(event: Jump) -> dict[str, Any]:
     """A jump between two states; "to" is null where contact is lost."""
     return {"from": point(event.start), "to": None if event.end is None else point(event.end)}
 
 
-def timed(state: adhesion.TimedState) -> dict[str, Any]:
+def timed(state: TimedState) -> dict[str, Any]:
     """A state and its time."""
     return point(state) | quantities(state, "t")
 
 
-def timed_jump(event: adhesion.Jump) -> dict[str, Any]:
+def timed_jump(event: Jump) -> dict[str, Any]:
     """A jump and its time."""
     return quantities(event, "t") | jump(event)
 
 
 def device(k: float) -> dict[str, Any]:
     """The control that a device of stiffness ``k`` [N/m] exerts, and its stiffness."""
-    return {"control": adhesion.control(k), "stiffness_N_per_m": stiffness(k)}
+    return {"control": control(k), "stiffness_N_per_m": stiffness(k)}
 
 
 def stiffness(k: float) -> float | None:
     """The stiffness of a device [N/m]; None for a rigid one, as JSON has no infinity."""
-    return None if k == adhesion.DISPLACEMENT_CONTROL else k
+    return None if k == DISPLACEMENT_CONTROL else k
 
 
-def energy_lost_error(behaviour: adhesion.Behaviour) -> Estimate:
+def energy_lost_error(behaviour: Behaviour) -> Estimate:
     """90 % half-width of the energy lost per cycle [J], or why there is none."""
     whole = behaviour.whole
-    return whole if isinstance(whole, Unknown) else adhesion.energy_lost_error(whole)
+    return whole if isinstance(whole, Unknown) else energy_error.energy_lost_error(whole)
 
 
-def separation_error(behaviour: adhesion.Behaviour) -> Estimate:
+def separation_error(behaviour: Behaviour) -> Estimate:
     """90 % half-width of the work of separation [J], or why there is none."""
     retraction, separation = behaviour.retraction, behaviour.separation
     if retraction is None or isinstance(separation, Unknown):
         return separation
-    return adhesion.separation_error(retraction)
+    return energy_error.separation_error(retraction)
 
 
 def energies(**values: tuple[Estimate, Estimate]) -> dict[str, Any]:
@@ -352,11 +358,11 @@ def cycle_title(how: str, approach: float, retraction: float, *more: str) -> str
     return f"{how}, w = {show(approach, 'work')}{back}" + (f"\n{second}" if second else "")
 
 
-def speed_words(program: adhesion.Program, stiffness: float) -> str:
+def speed_words(program: Program, stiffness: float) -> str:
     """How fast a device of ``stiffness`` [N/m] goes in and out under ``program``; steps have no speed."""
     lasts, ways = np.diff(program.t), np.diff(program.x)
     rates = np.append(ways[lasts > 0] / lasts[lasts > 0], program.rate or 0.0)
-    dimension = "load rate" if stiffness == adhesion.LOAD_CONTROL else "speed"
+    dimension = "load rate" if stiffness == LOAD_CONTROL else "speed"
     words = list[str]()
     for sense in (1, -1):
         there = np.abs(rates[sense * rates > 0])

@@ -12,41 +12,42 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ..adhesion import (
+from ..adhesion.curve import (
     CONTROLS,
     DISPLACEMENT_CONTROL,
     LOAD_CONTROL,
-    RULES,
     AdhesiveCurve,
-    Behaviour,
     CriticalPoint,
     EquilibriumCurve,
-    Errors,
-    Nonadhesive,
-    Range,
-    RangeRequest,
-    Slopes,
+    resolved,
+    yielding,
+)
+from ..adhesion.finite_range import Range, RangeRequest
+from ..adhesion.interpolation import Nonadhesive
+from ..adhesion.pull_off_error import Errors, point_error
+from ..adhesion.slopes import RULES
+from ..adhesion.slopes.choice import slopes, smoothed
+from ..adhesion.slopes.node_radii import Ahead
+from ..adhesion.slopes.result import Slopes
+from ..adhesion.stability import Behaviour, behaviours
+from ..adhesion.validity import (
     Strains,
     Validity,
-    behaviours,
     end_of_body,
     faces,
     judge,
     large_strains,
-    point_error,
     refuse_wetting,
-    resolved,
     sizes,
     strain_size,
     unresolved,
     with_large_strains,
-    yielding,
 )
-from ..adhesion.slopes.choice import slopes, smoothed
-from ..adhesion.slopes.node_radii import Ahead
-from ..base import LARGEST_SI, Estimate, InputError, Refusal, Unknown, known
-from ..bodies import INCOMPRESSIBLE, Problem, relaxing
-from ..methods import Forecast
+from ..base.errors import Estimate, InputError, Refusal, Unknown, known
+from ..base.units import LARGEST_SI
+from ..bodies.materials import INCOMPRESSIBLE, relaxing
+from ..bodies.problem import Problem
+from ..methods.protocol import Forecast
 from ..series import ErrorBudget, Series, Solution, is_series
 from .comparison import Comparison, compare_half_space, effect_of_range
 from .node_radii import Compared, compared
@@ -245,7 +246,7 @@ def seconds_of_page(solution: Solution) -> float:
 
 def _ranged(solution: Solution, works: Sequence[float], request: RangeRequest) -> float:
     """CPU seconds of the dearest of the curves of finite range: the least or the largest w reaches farthest."""
-    from ..adhesion import FiniteRangeBody
+    from ..adhesion.finite_range import FiniteRangeBody
 
     body = FiniteRangeBody.of(solution)
     return max(body.seconds(request.law(w)) for w in {min(works), max(works)})
@@ -266,7 +267,7 @@ def with_solved_points(result: Analysis, *devices: float) -> Analysis:
     """The same curve with its pull-off points, those by ``devices`` of a stiffness [N/m] included, solved at their own
     radii, where the method is exact and quick."""
     if result.law is not None:
-        from ..adhesion import FiniteRangeCurve
+        from ..adhesion.finite_range import FiniteRangeCurve
 
         assert isinstance(result.curve, FiniteRangeCurve)
         return replace(result, curve=result.curve.with_solved_points(*devices))
@@ -284,7 +285,7 @@ def _of_finite_range(
         raise InputError(
             f"slopes: {slopes_name} has no effect with adhesion of finite range, whose kernel is exact: leave it out"
         )
-    from ..adhesion import FiniteRangeBody
+    from ..adhesion.finite_range import FiniteRangeBody
 
     laws = [request.law(w) for w in works]
     body = FiniteRangeBody.of(solution)
@@ -299,7 +300,7 @@ def error_of_point(curve: EquilibriumCurve, point: CriticalPoint, stiffness: flo
     """90 % half-widths of a pull-off ``point`` under a device of ``stiffness`` [N/m], on curves of either kind."""
     if isinstance(curve, AdhesiveCurve):
         return point_error(curve, point, stiffness)
-    from ..adhesion import FiniteRangeCurve
+    from ..adhesion.finite_range import FiniteRangeCurve
 
     assert isinstance(curve, FiniteRangeCurve)
     return curve.point_error(point, stiffness)

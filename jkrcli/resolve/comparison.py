@@ -10,18 +10,14 @@ from typing import Any
 import numpy as np
 
 from .. import formulas
-from ..adhesion import (
-    LOAD_CONTROL,
-    AdhesiveCurve,
-    CriticalPoint,
-    Equilibrium,
-    EquilibriumCurve,
-    Range,
-    Slopes,
-    transform,
-)
-from ..base import ROUNDED, Array, Estimate, JkrError, Unknown, show, zeros_between
-from ..bodies import Problem, Sphere, unbounded
+from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, transform
+from ..adhesion.finite_range import Range
+from ..adhesion.slopes.result import Slopes
+from ..base.errors import Estimate, JkrError, Unknown
+from ..base.numerics import ROUNDED, Array, zeros_between
+from ..base.units import show
+from ..bodies.indenters import Sphere
+from ..bodies.problem import Problem, unbounded
 from ..methods.layered import contact as stack
 from ..methods.layered import no_slip as stuck
 from ..methods.layered import solver as layered
@@ -125,7 +121,8 @@ def pull_off_ratios(
 ) -> dict[float, Estimate]:
     """The pull-off force under load control of one series with exact slopes over that of the other, for each of the
     ``works`` of adhesion [J/m^2]; what lies between the rows is found once for all of them."""
-    from ..adhesion import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive
+    from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint
+    from ..adhesion.interpolation import Nonadhesive
 
     pair, ratios = [Nonadhesive.of(each, "exact") for each in (one, other)], dict[float, Estimate]()
     for w in works:
@@ -351,7 +348,7 @@ def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point
 def ranged(problem: Problem, series: Series, w: float, z0: float) -> EquilibriumCurve:
     """The adhesive curve at some of the radii of ``series``, of the range ``z0`` [m] and the work of adhesion ``w``
     [J/m^2]."""
-    from ..adhesion import FiniteRangeBody
+    from ..adhesion.finite_range import FiniteRangeBody
     from ..methods.finite_range import AttractedBody
 
     some = np.unique(np.linspace(0, len(series) - 1, RANGE_EFFECT_POINTS).astype(int))

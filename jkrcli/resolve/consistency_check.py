@@ -13,7 +13,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ..adhesion.slopes.integral import estimate, whitener
-from ..base import Array
+from ..base.numerics import Array
 from ..series import RawSeries, Series
 from .node_radii import AHEAD_DEEP, Compared
 

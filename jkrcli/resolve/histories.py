@@ -6,23 +6,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..adhesion import (
-    LIMITS,
-    AdhesiveCurve,
-    CriticalPoint,
-    Errors,
-    FromRest,
-    LoadingHistory,
-    Nonadhesive,
-    Rest,
-    Strains,
-    histories,
-    history_error,
-    large_strains,
-    resolved,
-)
-from ..base import MOST_STEPS, PATIENCE, InputError, JkrError, Refusal, Unknown
-from ..bodies import Loading, Problem
+from ..adhesion.curve import AdhesiveCurve, CriticalPoint, resolved
+from ..adhesion.from_rest import FromRest, LoadingHistory, Rest, histories, history_error
+from ..adhesion.interpolation import Nonadhesive
+from ..adhesion.pull_off_error import Errors
+from ..adhesion.validity import LIMITS, Strains, large_strains
+from ..base.errors import InputError, JkrError, Refusal, Unknown
+from ..base.numerics import MOST_STEPS
+from ..base.process import PATIENCE
+from ..bodies.problem import Loading, Problem
 from ..series import Solution
 from .analysis import Analysis, forecast, nonadhesive
 from .pull_off_range import REACH_INSIDE

@@ -14,37 +14,18 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion import (
-    LOAD_CONTROL,
-    AdhesiveCurve,
-    CriticalPoint,
-    Nonadhesive,
-    Strains,
-    Validity,
-    judge,
-    large_strains,
-    refuse_wetting,
-    resolved,
-    sizes,
-    transform,
-    with_large_strains,
-)
-from ..base import PATIENCE, Estimate, JkrError, Refusal, Unknown, show
-from ..bodies import (
-    GEL_TENSION,
-    INCOMPRESSIBLE,
-    Elastic,
-    HalfSpace,
-    Loading,
-    Paraboloid,
-    Problem,
-    Rigid,
-    Sphere,
-    alone,
-    unbounded,
-)
+from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, resolved, transform
+from ..adhesion.interpolation import Nonadhesive
+from ..adhesion.validity import Strains, Validity, judge, large_strains, refuse_wetting, sizes, with_large_strains
+from ..base.errors import Estimate, JkrError, Refusal, Unknown
+from ..base.process import PATIENCE
+from ..base.units import show
+from ..bodies.indenters import Paraboloid, Sphere
+from ..bodies.materials import GEL_TENSION, INCOMPRESSIBLE, Elastic
+from ..bodies.problem import HalfSpace, Loading, Problem, Rigid, alone, unbounded
 from ..formulas import over_hertz, over_jkr
-from ..methods import DENSE, Layered
+from ..methods.layered.solver import Layered
+from ..methods.radii import DENSE
 from ..series import Series
 from .comparison import effect_of_range, half_space_pull_off, pull_off_ratios, ranged, sticking_effect
 from .resolve import again

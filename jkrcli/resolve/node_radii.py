@@ -23,8 +23,10 @@ from scipy.special import ndtr
 
 from ..adhesion.slopes.node_radii import AS_THEY_ARE, Ahead, NodeRadii, evenly_spaced, node_radii
 from ..adhesion.slopes.result import TWO_SIDED_90
-from ..base import ROUNDED, Array, show
-from ..bodies import Indenter, Problem
+from ..base.numerics import ROUNDED, Array
+from ..base.units import show
+from ..bodies.indenters import Indenter
+from ..bodies.problem import Problem
 from ..series import RawSeries, Series
 from .resolve import own_solution
 

@@ -7,12 +7,16 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from ..adhesion import Range, RangeRequest, stable_radius
-from ..base import ROUNDED, ROWS, Array, InputError, Refusal, show
-from ..bodies import Loading, Problem
-from ..case import Case
-from ..methods import AttractedBody, surface_profile
+from ..adhesion.finite_range import Range, RangeRequest
+from ..adhesion.stability import stable_radius
+from ..base.errors import InputError, Refusal
+from ..base.numerics import ROUNDED, ROWS, Array
+from ..base.units import show
+from ..bodies.problem import Loading, Problem
+from ..case.reading import Case
+from ..methods.finite_range import AttractedBody
 from ..methods.integral.density import unsmooth
+from ..methods.layered.solver import surface_profile
 from ..series import Solution
 from .analysis import analyse
 
@@ -58,7 +62,7 @@ def _kernel_is_known(problem: Problem, a: float) -> bool:
 
 def _attracted(solution: Solution, a: float, law: Range) -> dict[str, Array]:
     """Pressure, displacement and gap out to 3 c under a tension of finite range; the tension is a negative pressure."""
-    from ..adhesion import FiniteRangeBody
+    from ..adhesion.finite_range import FiniteRangeBody
     from ..methods.integral.finite_range import attracted_surface
 
     body = FiniteRangeBody.of(solution).body
@@ -104,8 +108,8 @@ def _inside(a: float) -> Array:
 def _meshed(solution: Solution, a: float, w: float) -> dict[str, Array]:
     """Pressure at the nodes inside, displacement and gap at the vertices from the edge out to 3 a, by finite elements;
     where the surfaces stick, shear too, outwards positive."""
-    from ..case import fem_of
-    from ..methods import contact_state
+    from ..case.models import fem_of
+    from ..methods.fem.fields import contact_state
 
     curve = analyse(solution, [w])[0].curve
     delta, _ = (float(value) for value in curve.at(np.array(a)))

@@ -9,9 +9,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..adhesion import LOAD_CONTROL, AdhesiveCurve, work_from_pull_off
-from ..base import ROWS, Array, Estimate, InputError, JkrError, Unknown
-from ..bodies import Indenter, Loading, Problem
+from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve
+from ..adhesion.stability import work_from_pull_off
+from ..base.errors import Estimate, InputError, JkrError, Unknown
+from ..base.numerics import ROWS, Array
+from ..bodies.indenters import Indenter
+from ..bodies.problem import Loading, Problem
 from ..formulas import adhesive_half_space
 from ..methods.radii import ROOM
 from ..series import Solution

@@ -17,11 +17,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..adhesion import CONTROLS, TWO_SIDED_90, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, Nonadhesive
+from ..adhesion.curve import CONTROLS, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve
+from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.slopes.exact import exact
-from ..base import MOST_SOLVES, PATIENCE, SAME, Array, JkrError, composite_gauss
-from ..bodies import Loading, Problem
-from ..methods import METHODS
+from ..adhesion.slopes.result import TWO_SIDED_90
+from ..base.errors import JkrError
+from ..base.numerics import MOST_SOLVES, SAME, Array, composite_gauss
+from ..base.process import PATIENCE
+from ..bodies.problem import Loading, Problem
+from ..methods.protocol import METHODS
 from ..series import Series, Solution
 from .resolve import again, method_behind
 

@@ -9,10 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from ..base import PATIENCE, Array, JkrError, Refusal, duration
-from ..bodies import Loading, Problem
-from ..case import Case, method_of
-from ..methods import METHODS, Method, method_class
+from ..base.errors import JkrError, Refusal
+from ..base.numerics import Array
+from ..base.process import PATIENCE, duration
+from ..bodies.problem import Loading, Problem
+from ..case.models import method_of
+from ..case.reading import Case
+from ..methods.protocol import METHODS, Method, method_class
 from ..series import Series, Solution
 
 # The radii of the solution, and how long it may take.

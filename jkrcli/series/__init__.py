@@ -9,8 +9,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..base import Array, Estimate, InputError, Unknown
-from ..bodies import Problem
+from ..base.errors import Estimate, InputError, Unknown
+from ..base.numerics import Array
+from ..bodies.problem import Problem
 
 COLUMNS = ("a", "delta", "P", "S", "dS")
 JUDGED = 0.01  # of the largest depth, from which a profile's points count in the budget; choice: as elements do

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from ..base import ROUNDED, Array, InputError
+from ..base.errors import InputError
+from ..base.numerics import ROUNDED, Array
 from . import Series
 
 

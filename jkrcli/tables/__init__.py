@@ -17,19 +17,12 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from ..base import (
-    AT_ONCE,
-    LOOKED_AT,
-    REMEMBERED,
-    SHOWN,
-    UNITS,
-    Array,
-    InputError,
-    check_text,
-    did_you_mean,
-    process,
-    read_bytes,
-)
+from ..base import process
+from ..base.errors import InputError, did_you_mean
+from ..base.files import read_bytes
+from ..base.numerics import AT_ONCE, LOOKED_AT, REMEMBERED, SHOWN, Array
+from ..base.process import check_text
+from ..base.units import UNITS
 
 # --------------------------------------------------------------------------------------------------
 # Header cells as programs and instruments write them: a name and a unit.

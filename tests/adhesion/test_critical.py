@@ -20,8 +20,8 @@ from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import Loading, Problem, Rigid, Specimen
-from jkrcli.methods import method_class
 from jkrcli.methods.layered.solver import Layered
+from jkrcli.methods.protocol import method_class
 from jkrcli.resolve.analysis import nonadhesive
 from jkrcli.series import Coarser, Series
 from studies.noise_cells import noisy

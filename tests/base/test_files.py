@@ -157,7 +157,8 @@ def test_every_fault_of_three_works_is_told_as_it_is(
 ) -> None:
     """With pictures that are no pictures, and what is computed kept from one try to the next."""
     from jkrcli.cli import curve_verbs
-    from jkrcli.report import Transformed, plots
+    from jkrcli.report import plots
+    from jkrcli.report.forward import Transformed
 
     def save(_: object, paths: Iterable[Path]) -> None:
         for path in paths:

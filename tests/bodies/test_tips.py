@@ -30,7 +30,7 @@ from jkrcli import (
     solve,
 )
 from jkrcli import check as check_case
-from jkrcli.case import write_solution
+from jkrcli.case.store import write_solution
 
 
 # ---------------------------------------------------------------------- pyramids

@@ -14,8 +14,8 @@ from jkrcli.base import units
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Rigid, Specimen
-from jkrcli.case import load_case, parse_case
 from jkrcli.case import reading as writing
+from jkrcli.case.reading import load_case, parse_case
 from jkrcli.cli.case_verbs import TEMPLATE
 
 SHIPPED = Path(__file__).parents[2] / "cases"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jkrcli.base.errors import InputError
-from jkrcli.case import load_case, parse_case
+from jkrcli.case.reading import load_case, parse_case
 
 GOOD = """
 [indenter]

@@ -20,7 +20,8 @@ from series_files import edit
 
 from jkrcli.base import hdf5
 from jkrcli.base.errors import InputError, Unknown
-from jkrcli.case import load_case, parse_case, store
+from jkrcli.case import store
+from jkrcli.case.reading import load_case, parse_case
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.series import COLUMNS, Coarser, ErrorBudget, PressureTable, RawSeries, Series, Solution
 

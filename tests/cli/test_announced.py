@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from jkrcli.base import JkrError
-from jkrcli.report import Check
+from jkrcli.base.errors import JkrError
+from jkrcli.report.check import Check
 
 CASE = """[indenter]
 shape = "paraboloid"

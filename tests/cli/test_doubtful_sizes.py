@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jkrcli.base import implausible_work
+from jkrcli.base.units import implausible_work
 from jkrcli.cli.inputs import tables_of
 
 BODY = {"shape": None, "half_angle": None, "cap": None, "thickness": None, "base": None, "radius": "10 um", "nu": "0.5"}

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jkrcli.case import parse_case, store
+from jkrcli.case import store
+from jkrcli.case.reading import parse_case
 from jkrcli.formulas import hertz
 
 DATA = Path(__file__).parents[1] / "references" / "calculix"

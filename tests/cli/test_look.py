@@ -13,7 +13,7 @@ import pytest
 from conftest import CASES, Outcome
 from force_curves import Instrument, record
 
-from jkrcli.bodies import Pyramid, RoundedCone, Sphere
+from jkrcli.bodies.indenters import Pyramid, RoundedCone, Sphere
 
 E_STAR, R, W, K = 20e3, 5e-6, 1e-4, 0.05
 FORCE = 1.5 * np.pi * W * R

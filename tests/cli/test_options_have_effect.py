@@ -17,9 +17,9 @@ import pytest
 
 from jkrcli import cli
 from jkrcli.base.errors import InputError
-from jkrcli.case import parse_case
 from jkrcli.case.models import method_of
-from jkrcli.methods import METHODS
+from jkrcli.case.reading import parse_case
+from jkrcli.methods.protocol import METHODS
 
 CASE = """
 [indenter]

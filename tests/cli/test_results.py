@@ -15,11 +15,10 @@ from jkrcli.base.files import write_csv
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.methods import Forecast, method_class
 from jkrcli.methods.closed_form import ClosedForm
-from jkrcli.methods.integral import InaccurateError
+from jkrcli.methods.integral.fredholm import InaccurateError
 from jkrcli.methods.layered.solver import Layered
-from jkrcli.methods.protocol import choose_method
+from jkrcli.methods.protocol import Forecast, choose_method, method_class
 from jkrcli.report import tables
 from jkrcli.resolve.analysis import Analysis
 from jkrcli.resolve.comparison import compare_half_space, exact_curve

@@ -13,7 +13,7 @@ import pytest
 
 import jkrcli as jkr_package
 from jkrcli.base.errors import InputError
-from jkrcli.data import Reading
+from jkrcli.data.curve import Reading
 from jkrcli.data.instruments import constants
 from jkrcli.data.measured import read, usable
 from jkrcli.tables import read_table, split_name

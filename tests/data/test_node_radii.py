@@ -11,7 +11,7 @@ from node_series import BODIES, LENGTH, MODULUS, NodeBody, NodeSeries, complianc
 
 from jkrcli.adhesion.slopes.integral import smoothed
 from jkrcli.adhesion.slopes.node_radii import node_radii
-from jkrcli.base import Unknown
+from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen

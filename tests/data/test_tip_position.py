@@ -13,7 +13,8 @@ from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.curve import Curve, Reading
 from jkrcli.data.measured import from_columns
 from jkrcli.data.segmentation import SUBTRACTED_TWICE
-from jkrcli.fitting import FittedBody, fit
+from jkrcli.fitting.forward_model import FittedBody
+from jkrcli.fitting.procedure import fit
 from jkrcli.fitting.settings import settings_of
 from jkrcli.methods.closed_form import ClosedForm
 

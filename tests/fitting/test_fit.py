@@ -31,15 +31,16 @@ from fit_data import (
 from jkrcli.adhesion.curve import transform
 from jkrcli.base.errors import InputError
 from jkrcli.base.executors import executor
-from jkrcli.case import parse_case
+from jkrcli.case.reading import parse_case
 from jkrcli.data.curve import NOT_SUBTRACTED, Curve
-from jkrcli.fitting import Fit, Parameter, Settings, fit
 from jkrcli.fitting import forward_model as body_module
 from jkrcli.fitting import rows as model
 from jkrcli.fitting.forward_model import body_of as body_of_case
-from jkrcli.fitting.procedure import fit_all
+from jkrcli.fitting.parameters import Parameter
+from jkrcli.fitting.procedure import fit, fit_all
+from jkrcli.fitting.result import Fit
 from jkrcli.fitting.rows import points_of
-from jkrcli.fitting.settings import ConfidenceName
+from jkrcli.fitting.settings import ConfidenceName, Settings
 from jkrcli.methods.layered.solver import Layered
 
 EXACT = 1e-6  # the accuracy asked for without noise; the series' own points and tolerance leave about 2e-7

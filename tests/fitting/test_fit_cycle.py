@@ -15,7 +15,9 @@ from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.data.measured import read
-from jkrcli.fitting import Fit, FittedBody, fit
+from jkrcli.fitting.forward_model import FittedBody
+from jkrcli.fitting.procedure import fit
+from jkrcli.fitting.result import Fit
 from jkrcli.fitting.rows import directed
 from jkrcli.fitting.settings import settings_of
 from jkrcli.methods.layered.solver import Layered

@@ -14,8 +14,9 @@ from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Specimen
 from jkrcli.data.curve import Curve
-from jkrcli.fitting import FittedBody, fit
+from jkrcli.fitting.forward_model import FittedBody
 from jkrcli.fitting.least_squares import covariance_of_uneven
+from jkrcli.fitting.procedure import fit
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.layered.solver import Layered
 

@@ -14,8 +14,8 @@ from test_fit_record import BODY, R, usual
 
 from jkrcli.base.errors import InputError
 from jkrcli.data.curve import Curve
-from jkrcli.fitting import fit
 from jkrcli.fitting.joint import joint_fit
+from jkrcli.fitting.procedure import fit
 
 E_STAR, W_IN, W_OUT, K, ROWS = 20e3, 3e-5, 1e-4, 0.05, 1000
 FORCE = 1.5 * math.pi * W_OUT * R

@@ -18,9 +18,9 @@ from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
-from jkrcli.fitting import Fit, FittedBody, fit
-from jkrcli.fitting.forward_model import Member
-from jkrcli.fitting.procedure import _meaning
+from jkrcli.fitting.forward_model import FittedBody, Member
+from jkrcli.fitting.procedure import _meaning, fit
+from jkrcli.fitting.result import Fit
 from jkrcli.fitting.rows import Minimum, Objective, points_of
 from jkrcli.fitting.settings import settings_of
 from jkrcli.methods.layered.solver import Layered

@@ -22,9 +22,11 @@ from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve, Reading
 from jkrcli.data.measured import read
-from jkrcli.fitting import Fit, FittedBody, FittedValue, fit
-from jkrcli.fitting.parameters import ROOT, Parameter
+from jkrcli.fitting.forward_model import FittedBody
+from jkrcli.fitting.parameters import ROOT, FittedValue, Parameter
+from jkrcli.fitting.procedure import fit
 from jkrcli.fitting.record import whole_record
+from jkrcli.fitting.result import Fit
 from jkrcli.fitting.rows import third_differences
 from jkrcli.fitting.settings import Settings, settings_of
 from jkrcli.methods.closed_form import ClosedForm

@@ -32,9 +32,9 @@ from jkrcli.bodies.indenters import Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Specimen
 from jkrcli.data.curve import Curve
-from jkrcli.fitting import FittedBody, Parameter, fit
-from jkrcli.fitting.forward_model import Drift
-from jkrcli.fitting.procedure import OF_STRAINS
+from jkrcli.fitting.forward_model import Drift, FittedBody
+from jkrcli.fitting.parameters import Parameter
+from jkrcli.fitting.procedure import OF_STRAINS, fit
 from jkrcli.fitting.range_alternative import RANGE, RIVALS, Rival
 from jkrcli.fitting.result import Fit
 from jkrcli.fitting.rows import Readings

@@ -24,7 +24,6 @@ from widths import assert_neither_doubled_nor_halved, mean_squares
 
 from jkrcli.adhesion.rate import PowerRate
 from jkrcli.data.curve import Curve
-from jkrcli.fitting import fit
 from jkrcli.fitting.least_squares import (
     Intervals,
     LeastSquares,
@@ -41,7 +40,7 @@ from jkrcli.fitting.least_squares import (
     wider,
 )
 from jkrcli.fitting.parameters import ONE_SIDED, ROOT, FittedValue, Parameter
-from jkrcli.fitting.procedure import preferences
+from jkrcli.fitting.procedure import fit, preferences
 from jkrcli.fitting.rate import LawThrough, law_through, rate_fit, rate_settings
 
 

@@ -14,9 +14,9 @@ from force_curves import Instrument, record
 
 import jkrcli as python
 from jkrcli.data.curve import Curve
-from jkrcli.fitting import FittedBody, fit
-from jkrcli.fitting.forward_model import body_of
+from jkrcli.fitting.forward_model import FittedBody, body_of
 from jkrcli.fitting.joint import JointFit, joint_fit, shared_of, with_radii
+from jkrcli.fitting.procedure import fit
 from jkrcli.fitting.settings import settings_of
 
 E_STAR, W, RADII, K = 2e5, 1e-3, (2e-6, 10e-6), 0.3

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jkrcli.base import SolveError
+from jkrcli.base.errors import SolveError
 from jkrcli.fitting.least_squares import LeastSquares, State
 from jkrcli.fitting.parameters import Answer, FittedValue
 

@@ -11,10 +11,9 @@ from force_curves import Instrument, record
 import jkrcli as python
 from jkrcli.base.errors import InputError
 from jkrcli.data.curve import Curve
-from jkrcli.fitting import FittedBody, fit
-from jkrcli.fitting.forward_model import body_of
+from jkrcli.fitting.forward_model import FittedBody, body_of
 from jkrcli.fitting.joint import joint_fit, with_radii
-from jkrcli.fitting.procedure import further
+from jkrcli.fitting.procedure import fit, further
 from jkrcli.fitting.settings import settings_of
 
 E_STAR, W, K, LOAD = 2e5, 1e-3, 0.3, 60e-9

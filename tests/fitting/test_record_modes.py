@@ -12,8 +12,9 @@ import pytest
 import jkrcli as python
 from jkrcli.data.curve import Curve
 from jkrcli.data.measured import read
-from jkrcli.fitting import Fit, FittedBody, fit
-from jkrcli.fitting.forward_model import body_of
+from jkrcli.fitting.forward_model import FittedBody, body_of
+from jkrcli.fitting.procedure import fit
+from jkrcli.fitting.result import Fit
 from jkrcli.fitting.settings import settings_of
 
 RAW = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"

@@ -9,7 +9,8 @@ from test_fit_record import BODY, R, usual
 
 from jkrcli.base.errors import InputError, SolveError
 from jkrcli.data.curve import Curve
-from jkrcli.fitting import Fit, fit
+from jkrcli.fitting.procedure import fit
+from jkrcli.fitting.result import Fit
 
 Record = tuple[Sample, Motion, np.ndarray]
 

@@ -18,7 +18,6 @@ from test_fit_record import BODY, R, usual
 from wrong_records import SPEED, WRONG, Drawn, Wrong, right
 
 from jkrcli.data.curve import Curve
-from jkrcli.fitting import Fit, fit
 from jkrcli.fitting import force_curve as force_curve_fit
 from jkrcli.fitting.alternative_tests import (
     DETECTED,
@@ -47,7 +46,9 @@ from jkrcli.fitting.alternatives import (
 )
 from jkrcli.fitting.forward_model import grid, on_grid
 from jkrcli.fitting.least_squares import Spectrum
+from jkrcli.fitting.procedure import fit
 from jkrcli.fitting.record import _fitted, _model, directions_of, whole_record
+from jkrcli.fitting.result import Fit
 from jkrcli.fitting.settings import Settings
 from jkrcli.fitting.verdict import half_space_modulus
 from jkrcli.report.inverse import fit_words, rivals_table, summary

@@ -19,7 +19,8 @@ from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting.surface_tension import tension_fit
 from jkrcli.methods.layered.solver import Layered
-from jkrcli.report import TensionFitted, as_result
+from jkrcli.report.inverse import TensionFitted
+from jkrcli.report.result import as_result
 
 E_STAR, TENSION, W = 4e3 / (1 - 0.49**2), 0.02, 5e-4
 SMALL, LARGE = 3e-6, 30e-6

@@ -16,10 +16,9 @@ from jkrcli.base import process as memory
 from jkrcli.base.errors import Refusal
 from jkrcli.base.executors import available_cores
 from jkrcli.base.process import duration
-from jkrcli.case import load_case
+from jkrcli.case.reading import load_case
 from jkrcli.case.store import solve
-from jkrcli.methods import Forecast
-from jkrcli.methods.protocol import Limits, admit
+from jkrcli.methods.protocol import Forecast, Limits, admit
 
 CASES = Path(__file__).parents[2] / "cases"
 CASE = """

@@ -20,7 +20,8 @@ from stopwatch import seconds_of, takes_less_than
 from jkrcli.adhesion.finite_range import RangeRequest
 from jkrcli.base.errors import InputError
 from jkrcli.base.files import as_json, write_csv
-from jkrcli.case import parse_case, plain_toml, store
+from jkrcli.case import store
+from jkrcli.case.reading import parse_case, plain_toml
 from jkrcli.case.store import solve
 from jkrcli.many.sweep.plan import load_plan
 from jkrcli.methods.layered.solver import Layered

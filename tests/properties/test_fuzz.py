@@ -24,8 +24,9 @@ from fuzzing import bounded, bytes_changed, chances, fuzz, mutate, outcome
 from series_files import edit
 
 from jkrcli.base.errors import JkrError
-from jkrcli.case import load_case, parse_case, store
+from jkrcli.case import store
 from jkrcli.case.models import method_of
+from jkrcli.case.reading import load_case, parse_case
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.protocol import survey
 from jkrcli.series import PressureTable

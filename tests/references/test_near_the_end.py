@@ -12,7 +12,7 @@ from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.case import load_case
+from jkrcli.case.reading import load_case
 from jkrcli.formulas import shift
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.hybrid.method import Hybrid

@@ -57,8 +57,8 @@ from jkrcli import (
     pull_off,
     solve,
 )
-from jkrcli.adhesion import transform
-from jkrcli.bodies import Indenter
+from jkrcli.adhesion.curve import transform
+from jkrcli.bodies.indenters import Indenter
 from jkrcli.bodies.materials import Graded, Power
 from jkrcli.series import Series
 

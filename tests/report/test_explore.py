@@ -16,9 +16,9 @@ from conftest import CASES
 from scipy.interpolate import PPoly
 
 from jkrcli.adhesion.curve import AdhesiveCurve
-from jkrcli.base import DRAWN
 from jkrcli.base.errors import installs
 from jkrcli.base.files import is_ours
+from jkrcli.base.numerics import DRAWN
 from jkrcli.case import store
 from jkrcli.cli import call
 from jkrcli.data.curve import Curve

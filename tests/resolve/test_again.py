@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jkrcli as jkr
-from jkrcli.methods import METHODS
+from jkrcli.methods.protocol import METHODS
 from jkrcli.resolve.resolve import again, exact
 
 GEL = jkr.Specimen((jkr.Layer(jkr.Elastic(1e4, 0.4), 1e-3),), jkr.Rigid())

@@ -7,8 +7,10 @@ import pytest
 from maugis import Maugis
 from scipy.optimize import brentq
 
-from jkrcli.base import Unknown
-from jkrcli.bodies import GEL_TENSION, Elastic, HalfSpace, Layer, Loading, Paraboloid, Problem, Rigid, Specimen, Sphere
+from jkrcli.base.errors import Unknown
+from jkrcli.bodies.indenters import Paraboloid, Sphere
+from jkrcli.bodies.materials import GEL_TENSION, Elastic, Layer
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import displacement, over_hertz, over_jkr, sneddon_sphere
 from jkrcli.resolve.neglected import GLASS, LeftOut, expect, left_out
 

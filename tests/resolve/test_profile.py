@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from jkrcli.adhesion import transform
-from jkrcli.base import InputError
+from jkrcli.adhesion.curve import transform
+from jkrcli.base.errors import InputError
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic, Layer

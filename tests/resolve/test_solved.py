@@ -14,12 +14,12 @@ from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.case import load_case
+from jkrcli.case.reading import load_case
 from jkrcli.case.store import solve
-from jkrcli.methods import Method
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.solver import Layered
+from jkrcli.methods.protocol import Method
 from jkrcli.resolve.analysis import analyse, nonadhesive
 from jkrcli.resolve.refine_pull_off import is_solved, seconds_of_points
 

@@ -19,10 +19,10 @@ from jkrcli.base.executors import completed, executor
 from jkrcli.bodies.indenters import PowerLaw
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
-from jkrcli.methods import Forecast
 from jkrcli.methods.integral.density import disc_warnings
 from jkrcli.methods.layered.contact import LayeredContact
 from jkrcli.methods.layered.solver import Layered, surface_profile
+from jkrcli.methods.protocol import Forecast
 from jkrcli.series import ErrorBudget, Series, Solution
 from studies import failures_judge
 from studies.failures_cells import AXES, Cell, draw

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ...base import InputError, did_you_mean
+from ...base.errors import InputError, did_you_mean
 
 if TYPE_CHECKING:
     from ...series import Series

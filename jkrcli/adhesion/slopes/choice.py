@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...base import UNSEEN, Array, InputError, Unknown
+from ...base.errors import InputError, Unknown
+from ...base.numerics import UNSEEN, Array
 from ...series import RawSeries, Series
 from . import slopes_function
 from .node_radii import AS_THEY_ARE, Ahead

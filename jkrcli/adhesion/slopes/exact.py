@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...base import Refusal, Unknown
+from ...base.errors import Refusal, Unknown
 from ...series import Series
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 

@@ -23,7 +23,8 @@ from scipy.linalg import lapack
 from scipy.optimize import minimize_scalar
 from scipy.special import stdtrit
 
-from ...base import MOST_SOLVES, MOST_STEPS, SHOWN, TINY, UNSEEN, Array, Estimate, InputError, Refusal, Unknown
+from ...base.errors import Estimate, InputError, Refusal, Unknown
+from ...base.numerics import MOST_SOLVES, MOST_STEPS, SHOWN, TINY, UNSEEN, Array
 from ...series import RawSeries, Series
 from .node_radii import AS_THEY_ARE, Ahead, node_radii
 from .result import ERROR_AT_DISPLACEMENT, ERROR_COMMON, TWO_SIDED_90, Slopes, covariance_from_errors, shift_error

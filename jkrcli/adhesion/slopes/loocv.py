@@ -23,7 +23,8 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 from scipy.optimize import minimize_scalar
 
-from ...base import NOTICEABLE, Array, InputError, Refusal
+from ...base.errors import InputError, Refusal
+from ...base.numerics import NOTICEABLE, Array
 from ...series import Series
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...base import Array
+from ...base.numerics import Array
 from ...series import RawSeries
 
 # When radii are those of nodes, and what their rows tell.

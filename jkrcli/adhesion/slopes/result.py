@@ -9,7 +9,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ...base import Array, Estimate
+from ...base.errors import Estimate
+from ...base.numerics import Array
 from ...series import COLUMNS, Series
 
 Signs: TypeAlias = tuple[int, int, int, int]

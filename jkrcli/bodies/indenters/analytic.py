@@ -9,7 +9,10 @@ from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 import numpy as np
 
 from ... import formulas
-from ...base import AnyLength, Array, InputError, Key, Length, Ranged, positive, show
+from ...base.errors import InputError, positive
+from ...base.numerics import Array
+from ...base.registry import Key
+from ...base.units import AnyLength, Length, Ranged, show
 from ..indenter import Indenter, shape
 from ..materials import Solid
 

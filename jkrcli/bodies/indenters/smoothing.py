@@ -16,7 +16,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base import Array, InputError, show
+from ...base.errors import InputError
+from ...base.numerics import Array
+from ...base.units import show
 
 # Knots, corners and what is taken for noise.
 SMOOTHING_KNOTS = (6, 24)  # choice: at least and at most, f'' is smoothed between them

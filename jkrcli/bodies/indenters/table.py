@@ -11,21 +11,10 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from ...base import (
-    AT_ONCE,
-    LOOKED_AT,
-    REMEMBERED,
-    ROUNDED,
-    TINY,
-    AnyLength,
-    Array,
-    InputError,
-    Key,
-    Length,
-    positive,
-    show,
-    spline_slopes,
-)
+from ...base.errors import InputError, positive
+from ...base.numerics import AT_ONCE, LOOKED_AT, REMEMBERED, ROUNDED, TINY, Array, spline_slopes
+from ...base.registry import Key
+from ...base.units import AnyLength, Length, show
 from ..indenter import Indenter, shape
 from ..materials import Solid
 from .smoothing import SMOOTHING_FEWEST, SmoothProfile, cut_at, scatter, smooth_convex

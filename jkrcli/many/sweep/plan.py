@@ -24,36 +24,21 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ... import __version__
-from ...adhesion import DISPLACEMENT_CONTROL, AdhesiveCurve, Equilibrium, Nonadhesive, behaviour, checked_rule
-from ...base import (
-    DISTRIBUTIONS,
-    MOST_CELLS,
-    Distribution,
-    InputError,
-    JkrError,
-    Unknown,
-    check_target,
-    did_you_mean,
-    draw,
-)
-from ...bodies import Problem
-from ...case import (
-    MOST_CASES,
-    AxisTable,
-    Case,
-    CaseModel,
-    DistributionTable,
-    SamplesTable,
-    SweepModel,
-    load_sweep,
-    method_of,
-    model_of,
-    read_solution,
-    write_solution,
-)
-from ...methods import Choice, Method, choose_method, least_first, survey
+from ...adhesion.curve import DISPLACEMENT_CONTROL, AdhesiveCurve, Equilibrium
+from ...adhesion.interpolation import Nonadhesive
+from ...adhesion.slopes import checked_rule
+from ...adhesion.stability import behaviour
+from ...base.errors import InputError, JkrError, Unknown, did_you_mean
+from ...base.files import check_target
+from ...base.numerics import DISTRIBUTIONS, MOST_CELLS, Distribution, draw
+from ...bodies.problem import Problem
+from ...case.models import CaseModel, method_of
+from ...case.reading import Case, model_of
+from ...case.store import read_solution, write_solution
+from ...case.sweep import MOST_CASES, AxisTable, DistributionTable, SamplesTable, SweepModel, load_sweep
+from ...methods.protocol import Choice, Method, choose_method, least_first, survey
 from ...report import tables
-from ...resolve import Analysis, adhesive, nonadhesive, with_solved_points
+from ...resolve.analysis import Analysis, adhesive, nonadhesive, with_solved_points
 from ...series import Record, Solution
 from ...tables import MOST_COLUMNS
 

@@ -20,32 +20,18 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ... import __version__
-from ...base import (
-    SILENCE,
-    Array,
-    Dataset,
-    Group,
-    InputError,
-    JkrError,
-    Progress,
-    atomic,
-    check_target,
-    completed,
-    duration,
-    executor,
-    make_folder,
-    printable,
-    remove_file,
-    scale,
-    show,
-    silent,
-    together,
-    write_csv,
-)
 from ...base import process as locks
-from ...report import Files, Result, archive
+from ...base.errors import InputError, JkrError, printable
+from ...base.executors import Progress, completed, executor, silent
+from ...base.files import atomic, check_target, make_folder, remove_file, together, write_csv
+from ...base.hdf5 import Dataset, Group
+from ...base.numerics import Array
+from ...base.process import SILENCE, duration
+from ...base.units import scale, show
+from ...report import archive
 from ...report.plots import Figure, looks
 from ...report.plots import studies as study
+from ...report.result import Files, Result
 from .plan import FAILED, OK, Cases, Plan, Row, at_unit_modulus, failed, least, solve_group
 
 # --------------------------------------------------------------------------------------------------

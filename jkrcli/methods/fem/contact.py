@@ -20,7 +20,9 @@ from scipy.optimize import nnls
 from scipy.sparse import csc_matrix, csr_matrix, tril
 from scipy.sparse.linalg import splu
 
-from ...base import MOST_STEPS, RESIDUAL_LIMIT, ROUNDED, Array, InputError, SolveError, installs, one_thread
+from ...base.errors import InputError, SolveError, installs
+from ...base.numerics import MOST_STEPS, RESIDUAL_LIMIT, ROUNDED, Array
+from ...base.process import one_thread
 from ..options import Solver
 from .elasticity import ElasticSystem
 

@@ -21,8 +21,16 @@ import numpy as np
 import skfem
 from scipy.sparse import block_diag, bmat, csr_matrix
 
-from ...base import Array, Refusal
-from ...bodies import AnyGraded, AnyTransverse, Elastic, GradedTransverselyIsotropic, Material, TransverselyIsotropic
+from ...base.errors import Refusal
+from ...base.numerics import Array
+from ...bodies.materials import (
+    AnyGraded,
+    AnyTransverse,
+    Elastic,
+    GradedTransverselyIsotropic,
+    Material,
+    TransverselyIsotropic,
+)
 from .mesh import Grid, MeshedBody, sides
 
 ELEMENTS = {  # of first order, second, ...

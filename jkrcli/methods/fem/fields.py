@@ -18,8 +18,10 @@ from scipy.linalg import cho_solve
 from scipy.sparse import csc_matrix, identity
 from scipy.sparse.linalg import spsolve
 
-from ...base import ROUNDED, Array, InputError, Refusal, StageClock
-from ...bodies import Problem
+from ...base.errors import InputError, Refusal
+from ...base.numerics import ROUNDED, Array
+from ...base.process import StageClock
+from ...bodies.problem import Problem
 from .elasticity import ElasticSystem, force_r, force_z, mass, measure, stiffness_constants
 from .mesh import Grid, cut_out, scaled_layout
 from .method import FEM

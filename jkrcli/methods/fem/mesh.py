@@ -16,18 +16,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from ...base import AT_ONCE, ROUNDED, SAME, Array, InputError, Refusal, SolveError
-from ...bodies import (
-    AnyGraded,
-    AnyTransverse,
-    Elastic,
-    HalfSpace,
-    Material,
-    Problem,
-    Side,
-    Specimen,
-    TransverselyIsotropic,
-)
+from ...base.errors import InputError, Refusal, SolveError
+from ...base.numerics import AT_ONCE, ROUNDED, SAME, Array
+from ...bodies.materials import AnyGraded, AnyTransverse, Elastic, Material, TransverselyIsotropic
+from ...bodies.problem import HalfSpace, Problem, Side, Specimen
 from ..options import FEMOptions
 
 # --------------------------------------------------------------------------------------------------

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base import MOST_SOLVES, Estimate, Refusal, StageClock, Unknown, one_thread
-from ...bodies import HalfSpace, Problem
+from ...base.errors import Estimate, Refusal, Unknown
+from ...base.numerics import MOST_SOLVES
+from ...base.process import StageClock, one_thread
+from ...bodies.problem import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
 from ..options import DOUBLED, FEMOptions
 from ..protocol import Forecast, without_coating

@@ -14,36 +14,14 @@ from numpy.polynomial import polynomial
 from scipy.linalg import cholesky, solve_triangular
 
 from ... import formulas
-from ...base import (
-    MOST_SOLVES,
-    MOST_STEPS,
-    ROUNDED,
-    SAME,
-    SETTLED,
-    Array,
-    Estimate,
-    InputError,
-    JkrError,
-    Refusal,
-    StageClock,
-    Unknown,
-)
-from ...bodies import (
-    AnyGraded,
-    Elastic,
-    HalfSpace,
-    Indenter,
-    Loading,
-    Material,
-    Paraboloid,
-    Problem,
-    Specimen,
-    TransverselyIsotropic,
-)
-from ...bodies.materials import INCOMPRESSIBLE
+from ...base.errors import Estimate, InputError, JkrError, Refusal, Unknown
+from ...base.numerics import MOST_SOLVES, MOST_STEPS, ROUNDED, SAME, SETTLED, Array
+from ...base.process import StageClock
+from ...bodies.indenters import Indenter, Paraboloid
+from ...bodies.materials import INCOMPRESSIBLE, AnyGraded, Elastic, Material, TransverselyIsotropic
+from ...bodies.problem import HalfSpace, Loading, Problem, Specimen
 from ...series import Coarser, ErrorBudget, PressureTable, RawSeries, Series, Solution, filter_plateaus
-from ..integral import ring_transforms
-from ..integral.no_slip import coulomb_series
+from ..integral.no_slip import coulomb_series, ring_transforms
 from ..layered.no_slip import half_space_compliances
 from ..layered.solver import largest_radius
 from ..layered.surface_tension import TenseContact

@@ -25,20 +25,19 @@ from numpy.polynomial import legendre
 from scipy.sparse import bmat, coo_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
-from ...base import AT_ONCE, RESIDUAL_LIMIT, ROUNDED, Array, Refusal, SolveError
-from ...bodies import (
+from ...base.errors import Refusal, SolveError
+from ...base.numerics import AT_ONCE, RESIDUAL_LIMIT, ROUNDED, Array
+from ...bodies.materials import (
     AnyGraded,
     AnyTransverse,
     Elastic,
     GradedTransverselyIsotropic,
-    HalfSpace,
     Material,
-    Rigid,
-    Specimen,
     TransverselyIsotropic,
 )
+from ...bodies.problem import HalfSpace, Rigid, Specimen
 from ...formulas import point_force
-from ..integral import rule
+from ..integral.fredholm import rule
 
 # --------------------------------------------------------------------------------------------------
 # The rectangle in which the correction is computed: layers with supports, in units of the largest contact radius.

@@ -10,11 +10,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...base import AT_ONCE, MOST_SOLVES, NO_CLAIM, TINY, Array, Refusal, SolveError, duration, show
-from ...bodies import AnyGraded, HalfSpace, Indenter, Specimen, contact_modulus
+from ...base.errors import Refusal, SolveError
+from ...base.numerics import AT_ONCE, MOST_SOLVES, NO_CLAIM, TINY, Array
+from ...base.process import duration
+from ...base.units import show
+from ...bodies.indenters import Indenter
+from ...bodies.materials import AnyGraded, contact_modulus
+from ...bodies.problem import HalfSpace, Specimen
 from ...series import KeptKernel
-from .. import integral
-from ..integral import rule
+from ..integral.finite_range import Attraction, panels_for
+from ..integral.fredholm import EquationResult, Panels, Quadrature, rule, solve, tolerance_remedy
 from ..layered.contact import GRADED, LayeredContact
 from .correction import (
     LINE_EXTRA,
@@ -282,29 +287,29 @@ class KernelContact:
     def scale(self) -> float:
         return self.kernel.scale
 
-    def plan(self, radii: Array, tolerance: float) -> integral.Quadrature:
+    def plan(self, radii: Array, tolerance: float) -> Quadrature:
         """A quadrature accurate to ``tolerance`` at the increasing ``radii`` [m]."""
-        return integral.Quadrature.cheapest(radii, self.indenter.a0, self.scale, tolerance)
+        return Quadrature.cheapest(radii, self.indenter.a0, self.scale, tolerance)
 
-    def solved(self, radii: Array, plan: integral.Quadrature) -> integral.EquationResult:
+    def solved(self, radii: Array, plan: Quadrature) -> EquationResult:
         """Nonadhesive contact at the increasing ``radii`` [m]."""
-        panels = integral.Panels.through(radii, plan, self.indenter.a0)
-        return integral.solve(self.matrix(panels), panels, self.indenter, self.E_star, plan.inner)
+        panels = Panels.through(radii, plan, self.indenter.a0)
+        return solve(self.matrix(panels), panels, self.indenter, self.E_star, plan.inner)
 
-    def matrix(self, panels: integral.Panels) -> Array:
+    def matrix(self, panels: Panels) -> Array:
         """K [1/m] at the places of the ``panels``."""
         return self.kernel.square(panels.places)
 
-    def attraction(self, reach: float, tolerance: float) -> integral.Attraction:
+    def attraction(self, reach: float, tolerance: float) -> Attraction:
         """The pair of bodies ready for adhesion of finite range up to ``reach`` <= ``limit`` [m]."""
         panels = self.attraction_panels(reach, tolerance)
-        return integral.Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels))
+        return Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels))
 
-    def attraction_panels(self, reach: float, tolerance: float) -> integral.Panels:
+    def attraction_panels(self, reach: float, tolerance: float) -> Panels:
         """The panels of ``attraction``; Refusal where they are too many."""
-        return integral.panels_for(reach, self.indenter.a0, self.scale, tolerance, 1.0)
+        return panels_for(reach, self.indenter.a0, self.scale, tolerance, 1.0)
 
-    def settled(self, radii: Array, tolerance: float) -> tuple[integral.EquationResult, Array]:
+    def settled(self, radii: Array, tolerance: float) -> tuple[EquationResult, Array]:
         """Contact at ``radii`` [m] by quadratures ever finer until they agree to the ``tolerance``, and the last change
         of the columns (4, radii), relative: a profile that ends close by is no polynomial."""
         plan = self.plan(radii, tolerance)
@@ -333,18 +338,18 @@ class SideContact(KernelContact):
     def scale(self) -> float:
         return min(self.kernel.scale, self.wide.scale)
 
-    def plan(self, radii: Array, tolerance: float) -> integral.Quadrature:
+    def plan(self, radii: Array, tolerance: float) -> Quadrature:
         plan = self.wide.together(radii, max(tolerance, HYBRID_FINEST))
         return replace(plan, widest=plan.widest * min(self.kernel.scale / self.wide.scale, 1.0))
 
-    def solved(self, radii: Array, plan: integral.Quadrature) -> integral.EquationResult:
+    def solved(self, radii: Array, plan: Quadrature) -> EquationResult:
         self.wide.guard(radii, plan)
         return super().solved(radii, plan)
 
-    def matrix(self, panels: integral.Panels) -> Array:
+    def matrix(self, panels: Panels) -> Array:
         return self.wide.matrix(panels) + super().matrix(panels)
 
-    def attraction_panels(self, reach: float, tolerance: float) -> integral.Panels:
+    def attraction_panels(self, reach: float, tolerance: float) -> Panels:
         return self.wide.attraction_panels(reach, tolerance)
 
 
@@ -575,7 +580,7 @@ class AdaptiveKernel:
             step = step.after(errors, self.attainable, levels.region)
             if step is not None and (step.more, step.sharper) != (tried.more, tried.sharper):
                 levels = self.levels(reach, step)
-        remedy = integral.tolerance_remedy("hybrid", float(errors.total.max()))
+        remedy = tolerance_remedy("hybrid", float(errors.total.max()))
         raise Refusal(
             f"hybrid: the estimated relative error is {errors.total.max():.1e} with elements of degree {tried.degree}, "
             f"above the tolerance {self.tolerance:.1e}; {remedy}ask for a smaller contact radius or use method "

@@ -7,10 +7,15 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from ...base import MOST_SOLVES, NO_CLAIM, ROUNDED, Array, JkrError, Refusal, StageClock, show
-from ...bodies import AnyTransverse, Graded, HalfSpace, Problem, TransverselyIsotropic
+from ...base.errors import JkrError, Refusal
+from ...base.numerics import MOST_SOLVES, NO_CLAIM, ROUNDED, Array
+from ...base.process import StageClock
+from ...base.units import show
+from ...bodies.materials import AnyTransverse, Graded, TransverselyIsotropic
+from ...bodies.problem import HalfSpace, Problem
 from ...series import ErrorBudget, KeptKernel, Solution
-from .. import integral
+from ..integral.density import disc_warnings, refuse_shrinking
+from ..integral.fredholm import FLOPS_PER_SECOND, first_stiffness, search, series_of
 from ..layered.solver import expected_radius
 from ..options import HybridOptions
 from ..protocol import Forecast, without_coating, without_tension
@@ -72,7 +77,7 @@ class Hybrid(HybridOptions):
         """Cost of the levels up to the one that the tolerance is expected to need, of the search, and of the solves."""
         body = self._body(problem)
         nodes = 2 * problem.loading.points  # at least
-        equation = nodes**3 / 3 / integral.FLOPS_PER_SECOND
+        equation = nodes**3 / 3 / FLOPS_PER_SECOND
         of_equation = 8 * 6 * nodes**2 / 2**20
         if kept := self._kept(problem):
             seconds = 0.02 + (0.8 if kept.of_side else 0.0) + (1 + len(kept.weights)) * equation
@@ -105,17 +110,17 @@ class Hybrid(HybridOptions):
         else:
             assert self.known is not None
             contact, errors = body.from_kept(kept)
-            radii = integral.search(contact, problem.loading, kept.accuracy).radii
+            radii = search(contact, problem.loading, kept.accuracy).radii
             share = float(radii[-1] / self.known.series.a[-1])
             facts = dict(self.known.facts)
             facts["a_over_h"] *= share
         with clock("solve"):
             result, unsettled = contact.settled(radii, kept.accuracy)
-            S0 = integral.first_stiffness(contact, kept.accuracy)
+            S0 = first_stiffness(contact, kept.accuracy)
         with clock("full disc"):
-            integral.refuse_shrinking(radii, result.delta)
-            warnings = integral.disc_warnings(contact, problem.specimen, float(radii[-1]), lambda _: contact.kernel)
-        series = integral.series_of(result, errors.at(radii) + unsettled, problem.indenter.a0, S0)
+            refuse_shrinking(radii, result.delta)
+            warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), lambda _: contact.kernel)
+        series = series_of(result, errors.at(radii) + unsettled, problem.indenter.a0, S0)
         budget = ErrorBudget(float((errors.elements + errors.parameters).max()), float(errors.cut.max()), radius=0.0)
         facts["nodes"] = result.panels.x.size
         told: dict[str, Any] = {"facts": facts, "timings": clock.seconds, "warnings": warnings}
@@ -131,7 +136,7 @@ class Hybrid(HybridOptions):
             with clock("kernel"):
                 contact, errors, levels, degree = body.accurate(reach)
             with clock("radii"):
-                radii = integral.search(contact, problem.loading, max(NO_CLAIM * self.tolerance, 1e-12)).radii
+                radii = search(contact, problem.loading, max(NO_CLAIM * self.tolerance, 1e-12)).radii
             if radii[-1] <= contact.limit * (1 + ROUNDED):
                 return contact, errors, radii, _facts(levels, degree, float(radii[-1]))
             reach = self._further(problem, body, reach, float(radii[-1]))  # the first kernels had been too rough
@@ -156,7 +161,7 @@ class Hybrid(HybridOptions):
             return expected
         reach = min(REACH_ROOM * expected, _end(problem, body))
         for _ in range(MOST_SOLVES):
-            largest = integral.search(body.rough(reach), loading, HYBRID_ROUGH).largest
+            largest = search(body.rough(reach), loading, HYBRID_ROUGH).largest
             if largest <= reach and (REACH_SPARE * largest <= reach or reach == _end(problem, body)):
                 return min(REACH_SPARE * largest, _end(problem, body))
             reach = self._further(problem, body, reach, largest)

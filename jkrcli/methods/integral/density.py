@@ -18,8 +18,12 @@ from functools import partial
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...base import SAME, Array, JkrError, Refusal, show
-from ...bodies import AnyGraded, Indenter, Specimen, stacks
+from ...base.errors import JkrError, Refusal
+from ...base.numerics import SAME, Array
+from ...base.units import show
+from ...bodies.indenters import Indenter
+from ...bodies.materials import AnyGraded
+from ...bodies.problem import Specimen, stacks
 from .fredholm import EXACT, Contact, EquationResult, FredholmKernel, crowded, gauss, rule, split, to_legendre
 
 # Nodes for phi between those of the equation.

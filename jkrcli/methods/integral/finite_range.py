@@ -24,8 +24,10 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base import MOST_STEPS, ROUNDED, SAME, SETTLED, Array, Refusal, SolveError, show
-from ...bodies import Indenter
+from ...base.errors import Refusal, SolveError
+from ...base.numerics import MOST_STEPS, ROUNDED, SAME, SETTLED, Array
+from ...base.units import show
+from ...bodies.indenters import Indenter
 from ...formulas import shift
 from .density import DENSITY_PIECE, Density, pieces
 from .fredholm import AbelMoments, LegendrePanels, Panels, Quadrature, angle, gauss, rule, tension_moments, to_legendre

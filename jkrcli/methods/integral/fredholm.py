@@ -21,8 +21,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...base import Array, Refusal, SolveError
-from ...bodies import Indenter, Loading, Quantity
+from ...base.errors import Refusal, SolveError
+from ...base.numerics import Array
+from ...bodies.indenters import Indenter
+from ...bodies.problem import Loading, Quantity
 from ...series import Series
 from ..radii import ROUGH, Response, Search
 

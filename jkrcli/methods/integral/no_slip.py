@@ -26,8 +26,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.polynomial import legendre, polynomial
 
-from ...base import ROUNDED, Array
-from ...bodies import Indenter
+from ...base.numerics import ROUNDED, Array
+from ...bodies.indenters import Indenter
 from .density import DENSITY_WIDEST
 from .fredholm import EXACT, Panels, crowded, forward_substitution, gauss, nested_factor, rounding_error, rule, split
 

@@ -11,10 +11,25 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...base import NO_CLAIM, Array, EvenCubic, Refusal, SolveError
-from ...bodies import Indenter, Solid, Specimen, contact_modulus
-from .. import integral
-from ..integral import Panels, crowded_rule, rule, to_legendre
+from ...base.errors import Refusal, SolveError
+from ...base.numerics import NO_CLAIM, Array, EvenCubic
+from ...bodies.indenters import Indenter
+from ...bodies.materials import Solid, contact_modulus
+from ...bodies.problem import Specimen
+from ..integral.finite_range import Attraction, panels_for
+from ..integral.fredholm import (
+    ContactResult,
+    CosineKernel,
+    EquationResult,
+    InaccurateError,
+    Panels,
+    Quadrature,
+    crowded_rule,
+    rule,
+    solve,
+    to_legendre,
+    tolerance_remedy,
+)
 from .spectrum import LayeredSpectrum
 
 # --------------------------------------------------------------------------------------------------
@@ -198,7 +213,7 @@ class IndenterOnLayers(ABC):
         """The plan expected to be accurate to ``tolerance`` at the increasing ``radii`` [m]."""
 
     @abstractmethod
-    def solved(self, radii: Array, plan: Any) -> integral.ContactResult:
+    def solved(self, radii: Array, plan: Any) -> ContactResult:
         """Contact at the increasing ``radii`` [m]."""
 
     def checking(self, radii: Array, plan: Any, tolerance: float) -> tuple[IndenterOnLayers, Any]:
@@ -242,9 +257,7 @@ class IndenterOnLayers(ABC):
             raise self.unresolved(plan, failure)
         missed = f"layered: the estimated relative error{self.what} is {best:.1e} with {plan.nodes} {self.rows}, above "
         missed, smaller = f"{missed}the tolerance {tolerance:.1e}; ", "ask for a smaller contact radius"
-        raise integral.InaccurateError(
-            f"{missed}{integral.tolerance_remedy('layered', best)}{smaller}", f"{missed}{smaller}", best
-        )
+        raise InaccurateError(f"{missed}{tolerance_remedy('layered', best)}{smaller}", f"{missed}{smaller}", best)
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,7 +273,7 @@ class LayeredContact(IndenterOnLayers):
     def spectrum(self) -> LayeredSpectrum:
         return _spectrum(self.specimen, self.indenter.material)
 
-    def plan(self, radii: Array, tolerance: float) -> integral.Quadrature:
+    def plan(self, radii: Array, tolerance: float) -> Quadrature:
         """The cheapest quadrature expected to be accurate to ``tolerance`` at the increasing ``radii`` [m].
 
         Radii begin panels, which many radii would make more than the kernel needs: they are dealt out in groups.
@@ -271,13 +284,13 @@ class LayeredContact(IndenterOnLayers):
             plans.append(replace(each, groups=int(groups)))
         return min(plans, key=lambda plan: self.flops(radii, plan))
 
-    def together(self, radii: Array, tolerance: float) -> integral.Quadrature:
+    def together(self, radii: Array, tolerance: float) -> Quadrature:
         """The same for all ``radii`` on one set of panels."""
         own = radii, self.indenter.a0, self.scale, tolerance
         tail = self.spectrum.tail
-        return integral.Quadrature.cheapest(*own) if tail is None else integral.Quadrature.crowded(*own, tail.strength)
+        return Quadrature.cheapest(*own) if tail is None else Quadrature.crowded(*own, tail.strength)
 
-    def flops(self, radii: Array, plan: integral.Quadrature) -> float:
+    def flops(self, radii: Array, plan: Quadrature) -> float:
         """Floating-point operations of one solve, about."""
         spectrum, each = self.spectrum, math.ceil(radii.size / plan.groups)
         waves = 200 + 0.7 * spectrum.bandwidth(spectrum.floor) * 2 * radii[-1]
@@ -285,7 +298,7 @@ class LayeredContact(IndenterOnLayers):
         group = (plan.nodes + each) ** 2 * waves + plan.nodes**3 / 3 + plan.nodes**2 * each
         return float(plan.groups * group + (plan.groups - 1) * LAYERED_PER_GROUP)
 
-    def guard(self, radii: Array, plan: integral.Quadrature) -> None:
+    def guard(self, radii: Array, plan: Quadrature) -> None:
         """Refuse what would take minutes or gigabytes."""
         if plan.nodes > LAYERED_MOST_NODES or self.flops(radii, plan) > LAYERED_MOST_FLOPS:
             many = plan.groups > 1 and plan.nodes <= LAYERED_MOST_NODES  # each group costs as much
@@ -296,7 +309,7 @@ class LayeredContact(IndenterOnLayers):
                 f"(limit {LAYERED_MOST_NODES}); ask for a smaller contact{fewer}"
             )
 
-    def solved(self, radii: Array, plan: integral.Quadrature) -> integral.ContactResult:
+    def solved(self, radii: Array, plan: Quadrature) -> ContactResult:
         """Contact at the increasing ``radii`` [m]; of one group with its densities, an ``EquationResult``."""
         self.guard(radii, plan)
         kernel = self.spectrum.kernel(2 * float(radii[-1]), self.order)
@@ -308,43 +321,43 @@ class LayeredContact(IndenterOnLayers):
             part = self._group(radii[dealt], plan, kernel)
             columns[:, dealt], rounding[dealt] = part.columns, part.rounding
         delta, P, S, dS = columns
-        return integral.ContactResult(replace(part.panels, radii=radii), delta, P, S, dS, rounding)
+        return ContactResult(replace(part.panels, radii=radii), delta, P, S, dS, rounding)
 
-    def _group(self, radii: Array, plan: integral.Quadrature, kernel: integral.CosineKernel) -> integral.EquationResult:
-        panels = integral.Panels.through(radii, plan, self.indenter.a0)
-        return integral.solve(self.matrix(panels, kernel), panels, self.indenter, self.E_star, plan.inner)
+    def _group(self, radii: Array, plan: Quadrature, kernel: CosineKernel) -> EquationResult:
+        panels = Panels.through(radii, plan, self.indenter.a0)
+        return solve(self.matrix(panels, kernel), panels, self.indenter, self.E_star, plan.inner)
 
-    def matrix(self, panels: integral.Panels, kernel: integral.CosineKernel | None = None) -> Array:
+    def matrix(self, panels: Panels, kernel: CosineKernel | None = None) -> Array:
         """K [1/m] at the places of the ``panels``; ``kernel``: its smooth part, where it is known."""
         tail = self.spectrum.tail
         smooth = kernel or self.spectrum.kernel(2 * float(panels.edges[-1]), self.order)
         K = smooth.square(panels.places)
         return K if tail is None else K + product_matrix(tail.transform, panels)
 
-    def attraction(self, reach: float, tolerance: float) -> integral.Attraction:
+    def attraction(self, reach: float, tolerance: float) -> Attraction:
         """The pair of bodies ready for adhesion of finite range up to ``reach`` [m], K to the relative
         ``tolerance``."""
         panels = self.attraction_panels(reach, tolerance)
-        return integral.Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels))
+        return Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels))
 
-    def attraction_panels(self, reach: float, tolerance: float) -> integral.Panels:
+    def attraction_panels(self, reach: float, tolerance: float) -> Panels:
         """The panels of ``attraction``; Refusal where they are too many."""
         crowding = 1.0 if self.spectrum.tail is None else LAYERED_NARROWER * self.scale / self.spectrum.tail.finest
-        return integral.panels_for(reach, self.indenter.a0, self.scale, tolerance, crowding)
+        return panels_for(reach, self.indenter.a0, self.scale, tolerance, crowding)
 
-    def checking(self, radii: Array, plan: Any, tolerance: float) -> tuple[LayeredContact, integral.Quadrature]:
+    def checking(self, radii: Array, plan: Any, tolerance: float) -> tuple[LayeredContact, Quadrature]:
         """Shared is g(k) alone: other panels and nodes in x, few wide ones of high order, other nodes in k, other means
         of F."""
         check = self.plan(radii, tolerance / LAYERED_MARGIN**3).finer()
         return replace(self, order=20), replace(check, inner=26)
 
-    def finer(self, plan: integral.Quadrature) -> integral.Quadrature:
+    def finer(self, plan: Quadrature) -> Quadrature:
         return plan.finer() if self.spectrum.tail is None else plan.narrower()
 
-    def unresolved(self, plan: integral.Quadrature, failure: SolveError) -> integral.InaccurateError:
+    def unresolved(self, plan: Quadrature, failure: SolveError) -> InaccurateError:
         missed = f"layered: {plan.nodes} nodes do not resolve the kernel, the error is not known; ask for "
         less = "a smaller contact radius"
-        return integral.InaccurateError(f"{missed}more points or {less}", f"{missed}{less}")
+        return InaccurateError(f"{missed}more points or {less}", f"{missed}{less}")
 
 
 @lru_cache(maxsize=8)  # the radii of one body are often solved in several steps
@@ -352,7 +365,7 @@ def _spectrum(specimen: Specimen, indenter: Solid | None) -> LayeredSpectrum:
     return LayeredSpectrum(specimen, indenter)
 
 
-def _errors(main: integral.ContactResult, other: integral.ContactResult, some: Array) -> Array:
+def _errors(main: ContactResult, other: ContactResult, some: Array) -> Array:
     """Relative error of each column at every radius (4, radii): the largest difference at the ``some`` radii about it,
     ``about`` and one on each side, with a safety, and rounding."""
     seen, about = np.abs(other.columns / main.columns[:, some] - 1), LAYERED_ABOUT

@@ -12,10 +12,13 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from ...base import Array, Refusal
-from ...bodies import AnyGraded, AnyTransverse, Coated, Indenter, Material, Specimen, stacks
-from ..integral import EXACT, ContactResult, Panels, Quadrature, StuckDisc, StuckKernel
-from ..integral.no_slip import Growth, Pieces
+from ...base.errors import Refusal
+from ...base.numerics import Array
+from ...bodies.indenters import Indenter
+from ...bodies.materials import AnyGraded, AnyTransverse, Coated, Material
+from ...bodies.problem import Specimen, stacks
+from ..integral.fredholm import EXACT, ContactResult, Panels, Quadrature
+from ..integral.no_slip import Growth, Pieces, StuckDisc, StuckKernel
 from .contact import LAYERED_MOST_FLOPS, LAYERED_MOST_NODES, IndenterOnLayers
 from .spectrum import LayeredSpectrum, Medium, minors_of, resolved, shear_moduli
 

@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from ...base import Array, InputError, Refusal, StageClock
-from ...bodies import Loading, Problem, Specimen, stacks, unbounded
+from ...base.errors import InputError, Refusal
+from ...base.numerics import Array
+from ...base.process import StageClock
+from ...bodies.problem import Loading, Problem, Specimen, stacks, unbounded
 from ...formulas import shift
 from ...series import ErrorBudget, Solution
-from .. import integral
-from ..integral import InaccurateError
-from ..integral.density import Density, unsmooth
+from ..integral.density import Density, disc_warnings, refuse_shrinking, unsmooth
+from ..integral.fredholm import FLOPS_PER_SECOND, InaccurateError, first_stiffness, search, series_of
 from ..options import LayeredOptions
 from ..protocol import Forecast
 from .contact import GRADED, LAYERED_MARGIN, LayeredContact, checked
@@ -65,7 +66,7 @@ class Layered(LayeredOptions):
         radii = np.linspace(problem.indenter.a0, largest_radius(problem), max(problem.loading.points, 1) + 1)[1:]
         plan: Any = contact.plan(radii, self.attainable(problem.specimen) / LAYERED_MARGIN)
         contact.guard(radii, plan)
-        seconds = spectrum_seconds(problem) + self._operations(contact, problem, radii) / integral.FLOPS_PER_SECOND
+        seconds = spectrum_seconds(problem) + self._operations(contact, problem, radii) / FLOPS_PER_SECOND
         memory = 8 * 6 * (plan.nodes + radii.size / getattr(plan, "groups", 1)) ** 2 / 2**20
         return Forecast(seconds, 5 + memory, self.attainable(problem.specimen), f"{plan.nodes} nodes, no mesh")
 
@@ -91,14 +92,14 @@ class Layered(LayeredOptions):
             _ = contact.spectrum.panels  # now rather than at the first solve
         tolerance = self.attainable(problem.specimen)
         with clock("radii"):
-            radii = integral.search(contact, problem.loading, max(SEARCH, 0.01 * tolerance)).radii
+            radii = search(contact, problem.loading, max(SEARCH, 0.01 * tolerance)).radii
         with clock("solve"):
             result, errors = contact.refined(radii, tolerance)
-            S0 = integral.first_stiffness(contact, 1e-12)
+            S0 = first_stiffness(contact, 1e-12)
         with clock("full disc"):
-            integral.refuse_shrinking(radii, result.delta)
+            refuse_shrinking(radii, result.delta)
             warnings = _disc_warnings(contact, problem.specimen, float(radii[-1]))
-        series = integral.series_of(result, errors, problem.indenter.a0, S0)
+        series = series_of(result, errors, problem.indenter.a0, S0)
         budget = ErrorBudget(discretisation=float(errors.max()), truncation=0.0, radius=0.0)
         panels = result.panels
         facts: dict[str, float | int] = {"nodes": panels.x.size, "panels": panels.edges.size - 1, "order": panels.order}
@@ -127,7 +128,7 @@ def _largest(problem: Problem) -> float:
 def expected_radius(contact: SolvedContact, loading: Loading, accuracy: float) -> float:
     """The contact radius [m] at which ``loading`` ends, extrapolated where it is many times the layers' length."""
     limit = math.hypot(contact.indenter.a0, QUICK * contact.scale)
-    return integral.search(replace(contact, limit=limit), loading, accuracy).largest
+    return search(replace(contact, limit=limit), loading, accuracy).largest
 
 
 def _contact(problem: Problem) -> SolvedContact:
@@ -140,7 +141,7 @@ def _disc_warnings(contact: SolvedContact, specimen: Specimen, largest: float) -
     """What is wrong with the contact as a disc; one that sticks has been refused where it does not grow."""
     if isinstance(contact, StuckLayeredContact):
         return ()
-    return integral.disc_warnings(contact, specimen, largest, contact.spectrum.kernel)
+    return disc_warnings(contact, specimen, largest, contact.spectrum.kernel)
 
 
 # --------------------------------------------------------------------------------------------------

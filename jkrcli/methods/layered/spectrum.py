@@ -19,27 +19,24 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...base import REMEMBERED, Array, SolveError
-from ...bodies import (
+from ...base.errors import SolveError
+from ...base.numerics import REMEMBERED, Array
+from ...bodies.materials import (
     AnyGraded,
     AnyTransverse,
     Elastic,
     Graded,
     GradedTransverselyIsotropic,
-    HalfSpace,
     Law,
     Layer,
     Material,
-    Problem,
-    Rigid,
     Solid,
-    Specimen,
     TransverselyIsotropic,
     contact_modulus,
     smooth_parts,
-    stacks,
 )
-from ..integral import CosineKernel, gauss, phase_allowed, rule, split, to_legendre
+from ...bodies.problem import HalfSpace, Problem, Rigid, Specimen, stacks
+from ..integral.fredholm import CosineKernel, gauss, phase_allowed, rule, split, to_legendre
 
 # --------------------------------------------------------------------------------------------------
 # Compliance of what lies below a depth, as minors, and their way up through the layers of a stack.

@@ -27,10 +27,12 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ... import formulas
-from ...base import Array, EvenCubic, Refusal, show
-from ...bodies import AnyGraded, Specimen
-from .. import integral
-from ..integral import crowded_rule, gauss, rule
+from ...base.errors import Refusal
+from ...base.numerics import Array, EvenCubic
+from ...base.units import show
+from ...bodies.materials import AnyGraded
+from ...bodies.problem import Specimen
+from ..integral.fredholm import ContactResult, Panels, crowded, crowded_rule, gauss, panel_means, phase_allowed, rule
 from .contact import LAYERED_MOST_FLOPS, LAYERED_MOST_NODES, IndenterOnLayers, lagrange, logarithms
 from .spectrum import COUNT, LayeredSpectrum, Tail, compliance, divided, regularised, resolved, surface_series
 
@@ -287,7 +289,7 @@ class TenseContact(IndenterOnLayers):
         """The plan expected to be accurate to ``tolerance`` up to the last of the ``radii`` [m]."""
         order = TENSE_LEAST_ORDER + math.ceil(max(-math.log10(tolerance) - 4, 0))
         order = min(order, TENSE_MOST_ORDER)
-        widest = float(integral.phase_allowed(order, tolerance)) * self.scale / TENSE_FREQUENCY
+        widest = float(phase_allowed(order, tolerance)) * self.scale / TENSE_FREQUENCY
         plan = TensePlan(order, widest, tolerance, 0)
         levels, cuts = self._panels(float(radii[-1]), plan)
         return TensePlan(order, widest, tolerance, order * (2**cuts + levels - cuts))
@@ -322,7 +324,7 @@ class TenseContact(IndenterOnLayers):
                 "points, or use method fem"
             )
 
-    def solved(self, radii: Array, plan: TensePlan) -> integral.ContactResult:
+    def solved(self, radii: Array, plan: TensePlan) -> ContactResult:
         """Contact at the increasing ``radii`` [m]."""
         self.guard(radii, plan)
         half_space = not self.specimen.layers
@@ -333,13 +335,13 @@ class TenseContact(IndenterOnLayers):
         if not slight.all():
             columns[:, ~slight] = self._first_kind(radii[~slight], plan)
         delta, P, S, dS = columns
-        return integral.ContactResult(self._of_largest(radii, plan), delta, P, S, dS, np.zeros_like(radii))
+        return ContactResult(self._of_largest(radii, plan), delta, P, S, dS, np.zeros_like(radii))
 
-    def _of_largest(self, radii: Array, plan: TensePlan) -> integral.Panels:
+    def _of_largest(self, radii: Array, plan: TensePlan) -> Panels:
         """The nodes at the largest radius, from the axis outwards."""
         a, grid = float(radii[-1]), self._angles(float(radii[-1]), plan)
         x, w = a * np.cos(grid.tau[::-1]), a * (np.sin(grid.tau) * grid.w)[::-1]
-        return integral.Panels(a * np.cos(grid.edges[::-1]), grid.order, radii, x, w, np.searchsorted(x, radii))
+        return Panels(a * np.cos(grid.edges[::-1]), grid.order, radii, x, w, np.searchsorted(x, radii))
 
     def _angles(self, a: float, plan: TensePlan) -> Angles:
         points = 5 * plan.order // 2 + math.ceil(TENSE_PER_DECADE * max(math.log10(a / self.kappa), 0.0))
@@ -368,8 +370,8 @@ class TenseContact(IndenterOnLayers):
         joints = np.array([joint for joint in self.indenter.joints if joint < a])
         edges = math.pi / 2 - grid.edges[::-1]  # angles from the axis: F begins at its kinks
         cuts = edges, grid.order, TENSE_INNER
-        F = integral.panel_means(lambda x: self.indenter.abel(a * np.sin(x)), np.arcsin(joints / a), *cuts)
-        slope = integral.panel_means(lambda x: self.indenter.abel_slope(a * np.sin(x)), np.arcsin(joints / a), *cuts)
+        F = panel_means(lambda x: self.indenter.abel(a * np.sin(x)), np.arcsin(joints / a), *cuts)
+        slope = panel_means(lambda x: self.indenter.abel_slope(a * np.sin(x)), np.arcsin(joints / a), *cuts)
         F, steep = np.array([F[::-1], a * np.cos(grid.tau) * slope[::-1]])
         scale = math.pi * self.E_star
         S, dS = scale * (grid.w @ one), scale * (math.pi * float(grid.edge @ one)) ** 2 / (4 * a * self.kappa)
@@ -385,7 +387,7 @@ class TenseContact(IndenterOnLayers):
         """
         cuts = np.array([joint / a for joint in self.indenter.joints if joint < a])
         cuts = np.union1d(np.linspace(0.0, 1.0, 3), cuts)
-        u, w = (part.ravel() for part in integral.crowded(cuts[:-1], cuts[1:], TENSE_INNER))
+        u, w = (part.ravel() for part in crowded(cuts[:-1], cuts[1:], TENSE_INNER))
         F, slope = self.indenter.abel(a * u), self.indenter.abel_slope(a * u)
         (F_a,), (slope_a,) = self.indenter.abel(np.array([a])), self.indenter.abel_slope(np.array([a]))
         ring, share = formulas.logarithm(np.array(a), self.kappa) + 1, self.kappa / math.pi

@@ -17,21 +17,16 @@ from typing import Any
 import numpy as np
 
 from ... import __version__
-from ...adhesion import (
-    CONTROLS,
-    LIMITS,
-    LOAD_CONTROL,
-    AdhesiveCurve,
-    CriticalPoint,
-    Equilibrium,
-    Nonadhesive,
-    large_strains,
-    regime,
-)
-from ...base import DRAWN, SI, UNITS, Array, InputError, Unknown, decades, installs, scale
-from ...data import Curve
+from ...adhesion.curve import CONTROLS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Equilibrium
+from ...adhesion.interpolation import Nonadhesive
+from ...adhesion.validity import LIMITS, large_strains, regime
+from ...base.errors import InputError, Unknown, installs
+from ...base.numerics import DRAWN, Array
+from ...base.units import SI, UNITS, decades, scale
+from ...data.curve import Curve
 from ...formulas import MEASURED, strained_pull_off
-from ...resolve import Analysis, analysis, nonadhesive
+from ...resolve import analysis
+from ...resolve.analysis import Analysis, nonadhesive
 from ..result import Result
 
 # --------------------------------------------------------------------------------------------------

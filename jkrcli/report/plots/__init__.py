@@ -11,7 +11,9 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from ... import __version__
-from ...base import Array, atomic, printable
+from ...base.errors import printable
+from ...base.files import atomic
+from ...base.numerics import Array
 from .looks import COLORS, WIDE, without_tables
 
 with without_tables():

@@ -14,19 +14,21 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
-from ...adhesion import CriticalPoint, EquilibriumCurve, Jump, branch
-from ...adhesion.stability import GRIPPED, STABLE, UNSTABLE
-from ...base import Array, scale, show
+from ...adhesion.curve import CriticalPoint, EquilibriumCurve
+from ...adhesion.device_path import Jump
+from ...adhesion.stability import GRIPPED, STABLE, UNSTABLE, branch
+from ...base.numerics import Array
+from ...base.units import scale, show
 from ...fitting.rate import RateFit
 from ...fitting.relaxation import RelaxationFit
-from ...resolve import Analysis
+from ...resolve.analysis import Analysis
 from ..tables import Scales
 from . import Axes, Box, Figure, colors, drawing, ends, inset, legend_below, log_ticks, pair, panelled, zero_lines
 from .looks import BLACK, BLUE, COLORS, GREEN, LABELS, ORANGE, WIDE, axis_of, pretty, unit_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from ...bodies import Indenter
+    from ...bodies.indenters import Indenter
     from ...methods.fem.fields import ContactState
     from ...methods.fem.mesh import Grid
 

@@ -11,10 +11,13 @@ from textwrap import fill
 import numpy as np
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 
-from ...base import DRAWN, Array, Unknown
-from ...data import Direction, ForceCurve
-from ...fitting import Fit, JointFit, rise
+from ...base.errors import Unknown
+from ...base.numerics import DRAWN, Array
+from ...data.segmentation import Direction, ForceCurve
+from ...fitting.joint import JointFit
+from ...fitting.least_squares import rise
 from ...fitting.rate import LawThrough
+from ...fitting.result import Fit
 from ...fitting.work_along_curve import WorkAlong, typical
 from ..map import IMAGES, Map
 from . import Axes, Figure, enlarged, log_ends, log_ticks, panelled

@@ -10,7 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from ...base import Array, InputError, process, scale
+from ...base import process
+from ...base.errors import InputError
+from ...base.numerics import Array
+from ...base.units import scale
 from ..tables import DIMENSIONS
 
 WIDE, MIDDLE, NARROW = 7.0, 4.8, 3.4  # two columns of a journal, one and a half, one [inch]: printed unscaled

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from matplotlib.patheffects import withStroke
 
-from ...base import Array
+from ...base.numerics import Array
 from ...series.differences import Difference
 from . import Axes, Figure, drawing, legend_below, log_ticks, panelled, zero_lines
 from .looks import COLORS, MIDDLE, NARROW, WIDE

@@ -13,14 +13,13 @@ from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer, Linear, TransverselyIsotropic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.methods import method_class
 from jkrcli.methods.hybrid.correction import Region
 from jkrcli.methods.hybrid.kernel import HYBRID_NO_CLAIM, AdaptiveKernel, KernelContact, KernelLevels, count_for
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.integral.fredholm import COLUMNS, rule
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.spectrum import LayeredSpectrum
-from jkrcli.methods.protocol import choose_method
+from jkrcli.methods.protocol import choose_method, method_class
 from jkrcli.series import Series, Solution
 
 PARABOLOID = Paraboloid(1000.0)

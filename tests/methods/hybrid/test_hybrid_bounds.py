@@ -9,10 +9,10 @@ from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Sphere
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.methods import Method
 from jkrcli.methods.hybrid.kernel import HYBRID_NO_CLAIM, AdaptiveKernel
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.solver import Layered
+from jkrcli.methods.protocol import Method
 
 COLUMNS = ("delta", "P", "S", "dS")
 STACK = Specimen(

@@ -13,7 +13,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic, Layer, TransverselyIsotropic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.case import parse_case
+from jkrcli.case.reading import parse_case
 from jkrcli.formulas import hertz
 from jkrcli.methods.fem.elasticity import assemble
 from jkrcli.methods.fem.mesh import MeshedBody, triangles

@@ -8,21 +8,10 @@ import numpy as np
 import pytest
 
 import jkrcli
-from jkrcli.base import InputError, Refusal
-from jkrcli.bodies import (
-    Coated,
-    Elastic,
-    HalfSpace,
-    Layer,
-    Loading,
-    Paraboloid,
-    Problem,
-    Rigid,
-    Specimen,
-    Sphere,
-    TransverselyIsotropic,
-    alone,
-)
+from jkrcli.base.errors import InputError, Refusal
+from jkrcli.bodies.indenters import Paraboloid, Sphere
+from jkrcli.bodies.materials import Coated, Elastic, Layer, TransverselyIsotropic
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen, alone
 from jkrcli.case.reading import case_of, parse_case
 from jkrcli.methods.layered.no_slip import StuckSpectrum
 from jkrcli.methods.layered.solver import Layered, surface_profile

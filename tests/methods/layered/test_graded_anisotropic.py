@@ -23,7 +23,7 @@ from jkrcli.bodies.materials import (
     TransverselyIsotropic,
 )
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.case import parse_case
+from jkrcli.case.reading import parse_case
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.solver import Layered

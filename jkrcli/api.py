@@ -113,14 +113,14 @@ from .resolve.analysis import analyse, nonadhesive, with_solved_points
 from .series import Solution
 
 __all__ = [
-    "FEM", "ClosedForm", "Coated", "Elastic", "Exponential", "Graded", "GradedTransverselyIsotropic", "HalfSpace", "Hybrid", "InputError", "JkrError",
-    "Layer", "Layered", "Limits", "Linear", "Loading", "LogRate", "Paraboloid", "Power", "PowerLaw", "PowerRate",
-    "PowerRelaxation", "Problem", "Program", "Prony", "Pyramid", "Reading", "Refusal", "Rigid", "RoundedCone",
-    "RoundedFlat", "Specimen", "Sphere", "StandardSolid", "TableProfile", "Tabulated", "TransverselyIsotropic",
-    "Unknown", "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "fit", "identify", "identify_joint",
-    "identify_law", "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case",
-    "plan", "plot", "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas",
-    "transform", "work",
+    "FEM", "ClosedForm", "Coated", "Elastic", "Exponential", "Graded", "GradedTransverselyIsotropic", "HalfSpace",
+    "Hybrid", "InputError", "JkrError", "Layer", "Layered", "Limits", "Linear", "Loading", "LogRate", "Paraboloid",
+    "Power", "PowerLaw", "PowerRate", "PowerRelaxation", "Problem", "Program", "Prony", "Pyramid", "Reading",
+    "Refusal", "Rigid", "RoundedCone", "RoundedFlat", "Specimen", "Sphere", "StandardSolid", "TableProfile",
+    "Tabulated", "TransverselyIsotropic", "Unknown", "check", "compare", "cycle", "cycle_at_speed",
+    "cycle_relaxing", "fit", "identify", "identify_joint", "identify_law", "identify_relaxation",
+    "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plan", "plot", "profile", "pull_off",
+    "read", "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
 ]  # fmt: skip
 if TYPE_CHECKING:
     from pandas import DataFrame

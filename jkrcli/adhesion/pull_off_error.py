@@ -36,8 +36,9 @@ from .slopes import slopes_function
 class CoarserTuning:
     """Where curves are compared, and what is concluded."""
 
-    # of what doubling changes, over (ratio - 1), at the end of the series; tuned on random bodies, by `make bounds`
-    left: float = 3.0
+    # of what doubling changes, over (ratio - 1), at the end of the series: of values, and of places; tuned on random
+    # bodies, by `make bounds` and `make point-bounds`
+    left: tuple[float, float] = (1.9, 2.25)
     # Powers of a - a0 over that at the end, with which it falls towards first contact, where larger elements have few
     # nodes: of values, and of places
     powers: tuple[float, float] = (0.45, 0.3)  # tuned on random bodies, by `make bounds`
@@ -279,10 +280,10 @@ def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) ->
     along = np.polyfit(x[near], values[:, near].T, 2)[1]
     rates = np.gradient(np.asarray(position(changes[0], changes[1], stiffness)), x, axis=-1)
     moved = _mean(rates[:, around]) / abs(bend)
-    of_value, of_place = ((point.a - series.a0) / (series.a[-1] - series.a0)) ** np.array(TUNING.powers)
+    fallen = ((point.a - series.a0) / (series.a[-1] - series.a0)) ** np.array(TUNING.powers)
+    of_value, of_place = np.array(TUNING.left) / (coarser.ratio - 1) * fallen
     relative = np.array([_mean(change) for change in changes / _sizes(curve, a)[:, None]])
-    wrong = np.hypot(of_value * relative * _sizes(curve, np.array(point.a)), of_place * along * moved)
-    of_mesh = TUNING.left / (coarser.ratio - 1) * wrong
+    of_mesh = np.hypot(of_value * relative * _sizes(curve, np.array(point.a)), of_place * along * moved)
     shift, slope = _by_profile(curve, point.a)
     return np.sqrt(of_mesh**2 + shift**2 + (along * float(position(slope[0], slope[1], stiffness)) / bend) ** 2)
 

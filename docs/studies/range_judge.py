@@ -40,12 +40,15 @@ class Finer:
     accuracy: float
 
 
-def work_within(series: Series) -> float:
-    """The w [J/m^2] whose JKR pull-off under load control lies at the middle radius."""
+def work_within(series: Series, share: float | None = None) -> float:
+    """The w [J/m^2] whose JKR pull-off under load control lies at the middle radius, or at the row nearest to this
+    ``share`` of the largest, less that of a flat end."""
     assert series.S is not None
     assert series.dS is not None
     rate = np.gradient(series.P, series.a) / np.gradient(series.S * shift(1.0, series.a, series.dS), series.a)
-    return float(rate[len(series) // 2] ** 2)
+    beyond = series.a - series.a0
+    row = len(series) // 2 if share is None else int(np.argmin(np.abs(beyond - share * beyond[-1])))
+    return float(rate[row] ** 2)
 
 
 def ranged(problem: Problem, exact: Problem, series: Series, rng: np.random.Generator) -> list[Judged]:

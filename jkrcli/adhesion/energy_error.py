@@ -19,9 +19,10 @@ import numpy as np
 from ..base.errors import Estimate, JkrError, Unknown
 from .curve import AdhesiveCurve, EquilibriumCurve, position
 from .device_path import Follow, Path, QuasiStatic, shrink
-from .pull_off_error import COARSER_LEFT, larger_elements
+from .pull_off_error import larger_elements
 from .stability import Cycle, cycle, separation_work
 
+LEFT = 3.0  # of what doubling elements changes, over (ratio - 1); tuned on random bodies of `make point-bounds`
 TABULATED = 1e-10  # theory: share of an energy that cubics between the tabulated functions leave (``interpolation.py``)
 Change = Callable[[EquilibriumCurve], EquilibriumCurve]  # to another curve of the same body
 
@@ -96,7 +97,7 @@ def _by_mesh(energy: float, curve: EquilibriumCurve, again: Callable[[Change], E
     if len(known) < 2:
         return None
     changes = np.diff(np.array(known, dtype=float)) / coarser.ratio ** (2.0 * np.arange(len(known) - 1))
-    return COARSER_LEFT / (coarser.ratio - 1) * float(np.sqrt(np.mean(changes**2)))
+    return LEFT / (coarser.ratio - 1) * float(np.sqrt(np.mean(changes**2)))
 
 
 def _tried(again: Callable[[Change], Estimate], change: Change) -> Estimate:

@@ -41,11 +41,12 @@ from .interpolation import Nonadhesive
 from .slopes import slopes_function
 
 # Where curves are compared, and what is concluded.
-# of what doubling changes, over (ratio - 1), at the end of the series; tuned on random bodies, by `make bounds`
-COARSER_LEFT = 3.0
+# of what doubling changes, over (ratio - 1), at the end of the series: of values, and of places; tuned on random
+# bodies, by `make bounds` and `make point-bounds`
+COARSER_LEFT: tuple[float, float] = (1.9, 2.25)
 # Powers of a - a0 over that at the end, with which it falls towards first contact, where larger elements have few
 # nodes: of values, and of places
-COARSER_POWERS = (0.45, 0.3)  # tuned on random bodies, by `make bounds`
+COARSER_POWERS: tuple[float, float] = (0.45, 0.3)  # tuned on random bodies, by `make bounds`
 # of log(a - a0) on either side, over which values are averaged
 COARSER_VALUES = 0.35  # tuned on random bodies, by `make bounds`
 COARSER_RATES = 0.2  # and their rates; tuned on random bodies, by `make bounds`
@@ -283,10 +284,10 @@ def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) ->
     along = np.polyfit(x[near], values[:, near].T, 2)[1]
     rates = np.gradient(np.asarray(position(changes[0], changes[1], stiffness)), x, axis=-1)
     moved = _mean(rates[:, around]) / abs(bend)
-    of_value, of_place = ((point.a - series.a0) / (series.a[-1] - series.a0)) ** np.array(COARSER_POWERS)
+    fallen = ((point.a - series.a0) / (series.a[-1] - series.a0)) ** np.array(COARSER_POWERS)
+    of_value, of_place = np.array(COARSER_LEFT) / (coarser.ratio - 1) * fallen
     relative = np.array([_mean(change) for change in changes / _sizes(curve, a)[:, None]])
-    wrong = np.hypot(of_value * relative * _sizes(curve, np.array(point.a)), of_place * along * moved)
-    of_mesh = COARSER_LEFT / (coarser.ratio - 1) * wrong
+    of_mesh = np.hypot(of_value * relative * _sizes(curve, np.array(point.a)), of_place * along * moved)
     shift, slope = _by_profile(curve, point.a)
     return np.sqrt(of_mesh**2 + shift**2 + (along * float(position(slope[0], slope[1], stiffness)) / bend) ** 2)
 
@@ -350,6 +351,7 @@ def _fitted(coarse: Series, body: Nonadhesive, more: float) -> Nonadhesive:
 # in the loads (a rigid shift of the profile leaves P as it is) cancel here too. Between points d passes through zero,
 # elsewhere than the table's own error does: its mean square within an interval of the table on either side counts, of
 # two profiles the larger. The order of the table's own error says what is left.
+
 
 # Radii at which fewer points are looked at, and what is concluded.
 FEWER_POINTS_LEFT = 1.8  # of what the order leaves of a mean; tuned on tables, by `make range-bounds`

@@ -367,19 +367,19 @@ def minors_below(specimen: Specimen, k: Array) -> Array:
     the inverse of the whole depth.
     """
     below = specimen.layers[1:]
-    depths = np.cumsum(
-        [0.0, *(layer.thickness * slowest_root(layer.material, 0.0, layer.thickness) for layer in below)]
-    )
+    order = np.argsort(k)
+    k = k[order]
+    depths = np.cumsum([0.0, *(each.thickness * slowest_root(each.material, 0.0, each.thickness) for each in below)])
+    felt = [k.size, *np.searchsorted(k, MINORS_FELT / depths[1:-1])][: len(below)]  # by the first of them
     m, G = _base(specimen.base, k.size)
-    for layer, depth in zip(reversed(below), depths[-2::-1], strict=True):
+    for layer, count in zip(reversed(below), reversed(felt), strict=True):
         top, bottom = shear_moduli(layer)
-        felt = k * depth < MINORS_FELT
-        if felt.all():
-            m = upwards(rescaled(m, bottom / G), k, layer)
-        elif felt.any():
-            m[:, felt] = upwards(rescaled(m[:, felt], bottom / G), k[felt], layer)
+        if count:
+            m[:, :count] = upwards(rescaled(m[:, :count], bottom / G), k[:count], layer)
         G = top
-    return rescaled(m, shear_moduli(specimen.layers[0])[1] / G)
+    given = np.empty_like(m)
+    given[:, order] = m
+    return rescaled(given, shear_moduli(specimen.layers[0])[1] / G)
 
 
 def upwards(m: Array, k: Array, layer: Layer) -> Array:

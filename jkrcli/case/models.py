@@ -769,6 +769,9 @@ UNQUOTED = re.compile(
 QUOTES_NUMERAL = re.compile(r"0[xob][0-9a-fA-F_]+")  # TOML's own numbers with letters
 
 
+MOST_UNQUOTED = 100  # choice: of one file that are told
+
+
 class UnquotedError(InputError):
     """Values with a unit lack their quotes, one in each of the ``lines``; ``quoted``: the text with them."""
 
@@ -777,7 +780,7 @@ class UnquotedError(InputError):
         super().__init__([
             f"{source}: line {text.count(chr(10), 0, match.start('value')) + 1}: text with a unit must stand in "
             f"quotes: {_quoted(match).strip('{, ')}"
-            for match in UNQUOTED.finditer(text)
+            for match in itertools.islice(UNQUOTED.finditer(text), MOST_UNQUOTED)
             if not QUOTES_NUMERAL.fullmatch(match["value"])
         ])  # fmt: skip
 

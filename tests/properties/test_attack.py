@@ -227,8 +227,35 @@ def test_a_file_of_keys_is_refused_before_it_is_read(jkr, tmp_path: Path) -> Non
         done = jkr("check", "keys.toml")
     assert (done.code, done.err) == (
         2,
-        "jkr: error: keys.toml: holds about 1,500,000 keys, at most 10,000 are read\n",
+        "jkr: error: keys.toml: is larger than 2 MiB; put a long profile into a table of its own\n",
     )
+
+
+def bombs(most: int) -> dict[str, str]:
+    """TOML files of at most so many bytes, each of as much of one thing as can be."""
+    return {
+        "keys": "".join(f"k{i}=1\n" for i in range(most // 10)),
+        "tables": "".join(f"[k{i}]\n" for i in range(most // 10)),
+        "values": "x = [" + "1," * (most // 2 - 9) + "]",
+        "layers": "[[specimen.layers]]\n" * (most // 20),
+        "parts": "".join(f"a{i}" + ".a" * 40 + "=1\n" for i in range(most // 100)),
+        "one key": "a" + ".a" * (most // 2 - 9) + " = 1",
+        "no quotes": "".join(f"k{i} = 5 um\n" for i in range(most // 16)),
+        "brackets": "x = " + "[" * (most - 9),
+        "digits": "x = " + "9" * (most - 9),
+    }
+
+
+@pytest.mark.parametrize("name", bombs(0))
+def test_a_file_of_as_much_as_can_be_is_refused_soon(jkr, name: str, tuned) -> None:
+    """An eighth of what is read, in an eighth of the time; each mistake is told, of very many the first."""
+    tuned("jkrcli.case.reading.MOST_BYTES", 1 << 18)
+    Path("x.toml").write_text(bombs(1 << 18)[name])
+    with takes_less_than(2):
+        done = jkr("check", "x.toml")
+    assert done.code == 2
+    assert done.err.count("\n") <= 202
+    assert all(line.startswith("jkr: error: x.toml: ") for line in done.err.splitlines())
 
 
 def test_a_long_sweep_is_announced_before_its_cases_are_looked_at(

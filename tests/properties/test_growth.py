@@ -184,7 +184,7 @@ count = {}
 @pytest.mark.parametrize(
     ("radii", "cases", "said"),
     [
-        (250_000, 2, "holds about 249,999 values, at most 200,000 are read"),
+        (250_000, 2, "x.toml: is larger than 2 MiB"),
         (2_000, 2, "make 12,000 columns, at most 10,000 are written; ask for fewer"),
         (1_000, 20_000, "20,000 cases of 6,022 columns, 120,440,000 cells, at most 100,000,000 are written"),
     ],

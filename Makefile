@@ -24,12 +24,20 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures bounds point-bounds node-study range-bounds stack-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
+.PHONY: help study setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures bounds point-bounds node-study range-bounds stack-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
-	@echo "  variables: CASE=my.toml  W='40 mJ/m^2 50 mJ/m^2'  RESULTS=folder  SEED=7  FULL=no  MEASURED=my.csv  AGAINST=commit  PYTHON=python3.12"
+	@echo "  variables: CASE=my.toml  W='40 mJ/m^2 50 mJ/m^2'  RESULTS=folder  FULL=no  MEASURED=my.csv  PYTHON=python3.12"
+
+study: ## studies of errors, costs and constants, and upkeep: NAME=bounds runs one, without NAME they are listed
+ifdef NAME
+	@$(MAKE) --no-print-directory $(call QUOTE,$(NAME))
+else
+	@awk -F ':.*#: ' '/^[a-z-]+:.*#: /{printf "  make study NAME=%-18s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@echo "  variables: SEED=7  RESULTS=folder  AGAINST=commit"
+endif
 
 setup: $(READY) ## virtual environment and the system libraries that the mesher needs
 
@@ -53,10 +61,10 @@ test: $(READY) ## the fast tests
 test-all: $(READY) ## every test
 	$(PYTEST)
 
-test-processors: $(READY) ## the fast tests of TESTS as other processors compute: MOST settings [default: all that this machine has]
+test-processors: $(READY) #: the fast tests of TESTS as other processors compute: MOST settings [default: all that this machine has]
 	$(STUDY).processors $(TESTS) $(if $(MOST),--most $(call QUOTE,$(MOST)))
 
-fuzz: $(READY) ## wrong files and random bodies of a SEED that the tests do not try (an hour)
+fuzz: $(READY) #: wrong files and random bodies of a SEED that the tests do not try (an hour)
 	$(VENV)/bin/python -m pytest -n auto --fuzz-seed $(call QUOTE,$(SEED)) tests/properties/test_fuzz.py tests/properties/test_fuzz_options.py tests/properties/test_hostile_files.py tests/studies/test_failures.py
 
 $(WHEELS): requirements.txt | $(READY) # the pinned packages themselves, checked, to install some of them from
@@ -81,16 +89,16 @@ docs: $(READY) ## the documentation as a site, every warning an error: build/doc
 	$(VENV)/bin/python -m sphinx --quiet --nitpicky --fail-on-warning --keep-going docs build/docs
 	@echo "documentation: build/docs/index.html"
 
-validation: $(READY) ## tables against published and independent values: docs/validation/tables.md (a minute)
+validation: $(READY) #: tables against published and independent values: docs/validation/tables.md (a minute)
 	$(VENV)/bin/python -m docs.validation.validate
 
-gallery: $(READY) ## the pictures of docs/gallery from the commands that stand there
+gallery: $(READY) #: the pictures of docs/gallery from the commands that stand there
 	$(VENV)/bin/python -m docs.gallery.draw
 
-notebooks: $(READY) ## run the notebooks of docs/notebooks and keep what they print and draw
+notebooks: $(READY) #: run the notebooks of docs/notebooks and keep what they print and draw
 	$(VENV)/bin/python docs/site_parts/notebooks.py
 
-benchmarks: $(READY) ## whole processes of six commands, twenty runs each, into docs/benchmarks/history.csv
+benchmarks: $(READY) #: whole processes of six commands, twenty runs each, into docs/benchmarks/history.csv
 	$(VENV)/bin/python -m docs.benchmarks.measure --keep $(if $(AGAINST),--against $(call QUOTE,$(AGAINST)))
 
 cases: $(CASES:%=$(RESULTS)/%.done) ## every shipped case to results
@@ -105,16 +113,16 @@ $(RESULTS)/%.done: $(RESULTS)/%.h5
 
 .PRECIOUS: $(RESULTS)/%.h5
 
-bench: $(READY) ## time the stages of a run
+bench: $(READY) #: time the stages of a run
 	$(JKR) bench $(call QUOTE,$(CASE))
 
 paper: $(READY) ## the paper by its own method: figures 5, 7, 8, 10, its numbers beside ours (two minutes, 5 GiB; FULL=no: one, 1 GiB)
 	$(STUDY).paper -o $(RESULTS)/paper $(if $(filter no,$(FULL)),,--full-mesh) $(if $(MEASURED),--measured $(call QUOTE,$(MEASURED)))
 
-noise: $(READY) ## how pull-off errs over noise and rows by every rule for slopes, with the part that fails (five minutes)
+noise: $(READY) #: how pull-off errs over noise and rows by every rule for slopes, with the part that fails (five minutes)
 	$(STUDY).noise --body hertz -o $(RESULTS)/noise
 
-noise-study: $(READY) ## the same on four bodies, and what is wrong with noise (hours)
+noise-study: $(READY) #: the same on four bodies, and what is wrong with noise (hours)
 	$(STUDY).noise -o $(RESULTS)/noise
 	$(STUDY).disturbed
 
@@ -126,67 +134,67 @@ chart: $(READY) ## speed against accuracy on four bodies, other programs in the 
 	  $(STUDY).chart cases/$$name.toml --repeat 2 --patience 15 --peers docs/peers/timings.json \
 	    --peers-now $(RESULTS)/chart/peers.json -o $(RESULTS)/chart || exit 1; done
 
-chart-peers: $(READY) ## run other programs on the same work, in an environment of their own (half an hour; needs ccx)
+chart-peers: $(READY) #: run other programs on the same work, in an environment of their own (half an hour; needs ccx)
 	$(PYTHON) -m venv --clear $(VENV)-peers
 	$(VENV)-peers/bin/python -m pip install --quiet ContactMechanics==1.8.3 tamaas==2.9.0 scikit-fem==12.0.2 scipy
 	PYTHONPATH=docs $(VENV)/bin/python docs/peers/run.py --python $(VENV)-peers/bin/python
 
-tuning: $(READY) ## every tuned number halved and doubled: errors and times of reference bodies (half an hour)
+tuning: $(READY) #: every tuned number halved and doubled: errors and times of reference bodies (half an hour)
 	@mkdir -p $(RESULTS)/tuning
 	$(STUDY).tuning -o $(RESULTS)/tuning | tee $(RESULTS)/tuning/tuning.txt
 
-constants: $(READY) ## every chosen number halved and doubled: which results move, by how much of their stated errors (an hour)
+constants: $(READY) #: every chosen number halved and doubled: which results move, by how much of their stated errors (an hour)
 	@mkdir -p $(RESULTS)/constants
 	$(STUDY).constants -o $(RESULTS)/constants | tee $(RESULTS)/constants/constants.txt
 
-failures: $(READY) ## where each method is right, refuses, or errs, told as it goes (an hour)
+failures: $(READY) #: where each method is right, refuses, or errs, told as it goes (an hour)
 	$(STUDY).failures -o $(RESULTS)/failures
 
-bounds: $(READY) ## whether stated errors bound the true ones and are near them, on 500 random bodies (half an hour)
+bounds: $(READY) #: whether stated errors bound the true ones and are near them, on 500 random bodies (half an hour)
 	$(STUDY).bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/bounds
 
-point-bounds: $(READY) ## whether stated errors of pull-off points by fem bound the true ones and are near them, on 200 random bodies
+point-bounds: $(READY) #: whether stated errors of pull-off points by fem bound the true ones and are near them, on 200 random bodies
 	$(STUDY).point_bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/point-bounds
 
-node-study: $(READY) ## whether bands of imported series with contact radii of nodes hold, on 400 drawn series (five minutes)
+node-study: $(READY) #: whether bands of imported series with contact radii of nodes hold, on 400 drawn series (five minutes)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.nodes -o $(RESULTS)/nodes
 
-guards: $(READY) ## forecasts against costs over all that grows, and how soon too much is refused (ten minutes)
+guards: $(READY) #: forecasts against costs over all that grows, and how soon too much is refused (ten minutes)
 	$(STUDY).guards
 
-record-bounds: $(READY) ## whether 95 % intervals of raw records hold E*, w and w_approach, on 300 made records (ten minutes)
+record-bounds: $(READY) #: whether 95 % intervals of raw records hold E*, w and w_approach, on 300 made records (ten minutes)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.record_bounds $(call QUOTE,$(SEED)) 300
 
-relaxation-bounds: $(READY) ## whether 95 % intervals of records that relax hold E*, ratio and time, on 1,000 made records (half an hour)
+relaxation-bounds: $(READY) #: whether 95 % intervals of records that relax hold E*, ratio and time, on 1,000 made records (half an hour)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.relaxation_bounds $(call QUOTE,$(SEED)) 1000
 
-tension-bounds: $(READY) ## whether 95 % intervals of E*, surface tension and w from two tip radii hold, on 1,000 made pairs (an hour)
+tension-bounds: $(READY) #: whether 95 % intervals of E*, surface tension and w from two tip radii hold, on 1,000 made pairs (an hour)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.tension_bounds $(call QUOTE,$(SEED)) 1000
 
-record-rivals: $(READY) ## whether wrong models of raw records are told and right ones are not accused, on 20 records of each kind (fifteen minutes)
+record-rivals: $(READY) #: whether wrong models of raw records are told and right ones are not accused, on 20 records of each kind (fifteen minutes)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.record_rivals $(call QUOTE,$(SEED)) 20
 
-golden: $(READY) ## what users get of every command, beside that of the commit AGAINST, to the byte (ten minutes a commit)
+golden: $(READY) #: what users get of every command, beside that of the commit AGAINST, to the byte (ten minutes a commit)
 	$(STUDY).golden --against $(call QUOTE,$(AGAINST))
 
-mutants: $(READY) ## deliberate slips in what is computed, one at a time, which the fast tests must notice (five minutes)
+mutants: $(READY) #: deliberate slips in what is computed, one at a time, which the fast tests must notice (five minutes)
 	$(STUDY).mutants
 
-range-bounds: $(READY) ## whether stated errors of adhesion of finite range bound the true ones, on 200 random bodies
+range-bounds: $(READY) #: whether stated errors of adhesion of finite range bound the true ones, on 200 random bodies
 	$(STUDY).range_bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/range-bounds
 
-stack-bounds: $(READY) ## whether stated errors of method layered hold on 300 stacks whose thicknesses lie up to 1e8 apart (five minutes)
+stack-bounds: $(READY) #: whether stated errors of method layered hold on 300 stacks whose thicknesses lie up to 1e8 apart (five minutes)
 	$(STUDY).stack_bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/stack-bounds
 
 sweep: $(READY) ## a small map over thickness and Poisson's ratio
 	$(JKR) sweep cases/sweeps/gel.toml -o $(RESULTS)/sweep-gel
 
-audit: $(READY) ## look the pinned packages up among known vulnerabilities (needs the network)
+audit: $(READY) #: look the pinned packages up among known vulnerabilities (needs the network)
 	$(PYTHON) -m venv --clear $(VENV)-audit
 	$(VENV)-audit/bin/python -m pip install --quiet --require-hashes -r .ci/audit.txt
 	$(VENV)-audit/bin/pip-audit --strict --require-hashes --disable-pip -r requirements.txt
 
-requirements: ## pin the dependencies, and those of make audit, anew (needs uv)
+requirements: #: pin the dependencies, and those of make audit, anew (needs uv)
 	$(PIN) pyproject.toml --extra dev -o requirements.txt
 	echo pip-audit | $(PIN) - -c requirements.txt -o .ci/audit.txt
 

@@ -15,8 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jkrcli import formulas as half_space
-from jkrcli import formulas as thin_layer
+from jkrcli import formulas
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from jkrcli.adhesion.slopes import slopes_function
 from jkrcli.base.errors import InputError, Unknown
@@ -103,7 +102,7 @@ def half_space_figure(solved: Solved) -> Figure:
     scales, exact = scales_of(problem, w, "half-space"), solved.exact(w)
     a, R = np.linspace(0, solved.series.a[-1], 400), problem.indenter.tip_radius
     assert R is not None
-    hertz, jkr = half_space.hertz(a, problem.E_star, R), half_space.jkr(a, problem.E_star, R, w)
+    hertz, jkr = formulas.hertz(a, problem.E_star, R), formulas.jkr(a, problem.E_star, R, w)
     shape = type(problem.indenter).__name__.lower()
     references: list[Drawn] = [
         ("Hertz and JKR (paraboloid)", "-", BLACK, a, (hertz, jkr)),
@@ -117,7 +116,7 @@ def thin_layer_figure(solved: Solved) -> Figure:
     w = solved.works[0]
     scales, exact = scales_of(solved.problem, w, "thin-layer"), solved.exact(w)
     a_bar = np.linspace(0, solved.series.a[-1] / scales.a, 400)
-    delta_bar, P_bar = thin_layer.thin_layer_dimensionless(a_bar)
+    delta_bar, P_bar = formulas.thin_layer_dimensionless(a_bar)
     leading = (a_bar**2 * scales.delta, a_bar**4 * scales.P), (delta_bar * scales.delta, P_bar * scales.P)
     references: list[Drawn] = [
         ("leading order (Eqs. 20, 21)", "--", GREEN, a_bar * scales.a, leading),
@@ -238,7 +237,7 @@ def numbers(solved: Mapping[str, Solved]) -> list[tuple[str, str, str]]:
             continue
         R = one.problem.indenter.tip_radius
         assert R is not None
-        ours = half_space.tabor(R, one.works[0], one.problem.E_star, Z0)
+        ours = formulas.tabor(R, one.works[0], one.problem.E_star, Z0)
         rows.append((f"Tabor number, Sec. {section}", f"{tabor}", f"{ours:.0f}"))
         rows.append((f"elements, Sec. {section}", f"{cells:,}", f"{one.solution.facts['elements']:,}"))
         rows.append((f"increments, Sec. {section}", "100", str(one.solution.increments.a.size)))

@@ -30,8 +30,7 @@ from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
-from jkrcli.fitting import force_curve as force_curve_fit
-from jkrcli.fitting import verdict as record_verdict
+from jkrcli.fitting import force_curve, verdict
 from jkrcli.fitting.alternative_tests import RecordRivals, relative_errors
 from jkrcli.fitting.alternatives import AMOUNT, RIVALS, Change, FittedRecord, RivalModel
 from jkrcli.fitting.forward_model import FittedBody
@@ -93,7 +92,7 @@ def timed_scores() -> None:
         return found
 
     for name in ("rivals_of_record", "bounded"):
-        vars(record_verdict)[name] = partial(timed, vars(record_verdict)[name])
+        vars(verdict)[name] = partial(timed, vars(verdict)[name])
 
 
 def judged(kind: str, made: Wrong, found: Fit) -> dict[str, float]:
@@ -180,7 +179,7 @@ def _add_ratios(name: str, ratios: dict[str, list[float]]) -> None:
     moves = []
     for amount in (*upward, *-upward[upward * score.least < 0]):
         model = replace(RivalModel.of(plain.model, change), known={**plain.model.known, AMOUNT: amount})
-        here = FittedRecord(body, force_curve_fit.fit(model, plain.x, near=True))
+        here = FittedRecord(body, force_curve.fit(model, plain.x, near=True))
         moves.append([math.log(here.modulus / at.modulus), math.log(here.work / at.work) if here.work else 0.0])
     largest = np.abs(moves).max(axis=0)
     for quantity, error, moved in zip(ratios, relative_errors(plain), largest, strict=True):

@@ -19,7 +19,7 @@ from ..case.reading import Case
 from ..data import measured
 from ..data.curve import Reading
 from ..methods.protocol import Limits
-from ..report import tables as scaling
+from ..report import tables
 from ..report.explorer import Explored, page, payload, start_work
 from ..report.forward import (
     COMPONENTS,
@@ -108,7 +108,7 @@ def transform(
         raise InputError("transform: give either --dimensionless or --scale, got both")
     if in_one and dimensionless:
         raise InputError("transform: --together needs one unit for all w: give --scale instead of --dimensionless")
-    users = scaling.own_scales(dict(own)) if own else None
+    users = tables.own_scales(dict(own)) if own else None
     files, solutions = read_files("transform", files)
     wanted = [works or works_of(solution) for solution in solutions]
     ranges = list(map(how.of, solutions))
@@ -122,7 +122,7 @@ def transform(
             results = list[Transformed]()
             curves = analyse(solution, works, how.slopes, how.modulus_factor, ranged)
             for curve, target in zip(curves, places, strict=True):
-                scales = scaling.scales_of(curve.problem, curve.w, dimensionless) if dimensionless else users
+                scales = tables.scales_of(curve.problem, curve.w, dimensionless) if dimensionless else users
                 results.append(as_result(Transformed, curve, scales=scales, effect=effect))
                 summaries.append(results[-1].summary())
                 target.write(results[-1].columns, summaries[-1], results[-1].figure() if figures else None)

@@ -167,10 +167,10 @@ def run_relaxing(body: Analysis, law: Relaxation, stiffness: float, points: int,
 
 def read_program(path: Path, stiffness: float) -> Program:
     """What the table at ``path`` says that a device of ``stiffness`` [N/m] does."""
-    from ..data import foreign as device_program
+    from ..data import foreign
 
     dimension = "load" if stiffness == LOAD_CONTROL else "length"
-    return Program(*device_program.read_program(path, dimension))
+    return Program(*foreign.read_program(path, dimension))
 
 
 @verb("file")

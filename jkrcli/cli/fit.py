@@ -260,17 +260,17 @@ def fit_curves(
 def _write(request: FitRequest, result: Fits, reasons: list[str], pictures: Pictures) -> Files | None:
     """Write table, summary, archive and pictures; the files of the map, if there is one. InputError, when all that can
     be written is, where no curve could be used."""
-    from ..report import archive as fit_archive
-    from ..report import map as scans
+    from ..report import archive
+    from ..report.map import map_of
 
     if not result.outcomes:
         raise InputError(some(reasons))
     targets, output, summary = request.targets, request.output, result.summary()
-    scan = scans.map_of(result.outcomes) if output.plots else None
+    scan = map_of(result.outcomes) if output.plots else None
     of_map = None if scan is None else output.files(Path(f"{targets.stem}-map"), PICTURES, request.inputs)
     with together():
         targets.write(result.columns, summary)
-        fit_archive.write_fits(targets[".h5"], result.outcomes, summary)
+        archive.write_fits(targets[".h5"], result.outcomes, summary)
         if pictures:
             _draw(pictures)
         if scan is not None and of_map is not None:

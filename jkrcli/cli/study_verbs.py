@@ -124,7 +124,7 @@ def study_converge(
     """
     from ..case.models import method_of
     from ..case.reading import load_case
-    from ..many import convergence as converge
+    from ..many import convergence
     from ..methods.fem.method import FEM
 
     loaded = load_case(case)
@@ -139,7 +139,7 @@ def study_converge(
         method = replace(method, contact=contact)  # type: ignore[arg-type]
     problem = loaded.model.problem()
     with executor(*parallel, progress, method.forecast(problem).seconds) as pool:
-        study = converge.converge(problem, method, w, levels, pool=pool)
+        study = convergence.converge(problem, method, w, levels, pool=pool)
     files.write(study.columns, study.summary(), files.draw(study.figure))
     give(study, output.json, f"  written   {files}")
 

@@ -23,7 +23,7 @@ from ..base.numerics import LOOKED_AT, Array
 from ..base.process import check_size, check_text
 from ..base.units import LARGEST_SI
 from ..tables import unit_power
-from . import instruments as archive
+from . import instruments
 from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, AsRead, Curve, Pixel, Reading, place
 from .instruments import toward
 
@@ -357,8 +357,8 @@ def check(path: Path) -> None:
 
 def _members(path: Path, size: int | None) -> None:
     """A zip archive: all of its members are unpacked once."""
-    members = archive.members(path, size)
-    for item, content in zip(members, archive.contents(path, members), strict=True):
+    members = instruments.members(path, size)
+    for item, content in zip(members, instruments.contents(path, members), strict=True):
         if item.filename.endswith(".properties"):
             for many, power in PIXELS.findall(content):
                 check_size(path, process.PART * min(int(many[:15]) * 10 ** int(power[:2] or 0), 10**15))
@@ -636,20 +636,20 @@ def rows_expected(path: Path) -> float:
         if not path.is_file():
             return 0.0
         if path.suffix.lower() == ".zip":
-            inside = archive.tables(path)
+            inside = instruments.tables(path)
             # each table costs as many rows beside its own as are looked at to see how it is written
-            heads = archive.contents(path, inside, archive.PIECE)
+            heads = instruments.contents(path, inside, instruments.PIECE)
             return sum(_rows(item.file_size, head) + LOOKED_AT for item, head in zip(inside, heads, strict=True))
         if path.suffix.lower().startswith(".jpk"):
-            return sum(item.file_size for item in archive.members(path)) / USUAL
+            return sum(item.file_size for item in instruments.members(path)) / USUAL
         if packed(path):
             with path.open("rb") as file:
                 file.seek(-4, 2)
                 size = int.from_bytes(file.read(4), "little")  # RFC 1952: of what it unpacks to
             with opened(path, "table") as file:
-                return _rows(size, file.read(archive.PIECE))
+                return _rows(size, file.read(instruments.PIECE))
         with path.open("rb") as file:
-            return _rows(path.stat().st_size, file.read(archive.PIECE))
+            return _rows(path.stat().st_size, file.read(instruments.PIECE))
     except (InputError, OSError, ValueError):
         return 0.0
 

@@ -14,11 +14,8 @@ from ..base.errors import InputError, did_you_mean
 from ..base.files import packed
 from ..base.hdf5 import format_of
 from ..base.numerics import SHOWN
-from . import afm_formats as afm
-from . import afm_formats as nanoscope
-from . import instruments
+from . import afm_formats, instruments, text_formats
 from . import instruments as archive
-from . import text_formats as text
 from .curve import APPROACH, LEAST_ROWS, AsRead, Curve, Reading
 from .segmentation import SUBTRACTED_TWICE, of_its_device, stiffness_of_noise
 
@@ -45,7 +42,7 @@ def from_columns(columns: Mapping[str, Any], reading: Reading | None = None, nam
     table = zip(*(array.tolist() for array in arrays.values()), strict=True)
     lines = [",".join(arrays), *(",".join(map(str, row)) for row in table)]
     reading = replace(reading or Reading(), separator="comma", decimal=".")
-    (curve, stiffness), *others = text.curves(Path(name), reading, "\n".join(lines).encode())
+    (curve, stiffness), *others = text_formats.curves(Path(name), reading, "\n".join(lines).encode())
     if others or isinstance(curve, InputError):
         raise curve if isinstance(curve, InputError) else InputError(f"{name}: holds several curves, one is wanted")
     return _by_convention(curve, reading, stiffness)
@@ -90,10 +87,10 @@ def _as_read(path: Path, reading: Reading) -> Iterator[AsRead]:
     inner = path.name[: -len(path.suffix)]
     if packed(path) and inner.lower().endswith((*AFM_ENDINGS, ".zip", ".tar")):
         raise InputError(f"{path}: is a packed {Path(inner).suffix} file: unpack it, gunzip {path.name}")
-    if packed(path) and not (reading.format != "text" and nanoscope.knows(path)):
-        return text.curves(path, reading)
-    if reading.format != "text" and nanoscope.knows(path):
-        return nanoscope.nanoscope_curves(path, reading)
+    if packed(path) and not (reading.format != "text" and afm_formats.knows(path)):
+        return text_formats.curves(path, reading)
+    if reading.format != "text" and afm_formats.knows(path):
+        return afm_formats.nanoscope_curves(path, reading)
     if reading.format == "text" or (reading.format == "auto" and not path.name.endswith(AFM_ENDINGS)):
         return _text_first(path, reading)
     return _microscope_first(path, reading)
@@ -101,20 +98,20 @@ def _as_read(path: Path, reading: Reading) -> Iterator[AsRead]:
 
 def _text_first(path: Path, reading: Reading) -> Iterator[AsRead]:
     try:
-        yield from text.curves(path, reading)
-    except (text.UnknownColumnsError, archive.NoTablesError) as error:
-        if reading.format == "text" or reading.columns or reading.units or afm.takes_any_three_columns(path):
+        yield from text_formats.curves(path, reading)
+    except (text_formats.UnknownColumnsError, archive.NoTablesError) as error:
+        if reading.format == "text" or reading.columns or reading.units or afm_formats.takes_any_three_columns(path):
             raise
-        yield from _instead(afm.curves(path, reading), afm.UnreadableError, error)
+        yield from _instead(afm_formats.curves(path, reading), afm_formats.UnreadableError, error)
 
 
 def _microscope_first(path: Path, reading: Reading) -> Iterator[AsRead]:
     try:
-        yield from afm.curves(path, reading)
-    except afm.UnreadableError as error:
+        yield from afm_formats.curves(path, reading)
+    except afm_formats.UnreadableError as error:
         if reading.format == "afm" or path.suffix != ".tab":
             raise
-        yield from _instead(text.curves(path, reading), InputError, error)
+        yield from _instead(text_formats.curves(path, reading), InputError, error)
 
 
 def _instead(curves: Iterator[AsRead], unknown: type[InputError], error: InputError) -> Iterator[AsRead]:

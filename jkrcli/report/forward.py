@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion import device_path as path
+from ..adhesion import device_path
 from ..adhesion.curve import (
     LOAD_CONTROL,
     AdhesiveCurve,
@@ -583,7 +583,7 @@ class CycledByProgram(Result):
     piece."""
 
     file: Path
-    trace: path.Path
+    trace: device_path.Path
     points: int = ROWS
 
     @classmethod
@@ -592,7 +592,7 @@ class CycledByProgram(Result):
         if (steps := np.flatnonzero(np.diff(program.t) == 0)).size:
             raise InputError(f"program: row {int(steps[0]) + 2} is a step: without --rate give it the time of a way")
         inwards, outwards = (result.curve for result in curves)
-        traced = path.path(path.QuasiStatic(inwards, outwards, stiffness), program)
+        traced = device_path.path(device_path.QuasiStatic(inwards, outwards, stiffness), program)
         if traced.out_of_series is not None:
             raise InputError(f"{curves[0].path}: {traced.out_of_series}")
         return cls(curves[0].path, traced, points)
@@ -616,7 +616,7 @@ class CycledByProgram(Result):
             "w_approach_J_per_m2": trace.contact.advance.curve.w,
             "w_retract_J_per_m2": trace.contact.recede.curve.w,
             "jumps": list(map(tables.timed_jump, trace.jumps)),
-            "contact_lost": trace.pieces[-1].ends == "lost" or trace.pieces[-1].phase == path.FREE,
+            "contact_lost": trace.pieces[-1].ends == "lost" or trace.pieces[-1].phase == device_path.FREE,
             "work_of_device_J": trace.work,
         }
 

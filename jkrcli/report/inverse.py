@@ -21,9 +21,7 @@ from ..bodies.indenters import Indenter
 from ..data import measured, text_formats
 from ..data.curve import ARBITRARY
 from ..data.segmentation import Direction, ForceCurve, examine, saturation
-from ..fitting import alternative_tests as record_scores
-from ..fitting import alternatives as record_rivals
-from ..fitting import range_alternative as rivals
+from ..fitting import alternative_tests, alternatives, range_alternative
 from ..fitting.joint import JointFit
 from ..fitting.parameters import FittedValue
 from ..fitting.procedure import Failure
@@ -309,9 +307,9 @@ def _parts(item: FittedValue, level: float) -> dict[str, str]:
     return {kind: f"{float(f'{size / unit:.2g}'):g}" for kind, size in parts.items() if size > NOTICEABLE * own}
 
 
-def parameter_words(one: record_scores.FittedRival) -> str:
+def parameter_words(one: alternative_tests.FittedRival) -> str:
     """What else a rival in full tells, in words."""
-    values = (f"{name} {show(value, record_rivals.OF_RIVALS[name], 3)}" for name, value in one.quantities.items())
+    values = (f"{name} {show(value, alternatives.OF_RIVALS[name], 3)}" for name, value in one.quantities.items())
     return ", ".join([*values, f"chi^2 {-one.falls:.3g}"])
 
 
@@ -357,16 +355,16 @@ def _verdict(item: Fit) -> dict[str, Any]:
     }}  # fmt: skip
 
 
-def _tried_summary(one: record_scores.FittedRival) -> dict[str, Any]:
+def _tried_summary(one: alternative_tests.FittedRival) -> dict[str, Any]:
     """A rival in full: how much of the misfit it takes, what it makes of E* and w, and what else it tells."""
-    parameters = {with_unit(name, record_rivals.OF_RIVALS[name]): value for name, value in one.quantities.items()}
+    parameters = {with_unit(name, alternatives.OF_RIVALS[name]): value for name, value in one.quantities.items()}
     return {
         "name": one.name, "family": one.family, "taken": one.taken, "chi2_falls": one.falls, "p": one.chance,
         **quantities(one, "E_star w"), **parameters,
     }  # fmt: skip
 
 
-def _score_summary(one: record_scores.Score) -> dict[str, Any]:
+def _score_summary(one: alternative_tests.Score) -> dict[str, Any]:
     """A rival: its amount, what the data say, and the relative moves of E* and w with what was found of it."""
     error = one.error if math.isfinite(one.error) else None
     return {
@@ -380,7 +378,7 @@ def _score_summary(one: record_scores.Score) -> dict[str, Any]:
 def _range_words(item: Fit) -> list[str]:
     """A line on the longest range that the rows leave, where w rests on it more than on the noise."""
     w, left = item.work, item.range_left
-    part = (w.model or {}).get(rivals.RANGE, 0.0)
+    part = (w.model or {}).get(range_alternative.RANGE, 0.0)
     if left is None or w.low is None or w.high is None or part < w.high - w.low:
         return []
     moved = f"the data allow up to {show(left, 'length', 2)}, which would change w by {show(part, 'work', 2)}"

@@ -19,8 +19,7 @@ from ..base.units import show
 from ..bodies.indenters import Sphere
 from ..bodies.problem import Problem, unbounded
 from ..methods.layered import contact as stack
-from ..methods.layered import no_slip as stuck
-from ..methods.layered import solver as layered
+from ..methods.layered import no_slip, solver
 from ..series import Series, Solution
 
 # --------------------------------------------------------------------------------------------------
@@ -82,10 +81,10 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
     if problem.specimen.surface_tension:
         return Unknown("effect of no slip unknown: it is not derived with surface tension")
     body = unbounded(problem)
-    if reason := stuck.unable(body.indenter, body.specimen):
+    if reason := no_slip.unable(body.indenter, body.specimen):
         return Unknown(f"effect of no slip unknown: {reason}")
-    pair = stack.LayeredContact(body.indenter, body.specimen), stuck.StuckLayeredContact(body.indenter, body.specimen)
-    if largest > layered.QUICK * pair[1].scale:
+    pair = stack.LayeredContact(body.indenter, body.specimen), no_slip.StuckLayeredContact(body.indenter, body.specimen)
+    if largest > solver.QUICK * pair[1].scale:
         return Unknown(f"effect of no slip not computed at a contact radius of {largest:.3g} m")
     a0 = body.indenter.a0
     radii = a0 + (largest - a0) * np.append(
@@ -106,7 +105,7 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
     return StickingEffect(largest, load, float(sticking.S[last] / sliding.S[last]), pull_off, at_depth)
 
 
-def _series(contact: stack.LayeredContact | stuck.StuckLayeredContact, radii: Array) -> Series:
+def _series(contact: stack.LayeredContact | no_slip.StuckLayeredContact, radii: Array) -> Series:
     result: Any = contact.solved(radii, contact.plan(radii, STICKING_EFFECT_ACCURACY))  # type: ignore[arg-type]
     return Series(radii, result.delta, result.P, result.S, result.dS, a0=contact.indenter.a0)
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from jkrcli.adhesion import pull_off_error as critical
+from jkrcli.adhesion import pull_off_error
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from jkrcli.adhesion.interpolation import Nonadhesive
 from jkrcli.adhesion.pull_off_error import point_error
@@ -223,7 +223,7 @@ def test_smoothing_splines_are_measured_against_the_other_slopes(monkeypatch: py
     ours = transform(exact, slopes(exact, "loocv"), 1e-5)
     point, error, stated = missed(ours, truth)
     assert 0.05 * abs(point.P) < error <= stated
-    monkeypatch.setattr(critical, "slopes_function", None)
+    monkeypatch.setattr(pull_off_error, "slopes_function", None)
     spring = ours.pull_off(2.0)
     assert isinstance(spring, CriticalPoint)
     assert point_error(ours, spring, 2.0)["P"] > 0

@@ -22,7 +22,7 @@ from jkrcli.cli import jkr as root
 from jkrcli.cli.study_verbs import STUDIES
 from jkrcli.cli.verb import GROUPS as OPTIONS
 from jkrcli.cli.verb import LINES
-from jkrcli.report import doctor as machine
+from jkrcli.report import doctor
 
 BIN = Path(sys.executable).parent
 
@@ -121,18 +121,18 @@ def test_doctor_names_the_remedy_of_what_is_missing(jkr: Callable, monkeypatch: 
             raise OSError("libGLU.so.1: cannot open shared object file")
         return real(name)
 
-    monkeypatch.setattr(machine.importlib, "import_module", without_gl)
-    monkeypatch.setitem(machine.OPTIONAL, "no-such-package", ("nothing", "a test"))
+    monkeypatch.setattr(doctor.importlib, "import_module", without_gl)
+    monkeypatch.setitem(doctor.OPTIONAL, "no-such-package", ("nothing", "a test"))
     done = jkr("doctor")
     assert done.code == 1
     assert "MISSING   gmsh             cannot load: libGLU.so.1" in done.out
-    assert f"type: sudo apt-get install --no-install-recommends {machine.LIBRARIES}" in done.out
+    assert f"type: sudo apt-get install --no-install-recommends {doctor.LIBRARIES}" in done.out
     assert f"optional  no-such-package  not installed (a test); type: {installs('nothing')}" in done.out
 
 
 def test_doctor_names_the_libraries_that_setup_installs() -> None:
     script = (Path(__file__).parents[2] / ".ci" / "system-libraries").read_text()
-    assert machine.LIBRARIES in script
+    assert doctor.LIBRARIES in script
 
 
 def completed(shell: str, script: str) -> list[str]:

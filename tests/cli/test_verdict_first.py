@@ -10,8 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from jkrcli.cli import VERBS
-from jkrcli.cli import output as voice
+from jkrcli.cli import VERBS, output
 
 CASES = Path(__file__).parents[2] / "cases"
 GEL, RECORD, PROBE = (
@@ -79,8 +78,8 @@ def test_the_verdict_comes_first(
     Path("table.csv").write_text(TABLE)
     Path("sweep.toml").write_text(SWEEP)
     whole: list[str] = []
-    fold = voice.folded
-    monkeypatch.setattr(voice, "folded", lambda line: (whole.append(line), fold(line))[1])
+    fold = output.folded
+    monkeypatch.setattr(output, "folded", lambda line: (whole.append(line), fold(line))[1])
     for line in words:
         if line[0] == "explore":
             pytest.importorskip("plotly")

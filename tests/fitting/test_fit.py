@@ -33,8 +33,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.base.executors import executor
 from jkrcli.case.reading import parse_case
 from jkrcli.data.curve import NOT_SUBTRACTED, Curve
-from jkrcli.fitting import forward_model as body_module
-from jkrcli.fitting import rows as model
+from jkrcli.fitting import forward_model, rows
 from jkrcli.fitting.forward_model import body_of as body_of_case
 from jkrcli.fitting.parameters import Parameter
 from jkrcli.fitting.procedure import fit, fit_all
@@ -67,9 +66,9 @@ def _counted(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
 
         return call
 
-    monkeypatch.setattr(body_module, "Layered", lambda tolerance: counting("solves", Layered(tolerance)))
-    monkeypatch.setattr(model, "foot_points", counting("evaluations", model.foot_points))
-    body_module.solved.cache_clear()
+    monkeypatch.setattr(forward_model, "Layered", lambda tolerance: counting("solves", Layered(tolerance)))
+    monkeypatch.setattr(rows, "foot_points", counting("evaluations", rows.foot_points))
+    forward_model.solved.cache_clear()
     return counts
 
 
@@ -226,8 +225,8 @@ def test_other_intervals_agree_with_those_of_the_covariance(confidence: str, poi
 def test_samples_of_a_bootstrap_begin_where_they_nearly_end(monkeypatch: pytest.MonkeyPatch) -> None:
     """Seven evaluations each, 25 ms; and the same whoever works on them."""
     curve, calls = sphere(noise=0.01, seed=4), []
-    foot_points = model.foot_points
-    monkeypatch.setattr(model, "foot_points", lambda *words: calls.append(words) or foot_points(*words))
+    foot_points = rows.foot_points
+    monkeypatch.setattr(rows, "foot_points", lambda *words: calls.append(words) or foot_points(*words))
     plain = fit(half_space(), curve, usual())
     before = len(calls)
     some = fit(half_space(), curve, usual(confidence="bootstrap", samples=20))

@@ -18,7 +18,7 @@ from test_fit_record import BODY, R, usual
 from wrong_records import SPEED, WRONG, Drawn, Wrong, right
 
 from jkrcli.data.curve import Curve
-from jkrcli.fitting import force_curve as force_curve_fit
+from jkrcli.fitting import force_curve
 from jkrcli.fitting.alternative_tests import (
     DETECTED,
     EXCLUDED,
@@ -387,7 +387,7 @@ def test_moves_at_a_bound_are_those_of_a_fit_in_full(name: str, drawn: Drawn) ->
     assert isinstance(effect, Change)
     model = RivalModel.of(at.model, effect)
     held = replace(model, known={**model.known, AMOUNT: score.most})
-    here = FittedRecord(at.body, force_curve_fit.fit(held, at.fit.x, near=True))
+    here = FittedRecord(at.body, force_curve.fit(held, at.fit.x, near=True))
     for rate, ratio in ((score.E_star, here.modulus / at.modulus), (score.w, here.work / at.work)):
         assert 0.5 < abs(rate * score.most / math.log(ratio)) < 2
 

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from jkrcli import formulas as half_space
-from jkrcli import formulas as thin_layer
+from jkrcli import formulas
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
@@ -44,17 +43,17 @@ def test_slope_is_2_E_star_a(indenter) -> None:
 
 def test_sphere_tends_to_the_paraboloid_and_differs_as_published() -> None:
     a = np.array([1e-6, 1e-4]) * R
-    np.testing.assert_allclose(half_space.sneddon_sphere(a, E_STAR, R), half_space.hertz(a, E_STAR, R), rtol=1e-8)
+    np.testing.assert_allclose(formulas.sneddon_sphere(a, E_STAR, R), formulas.hertz(a, E_STAR, R), rtol=1e-8)
     delta = np.array([0.01, 0.02, 0.03]) * R  # exact sphere against paraboloid at equal depth: -0.10, -0.20, -0.30 %
     a = np.linspace(0.01, 0.2, 4000) * R
-    at = np.interp(delta, *half_space.sneddon_sphere(a, E_STAR, R))
+    at = np.interp(delta, *formulas.sneddon_sphere(a, E_STAR, R))
     hertz = 4 / 3 * E_STAR * np.sqrt(R) * delta**1.5
     np.testing.assert_allclose(100 * (at / hertz - 1), [-0.10, -0.20, -0.30], atol=0.005)
 
 
 def test_sphere_series_meets_the_closed_expression() -> None:
     a = np.array([0.2 * (1 - 1e-12), 0.2]) * R
-    below, above = half_space.sneddon_sphere(a, E_STAR, R)[1]
+    below, above = formulas.sneddon_sphere(a, E_STAR, R)[1]
     assert below == pytest.approx(above, rel=1e-11)
 
 
@@ -75,15 +74,15 @@ def exact_rounded_flat(a: float, b: float) -> tuple[float, float]:
 def test_rounded_flat_is_exact_near_first_touch(beyond: float) -> None:
     b = 1e-6
     a = b * (1 + beyond)
-    delta, P = half_space.rounded_flat(np.array(a), 1.0, b, 1.0)
+    delta, P = formulas.rounded_flat(np.array(a), 1.0, b, 1.0)
     assert (float(delta), float(P)) == pytest.approx(exact_rounded_flat(a, b), rel=CLOSED_FORM_ROUND_OFF / 2, abs=0)
 
 
 def test_dimensionless_jkr_is_eq_7_in_the_units_of_eq_15() -> None:
     w, a = 0.05, np.linspace(0.01, 0.2, 9) * R
-    delta, P = half_space.jkr(a, E_STAR, R, w)
+    delta, P = formulas.jkr(a, E_STAR, R, w)
     a_bar = a * (4 * E_STAR / (3 * math.pi * w * R**2)) ** (1 / 3)
-    delta_bar, P_bar = half_space.jkr_dimensionless(a_bar)
+    delta_bar, P_bar = formulas.jkr_dimensionless(a_bar)
     np.testing.assert_allclose(P / (math.pi * w * R), P_bar, rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(delta * (16 * E_STAR**2 / (9 * math.pi**2 * w**2 * R)) ** (1 / 3), delta_bar, rtol=1e-12)
 
@@ -92,23 +91,23 @@ def test_classical_pull_off_values() -> None:
     """-3/2 pi w R at a_bar^3 = 3/2 under load control, -5/6 pi w R at a_bar^3 = 1/6 under displacement control."""
     for a3, P, rate in ((1.5, -1.5, 1), (1 / 6, -5 / 6, 0)):
         a = np.array([(a3 * (1 + e)) ** (1 / 3) for e in (-1e-4, 0, 1e-4)])
-        curve = half_space.jkr_dimensionless(a)
+        curve = formulas.jkr_dimensionless(a)
         assert curve[1][1] == pytest.approx(P, rel=1e-14)
         assert curve[rate][1] < min(curve[rate][0], curve[rate][2])
 
 
 def test_adhesive_half_space_of_the_paraboloid_is_jkr() -> None:
     a = np.linspace(0.01, 0.2, 9) * R
-    general = half_space.adhesive_half_space(a, *half_space.hertz(a, E_STAR, R), E_STAR, 0.03)
-    np.testing.assert_allclose(general, half_space.jkr(a, E_STAR, R, 0.03), rtol=1e-12)
+    general = formulas.adhesive_half_space(a, *formulas.hertz(a, E_STAR, R), E_STAR, 0.03)
+    np.testing.assert_allclose(general, formulas.jkr(a, E_STAR, R, 0.03), rtol=1e-12)
 
 
 def test_thin_layers_obey_dP_equal_S_ddelta() -> None:
     a = np.array([1.0, 1.0 + 1e-6]) * 1e-4
     h = 1e-5
     for (delta, P), (S, dS) in (
-        (thin_layer.thin_layer(a, 3e12, R), thin_layer.thin_layer_slopes(a, 3e12)),
-        (thin_layer.thin_incompressible_layer(a, 1e5, h, R), thin_layer.thin_incompressible_slopes(a, 1e5, h)),
+        (formulas.thin_layer(a, 3e12, R), formulas.thin_layer_slopes(a, 3e12)),
+        (formulas.thin_incompressible_layer(a, 1e5, h, R), formulas.thin_incompressible_slopes(a, 1e5, h)),
     ):
         assert np.diff(P)[0] / np.diff(delta)[0] == pytest.approx(S[0], rel=1e-5)  # forward difference of 1e-6
         assert np.diff(S)[0] / np.diff(a)[0] == pytest.approx(dS[0], rel=1e-5)
@@ -116,8 +115,8 @@ def test_thin_layers_obey_dP_equal_S_ddelta() -> None:
 
 def test_tabor_number_of_the_papers_cases() -> None:
     E_star = 5e9 / (1 - 0.4**2)
-    assert half_space.tabor(100e-6, 50, E_star, 0.3e-9) == pytest.approx(639, abs=0.5)
-    assert half_space.tabor(1e-3, 10, E_star, 0.3e-9) == pytest.approx(471, abs=0.5)
+    assert formulas.tabor(100e-6, 50, E_star, 0.3e-9) == pytest.approx(639, abs=0.5)
+    assert formulas.tabor(1e-3, 10, E_star, 0.3e-9) == pytest.approx(471, abs=0.5)
 
 
 @pytest.mark.parametrize("quantity", ["depth", "load", "radius"])

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from jkrcli.base import process as memory
+from jkrcli.base import process
 from jkrcli.base.errors import Refusal
 from jkrcli.base.executors import available_cores
 from jkrcli.base.process import duration
@@ -85,16 +85,16 @@ def test_told_where_it_is_much(seconds: float, mib: float, told: str | None) -> 
 def test_the_least_of_all_limits_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "memory.max").write_text(f"{300 << 20}\n", encoding="ascii")
     (tmp_path / "memory.current").write_text(f"{100 << 20}\n", encoding="ascii")
-    monkeypatch.setattr(memory, "CGROUP", tmp_path)
-    assert memory.free_memory() == 200
+    monkeypatch.setattr(process, "CGROUP", tmp_path)
+    assert process.free_memory() == 200
     (tmp_path / "memory.max").write_text("max\n", encoding="ascii")
-    free = memory.free_memory()
+    free = process.free_memory()
     assert 200 < free < math.inf
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     used = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + (100 << 20), hard))
     try:
-        assert memory.free_memory() == pytest.approx(100, abs=20)  # MiB; this test itself may take some
+        assert process.free_memory() == pytest.approx(100, abs=20)  # MiB; this test itself may take some
     finally:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
@@ -146,8 +146,8 @@ def test_systems_without_limits_and_affinity(jkr, monkeypatch: pytest.MonkeyPatc
     """Python has them on Linux only, or nearly so: what is missing limits nothing."""
     monkeypatch.setitem(sys.modules, "resource", None)
     monkeypatch.delattr(os, "sched_getaffinity")
-    monkeypatch.setattr(memory, "CGROUP", Path("none"))
-    assert memory.free_memory() > 0
+    monkeypatch.setattr(process, "CGROUP", Path("none"))
+    assert process.free_memory() > 0
     assert available_cores() == (os.cpu_count() or 1)
     Path("x.toml").write_text(CASE.format(method="layered", points=20, spacing=0.1))
     assert jkr("run", "x.toml").code == 0

@@ -9,7 +9,7 @@ from types import ModuleType
 
 import pytest
 
-from jkrcli.methods.layered import solver as layered
+from jkrcli.methods.layered import solver
 from studies import tuning
 
 MADE_UP = """
@@ -48,11 +48,11 @@ def test_tuned_numbers_are_found_by_their_comments(module: ModuleType) -> None:
 
 
 def test_a_varied_number_reaches_all_who_hold_it(module: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(layered, "MADE_UP_NODES", module.MADE_UP_NODES, raising=False)
+    monkeypatch.setattr(solver, "MADE_UP_NODES", module.MADE_UP_NODES, raising=False)
     knob = tuning.knobs(["made_up"])[0]
     with tuning.varied(knob, 80):
-        assert (module.MADE_UP_NODES, layered.MADE_UP_NODES) == (80, 80)
-    assert (module.MADE_UP_NODES, layered.MADE_UP_NODES) == (40, 40)
+        assert (module.MADE_UP_NODES, solver.MADE_UP_NODES) == (80, 80)
+    assert (module.MADE_UP_NODES, solver.MADE_UP_NODES) == (40, 40)
 
 
 @pytest.mark.slow

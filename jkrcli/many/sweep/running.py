@@ -20,7 +20,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ... import __version__
-from ...base import process as locks
+from ...base import process
 from ...base.errors import InputError, JkrError, printable
 from ...base.executors import Progress, completed, executor, silent
 from ...base.files import atomic, check_target, make_folder, remove_file, together, write_csv
@@ -29,8 +29,7 @@ from ...base.numerics import Array
 from ...base.process import SILENCE, duration
 from ...base.units import scale, show
 from ...report import archive
-from ...report.plots import Figure, looks
-from ...report.plots import studies as study
+from ...report.plots import Figure, looks, studies
 from ...report.result import Files, Result
 from .plan import FAILED, OK, Cases, Plan, Row, at_unit_modulus, failed, least, solve_group
 
@@ -58,7 +57,7 @@ def sweep_figure(plan: Plan, table: Mapping[str, Sequence[Any]]) -> Figure | Non
     shown = {name: values[rows] for name, values in numbers.items()}
     joint = any(x in plan.key_columns and len(axis.keys) > 1 for axis in plan.axes)
     panels = [_panel(shown, x, others[:1], name, "" if joint else "-") for name in results]
-    return study.panels_figure(panels, ", ".join(_value(name, at) for name, at in first.items()))
+    return studies.panels_figure(panels, ", ".join(_value(name, at) for name, at in first.items()))
 
 
 def _axes(plan: Plan, numbers: Mapping[str, Array]) -> Iterator[str]:
@@ -69,17 +68,17 @@ def _axes(plan: Plan, numbers: Mapping[str, Array]) -> Iterator[str]:
         yield from [name for name in names if name in numbers and np.unique(numbers[name]).size > 1][:1]
 
 
-def _panel(columns: Mapping[str, Array], x: str, beside: list[str], y: str, style: str) -> study.Panel:
+def _panel(columns: Mapping[str, Array], x: str, beside: list[str], y: str, style: str) -> studies.Panel:
     (along, x_label), (up, y_label) = (_scaled(columns, name) for name in (x, y))
     groups = np.unique(columns[beside[0]])[: len(looks.COLORS)] if beside else [None]
     lines = []
     for at, color, mark in zip(groups, looks.COLORS, MARKS, strict=False):
         rows = np.flatnonzero(columns[beside[0]] == at) if beside else np.arange(along.size)
         rows = rows[np.argsort(along[rows], kind="stable")]
-        lines.append(study.Line(along[rows], up[rows], _value(beside[0], at) if beside else "", mark + style, color))
+        lines.append(studies.Line(along[rows], up[rows], _value(beside[0], at) if beside else "", mark + style, color))
     wide = 0 < 5 * along.min() < along.max()
     title = f"{match[1]} control" if (match := PULL_OFF.match(y)) else ""
-    return study.Panel(x_label, y_label, lines, title, logs="x" if wide else "")
+    return studies.Panel(x_label, y_label, lines, title, logs="x" if wide else "")
 
 
 def _scaled(columns: Mapping[str, Array], column: str) -> tuple[Array, str]:
@@ -222,7 +221,7 @@ def opened(path: Path) -> Iterator[Journal]:
     except OSError as error:
         raise JkrError(f"{path}: cannot be opened ({error.strerror})") from None
     with file:
-        if locks.taken(file) is False:
+        if process.taken(file) is False:
             raise InputError(f"{path}: another jkr sweep is writing there; wait for it, or give another folder")
         if os.fstat(file.fileno()).st_size > MOST_BYTES:
             raise InputError(f"{path}: journal is larger than {MOST_BYTES >> 20} MiB; give another folder")

@@ -11,7 +11,7 @@ from jkrcli.base.process import StageClock
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.fem import contact as factor
+from jkrcli.methods.fem import contact
 from jkrcli.methods.fem.contact import sparse_factor
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.model import Discretisation, Model, run
@@ -84,7 +84,7 @@ def test_an_indefinite_matrix_is_found(solver: str, message: str) -> None:
 
 
 def test_a_missing_library_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(factor, "has_cholmod", lambda: False)
+    monkeypatch.setattr(contact, "has_cholmod", lambda: False)
     with pytest.raises(InputError) as error:
         sparse_factor(chain(5), 2, True, "cholmod")
     assert error.value.lines == (f'mesh.solver: "cholmod" needs the optional package cvxopt: {installs("fast")}',)

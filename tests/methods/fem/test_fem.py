@@ -12,7 +12,7 @@ from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import hertz
-from jkrcli.methods.fem import contact as surface
+from jkrcli.methods.fem import contact
 from jkrcli.methods.fem.contact import factorise, nested_events
 from jkrcli.methods.fem.elasticity import assemble
 from jkrcli.methods.fem.mesh import MeshedBody, scaled_layout, triangles
@@ -48,7 +48,7 @@ def layered_errors(solution, problem):
 
 
 def test_a_stiffness_that_elements_do_not_solve_is_refused_with_a_remedy(monkeypatch):
-    monkeypatch.setattr(surface, "RESIDUAL_LIMIT", 1e-30)
+    monkeypatch.setattr(contact, "RESIDUAL_LIMIT", 1e-30)
     with pytest.raises(SolveError, match=r"allowed 1e-30: moduli or sizes differ .*; use method layered or hybrid"):
         FEM(**QUICK)(PAPER)
 

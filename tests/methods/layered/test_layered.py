@@ -16,7 +16,7 @@ from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, T
 from jkrcli.bodies.materials import Elastic, Graded, Layer, Linear
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Quantity, Rigid, Specimen, unbounded
 from jkrcli.formulas import adhesive_half_space, thin_incompressible_layer, thin_layer
-from jkrcli.methods.integral import fredholm as pair
+from jkrcli.methods.integral import fredholm
 from jkrcli.methods.integral.fredholm import EquationResult, Quadrature, response
 from jkrcli.methods.layered.contact import LayeredContact
 from jkrcli.methods.layered.solver import Layered, largest_radius
@@ -274,7 +274,7 @@ def test_radii_for_depths_are_found_with_few_responses(
     sizes: list[int] = []
 
     def counting(pair: object, to: Quantity, accuracy: float) -> Response:
-        plain = response(pair, to, accuracy)  # type: ignore[arg-type]
+        plain = response(fredholm, to, accuracy)  # type: ignore[arg-type]
 
         def counted(radii: np.ndarray) -> np.ndarray:
             sizes.append(radii.size)
@@ -282,7 +282,7 @@ def test_radii_for_depths_are_found_with_few_responses(
 
         return counted
 
-    monkeypatch.setattr(pair, "response", counting)
+    monkeypatch.setattr(fredholm, "response", counting)
     Layered()(Problem(Sphere(5.0), specimen, Loading("depth", 0.2, 20, "depth")))
     assert sum(size >= 20 for size in sizes) <= most
 
@@ -400,16 +400,16 @@ REFUSED: list[str] = []
 def estimate_bounds_the_error(specimen: Specimen, log_a: float, points: int, d: float) -> None:
     """Against twice the nodes per panel and twice the nodes in k; moduli differ by up to 1e4 from layer to layer."""
     a = specimen.top_thickness * 10**log_a
-    pair = LayeredContact(PowerLaw(0.1 * a ** (1 - d), d), specimen)
+    fredholm = LayeredContact(PowerLaw(0.1 * a ** (1 - d), d), specimen)
     radii = np.linspace(0, a, points + 1)[1:]
     try:
-        found, errors = pair.refined(radii, 1e-8)
+        found, errors = fredholm.refined(radii, 1e-8)
     except JkrError as reason:
         REFUSED.append(str(reason))
         return
     assert errors.max() <= 1e-8
-    plan = pair.plan(radii, 1e-8)
-    exact = replace(pair, order=48).solved(radii, Quadrature(2 * found.panels.order, plan.widest, 0, inner=40))
+    plan = fredholm.plan(radii, 1e-8)
+    exact = replace(fredholm, order=48).solved(radii, Quadrature(2 * found.panels.order, plan.widest, 0, inner=40))
     for name, stated in zip(("delta", "P", "S", "dS"), errors, strict=True):
         true = np.abs(getattr(found, name) / getattr(exact, name) - 1)
         assert (true <= stated).all(), f"{name}: {np.max(true / stated):.3g} times the estimate"

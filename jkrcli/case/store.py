@@ -70,6 +70,7 @@ KERNEL = {  # tables of a kernel that is kept: unit, and what they are
     "weights": ("1", "part of a companion's change of delta, P, S, dS/da that is left as an error"),
     "errors": ("1", "relative, of delta, P, S, dS/da: by elements, by polynomials, by the cut, at the radii"),
 }
+TOUCHES = "touches"  # group of the series at the moments at which increments reach nodes
 ELEMENT = "element"  # of the increments: distance of a node to the next
 PACKAGES = {"numpy": "numpy", "scipy": "scipy", "gmsh": "gmsh", "scikit-fem": "skfem", "h5py": "h5py"}  # modules
 NO_DIGEST = (
@@ -119,6 +120,10 @@ def _tree(solution: Solution, command_line: str) -> hdf5.Group:
     if raw is not None:
         rows = hdf5.unit_column(np.asarray(raw.rows), "1", "number of the row")
         members["increments"] = hdf5.Group({}, _columns(raw) | {"row": rows} | _element(raw))
+    if solution.touches is not None:
+        members[TOUCHES] = hdf5.Group({}, _columns(solution.touches))
+        members[f"{TOUCHES}_errors"] = hdf5.Group({}, _errors(solution.touches))
+        members |= dict(_larger_elements(solution.touches))
     if solution.kernel is not None:
         members["kernel"] = _kernel(solution.kernel)
     if pressure is not None:
@@ -242,6 +247,7 @@ class _Reader:
             warnings if self.sealed else (*warnings, NO_DIGEST),
             replace(record, command_line=str(attributes.get("command_line", "")), versions=self.words("versions")),
             kernel=self.kernel(),
+            touches=self.touches(series),
         )
 
     def case(self) -> str:
@@ -266,10 +272,22 @@ class _Reader:
             if not keep.any():
                 raise InputError(f"{self.path}: series: no increment is in contact (all a <= 0)")
             columns, errors = {name: values[keep] for name, values in columns.items()}, {}
+        other = self.coarser(a0 or 0.0) if TOUCHES not in self.root.members else None
         try:
-            return Series(**columns, errors=errors, a0=a0 or 0.0, S0=S0, coarser=self.coarser(a0 or 0.0)), raw
+            return Series(**columns, errors=errors, a0=a0 or 0.0, S0=S0, coarser=other), raw
         except InputError as error:
             raise InputError(f"{self.path}: {error}") from None
+
+    def touches(self, series: Series) -> Series | None:
+        """The series at the moments at which increments reach nodes; files of earlier releases have none."""
+        if TOUCHES not in self.root.members:
+            return None
+        columns: dict[str, Any] = self.columns(TOUCHES)
+        errors, a0 = self.columns(f"{TOUCHES}_errors", ()), series.a0
+        try:
+            return Series(**columns, errors=errors, a0=a0, S0=series.S0, coarser=self.coarser(a0))
+        except InputError as error:
+            raise InputError(f"{self.path}: {TOUCHES}: {error}") from None
 
     def coarser(self, a0: float, groups: Sequence[str] = COARSER) -> Coarser | None:
         """The series by larger elements, where there is one; with those by still larger ones, in later ``groups``."""

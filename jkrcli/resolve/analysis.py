@@ -88,8 +88,9 @@ class Analysis:
 
     @property
     def dropped(self) -> int:
-        """How many increments are not in the series."""
-        return self.solution.increments.a.size - len(self.curve.series)
+        """How many increments are not in the series; none where it is between them."""
+        between = self.solution.touches is not None and self.curve.slopes.method in ("integral", "exact")
+        return 0 if between else self.solution.increments.a.size - len(self.curve.series)
 
     @property
     def w(self) -> float:
@@ -358,6 +359,10 @@ def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:
 def _series_and_slopes(solution: Solution, name: str, beside: Compared | None) -> tuple[Series, Slopes]:
     of_nodes = beside is not None and beside.nodes is not None
     own = beside.own if beside is not None else None
+    touches = solution.at_touches
+    if touches is not None and name in ("auto", "integral", "exact"):
+        series, found = _series_and_slopes(touches, name, None)
+        return series, replace(found, reason=f"where the edge reaches nodes, between increments; {found.reason}")
     if beside is not None and name in ("auto", "integral") and (of_nodes or not is_series(beside.raw.touching)):
         return _by_rows(solution, beside)
     if name in RULES and RULES[name].quantised and (reason := _uneven(solution)):
@@ -372,7 +377,8 @@ def _series_and_slopes(solution: Solution, name: str, beside: Compared | None) -
         return series, slopes(series, name)
     if solution.method == "import":  # the paper's filter takes an increment too late; increments of ``fem`` keep it
         series = _at_touches(series, beside)
-    return series, slopes(series, name, _by_rows(solution, beside))
+    surer = _by_rows(solution, beside) if touches is None else _series_and_slopes(touches, "auto", None)
+    return series, slopes(series, name, surer)
 
 
 def _by_rows(solution: Solution, beside: Compared) -> tuple[Series, Slopes]:

@@ -279,7 +279,8 @@ class Solution:
 
     ``raw``: the increments, where the method works in increments; ``facts``: plain numbers and words about mesh, solver
     and choices; ``timings``: CPU seconds per stage; ``warnings``: sentences with numbers; ``companions``: where the
-    method knows them; ``kernel``: where it took long to find and is small.
+    method knows them; ``kernel``: where it took long to find and is small. ``touches``: of increments on nodes, the
+    series at the moments at which the edge of the contact reaches these, where the method knows them.
     """
 
     problem: Problem
@@ -294,6 +295,7 @@ class Solution:
     record: Record = field(default_factory=Record)
     companions: Companions | None = None
     kernel: KeptKernel | None = None
+    touches: Series | None = None
 
     def __repr__(self) -> str:
         a = self.increments.a
@@ -360,7 +362,14 @@ class Solution:
         raw = None if self.raw is None else replace(self.raw, P=self.raw.P * factor)
         pressure = None if self.pressure is None else replace(self.pressure, p=self.pressure.p * factor)
         problem, series = self.problem.scaled(factor), self.series.scaled(factor)
-        return replace(self, problem=problem, series=series, raw=raw, pressure=pressure)
+        touches = None if self.touches is None else self.touches.scaled(factor)
+        return replace(self, problem=problem, series=series, raw=raw, pressure=pressure, touches=touches)
+
+    @property
+    def at_touches(self) -> Solution | None:
+        """The same without increments, its series that at the moments at which nodes are reached; None where these are
+        not known."""
+        return None if self.touches is None else replace(self, series=self.touches, raw=None, touches=None)
 
 
 def first_of_plateaus(a: Array) -> Array:

@@ -25,6 +25,7 @@ from .model import (
     finished,
     mixed_layers,
     run,
+    series_of,
     truncation_of,
 )
 
@@ -286,12 +287,17 @@ class FEM(FEMOptions):
         clock = StageClock()
         with one_thread():
             solved = run(self, problem, clock)
-            return solved, finished(self, solved, self._assessed(solved, clock), clock)
+            runs = [solved] if solved.at_touches is None else [solved, solved.at_touches]
+            judged, *others = self._assessed(runs, clock)
+            touches = series_of(runs[1], others[0]) if others else None
+            return solved, finished(self, solved, judged, clock, touches)
 
-    def _assessed(self, solved: Run, clock: StageClock) -> Assessment:
+    def _assessed(self, runs: list[Run], clock: StageClock) -> list[Assessment]:
+        """The errors of the ``runs``, all on one mesh."""
         if not self.estimate_error:
             reason = Unknown("not estimated: estimate_error is off")
-            return Assessment(ErrorBudget(reason, reason, reason))
+            return [Assessment(ErrorBudget(reason, reason, reason)) for _ in runs]
         with clock("error estimate"):
-            larger = [solved.companion(ratio) for ratio in (DOUBLED, DOUBLED**2)]
-            return assessed(solved, larger, DOUBLED, truncation_of(solved, larger[0]))
+            larger = [runs[0].companion(ratio) for ratio in (DOUBLED, DOUBLED**2)]
+            truncation = truncation_of(runs[0], larger[0])
+            return [assessed(each, larger, DOUBLED, truncation) for each in runs]

@@ -497,6 +497,16 @@ class Run:
         """Depth of the last point [m]."""
         return float(self.columns[1][-1])
 
+    @property
+    def at_touches(self) -> Run | None:
+        """The same contact at the moments at which its edge reaches nodes, to the deepest increment; None where there
+        are no increments, or these moments are not known."""
+        if self.raw is None or not self.level.correct:
+            return None
+        loading = Loading("depth", float(self.raw.delta.max()))
+        columns = nested_columns(loading, self.level.events, self.problem.indenter.a0)
+        return Run(replace(self.problem, loading=loading), self.level, columns)
+
     def companion(self, ratio: float) -> MeshLevel:
         """A solved mesh whose elements are ``ratio`` times as large."""
         recipe = self.level.model.discretisation.coarser(ratio)
@@ -921,8 +931,10 @@ def truncation_of(run: Run, coarse: MeshLevel) -> Estimate:
 # What is returned of a finite-element run: series with errors, facts, and warnings with numbers.
 
 
-def finished(options: FEMOptions, run: Run, judged: Assessment, clock: StageClock) -> Solution:
-    """The solution: series, pressures, facts and warnings."""
+def finished(
+    options: FEMOptions, run: Run, judged: Assessment, clock: StageClock, touches: Series | None = None
+) -> Solution:
+    """The solution: series, pressures, facts and warnings; of increments also the series at the ``touches``."""
     level = run.level
     with clock("contact"):
         if run.raw is None:
@@ -933,9 +945,14 @@ def finished(options: FEMOptions, run: Run, judged: Assessment, clock: StageCloc
     facts, warnings = _facts(options, run, judged.judged_from), tuple(_warnings(options, run))
     solution = Solution(
         run.problem, series, judged.budget, "fem", run.raw, pressure,
-        facts=facts, timings=clock.seconds, warnings=warnings,
+        facts=facts, timings=clock.seconds, warnings=warnings, touches=touches,
     )  # fmt: skip
     return solution.widened()
+
+
+def series_of(run: Run, judged: Assessment) -> Series:
+    """The series of a ``run`` without increments, its errors those of a profile known at points included."""
+    return Solution(run.problem, _series(run, judged), judged.budget, "fem").widened().series
 
 
 def _series(run: Run, judged: Assessment) -> Series:

@@ -41,6 +41,9 @@ class TheoryLimits:
     steepest: float = 2.0  # theory: [rad], theta = 2 at w = 2 Ups, complete wetting: no angle beyond
     # of a/R, delta/h at pull-off, above which large strains of bodies are named of which no number is known
     strained: float = 0.2  # choice: 8 % of the force where it is known
+    # choice: of the pull-off force, from which on large strains are said: a tenth of ``effect``, and finer than force
+    # sensors and moduli are calibrated
+    strains_said: float = 1e-3
     atom: float = 1e-10  # theory: [m], below which there is no zone at the edge
     seen: int = 2  # theory: points per bend of a tabulated profile, with which slopes fitted through them see it
 
@@ -111,27 +114,34 @@ class Validity:
 
 def large_strains(problem: Problem, w: float, point: Equilibrium, loaded: bool = True) -> Strains:
     """What large strains change of the pull-off force at the ``point``, under load control or another; None where that
-    is negligible.
+    is negligible, below ``LIMITS.strains_said``.
 
     Known of rigid spheres on incompressible half-spaces and layers as thick as R, up to (w/(E* R))^(1/3) = 0.3.
     """
     R, specimen = problem.indenter.tip_radius, problem.specimen
     if R is None or w == 0:
         return None
-    material = specimen.materials[0]
-    thick = min(specimen.top_thickness, specimen.yielding_depth) >= R and specimen.radius is None
-    plain = problem.indenter.material is None and not (problem.sticks or specimen.surface_tension)
-    soft = isinstance(material, Elastic) and material.nu >= INCOMPRESSIBLE
-    wc = (w / (problem.E_star * R)) ** (1 / 3)
-    if thick and plain and soft and problem.indenter.noun in EXCESS:
+    if strains_are_known(problem):
+        wc = (w / (problem.E_star * R)) ** (1 / 3)
         found = strained_pull_off(wc, BY_LOAD if loaded else BY_DISPLACEMENT, problem.indenter.noun == "sphere")
-        beyond = f"not estimated, large: (w/(E* R))^(1/3) = {wc:.3g} is above 0.3"
-        return Unknown(beyond) if found is None else found
+        if found is None:
+            return Unknown(f"not estimated, large: (w/(E* R))^(1/3) = {wc:.3g} is above 0.3")
+        return found if strain_size(found) >= LIMITS.strains_said else None
     ratios = {"a/R": point.a / R, "|delta|/h": abs(point.delta) / specimen.yielding_depth}
     name = max(ratios, key=lambda each: ratios[each])
     if ratios[name] <= LIMITS.strained:
         return None
     return Unknown(f"not estimated for this body, {name} = {ratios[name]:.2g} at pull-off")
+
+
+def strains_are_known(problem: Problem) -> bool:
+    """Whether elements have measured what large strains change of the pull-off force from a body."""
+    specimen, indenter = problem.specimen, problem.indenter
+    R, material = indenter.tip_radius, specimen.materials[0]
+    thick = R is not None and min(specimen.top_thickness, specimen.yielding_depth) >= R and specimen.radius is None
+    plain = indenter.material is None and not (problem.sticks or specimen.surface_tension)
+    soft = isinstance(material, Elastic) and material.nu >= INCOMPRESSIBLE
+    return thick and plain and soft and indenter.noun in EXCESS
 
 
 def strain_words(change: Strains) -> str:

@@ -493,17 +493,18 @@ class Cycled(Result):
         whole = load is None and depth is None
         turn = None if whole else turning_radius(inwards, stiffness, load=load, depth=depth)
         found = cls.on(curves[0].path, inwards, outwards, stiffness, turn, points, history)
-        lost = outwards.pull_off(stiffness)
-        return replace(found, large_strains=curves[1].large_strains(lost)) if isinstance(lost, CriticalPoint) else found
+        return replace(found, large_strains=_strains_at_loss(curves[1], stiffness))
 
     @classmethod
     def from_rest(
-        cls, file: Path, relaxed: EquilibriumCurve, pulled: FromRest, stiffness: float, points: int = ROWS,
-        history: str = "",
+        cls, file: Path, relaxed: EquilibriumCurve, pulled: FromRest, change: Strains, stiffness: float,
+        points: int = ROWS, history: str = "",
     ) -> Cycled:  # fmt: skip
-        """The cycle of a viscoelastic specimen that is loaded slowly to the rest of ``pulled``, then pulled at once."""
+        """The cycle of a viscoelastic specimen that is loaded slowly to the rest of ``pulled``, then pulled at once;
+        ``change``: of the pull-off force by large strains."""
         try:
-            return cls.on(file, relaxed, pulled, stiffness, pulled.rest.a, points, history)
+            found = cls.on(file, relaxed, pulled, stiffness, pulled.rest.a, points, history)
+            return replace(found, large_strains=change)
         except InputError as error:
             raise InputError(
                 [line if line.startswith(str(file)) else f"{file}: {line}" for line in error.lines]
@@ -554,7 +555,7 @@ class Cycled(Result):
             "jumps_on_retraction": [tables.jump(jump) for jump in cycle.retraction.jumps],
             "contact_lost": cycle.retraction.ends == "lost",
             **tables.energies(energy_lost=self._energies[0][1:], work_of_separation=self._energies[1][1:]),
-            **tables.strains(self.large_strains),
+            **(tables.strains(self.large_strains) if cycle.retraction.ends == "lost" else {}),
         }
 
     def words(self) -> list[str]:
@@ -572,19 +573,31 @@ class Cycled(Result):
         ]
         if cycle.retraction.ends != "lost":
             lines.append("  contact is not lost within the series: the trace ends at its smallest radius")
-        elif self.large_strains is not None:
-            lines.append(f"  {strain_words(self.large_strains)} of the pull-off force (model)")
+        else:
+            lines += _strain_lines(self.large_strains)
         return lines
+
+
+def _strains_at_loss(outwards: Analysis, stiffness: float) -> Strains:
+    """What large strains change of the force at which a device of ``stiffness`` [N/m] pulls off; None without one."""
+    lost = outwards.curve.pull_off(stiffness)
+    return outwards.large_strains(lost) if isinstance(lost, CriticalPoint) else None
+
+
+def _strain_lines(change: Strains) -> list[str]:
+    """The line of a cycle on what large strains ``change`` of its pull-off force; none where that is negligible."""
+    return [] if change is None else [f"  {strain_words(change)} of the pull-off force (model)"]
 
 
 @dataclass(frozen=True, eq=False)
 class CycledByProgram(Result):
     """What a device records that does what a table says, however slowly, with turns anywhere; ``points``: rows of a
-    piece."""
+    piece; ``large_strains``: of the pull-off force, where contact is lost."""
 
     file: Path
     trace: device_path.Path
     points: int = ROWS
+    large_strains: Strains = None
 
     @classmethod
     def of(cls, curves: Sequence[Analysis], stiffness: float, program: Program, points: int = ROWS) -> CycledByProgram:
@@ -595,7 +608,8 @@ class CycledByProgram(Result):
         traced = device_path.path(device_path.QuasiStatic(inwards, outwards, stiffness), program)
         if traced.out_of_series is not None:
             raise InputError(f"{curves[0].path}: {traced.out_of_series}")
-        return cls(curves[0].path, traced, points)
+        lost = any(jump.end is None for jump in traced.jumps)
+        return cls(curves[0].path, traced, points, _strains_at_loss(curves[1], stiffness) if lost else None)
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]
@@ -618,6 +632,7 @@ class CycledByProgram(Result):
             "jumps": list(map(tables.timed_jump, trace.jumps)),
             "contact_lost": trace.pieces[-1].ends == "lost" or trace.pieces[-1].phase == device_path.FREE,
             "work_of_device_J": trace.work,
+            **tables.strains(self.large_strains),
         }
 
     def words(self) -> list[str]:
@@ -627,6 +642,7 @@ class CycledByProgram(Result):
             f"work of the device {trace.work:.4g} J: {self.file}",
             _device_words(trace.contact.stiffness, *works),
             *(f"  t = {show(jump.t, 'time')}: {_jump(jump)}" for jump in trace.jumps),
+            *_strain_lines(self.large_strains),
         ]
 
 

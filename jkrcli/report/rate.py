@@ -15,7 +15,7 @@ from ..adhesion.device_path import Program
 from ..adhesion.from_rest import AT_MOST, FROM_REST, LoadingHistory, Rest
 from ..adhesion.rate import History, RateContact, RateLaw, parameters_of, rate_parameters
 from ..adhesion.relaxation import RelaxedHistory, RelaxingContact
-from ..adhesion.validity import NEGLECTED, Zone, zone
+from ..adhesion.validity import NEGLECTED, Zone, strain_words, zone
 from ..base.errors import InputError, SolveError, Unknown, known
 from ..base.numerics import ROWS, SAME, UNSEEN, Array
 from ..base.units import show
@@ -283,9 +283,12 @@ class CycledInLimits(Several):
 
     @property
     def parts(self) -> Sequence[Sequence[str]]:
-        return [
-            [f"{one.words}: {result.words()[0]}", *result.words()[1:]] for one, result in self.limits.values()
-        ]  # fmt: skip
+        found = list[Sequence[str]]()
+        for one, result in self.limits.values():
+            first, *rest = result.words()
+            doubt = strain_words(getattr(result, "large_strains", None))  # of several results first lines are seen
+            found.append([f"{one.words}: {first}{f'; {doubt} (model)' if doubt else ''}", *rest])
+        return found
 
     @property
     def warnings(self) -> list[str]:

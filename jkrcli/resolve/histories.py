@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..adhesion.curve import AdhesiveCurve, CriticalPoint, resolved
+from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, resolved
 from ..adhesion.from_rest import FromRest, LoadingHistory, Rest, histories, history_error
 from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.pull_off_error import Errors
@@ -119,9 +119,10 @@ def strains_after(problem: Problem, w: float, history: LoadingHistory, point: Cr
 def curves_from_rest(
     solution: Solution, works: tuple[float, float], history: LoadingHistory, slopes: str, modulus_factor: float,
     stiffness: float,
-) -> tuple[AdhesiveCurve, FromRest]:  # fmt: skip
+) -> tuple[AdhesiveCurve, FromRest, Strains]:  # fmt: skip
     """The curve on which the contact grows while the specimen is relaxed, and the one after the rest of ``history``,
-    for the ``works`` of adhesion [J/m^2] of approach and retraction; InputError where the contact does not rest."""
+    for the ``works`` of adhesion [J/m^2] of approach and retraction, and what large strains change of the force at
+    which a device of ``stiffness`` [N/m] pulls off; InputError where the contact does not rest."""
     assert history.rest is not None
     inwards, outwards = works
     solution, unit = solution.scaled(modulus_factor), nonadhesive(solution, slopes).scaled(modulus_factor)
@@ -131,7 +132,11 @@ def curves_from_rest(
     state = history.rest.state(relaxed)
     if isinstance(state, Unknown):
         raise InputError(f"{solution.record.path}: {state.reason}")
-    return relaxed, FromRest(AdhesiveCurve(history.body(unit), outwards), history.profile, state)
+    pulled = FromRest(AdhesiveCurve(history.body(unit), outwards), history.profile, state)
+    lost = pulled.pull_off(stiffness)
+    if isinstance(lost, Unknown):
+        return relaxed, pulled, None
+    return relaxed, pulled, strains_after(solution.problem, outwards, history, lost, stiffness == LOAD_CONTROL)
 
 
 def solved_on(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -296,3 +297,48 @@ def test_large_strains_stand_beside_the_force_at_which_contact_is_lost(jkr: Call
     assert f"large strains {100 * low:+.2g} to {100 * high:+.2g} %" in printed
     case.write_text(text.replace("{unit}", "GPa").replace("0.5\n", "0.3\n"))
     assert "large strains" not in jkr("cycle", case, "--no-plots", "-o", tmp_path / "stiff").out
+
+
+SOFT = """
+[indenter]
+shape = "sphere"
+radius = "5 um"
+[specimen.half_space]
+E = "5 kPa"
+nu = 0.5
+{relaxation}
+[loading]
+radius = "3 um"
+points = 60
+spacing = "log"
+[adhesion]
+w = "0.1 mJ/m^2"
+"""
+
+
+def test_large_strains_stand_beside_a_program_that_parts_the_surfaces(jkr: Callable, tmp_path: Path) -> None:
+    """The same as of the cycle there and back, once nothing; a program that stays in contact has no such force."""
+    case = tmp_path / "ball.toml"
+    case.write_text(SOFT.replace("{relaxation}", ""))
+    for name, end in (("parts", "-3 um"), ("stays", "0.2 um")):
+        (tmp_path / f"{name}.csv").write_text(f"t,x\ns,um\n0,-0.5\n1,0.5\n2,{end.split()[0]}\n")
+    whole = json.loads(jkr("cycle", case, "--no-plots", "--json", "-o", tmp_path).out)
+    assert len(whole["large_strains"]) == 2
+    done = jkr("cycle", case, "--program", tmp_path / "parts.csv", "--no-plots", "--json", "-o", tmp_path)
+    assert done.code == 0, done.err
+    assert json.loads(done.out)["large_strains"] == whole["large_strains"]
+    printed = jkr("cycle", case, "--program", tmp_path / "parts.csv", "--no-plots", "-o", tmp_path, "--force").out
+    assert "of the pull-off force (model)" in printed
+    printed = jkr("cycle", case, "--program", tmp_path / "stays.csv", "--no-plots", "-o", tmp_path).out
+    assert "large strains" not in printed
+
+
+def test_large_strains_stand_beside_a_cycle_from_rest(jkr: Callable, tmp_path: Path) -> None:
+    """On a dent that is kept they are not estimated: a/R at pull-off is 0.2 and more; once nothing."""
+    case = tmp_path / "ball.toml"
+    case.write_text(SOFT.replace("{relaxation}", '[specimen.relaxation]\nlaw = "sls"\nratio = 0.35\ntime = "1 s"'))
+    done = jkr("cycle", case, "--no-plots", "--json", "-o", tmp_path)
+    assert done.code == 0, done.err
+    limits = json.loads(done.out)["limits"]
+    assert [len(limits[name]["large_strains"]) for name in ("very fast", "very slow")] == [2, 2]
+    assert "not estimated, a/R" in limits["from rest"]["large_strains_reason"]

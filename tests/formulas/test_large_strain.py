@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -109,3 +111,51 @@ def test_every_w_of_a_force_carries_them(jkr: Callable) -> None:
     assert found["large_strains"] == [pytest.approx(-0.0141, abs=1e-3), pytest.approx(0.062, abs=1e-3)]
     glass = ("pull-off", "--radius", "5 um", "--E", "1 GPa", "--nu", 0.3, "--load", "1 uN")
     assert "large strains" not in jkr(*glass).out
+
+
+def test_what_is_below_a_tenth_of_a_per_cent_is_not_said() -> None:
+    """E 1 GPa, nu 1/2, w 1 mJ/m^2: once "large strains -0.001 to +0.025 %", on every stiff rubber."""
+    wc = (1e-3 / (1e9 / 0.75 * 5e-6)) ** (1 / 3)
+    assert 0 < max(strained_pull_off(wc)) < 1e-3
+    assert large_strains(body(1e9), 1e-3, POINT) is None
+    said = large_strains(body(1e7), 1e-3, POINT)
+    assert isinstance(said, tuple)
+    assert max(map(abs, said)) > 1e-3
+
+
+SWEEP = """
+[base.indenter]
+shape = "paraboloid"
+radius = "5 um"
+[base.specimen.half_space]
+E = "100 kPa"
+nu = 0.5
+[base.loading]
+radius = "3 um"
+points = 40
+spacing = "log"
+[base.adhesion]
+w = "1 mJ/m^2"
+[[axes]]
+key = "specimen.half_space.E"
+values = ["5 kPa", "100 kPa", "1 GPa"]
+[outputs]
+quantities = ["pull_off.load.P_N"]
+"""
+
+
+def test_rows_of_a_sweep_say_them(jkr: Callable, tmp_path: Path) -> None:
+    """wc of 0.31, 0.11 and 0.005: unknown with the reason, the largest change, none; once none of it was told."""
+    (tmp_path / "s.toml").write_text(SWEEP)
+    done = jkr("sweep", tmp_path / "s.toml", "-o", tmp_path / "out")
+    assert done.code == 0, done.err
+    assert "large strains change the pull-off force in 2" in " ".join(done.out.split())
+    assert json.loads(jkr("sweep", tmp_path / "s.toml", "-o", tmp_path / "out", "--json").out)["large_strains"] == 2
+    with (tmp_path / "out" / "table.csv").open() as file:
+        soft, rubber, stiff = csv.DictReader(file)
+    name = "validity.large_strains"
+    assert (soft[name], stiff[name]) == ("", "0.0")
+    assert "large strains not estimated, large" in soft["reason"]
+    wc = (1e-3 * 0.75 / (1e5 * 5e-6)) ** (1 / 3)
+    assert float(rubber[name]) == pytest.approx(4.5 * wc**2, rel=1e-6)
+    assert rubber["reason"] == ""

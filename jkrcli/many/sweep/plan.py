@@ -24,10 +24,11 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ... import __version__
-from ...adhesion.curve import DISPLACEMENT_CONTROL, AdhesiveCurve, Equilibrium
+from ...adhesion.curve import DISPLACEMENT_CONTROL, AdhesiveCurve, CriticalPoint, Equilibrium
 from ...adhesion.interpolation import Nonadhesive
 from ...adhesion.slopes import checked_rule
 from ...adhesion.stability import behaviour
+from ...adhesion.validity import strain_size, strain_words
 from ...base.errors import InputError, JkrError, Unknown, did_you_mean
 from ...base.files import check_target
 from ...base.numerics import DISTRIBUTIONS, MOST_CELLS, Distribution, draw
@@ -310,6 +311,14 @@ def _stability(result: Analysis) -> dict[str, Any]:
     return energies | _point("jump_in", pulled.jump_in)
 
 
+def _validity(result: Analysis) -> dict[str, Any]:
+    """The numbers of ``VALIDITY``; of large strains the largest change of a pull-off force, 0 where negligible."""
+    points = [point for point in result.pull_off.values() if isinstance(point, CriticalPoint)]
+    change = max(map(result.large_strains, points), key=strain_size, default=None)
+    told = Unknown(strain_words(change)) if isinstance(change, Unknown) else strain_size(change)
+    return tables.validity(result) | {"large_strains": told if points else Unknown("")}
+
+
 def _errors(result: Analysis) -> dict[str, Any]:
     return result.budget.as_dict()
 
@@ -323,7 +332,8 @@ def _of_both(keys: Sequence[str]) -> Iterator[str]:
     return (f"{control}.{key}" for control in ("load", "displacement") for key in keys)
 
 
-VALIDITY = ("tabor", "a_over_R", "a_over_R_pull_off", "delta_over_h", "a_over_h", "a_over_L")
+VALIDITY = ("tabor", "a_over_R", "a_over_R_pull_off", "delta_over_h", "a_over_h", "a_over_L", "large_strains")
+STRAINS = "validity.large_strains"  # beside every pull-off force, asked for or not: it is a doubt of the row
 SECTIONS: dict[str, tuple[Section, tuple[str, ...]]] = {
     "solved_by": (_solved_by, ("method", "slopes")),
     "contact": (lambda result: {"E_star_Pa": result.problem.E_star}, ("E_star_Pa",)),
@@ -331,7 +341,7 @@ SECTIONS: dict[str, tuple[Section, tuple[str, ...]]] = {
     "pull_off": (_pull_off, (*_of_both(POINT), "load.over_pi_w_R")),
     "pull_off_errors": (_point_errors, tuple(_of_both(ERROR))),
     "stability": (_stability, ("energy_lost_J", "work_of_separation_J", *(f"jump_in.{key}" for key in POINT))),
-    "validity": (tables.validity, VALIDITY),
+    "validity": (_validity, VALIDITY),
     "errors": (_errors, ("discretisation", "truncation", "radius", "smoothing", "total")),
     "comparison": (_comparison, ("pull_off",)),
 }
@@ -377,7 +387,7 @@ class Wanted:
 def _value(name: str, value: Any) -> Value | Unknown:
     """A number or word, or why there is none."""
     if isinstance(value, Unknown):
-        return Unknown("") if name.startswith(OF_THE_KIND) else value
+        return Unknown("") if name.startswith(OF_THE_KIND) and name != STRAINS else value
     if isinstance(value, int | str):
         return value
     return float(value) if math.isfinite(value) else Unknown(f"{name} is not finite")
@@ -578,7 +588,10 @@ def _wanted(model: SweepModel, source: str) -> Wanted:
             "written; ask for fewer"
         )
     rule = checked_rule(outputs.slopes, f"{source}: outputs.slopes")
-    return Wanted(names_of(outputs.quantities, source), outputs.radii, outputs.stiffness, rule)
+    names = names_of(outputs.quantities, source)
+    if outputs.stiffness or any(name.startswith("pull_off.") for name in names):
+        names = tuple(dict.fromkeys((*names, STRAINS)))
+    return Wanted(names, outputs.radii, outputs.stiffness, rule)
 
 
 def _self_contained(tables: Tables, first: CaseModel, axes: Sequence[Axis]) -> Tables:

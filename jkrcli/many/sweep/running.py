@@ -20,8 +20,9 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ... import __version__
+from ...adhesion.validity import strain_words
 from ...base import process
-from ...base.errors import InputError, JkrError, printable
+from ...base.errors import InputError, JkrError, Unknown, printable
 from ...base.executors import Progress, completed, executor, silent
 from ...base.files import atomic, check_target, make_folder, remove_file, together, write_csv
 from ...base.hdf5 import Dataset, Group
@@ -31,7 +32,7 @@ from ...base.units import scale, show
 from ...report import archive
 from ...report.plots import Figure, looks, studies
 from ...report.result import Files, Result
-from .plan import FAILED, OK, Cases, Plan, Row, at_unit_modulus, failed, least, solve_group
+from .plan import FAILED, OK, STRAINS, Cases, Plan, Row, at_unit_modulus, failed, least, solve_group
 
 # --------------------------------------------------------------------------------------------------
 # The figure of a sweep: its results over the axis with the most values, a line for each value of the next.
@@ -256,6 +257,13 @@ class Swept(Result):
         return [(number, reason) for number, status, reason in rows if status == FAILED]
 
     @property
+    def strained(self) -> int:
+        """How many cases have a pull-off force that large strains change, by an amount that is known or not."""
+        rows = zip(self.columns.get(STRAINS, ()), self.columns["reason"], strict=False)
+        unknown = strain_words(Unknown(""))
+        return sum(change > 0 if change is not None else unknown in reason for change, reason in rows)
+
+    @property
     def warnings(self) -> list[str]:
         failed = self.failed
         return [f"{len(failed):,} cases failed, the first because: {failed[0][1]}"] if failed else []
@@ -265,14 +273,17 @@ class Swept(Result):
             "format": "jkr-sweep-summary",
             "cases": self.plan.count,
             FAILED: len(self.failed),
+            "large_strains": self.strained,
             "columns": list(self.columns),
             "files": [str(path) for path in self.files],
         }
 
     def words(self) -> list[str]:
-        plan, failed = self.plan, self.failed
+        plan, failed, strained = self.plan, self.failed, self.strained
+        doubt = f"large strains change the pull-off force in {strained:,} ({STRAINS}): "
         return [
-            f"{plan.count:,} cases, {len(failed):,} of them failed: {plan.title or plan.source}",
+            f"{plan.count:,} cases, {len(failed):,} of them failed{f'; {doubt}' if strained else ': '}"
+            f"{plan.title or plan.source}",
             f"  one case  {plan.command(failed[0][0] if failed else 0)}",
         ]
 

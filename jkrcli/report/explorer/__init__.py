@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from ... import __version__
-from ...adhesion.curve import CONTROLS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Equilibrium
+from ...adhesion.curve import CONTROLS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint
 from ...adhesion.interpolation import Nonadhesive
-from ...adhesion.validity import LIMITS, large_strains, regime
+from ...adhesion.validity import LIMITS, regime, strains_are_known
 from ...base.errors import InputError, Unknown, installs
 from ...base.numerics import DRAWN, Array
 from ...base.units import SI, UNITS, decades, scale
@@ -181,13 +181,12 @@ def _strains(result: Analysis) -> dict[str, Any] | None:
     """What large strains change of the pull-off force under load control over (w/(E* R))^(1/3) at unit factor, and that
     number at w = 1 J/m^2; None where it is not known."""
     problem, R = result.problem, result.problem.indenter.tip_radius
-    tiny = large_strains(problem, 1e-12 * problem.E_star * (R or 0.0), Equilibrium(0.0, 0.0, 0.0))
-    if R is None or not isinstance(tiny, tuple):
+    if R is None or not strains_are_known(problem):
         return None
     sphere = problem.indenter.noun == "sphere"
     knots = np.linspace(0.0, MEASURED, 31)
     rows = [[float(wc), *(strained_pull_off(float(wc), sphere=sphere) or ())] for wc in knots]
-    return {"unit": (problem.E_star * R) ** (-1 / 3), "rows": rows}
+    return {"unit": (problem.E_star * R) ** (-1 / 3), "rows": rows, "said": LIMITS.strains_said}
 
 
 def _relaxed(result: Analysis) -> float | None:

@@ -171,13 +171,15 @@ function judge(curve, point, chosen) {
   byId("judged").textContent = lines.join(" ");
 }
 
-/* What large strains change of the pull-off force under load control, in words and its size; null where not known. */
+/* What large strains change of the pull-off force under load control, in words and its size; null where not known, or
+   negligible. */
 function strained(w) {
   if (content.strains === null) return null;
   const { unit, rows } = content.strains, wc = unit * Math.cbrt(w), i = rows.findIndex(([at]) => at >= wc);
   if (i < 0) return { words: "their change of the pull-off force is not estimated, and large", size: 1 };
   const [before, after] = [rows[Math.max(i - 1, 0)], rows[i]], part = i ? (wc - before[0]) / (after[0] - before[0]) : 0;
   const [low, high] = [1, 2].map((k) => before[k] + part * (after[k] - before[k]));
+  if (Math.max(-low, high) < content.strains.said) return null;
   const percent = (value) => `${value < 0 ? "\u2212" : "+"}${plain(100 * Math.abs(value), 2)}`;
   return { words: `${percent(low)} to ${percent(high)} % of the pull-off force`, size: Math.max(-low, high) };
 }

@@ -13,6 +13,7 @@ import math
 import os
 import re
 import secrets
+import tempfile
 import time
 import zlib
 from collections import Counter
@@ -97,6 +98,43 @@ def opened(path: Path, what: str) -> Iterator[BinaryIO]:
         raise InputError(f"{path}: {what} cannot be unpacked ({error})") from None
     except ValueError as error:  # a null character in the name
         raise InputError(f"{path}: {what} cannot be read ({error})") from None
+
+
+class Piped(type(Path())):  # type: ignore[misc]  # of this system
+    """A file that came through a pipe, under a name in this folder; it is read where it is kept until the end."""
+
+    kept: Any = None
+
+    def __fspath__(self) -> str:
+        return str(self) if self.kept is None else str(self.kept.name)
+
+
+HANDED = re.compile(r"/dev/(stdin|fd/\d+)|/proc/[^/]+/fd/\d+")  # how a shell hands over what is no file of its own
+BEGINS = {b"\x89HDF": ".h5", b"PK\3\4": ".zip", b"\x1f\x8b": ".gz"}  # how the file of an ending begins
+CASE = re.compile(rb"^[\[ \t]*(indenter|base)\b[^,;\n]*$", re.MULTILINE)  # what a case or a sweep has, and no table
+
+
+def received(path: Path) -> Path:
+    """A path to read as often as need be: of a pipe, or what else the shell hands over (/dev/stdin, /dev/fd/63), a
+    copy called stdin or pipe63, with the ending of what it is."""
+    if not HANDED.fullmatch(str(path)) or not (path.is_fifo() or path.is_file()):
+        return path
+    piped = Piped(f"pipe{path.name}" if path.name.isdigit() else path.name)
+    try:
+        piped.kept = tempfile.NamedTemporaryFile(prefix=ASIDE)  # noqa: SIM115 - as long as the path
+        with path.open("rb") as file:
+            while piece := file.read(1 << 20):
+                piped.kept.write(piece)
+                process.check_size(path, piped.kept.tell())
+        piped.kept.flush()
+        with piped.open("rb") as file:
+            head = file.read(1 << 16)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
+    ending = next((ending for begin, ending in BEGINS.items() if head.startswith(begin)), "")
+    named = Piped(str(piped) + (ending or ".toml" * bool(CASE.search(head))))
+    named.kept = piped.kept
+    return named
 
 
 def _nearby(path: Path) -> str:

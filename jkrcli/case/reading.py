@@ -94,7 +94,7 @@ class Case:
 
 def load_case(path: str | Path) -> Case:
     """Read and validate a case file; InputError names file, key, value and what is allowed, a line per mistake."""
-    path = Path(path)
+    path = path if isinstance(path, Path) else Path(path)
     return parse_case(read_bytes(path, "case file"), str(path), path.parent)
 
 

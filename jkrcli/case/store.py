@@ -184,7 +184,7 @@ def read_solution(path: str | Path, problem: Problem | None = None, with_pressur
 
     ``problem``: what the file is known to be of, else that of its case; ``with_pressure``: the contact pressures too.
     """
-    path = Path(path)
+    path = path if isinstance(path, Path) else Path(path)
     content = read_bytes(path, "series file")
     if not content.startswith(hdf5.SIGNATURE):
         of_case, of_table = ", jkr run makes one from a case", "; a table of measurements is for jkr look and jkr fit"

@@ -39,7 +39,7 @@ from .options import (
     output_options,
 )
 from .output import command_line, detail, give, note, say
-from .verb import as_one, verb
+from .verb import FileType, as_one, verb
 
 
 @verb("case")
@@ -135,7 +135,7 @@ reading_options = as_one(
 
 @verb("table", "import")
 @into_file("Series file [default: <table>.h5 here].")
-@click.option("--case", type=click.Path(path_type=Path), help="Case with indenter and specimen; it needs no loading.")
+@click.option("--case", type=FileType(), help="Case with indenter and specimen; it needs no loading.")
 @body_options
 @reading_options
 @output_options(force=ONE_FILE, json="Print the summary as JSON.")

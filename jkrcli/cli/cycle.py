@@ -47,7 +47,7 @@ from .options import (
     output_options,
 )
 from .output import give
-from .verb import as_one, flag, typed, verb
+from .verb import FileType, as_one, flag, typed, verb
 
 # --------------------------------------------------------------------------------------------------
 # ``jkr cycle`` over time: what the device does, while adhesion depends on the edge's speed or the body relaxes.
@@ -73,7 +73,7 @@ class RateOptions:
     dwell: str | None = typed(str, "Go back as far as this position (load under load control) and stay there.")
     dwell_time: str | None = typed(str, "How long to stay.")
     program: Path | None = typed(  # noqa: RUF009  # a field
-        click.Path(path_type=Path), "Table t, x of the device instead: times [s] and positions (loads) between which "
+        FileType(), "Table t, x of the device instead: times [s] and positions (loads) between which "
         "it moves evenly; equal times are steps.")  # fmt: skip
     stress: float | None = None
 

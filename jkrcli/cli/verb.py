@@ -8,10 +8,11 @@ import functools
 from collections.abc import Callable, Container, Mapping
 from dataclasses import field, fields, is_dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import click
 
+from ..base.files import received
 from .output import level_options
 
 ALL = "jkr.help_all"
@@ -155,13 +156,24 @@ class Verb(click.Command):
         return next((title for title, names in GROUPS.items() if option in names), "Options")
 
 
+class FileType(click.Path):
+    """A file to read, which may come through a pipe."""
+
+    def __init__(self) -> None:
+        super().__init__(path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        path = super().convert(value, param, ctx)
+        return path if ctx is not None and ctx.resilient_parsing else received(cast(Path, path))
+
+
 def verb(usage: str = "", name: str | None = None) -> Callable[[Command], click.Command]:
     """A command of the paths that its ``usage`` names as its help does: "file", "series measured...", "[files...]"."""
 
     def decorate(command: Command) -> click.Command:
         for word in reversed(usage.split()):
-            path, count = click.Path(path_type=Path), -1 if "..." in word else 1
-            command = click.argument(word.strip("[.]"), type=path, nargs=count, required=word[0] != "[")(command)
+            count = -1 if "..." in word else 1
+            command = click.argument(word.strip("[.]"), type=FileType(), nargs=count, required=word[0] != "[")(command)
         return click.command(name, cls=Verb)(command)
 
     return decorate

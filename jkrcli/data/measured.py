@@ -60,7 +60,7 @@ def each(path: Path, reading: Reading | None = None) -> Iterator[Curve | InputEr
 
     A curve that cannot be used comes as its error and the others follow; a file that cannot be read raises InputError.
     """
-    path, reading = Path(path), reading or Reading()
+    reading = reading or Reading()
     wanted, names = reading.where.get("curve"), []
     for curve, stiffness in _as_read(path, reading):
         if isinstance(curve, InputError):

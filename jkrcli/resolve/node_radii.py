@@ -18,8 +18,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.special import ndtr
 
 from ..adhesion.slopes.node_radii import AS_THEY_ARE, Ahead, NodeRadii, evenly_spaced, node_radii
 from ..adhesion.slopes.result import TWO_SIDED_90
@@ -184,6 +182,8 @@ class Compared:
 
     def _loads(self, own: Series, stretch: float, fits: bool) -> Loads | None:
         """The factor of the loads at displacements that are those of the bodies after a ``stretch`` of their logs."""
+        from scipy.interpolate import CubicSpline
+
         rows = self.raw.touching
         x = np.log(rows.delta[rows.delta > 0]) + stretch
         P = rows.P[rows.delta > 0]
@@ -202,6 +202,8 @@ class Compared:
     @staticmethod
     def _stretch(own: Series, rows: RawSeries) -> float:
         """Log of the body's displacements over those of the rows at equal radii, the median over the larger half."""
+        from scipy.interpolate import CubicSpline
+
         there = (rows.a >= np.median(rows.a)) & (rows.a > own.a[0]) & (rows.a <= own.a[-1]) & (rows.delta > 0)
         if not there.any():
             return 0.0
@@ -236,6 +238,8 @@ def _beside_body(raw: RawSeries, as_they_are: Compared) -> NodeRadii | None:
     """Rows as those of nodes where the bodies alone tell that they are: increments that pass as many elements each have
     evenly spaced radii, all the same part of an element off. None where they are the bodies' own, or loads at equal
     displacement, which do not feel the radius, are those of other bodies."""
+    from scipy.interpolate import CubicSpline
+
     own, nodes = as_they_are.own, evenly_spaced(raw)
     assert own is not None
     if nodes is None:
@@ -270,6 +274,8 @@ class Found:
 
 def by_body(nodes: NodeRadii, own: Series) -> Found:
     """What the bodies' ``own`` solution tells of the edge."""
+    from scipy.interpolate import CubicSpline
+
     rows, chosen = nodes.rows, _telling(nodes)
     r, delta, e = rows.a[chosen], rows.delta[chosen], nodes.element[chosen]
     beyond = CubicSpline(np.log(own.delta), np.log(own.a - own.a0))
@@ -368,6 +374,8 @@ def _telling(nodes: NodeRadii) -> Array:
 
 def _stretch(own: Series, nodes: NodeRadii) -> float:
     """Log of the body's displacements over those of the series, about; 0 where they are the same."""
+    from scipy.interpolate import CubicSpline
+
     a, delta, e = nodes.rows.a, nodes.rows.delta, nodes.element
     inside = (a + e / 2 > own.a[0]) & (a <= own.a[-1])
     log_delta = CubicSpline(np.log(own.a - own.a0), np.log(own.delta))
@@ -382,6 +390,8 @@ def _stretch(own: Series, nodes: NodeRadii) -> float:
 def _log_likelihood(z: Array, lever: Array, count: Array, c: Array, stretch: Array, scatter: float) -> Array:
     """Log of the likelihood of ``c`` (m,) elements and ``stretch`` (k,), shape (m, k), for rows (n,) that lie ``z``
     elements beyond their nodes, each blurred by the ``scatter`` of its radius of ``count`` elements."""
+    from scipy.special import ndtr
+
     blur = np.hypot(AHEAD_BLUR, scatter * count)
     at = ((z[:, None] + lever[:, None] * stretch)[:, None, :] - c[:, None]) / blur[:, None, None]
     inside = ndtr(at) - ndtr(at - 1 / blur[:, None, None])

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from ..base.errors import InputError
 from ..base.numerics import ROUNDED, Array
@@ -51,6 +50,8 @@ def series_differences(first: Series, second: Series) -> list[Difference]:
 
 def curve_differences(first: Mapping[str, Array], second: Mapping[str, Array]) -> list[Difference]:
     """The columns that two adhesive curves share, at equal contact radius, over the common range."""
+    from scipy.interpolate import PchipInterpolator
+
     x, inside = _common(first["a_m"], second["a_m"])
     differences = []
     for name in first:
@@ -65,6 +66,8 @@ def curve_differences(first: Mapping[str, Array], second: Mapping[str, Array]) -
 
 def _in_logs(column: str, over: str, x1: Array, y1: Array, x2: Array, y2: Array) -> Difference:
     """Power laws are straight in logs: few points suffice."""
+    from scipy.interpolate import PchipInterpolator
+
     x, inside = _common(x1, x2)
     if x2.size == 1:
         return Difference(column, over, x, y2 / y1[inside] - 1, _coverage(x1, x2))

@@ -23,9 +23,9 @@ from ...base.numerics import ROUNDED, Array
 from ...base.process import StageClock
 from ...bodies.problem import Problem
 from .elasticity import ElasticSystem, force_r, force_z, mass, measure, stiffness_constants
-from .mesh import Grid, cut_out, scaled_layout
+from .mesh import Grid, cut_out, finest_spacing, pressure_layers, scaled_layout
 from .method import FEM
-from .model import Discretisation, Model, finest_spacing, pressure_layers
+from .model import Discretisation, Model
 
 # --------------------------------------------------------------------------------------------------
 # Stresses of a solution: at the vertices, and tractions along the lines of a body.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -20,6 +20,8 @@ from ...base.errors import InputError, Refusal, SolveError
 from ...base.numerics import AT_ONCE, ROUNDED, SAME, Array
 from ...bodies.materials import AnyGraded, AnyTransverse, Elastic, Material, TransverselyIsotropic
 from ...bodies.problem import HalfSpace, Problem, Side, Specimen
+from ..layered.no_slip import half_space_compliances
+from ..layered.solver import largest_radius
 from ..options import FEMOptions
 
 # --------------------------------------------------------------------------------------------------
@@ -448,6 +450,65 @@ def half_space_like(body: MeshedBody, reach: float) -> MeshedBody:
 def at_surface(material: Material) -> Elastic | TransverselyIsotropic:
     """The homogeneous material that the first touch of ``material`` feels."""
     return material.top if isinstance(material, AnyTransverse) else material.surface
+
+
+# What a mesh has to follow and elements have to hold: the reach of the contact, the edge of surfaces that stick, layers
+# that displacements alone lock.
+
+# Next to the edge the field of a compressible body oscillates with eta times the logarithm of the distance. Where
+# that is turned too far nodes fall out of step. choice: logarithm of where the turn begins, and the turn; on bonded
+# layers of nu = -0.5, -0.8, -0.95 nodes do below spacings of 0.045, 0.1, 0.16
+STUCK_PHASE = (3.8, 1.7)
+# Poisson's ratios beyond which displacements alone lock.
+LOCKING_SLIDING = 0.49  # tuned on the gel of Sec. 4.3 and its like, by `make tuning`
+# tuned on bodies, by `make constants`: the edge of the shear locks before the layer does; at 0.45 and a/h = 10/3
+# radii err by 3e-4, mixed by 5e-5
+LOCKING_STICKING = 0.4
+# of the largest depth: below it few nodes are in contact, and the budget leaves the rows out; tuned on bodies, by
+# `make constants`: says so
+BUDGET_JUDGED_DEPTH = 0.01
+
+
+def expected_reach(options: FEMOptions, problem: Problem) -> float:
+    """Radius out to which the mesh is fine and nodes are candidates [m]."""
+    largest = options.contact_radius if options.contact_radius is not None else largest_radius(problem)
+    return within(problem, options.margin * largest)
+
+
+def within(problem: Problem, reach: float) -> float:
+    """The reach, or where the body or the indenter's profile ends before [m]."""
+    edge = problem.specimen.radius if problem.specimen.radius is not None else math.inf
+    return min(reach, edge, problem.indenter.r_max * (1 - ROUNDED))
+
+
+def mixed_layers(options: FEMOptions, problem: Problem) -> tuple[int, ...]:
+    """Layers that get a pressure unknown."""
+    if options.order == 1 or options.formulation == "displacement":
+        return ()
+    materials = problem.specimen.materials
+    return pressure_layers(materials, problem.sticks, None if options.formulation == "auto" else 0.0)
+
+
+def finest_spacing(material: Material) -> float:
+    """Least spacing of surface vertices over the radius that follows a contact that sticks to the ``material``."""
+    eta = abs(oscillation(at_surface(material))[1])
+    start, turn = STUCK_PHASE
+    return math.exp(start - turn / eta) if eta else 0.0
+
+
+def oscillation(material: Material) -> tuple[float, float]:
+    """Dundurs's constant of the material under a rigid indenter, and the oscillation index."""
+    zz, zr, rr = half_space_compliances(material)
+    beta = zr / math.sqrt(zz * rr)
+    return beta, math.atanh(beta) / math.pi
+
+
+def pressure_layers(materials: Sequence[Material], sticks: bool, above: float | None = None) -> tuple[int, ...]:
+    """Layers that get a pressure unknown: those of a Poisson's ratio ``above`` this one (None: where displacements of
+    surfaces that slide, or stick, lock)."""
+    if above is None:
+        above = LOCKING_STICKING if sticks else LOCKING_SLIDING
+    return tuple(i for i, material in enumerate(materials) if material.surface.nu > above)
 
 
 def _cut_below(layers: float, reach: float, depth: float) -> float:

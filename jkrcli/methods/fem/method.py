@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,20 +15,19 @@ from ...bodies.problem import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
 from ..options import DOUBLED, FEMOptions
 from ..protocol import Forecast, without_coating
-from .mesh import Grid, Layout, half_space_like, layout_for
-from .model import (
+from .mesh import (
     BUDGET_JUDGED_DEPTH,
-    Assessment,
-    Run,
-    assessed,
+    Grid,
+    Layout,
     expected_reach,
     finest_spacing,
-    finished,
+    half_space_like,
+    layout_for,
     mixed_layers,
-    run,
-    series_of,
-    truncation_of,
 )
+
+if TYPE_CHECKING:  # what solves is imported when something is solved: scikit-fem takes as long to import as a forecast
+    from .model import Assessment, Run
 
 # --------------------------------------------------------------------------------------------------
 # What a solve by ``fem`` costs and how accurate it is, before it is begun.
@@ -107,20 +107,22 @@ REFINEMENT_COMPANION = 2**0.5  # element sizes the first mesh is judged against;
 
 def adapted(options: FEMOptions, problem: Problem, clock: StageClock) -> Solution:
     """Solve ``problem`` to the tolerance; Refusal with the error reached where that is not possible."""
+    from . import model
+
     tolerance = options.tolerance
     assert tolerance is not None
     options = first(options, problem)
     spacing, ratio = options.spacing, REFINEMENT_COMPANION
-    solved = run(options, problem, clock)
+    solved = model.run(options, problem, clock)
     with clock("error estimate"):
         coarse = solved.companion(ratio)
-        truncation = truncation_of(solved, coarse)
+        truncation = model.truncation_of(solved, coarse)
     for _ in range(MOST_SOLVES):
         with clock("error estimate"):
-            judged = assessed(solved, [coarse], ratio, truncation)
+            judged = model.assessed(solved, [coarse], ratio, truncation)
         reached = judged.budget.series
         if isinstance(reached, float) and reached <= tolerance:
-            return finished(sized(options, spacing), solved, judged, clock)
+            return model.finished(sized(options, spacing), solved, judged, clock)
         finer = spacing * _shrinkage(tolerance, reached, truncation)
         if finer < _finest(problem) or (isinstance(truncation, float) and truncation >= tolerance):
             break
@@ -166,8 +168,10 @@ def _shrinkage(tolerance: float, reached: Estimate, truncation: Estimate) -> flo
 
 def _finer(options: FEMOptions, problem: Problem, clock: StageClock, before: Run, unreached: Refusal) -> Run:
     """The next mesh, for the contact radius found on the one before."""
+    from . import model
+
     try:
-        return run(options, problem, clock, before.level.model.discretisation.reach)
+        return model.run(options, problem, clock, before.level.model.discretisation.reach)
     except Refusal as refusal:
         raise Refusal([*unreached.lines, *refusal.lines]) from None
 
@@ -283,21 +287,25 @@ class FEM(FEMOptions):
 
     def solve(self, problem: Problem) -> tuple[Run, Solution]:
         """Solve on the mesh of the given sizes; the run holds mesh, factor and contact problem."""
+        from . import model
+
         self._refuse(problem)
         clock = StageClock()
         with one_thread():
-            solved = run(self, problem, clock)
+            solved = model.run(self, problem, clock)
             runs = [solved] if solved.at_touches is None else [solved, solved.at_touches]
             judged, *others = self._assessed(runs, clock)
-            touches = series_of(runs[1], others[0]) if others else None
-            return solved, finished(self, solved, judged, clock, touches)
+            touches = model.series_of(runs[1], others[0]) if others else None
+            return solved, model.finished(self, solved, judged, clock, touches)
 
     def _assessed(self, runs: list[Run], clock: StageClock) -> list[Assessment]:
         """The errors of the ``runs``, all on one mesh."""
+        from . import model
+
         if not self.estimate_error:
             reason = Unknown("not estimated: estimate_error is off")
-            return [Assessment(ErrorBudget(reason, reason, reason)) for _ in runs]
+            return [model.Assessment(ErrorBudget(reason, reason, reason)) for _ in runs]
         with clock("error estimate"):
             larger = [runs[0].companion(ratio) for ratio in (DOUBLED, DOUBLED**2)]
-            truncation = truncation_of(runs[0], larger[0])
-            return [assessed(each, larger, DOUBLED, truncation) for each in runs]
+            truncation = model.truncation_of(runs[0], larger[0])
+            return [model.assessed(each, larger, DOUBLED, truncation) for each in runs]

@@ -41,7 +41,18 @@ from .contact import (
     solve_loads,
 )
 from .elasticity import ElasticSystem, assemble
-from .mesh import Layout, MeshedBody, at_surface, half_space_like, layout_for
+from .mesh import (
+    BUDGET_JUDGED_DEPTH,
+    Layout,
+    MeshedBody,
+    at_surface,
+    expected_reach,
+    half_space_like,
+    layout_for,
+    mixed_layers,
+    oscillation,
+    within,
+)
 
 # --------------------------------------------------------------------------------------------------
 # What cutting a half-space at finite depth and width changes: an estimate by Betti's theorem.
@@ -185,10 +196,6 @@ EDGE_RESOLVED = 5e-4
 # Node spacings over the radius, down to which the half-space's own mesh tells the fraction of a spacing; tuned on
 # the thin layer of `make paper`, by `make paper`: below, what that mesh errs by as a whole is read as one
 EDGE_TELLING = 1e-2
-# Next to the edge the field of a compressible body oscillates with eta times the logarithm of the distance. Where
-# that is turned too far nodes fall out of step. choice: logarithm of where the turn begins, and the turn; on bonded
-# layers of nu = -0.5, -0.8, -0.95 nodes do below spacings of 0.045, 0.1, 0.16
-EDGE_PHASE = (3.8, 1.7)
 
 
 def edge_correction(surface: Surface, body: MeshedBody, reach: float, indenter: Indenter) -> Array:
@@ -235,20 +242,6 @@ def _under_tension(body: MeshedBody, profile: Indenter, radii: Array) -> Callabl
 
 
 # ---------------------------------------------------------------------- surfaces that stick
-def finest_spacing(material: Material) -> float:
-    """Least spacing of surface vertices over the radius that follows a contact that sticks to the ``material``."""
-    eta = abs(_oscillation(at_surface(material))[1])
-    start, turn = EDGE_PHASE
-    return math.exp(start - turn / eta) if eta else 0.0
-
-
-def _oscillation(material: Material) -> tuple[float, float]:
-    """Dundurs's constant of the material under a rigid indenter, and the oscillation index."""
-    zz, zr, rr = half_space_compliances(material)
-    beta = zr / math.sqrt(zz * rr)
-    return beta, math.atanh(beta) / math.pi
-
-
 def edge_rows(surface: Surface, material: Material) -> Array:
     """N M^-1 (n, 2, 2) [m] of each node on the ``surface`` of a half-space of the ``material``, which makes the ramps
     N xi_1 of y; zero on the axis, and where nodes are so close that it does not matter."""
@@ -259,7 +252,7 @@ def edge_rows(surface: Surface, material: Material) -> Array:
     displaced[rows[:, 1], 2:] = r[:, None] ** [1, 3]
     halves = solve_triangular(cholesky(surface.C, lower=True), displaced, lower=True)[rows]
     # xi pi/2 (n, 2, 4) at `r` (n,) for the displacements 1, r^2 downwards and r, r^3 outwards, and its slope.
-    beta, eta = _oscillation(material)
+    beta, eta = oscillation(material)
     zz, _, rr = half_space_compliances(material)
     waves = [(F[:4], polynomial.polyder(F)[:4]) for F in (coulomb_series(-eta), coulomb_series(eta))]
     C, Q = (np.array(pair) for pair in ring_transforms(beta, *waves))
@@ -282,12 +275,6 @@ def _over(A: Array, B: Array) -> Array:
     return np.swapaxes(np.linalg.solve(np.swapaxes(B, 1, 2), np.swapaxes(A, 1, 2)), 1, 2)
 
 
-# Poisson's ratios beyond which displacements alone lock.
-LOCKING_SLIDING = 0.49  # tuned on the gel of Sec. 4.3 and its like, by `make tuning`
-# tuned on bodies, by `make constants`: the edge of the shear locks before the layer does; at 0.45 and a/h = 10/3
-# radii err by 3e-4, mixed by 5e-5
-LOCKING_STICKING = 0.4
-
 # Which events of the contact make a series.
 # of the distance to the next event; choice: one as close to the end gives way to it, no two rows alike
 EVENT_CLOSE = 0.05
@@ -298,14 +285,6 @@ EVENT_SPARE = 2
 
 Columns = tuple[Array, Array, Array]  # a [m], delta [m], P [N]
 GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(3)
-
-
-def pressure_layers(materials: Sequence[Material], sticks: bool, above: float | None = None) -> tuple[int, ...]:
-    """Layers that get a pressure unknown: those of a Poisson's ratio ``above`` this one (None: where displacements of
-    surfaces that slide, or stick, lock)."""
-    if above is None:
-        above = LOCKING_STICKING if sticks else LOCKING_SLIDING
-    return tuple(i for i, material in enumerate(materials) if material.surface.nu > above)
 
 
 @dataclass(frozen=True)
@@ -514,26 +493,6 @@ class Run:
 
 
 # ---------------------------------------------------------------------- from the options
-def expected_reach(options: FEMOptions, problem: Problem) -> float:
-    """Radius out to which the mesh is fine and nodes are candidates [m]."""
-    largest = options.contact_radius if options.contact_radius is not None else largest_radius(problem)
-    return _within(problem, options.margin * largest)
-
-
-def _within(problem: Problem, reach: float) -> float:
-    """The reach, or where the body or the indenter's profile ends before [m]."""
-    edge = problem.specimen.radius if problem.specimen.radius is not None else math.inf
-    return min(reach, edge, problem.indenter.r_max * (1 - ROUNDED))
-
-
-def mixed_layers(options: FEMOptions, problem: Problem) -> tuple[int, ...]:
-    """Layers that get a pressure unknown."""
-    if options.order == 1 or options.formulation == "displacement":
-        return ()
-    materials = problem.specimen.materials
-    return pressure_layers(materials, problem.sticks, None if options.formulation == "auto" else 0.0)
-
-
 def run(options: FEMOptions, problem: Problem, clock: StageClock, reach: float | None = None) -> Run:
     """Solve on one mesh of the given sizes; ``reach``: radius to mesh finely, where it is known [m]."""
     reach = expected_reach(options, problem) if reach is None else reach
@@ -576,7 +535,7 @@ def _solve_large_enough(
                 f"contact leaves the refined zone: mesh.contact_radius is {options.contact_radius:g} m, "
                 f"this loading needs about {_enough(problem, needed):.2g} m: give that or leave it out"
             )
-        wider = _within(problem, options.margin * needed)
+        wider = within(problem, options.margin * needed)
         if wider <= reach:
             break
         reach = wider
@@ -715,9 +674,6 @@ def pressures(surface: Surface, forces: Array) -> PressureTable:
 # Error budget of a finite-element series: against a second mesh with larger elements, and for what the cut costs.
 
 # How errors are concluded from what larger elements change.
-# of the largest depth: below it few nodes are in contact, and the budget leaves the rows out; tuned on bodies, by
-# `make constants`: says so
-BUDGET_JUDGED_DEPTH = 0.01
 # errors in what doubling the sizes changes: first order leaves 1, and meshes differ by luck
 BUDGET_LOADS = 1.4  # tuned on the bodies of `make failures`, by `make failures`
 BUDGET_RADII = 2.0  # tuned on the bodies of `make failures`, by `make failures`

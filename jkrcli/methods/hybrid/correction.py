@@ -19,11 +19,10 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial import legendre
-from scipy.sparse import bmat, coo_matrix, csr_matrix
-from scipy.sparse.linalg import splu
 
 from ...base.errors import Refusal, SolveError
 from ...base.numerics import AT_ONCE, RESIDUAL_LIMIT, ROUNDED, Array
@@ -38,6 +37,9 @@ from ...bodies.materials import (
 from ...bodies.problem import HalfSpace, Rigid, Specimen
 from ...formulas import point_force
 from ..integral.fredholm import rule
+
+if TYPE_CHECKING:
+    from scipy.sparse import coo_matrix, csr_matrix
 
 # --------------------------------------------------------------------------------------------------
 # The rectangle in which the correction is computed: layers with supports, in units of the largest contact radius.
@@ -519,6 +521,8 @@ class Mesh:
     @cached_property
     def stiffness(self) -> csr_matrix:
         """The symmetric matrix of all unknowns; indefinite with pressures."""
+        from scipy.sparse import bmat
+
         C11, C12, C13, C33, C44 = self.moduli.C
         r, w = self.r.rule
         w = 2 * np.pi * w
@@ -588,6 +592,8 @@ class Mesh:
 
     def _strains(self, along: list[Array], rows: slice, of: Callable[[Array], Array] = np.asarray) -> list[Array]:
         """Strains rr, tt, zz, 2 rz and the pressure (z, r, m) at some ``rows`` of Gauss points, from ``_along_r``."""
+        from scipy.sparse import csr_matrix
+
         V, D, Q = (csr_matrix(of(A[rows])) for A in (*self.z.basis, self.pressure[1]))
         slope_r, u_r, hoop, slope_z, u_z, p = along
         points = self.r.rule[0].size
@@ -602,6 +608,8 @@ class Mesh:
 
     def solve(self, loads: Array, prescribed: Array) -> Array:
         """Unknowns (n, m) in balance with ``loads`` (n, m) where free, equal to ``prescribed`` (n, m) elsewhere."""
+        from scipy.sparse.linalg import splu
+
         free, K = self.free, self.stiffness
         known = prescribed.copy()
         known[free] = 0.0
@@ -633,6 +641,8 @@ class _Product:
     r: Array
 
     def __call__(self, *terms: tuple[Array, Array]) -> coo_matrix:
+        from scipy.sparse import coo_matrix
+
         (rows_z, columns_z), (rows_r, columns_r) = np.nonzero(self.z), np.nonzero(self.r)
         values = sum(np.multiply.outer(A[rows_z, columns_z], B[rows_r, columns_r]) for A, B in terms)
         rows = np.add.outer(rows_z * self.r.shape[0], rows_r)
@@ -643,6 +653,8 @@ class _Product:
 
 def _applied(A: Array, fields: Array) -> Array:
     """A (points, r) along the first axis of ``fields`` (r, z, m): (z, points * m)."""
+    from scipy.sparse import csr_matrix
+
     r, z, m = fields.shape
     values = csr_matrix(A) @ fields.reshape(r, z * m)
     return np.moveaxis(values.reshape(len(A), z, m), 0, 1).reshape(z, len(A) * m)

@@ -42,8 +42,8 @@ from .device_path import Jump, Program, TimedState
 from .finite_range import Range, unable
 
 # Accuracy.
-# predicted less found radii over the width of the zone; tuned on withdrawals at 1e-2 and 1 R/tau, by
-# `make relaxation-bounds`: forces good to 5e-4
+# predicted less found radii over the width of the zone; choice: the forces of withdrawals at 0.01 to 1 R/tau are
+# then good to 5e-4
 STEP_TOLERANCE = 1e-3
 STEP_COARSER = 4.0  # theory: of that in the second run, errors of second order halve with half the steps twice
 STEP_ORDER = 3.0  # theory: by which the difference of both runs is larger than the error of the first
@@ -52,10 +52,13 @@ STEP_FIRST = 1e-6  # choice: of a piece of the program, behind its corner
 STEP_FIRST_MOVE = 0.03  # choice: of the zone, what the edge moves in a step that nothing predicts
 STEP_LARGEST = 0.5  # choice: of the zone, what the edge moves at most
 STEP_GROWS, STEP_FALLS = 2.0, 0.4  # choice: from step to step
-STEP_LEAST = 1e-9  # theory: of a piece; an edge that moves so fast is seen to jump
+# An edge that moves so fast is seen to jump:
+STEP_LEAST = 1e-9  # theory: of a piece
+JUMPS = 1e-5  # theory: of the shortest time of relaxation, in which nothing relaxes
+LAST_STEPS = 5  # choice: that tell which way an edge goes while the device rests
 STEP_MOST = 20_000  # choice: half a minute
 CLOSE = 1e-3  # theory: of the zone, from which one step of Newton's leaves 1e-6
-ZONE_POINTS = 100  # of the narrowest zone; tuned on withdrawals, by `make relaxation-bounds`: twice as many change 1e-5
+ZONE_POINTS = 100  # of the narrowest zone; choice: twice as many change forces by 1e-5
 ZONE_FEWEST = 10  # theory: the zone is then seen to 1 %
 MOST_POINTS = 200_000  # choice: a step then takes 10 ms
 FIRST_POINTS = 2000  # choice: over the reach at least
@@ -347,7 +350,9 @@ class Course:
 
     def _piece(self, t0: float, x0: float, t1: float, x1: float, stops: bool = False) -> None:
         """One straight piece of the program; y: how much of it is done. It ``stops`` where contact is lost."""
-        y, dy, last = 0.0, STEP_FIRST, None
+        fastest = 1 / (float(self.body.modes.rates.max()) * max(t1 - t0, TINY))
+        first, least = min(STEP_FIRST, CLOSE * fastest), min(STEP_LEAST, JUMPS * fastest)
+        y, dy, last = 0.0, first, None
         while y < 1:
             if self.at.c == 0:
                 if stops:
@@ -355,7 +360,7 @@ class Course:
                 y = self._alone(t0, x0, t1, x1, y)
                 if y < 1:
                     self._jump(True)
-                dy, last = STEP_FIRST, None
+                dy, last = first, None
                 continue
             self.steps += 1
             if self.steps > STEP_MOST:
@@ -379,10 +384,10 @@ class Course:
                     missed = math.inf
             if found is None or missed > 4 * self.tolerance:
                 dy *= STEP_FALLS
-                if dy < STEP_LEAST:
+                if dy < least:
                     self.t, self.x = t0 + y * (t1 - t0), x0 + y * (x1 - x0)
-                    self._jump(self._grows)
-                    dy, last = STEP_FIRST, None
+                    self._jump(x1 > x0 or (x1 == x0 and self._grows))
+                    dy, last = first, None
                 continue
             last, y = (dy, self.at), 1.0 if y + dy > 1 - SAME**2 else y + dy
             self.t, self.x = t0 + y * (t1 - t0), x0 + y * (x1 - x0)
@@ -411,8 +416,8 @@ class Course:
 
     @property
     def _grows(self) -> bool:
-        """Whether the zone moved outwards in the last step."""
-        return len(self.rows) > 1 and self.rows[-1].c > self.rows[-2].c
+        """Whether the zone moved outwards in the last steps."""
+        return self.rows[-1].c > self.rows[max(len(self.rows) - LAST_STEPS, 0)].c
 
     def _free(self, x: float) -> float:
         """delta [m] of a tip that nothing holds, where the device is at ``x``."""
@@ -444,6 +449,12 @@ class Course:
         self._record(step, found or NOTHING._replace(delta=self._free(self.x)))
         end = self.rows[-1]
         lost = (end.work - start.work) - (end.body - start.body) - (end.attraction - start.attraction)
+        most = max(abs(end.work - start.work), abs(end.body - start.body), abs(end.attraction - start.attraction))
+        if lost < -CLOSE * most and not (self._loaded and found is None):
+            raise Refusal(
+                f"cycle: the edge of the contact is lost sight of at t = {show(self.t, 'time')}: a jump there would "
+                "win energy; give a smaller --stress"
+            )
         self.rows[-1] = end = end._replace(radiated=start.radiated + lost)
         self.jumps.append(Jump(_state(start), _state(end) if found else None, self.t))
 
@@ -585,6 +596,7 @@ class RelaxingAdhesion:
     def _run(self, program: Program, tolerance: float, reach: float = 0.0) -> Course:
         """The ``program`` followed, on a body that is known as far as it needs to be, or to ``reach`` [m]."""
         left = self._left(program)
+        self._spacing(left, self.end[0])  # refused before anything is solved
         reach = reach or self._reach(left, float(np.max(program.x)))
         for _ in range(MOST_STEPS):
             course = Course(self._body(reach, self._spacing(left, reach)), tolerance, self.rests)
@@ -739,7 +751,7 @@ class AdhesiveHistory:
     def balance(self) -> float:
         """What the works and energies miss of balance over the largest of them [-]."""
         row = self.rows[-2 if self._loaded and self.lost else -1]
-        missing = row[5] - row[6:9].sum()
+        missing = row[5] - row[6:9].sum() + self.rows[0, 7]
         return abs(float(missing)) / max(float(np.max(np.abs(self.rows[:, 5:8]))), TINY)
 
     def table(self, points: int) -> dict[str, Array]:

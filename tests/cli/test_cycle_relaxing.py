@@ -19,7 +19,7 @@ from jkrcli.adhesion.device_path import Program
 from jkrcli.adhesion.finite_range import Range
 from jkrcli.adhesion.relaxing_adhesion import RelaxingAdhesion
 from jkrcli.base.errors import Unknown
-from jkrcli.report.rate import CycledAdhering
+from jkrcli.report.rate import CycledAdhering, CycledInLimits
 
 CASE = """
 [indenter]
@@ -283,7 +283,7 @@ def test_check_says_that_a_specimen_relaxes(jkr: Callable, series: Path) -> None
 def test_the_pictures_of_limits_say_which(series: Path) -> None:
     """Once three pictures of one title."""
     found = jkr_.cycle(series, 0.01)
-    assert isinstance(found, jkr_.report.CycledInLimits)
+    assert isinstance(found, CycledInLimits)
     for history, result in found.limits.values():
         title = result.figure().get_suptitle()
         assert "w = 10 mJ/m²" in title

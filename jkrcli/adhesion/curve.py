@@ -451,10 +451,14 @@ class AdhesiveCurve(EquilibriumCurve):
         if covariance is None:
             return {}
         gradients = {name: fixed + root_w * rest for name, (fixed, rest) in self.nonadhesive.gradients.items()}
-        return {
-            name: self.slopes.quantile * np.sqrt(np.einsum("ni,nij,nj->n", gradient, covariance, gradient)) + shared
-            for (name, gradient), shared in zip(gradients.items(), self._by_shift + self._by_description, strict=True)
-        }
+        of_rows = [np.sqrt(np.einsum("ni,nij,nj->n", each, covariance, each)) for each in gradients.values()]
+        errors = self.with_shift(self.slopes.quantile * np.stack(of_rows), self._by_shift) + self._by_description
+        return dict(zip(gradients, errors, strict=True))
+
+    def with_shift(self, error: Array, shift: Array) -> Array:
+        """An ``error`` of each row for itself with that of a ``shift`` of all radii: it adds where it has no middle,
+        each place within it as likely as any."""
+        return np.hypot(error, shift) if self.series.shift_found else error + shift
 
     def shift_error_at(self, place: Array) -> Array:
         """What a shift of all radii makes of delta [m] and P [N] at a ``place`` [m], (2,)."""

@@ -120,6 +120,7 @@ FINITE_RANGE_ROOM = 1.2  # choice: of that, within which the series' own rows ar
 FINITE_RANGE_FIRST = 1e-6  # theory: its power 3/2 is rounding
 # of log c from point to point beyond that of log(a + c0): a curve that leaps; choice: steps are half as long
 FINITE_RANGE_LEAP = 0.17
+FINITE_RANGE_BEGUN = 8  # choice: halvings of the step below the first state of a curve that leaps: 1/256 of a row
 FINITE_RANGE_FEWEST = 12  # theory: points of a curve, every second of which has the 6 of a spline of degree 5
 # Steps to both sides of pull-off, fractions of its radius, at which it is solved:
 FINITE_RANGE_CLOSE = (0.01, 0.02, 0.03, 0.045, 0.065, 0.1)  # choice: to where rows of a series lie
@@ -129,6 +130,7 @@ FINITE_RANGE_SOLVED = 1e-4
 FINITE_RANGE_SAFETY = 4.0
 FINITE_RANGE_LOOKED_AT = 8  # contact radii at which separations are looked at; choice: for a warning
 FINITE_RANGE_NO_CLAIM = 1e-12  # theory: smaller errors are rounding
+FINITE_RANGE_RELEASED = 4001  # choice: radii at which the last attraction is looked at, four digits of its load
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +145,7 @@ class FiniteRangeCurve(EquilibriumCurve):
     ``half_widths``: the ``errors``, ``of_profile``: what is part of them by a profile that is
     known at points only; ``moved``: relative errors of the places at which contact is lost, by stiffness, and
     ``by_points``: errors by such a profile there; ``doubts``: what speaks against the states, in sentences; ``body``:
-    which computed them.
+    which computed them. ``below``: states without contact from c = 0 on, where the curve leaves out what is next.
     """
 
     law: Range
@@ -158,6 +160,7 @@ class FiniteRangeCurve(EquilibriumCurve):
     by_points: Mapping[float, Array] = field(default_factory=dict)
     doubts: tuple[str, ...] = ()
     body: FiniteRangeBody | None = None
+    below: Rims = field(default_factory=lambda: Rims(*np.zeros((5, 0))))
     ranged: ClassVar[bool] = True
 
     @property
@@ -332,7 +335,7 @@ class FiniteRangeCurve(EquilibriumCurve):
     def _samples(self) -> Array:
         steps = np.arange(CURVE_SAMPLES) / CURVE_SAMPLES
         rows = (
-            np.append(self.apart.c, self._c0) if self.complete else self.places[:1],
+            np.append(self.apart.c, self._c0) if self.apart.c.size else self.places[:1],
             np.arcsinh(self.touching.a / self._c0),
         )
         free, v = ((some[:-1, None] + np.diff(some)[:, None] * steps).ravel() for some in rows)
@@ -375,12 +378,32 @@ class FiniteRangeCurve(EquilibriumCurve):
                 changes.append(float(np.max(np.abs(there - ours) / unit)))
         return max(changes) / FINITE_RANGE_HALVED + FINITE_RANGE_NO_CLAIM
 
+    def _released(self, stiffness: float) -> Equilibrium | None:
+        """Where surfaces that attract each other without contact let go, below what the curve leaves out; None where
+        they do not."""
+        if self.below.c.size <= FINITE_RANGE_DEGREE:
+            return None
+        pulled, c = _drawn(self.problem, self.below), np.linspace(0, float(self.below.c[-1]), FINITE_RANGE_RELEASED)
+        delta, P = self.problem.indenter.f(c) - pulled(c), -math.pi * self.law.stress * c**2
+        n = int(np.argmin(position(delta, P, stiffness)))
+        return Equilibrium(0.0, float(delta[n]), float(P[n]), float(c[n]), float(c[n])) if 0 < n < c.size - 1 else None
+
     def _outside(self, stiffness: float, end: str, lowest: Equilibrium) -> str:
         quantity = controlled(stiffness)
         if end == "smallest" and not self.complete:
+            if lowest.a > 0:
+                return (
+                    f"the {quantity} is lowest where the curve begins, at a = {show(lowest.a, 'length')}: below, "
+                    "several radii to which the surfaces attract each other belong to one contact, which are not "
+                    "followed; take load control or a softer device, or another stress or range"
+                )
+            first = float(self.touching.P[0]), float(self.touching.delta[0])
+            shrunk = f"contact is not lost in a jump: it shrinks to nothing at {_where(*first)}"
+            if (last := self._released(stiffness)) is None:
+                return f"{shrunk}, below which the states are not followed; give another stress or range"
             return (
-                f"the {quantity} is lowest where the curve begins, at a = {show(lowest.a, 'length')}: the contact "
-                "leaps to that radius from a smaller one, or from none; give another stress or range"
+                f"{shrunk}; the surfaces attract each other on and let go at {_where(last.P, last.delta)} (between, "
+                "the middle may touch again, which the curve leaves out)"
             )
         if end == "smallest":
             return (
@@ -391,6 +414,10 @@ class FiniteRangeCurve(EquilibriumCurve):
             f"the {quantity} is lowest at the largest radius, a = {show(lowest.a, 'length')}: pull-off lies outside "
             "the curve; the series would have to reach a larger radius: increase [loading] radius"
         )
+
+
+def _where(P: float, delta: float) -> str:
+    return f"P = {show(P, 'load')}, delta = {show(delta, 'length')}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -489,10 +516,12 @@ class FiniteRangeBody:
         pulled = Pulled(self.body.attraction(reach), s, gap)
         whole = self._touching(pulled)
         refuse_narrow(whole)
-        rims = _growing(whole)
-        apart = self._apart(pulled, float(rims.c[0])) if rims.a[0] == 0 else _some(rims, slice(0))
+        rims = self._begun(pulled, whole)
+        apart = below = _some(rims, slice(0))
+        if rims.a[0] == 0:
+            apart, below = self._apart(pulled, float(rims.c[0]))
         none = Parts(*5 * (rims.a[:0],))  # until the states are settled
-        curve = FiniteRangeCurve(law, self.problem, self.series, apart, rims, none, body=self)
+        curve = FiniteRangeCurve(law, self.problem, self.series, apart, rims, none, body=self, below=below)
         for _ in range(FINITE_RANGE_ROUNDS):  # every point that is reported is solved where it is
             near, free = _around_critical(curve, controls)
             rims = _merged(curve.touching, pulled.states(near, curve.around(near))) if near.size else curve.touching
@@ -513,10 +542,25 @@ class FiniteRangeBody:
         curve = replace(curve, parts=parts, doubts=(*begins, *_doubts(pulled, rims)))
         return self._judged(curve, pulled, replace(pulled, panels=self.body.check(reach)), controls)
 
-    def _apart(self, pulled: Pulled, c0: float) -> Rims:
+    def _begun(self, pulled: Pulled, rims: Rims) -> Rims:
+        """The states of ``rims`` that follow each other and, where some below them do not, as far as they can be
+        followed towards those: contact is often lost just there."""
+        grown = _growing(rims)
+        if grown.a.size == rims.a.size:
+            return grown
+        low, high = rims.a[rims.a.size - grown.a.size - 1], grown.a[0]
+        for _ in range(FINITE_RANGE_BEGUN):
+            between = pulled.states(np.array([(low + high) / 2]), grown.c[:1])
+            if _leaps(_joined(between, _some(grown, slice(2)))).size:
+                low = between.a[0]
+            else:
+                grown, high = _joined(between, grown), between.a[0]
+        return grown
+
+    def _apart(self, pulled: Pulled, c0: float) -> tuple[Rims, Rims]:
         """States without contact up to first touch at ``c0`` [m], so many that a spline follows what the tension draws
         up between them: layers have scales of their own, however small against c0. Where surfaces would overlap, those
-        beyond."""
+        beyond, and those below it; else all and none."""
         # The states without contact with the first one, in which the free bodies come within the range `gap` [m].
         free = _joined(
             Rims(*np.array([[0.0], [0.0], [-pulled.gap], [0.0], [pulled.gap]])),
@@ -533,7 +577,9 @@ class FiniteRangeBody:
         free = _some(free, slice(-1))
         middle = pulled.panels.discs(np.zeros(free.c.size - 1)).rims(free.c[1:], pulled.s).gap
         overlapping = np.flatnonzero(middle > pulled.gap * (1 + SAME))
-        return _some(free, slice(int(overlapping[-1]) + 2 if overlapping.size else 0, None))
+        if not overlapping.size:
+            return free, _some(free, slice(0))
+        return _some(free, slice(int(overlapping[-1]) + 2, None)), _some(free, slice(int(overlapping[0]) + 1))
 
     def _judged(
         self, curve: FiniteRangeCurve, pulled: Pulled, other: Pulled, controls: Sequence[float]

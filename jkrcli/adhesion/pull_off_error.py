@@ -82,13 +82,12 @@ def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) ->
     rest = _beyond_gaps(curve, point, stiffness)
     if isinstance(rest, Unknown):
         return rest
-    rest = rest + _by_shift(curve, point, stiffness) + _by_description(curve, point, stiffness)
+    rest = curve.with_shift(rest, _by_shift(curve, point, stiffness)) + _by_description(curve, point, stiffness)
     return {name: float(here[name]) + more for name, more in zip(("delta", "P"), rest.tolist(), strict=True)}
 
 
 def _by_shift(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
-    """How far delta and P of the ``point`` move with all radii, by what is unknown of them together, (2,). It adds to
-    what each row errs by itself, as it has no middle: each place within it is as likely."""
+    """How far delta and P of the ``point`` move with all radii, by what is unknown of them together, (2,)."""
     moved = []
     for other in _shifted(curve):
         found = _pull_off(other, curve, stiffness)

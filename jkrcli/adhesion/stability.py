@@ -116,8 +116,9 @@ def _no_energy(retraction: Path) -> Unknown | None:
     if retraction.contact.stiffness == LOAD_CONTROL:
         return UNBOUNDED
     if retraction.ends != "lost":
-        first = show(retraction.last, "length")
-        return Unknown(f"contact is not lost within the series, which begins at a = {first}")
+        first = retraction.stretches[-1].curve.point(retraction.last)
+        where = f"c = {show(first.place, 'length')}" if first.a == 0 else f"a = {show(first.a, 'length')}"
+        return Unknown(f"contact is not lost within the series, which begins at {where}")
     return None
 
 

@@ -10,16 +10,18 @@ import click
 
 from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from ..adhesion.device_path import Course, Program
+from ..adhesion.finite_range import Range
 from ..adhesion.from_rest import LoadingHistory, Rest
 from ..adhesion.rate import RateContact, parameters_of, rate_law_of
 from ..adhesion.relaxation import RelaxingContact
-from ..base.errors import InputError
+from ..adhesion.relaxing_adhesion import RelaxingAdhesion
+from ..base.errors import InputError, Unknown
 from ..base.files import together
 from ..base.units import show
 from ..bodies.materials import Relaxation
 from ..methods.protocol import Limits
 from ..report.forward import Cycled, CycledByProgram
-from ..report.rate import CycledAtSpeed, CycledInLimits, CycledRelaxing, traced_histories
+from ..report.rate import CycledAdhering, CycledAtSpeed, CycledInLimits, CycledRelaxing, traced_histories
 from ..report.result import PICTURES, Output, Result
 from ..resolve.analysis import Analysis, analyse, with_solved_points
 from ..resolve.histories import curves_from_rest, rest_of
@@ -100,15 +102,21 @@ class RateOptions:
         if self.rate is None and (timed := [name for name in self.named if name != "program"]):
             raise InputError(f"cycle: {flag(timed[0])} needs --rate: without it nothing depends on time")
 
-    def refuse_in_limits(self) -> None:
-        """InputError where they say what a body does over time that relaxes and adheres."""
-        if self.rate is None and self.named:
+    @property
+    def timed(self) -> bool:
+        """Whether they say what the device does over time, to a body that relaxes."""
+        return self.rate is None and (self.speed is not None or self.program is not None)
+
+    def refuse_in_limits(self, ranged: bool) -> None:
+        """InputError where they say what a body does over time that relaxes and adheres, but not all of it."""
+        if self.rate is None and self.named and not (ranged and self.timed):
             raise InputError(
-                f"cycle: {flag(self.named[0])}: adhesion on a specimen that relaxes is known of very fast, of very "
-                "slow cycles and from rest alone, which do not depend on time: leave it out, or give --w-approach 0"
+                f"cycle: {flag(self.named[0])}: adhesion on a specimen that relaxes is followed over time by a "
+                "cohesive stress: give --stress or --range, and --speed or --program; or none of them, for very fast "
+                "and very slow cycles and one from rest; or --w-approach 0"
             )
 
-    def program_of(self, contact: RateContact | RelaxingContact) -> Program:
+    def program_of(self, contact: RateContact | RelaxingContact | RelaxingAdhesion) -> Program:
         """What the device does, of the table or of the speeds."""
         if self.program is not None:
             return read_program(self.program, contact.stiffness)
@@ -165,6 +173,20 @@ def run_relaxing(body: Analysis, law: Relaxation, stiffness: float, points: int,
     return CycledRelaxing.of(contact, rates.program_of(contact), body.path, points)
 
 
+def run_adhering(
+    solution: Solution, curves: Sequence[tuple[str, Analysis]], law: Range, stiffness: float, points: int,
+    rates: RateOptions,
+) -> CycledAdhering:  # fmt: skip
+    """What happens over time to a body that relaxes with adhesion of finite range by ``law``; ``curves``: those of its
+    limits by their names."""
+    relaxation, file = solution.problem.specimen.relaxation, solution.record.path
+    assert relaxation is not None
+    contact = RelaxingAdhesion.of(solution, law, relaxation, stiffness)
+    points_of = {name: curve.curve.pull_off(LOAD_CONTROL) for name, curve in curves}
+    limits = {name: point if isinstance(point, Unknown) else point.P for name, point in points_of.items()}
+    return CycledAdhering.of(contact, rates.program_of(contact), file, limits, points)
+
+
 def read_program(path: Path, stiffness: float) -> Program:
     """What the table at ``path`` says that a device of ``stiffness`` [N/m] does."""
     from ..data import foreign
@@ -198,8 +220,9 @@ def cycle(
     d(delta + P/stiffness)/da = 0. A rigid device is displacement control. With --rate over time: the edge recedes as
     fast as G/w0 says, rests between the works of adhesion, advances at once (--stress is then the cohesive stress of
     the dissipating zone). Else with --stress or --range the surfaces attract each other before they touch. A specimen
-    that relaxes is followed over time without adhesion (w = 0); with adhesion very fast and very slow cycles are
-    traced, and one that is loaded slowly, rests and is pulled at once. Writes <stem>-cycle.csv, .png and .svg; the
+    that relaxes is followed over time without adhesion (w = 0), and with it where --stress or --range says its range;
+    without --speed very fast and very slow cycles are traced, and one that is loaded slowly, rests and is pulled at
+    once. Writes <stem>-cycle.csv, .png and .svg; the
     options that are given are added to the name in SI, as in <stem>-cycle-w-retract0.045-to-load0.0005.csv.
 
     \b
@@ -207,6 +230,7 @@ def cycle(
     jkr cycle gel.h5 --w-retract "45 mJ/m^2" --to-load "0.5 mN"
     jkr cycle gel.h5 --rate v0="1 um/s",n=0.6 --speed "10 um/s"
     jkr cycle relaxing-gel.h5 --w-approach 0 --speed "10 um/s" --hold "30 s"
+    jkr cycle relaxing-gel.h5 --w-approach "20 mJ/m^2" --stress "2 kPa" --speed "10 um/s" --to-depth "20 um"
     """
     rates.refuse_wrong(stiffness)
     output.folder(Path())
@@ -216,9 +240,10 @@ def cycle(
     if law is None:
         rates.refuse_without_time()
     works = _works(solution, w_approach, w_retract)
-    in_limits = law is not None and any(works)
-    if in_limits:
-        rates.refuse_in_limits()
+    adhering = law is not None and any(works)
+    if adhering:
+        rates.refuse_in_limits(bool(how.of(solution)))
+    in_limits = adhering and not rates.timed
     if rates.rate is not None:  # there the stress is that of the zone in which energy is lost
         rates, how = replace(rates, stress=how.stress), replace(how, stress=None)
     ranged = how.of(solution)
@@ -231,7 +256,8 @@ def cycle(
         known = traced_histories(solution, rest, rates.to_load, rates.to_depth, rests)
     elif rest is not None:
         raise InputError(
-            "cycle: --rest-load and --rest-depth are for adhesion on a specimen that relaxes: leave them out"
+            "cycle: --rest-load and --rest-depth are for adhesion on a specimen that relaxes, and without --speed: "
+            f"{'give --hold' if adhering else 'leave them out'}"
         )
     names = [one.name for one in known] or [""]
     ends = f"{_told(w_approach, w_retract, stiffness)}{rates.suffix(stiffness)}{_told_rest(rest)}{ranged.suffix}"
@@ -249,6 +275,15 @@ def cycle(
         curves = curves_from_rest(solution, works, history, how.slopes, how.modulus_factor, stiffness)
         return Cycled.from_rest(solution.record.path, *curves, stiffness, points, history.words)
 
+    def followed() -> CycledAdhering:
+        """Adhesion over time, with the curves of its limits."""
+        assert law is not None
+        known = [("very fast", 1.0), *([("very slow", law.relaxed)] if law.relaxed else [])]
+        curves = [(name, analyse(solution, works, how.slopes, how.modulus_factor * share, ranged)[1])
+                  for name, share in known]  # fmt: skip
+        scaled = solution.scaled(how.modulus_factor)
+        return run_adhering(scaled, curves, ranged.law(works[1]), stiffness, points, rates)
+
     def cycled(share: float = 1.0, history: str = "") -> Result:
         curves = analyse(solution, works, how.slopes, how.modulus_factor * share, ranged)
         results = [with_solved_points(curve, stiffness) for curve in curves]
@@ -261,7 +296,7 @@ def cycle(
             return CycledByProgram.of(results, stiffness, read_program(rates.program, stiffness), points)
         return Cycled.of(results, stiffness, rates.to_load, rates.to_depth, points, history)
 
-    result = CycledInLimits.of(file, known, after) if known else cycled()
+    result = CycledInLimits.of(file, known, after) if known else followed() if adhering else cycled()
     cycles = [one for _, one in result.limits.values()] if isinstance(result, CycledInLimits) else [result]
     with together():
         for one, files in zip(cycles, targets, strict=True):

@@ -15,9 +15,10 @@ from ..adhesion.device_path import Program
 from ..adhesion.from_rest import AT_MOST, FROM_REST, LoadingHistory, Rest
 from ..adhesion.rate import History, RateContact, RateLaw, parameters_of, rate_parameters
 from ..adhesion.relaxation import RelaxedHistory, RelaxingContact
+from ..adhesion.relaxing_adhesion import AdhesiveHistory, RelaxingAdhesion
 from ..adhesion.validity import NEGLECTED, Zone, strain_words, zone
-from ..base.errors import InputError, SolveError, Unknown, known
-from ..base.numerics import ROWS, SAME, UNSEEN, Array
+from ..base.errors import Estimate, InputError, SolveError, Unknown, known
+from ..base.numerics import NOTICEABLE, ROWS, SAME, UNSEEN, Array
 from ..base.units import show
 from ..bodies.materials import RELAXATIONS, Relaxation
 from ..fitting.rate import LawThrough
@@ -186,6 +187,10 @@ def through_words(through: LawThrough | Unknown) -> str:
 # --------------------------------------------------------------------------------------------------
 # The cycle of a device whose specimen relaxes: its trace, in words and as JSON.
 
+ADHESION_NEGLECTED = (
+    "one relaxation function for all layers, and for the half-space below them, at constant Poisson's ratios; one "
+    "cohesive stress up to its range, whatever the speed; no inertia or friction"
+)
 RELAXATION_NEGLECTED = (
     "one relaxation function for all layers, and for the half-space below them, at constant Poisson's ratios; no "
     "adhesion, inertia or friction"
@@ -258,6 +263,100 @@ class CycledRelaxing(RelaxedHistory, Result):
     def warnings(self) -> list[str]:
         """What a reader should know, each with its number."""
         return [f"the loads err by about {self.error:.1g} of the largest"] if self.error > UNSEEN else []
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class CycledAdhering(AdhesiveHistory, Result):
+    """A history with adhesion as a result; ``limits``: pull-off forces [N] of very fast and of very slow cycles by
+    their names, ``points``: rows of a piece."""
+
+    file: Path
+    limits: Mapping[str, Estimate]
+    points: int = ROWS
+
+    @classmethod
+    def of(
+        cls, contact: RelaxingAdhesion, program: Program, file: Path, limits: Mapping[str, Estimate], points: int = ROWS
+    ) -> CycledAdhering:
+        """What happens to ``contact`` under ``program``."""
+        try:
+            history = contact.history(program)
+        except InputError as error:
+            raise InputError([f"{file}: {line}" for line in error.lines]) from None
+        return as_result(cls, history, file=file, limits=limits, points=points)
+
+    @cached_property
+    def columns(self) -> dict[str, Array]:  # type: ignore[override]
+        return self.table(self.points)
+
+    def figure(self) -> Figure:
+        from .plots.forward import history_figure
+
+        contact = self.contact
+        how = f"{self.control}, {speed_words(self.program, contact.stiffness)}"
+        more = f"cohesive stress {show(contact.law.stress, 'modulus')}"
+        title = cycle_title(how, contact.law.w, contact.law.w, str(contact.relaxation), more)
+        return history_figure(self.columns, self.jumps, title)
+
+    def summary(self) -> dict[str, Any]:
+        contact, error, lost = self.contact, self.error, self.lost
+        return {
+            "file": str(self.file),
+            **device(contact.stiffness),
+            "w_J_per_m2": contact.law.w,
+            "stress_Pa": contact.law.stress,
+            "range_m": contact.law.length,
+            "relaxation": relaxation_law_summary(contact.relaxation),
+            "pull_off": timed(self.pull_off) | {"P_relative_error": known(error["P"])},
+            "limits": {f"pull_off_{'_'.join(name.split())}_P_N": known(P) for name, P in self.limits.items()},
+            "largest_load": timed(self.peak),
+            "turn_t_s": self.turn,
+            "corners": list(map(timed, self.corners)),
+            "jumps": list(map(timed_jump, self.jumps)),
+            "contact_lost": lost is not None,
+            "lost_t_s": None if lost is None else lost.t,
+            "lost_t_relative_error": known(error["lost"]),
+            **energies(
+                energy_lost=(self.energy_lost, self._half_width(self.energy_lost)),
+                dissipated_in_body=(self.in_body, self._half_width(self.energy_lost)),
+                radiated_in_jumps=(self.at_edge, self._half_width(self.energy_lost)),
+            ),
+            "balance_relative_error": self.balance,
+            "neglected": ADHESION_NEGLECTED,
+            "warnings": self.warnings,
+        }
+
+    def _half_width(self, energy: Estimate) -> Estimate:
+        error = self.error["energy"]
+        return error if isinstance(error, Unknown) or isinstance(energy, Unknown) else error * energy
+
+    def words(self) -> list[str]:
+        pulled, lost, contact, error = self.pull_off, self.lost, self.contact, self.error["P"]
+        known_to = "" if isinstance(error, Unknown) else f" ± {error:.1g} of it"
+        zone = show(pulled.c - pulled.a, "length") if pulled.c is not None else "unknown"
+        lines = [
+            f"pull-off force {show(-pulled.P, 'load')}{known_to} at {state_words(pulled, 't delta a')}, the zone "
+            f"{zone} wide: {self.file}",
+            f"  {self.control}, w = {show(contact.law.w, 'work')}, cohesive stress "
+            f"{show(contact.law.stress, 'modulus')}; {contact.relaxation}",
+            *(f"  at {state_words(one, 't')} {state_words(one)}" for one in self.corners if one.t < pulled.t),
+        ]
+        forces = [f"{show(-P, 'load')} ({name})" for name, P in self.limits.items() if not isinstance(P, Unknown)]
+        if forces:
+            lines.append(f"  limits: {', '.join(forces)}")
+        ends = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost.t, 'time')}"
+        energy = self.energy_lost
+        parts = str(energy)
+        if not isinstance(energy, Unknown):
+            parts = f"{energy:.4g} J, {self.in_body:.4g} J in the body, {self.at_edge:.4g} J in jumps"
+        return [*lines, f"  {ends}; energy lost: {parts}"]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader should know, each with its number."""
+        error = self.error["P"]
+        large = isinstance(error, float) and error > NOTICEABLE
+        return [f"the pull-off force errs by about {error:.1g} of it"] if large else []
 
 
 @dataclass(frozen=True, eq=False)

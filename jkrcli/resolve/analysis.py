@@ -430,5 +430,6 @@ def _at_touches(series: Series, beside: Compared) -> Series:
     if not is_series(rows) or rows.a[0] <= series.a0:
         return series
     return replace(
-        series, a=rows.a, delta=rows.delta, P=rows.P, errors={}, shift=ahead.error * touches.element, own=beside.own
-    )
+        series, a=rows.a, delta=rows.delta, P=rows.P, errors={}, shift=ahead.error * touches.element,
+        shift_found=ahead.found, own=beside.own,
+    )  # fmt: skip

@@ -18,6 +18,7 @@ from jkrcli.adhesion.curve import CriticalPoint, Equilibrium, position
 from jkrcli.adhesion.device_path import Jump
 from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve, Range
 from jkrcli.adhesion.stability import behaviour, branch, cycle
+from jkrcli.base.units import show
 from jkrcli.methods.finite_range import AttractedBody
 from jkrcli.methods.integral.finite_range import AttractedSurface, Rims, attracted_surface
 from jkrcli.methods.integral.fredholm import DiscreteEquation, Panels
@@ -125,8 +126,48 @@ def test_curve_begins_where_the_attracted_annulus_grows_with_the_contact() -> No
         if mu == 3.5:
             assert not curve.complete
             assert "and the curve begins there" in curve.doubts[0]
-            assert isinstance(behaviour(curve, DISPLACEMENT).jump_in, jkr.Unknown)
     assert abs(forces[1] - (forces[0] + forces[2]) / 2) < 3e-4, forces
+
+
+def attracted(curve: FiniteRangeCurve, nu: float, R: float) -> Uncontacted:
+    """The same body without contact, by an explicit formula."""
+    return Uncontacted(nu, R, curve.law.stress, curve.law.length)
+
+
+@pytest.mark.parametrize("mu", [3.4, 3.5])
+def test_surfaces_on_the_ridge_come_together_without_contact(mu: float) -> None:
+    """Under displacement control; "increase [loading] radius" was the answer."""
+    curve = curve_of(layer(0.499), 1000.0, 8.0, 1e-4, mu)
+    jump_in, exact = behaviour(curve, DISPLACEMENT).jump_in, attracted(curve, 0.499, 1000.0)
+    assert not isinstance(jump_in, jkr.Unknown)
+    assert jump_in.a == 0
+    c = brentq(lambda c: exact.delta(c) - curve.onset, 1.5, 3.0)
+    assert jump_in.c == pytest.approx(c, rel=1e-7)
+    assert jump_in.P == pytest.approx(exact.P(c), rel=1e-7)
+
+
+def test_contact_on_the_ridge_is_lost_next_to_where_radii_of_attraction_leap() -> None:
+    """At the edge of a pull-off where c falls as the contact grows the gap opens no more: delta, P and c are stationary
+    together. The curve began at the nearest row beyond a leap, past this point."""
+    curve = curve_of(layer(0.499), 1000.0, 8.0, 1e-4, 3.6)
+    point = curve.pull_off(DISPLACEMENT)
+    assert isinstance(point, CriticalPoint), point
+    assert (point.a, point.delta) == (pytest.approx(1.612, abs=2e-3), pytest.approx(-4.801e-3, rel=2e-4))
+    step = np.array([-1e-3, 0.0, 1e-3]) * point.a + point.place
+    delta, P = curve.at(step)
+    for column in (delta, P, curve.attracted_radii(step)):
+        assert np.max(np.abs(np.diff(column))) < 1e-4 * np.abs(column[1]), column
+
+
+def test_contact_on_the_ridge_that_shrinks_to_nothing_lets_go_later() -> None:
+    """Below the curve's beginning, where the middle touches again: the last attraction is told with its numbers."""
+    curve = curve_of(layer(0.499), 1000.0, 8.0, 1e-4, 3.4)
+    lost, exact = curve.pull_off(DISPLACEMENT), attracted(curve, 0.499, 1000.0)
+    assert isinstance(lost, jkr.Unknown)
+    c = brentq(lambda c: exact.rate(c, math.inf), 0.2, 0.7)
+    words = f"let go at P = {show(exact.P(c), 'load')}, delta = {show(exact.delta(c), 'length')}"
+    assert words in lost.reason
+    assert "not lost in a jump" in lost.reason
 
 
 def test_several_radii_of_attraction_are_told() -> None:

@@ -6,6 +6,7 @@ import csv
 import json
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,12 @@ import pytest
 from conftest import CASES
 
 import jkrcli as jkr_
+from jkrcli.adhesion.curve import DISPLACEMENT_CONTROL
+from jkrcli.adhesion.device_path import Program
+from jkrcli.adhesion.finite_range import Range
+from jkrcli.adhesion.relaxing_adhesion import RelaxingAdhesion
+from jkrcli.base.errors import Unknown
+from jkrcli.report.rate import CycledAdhering, CycledInLimits
 
 CASE = """
 [indenter]
@@ -180,7 +187,7 @@ REFUSED = {
     ),
     "time in the limits": (
         ("--w-approach", "1 mJ/m^2", "--speed", "1"),
-        "which do not depend on time: leave it out, or give --w-approach 0",
+        "is followed over time by a cohesive stress: give --stress or --range",
     ),
     "too deep": (
         ("--speed", "1", "--to-depth", "2 m"),
@@ -276,8 +283,97 @@ def test_check_says_that_a_specimen_relaxes(jkr: Callable, series: Path) -> None
 def test_the_pictures_of_limits_say_which(series: Path) -> None:
     """Once three pictures of one title."""
     found = jkr_.cycle(series, 0.01)
-    assert isinstance(found, jkr_.report.CycledInLimits)
+    assert isinstance(found, CycledInLimits)
     for history, result in found.limits.values():
         title = result.figure().get_suptitle()
         assert "w = 10 mJ/m²" in title
         assert history.words in title
+
+
+ADHERES = ("--w-approach", "50 mJ/m^2", "--speed", "1 m/s")
+WIDE = ("--stress", "0.15 Pa", "--to-depth", "0.05 m")
+
+
+def test_adhesion_over_time_in_words() -> None:
+    """Between a free tip and the loss of contact, in steps as coarse as may be."""
+    half_space = jkr_.Specimen((), jkr_.HalfSpace(jkr_.Elastic(1.0, 0.0)))
+    solved = jkr_.solve(jkr_.Problem(jkr_.Paraboloid(1.0), half_space, jkr_.Loading("depth", 0.1)))
+    law = jkr_.StandardSolid(0.25, 1.0)
+    contact = RelaxingAdhesion.of(solved, Range.of(0.05, stress=0.1), law, DISPLACEMENT_CONTROL)
+    program = Program(np.array([0.0, 0.1]), np.array([contact.least, 0.02]), -1.0)
+    limits = {"very fast": -0.2, "very slow": Unknown("there is none")}
+    found = CycledAdhering.of(replace(contact, tolerance=0.05), program, Path("gel.h5"), limits, 20)
+    text, summary, rows = "\n".join(found.words()), found.summary(), found.columns
+    assert "contact is lost at t" in text
+    assert "J in the body" in text
+    assert "limits: 200 mN (very fast)" in text
+    assert summary["limits"] == {"pull_off_very_fast_P_N": -0.2, "pull_off_very_slow_P_N": None}
+    assert summary["pull_off"]["P_N"] == pytest.approx(rows["P_N"][rows["t_s"] > 0.1].min())
+    assert summary["range_m"] == pytest.approx(0.5)
+    assert list(rows) == ["t_s", "a_m", "delta_m", "P_N", "device_m", "phase", "part", "c_m"]
+    assert {"advance", "recede"} <= set(rows["phase"])
+    json.dumps(summary)
+
+
+@pytest.mark.slow
+def test_adhesion_over_time(jkr: Callable, series: Path) -> None:
+    """E* = 1, R = 1: beyond the limits' forces, in files and figures."""
+    done = jkr("cycle", series, *ADHERES, *WIDE, "--hold", "2 s", "--points", 51, "--json")
+    assert done.code == 0, done.err
+    found, name = json.loads(done.out), "gel-cycle-w-approach0.05-to-depth0.05-speed1-hold2-stress0.15.csv"
+    with (series.parent / name).open() as file:
+        rows = list(csv.DictReader(file))
+    assert (series.parent / name).with_suffix(".svg").exists()
+    P = np.array([float(row["P_N"]) for row in rows])
+    assert P[len(P) // 3 :].min() == pytest.approx(found["pull_off"]["P_N"], rel=1e-6)
+    assert all(float(row["c_m"]) >= float(row["a_m"]) for row in rows)
+    limits = found["limits"]
+    assert found["pull_off"]["P_N"] < min(limits["pull_off_very_fast_P_N"], limits["pull_off_very_slow_P_N"])
+    parts = found["dissipated_in_body_J"] + found["radiated_in_jumps_J"]
+    assert found["energy_lost_J"] == pytest.approx(parts, rel=1e-3)
+    assert found["pull_off"]["P_relative_error"] < 1e-3
+    assert found["contact_lost"]
+    assert found["jumps"][0]["t_s"] == 0
+
+
+@pytest.mark.slow
+def test_adhesion_over_time_turns_at_a_load_in_a_spring(jkr: Callable, series: Path) -> None:
+    words = (*ADHERES, "--stress", "0.15 Pa", "--to-load", "0.02 N", "--stiffness", "2 N/m")
+    done = jkr("cycle", series, *words, "--no-plots")
+    assert done.code == 0, done.err
+    assert "in the body" in done.out
+    found = answer(jkr, series, *words)
+    assert found["largest_load"]["P_N"] == pytest.approx(0.02, rel=1e-2)
+
+
+ADHERES_NOT = {
+    "rest": ((*WIDE, "--rest-depth", "0.1 m"), "without --speed: give --hold"),
+    "narrow": (("--stress", "30 Pa", "--to-depth", "0.1 m"), "is too narrow beside"),
+    "two works": ((*WIDE, "--w-retract", "60 mJ/m^2"), "give one work of adhesion"),
+    "no turn": (("--stress", "1 Pa", "--stiffness", "1 N/m"), "say where it turns, --to-load or --to-depth"),
+}
+
+
+@pytest.mark.parametrize(("words", "line"), ADHERES_NOT.values(), ids=ADHERES_NOT)
+def test_adhesion_over_time_is_refused(jkr: Callable, series: Path, words: tuple[str, ...], line: str) -> None:
+    done = jkr("cycle", series.name, *ADHERES, *words)
+    assert done.code == 2
+    assert line in done.err
+    assert done.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        ('law = "sls", ratio = 0.25', 'law = "power", exponent = 0.2', "a power law has no instant modulus"),
+        ("[specimen]", '[specimen]\nsurface_tension = "10 mN/m"', "surface_tension"),
+        ("[specimen]", '[specimen]\nsurface = "sticking"', "frictionless contact"),
+    ],
+)
+def test_adhesion_over_time_is_not_for_every_body(
+    jkr: Callable, tmp_path: Path, old: str, new: str, line: str
+) -> None:  # fmt: skip
+    (tmp_path / "other.toml").write_text(CASE.replace(old, new))
+    done = jkr("cycle", "other.toml", *ADHERES, *WIDE)
+    assert done.code == 2
+    assert line in done.err

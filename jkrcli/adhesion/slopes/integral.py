@@ -826,7 +826,8 @@ def smoothed(
     fitted = _slopes(settled, raw, of_loads, a0, a)
     assert fitted.delta is not None
     assert fitted.P is not None
-    return Series(a, fitted.delta, fitted.P, a0=a0, S0=S0, own=own, shift=shift), fitted
+    found = ahead.found
+    return Series(a, fitted.delta, fitted.P, a0=a0, S0=S0, own=own, shift=shift, shift_found=found), fitted
 
 
 def _settle(

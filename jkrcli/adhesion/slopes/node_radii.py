@@ -41,6 +41,11 @@ class Ahead(NamedTuple):
     error: float
     source: str
 
+    @property
+    def found(self) -> bool:
+        """Whether the rows beside the solution of their bodies told it."""
+        return self.source == "body"
+
 
 AS_THEY_ARE = Ahead(0.0, 0.0, "taken as it is")
 

@@ -30,6 +30,7 @@ from ...base.units import show
 from ...bodies.indenters import Indenter
 from ...formulas import shift
 from .density import DENSITY_PIECE, Density, pieces
+from .dent import DentedProfile
 from .fredholm import AbelMoments, LegendrePanels, Panels, Quadrature, angle, gauss, rule, tension_moments, to_legendre
 
 # How the edge of the attracted annulus is found.
@@ -71,19 +72,23 @@ class Discs:
     """Contact discs of the radii ``a`` [m] on one body: what they need for any annulus around them.
 
     ``schur[p]``: M of a disc of the p lowest panels; ``partial``: for each disc G (I + M G)^-1 of the panel that it
-    cuts. ``beta``, ``phi_F``: integrals of the polynomials and of them times F; ``ends``: their values at a.
+    cuts. ``beta``: integrals of the polynomials over the disc; ``ends``: their values at a.
     """
 
     basis: LegendrePanels
-    abel: AbelMoments
+    abel: AbelMoments | DentedProfile
     E_star: float
     a: Array
     panel: Array
     schur: list[Array]
     partial: Array
     beta: Array
-    phi_F: Array
     ends: Array
+
+    @cached_property
+    def phi_F(self) -> Array:
+        """Integrals of the polynomials times F over the disc."""
+        return self.abel.moments(self.a)
 
     def applied(self, vectors: Array) -> Array:
         """M of each disc times a vector each, (discs, size)."""
@@ -273,8 +278,8 @@ class Attraction:
             complements.append(M - half.T @ half)
         return complements
 
-    def discs(self, a: Array) -> Discs:
-        """Contact discs of the radii ``a`` >= 0 [m] below ``reach``."""
+    def discs(self, a: Array, profile: DentedProfile | None = None) -> Discs:
+        """Contact discs of the radii ``a`` >= 0 [m] below ``reach``, under the indenter or another ``profile``."""
         basis, panel = self.basis, self.basis.panel_of(a)
         lo = basis.panels.edges[panel]
         x, w = gauss(lo, a, *rule(basis.order))
@@ -289,9 +294,8 @@ class Attraction:
         beta = np.zeros((a.size, basis.count, basis.order))
         beta[:, :, 0] = np.where(np.arange(basis.count) < panel[:, None], width, 0.0)
         beta[np.arange(a.size), panel] = np.einsum("nq,nqi->ni", w, values)
-        moments = self._abel.moments(a)
-        own = (basis, self._abel, self.E_star, a, panel, self._schur, partial)
-        return Discs(*own, beta.reshape(a.size, -1), moments, basis.at(a))
+        own = (basis, profile or self._abel, self.E_star, a, panel, self._schur, partial)
+        return Discs(*own, beta.reshape(a.size, -1), basis.at(a))
 
     def apart(self, c: Array, s: float, gap: float) -> Rims:
         """The states in which nothing touches and the surfaces attract within the radii ``c`` > 0 [m], nearer than

@@ -31,7 +31,6 @@ from .least_squares import (
     Intervals,
     State,
     bootstrap,
-    changes_by,
     covariance,
     covariance_of_uneven,
     larger,
@@ -40,7 +39,7 @@ from .least_squares import (
     variance_factor,
     wider,
 )
-from .parameters import LOG, FittedValue, Parameter, dimension_of
+from .parameters import LOG, FittedValue, Parameter, changes_by, dimension_of
 from .range_alternative import Rivals, missed_pull_off, rivals_of
 from .record import RESTS, beside, beyond_the_record, differ, fit_record, reduced, whole_record
 from .result import Fit, Further, JKRBeside

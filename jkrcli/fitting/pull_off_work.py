@@ -20,6 +20,7 @@ from ..resolve.analysis import Analysis, adhesive, nonadhesive
 from ..resolve.histories import checked_histories, solved_on, strains_after, with_history_solved
 from ..resolve.resolve import method_behind
 from ..series import Solution
+from .parameters import changes_by
 
 FORCE, TIP, MODULI = "load", "R", "E"  # uncertain inputs beside "h", "nu" and those of single layers
 DIMENSIONS = {FORCE: "load", TIP: "length", MODULI: "modulus", "h": "length", "nu": "number"}
@@ -191,8 +192,6 @@ def _whole(solution: Solution, name: str) -> str:
 def _change(inverse: _Inverse, name: str, sigma: float) -> float:
     """Change of w [J/m^2] by a change of the input ``name`` by ``sigma``, from a step to either side; a negative
     ``sigma`` is relative."""
-    from .least_squares import changes_by
-
     centre = _nominal(inverse, name)
     size = -sigma * abs(centre) if sigma < 0 else sigma
 

@@ -35,9 +35,9 @@ from .force_curve import (
     windowed,
 )
 from .forward_model import FittedBody
-from .least_squares import Intervals, State, bootstrap, changes_by, structure, t_quantile, wider
+from .least_squares import Intervals, State, bootstrap, structure, t_quantile, wider
 from .least_squares import spread as covariance
-from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, dimension_of
+from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, changes_by, dimension_of
 from .result import Fit
 from .rows import third_differences
 from .settings import AUTO, CALIBRATED, Settings

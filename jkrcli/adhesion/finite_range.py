@@ -814,9 +814,14 @@ def _drawn(problem: Problem, free: Rims) -> BSpline:
 
 def _leaps(rims: Rims) -> Array:
     """Numbers of the states beyond which c leaps, or there is no state."""
-    leaps = np.abs(np.diff(np.log(rims.c))) > FINITE_RANGE_LEAP + np.diff(np.log(rims.a + rims.c[0]))
     unsolved = np.abs(rims.gap / np.median(rims.gap) - 1) > SAME
-    return np.flatnonzero(leaps | unsolved[1:] | unsolved[:-1])
+    return np.flatnonzero(leaps_of(rims.a, rims.c) | unsolved[1:] | unsolved[:-1])
+
+
+def leaps_of(a: Array, c: Array) -> Array:
+    """Whether c [m] leaps beyond each of the states but the last, whose contact radii are ``a`` [m]."""
+    leaps: Array = np.abs(np.diff(np.log(c))) > FINITE_RANGE_LEAP + np.diff(np.log(a + c[0]))
+    return leaps
 
 
 def _growing(rims: Rims) -> Rims:

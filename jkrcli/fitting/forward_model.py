@@ -19,7 +19,7 @@ from typing import Any, Protocol, cast
 import numpy as np
 from scipy.interpolate import BSpline, CubicHermiteSpline, PPoly, make_interp_spline
 
-from ..adhesion.finite_range import FiniteRangeBody, RangeRequest
+from ..adhesion.finite_range import Broken, FiniteRangeBody, RangeRequest, leaps_of
 from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.slopes.choice import slopes
 from ..adhesion.slopes.result import Slopes
@@ -289,10 +289,16 @@ FAMILY_BELOW_LIMIT = 0.9  # choice: of the largest over the end of profile or cy
 # tuned on fits of tables, by `make constants`: of the radius to which the kernel is known over the largest of
 # contact; its growth
 FAMILY_REACH = 1.5
+FAMILY_BELOW = 8  # choice: radii below the smallest, evenly from 0 on: of a short range c0 is as small
+# Radii on either side of a bend of the profile, where splines end, up to a part of its own; theory: there F goes with
+# the power 3/2 of the distance
+FAMILY_BESIDE = 16  # theory: twice from one to the next
+FAMILY_NEAREST = 1e-5  # theory: of the farthest; its power 3/2 is 3e-8
+FAMILY_AROUND = 0.2  # choice: two rows beyond
 FAMILY_APART = 24  # choice: points without contact
 FAMILY_FIRST = 0.03  # theory: c of the first of them over c at first touch: P goes like its square, 1e-3
 FAMILY_DEGREE = 5  # theory: of the splines; errors fall with the power 6 of the spacing
-FAMILY_NEAR_TOUCH = 1e-4  # theory: of arcosh sqrt(c/c0): nearer the derivatives are those there, to its square
+FAMILY_NEAR_TOUCH = 1e-4  # theory: of a/c0: nearer the derivatives are those there, to its square
 FAMILY_STEP = 1e-5  # theory: of logs, for central differences: the cube root of round-off
 
 
@@ -337,7 +343,13 @@ class AttractedFamily:
         """Contact radii of all curves [m], from 0 on."""
         end = math.exp(self.plain.high)
         most = max(end, min(FAMILY_BEYOND * end, FAMILY_BELOW_LIMIT * self.body.limit))
-        return np.append(0.0, np.geomspace(self.resolution.smallest * most, most, self.resolution.radii))
+        a = np.geomspace(self.resolution.smallest * most, most, self.resolution.radii)
+        a = np.append(np.linspace(0.0, a[0], FAMILY_BELOW, endpoint=False), a)
+        steps = np.geomspace(FAMILY_NEAREST, 1, FAMILY_BESIDE)
+        for bend in (bend for bend in self.problem.indenter.bends if bend < most):
+            around = bend * (1 + FAMILY_AROUND * np.concatenate([-steps, [0.0], steps]))
+            a = np.concatenate([a[np.abs(a / bend - 1) > FAMILY_AROUND], around[around < most]])
+        return np.unique(a)
 
     def _discs(self, reach: float) -> tuple[Attraction, Discs]:
         if reach not in self._ready:
@@ -373,7 +385,9 @@ class AttractedFamily:
         refuse_narrow(rims)
         reached = np.isclose(rims.gap, gap, rtol=SAME, atol=0)  # of nanometres
         count = int(np.argmin(reached)) if not reached.all() else reached.size
-        first = 1 + int(np.max(np.flatnonzero(np.diff(rims.c[:count]) <= 0), initial=-1))
+        first, c = 0, rims.c[:count]
+        if count > 1 and leaps_of(rims.a[:count], c).any():  # the curve begins beyond, from where on c rises
+            first = 1 + int(np.max(np.flatnonzero(np.diff(c) <= 0), initial=-1))
         if count - first < 2 * (FAMILY_DEGREE + 1):  # twice as many points as a spline needs
             raise SolveError(
                 f"adhesion of finite range: with a range of {show(gap, 'length')} the surfaces attract each other "
@@ -381,11 +395,17 @@ class AttractedFamily:
                 "range"
             )
         rows, c0 = slice(first, count), float(rims.c[first])
-        v = np.arccosh(np.sqrt(rims.c[rows] / c0))
-        touching = make_interp_spline(v, np.stack([rims.a, rims.delta, rims.P], axis=1)[rows], FAMILY_DEGREE)
-        own = c0, float(v[-1]), touching, math.pi * self.problem.E_star * s / 2, gap
+        v = np.arcsinh(rims.a[rows] / c0)
+        bends = self._bends(rims.a[rows])
+        touching = Broken.through(v, np.stack([rims.a, rims.delta, rims.P], axis=1)[rows], bends)
+        own = c0, (float(v[0]), float(v[-1])), touching, math.pi * self.problem.E_star * s / 2, gap
         apart = self._apart(attraction, rims, s, gap) if first == 0 else None
-        return States(*own, apart, partial(_rate_spline, discs, rims, s, v, rows))
+        return States(*own, apart, partial(_rate_spline, discs, rims, s, v, rows, bends))
+
+    def _bends(self, a: Array) -> Array:
+        """Numbers of the contact radii ``a`` [m] at bends of the profile, where splines end."""
+        near = np.abs(a[1:-1, None] / np.array(self.problem.indenter.bends) - 1) < ROUNDED
+        return np.flatnonzero(near.any(axis=1)) + 1
 
     def _apart(self, attraction: Attraction, rims: Rims, s: float, gap: float) -> BSpline:
         """delta without contact, and its part by the tension, over log c."""
@@ -395,8 +415,8 @@ class AttractedFamily:
         return make_interp_spline(np.log(c), np.stack([delta, pulled], axis=1), FAMILY_DEGREE)
 
 
-def _rate_spline(discs: Discs, rims: Rims, s: float, v: Array, rows: slice) -> BSpline:
-    return make_interp_spline(v, _rates(discs, rims, s)[rows], FAMILY_DEGREE)
+def _rate_spline(discs: Discs, rims: Rims, s: float, v: Array, rows: slice, bends: Array) -> Broken:
+    return Broken.through(v, _rates(discs, rims, s)[rows], bends)
 
 
 def _rates(discs: Discs, rims: Rims, s: float) -> Array:
@@ -417,28 +437,37 @@ def _rates(discs: Discs, rims: Rims, s: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class States:
-    """One curve of the unscaled body: ``touching``: (a, delta, P) over v = arcosh sqrt(c/c0) up to ``end``; ``apart``:
-    delta, and its part by the tension, over log c, where P = -``pull`` c^2 [N/m^2]; None where the surfaces leap
-    together to c0. ``gap``: the range [m]; ``make_rates``: the spline of the derivatives at equal radii over v."""
+    """One curve of the unscaled body over u: log c to first touch at c0, log sqrt(c0^2 + a^2) beyond, as c may fall
+    where the contact grows.
+
+    ``touching``: (a, delta, P) over v = arsinh(a/c0), u = log(c0 cosh v), from one of the ``ends`` to the other;
+    ``apart``: delta, and its part by the tension, over log c, where P = -``pull`` c^2 [N/m^2]; None where the surfaces
+    leap together. ``gap``: the range [m]; ``make_rates``: the spline of the derivatives at equal radii over v."""
 
     c0: float
-    end: float
-    touching: BSpline
+    ends: tuple[float, float]
+    touching: Broken
     pull: float
     gap: float
     apart: BSpline | None
-    make_rates: Callable[[], BSpline]
+    make_rates: Callable[[], Broken]
 
     @cached_property
-    def _rates(self) -> BSpline:
+    def _rates(self) -> Broken:
         return self.make_rates()
+
+    @cached_property
+    def _derivatives(self) -> tuple[Broken, Broken, Broken]:
+        """``touching`` and its first and second derivatives."""
+        first = self.touching.derivative()
+        return self.touching, first, first.derivative()
 
     def _places(self, u: Array) -> tuple[Array, Array, Array, Array]:
         """Which u lie in contact; u up to the end, u without contact, and v."""
-        start = math.log(self.c0)
-        inside = np.minimum(u, start + 2 * math.log(math.cosh(self.end)))
-        inside = inside if self.apart is not None else np.maximum(inside, start)
-        v = np.minimum(np.arccosh(np.exp(np.maximum(inside - start, 0.0) / 2)), self.end)
+        start, (first, last) = math.log(self.c0), self.ends
+        inside = np.minimum(u, start + math.log(math.cosh(last)))
+        inside = inside if self.apart is not None else np.maximum(inside, start + math.log(math.cosh(first)))
+        v = np.clip(np.arccosh(np.exp(np.maximum(inside - start, 0.0))), first, last)
         touching = (inside > start) | (self.apart is None)
         return touching, inside, np.clip(inside, start + math.log(FAMILY_FIRST), start), v
 
@@ -446,25 +475,31 @@ class States:
         """Derivatives of (a, delta, P) at equal u by the logs of tension and range, (3, n) each."""
         touching, _, free, v = self._places(u)
         first = self.along(u)[1]
-        columns = np.moveaxis(self._rates(v), -1, 0)
+        columns, at_touch = (
+            np.moveaxis(self._rates(v), -1, 0),
+            self._rates(np.array(self.ends[:1])) / np.cosh(v)[:, None] ** 2,
+        )
         pulled = np.zeros_like(u) if self.apart is None else self.apart(free)[..., 1]
         zero, P = np.zeros_like(u), -self.pull * np.exp(2 * free)
         outside = np.stack([zero, pulled, P]), np.stack([zero, np.full_like(u, -self.gap), zero])
-        inside = ((np.stack([zero, delta, load]) - first * log_c) for log_c, delta, load in (columns[:3], columns[3:]))
+        inside = (
+            np.stack([zero, delta, load]) - first * moved  # of u at equal a: log c0 moves
+            for moved, (_, delta, load) in ((at_touch[:, 0], columns[:3]), (at_touch[:, 3], columns[3:]))
+        )
         by_tension, by_range = (np.where(touching, a, b) for a, b in zip(inside, outside, strict=True))
         return by_tension, by_range
 
     def along(self, u: Array) -> tuple[Array, Array, Array]:
-        """(a, delta, P) and their first and second derivatives by u = log c, (3, n); straight lines beyond the end."""
+        """(a, delta, P) and their first and second derivatives by u, (3, n); straight lines beyond the end."""
         touching, inside, free, v = self._places(u)
         parts = zip(self._free(free), self._in_contact(np.maximum(v, FAMILY_NEAR_TOUCH)), strict=True)
         value, first, second = (np.where(touching, b, a) for a, b in parts)
         return value + first * (u - inside), first, np.where(u == inside, second, 0.0)
 
     def _in_contact(self, v: Array) -> tuple[Array, Array, Array]:
-        value, first, second = (np.moveaxis(self.touching(v, order), -1, 0) for order in range(3))
-        rate = 1 / (2 * np.tanh(v))
-        return value, first * rate, second * rate**2 - first * rate / (2 * np.sinh(v) ** 2)
+        value, first, second = (np.moveaxis(spline(v), -1, 0) for spline in self._derivatives)
+        rate = 1 / np.tanh(v)
+        return value, first * rate, second * rate**2 - first * rate / np.sinh(v) ** 2
 
     def _free(self, u: Array) -> tuple[Array, Array, Array]:
         zero, P = np.zeros_like(u), -self.pull * np.exp(2 * u)
@@ -474,8 +509,8 @@ class States:
 
 @dataclass(frozen=True, eq=False)
 class AttractedMember:
-    """The curve for one modulus factor, w [J/m^2] and law: s = 2 sigma/(E* modulus) up to ``length`` [m], over u = log
-    c; ``by_range``: whether the range stands for the law, else its tension."""
+    """The curve for one modulus factor, w [J/m^2] and law: s = 2 sigma/(E* modulus) up to ``length`` [m], over the u of
+    its ``states``; ``by_range``: whether the range stands for the law, else its tension."""
 
     family: AttractedFamily
     modulus: float
@@ -487,7 +522,7 @@ class AttractedMember:
 
     def refuse_beyond(self, a: float) -> None:
         """Refusal where the curve ends before the contact radius ``a`` [m]: beyond it attraction leaves the body."""
-        if a > float(self.states.touching(self.states.end)[0]) * (1 + SAME):
+        if a > float(self.states.touching(np.array(self.states.ends[1:]))[0, 0]) * (1 + SAME):
             raise Refusal(
                 f"adhesion of finite range: around a contact of a = {show(a, 'length')} the surfaces attract each "
                 f"other beyond {show(self.family.body.limit, 'length')}, where profile or side end, at a range of "
@@ -495,9 +530,8 @@ class AttractedMember:
             )
 
     def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
-        start = math.log(self.states.c0)
-        first = start if self.states.apart is None else start + math.log(FAMILY_FIRST)
-        return first, start + 2 * math.log(math.cosh(self.states.end))
+        start, (first, last) = math.log(self.states.c0), (math.log(math.cosh(v)) for v in self.states.ends)
+        return start + (first if self.states.apart is None else math.log(FAMILY_FIRST)), start + last
 
     def along(self, u: Array) -> tuple[Array, Array, Array]:
         value, first, second = (np.stack([a, delta, self.modulus * P]) for a, delta, P in self.states.along(u))

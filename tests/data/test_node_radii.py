@@ -10,7 +10,7 @@ import pytest
 from node_series import BODIES, LENGTH, MODULUS, NodeBody, NodeSeries, compliance, many, node_series
 
 from jkrcli.adhesion.slopes.node_radii import node_radii
-from jkrcli.base.errors import Unknown
+from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
@@ -222,9 +222,14 @@ def test_what_is_left_of_the_edge_is_scatter_beside_the_body_and_a_range_alone(t
 @pytest.mark.slow
 @pytest.mark.parametrize("rule", ["auto", "loocv", "gcv"])
 def test_sixty_series_are_held_by_every_rule(rule: str, tmp_path: Path) -> None:
-    compare = rule == "auto"
-    errors = np.array([judged(given, read(given, tmp_path, compare), rule=rule) for given in many(60, seed=77)])
-    errors = errors[np.isfinite(errors[:, 1])]
+    found = []
+    for given in many(60, seed=77):
+        try:
+            found.append(judged(given, read(given, tmp_path, rule == "auto"), rule=rule))
+        except InputError:  # S' by a smoothing spline is not positive in one or two of them
+            continue
+    errors = np.array([pair for pair in found if np.isfinite(pair[1])])
+    assert len(errors) >= 55
     assert np.mean(np.abs(errors[:, 0]) <= errors[:, 1]) >= 0.85
     assert np.median(errors[:, 1] / np.abs(errors[:, 0])) <= 6
 

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from jkrcli.adhesion.curve import CONTROLS, CriticalPoint, resolved
+from jkrcli.adhesion.curve import CONTROLS, CriticalPoint, mask_below_atomic_spacing
 from jkrcli.adhesion.pull_off_error import Errors
 from jkrcli.base.errors import JkrError, Unknown
 from jkrcli.base.executors import completed
@@ -267,7 +267,7 @@ def _points(solution: Solution, rng: np.random.Generator) -> list[Judged]:
     first = analyse(solution, [work_within(series, float(rng.uniform(*PLACES)))])[0]
     result, found = with_solved_points(first, spring), []
     for control, stiffness in {**CONTROLS, "spring": spring}.items():
-        point = resolved(result.curve.pull_off(stiffness), result.curve, stiffness, 0.0)
+        point = mask_below_atomic_spacing(result.curve.pull_off(stiffness), result.curve, stiffness, 0.0)
         if isinstance(point, CriticalPoint):
             stated = error_of_point(result.curve, point, stiffness)
             if not isinstance(stated, Unknown):

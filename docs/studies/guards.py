@@ -33,7 +33,7 @@ from jkrcli.cli.inputs import (
     TABLE_REFIT_PER_ROW,
     TABLE_WORK_PER_ROW,
 )
-from jkrcli.data.afm_formats import rows_expected
+from jkrcli.data.afm_formats import estimate_rows
 from jkrcli.data.measured import each
 from jkrcli.many.maps import map_of
 from jkrcli.many.sweep.plan import load_plan
@@ -183,7 +183,7 @@ def table(rows: int, decimal: str = ".") -> Path:
 
 def rows_of_table(rows: int, decimal: str = ".") -> Pair:
     path = table(rows, decimal)
-    return TABLE_PER_ROW * rows_expected(path), lambda: list(each(path))
+    return TABLE_PER_ROW * estimate_rows(path), lambda: list(each(path))
 
 
 def rows_of_table_with_commas(rows: int) -> Pair:
@@ -196,13 +196,13 @@ def columns_of_table(count: int) -> Pair:
     rows = (",".join([f"{i % 97:07d}"] * count) for i in range(4_000_000 // count))
     path = Path(f"wide{count}.csv")
     path.write_text("\n".join([names, *rows]))
-    return TABLE_PER_ROW * rows_expected(path), lambda: list(each(path))
+    return TABLE_PER_ROW * estimate_rows(path), lambda: list(each(path))
 
 
 def rows_of_compared_curves(rows: int) -> Pair:
     a, path = np.linspace(1e-6, 1e-4, rows), Path("curve.csv")
     write_csv(path, {"a_m": a, "delta_m": a**2 / 1e-3, "P_N": 1e9 * a**3})
-    return TABLE_PER_ROW * 2 * rows_expected(path), lambda: jkr(["compare", str(path), str(path)])
+    return TABLE_PER_ROW * 2 * estimate_rows(path), lambda: jkr(["compare", str(path), str(path)])
 
 
 def files_shown(count: int) -> Pair:
@@ -249,14 +249,14 @@ def radii_of_sweep(count: int) -> Pair:
 def rows_of_fit(rows: int) -> Pair:
     Path("s.toml").write_text(text("closed-form", HALF_SPACE))
     path = table(rows)
-    seconds = (TABLE_PER_ROW + TABLE_FIT_PER_ROW) * rows_expected(path)
+    seconds = (TABLE_PER_ROW + TABLE_FIT_PER_ROW) * estimate_rows(path)
     return seconds, lambda: jkr(["fit", "s.toml", str(path), "--no-plots", "-q", "--force"])
 
 
 def rows_of_work(rows: int) -> Pair:
     Path("s.toml").write_text(text("closed-form", HALF_SPACE))
     path = table(rows)
-    seconds = (TABLE_PER_ROW + TABLE_WORK_PER_ROW) * rows_expected(path)
+    seconds = (TABLE_PER_ROW + TABLE_WORK_PER_ROW) * estimate_rows(path)
     return seconds, lambda: jkr(["work", "s.toml", str(path), "--no-plots", "-q", "--force"])
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from jkrcli.adhesion.curve import CONTROLS, AdhesiveCurve, CriticalPoint
 from jkrcli.adhesion.interpolation import Nonadhesive
-from jkrcli.adhesion.pull_off_error import point_error
+from jkrcli.adhesion.pull_off_error import pull_off_error
 from jkrcli.base.errors import JkrError, Unknown
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.problem import Loading
@@ -76,7 +76,7 @@ def _points(number: int, ours: Nonadhesive, reference: Series) -> Iterator[Bound
             point, truth = curve.pull_off(stiffness), exact.pull_off(stiffness)
             if not isinstance(point, CriticalPoint) or not isinstance(truth, CriticalPoint):
                 continue
-            stated, unsure = point_error(curve, point, stiffness), exact.interpolation_at(np.array(truth.a))
+            stated, unsure = pull_off_error(curve, point, stiffness), exact.interpolation_at(np.array(truth.a))
             away = abs(math.log((point.a - reference.a0) / (truth.a - reference.a0)))
             if isinstance(stated, Unknown) or isinstance(unsure, Unknown) or away > math.log(POINT_APART):
                 continue

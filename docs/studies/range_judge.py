@@ -12,7 +12,7 @@ from jkrcli.adhesion.curve import CONTROLS, CriticalPoint, position
 from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve, Range
 from jkrcli.base.errors import JkrError
 from jkrcli.base.numerics import Array
-from jkrcli.bodies.problem import Problem, unbounded
+from jkrcli.bodies.problem import Problem, without_side_walls
 from jkrcli.formulas import shift
 from jkrcli.methods.finite_range import AttractedBody
 from jkrcli.methods.hybrid.kernel import AdaptiveKernel
@@ -69,7 +69,7 @@ def _finer(problem: Problem, curve: FiniteRangeCurve) -> Finer:
     """The body on panels half as wide, with twice the nodes in k; a cylinder with a kernel of finer elements."""
     reach = min(BEYOND * float(curve.touching.c.max()), AttractedBody(problem).limit)
     if problem.specimen.radius is None:
-        wide = unbounded(problem)
+        wide = without_side_walls(problem)
         contact = LayeredContact(wide.indenter, wide.specimen)
         panels = contact.attraction(reach, ACCURACY).basis.panels
         half = Quadrature(panels.order, float(np.diff(panels.edges).max()) / 2, 0)

@@ -32,7 +32,7 @@ from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting import force_curve, verdict
 from jkrcli.fitting.alternative_tests import RecordRivals, relative_errors
-from jkrcli.fitting.alternatives import AMOUNT, RIVALS, Change, FittedRecord, RivalModel
+from jkrcli.fitting.alternatives import AMOUNT, RIVALS, FittedRecord, Perturbation, RivalModel
 from jkrcli.fitting.forward_model import FittedBody
 from jkrcli.fitting.procedure import fit
 from jkrcli.fitting.result import Fit
@@ -174,7 +174,7 @@ def _add_ratios(name: str, ratios: dict[str, list[float]]) -> None:
     if score is None or rivals.named or score.most == 0:
         return
     change = next(one for one in RIVALS if one.name == name).effect(at)
-    assert isinstance(change, Change)
+    assert isinstance(change, Perturbation)
     upward = np.linspace(0.4, 1, 4) * score.most  # E* moves most at a range below that which moves w most
     moves = []
     for amount in (*upward, *-upward[upward * score.least < 0]):

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 import jkrcli as jkr
-from jkrcli.adhesion.stability import behaviour
+from jkrcli.adhesion.stability import stability_under
 
 HERE = Path(__file__).parent
 HAYES = "Hayes, Keer, Herrmann and Mockros, J. Biomech. 5 (1972) 541, digits beyond theirs by two programs"
@@ -109,7 +109,7 @@ def classical() -> Iterator[Row]:
         yield Row(f"pull-off force / π w R, load control, {name}", -force, 1.5, JKR, 1e-12)
         yield Row(f"the same, displacement control, {name}", -rigid, 5 / 6, MAUGIS, 1e-11)
         E_star = E / (1 - 0.3**2)
-        soft, stiff = behaviour(curve.curve, 0.0), behaviour(curve.curve, math.inf)
+        soft, stiff = stability_under(curve.curve, 0.0), stability_under(curve.curve, math.inf)
         zero = 6 * math.pi * w * R**2 * 3 / (4 * E_star)
         yield Row(f"a³ at P = 0 / (9 π w R²/2 E*), {name}", soft.jump_in.a**3 / zero, 1.0, JKR, 1e-12)
         contact = math.pi * w * R**2 * 2 / E_star

@@ -638,7 +638,7 @@ SHARP_PRESSURE = 0.1  # theory: of E*, the order of the ideal strength; hardness
 SHARP_STIFF = 1e8  # choice: Pa; gels and rubbers below it stretch instead of flowing
 
 
-def resolved(
+def mask_below_atomic_spacing(
     point: CriticalPoint | Unknown, curve: EquilibriumCurve, stiffness: float, z0: float
 ) -> CriticalPoint | Unknown:
     """A pull-off point under a device of ``stiffness`` [N/m], or Unknown where it lies at a radius below ``z0`` [m]."""
@@ -657,7 +657,7 @@ def resolved(
     )
 
 
-def yielding(problem: Problem, curve: EquilibriumCurve) -> list[str]:
+def yield_warning(problem: Problem, curve: EquilibriumCurve) -> list[str]:
     """A warning where the mean pressure at the largest radius is one at which stiff bodies yield; confined layers,
     whose pressure is hydrostatic, and gels are left out."""
     a, P = float(curve.series.a[-1]), float(curve.series.P[-1])

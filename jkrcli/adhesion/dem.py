@@ -11,7 +11,7 @@ import numpy as np
 from ..base.errors import InputError, Unknown
 from ..base.numerics import MOST_SOLVES, Array, zeros_between
 from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, CriticalPoint, Equilibrium, EquilibriumCurve
-from .stability import behaviour
+from .stability import stability_under
 
 # How finely the law is tabulated.
 DEM_FEWEST = 65  # tuned on contact laws, by `make constants`: rows to begin with, doubled until the law is met
@@ -42,7 +42,7 @@ class DemLaw:
     @classmethod
     def of(cls, curve: EquilibriumCurve) -> DemLaw:
         """The law of an adhesive curve; InputError where it is none of one branch."""
-        stiff, soft = (behaviour(curve, stiffness) for stiffness in (DISPLACEMENT_CONTROL, LOAD_CONTROL))
+        stiff, soft = (stability_under(curve, stiffness) for stiffness in (DISPLACEMENT_CONTROL, LOAD_CONTROL))
         if isinstance(stiff.pull_off, Unknown):
             raise InputError(f"tear-off under displacement control is needed: {stiff.pull_off}")
         if stiff.partial:

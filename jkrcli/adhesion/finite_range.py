@@ -26,7 +26,7 @@ from ..methods.protocol import METHODS
 from ..series import Record, Series, Solution
 from .curve import CONTROLS, CURVE_SAMPLES, CriticalPoint, Equilibrium, EquilibriumCurve, controlled, position
 from .interpolation import Nonadhesive, Parts
-from .pull_off_error import FEWER_POINTS_NEAREST, error_by_points
+from .pull_off_error import FEWER_POINTS_NEAREST, decimation_error
 from .slopes.result import Slopes
 
 TYPE_CHECKING = False
@@ -717,7 +717,7 @@ class FiniteRangeBody:
         def columns(a: Array) -> list[Array]:
             return [_columns(body.states(a, curve.around(a))) for body in bodies]
 
-        return {k: error_by_points(indenter, columns, point, k, end) for k, point in points if point.a > 0}
+        return {k: decimation_error(indenter, columns, point, k, end) for k, point in points if point.a > 0}
 
 
 def _columns(rims: Rims) -> Array:

@@ -37,7 +37,7 @@ from .curve import (
     position,
 )
 from .interpolation import Nonadhesive
-from .pull_off_error import Errors, gradients_at, point_error
+from .pull_off_error import Errors, gradients_at, pull_off_error
 from .slopes.result import Slopes
 
 FAST, SLOW, FROM_REST, AT_MOST = "very fast", "very slow", "from rest", "at most"
@@ -269,7 +269,7 @@ def history_error(
     """90 % half-widths of "delta" [m] and "P" [N] at the pull-off ``point`` of a ``history`` under a device of
     ``stiffness`` [N/m]."""
     if isinstance(curve, AdhesiveCurve):
-        return point_error(curve, point, stiffness)
+        return pull_off_error(curve, point, stiffness)
     assert history.rest is not None
     moved = _of_rest(history, unit, curve)
     if isinstance(moved, Unknown):
@@ -277,7 +277,7 @@ def history_error(
     at_rest, of_dent = moved
     if point.a >= curve.rest.a * (1 - SAME):
         return at_rest
-    inside = point_error(curve.whole, replace(point, delta=point.delta - curve.onset), stiffness)
+    inside = pull_off_error(curve.whole, replace(point, delta=point.delta - curve.onset), stiffness)
     return inside if isinstance(inside, Unknown) else {"delta": inside["delta"] + of_dent, "P": inside["P"]}
 
 

@@ -93,7 +93,7 @@ def _rising(x: Array, y: Array, slopes: Array) -> Array:
     return np.where(most > 0, np.minimum(slopes, most), slopes)
 
 
-def between(rows: Rows) -> Logs:
+def energy_consistent_interpolant(rows: Rows) -> Logs:
     """The functions between the ``rows``; those through the rows alone where the columns contradict each other so much
     that delta_H or S would have to fall in between, or S' is not the derivative of S."""
     plain = rows.logs
@@ -167,7 +167,8 @@ class Nonadhesive:
     """The w-free functions delta_H, P_H, S, S' and shift t of a series: all that its adhesive curves are made of.
 
     delta_H and P_H are those of the slopes' own fit where it has them. Between the points they belong to one energy
-    (``between``). delta_H and P_H vanish at the first contact radius a0: their logs are taken over log(a - a0).
+    (``energy_consistent_interpolant``). delta_H and P_H vanish at the first contact radius a0: their logs are taken over
+    log(a - a0).
     Refused where S or S' is not positive. ``log_rates``: slopes (n, 2) of log delta_H and of log S' over the same
     logarithms where they are known, NaN elsewhere. ``further``: the functions at more radii, among those of the series,
     which what lies between passes through too. ``together``: whether what lies between belongs to one energy, or each
@@ -364,7 +365,7 @@ class Nonadhesive:
         if len(self.series) < 2:
             raise InputError("adhesive curve: a series of one point has no values between points")
         rows = Rows(self.a, self.series.a0, *self.points[:4], self._known_rates, self.bends, self.slopes.derived)
-        return between(rows) if self.together else rows.logs
+        return energy_consistent_interpolant(rows) if self.together else rows.logs
 
 
 def _at(columns: Series | Slopes, rows: Array) -> dict[str, Any]:

@@ -66,7 +66,7 @@ NEARBY = tuple((1.35 ** (3 * np.linspace(-1, 1, 7))).tolist())
 Errors = Mapping[str, float]
 
 
-def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
+def pull_off_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
     """90 % half-widths of "delta" [m] and "P" [N] at the lowest ``point`` under control by a device of ``stiffness``
     [N/m] (0: load, inf: displacement), or why they are unknown."""
     if curve.w == 0:
@@ -393,7 +393,7 @@ FEWER_POINTS_FARTHEST = 1.5  # and the factor by which at most; choice: the cont
 FEWER_POINTS_BEND = 2  # on either side, through which the bend is that of a parabola; choice: with room for rounding
 
 
-def error_by_points(
+def decimation_error(
     indenter: Indenter, columns: Callable[[Array], list[Array]], point: Equilibrium, stiffness: float, end: float
 ) -> Array:
     """Half-widths (2,) of delta [m] and P [N] at a critical ``point`` under a device of ``stiffness`` [N/m].

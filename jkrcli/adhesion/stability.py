@@ -123,7 +123,7 @@ def _no_energy(retraction: Path) -> Unknown | None:
 
 
 @dataclass(frozen=True, eq=False)
-class Behaviour:
+class Stability:
     """What an adhesive curve means under one control: all that is read off it for a device of ``stiffness`` [N/m].
 
     ``critical``: all points of the series where the controlled quantity is stationary. ``pull_off``: where contact is
@@ -149,18 +149,18 @@ class Behaviour:
         return control(self.stiffness)
 
 
-def behaviours(curve: EquilibriumCurve, devices: Sequence[float]) -> list[Behaviour]:
+def behaviours(curve: EquilibriumCurve, devices: Sequence[float]) -> list[Stability]:
     """The behaviour of ``curve`` under each of the ``devices`` of a stiffness [N/m]."""
     if curve.w > 0:
         curve.find_critical(devices)
         curve.find_radii_at([(float(position(curve.onset, 0.0, stiffness)), stiffness) for stiffness in devices])
-    return [behaviour(curve, stiffness) for stiffness in devices]
+    return [stability_under(curve, stiffness) for stiffness in devices]
 
 
-def behaviour(curve: EquilibriumCurve, stiffness: float) -> Behaviour:
+def stability_under(curve: EquilibriumCurve, stiffness: float) -> Stability:
     """The behaviour of ``curve`` under a device of ``stiffness`` [N/m] (0: load control, infinite: displacement)."""
     if curve.w == 0:
-        return Behaviour(stiffness, (), NO_ADHESION, NO_ADHESION, (), NO_ADHESION, NO_ADHESION)
+        return Stability(stiffness, (), NO_ADHESION, NO_ADHESION, (), NO_ADHESION, NO_ADHESION)
     critical, pull_off = curve.critical(stiffness), curve.pull_off(stiffness)
     start, whole = largest_stable(curve, stiffness), cycle(curve, curve, stiffness)
     if isinstance(whole, Cycle) and whole.turn == start:
@@ -176,7 +176,7 @@ def behaviour(curve: EquilibriumCurve, stiffness: float) -> Behaviour:
     if isinstance(pull_off, Unknown) and stiffness != LOAD_CONTROL:
         energies = (pull_off, pull_off)
     between = tuple(jump for jump in partial if jump.end is not None)
-    return Behaviour(stiffness, critical, pull_off, jump_in, between, *energies, curve.onset, whole, retraction)
+    return Stability(stiffness, critical, pull_off, jump_in, between, *energies, curve.onset, whole, retraction)
 
 
 def cycle(

@@ -345,7 +345,7 @@ def changed(problem: Problem, values: Mapping[str, float]) -> Problem:
     return replace(problem, specimen=replace(specimen, layers=tuple(parts[:-1]), base=parts[-1]))
 
 
-def unbounded(problem: Problem) -> Problem:
+def without_side_walls(problem: Problem) -> Problem:
     """The same problem without the sides of the specimen."""
     return replace(problem, specimen=replace(problem.specimen, radius=None, side=None))
 

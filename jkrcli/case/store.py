@@ -22,10 +22,10 @@ from ..base.numerics import MOST_CELLS, Array
 from ..base.process import one_thread
 from ..base.units import LARGEST_SI
 from ..bodies.problem import Problem
-from ..methods.protocol import Choice, Limits, Method, admit, choose_method, long_look, method_class
+from ..methods.protocol import Choice, Limits, Method, check_cost, choose_method, long_look, method_class
 from ..series import (
     COLUMNS,
-    Coarser,
+    CoarseSeries,
     ErrorBudget,
     KeptKernel,
     PressureTable,
@@ -289,7 +289,7 @@ class _Reader:
         except InputError as error:
             raise InputError(f"{self.path}: {TOUCHES}: {error}") from None
 
-    def coarser(self, a0: float, groups: Sequence[str] = COARSER) -> Coarser | None:
+    def coarser(self, a0: float, groups: Sequence[str] = COARSER) -> CoarseSeries | None:
         """The series by larger elements, where there is one; with those by still larger ones, in later ``groups``."""
         if not groups or groups[0] not in self.root.members:
             return None
@@ -298,7 +298,7 @@ class _Reader:
         ratio = _real(self.group(name).attributes.get("ratio"))
         if not 1 < ratio < math.inf:
             raise InputError(f"{name}: attribute ratio must be > 1, got {ratio:g}")
-        return Coarser(Series(**columns, a0=a0, coarser=self.coarser(a0, larger)), ratio)
+        return CoarseSeries(Series(**columns, a0=a0, coarser=self.coarser(a0, larger)), ratio)
 
     def budget(self) -> ErrorBudget:
         attributes = self.group("errors").attributes
@@ -442,7 +442,7 @@ def solve(
     choice: Choice | None = choose_method(problem, method or named, build)
     while True:
         assert choice is not None
-        cost = admit(f"method {choice.name}", choice.forecast(problem), limits or Limits())
+        cost = check_cost(f"method {choice.name}", choice.forecast(problem), limits or Limits())
         if cost and announce:
             announce(cost)
         try:

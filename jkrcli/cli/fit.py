@@ -21,7 +21,7 @@ from ..bodies.materials import RELAXATIONS
 from ..data import measured
 from ..data.curve import Curve, Reading
 from ..data.measured import usable
-from ..data.segmentation import examine
+from ..data.segmentation import segment_force_curve
 from ..fitting.forward_model import FittedBody
 from ..fitting.joint import joint_fit, shared_of, with_radii
 from ..fitting.parameters import ALIAS
@@ -77,7 +77,7 @@ def typed_options() -> dict[str, Any]:
     return {name: context.params[name] for name in names}
 
 
-def refuse_idle(kind: str, options: Mapping[str, Any]) -> None:
+def check_unused_options(kind: str, options: Mapping[str, Any]) -> None:
     """InputError where one of the ``options`` that were given has no effect on this ``kind`` of fit."""
     idle = [name for name in options if kind not in EFFECT.get(name, (kind,))]
     if options.get("confidence") != "bootstrap":
@@ -306,7 +306,7 @@ def _draw(drawn: Pictures) -> None:
             target.write(figure=fit_figure(item))
             continue
         with contextlib.suppress(InputError):
-            target.write(figure=record_figure([examine(item.curve)]))
+            target.write(figure=record_figure([segment_force_curve(item.curve)]))
 
 
 SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}
@@ -411,7 +411,7 @@ def fit(
     kinds = {RELAXATION: values["relaxation"], LAW: values["law"], SHARED: values["shared"]}
     typed, kind = typed_options(), next((kind for kind, value in kinds.items() if value), EACH)
     if kind != EACH:
-        refuse_idle(kind, typed)
+        check_unused_options(kind, typed)
     # What is written, but for pictures of curves, whose names are known when they are read.
     timed = kind != EACH
     endings = (".csv", ".json", *PICTURES) if timed else (".csv", ".json", ".h5")
@@ -432,7 +432,7 @@ def fit(
     request = FitRequest(fitted, paths, reading, [*_flat(values["free"]), *own], values, targets, words, output, inputs)
     if kind in (EACH, SHARED):
         kind = TENSION if has_tension(request) else kind
-        refuse_idle(kind, typed)
+        check_unused_options(kind, typed)
         request = replace(request, reading=replace(reading, contact="as-is"))  # the fit finds zeros with the rest
     if kind == RELAXATION:
         fit_relaxation(request)

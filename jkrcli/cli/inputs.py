@@ -383,9 +383,9 @@ def begin_reading(
 ) -> None:  # fmt: skip
     """Say what it takes to read measured files, and to do what a ``verb`` does with each row and file [CPU s], where
     that is much; Refusal beyond the ``limits``, with the advice to ask for ``less``."""
-    from ..data.afm_formats import rows_expected
+    from ..data.afm_formats import estimate_rows
 
-    rows = sum(map(rows_expected, paths))
+    rows = sum(map(estimate_rows, paths))
     seconds = (TABLE_PER_ROW + per_row) * rows + per_file * len(paths)
     cost = Forecast(seconds, (TABLE_MIB_PER_ROW + mib_per_row) * rows, 0.0)
     options.begin(f"{verb} of about {float(f'{rows:.1g}'):,.0f} rows", cost, limits, less)

@@ -16,7 +16,7 @@ from ..adhesion.finite_range import RangeRequest
 from ..adhesion.slopes import RULES
 from ..base.errors import InputError
 from ..base.units import LARGEST_SI, doubtful_work, parse
-from ..methods.protocol import LESS, Forecast, Limits, admit
+from ..methods.protocol import LESS, Forecast, Limits, check_cost
 from ..report.result import Output
 from ..series import Solution
 from .output import forewarn, warn
@@ -228,7 +228,7 @@ limits_options = as_one(
 def begin(what: str, cost: Forecast, limits: Limits = ANY, less: str = LESS) -> None:
     """Say what ``what`` will cost, where that is much; Refusal beyond the ``limits``, with the advice to ask for
     ``less``."""
-    if words := admit(what, cost, limits, less):
+    if words := check_cost(what, cost, limits, less):
         forewarn(words, cost.seconds)
 
 

@@ -627,7 +627,7 @@ WIDE = 160.0  # bytes, from which on a row costs by its length; tuned on tables 
 USUAL = 40.0  # choice: bytes of a row of files without lines, those of microscopes
 
 
-def rows_expected(path: Path) -> float:
+def estimate_rows(path: Path) -> float:
     """About how many rows the file at ``path`` holds, more of wide ones, which take as long.
 
     0 where it cannot be read, which its reader says, and of pipes, which would be waited for.

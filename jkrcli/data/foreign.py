@@ -17,7 +17,7 @@ from ..bodies.indenters import Indenter, Sphere
 from ..bodies.problem import Loading, Problem
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus, is_series
 from ..tables import TextTable, read_table, some, split_name, unit_power
-from .tables import check_chosen, is_noise, near_first_touch, vocabulary, with_units
+from .tables import check_chosen, is_within_noise, near_first_touch, vocabulary, with_units
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
 
     InputError names lines and columns.
     """
-    from ..resolve.consistency_check import departures
+    from ..resolve.consistency_check import check_against_solution
     from ..resolve.node_radii import compared
 
     indenter = problem.indenter
@@ -85,7 +85,7 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     size = "a" if "a" in values else "area"
     touching = values[size] > 0
     wrong = _wrong(path, values, lines, touching)
-    noisy = bool(wrong) and is_noise(*(values[name][touching] for name in (size, "delta", "P")))
+    noisy = bool(wrong) and is_within_noise(*(values[name][touching] for name in (size, "delta", "P")))
     if wrong and not noisy:
         raise InputError(wrong)
     if "area" in values:
@@ -110,7 +110,7 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
         facts=_facts(table, chosen, reading, dropped)
         | {"order": "by the fit" if noisy else "of the rows"}
         | _beside(beside),
-        warnings=(*doubts, *unit_flags, *table.left_out, *words, *(() if doubts else departures(beside))),
+        warnings=(*doubts, *unit_flags, *table.left_out, *words, *(() if doubts else check_against_solution(beside))),
     )
 
 

@@ -200,7 +200,7 @@ class ForceCurve:
         return next((item for item in self.directions if item.segment.kind == kind), None)
 
 
-def examine(curve: Curve) -> ForceCurve:
+def segment_force_curve(curve: Curve) -> ForceCurve:
     """The parts of a measured curve; InputError where it holds no displacement and load, or too few rows."""
     if curve.delta is None or curve.P is None:
         left_out = [f"{curve.where}: {flag}" for flag in curve.flags if NO_UNIT in flag]
@@ -674,7 +674,7 @@ def with_zero_points(curve: Curve) -> Curve:
 
 def _approach(curve: Curve) -> Direction:
     """The approach of a curve; InputError where it shows no zero points."""
-    side = examine(curve).direction(APPROACH)
+    side = segment_force_curve(curve).direction(APPROACH)
     if side is None:
         segments = f" (segments: {', '.join(curve.segments())})" if curve.segment is not None else ""
         raise InputError(f"{curve.where}: has no approach{segments}: zero points cannot be estimated")

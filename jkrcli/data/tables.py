@@ -183,7 +183,7 @@ WINDOW = round(1 / NOISY_ROWS_HIDDEN)  # rows among which outliers alone hide on
 DENSE = 2 / WINDOW  # share of hidden rows near first touch, two of a window; noise of the load alone leaves 0.3
 
 
-def is_noise(size: Array, delta: Array, P: Array) -> bool:
+def is_within_noise(size: Array, delta: Array, P: Array) -> bool:
     """Whether rows in contact rise on the whole, so that falls of radius (or area), displacement, load are noise.
 
     Rows that are unloading at the end, repeat a displacement only, or stand in another order are no noise.

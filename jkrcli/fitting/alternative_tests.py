@@ -28,9 +28,9 @@ from .alternatives import (
     RANGE,
     RIVALS,
     TENSION,
-    Change,
+    AlternativeModel,
     FittedRecord,
-    Rival,
+    Perturbation,
     RivalModel,
     amount_of_range,
     amount_of_tension,
@@ -207,7 +207,7 @@ class _Evidence:
     misfit: float
 
 
-def _score(record: FittedRecord, rival: Rival, by: _Evidence, rates: tuple[float, float]) -> Score:
+def _score(record: FittedRecord, rival: AlternativeModel, by: _Evidence, rates: tuple[float, float]) -> Score:
     """The score of a rival that moves the logs of E* and w at these ``rates`` per amount."""
     most, quantile, (low, high) = rival.likely_in(record), record.known.quantile, rival.limits
     labels, likely = (rival.name, rival.family, rival.amount, rival.of_directions), (max(low, -most), most)
@@ -453,7 +453,7 @@ class RivalFit:
 
 
 @np.errstate(all="ignore")
-def bounded(record: FittedRecord, rivals: RecordRivals) -> RecordRivals:
+def profile_bounds(record: FittedRecord, rivals: RecordRivals) -> RecordRivals:
     """The rivals, of which those that are likely before the data move E* and w by what a fit with as much of them as
     is possible does: one step trusts no row next to a fold. ``record``: the fit without."""
     if rivals.named:
@@ -465,7 +465,7 @@ def bounded(record: FittedRecord, rivals: RecordRivals) -> RecordRivals:
 
 def _bounded(record: FittedRecord, score: Score) -> Score:
     change = _effect(record, score) if score.most > 0 or score.name in (RANGE.name, TENSION.name) else None
-    if not isinstance(change, Change):
+    if not isinstance(change, Perturbation):
         return score
     if score.name not in (RANGE.name, TENSION.name):
         return _at_most(Linearised.of(record), change, score)
@@ -480,11 +480,11 @@ def _with_alike(best: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
     return (best, *(one for one in others if limits[one.name][0] <= one.amount <= limits[one.name][1]))
 
 
-def _effect(record: FittedRecord, score: Score) -> Change | Array | None:
+def _effect(record: FittedRecord, score: Score) -> Perturbation | Array | None:
     return next(rival for rival in RIVALS if rival.name == score.name).effect(record)
 
 
-def _at_most(near: Linearised, change: Change, score: Score) -> Score:
+def _at_most(near: Linearised, change: Perturbation, score: Score) -> Score:
     """The score with the moves at the largest amount that is possible."""
     end = _followed(near, _with_amount(near.record, change, score.most))
     E, w = (math.nan, math.nan) if end is None else _moves(near, end[1])
@@ -498,7 +498,7 @@ class _Amounts:
     do not settle; ``ends``: the unknowns of those that are left."""
 
     near: Linearised
-    change: Change
+    change: Perturbation
     moves: dict[float, Moves | None] = field(default_factory=dict)
     ends: dict[float, Array] = field(default_factory=dict)
 
@@ -616,7 +616,7 @@ def _moving(score: Score, amount: float, moves: Sequence[float]) -> Score:
     return replace(score, amount=0.0, error=math.inf, known=amount, E_star=E, w=w, word=word)
 
 
-def _with_amount(record: FittedRecord, change: Change, amount: float) -> RivalModel:
+def _with_amount(record: FittedRecord, change: Perturbation, amount: float) -> RivalModel:
     """The model with an amount of a change that is known."""
     return replace(RivalModel.of(record.model, change), known={**record.model.known, AMOUNT: amount})
 
@@ -645,13 +645,13 @@ def _followed(
 
 
 @np.errstate(all="ignore")
-def fitted_in_full(record: FittedRecord, fresh: ForceCurveModel, rivals: RecordRivals) -> tuple[RivalFit, ...]:
+def fit_alternatives(record: FittedRecord, fresh: ForceCurveModel, rivals: RecordRivals) -> tuple[RivalFit, ...]:
     """The best of each family, by how much the misfit falls, those that pass first; ``fresh``: the model of the
     record before its fit left any row out."""
     fresh, begun = replace(fresh, family=record.model.family), []
     for score in _likeliest(rivals):
         with contextlib.suppress(JkrError):  # what cannot be solved is not taken
-            if isinstance(change := _effect(record, score), Change):
+            if isinstance(change := _effect(record, score), Perturbation):
                 begun.append((*_roughly(record, fresh, change, score.amount), change, score))
     most = FULL_PROMISING * min((cost for cost, *_ in begun), default=0.0)
     fits = []
@@ -673,7 +673,7 @@ def _likeliest(rivals: RecordRivals) -> Iterator[Score]:
         yield from dict.fromkeys((of_range or one) if one.name == LONG.name else one for one in best)
 
 
-def _roughly(record: FittedRecord, fresh: ForceCurveModel, change: Change, amount: float) -> tuple[float, Array]:
+def _roughly(record: FittedRecord, fresh: ForceCurveModel, change: Perturbation, amount: float) -> tuple[float, Array]:
     """About the least misfit with a ``change``, and its unknowns: from the best of its starts and what one step asks
     for, and from the best that the body suggests at each of these."""
     low, high = change.limits.get(AMOUNT, (-math.inf, math.inf))
@@ -732,7 +732,7 @@ def _in_full(record: FittedRecord, model: RivalModel, x: Array, score: Score) ->
     full = fit(model, x, near=True)
     if (without := windowed(full)) is not full.model:
         full = fit(without, full.x, near=True)
-    here = FittedRecord(record.body, settled(full))
+    here = FittedRecord(record.body, reconverge(full))
     misfit, dof, loose = misfit_left(here, regular_rows(here))
     chance = float(fdtrc(dof, max(loose, 1), misfit / dof))
     noise = record.fit.spread.noise  # for all rivals: misfit that is slow may pass for noise of the fit's own
@@ -741,7 +741,7 @@ def _in_full(record: FittedRecord, model: RivalModel, x: Array, score: Score) ->
     return RivalFit(score, here.fit, chance, falls)
 
 
-def settled(full: ForceCurveFit) -> ForceCurveFit:
+def reconverge(full: ForceCurveFit) -> ForceCurveFit:
     """The fit whose change, where it is made about one, is made about itself."""
     for _ in range(MOST_SOLVES):
         model, before = full.model, full

@@ -24,7 +24,7 @@ from ..adhesion.validity import EXCESS, LIMITS, STRAINED
 from ..base.errors import InputError, JkrError, SolveError
 from ..base.numerics import MOST_STEPS, REMEMBERED, SAME, SETTLED, UNSEEN, Array
 from ..bodies.materials import Layer, PowerRelaxation, Relaxation, StandardSolid
-from ..bodies.problem import HalfSpace, Loading, Rigid, Specimen, unbounded
+from ..bodies.problem import HalfSpace, Loading, Rigid, Specimen, without_side_walls
 from ..data.curve import APPROACH
 from ..methods.radii import DENSE
 from .force_curve import (
@@ -52,10 +52,11 @@ from .forward_model import (
 )
 
 # --------------------------------------------------------------------------------------------------
-# A rival in full: the model of a raw record with an amount of what it leaves out as one more unknown, or two.
+# An alternative model in full: the model of a raw record with an amount of what it leaves out as one more unknown, or
+# two.
 #
-# A ``Change`` says what an amount does to the body, the device or the positions of a stretch; ``RivalModel`` is the
-# model with it, whose search, covariance and result are those of any record. Derivatives by what a change depends on
+# A ``Perturbation`` says what an amount does to the body, the device or the positions of a stretch; ``RivalModel`` is
+# the model with it, whose search, covariance and result are those of any record. Derivatives by what a change depends on
 # are differences.
 
 AMOUNT, ANY = "amount", (-math.inf, math.inf)
@@ -131,7 +132,7 @@ def interpolated(u: Array, changes: Array) -> Changes:
     return lambda at: np.stack([np.interp(at, u, row) for row in changes])
 
 
-def of_body(family: Family, D: Array, S: Array) -> Array:
+def perturbed_logs(family: Family, D: Array, S: Array) -> Array:
     """Changes of the logs of D, T, H, V (4, n) on the grid of a body whose logs of displacement and stiffness change by
     ``D`` and ``S`` there: P_H = int S d(delta_H), and adhesion follows from S'."""
     u = grid(family)
@@ -161,7 +162,7 @@ def _integral(u: Array, rate: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Change:
+class Perturbation:
     """What an amount of a rival does to the model of a record. One of
 
     - ``log_changes``: changes of the logs of D, T, H, V of the body of a stretch (4, n) on its grid, None for none;
@@ -186,7 +187,7 @@ class Change:
     loads_back: Loads | None = None
     coupled: bool = False
     quantities: Callable[[Values], dict[str, float]] = lambda values: {AMOUNT: values[AMOUNT]}
-    recentred: Callable[[ForceCurveFit], Change] | None = None
+    recentred: Callable[[ForceCurveFit], Perturbation] | None = None
     column: Array | None = None
 
     def followed(self, plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
@@ -197,9 +198,9 @@ class Change:
         return plain if changes is None else replace(plain, family=changed_family(plain.family, changes))
 
 
-def change_of_body(
+def body_perturbation(
     changes: Callable[[Family, float], Array], limits: tuple[float, float] = ANY, *, last: bool = False
-) -> Change:
+) -> Perturbation:
     """The change of the body by ``changes`` (4, n) of its logs at an amount; of the ``last`` stretch or of all."""
     changed = lru_cache(maxsize=2)(changes)
     body = lru_cache(maxsize=2)(lambda family, amount: changed_family(family, changed(family, amount)))
@@ -212,7 +213,7 @@ def change_of_body(
             return plain
         return replace(plain, family=body(plain.family, values[AMOUNT]))
 
-    return Change(limits={AMOUNT: limits}, log_changes=log_changes, model=model)
+    return Perturbation(limits={AMOUNT: limits}, log_changes=log_changes, model=model)
 
 
 def _before_loss(part: DirectionReadings) -> DirectionReadings:
@@ -233,10 +234,10 @@ def _inputs(model: ForceCurveModel) -> dict[str, Any]:
 class RivalModel(ForceCurveModel):
     """The model of a record with a ``change``."""
 
-    change: Change = Change()
+    change: Perturbation = Perturbation()
 
     @classmethod
-    def of(cls, plain: ForceCurveModel, change: Change) -> RivalModel:
+    def of(cls, plain: ForceCurveModel, change: Perturbation) -> RivalModel:
         """The ``plain`` model, of a rival or not, with a change in place of its own."""
         inputs = _inputs(plain)
         if change.loads is not None:  # which knows no adhesion
@@ -440,7 +441,7 @@ class FittedRecord:
         """Derivative of the loads by an amount, ``amount`` of which makes the body that of the ``other`` family."""
         return self.by_changes(log_ratio(other, self.model.family) / amount)
 
-    def column(self, change: Change) -> Array:
+    def column(self, change: Perturbation) -> Array:
         """Derivative of the loads by the amount of a change, at 0 unless the change has a column of its own."""
         if change.column is not None:
             return change.column
@@ -511,7 +512,7 @@ ADHESION_POWERS = (0.1, 1.5)
 POWER = "n"
 
 
-def work_over_radius(record: FittedRecord) -> Change | None:
+def work_over_radius(record: FittedRecord) -> Perturbation | None:
     """ln w of the last direction rises by the amount times (a_max - a)/(a_max - a_min): T and V by half of it. The w of
     the record is then that at a_min, at pull-off."""
     a = record.radii[-1][0]
@@ -526,10 +527,10 @@ def work_over_radius(record: FittedRecord) -> Change | None:
 
     name, most = f"q:{record.model.stretches[-1].kind}", CHANGE_LARGEST
     quantities = lambda values: {"w": values[name] * math.exp(values["ln_s"] + values[AMOUNT])}  # noqa: E731
-    return replace(change_of_body(changes, (-most, most), last=True), quantities=quantities)
+    return replace(body_perturbation(changes, (-most, most), last=True), quantities=quantities)
 
 
-def work_over_speed(record: FittedRecord) -> Change | None:
+def work_over_speed(record: FittedRecord) -> Perturbation | None:
     """w of the retraction over the speed v of its edge. The column is that of w (v/v_m)^amount, dP/d(ln w) ln(v/v_m)
     with v_m the median; in full w = w0 (1 + amount (v/v_m)^n)."""
     part = record.retraction
@@ -557,7 +558,7 @@ def _log_speeds(z: Array, a: Array) -> tuple[float, Array] | None:
     return median, np.interp(z, positions, log - median)
 
 
-def _gent_schultz(typical: float) -> Change:
+def _gent_schultz(typical: float) -> Perturbation:
     """w = w0 (1 + amount (v/v_m)^n) of the retraction, v_m the ``typical`` speed of its edge over the device's."""
 
     def loads(model: ForceCurveModel, part: DirectionReadings, values: Values) -> Array:
@@ -568,7 +569,7 @@ def _gent_schultz(typical: float) -> Change:
         path = receding(model.family, s, q, model.k, law, resting, turn)
         return np.where(part.touching, load_at(path, resting, turn, model.depth(part, values)), 0.0)
 
-    return Change(
+    return Perturbation(
         ADHESION_SPEEDS,
         (AMOUNT, POWER),
         {AMOUNT: (0.0, 1e3), POWER: ADHESION_POWERS},
@@ -583,7 +584,7 @@ def root_of(values: Values, kind: str) -> float:
     return values.get(f"r:{kind}", math.sqrt(max(values[f"q:{kind}"], 0.0)))
 
 
-def finite_range(record: FittedRecord) -> Change | None:
+def finite_range(record: FittedRecord) -> Perturbation | None:
     """Adhesion of the range z0: the amount is z0^2 over that of the range whose ring of attraction is narrow (Maugis,
     J. Colloid Interface Sci. 150 (1992) 243, of a half-space; of other bodies near the edge only)."""
     if not record.work:
@@ -597,7 +598,7 @@ def finite_range(record: FittedRecord) -> Change | None:
 
     starts = tuple((amount_of_range(record, neck(record) / mu),) for mu in ADHESION_TABOR)
     most = amount_of_range(record, ADHESION_ENDLESS * neck(record))
-    return Change(
+    return Perturbation(
         starts, limits={AMOUNT: (0.0, most)}, log_changes=log_changes, coupled=True,
         quantities=lambda values: {"range": range_of(record, values[AMOUNT])},
     )  # fmt: skip
@@ -718,7 +719,7 @@ BODY_FINEST = 4.0  # theory: of kappa, below which the expansion for small kappa
 EULER = float(np.euler_gamma)
 
 
-def layer_below(record: FittedRecord) -> Change | None:
+def layer_below(record: FittedRecord) -> Perturbation | None:
     """A half-space as a layer on a rigid base at the depth a_max/amount."""
     specimen, a_max = record.body.problem.specimen, record.a_max
     if specimen.layers or specimen.radius is not None or not isinstance(specimen.base, HalfSpace):
@@ -732,13 +733,13 @@ def _on_rigid(body: FittedBody, h: float, most: float) -> Family:
     """The body's half-space as a layer of thickness ``h`` [m] on a rigid base, up to ``most`` times that."""
     specimen = body.problem.specimen
     assert isinstance(specimen.base, HalfSpace)
-    problem = replace(unbounded(body.problem), specimen=Specimen((Layer(specimen.base.material, h),), Rigid()))
+    problem = replace(without_side_walls(body.problem), specimen=Specimen((Layer(specimen.base.material, h),), Rigid()))
     most = min(most, FAMILY_BELOW_LIMIT * problem.indenter.r_max / h)
     radii = tuple((h * np.geomspace(BODY_UNDER[0], most, DENSE)).tolist())
     return solved(replace(problem, loading=Loading.given("radius", radii)), body.tolerance)
 
 
-def _on_base(body: FittedBody, a_max: float, h: float) -> Change:
+def _on_base(body: FittedBody, a_max: float, h: float) -> Perturbation:
     """The same in full, by the curves of one thickness ``h`` [m]: those of others are the same over a/h, but for the
     tip's shape, so that the change is made anew about what it leads to."""
 
@@ -755,26 +756,26 @@ def _on_base(body: FittedBody, a_max: float, h: float) -> Change:
         thick = np.exp(np.minimum(log - spline.x[0], 0.0))  # in proportion to a/h below
         return thick * spline(np.clip(log, spline.x[0], spline.x[-1])).T
 
-    def recentred(fit: ForceCurveFit) -> Change:
+    def recentred(fit: ForceCurveFit) -> Perturbation:
         return replace(_on_base(body, a_max, a_max / max(fit.value(AMOUNT), LITTLE)))
 
     quantities = lambda values: {"thickness": a_max / max(values[AMOUNT], LITTLE**2)}  # noqa: E731
     starts = tuple((amount,) for amount in BODY_THICKNESSES)
-    change = change_of_body(changes, (0.0, BODY_THIN))
+    change = body_perturbation(changes, (0.0, BODY_THIN))
     return replace(change, starts=starts, quantities=quantities, recentred=recentred)
 
 
-def thickness(record: FittedRecord) -> Change | None:
+def thickness(record: FittedRecord) -> Perturbation | None:
     """h = h0 (1 + amount) of the layer in contact."""
     return _of_layer(record, "h", "thickness")
 
 
-def poisson(record: FittedRecord) -> Change | None:
+def poisson(record: FittedRecord) -> Perturbation | None:
     """nu = nu0 (1 + amount) of the layer in contact, towards 1/2 at most."""
     return _of_layer(record, "nu", "nu")
 
 
-def _of_layer(record: FittedRecord, symbol: str, quantity: str) -> Change | None:
+def _of_layer(record: FittedRecord, symbol: str, quantity: str) -> Perturbation | None:
     """The relative change of a quantity of the layer in contact, between bodies that are solved at even steps of it."""
     body, step = record.body, BODY_NEIGHBOUR
     if not body.own_parameters or not body.problem.specimen.layers:
@@ -792,28 +793,28 @@ def _of_layer(record: FittedRecord, symbol: str, quantity: str) -> Change | None
         return (1 - part) * log_ratio(at_node(i), family) + part * log_ratio(at_node(i + 1), family)
 
     return replace(
-        change_of_body(changes, (1 / (1 + CHANGE_LARGEST) - 1, most)),
+        body_perturbation(changes, (1 / (1 + CHANGE_LARGEST) - 1, most)),
         quantities=lambda values: {quantity: nominal * (1 + values[AMOUNT])},
         column=record.towards(at_node(-1), -step),
     )
 
 
-def graded(record: FittedRecord) -> Change:
+def graded(record: FittedRecord) -> Perturbation:
     """ln S rises by the amount times a/a_max."""
     a_max = record.a_max
 
     def changes(family: Family, amount: float) -> Array:
         place = np.minimum(np.exp(grid(family)) / a_max, CHANGE_BEYOND)
-        return of_body(family, np.zeros_like(place), amount * place)
+        return perturbed_logs(family, np.zeros_like(place), amount * place)
 
-    return change_of_body(changes, (BODY_SOFTEST, CHANGE_LARGEST))
+    return body_perturbation(changes, (BODY_SOFTEST, CHANGE_LARGEST))
 
 
-def exponent(record: FittedRecord) -> Change:
+def exponent(record: FittedRecord) -> Perturbation:
     """A profile of exponent 2 + amount, as deep as the tip at a_max: ln D rises by the amount times ln(a/a_max)."""
     log = math.log(record.a_max)
     return replace(
-        change_of_body(
+        body_perturbation(
             lambda family, amount: _of_tip(family, amount * (grid(family) - log)),
             (BODY_BLUNTEST, CHANGE_LARGEST),
         ),
@@ -823,7 +824,7 @@ def exponent(record: FittedRecord) -> Change:
     )
 
 
-def _exponent_at_turn(fit: ForceCurveFit) -> Change:
+def _exponent_at_turn(fit: ForceCurveFit) -> Perturbation:
     """The same about the contact radius at the turn, which follows the unknowns: its error is one of E*."""
     part, values, model = fit.model.stretches[0], fit.model.values(fit.x), cast(RivalModel, fit.model)
     turn, kind = part.turn, part.kind
@@ -844,7 +845,7 @@ def _exponent_at_turn(fit: ForceCurveFit) -> Change:
     return replace(model.change, log_changes=log_changes, model=None, coupled=True, recentred=None)
 
 
-def quartic(record: FittedRecord) -> Change | None:
+def quartic(record: FittedRecord) -> Perturbation | None:
     """From the paraboloid to the sphere of the same radius: ln D rises by the amount times (a/R)^2/3."""
     R = record.body.problem.indenter.tip_radius
     if R is None:
@@ -853,15 +854,15 @@ def quartic(record: FittedRecord) -> Change | None:
     def changes(family: Family, amount: float) -> Array:
         return _of_tip(family, amount * np.minimum(np.exp(grid(family)) / R, 1.0) ** 2 / 3)
 
-    return change_of_body(changes, (BODY_FLATTEST, CHANGE_LARGEST))
+    return body_perturbation(changes, (BODY_FLATTEST, CHANGE_LARGEST))
 
 
 def _of_tip(family: Family, D: Array) -> Array:
     """Changes of the logs (4, n) where that of the displacement alone changes by ``D``."""
-    return of_body(family, D, np.zeros_like(D))
+    return perturbed_logs(family, D, np.zeros_like(D))
 
 
-def no_slip(record: FittedRecord) -> Change | None:
+def no_slip(record: FittedRecord) -> Perturbation | None:
     """From surfaces that slide to such as do not: the amount times the logs of the latter's functions over the
     former's."""
     problem, sliding = record.body.problem, record.model.family
@@ -870,10 +871,10 @@ def no_slip(record: FittedRecord) -> Change | None:
     stuck, u = record.body.on_surface("sticking").family, np.array([sliding.high])
     if np.abs(np.log(stuck.at(u)[0] / sliding.at(u)[0])).max() < SAME:
         return None
-    return change_of_body(lambda family, amount: amount * log_ratio(stuck, family))
+    return body_perturbation(lambda family, amount: amount * log_ratio(stuck, family))
 
 
-def tension(record: FittedRecord) -> Change | None:
+def tension(record: FittedRecord) -> Perturbation | None:
     """Surface tension Ups of a half-space, kappa = 2 Ups/E* = amount times a_max, to first order in kappa/a: delta_H
     times 1 + 2 x (l - 1), P_H times 1 + 3 x l, S times 1 + x (l + 1), S' times 1 + x with x = kappa/(pi a) and l = ln(2
     a/kappa) + Euler's constant."""
@@ -893,7 +894,7 @@ def tension(record: FittedRecord) -> Change | None:
         return np.stack([D, -dS / 2, H, S - dS / 2])
 
     column = record.by_changes(functions(relative(record.model.family, CHANGE_SMALL)) / CHANGE_SMALL)
-    change = change_of_body(lambda family, amount: functions(np.log1p(relative(family, amount))), (0.0, 1.0))
+    change = body_perturbation(lambda family, amount: functions(np.log1p(relative(family, amount))), (0.0, 1.0))
     unit = record.body.problem.E_star * a_max / 2
     quantities = lambda values: {"surface_tension": unit * math.exp(values["ln_s"]) * values[AMOUNT]}  # noqa: E731
     return replace(change, starts=((CHANGE_SMALL,),), quantities=quantities, column=column)
@@ -930,7 +931,7 @@ def likely_strains(record: FittedRecord) -> float:
 # Rivals of the device in a raw record, and of one direction against the other: stiffness, positions, flow.
 
 
-def stiffness(record: FittedRecord) -> Change | None:
+def stiffness(record: FittedRecord) -> Perturbation | None:
     """k (1 + amount) of the device, its loads as they are: rows and the turn are deeper by amount P/k."""
     model = record.model
     if not math.isfinite(model.k):
@@ -940,7 +941,7 @@ def stiffness(record: FittedRecord) -> Change | None:
     if resting is not None and "z0" in record.fit.names:
         by_turn = -record.by_unknown("z0") - record.by_position
         column = column + by_turn * float(resting.at(np.array(part.turn - record.values["z0"]))[0])
-    return Change(
+    return Perturbation(
         limits={AMOUNT: (LITTLE - 1, math.inf)},
         model=lambda plain, part, values: replace(plain, k=plain.k * (1 + values[AMOUNT])),
         quantities=lambda values: {"stiffness": model.k * (1 + values[AMOUNT])},
@@ -948,19 +949,21 @@ def stiffness(record: FittedRecord) -> Change | None:
     )
 
 
-def misplaced(record: FittedRecord, error: Callable[[DirectionReadings], Array], name: str = AMOUNT) -> Change | None:
+def misplaced(
+    record: FittedRecord, error: Callable[[DirectionReadings], Array], name: str = AMOUNT
+) -> Perturbation | None:
     """Rows that stand deeper than their positions say by the amount times an ``error`` [m], which results call by a
     ``name``: the column is P' error."""
     if len(record.model.stretches) < 2 or name in record.model.positions:
         return None
-    return Change(
+    return Perturbation(
         shift=lambda part, values: values[AMOUNT] * error(part),
         quantities=lambda values: {name: values[AMOUNT]},
         column=record.by_position * np.concatenate([error(part) for part in record.model.stretches]),
     )
 
 
-def drift(record: FittedRecord) -> Change | None:
+def drift(record: FittedRecord) -> Perturbation | None:
     """Depths that drift by the amount times the way in contact over the time of the record, 0 at the turn."""
     if "drift" in record.model.positions:
         return None
@@ -970,10 +973,10 @@ def drift(record: FittedRecord) -> Change | None:
 
 def misplaced_back(
     error: Callable[[FittedRecord, DirectionReadings], Array], name: str = AMOUNT
-) -> Callable[[FittedRecord], Change | None]:
+) -> Callable[[FittedRecord], Perturbation | None]:
     """The same of the retraction alone."""
 
-    def effect(record: FittedRecord) -> Change | None:
+    def effect(record: FittedRecord) -> Perturbation | None:
         return misplaced(
             record, lambda part: error(record, part) if part.kind != APPROACH else np.zeros(part.z.size), name
         )
@@ -981,17 +984,17 @@ def misplaced_back(
     return effect
 
 
-def another_modulus(record: FittedRecord) -> Change | None:
+def another_modulus(record: FittedRecord) -> Perturbation | None:
     """E* (1 + amount) on the way back."""
     if len(record.model.stretches) < 2 or "ln_s" not in record.fit.names or record.retraction is None:
         return None
 
     def changes(family: Family, amount: float) -> Array:
         same = np.zeros_like(grid(family))
-        return of_body(family, same, same + math.log1p(amount))
+        return perturbed_logs(family, same, same + math.log1p(amount))
 
     column = np.where(record.rows(record.retraction), record.by_unknown("ln_s"), 0.0)
-    return replace(change_of_body(changes, (LITTLE - 1, math.inf), last=True), column=column)
+    return replace(body_perturbation(changes, (LITTLE - 1, math.inf), last=True), column=column)
 
 
 def slope_at_rest(record: FittedRecord) -> Array | None:
@@ -1028,8 +1031,8 @@ Memory = Callable[[Array], Array]  # phi of r = 1 - amount phi, of time over tha
 
 
 def relaxing(
-    record: FittedRecord, memory: Memory, law: Callable[[Values, float], Relaxation], search: Change
-) -> Change | Array | None:
+    record: FittedRecord, memory: Memory, law: Callable[[Values, float], Relaxation], search: Perturbation
+) -> Perturbation | Array | None:
     """Moduli that fall as r(t) = 1 - amount phi(t), phi the ``memory``. In full, where nothing adheres, by a ``law`` of
     the unknowns and of how long the record lasts, ``search`` their names, starts and limits."""
     column = _first_order(record, memory)
@@ -1172,7 +1175,7 @@ OF_RIVALS = {
 
 
 @dataclass(frozen=True)
-class Rival:
+class AlternativeModel:
     """One thing that the model leaves out. ``family``: what cannot be distinguished from it as a rule; ``amount``: what
     a column is the derivative by, in words; ``effect``: what a fit makes of it: a change, which can be fitted in full,
     or a column alone, of first order; None where the rival has no meaning for this record.
@@ -1185,7 +1188,7 @@ class Rival:
     name: str
     family: str
     amount: str
-    effect: Callable[[FittedRecord], Change | Array | None]
+    effect: Callable[[FittedRecord], Perturbation | Array | None]
     likely: float | Callable[[FittedRecord], float] = 0.0
     limits: tuple[float, float] = ANY
     of_directions: bool = False
@@ -1196,61 +1199,71 @@ class Rival:
 
 
 POSITIVE = (0.0, math.inf)
-RANGE = Rival("adhesion of finite range", ADHESION, "square of the range over that of a narrow ring", finite_range,
-              likely_range, POSITIVE)  # fmt: skip
-LONG = Rival("adhesion of long range (DMT)", ADHESION, "from JKR to DMT", long_range, limits=(0.0, 1.0))
-TENSION = Rival("surface tension", BODY, "2 tension/E* over the contact radius", tension, likely_tension, POSITIVE)
-RIVALS: tuple[Rival, ...] = (
-    Rival("w over the contact radius", ADHESION, "relative rise towards pull-off", work_over_radius),
-    Rival("w over the speed of the edge", ADHESION, "relative rise per factor e of the speed", work_over_speed),
+RANGE = AlternativeModel(
+    "adhesion of finite range",
+    ADHESION,
+    "square of the range over that of a narrow ring",
+    finite_range,
+    likely_range,
+    POSITIVE,
+)
+LONG = AlternativeModel("adhesion of long range (DMT)", ADHESION, "from JKR to DMT", long_range, limits=(0.0, 1.0))
+TENSION = AlternativeModel(
+    "surface tension", BODY, "2 tension/E* over the contact radius", tension, likely_tension, POSITIVE
+)
+RIVALS: tuple[AlternativeModel, ...] = (
+    AlternativeModel("w over the contact radius", ADHESION, "relative rise towards pull-off", work_over_radius),
+    AlternativeModel(
+        "w over the speed of the edge", ADHESION, "relative rise per factor e of the speed", work_over_speed),
     RANGE,
     LONG,
-    Rival("a rigid base below", BODY, "contact radius over depth", layer_below),
-    Rival("thickness of the layer", BODY, "relative change", thickness),
-    Rival("nu of the layer", BODY, "relative change", poisson),
-    Rival("moduli that change with the contact radius", BODY, "relative rise", graded),
-    Rival("exponent of the tip", TIP, "change of the exponent", exponent, ALTERNATIVE_SHAPE,
+    AlternativeModel("a rigid base below", BODY, "contact radius over depth", layer_below),
+    AlternativeModel("thickness of the layer", BODY, "relative change", thickness),
+    AlternativeModel("nu of the layer", BODY, "relative change", poisson),
+    AlternativeModel("moduli that change with the contact radius", BODY, "relative rise", graded),
+    AlternativeModel("exponent of the tip", TIP, "change of the exponent", exponent, ALTERNATIVE_SHAPE,
           (-ALTERNATIVE_CONE, ALTERNATIVE_CONE)),
-    Rival("sphere or paraboloid", TIP, "share of the sphere's quartic term", quartic, limits=(-1.0, 1.0)),
-    Rival("no slip", BODY, "from none to full", no_slip, 1.0, POSITIVE),
+    AlternativeModel("sphere or paraboloid", TIP, "share of the sphere's quartic term", quartic, limits=(-1.0, 1.0)),
+    AlternativeModel("no slip", BODY, "from none to full", no_slip, 1.0, POSITIVE),
     TENSION,
-    Rival("large strains", BODY, "of what is known of them", strains, likely_strains, (0.0, ALTERNATIVE_STRAINS)),
-    Rival("relaxation over a factor of time", MEMORY, "fall per factor e", partial(
+    AlternativeModel(
+        "large strains", BODY, "of what is known of them", strains, likely_strains, (0.0, ALTERNATIVE_STRAINS)),
+    AlternativeModel("relaxation over a factor of time", MEMORY, "fall per factor e", partial(
         relaxing,
         memory=lambda t: np.log1p(100 * t),
         law=lambda values, duration: PowerRelaxation(duration, values[AMOUNT]),
-        search=Change(((0.1,), (0.3,)), limits={AMOUNT: (1e-4, 0.9)}),
+        search=Perturbation(((0.1,), (0.3,)), limits={AMOUNT: (1e-4, 0.9)}),
     )),
-    Rival("relaxation of one time", MEMORY, "fall", partial(
+    AlternativeModel("relaxation of one time", MEMORY, "fall", partial(
         relaxing,
         memory=lambda t: 1 - np.exp(-4 * t),
         law=lambda values, duration: StandardSolid(1 - values[AMOUNT], duration * values[TIME]),
-        search=Change(((0.3, 0.03), (0.3, 0.2), (0.6, 0.5)), (AMOUNT, TIME),
+        search=Perturbation(((0.3, 0.03), (0.3, 0.2), (0.6, 0.5)), (AMOUNT, TIME),
                       {AMOUNT: (1e-4, 0.999), TIME: (1e-3, 10.0)}),
     )),
-    Rival("residual depth", MEMORY, "of the depth of contact",
+    AlternativeModel("residual depth", MEMORY, "of the depth of contact",
           misplaced_back(lambda record, part: np.full(part.z.size, -record.reach)), of_directions=True),
-    Rival("another modulus on the way back", MEMORY, "relative change", another_modulus, of_directions=True),
-    Rival("another slope at rest", MEMORY, "relative change", slope_at_rest, of_directions=True),
-    Rival("stiffness of the device", DEVICE, "relative change", stiffness,
+    AlternativeModel("another modulus on the way back", MEMORY, "relative change", another_modulus, of_directions=True),
+    AlternativeModel("another slope at rest", MEMORY, "relative change", slope_at_rest, of_directions=True),
+    AlternativeModel("stiffness of the device", DEVICE, "relative change", stiffness,
           limits=(-ALTERNATIVE_DEVICE, ALTERNATIVE_DEVICE)),
-    Rival("creep of the position", DEVICE, "of the travel, per decade of time",
+    AlternativeModel("creep of the position", DEVICE, "of the travel, per decade of time",
           misplaced_back(lambda record, part: part.travel * creep(record.time(part)), "creep"), of_directions=True),
-    Rival("hysteresis of the position", DEVICE, "of the travel, at most",
+    AlternativeModel("hysteresis of the position", DEVICE, "of the travel, at most",
           misplaced_back(lambda _, part: part.travel * hysteresis(part.way), "hysteresis"), of_directions=True),
-    Rival("scale of the position", DEVICE, "retraction against approach",
+    AlternativeModel("scale of the position", DEVICE, "retraction against approach",
           misplaced_back(lambda record, part: record.reach * part.way), of_directions=True),
-    Rival("drift of the depth", DEVICE, "of the depth over the record", drift, of_directions=True),
+    AlternativeModel("drift of the depth", DEVICE, "of the depth over the record", drift, of_directions=True),
 )  # fmt: skip
 
 
-def columns(record: FittedRecord, rivals: Sequence[Rival] = RIVALS) -> dict[Rival, Array]:
+def columns(record: FittedRecord, rivals: Sequence[AlternativeModel] = RIVALS) -> dict[AlternativeModel, Array]:
     """The columns of all rivals that mean anything for a record, by rival."""
     by_rival = {}
     for rival in rivals:
         try:
             effect = rival.effect(record)
-            column = record.column(effect) if isinstance(effect, Change) else effect
+            column = record.column(effect) if isinstance(effect, Perturbation) else effect
         except (JkrError, FloatingPointError):
             continue  # a neighbouring body that cannot be solved is no rival, and takes no fit with it
         if column is not None and np.isfinite(column).all() and column.any():

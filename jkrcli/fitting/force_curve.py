@@ -27,11 +27,21 @@ from scipy.interpolate import PchipInterpolator
 from ..base.errors import SolveError, known
 from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SETTLED, Array
 from ..data.curve import APPROACH, Curve
-from ..data.segmentation import BaseLine, Direction, ForceCurve, examine
+from ..data.segmentation import BaseLine, Direction, ForceCurve, segment_force_curve
 from .forward_model import Changes, DeviceBranch, Family, Rest, branch, on_grid, rest
-from .least_squares import TURNS, Least, LeastSquares, Spectrum, Spread, State, in_time, influence, robust_scale
-from .least_squares import spread as covariance
-from .rows import in_contact, third_differences
+from .least_squares import (
+    TURNS,
+    Least,
+    LeastSquares,
+    Spectrum,
+    Spread,
+    State,
+    covariance_coloured,
+    in_time,
+    influence,
+    robust_scale,
+)
+from .rows import in_contact, noise_from_third_differences
 from .settings import Loss
 
 # --------------------------------------------------------------------------------------------------
@@ -84,9 +94,9 @@ def straightened(record: ForceCurve) -> tuple[ForceCurve, Mapping[str, Wave]]:
         free = {side.segment.kind: _free(curve, side, share) for side in sides}
         period = _period(list(free.values())) if free else None
         if period is None:
-            return examine(curve), {}
+            return segment_force_curve(curve), {}
         waves = {kind: _wave(z, off, period) for kind, (z, off) in free.items()}
-        record = examine(_without(curve, sides, waves))
+        record = segment_force_curve(_without(curve, sides, waves))
     return record, waves
 
 
@@ -235,7 +245,7 @@ def _base_and_contact(side: Direction, z: Array, P: Array) -> tuple[BaseLine, fl
     tension, touching, keep = known(side.adhesion) or 0.0, np.zeros(z.size, dtype=bool), np.ones(z.size, dtype=bool)
     if not side.begins_free:
         touching = in_contact({"delta": z, "P": P}, 0.0)
-        line = BaseLine(0.0, 0.0, float(z[0]), 0, third_differences(P), 0.0, False)
+        line = BaseLine(0.0, 0.0, float(z[0]), 0, noise_from_third_differences(P), 0.0, False)
         tension = max(-float(P.min()), 0.0)
         return line, tension if tension > line.least else 0.0, touching, touching.copy()
     if side.jumps or (side.segment.kind != APPROACH and tension):
@@ -841,7 +851,7 @@ def _spread_at_folds(
     rounding = max(part.line.rounding for part in model.stretches) ** 2
 
     def spread_by(J: Array) -> Spread:
-        return covariance(residuals, model.ordered(J, weight), free, weight, rounding)
+        return covariance_coloured(residuals, model.ordered(J, weight), free, weight, rounding)
 
     J = model.residuals(x, 0.0)[1]
     spread, first = spread_by(J), 0

@@ -27,7 +27,7 @@ from ..base.errors import InputError, JkrError, Refusal, SolveError
 from ..base.numerics import LOOKED_AT, MOST_STEPS, REMEMBERED, ROUNDED, ROWS, SAME, SETTLED, UNSEEN, Array
 from ..base.units import show
 from ..bodies.indenters import Indenter
-from ..bodies.problem import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal, unbounded
+from ..bodies.problem import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal, without_side_walls
 from ..case.reading import Case, load_case
 from ..case.store import read_solution, solve
 from ..methods.finite_range import AttractedBody
@@ -317,7 +317,7 @@ COARSE = Resolution(45, 3e-3, 1e-6)  # choice: good to a thousandth of what a ra
 
 
 @dataclass(frozen=True, eq=False)
-class AttractedFamily:
+class DugdaleModel:
     """Curves of finite range of the bodies of a ``problem`` whose ``plain`` family has the series' radii."""
 
     problem: Problem
@@ -328,15 +328,15 @@ class AttractedFamily:
     _curves: dict[tuple[str, str], States] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, problem: Problem, plain: Family, resolution: Resolution = FINE) -> AttractedFamily:
+    def of(cls, problem: Problem, plain: Family, resolution: Resolution = FINE) -> DugdaleModel:
         return cls(problem, plain, AttractedBody(problem, resolution.tolerance), resolution)
 
-    def member(self, values: Mapping[str, float], drift: Drift | None = None) -> AttractedMember:
+    def member(self, values: Mapping[str, float], drift: Drift | None = None) -> DugdaleCurve:
         modulus, w = values["modulus"], values["w"]
         length = values["range"] if "range" in values else w / values["stress"]
         s = 2 * w / length / (self.problem.E_star * modulus)
         by_range = "range" in values
-        return AttractedMember(self, modulus, w, s, length, by_range, self.states(s, length))
+        return DugdaleCurve(self, modulus, w, s, length, by_range, self.states(s, length))
 
     @cached_property
     def radii(self) -> Array:
@@ -508,11 +508,11 @@ class States:
 
 
 @dataclass(frozen=True, eq=False)
-class AttractedMember:
+class DugdaleCurve:
     """The curve for one modulus factor, w [J/m^2] and law: s = 2 sigma/(E* modulus) up to ``length`` [m], over the u of
     its ``states``; ``by_range``: whether the range stands for the law, else its tension."""
 
-    family: AttractedFamily
+    family: DugdaleModel
     modulus: float
     w: float
     s: float
@@ -884,7 +884,7 @@ class FittedBody:
         return Nonadhesive(self.series, self.slopes)
 
     @cached_property
-    def attracted(self) -> AttractedFamily:
+    def attracted(self) -> DugdaleModel:
         """The adhesive curves of finite range; Refusal where the body has none."""
         if self.problem.sticks:
             raise Refusal(
@@ -893,7 +893,7 @@ class FittedBody:
             )
         if self.no_range:
             raise Refusal(self.no_range)
-        return AttractedFamily.of(self.problem, self.family, self.resolution)
+        return DugdaleModel.of(self.problem, self.family, self.resolution)
 
     @cached_property
     def coarse(self) -> FittedBody:
@@ -996,12 +996,12 @@ class FittedBody:
 
     def _on(self, loading: Loading, **changes: Any) -> FittedBody:
         """The body of a changed problem under another ``loading``, as the user describes this one."""
-        other = _exact(replace(unbounded(self.problem), loading=loading, **changes), self.tolerance)
+        other = _exact(replace(without_side_walls(self.problem), loading=loading, **changes), self.tolerance)
         return replace(other, **{name: getattr(self, name) for name in ("moduli_known", "range_of_case", "no_range")})
 
     def _solved(self, problem: Problem) -> Family:
         at_radii = Loading.given("radius", tuple(self.series.a))
-        return solved(replace(unbounded(problem), loading=at_radii), self.tolerance)
+        return solved(replace(without_side_walls(problem), loading=at_radii), self.tolerance)
 
 
 @lru_cache(maxsize=REMEMBERED)

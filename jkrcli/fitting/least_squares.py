@@ -111,7 +111,7 @@ def t_quantile(level: float, dof: int) -> float:
     return float(special.stdtrit(dof, (1 + level) / 2))
 
 
-def rise(level: float, dof: int, parameters: int = 1) -> float:
+def chi2_increase(level: float, dof: int, parameters: int = 1) -> float:
     """Relative rise of the sum of squares on the border of a joint confidence region (F test)."""
     return float(parameters / dof * special.fdtri(parameters, dof, level))
 
@@ -730,7 +730,7 @@ def frequencies(rows: int) -> Array:
     return np.arange(rows) / (2 * rows)
 
 
-def spread(off: Array, J: Array, free: Sequence[Array], weight: Spectrum, rounding: float = 0.0) -> Spread:
+def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spectrum, rounding: float = 0.0) -> Spread:
     """The covariance of unknowns from residuals ``off`` and their derivatives ``J``, in the order of time, that were
     fitted with the ``weight`` of such noise; very large where the data do not determine an unknown. ``free``:
     residuals of runs of rows out of contact; ``rounding``: variance of readings in steps of a converter, the least."""

@@ -127,9 +127,8 @@ KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear",
 
 
 MODULUS = {"modulus": Ranged("number", above=0)}  # the common factor of all moduli
-ONE_SIDED = NormalDist().inv_cdf(0.95) / NormalDist().inv_cdf(
-    0.975
-)  # theory: one-sided over two-sided 95 % of a normal value
+# theory: one-sided over two-sided 95 % of a normal value
+ONE_SIDED = NormalDist().inv_cdf(0.95) / NormalDist().inv_cdf(0.975)
 ALIAS = "E_star"  # the common modulus by its value rather than as a factor
 
 

@@ -20,7 +20,7 @@ from ..base.units import show
 from ..bodies.indenters import Paraboloid, Sphere
 from ..bodies.problem import RADIUS, changed
 from ..data.curve import APPROACH, AS_DEPTH, GAPS, NOT_SUBTRACTED, OVERRULED, RETRACT, Curve, Pixel
-from ..data.segmentation import SUBTRACTED_TWICE, ForceCurve, examine, with_zero_points
+from ..data.segmentation import SUBTRACTED_TWICE, ForceCurve, segment_force_curve, with_zero_points
 from ..data.tables import NO_UNIT
 from ..methods.radii import ROOM
 from ..resolve.comparison import sticking_effect, sticking_warnings
@@ -41,7 +41,7 @@ from .least_squares import (
 )
 from .parameters import LOG, FittedValue, Parameter, changes_by, dimension_of
 from .range_alternative import Rivals, missed_pull_off, rivals_of
-from .record import RESTS, beside, beyond_the_record, differ, fit_record, reduced, whole_record
+from .record import RESTS, as_raw_force_curve, beside, beyond_the_record, contact_rows, differ, fit_record
 from .result import Fit, Further, JKRBeside
 from .rows import (
     COLUMNS,
@@ -54,8 +54,8 @@ from .rows import (
     Objective,
     Points,
     Readings,
-    directed,
     minimise,
+    orient,
     points_of,
     robust,
     search,
@@ -182,7 +182,7 @@ def _redrawn(shape: tuple[int, int], rng: np.random.Generator) -> Callable[[Stat
 
 
 # ---------------------------------------------------------------------- beside a range
-def jkr_beside(minimum: Minimum, body: FittedBody, points: Points, settings: Settings) -> JKRBeside | Unknown:
+def jkr_comparison(minimum: Minimum, body: FittedBody, points: Points, settings: Settings) -> JKRBeside | Unknown:
     """The nearest curve of JKR to the rows of ``minimum``, in its scales; Unknown where none comes near."""
     plain = settings.without(RANGES)
     try:
@@ -247,7 +247,7 @@ class Failure:
 def _examined(curve: Curve) -> ForceCurve | None:
     """The record taken apart; None where it is too short or no force curve."""
     try:
-        return examine(curve)
+        return segment_force_curve(curve)
     except InputError:
         return None
 
@@ -262,7 +262,7 @@ def parted(curve: Curve, settings: Settings) -> Curve:
     """The curve with approach and retraction separated by its motion, where it holds both, no column names them and
     one of them is requested, or needed because it is the record of a device."""
     needed = settings.segment in (APPROACH, RETRACT) or (settings.segment is None and curve.stiffness is not None)
-    curve = directed(curve)
+    curve = orient(curve)
     record = _examined(curve) if needed and curve.segment is None else None
     if record is None or not {APPROACH, RETRACT} <= {segment.kind for segment in record.segments}:
         return curve
@@ -420,10 +420,10 @@ def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | F
     """The points of a curve, or a raw record, which is fitted as a whole."""
     original = curve
     check_parameters(body, [parameter.name for parameter in settings.parameters])
-    if (record := whole_record(curve, settings)) is not None:
+    if (record := as_raw_force_curve(curve, settings)) is not None:
         if not beyond_the_record(settings):
             return record
-        curve, settings = reduced(body, record, settings)
+        curve, settings = contact_rows(body, record, settings)
     requested = settings
     if idle := [name for name in settings.uncertain if name in CALIBRATED]:
         raise InputError(f"{curve.where}: --uncertain {idle[0]} is for raw records of a device, it has no effect here")
@@ -450,7 +450,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None, 
     curve, points, settings, words = ready.curve, ready.points, ready.settings, ready.words
     edges, zero = set() if points.edges is None else set(points.edges), settings.known("P0")
     minimum = robust(search(body, points, settings), settings.loss)
-    sharp = None if settings.range is None else jkr_beside(minimum, body, points, settings)
+    sharp = None if settings.range is None else jkr_comparison(minimum, body, points, settings)
     confidence = confidence_of(minimum, settings, sharp, pool)
     rivals = Rivals((), 1.0)
     if settings.range is None and minimum.least.ended:

@@ -21,7 +21,7 @@ from ..base.numerics import MOST_SOLVES, NOTICEABLE, TINY, Array
 from ..base.units import show
 from ..methods.layered.spectrum import spectrum_seconds
 from .forward_model import Drift
-from .least_squares import influence, rise, t_quantile
+from .least_squares import chi2_increase, influence, t_quantile
 from .parameters import FittedValue, Parameter
 from .rows import SEARCH_HALVINGS, SEARCH_REACH, Minimum, Objective
 from .settings import Loss, Settings
@@ -250,7 +250,7 @@ RANGE = "a range of adhesion"
 
 
 @dataclass(frozen=True, eq=False)
-class Rival:
+class AddedTerm:
     """A model with one more number, the relative ``change`` of a parameter from the smallest to the largest contact
     radius; ``moves``: how far the changes that the data leave likely move each unknown."""
 
@@ -272,7 +272,7 @@ class Rivals:
     change along the record: the moves of the ``values`` are then those of a change by ``ALTERNATIVE_UNIT``, told and
     not counted."""
 
-    members: tuple[Rival, ...]
+    members: tuple[AddedTerm, ...]
     chance: float
     range: RangeRival | None = None
     untested: bool = False
@@ -336,7 +336,7 @@ def rivals_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -
     wanted = [name for name in RIVALS if values.get(name, 0.0) > 0]
     if dof < ALTERNATIVE_FEWEST or not wanted or not variance > 0:
         return Rivals((), 1.0)
-    t, both = t_quantile(settings.level, dof), dof * rise(settings.level, dof, 2)  # w and the range together
+    t, both = t_quantile(settings.level, dof), dof * chi2_increase(settings.level, dof, 2)  # w and the range together
     ranged = range_rival_of(minimum, variance, both, settings) if "w" in wanted else None
     jacobian = minimum.distances.jacobian(objective.free)
     directions = np.stack([_direction(minimum, name) for name in wanted], axis=1)
@@ -350,7 +350,7 @@ def rivals_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -
             spread = t / math.sqrt(precision + 1 / ALTERNATIVE_LIKELY**2)
             centre = change * (spread / t) ** 2 * precision
             changes = (-ALTERNATIVE_UNIT, ALTERNATIVE_UNIT) if untested else (centre - spread, centre + spread)
-            rivals.append(Rival(name, change, _shifts(minimum, name, changes, close)))
+            rivals.append(AddedTerm(name, change, _shifts(minimum, name, changes, close)))
     return Rivals(tuple(rivals), _chance(alone, residuals, variance, dof), ranged, untested, values)
 
 

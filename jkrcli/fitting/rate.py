@@ -40,7 +40,7 @@ from .least_squares import (
 from .parameters import MODULUS, Answer, Nameable, Parameter, Unknowns, check_law, parameters_of
 from .procedure import fit
 from .relaxation import check_over_time, check_rising, noise_about, noise_of, through
-from .rows import third_differences
+from .rows import noise_from_third_differences
 from .settings import Settings
 from .work_along_curve import WorkAlong, work_along
 
@@ -141,7 +141,7 @@ def _retraction(t: Array, P: Array, device: Array, lost: float | None) -> Array:
     since, way = t[fitted] - t[last], device[fitted]  # of two rows at least, whose times rise
     rate = float((since - since.mean()) @ way / np.sum((since - since.mean()) ** 2))
     level = float(way.mean() - rate * since.mean())
-    noise = third_differences(device)
+    noise = noise_from_third_differences(device)
     begin = 0
     if rate < 0 and level + rate * (t[0] - t[last]) > top + RECORD_STILL * noise:
         begin = int(np.searchsorted(t, t[last] + (top - RECORD_HIGHEST * noise - level) / rate))
@@ -169,7 +169,7 @@ def _motion(t: Array, device: Array) -> tuple[tuple[Array, Array], tuple[float, 
     z, least = (t - middle) / half, SAME * float(np.ptp(device))
     line = np.polynomial.Polynomial(np.polynomial.polynomial.polyfit(z, device, 1))
     base, noise = (t[[0, -1]], line(np.array([-1.0, 1.0]))), _rms(device - line(z), 2)
-    if noise > RECORD_STRAIGHT * third_differences(device) + least:
+    if noise > RECORD_STRAIGHT * noise_from_third_differences(device) + least:
         knots = np.linspace(t[0], t[-1], min(RECORD_KNOTS, t.size // 4) + 1)
         places, pieces = through(t, device, knots)
         base, noise = (knots, places), _rms(device - pieces, knots.size)
@@ -207,7 +207,7 @@ ENDS = {"n": WHOLE_LAWS}
 
 
 @dataclass(frozen=True, eq=False)
-class LawThrough:
+class RateLawFit:
     """A ``law`` with its ``w0`` [J/m^2] through points of w over speed; ``names`` of what is free of them, and the
     covariance of their logs (None where the points do not separate them); ``speeds``: the range [m/s]; ``dof``: degrees
     of freedom."""
@@ -268,7 +268,7 @@ def log_rates(law: RateLaw, w0: float, v: Array) -> Array:
     return np.stack(rates) / (2 * step)
 
 
-def law_through(name: str, v: Array, w: Array, together: int = 1, v_err: Array | None = None) -> LawThrough | Unknown:
+def fit_rate_law(name: str, v: Array, w: Array, together: int = 1, v_err: Array | None = None) -> RateLawFit | Unknown:
     """The law called ``name`` nearest to works ``w`` [J/m^2] at speeds ``v`` > 0 [m/s], by their logs, robustly.
 
     ``together``: how many neighbouring points share their noise; ``v_err``: half-widths of the speeds [m/s]. Unknown
@@ -295,7 +295,7 @@ def law_through(name: str, v: Array, w: Array, together: int = 1, v_err: Array |
     inner = covariance((log_rates(law, w0, v) / sigma).T, factor)
     if v_err is not None:
         inner = larger(inner, _of_blocks(name, logs, v, w, sigma, best.x))
-    return LawThrough(law, w0, logs.names, inner, (float(ends[0]), float(ends[1])), dof)
+    return RateLawFit(law, w0, logs.names, inner, (float(ends[0]), float(ends[1])), dof)
 
 
 def _uneven(law: RateLaw, w0: float, v: Array, v_err: Array, residuals: Array) -> Array:
@@ -333,11 +333,11 @@ def receding(along: Sequence[WorkAlong]) -> tuple[Array, Array, int, Array]:
     return speeds, works, window, errors
 
 
-def law_along(along: Sequence[WorkAlong]) -> LawThrough | Unknown | None:
+def law_along(along: Sequence[WorkAlong]) -> RateLawFit | Unknown | None:
     """The power law through all receding edges ``along`` records; None where no time was recorded."""
     if all(item.timed is None for item in along):
         return None
-    return law_through("power", *receding(along))
+    return fit_rate_law("power", *receding(along))
 
 
 def _starts(logs: Unknowns, v: Array, w: Array) -> list[Array]:
@@ -552,7 +552,7 @@ class RateFit(Answer):
         names = tuple(name for name in ("w0", *vars(self.law)) if name in self.free)
         chosen = [self.free.index(name) for name in names]
         inner = None if self.covariance is None else self.covariance[np.ix_(chosen, chosen)]
-        return LawThrough(self.law, self.w0, names, inner, self.speeds, self.dof).band(v, self.settings.level)
+        return RateLawFit(self.law, self.w0, names, inner, self.speeds, self.dof).band(v, self.settings.level)
 
 
 def rate_settings(
@@ -715,7 +715,7 @@ class _Problem:
         along = self._along(elastic)
         v, w, *_ = receding(along)
         some = slice(None, None, 1 + v.size // (FIT_ROWS * len(along)))
-        through = law_through(self.settings.law, v[some], w[some], 1)
+        through = fit_rate_law(self.settings.law, v[some], w[some], 1)
         guesses = [] if isinstance(through, Unknown) or through.narrow else [through.values]
         speed = float(np.median(v)) if v.size else float(np.median([record.speed for record in self.records]))
         middle = float(np.median(w)) if w.size else float(np.median(along[0].w[along[0].ok]))

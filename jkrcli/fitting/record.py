@@ -14,7 +14,7 @@ from ..base.executors import Pool
 from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, SAME, Array
 from ..base.units import show
 from ..data.curve import APPROACH, RETRACT, TURNED, Curve
-from ..data.segmentation import ForceCurve, examine
+from ..data.segmentation import ForceCurve, segment_force_curve
 from ..methods.radii import ROOM
 from .alternatives import OF_RIVALS
 from .checks import warnings_of
@@ -35,20 +35,19 @@ from .force_curve import (
     windowed,
 )
 from .forward_model import FittedBody
-from .least_squares import Intervals, State, bootstrap, structure, t_quantile, wider
-from .least_squares import spread as covariance
+from .least_squares import Intervals, State, bootstrap, covariance_coloured, structure, t_quantile, wider
 from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, changes_by, dimension_of
 from .result import Fit
-from .rows import third_differences
+from .rows import noise_from_third_differences
 from .settings import AUTO, CALIBRATED, Settings
-from .verdict import by_rivals, judged
+from .verdict import attach_verdict, replace_by_best_alternative
 
 # --------------------------------------------------------------------------------------------------
 # What a force curve would make of one more unknown: one step of Gauss and Newton from the end of its fit.
 
 
 @dataclass(frozen=True, eq=False)
-class OneMore:
+class AddedParameter:
     """One step of Gauss and Newton from a fit with one more unknown, whose derivatives are the last column of ``J``;
     ``step``: of all unknowns; ``size``: of the last one's, in standard errors of white noise."""
 
@@ -58,7 +57,7 @@ class OneMore:
     size: float
 
     @classmethod
-    def of(cls, fit: ForceCurveFit, column: Array) -> OneMore:
+    def of(cls, fit: ForceCurveFit, column: Array) -> AddedParameter:
         off, J = fit.model.residuals(fit.x, 0.0)
         J, noise = np.column_stack([J, column]), fit.spread.noise
         scale = np.maximum(np.linalg.norm(J, axis=0), np.finfo(float).tiny)
@@ -76,24 +75,24 @@ class OneMore:
         """Its standard error."""
         model, weight = self.fit.model, self.fit.weight
         off = model.ordered(model.residuals(self.fit.x, 0.0)[0] + self.J @ self.step, weight)
-        spread = covariance(off, model.ordered(self.J, weight), (), weight)
+        spread = covariance_coloured(off, model.ordered(self.J, weight), (), weight)
         return math.sqrt(max(spread.covariance[-1, -1], 0.0))
 
 
-def drift_left_out(fit: ForceCurveFit) -> OneMore:
+def drift_left_out(fit: ForceCurveFit) -> AddedParameter:
     """A drift of z0 [m/s] that was not fitted: one step of a search that knows it."""
     model = replace(fit.model, positions=(*fit.model.positions, "drift"))
     values = fit.model.values(fit.x) | {"drift": 0.0}
     J = model.evaluated(model.unknowns(values), 0.0)[1]
-    return OneMore.of(fit, J[:, model.names.index("drift")])
+    return AddedParameter.of(fit, J[:, model.names.index("drift")])
 
 
-def another_modulus(fit: ForceCurveFit) -> OneMore:
+def another_modulus(fit: ForceCurveFit) -> AddedParameter:
     """Change of ln s on the way back against the way in that the data ask for: one step of a search with a modulus for
     each direction."""
     off, J = fit.model.residuals(fit.x, 0.0)
     back = np.arange(off.size) >= fit.model.stretches[0].P.size
-    return OneMore.of(fit, J[:, fit.names.index("ln_s")] * back)
+    return AddedParameter.of(fit, J[:, fit.names.index("ln_s")] * back)
 
 
 # --------------------------------------------------------------------------------------------------
@@ -204,7 +203,7 @@ FREE = (-math.inf, math.inf)
 ZEROS = frozenset({"delta0", "P0", "compliance"})  # always fitted, or known by the stiffness of the device
 
 
-def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
+def as_raw_force_curve(curve: Curve, settings: Settings) -> ForceCurve | None:
     """The record taken apart, where base line and contact are to be fitted together; None: the readings as they are.
 
     By itself that is so for records of a device whose deflection is known, or of both directions with a base line each;
@@ -220,7 +219,7 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
             raise InputError(f"{what} is for raw records of displacement and load, with --contact fitted or auto")
         return None
     try:
-        record = examine(curve)
+        record = segment_force_curve(curve)
     except InputError:
         if required:
             raise
@@ -266,7 +265,9 @@ def _raw(record: ForceCurve) -> bool:
     sides = [kind for kind in (APPROACH, RETRACT) if usable(record, kind)]
     delta, P = record.curve.device, record.curve.P
     assert P is not None
-    if third_differences(delta) * np.ptp(P) > WHOLE_RECORD_PLACED * third_differences(P) * np.ptp(delta):
+    if noise_from_third_differences(delta) * np.ptp(P) > WHOLE_RECORD_PLACED * noise_from_third_differences(P) * np.ptp(
+        delta
+    ):
         return False
     if len(sides) > 1 or (sides and record.curve.stiffness is not None):
         return True
@@ -557,11 +558,11 @@ def fit_record(
         return result_of(whole, joint)
     _refuse_undetermined(curve, joint)
     before.last = joint
-    plain = judged(_of_directions(of, result_of, whole, joint), whole, joint)
+    plain = attach_verdict(_of_directions(of, result_of, whole, joint), whole, joint)
     if settings.model != AUTO:
         return plain
     fresh = _model(whole, record, settings, waves, kinds)
-    return by_rivals(plain, whole, joint, fresh, partial(result_of, whole))
+    return replace_by_best_alternative(plain, whole, joint, fresh, partial(result_of, whole))
 
 
 def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
@@ -608,10 +609,10 @@ def _with_known(body: FittedBody, settings: Settings) -> FittedBody:
     return body.with_values({p.name: float(p.value) for p in settings.parameters if p.of_body and p.value is not None})
 
 
-def receding(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
+def receding_rows(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
     """The rows of a raw record's last direction on which the edge of the contact moves, less the base line and from the
     zero that fit best; a curve that is no raw record, or has no base line, as it is."""
-    record = whole_record(curve, settings)
+    record = as_raw_force_curve(curve, settings)
     if record is None or not any(usable(record, kind) for kind in requested(settings)):
         return curve
     _, best = _fitted(body, _model(body, record, settings, {}, directions_of(record, settings)), settings)
@@ -633,7 +634,7 @@ def _in_contact(best: ForceCurveFit, curve: Curve, parts: Sequence[DirectionRead
     return replace(curve.rows(rows[order]), delta=delta[order], P=P[order], segment=words[order], stiffness=None)
 
 
-def reduced(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[Curve, Settings]:
+def contact_rows(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[Curve, Settings]:
     """The rows of a raw record that are in contact, less the base lines and from the zero that fit best, for what its
     model does not know, and the settings by which they are fitted: the device is a compliance that is known, positions
     have no scatter, what the zeros err by is fitted again."""

@@ -27,7 +27,7 @@ from ..data.curve import Curve
 from .forward_model import FittedBody
 from .least_squares import SEARCH_MISFIT, SEARCH_REACH, Followed, Intervals, Least, LeastSquares, State, by_differences
 from .parameters import MODULUS, Answer, Nameable, Parameter, Unknowns, check_law, parameters_of, word
-from .rows import third_differences
+from .rows import noise_from_third_differences
 
 # --------------------------------------------------------------------------------------------------
 # What a device did, from its readings: straight pieces between corners.
@@ -42,7 +42,7 @@ MOTION_STRAIGHT = 1.1  # choice: scatter over the noise up to which no corner is
 
 def noise_of(column: Array) -> float:
     """Standard deviation of the readings of a column from row to row, not below what is the same."""
-    return max(third_differences(column), SAME * float(np.ptp(column)))
+    return max(noise_from_third_differences(column), SAME * float(np.ptp(column)))
 
 
 def noise_about(off: Array, column: Array, taken: float, unit: float = 1.0) -> float:
@@ -419,7 +419,9 @@ def timed_record(curve: Curve) -> TimedRecord:
         stiffness = 0.0 if control == "load" else _lever(curve) if control == "displacement" else math.inf
     of_rows, shared = (noise_of(imposed), noise_of(response)), 0.0
     if moved is not None and math.isfinite(_lever(curve)):  # where the load is a lever's, tip or device share its noise
-        both = [third_differences(imposed / of_rows[0] + sign * response / of_rows[1]) ** 2 for sign in (1, -1)]
+        both = [
+            noise_from_third_differences(imposed / of_rows[0] + sign * response / of_rows[1]) ** 2 for sign in (1, -1)
+        ]
         shared = (both[0] - both[1]) / 4 * of_rows[1] / of_rows[0]
     alone = max(of_rows[1] ** 2 - (shared * of_rows[0]) ** 2, (SAME * float(np.ptp(response))) ** 2)
     sigma = of_rows[0], math.sqrt(alone)

@@ -150,7 +150,7 @@ def _of_a_cycle(curve: Curve, segment: SegmentName | None, rows_of: Callable[[Se
     return first.joined(others[0], tuple(words))
 
 
-def directed(curve: Curve) -> Curve:
+def orient(curve: Curve) -> Curve:
     """The curve with words for its directions by the order of its rows, where no column has any and they go into the
     specimen and out again; several times, which is said."""
     driven = curve.delta if curve.delta is not None else curve.P
@@ -246,7 +246,7 @@ def in_contact(values: Mapping[str, Array], level: float) -> Array:
     touching = np.ones(size, dtype=bool)
     if not {"delta", "P"} <= set(values):
         return touching
-    P, delta, noise = values["P"], values["delta"], third_differences(values["P"])
+    P, delta, noise = values["P"], values["delta"], noise_from_third_differences(values["P"])
     lowest = int(np.argmin(P))
     force = level - P[lowest]
     if force > ROWS_ADHESION * noise or noise > ROWS_LARGEST_NOISE * np.ptp(P):
@@ -309,21 +309,21 @@ def _check_signs(curve: Curve, values: Mapping[str, Array]) -> None:
             )
 
 
-def scatter(values: Mapping[str, Array], units: Mapping[str, float]) -> dict[str, float]:
+def noise_estimate(values: Mapping[str, Array], units: Mapping[str, float]) -> dict[str, float]:
     """Standard deviation of the readings of each column from its third differences along the record.
 
     ``units``: size of the curve on each axis. Where rows are not in order of recording the differences show the curve
     rather than the noise: beyond ``largest_noise`` of the unit on any axis the units themselves are returned. No axis
     is taken as more exact than ``balance`` of the other, relative to the units.
     """
-    relative = {name: third_differences(values[name]) / units[name] for name in values}
+    relative = {name: noise_from_third_differences(values[name]) / units[name] for name in values}
     largest = max(relative.values())
     if largest > ROWS_LARGEST_NOISE or largest == 0:
         return {name: units[name] for name in values}
     return {name: max(part, ROWS_BALANCE * largest) * units[name] for name, part in relative.items()}
 
 
-def third_differences(column: Array) -> float:
+def noise_from_third_differences(column: Array) -> float:
     """Standard deviation of the noise in a ``column`` (n,), in its unit: the median size of third differences, which
     for independent normal noise scatter sqrt(20) times as much; infinite below 5 rows."""
     if column.size <= 4:
@@ -899,7 +899,9 @@ def search(body: FittedBody, points: Points, settings: Settings) -> Minimum:
     if points.edges is None:
         return _of_a_branch(body, points, settings)
     ranges = {name: float(np.ptp(column)) for name, column in points.values.items()}
-    settings = replace(settings, noise=scatter(points.values, ranges) | dict(settings.noise))  # in order of recording
+    settings = replace(
+        settings, noise=noise_estimate(points.values, ranges) | dict(settings.noise)
+    )  # in order of recording
     edges = set(points.edges)
     if RECEDING not in edges:
         return _of_a_branch(body, replace(points, edges=None), settings)
@@ -1116,7 +1118,7 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
     unknowns = [_unknowns(settings, start) for start in tried[:SEARCH_LOOKED_AT]]
     objective = Objective(body, settings.parameters, points, np.ones(len(points.columns)))
     sizes = _sizes(objective.readings(unknowns[0], rated=False), points)
-    scales = scatter(points.values, sizes) | dict(settings.noise)
+    scales = noise_estimate(points.values, sizes) | dict(settings.noise)
     objective = replace(objective, scales=np.array([scales[name] for name in points.columns]))
     if any(p.value is not None for p in settings.free):
         nearest = zip(settings.parameters, unknowns[0], strict=True)

@@ -19,7 +19,7 @@ from ..adhesion.validity import LIMITS
 from ..base.errors import InputError, SolveError
 from ..base.numerics import NOTICEABLE, SAME, Array
 from ..base.units import Ranged, show
-from ..bodies.problem import RADIUS, Loading, Problem, changed, unbounded
+from ..bodies.problem import RADIUS, Loading, Problem, changed, without_side_walls
 from ..data.curve import Curve
 from ..formulas import edge_angle, shift
 from ..methods.layered.solver import Layered, largest_radius
@@ -82,7 +82,7 @@ class TenseFamily:
     def of(cls, problem: Problem, depth: float) -> TenseFamily:
         """The family of curves as deep as ``depth`` [m] and beyond."""
         rounded = 10 ** (math.ceil(4 * math.log10(depth)) / 4)  # so that records share it
-        return _tabulated(replace(unbounded(problem), loading=Loading("depth", rounded, 1)))
+        return _tabulated(replace(without_side_walls(problem), loading=Loading("depth", rounded, 1)))
 
     def loads(self, delta: Array, s: float, kappa: float, w: float) -> Array:
         """P [N] on the stable branch under a given displacement ``delta`` [m], moduli ``s`` times the problem's; held

@@ -18,8 +18,8 @@ from .alternative_tests import (
     RecordRivals,
     RivalFit,
     Verdict,
-    bounded,
-    fitted_in_full,
+    fit_alternatives,
+    profile_bounds,
     relative_errors,
     rivals_of_record,
 )
@@ -36,11 +36,11 @@ VERDICT_LARGE = 0.3  # choice: share of E* or w that rivals may move it by, abov
 VERDICT_TENFOLD = 9.0  # theory: relative change of a quantity that becomes ten times as large
 
 
-def judged(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Fit:
+def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Fit:
     """The result with its verdict: that of a ``fit`` of all directions of the record."""
     settings = result.settings
     record = FittedRecord(body, fit, Known(settings.range_at_most, settings.tension_at_most, settings.level))
-    rivals = bounded(record, rivals_of_record(record))
+    rivals = profile_bounds(record, rivals_of_record(record))
     new = {name: sentence for name, sentence in _flags(rivals, fit) if name not in result.flags}
     estimates = tuple(_with_part(item, rivals) for item in result.estimates)
     warnings = tuple(f"{name}: {sentence}" for name, sentence in new.items())
@@ -50,7 +50,7 @@ def judged(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Fit:
     )  # fmt: skip
 
 
-def by_rivals(
+def replace_by_best_alternative(
     plain: Fit, body: FittedBody, fit: ForceCurveFit, fresh: ForceCurveModel, result_of: Callable[[ForceCurveFit], Fit]
 ) -> Fit:
     """The result by the best of the rivals that are taken, where the data ask for one; ``result_of`` a fit of the
@@ -58,7 +58,7 @@ def by_rivals(
     verdict = plain.verdict
     if verdict is None or not verdict.rivals.named:
         return plain
-    full = fitted_in_full(FittedRecord(body, fit), fresh, verdict.rivals)
+    full = fit_alternatives(FittedRecord(body, fit), fresh, verdict.rivals)
     verdict = replace(verdict, fitted=tuple(_fitted_rival(one, full[0], body) for one in full))
     if not verdict.tied:
         return replace(plain, verdict=verdict)

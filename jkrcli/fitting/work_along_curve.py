@@ -25,11 +25,11 @@ from ..base.numerics import ROUNDED, SETTLED, TOGETHER, Array, zeros_between
 from ..base.units import show
 from ..data.curve import Curve, Reading
 from ..data.measured import each
-from ..data.segmentation import examine
+from ..data.segmentation import segment_force_curve
 from ..series import Solution
 from ..tables import some
 from .forward_model import FittedBody, body_of
-from .record import receding
+from .record import receding_rows
 from .settings import Settings, settings_of
 
 PAIRS = (("a", "P"), ("a", "delta"), ("delta", "P"))  # the first needs no zero of the displacement
@@ -128,7 +128,7 @@ class Evaluation:
     def __call__(self, curve: Curve) -> WorkAlong:
         part, noise = curve, self.noise
         if self.fitted is not None and self.settings is not None:
-            part = receding(self.fitted, curve, self.settings)
+            part = receding_rows(self.fitted, curve, self.settings)
         if part is not curve:
             part, noise = replace(part, stiffness=curve.stiffness), {**_noise_of_base_line(curve), **noise}
         elif self.segment is not None:
@@ -138,7 +138,7 @@ class Evaluation:
 
 def _noise_of_base_line(record: Curve) -> dict[str, float]:
     """Standard deviation of the load of a raw record by its last base line, "P" [N]; none without one."""
-    lines = [item.base for item in examine(record).directions if item.begins_free]
+    lines = [item.base for item in segment_force_curve(record).directions if item.begins_free]
     return {"P": math.hypot(lines[-1].noise, lines[-1].waviness)} if lines else {}
 
 

@@ -60,7 +60,7 @@ class State:
 
 
 @dataclass(frozen=True, eq=False)
-class Level:
+class MeshLevel:
     """One mesh: ``size``: of the elements at the edge of the largest contact [m]; ``seconds``: CPU of the solve."""
 
     size: float
@@ -80,13 +80,13 @@ class Level:
 
 
 @dataclass(frozen=True, eq=False)
-class Meshes:
+class MeshSequence:
     """Meshes from coarse to fine, all judged at ``depth`` [m]; ``exact``: of the wide body, None for a finite one."""
 
     problem: Problem
     w: float
     depth: float
-    levels: tuple[Level, ...]
+    levels: tuple[MeshLevel, ...]
     exact: State | None
 
     def values(self, quantity: str) -> list[float | None]:
@@ -141,13 +141,13 @@ def richardson(values: Sequence[float | None]) -> tuple[float, float] | Unknown:
 
 
 @dataclass(frozen=True, eq=False)
-class Convergence(Meshes, Result):
+class Convergence(MeshSequence, Result):
     """A study of meshes as a result."""
 
     @property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
         """A row per mesh; the pull-off cell is empty where it lies outside the series."""
-        return tables.by_columns([
+        return tables.transpose_rows([
             level.cells | {"pull_off_P_N": level.state.values["pull_off"], "points_kept": level.kept,
                            "points_dropped": level.dropped, "cpu_s": level.seconds}
             for level in self.levels
@@ -240,7 +240,7 @@ def converge(
     for solution, radii, seconds in meshes:
         series, facts = solution.series, solution.facts
         state = _state(solution.increments, series, slopes_name, w, depth)
-        levels.append(Level(spacing_at(radii, largest), state, facts["elements"], facts["unknowns"], len(series),
+        levels.append(MeshLevel(spacing_at(radii, largest), state, facts["elements"], facts["unknowns"], len(series),
                             facts["dropped"], seconds))  # fmt: skip
     return Convergence(problem, w, depth, tuple(levels), _exact(problem, w, depth))
 
@@ -312,12 +312,12 @@ UNKNOWNS = "unknowns"
 COLORS = (ORANGE, BLUE, GREEN, "#CC79A7", "#56B4E9", "#E69F00", "#F0E442")
 
 
-def convergence_figure(study: Meshes) -> Figure:
+def convergence_figure(study: MeshSequence) -> Figure:
     """Contact radius over element size, adhesive curves, errors, and what the meshes cost."""
     return panels_figure([radius_panel(study), curves_panel(study), errors_panel(study), cost_panel(study)])
 
 
-def radius_panel(study: Meshes) -> Panel:
+def radius_panel(study: MeshSequence) -> Panel:
     """Contact radius at the depth of the study over the number of unknowns."""
     unit, label = axis_of("a", study.levels[-1].state.a)
     unknowns = _unknowns(study)
@@ -327,7 +327,7 @@ def radius_panel(study: Meshes) -> Panel:
     return Panel(UNKNOWNS, label, lines, logs="x")
 
 
-def curves_panel(study: Meshes) -> Panel:
+def curves_panel(study: MeshSequence) -> Panel:
     """Adhesive load over displacement of every mesh."""
     curves = [(level, level.state.curve) for level in study.levels if not isinstance(level.state.curve, Unknown)]
     if not curves:
@@ -344,7 +344,7 @@ def curves_panel(study: Meshes) -> Panel:
     return Panel(delta_label, P_label, lines)
 
 
-def errors_panel(study: Meshes) -> Panel:
+def errors_panel(study: MeshSequence) -> Panel:
     """Relative errors over the number of unknowns."""
     unknowns = _unknowns(study)
     lines = []
@@ -357,7 +357,7 @@ def errors_panel(study: Meshes) -> Panel:
     return Panel(UNKNOWNS, f"difference to {against} (%)", lines, logs="xy")
 
 
-def cost_panel(study: Meshes) -> Panel:
+def cost_panel(study: MeshSequence) -> Panel:
     """Points kept and CPU seconds over the number of unknowns."""
     unknowns = _unknowns(study)
     counts = np.array([level.kept for level in study.levels], dtype=float)
@@ -366,6 +366,6 @@ def cost_panel(study: Meshes) -> Panel:
     return Panel(UNKNOWNS, "points kept", [points], logs="xy", right=("CPU time (s)", time))
 
 
-def _unknowns(study: Meshes) -> Array:
+def _unknowns(study: MeshSequence) -> Array:
     """The axis of the study: it grows from mesh to mesh, while coarse meshes may share their largest element."""
     return np.array([level.unknowns for level in study.levels], dtype=float)

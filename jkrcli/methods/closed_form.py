@@ -15,7 +15,7 @@ from ..base.process import PATIENCE, StageClock
 from ..base.units import show
 from ..bodies.indenters import Paraboloid, Sphere
 from ..bodies.materials import Elastic, Layer
-from ..bodies.problem import Loading, Problem, Rigid, unbounded
+from ..bodies.problem import Loading, Problem, Rigid, without_side_walls
 from ..series import COLUMNS, ErrorBudget, Series, Solution
 from .layered.solver import Layered
 from .protocol import Forecast, without_coating, without_tension
@@ -170,7 +170,7 @@ def _long(layered: Layered, problem: Problem) -> str | None:
 def _leading_order_error(problem: Problem, formula: Formula, radii: Array) -> float:
     """Largest relative difference of delta, P, S and S' to the exact layer solution at the increasing ``radii``, where
     that is no quick matter at the largest one below; SolveError where there is none."""
-    layered, wide, worst = Layered(SAME), unbounded(problem), 0.0
+    layered, wide, worst = Layered(SAME), without_side_walls(problem), 0.0
     for a in radii.tolist():
         while (reason := _long(layered, exactly := replace(wide, loading=Loading.given("radius", (a,))))) is not None:
             if worst > CLOSED_FORM_WORST:

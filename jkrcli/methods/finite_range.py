@@ -18,7 +18,7 @@ import numpy as np
 from ..base.errors import Refusal
 from ..base.numerics import MOST_STEPS, NOTICEABLE, ROUNDED, UNSEEN, Array
 from ..base.units import show
-from ..bodies.problem import Problem, alone, unbounded
+from ..bodies.problem import Problem, alone, without_side_walls
 from ..series import KeptKernel
 from .integral.finite_range import Attraction
 from .layered.contact import GRADED, LayeredContact
@@ -58,7 +58,7 @@ class AttractedBody:
 
     @cached_property
     def _wide(self) -> LayeredContact:
-        problem = unbounded(self.problem)
+        problem = without_side_walls(self.problem)
         return LayeredContact(problem.indenter, problem.specimen)
 
     @cached_property

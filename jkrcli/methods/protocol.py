@@ -160,7 +160,7 @@ class Limits:
     hours: float = 1.0
 
 
-def admit(what: str, forecast: Forecast, limits: Limits, less: str = LESS) -> str | None:
+def check_cost(what: str, forecast: Forecast, limits: Limits, less: str = LESS) -> str | None:
     """A sentence on what ``what`` will cost, None where that is little; Refusal beyond the limits, with the advice to
     ask for ``less``."""
     memory, hours = forecast.memory_mib / 1024, forecast.seconds / 3600

@@ -15,7 +15,7 @@ from ..bodies.problem import Problem
 from ..case.models import CaseModel, method_of
 from ..case.reading import Case
 from ..methods.protocol import Choice, Option, choose_method, survey
-from ..resolve.neglected import Expectation, LeftOut, expect, left_out
+from ..resolve.neglected import EffectsPreview, NeglectedEffect, neglected_effects, preview_effects
 from . import tables
 from .result import Result
 
@@ -31,8 +31,8 @@ class Check(Result):
     problem: Problem
     choice: Choice
     options: Sequence[Option]
-    expected: Expectation | Unknown
-    left_out: Sequence[LeftOut]
+    expected: EffectsPreview | Unknown
+    left_out: Sequence[NeglectedEffect]
     range_: str | Unknown
     remarks: Sequence[str]
 
@@ -94,7 +94,7 @@ class Check(Result):
             regime = f": {judged.regime}" if not isinstance(judged.tabor, Unknown) else ""
             regime = regime if range_ == "" else "" if isinstance(range_, Unknown) else f"; {range_}"
             tabor = f"Tabor number {_ratio(judged.tabor)}{regime}"
-            lost = [point.reason] if isinstance(point, Unknown) else [tables.state_words(point, name) for name in "Pa"]
+            lost = [point.reason] if isinstance(point, Unknown) else [tables.format_state(point, name) for name in "Pa"]
             yield f"  w = {show(w, 'work')}: pull-off (load control) {' at '.join(lost)}; {tabor}"
         for *_, judged in expected.adhesion[-1:]:
             if known := tables.size_words(judged, SIZES):
@@ -111,19 +111,19 @@ def _range(model: CaseModel, method: str) -> str | Unknown:
     return Unknown(reason) if reason else "its range will be solved; the force here is that of JKR"
 
 
-def _left_out(model: CaseModel, expected: Expectation | Unknown) -> Sequence[LeftOut]:
+def _left_out(model: CaseModel, expected: EffectsPreview | Unknown) -> Sequence[NeglectedEffect]:
     """What the case leaves out, at the depth expected; nothing where that is not known."""
     if isinstance(expected, Unknown):
         return ()
     adhesion = model.adhesion
     ranged = adhesion.range or adhesion.stress or adhesion.capillary
-    return left_out(model.problem(), expected, adhesion.w, None if ranged else adhesion.z0)
+    return neglected_effects(model.problem(), expected, adhesion.w, None if ranged else adhesion.z0)
 
 
-def _expected(model: CaseModel) -> Expectation | Unknown:
+def _expected(model: CaseModel) -> EffectsPreview | Unknown:
     """What to expect, or why that is not known."""
     try:
-        return expect(model.problem(), model.adhesion.w, model.adhesion.z0)
+        return preview_effects(model.problem(), model.adhesion.w, model.adhesion.z0)
     except Refusal as error:
         return Unknown(str(error))
 
@@ -136,7 +136,7 @@ def _option(option: Option) -> str:
     return f"about {option.cost}, {option.forecast.memory_mib:.0f} MiB{note}{against}"
 
 
-def _as_dict(expected: Expectation | Unknown) -> dict[str, Any]:
+def _as_dict(expected: EffectsPreview | Unknown) -> dict[str, Any]:
     if isinstance(expected, Unknown):
         return {"expectation": expected}
     adhesion = [{"w_J_per_m2": w, "pull_off": tables.point(p), "validity": vars(v)} for w, p, v in expected.adhesion]
@@ -149,7 +149,7 @@ def _ratio(value: Estimate) -> str:
     return f"none ({value})" if isinstance(value, Unknown) else f"{value:.3g}"
 
 
-def _worst(rows: Sequence[LeftOut]) -> Iterator[str]:
+def _worst(rows: Sequence[NeglectedEffect]) -> Iterator[str]:
     """The three things left out that change most, with what of."""
     known = [(one.name, one.largest) for one in rows if not one.included and one.largest is not None]
     changes = [f"{name} ({quantity} {_percent(change)})" for name, (quantity, change) in known
@@ -158,7 +158,7 @@ def _worst(rows: Sequence[LeftOut]) -> Iterator[str]:
         yield f"  left out  {', '.join(changes) or f'nothing that changes a result by {NOTICEABLE:.1%}'}"
 
 
-def _table(rows: Sequence[LeftOut]) -> Iterator[str]:
+def _table(rows: Sequence[NeglectedEffect]) -> Iterator[str]:
     """Every thing with its changes, and its key or why nothing is known of it."""
     if rows:
         yield f"  {'what each thing left out would change':<37}     load        S  pull-off  included by"

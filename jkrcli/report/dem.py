@@ -17,7 +17,7 @@ from ..base.units import show
 from ..formulas import jkr
 from ..resolve.analysis import Analysis
 from .result import Result
-from .tables import quantities, state_words
+from .tables import format_state, quantities
 
 CODE = Template(resources.files(__package__).joinpath("dem.c").read_text(encoding="utf-8"))
 
@@ -85,7 +85,7 @@ class Exported(Result):
         law, result = self.law, self.result
         w, end = result.w, show(law.delta[-1], "length")
         lines = [
-            f"tear-off at {state_words(law.tear_off, 'P delta')} (displacement control), w = {show(w, 'work')}: "
+            f"tear-off at {format_state(law.tear_off, 'P delta')} (displacement control), w = {show(w, 'work')}: "
             f"{result.path}",
             f"  table      {law.delta.size} rows up to {end}, good to {law.error:.1g} between",
             f"  touch      {_state(0.0, law.jump_in.P)}",

@@ -18,13 +18,13 @@ from ..adhesion.curve import (
     Equilibrium,
     EquilibriumCurve,
     control,
-    yielding,
+    yield_warning,
 )
 from ..adhesion.device_path import Jump, Program
 from ..adhesion.energy_error import energy_lost_error, separation_error
 from ..adhesion.from_rest import AT_MOST, FROM_REST, FromRest, LoadingHistory
 from ..adhesion.pull_off_error import Errors
-from ..adhesion.stability import Behaviour, Cycle, cycle, stable_radius, trace, turning_radius
+from ..adhesion.stability import Cycle, Stability, cycle, stable_radius, trace, turning_radius
 from ..adhesion.validity import Strains, faces, strain_words
 from ..base.errors import Estimate, InputError, Unknown, accuracy, known
 from ..base.files import lists
@@ -34,12 +34,12 @@ from ..bodies.materials import relaxing
 from ..resolve.analysis import Analysis, Lost, analyse
 from ..resolve.comparison import StickingEffect, effect_as_json, effect_on
 from ..resolve.histories import LostByHistory, strains_after
-from ..resolve.refine_pull_off import is_solved
+from ..resolve.refine_pull_off import is_refined
 from ..series import Solution
 from ..series.differences import Difference, curve_differences, series_differences
 from . import tables
 from .result import Figure, Result
-from .tables import Scales, by_columns, quantities, read_curve, state_words
+from .tables import Scales, format_state, quantities, read_curve, transpose_rows
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ class Transformed(Analysis, Result):
         """Where contact is lost, what the numbers are worth, what an exact solution says."""
         errors = self.pull_off_errors
         points = {f"{name} control": (point, errors.get(name)) for name, point in self.pull_off.items()}
-        return [*tables.lost_words(self, points), *(f"  {line}" for line in _of_curve(self))]
+        return [*tables.format_pull_off(self, points), *(f"  {line}" for line in _of_curve(self))]
 
     @property
     def units(self) -> Scales:
@@ -100,7 +100,7 @@ def figure_of(results: Sequence[Transformed]) -> Figure:
 def _of_curve(result: Analysis) -> Iterator[str]:
     for name, point in result.pull_off.items():
         if isinstance(point, CriticalPoint):
-            between = "" if is_solved(result.curve, point) else "; interpolated"
+            between = "" if is_refined(result.curve, point) else "; interpolated"
             P = show(point.P, "load", tables.digits(point.P, result.large_strains(point)))
             yield (
                 f"{name + ' control':<21} P = {P:<11} delta = {show(point.delta, 'length'):<12} "
@@ -213,7 +213,7 @@ class PullOff(Result):
 
     def words(self) -> list[str]:
         result, points = self.result, {control(means.stiffness): (means.pull_off, error) for means, error in self.lost}
-        lines = [*tables.lost_words(result, points), *_validity(result, *self._points)]
+        lines = [*tables.format_pull_off(result, points), *_validity(result, *self._points)]
         if isinstance(self.histories, Unknown):
             lines.insert(1, f"  after other histories: none: {self.histories}")
         elif self.histories:
@@ -239,7 +239,7 @@ def _by_history(result: Analysis, found: Sequence[LostByHistory]) -> list[str]:
     for one in found:
         further = "" if one.solved_to is None else f"; solved on to a = {show(one.solved_to, 'length')}"
         words = one.history.words + ": at most" * (one.history.name == AT_MOST)
-        rest = f" (there {tables.state_words(one.curve.rest)})" if isinstance(one.curve, FromRest) else ""
+        rest = f" (there {tables.format_state(one.curve.rest)})" if isinstance(one.curve, FromRest) else ""
         lines.append(f"  {words}{rest}{further}")
         for k, (point, error) in one.lost.items():
             # The largest force of any history, whose displacement depends on it.
@@ -343,7 +343,7 @@ class MeasuredByHistory(Result):
             error = "" if isinstance(one.error, Unknown) or not one.parts else f" ± {show(one.error, 'work', 3)}"
             series = one.series if isinstance(one.series, Unknown) else one.series / one.work.w
             lines.append(
-                f"  {words}: w = {show(one.work.w, 'work')}{error}, {tables.state_words(one.work.point, 'a')}; "
+                f"  {words}: w = {show(one.work.w, 'work')}{error}, {tables.format_state(one.work.point, 'a')}; "
                 f"{tables.error_words(series, one.large_strains)}"
             )
         if not any(one.parts for _, one in self.found if not isinstance(one, Unknown)):
@@ -394,7 +394,7 @@ class MeasuredPullOff(Result):
         lines = [
             f"w = {show(work.w, 'work', tables.digits(work.w, change))}{error}: the pull-off force "
             f"{show(work.load, 'load')} of {means.result.path} ({control(work.stiffness)}, "
-            f"{tables.state_words(work.point, 'a')})"
+            f"{tables.format_state(work.point, 'a')})"
         ]
         if means.parts:
             parts = (f"{name} {show(part, 'work')}" for name, part in means.parts.items())
@@ -414,11 +414,11 @@ class MeasuredPullOff(Result):
         return lines + _validity(means.result, work.point)
 
 
-def _solved(result: Analysis, behaviour: Behaviour) -> bool:
-    return isinstance(behaviour.pull_off, Equilibrium) and is_solved(result.curve, behaviour.pull_off)
+def _solved(result: Analysis, behaviour: Stability) -> bool:
+    return isinstance(behaviour.pull_off, Equilibrium) and is_refined(result.curve, behaviour.pull_off)
 
 
-def _control(result: Analysis, behaviour: Behaviour, error: Errors | Unknown | None) -> list[str]:
+def _control(result: Analysis, behaviour: Stability, error: Errors | Unknown | None) -> list[str]:
     """Points, jumps and energies under one control."""
     point = behaviour.pull_off
     digits = tables.digits(point.P, result.large_strains(point)) if isinstance(point, CriticalPoint) else 4
@@ -462,7 +462,7 @@ def _validity(result: Analysis, *points: CriticalPoint | Unknown) -> list[str]:
     judged = result.validity_at(*points)
     tabor = [f"Tabor number {judged.tabor:.3g}: {judged.regime}"] if isinstance(judged.tabor, float) else []
     warnings = [warning for warning in judged.warnings if not warning.startswith(ABOVE)]
-    warnings += [*yielding(result.problem, result.curve), *getattr(result.curve, "doubts", ())]
+    warnings += [*yield_warning(result.problem, result.curve), *getattr(result.curve, "doubts", ())]
     warnings += faces(result.problem.indenter, result.w, bool(result.problem.layers))
     lines = [*tabor, ", ".join(tables.size_words(judged, SIZES)), *warnings]
     return [f"  {line}" for line in lines if line.strip()]
@@ -567,8 +567,8 @@ class Cycled(Result):
         lines = [
             f"{_energy_words(self._energies)}: {self.file}",
             _device_words(cycle.stiffness, inwards.w, outwards.w),
-            f"  {start} {tables.state_words(begin, 'P a')}",
-            f"  turn at {tables.state_words(inwards.point(cycle.turn), 'a')}",
+            f"  {start} {tables.format_state(begin, 'P a')}",
+            f"  turn at {tables.format_state(inwards.point(cycle.turn), 'a')}",
             *(f"  {_jump(jump)}" for jump in (*cycle.approach.jumps, *cycle.retraction.jumps)),
         ]
         if cycle.retraction.ends != "lost":
@@ -662,10 +662,10 @@ def _device_words(stiffness: float, approach: float, retraction: float) -> str:
 
 
 def _jump(jump: Jump) -> str:
-    start = tables.state_words(jump.start)
+    start = tables.format_state(jump.start)
     if jump.end is None:
         return f"contact is lost at {start}"
-    return f"contact jumps from {start} to {tables.state_words(jump.end, 'P a')}"
+    return f"contact jumps from {start} to {tables.format_state(jump.end, 'P a')}"
 
 
 # --------------------------------------------------------------------------------------------------
@@ -724,7 +724,7 @@ class Compared(Result):
 
     @property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
-        return by_columns([{"column": name, **row} for name, row in self._rows.items()])
+        return transpose_rows([{"column": name, **row} for name, row in self._rows.items()])
 
     def summary(self) -> dict[str, Any]:
         files = {"first": str(self.first), "second": str(self.second)}
@@ -773,7 +773,7 @@ class Profile(Result):
         return {"file": str(self.path), **quantities(self, "a w"), **lists(self.columns)}
 
     def words(self) -> list[str]:
-        return [f"{state_words(self, 'a w')}: {self.path}"]
+        return [f"{format_state(self, 'a w')}: {self.path}"]
 
     def figure(self) -> Figure:
         from .plots.forward import profile_figure
@@ -838,7 +838,7 @@ class Fields(Result):
     def words(self) -> list[str]:
         state, summary = self.state, self.summary()
         return [
-            f"{state_words(state, 'P a delta')}, w = {show(self.curve.w, 'work')}: {self.curve.path}",
+            f"{format_state(state, 'P a delta')}, w = {show(self.curve.w, 'work')}: {self.curve.path}",
             f"  load         of the series {show(self.P, 'load')}: {summary['difference']:.0e} of the forces in the "
             f"contact apart; {summary['elements']} elements",
             *(

@@ -20,12 +20,12 @@ from ..base.units import SI, scale, show
 from ..bodies.indenters import Indenter
 from ..data import measured, text_formats
 from ..data.curve import ARBITRARY
-from ..data.segmentation import Direction, ForceCurve, examine, saturation
+from ..data.segmentation import Direction, ForceCurve, saturation, segment_force_curve
 from ..fitting import alternative_tests, alternatives, range_alternative
 from ..fitting.joint import JointFit
 from ..fitting.parameters import FittedValue
 from ..fitting.procedure import Failure
-from ..fitting.rate import LawThrough, RateFit, law_along
+from ..fitting.rate import RateFit, RateLawFit, law_along
 from ..fitting.relaxation import RelaxationFit
 from ..fitting.result import Fit, JKRBeside
 from ..fitting.surface_tension import TensionFit
@@ -37,7 +37,7 @@ from ..tables import some
 from . import archive
 from .rate import RELAXATION_NEGLECTED, law_words, relaxation_law_summary, through_summary, through_words
 from .result import SHOWN, Figure, Result, Several
-from .tables import DIMENSIONS, by_columns, quantities, stacked, stiffness, with_unit
+from .tables import DIMENSIONS, quantities, stacked, stiffness, transpose_rows, with_unit
 
 ALWAYS = ("file", "curve", "status", "reason", "points")
 SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
@@ -123,7 +123,7 @@ def _surfaces(fits: Sequence[Fit]) -> set[str]:
 
 def columns(outcomes: Sequence[Fit | Failure]) -> dict[str, list[Any]]:
     """The table of all curves, a row for each in their order, by columns; None where there is no value."""
-    return by_columns([_row(item) for item in outcomes])
+    return transpose_rows([_row(item) for item in outcomes])
 
 
 def _row(item: Fit | Failure) -> dict[str, Any]:
@@ -576,7 +576,7 @@ class _OfFits(Several):
     @property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
         """A row per record: its estimates with their standard errors, and the scatter."""
-        return by_columns([
+        return transpose_rows([
             {"curve": fit.record.curve.where, "law": fit.settings.law, **_values(fit), "scatter": fit.scatter,
              "rows": fit.record.t.size} for fit in self.fits
         ])  # fmt: skip
@@ -680,7 +680,7 @@ class Work(Result):
     curves: Sequence[WorkAlong]
     skipped: Sequence[str]
     body: Analysis
-    law: LawThrough | Unknown | None
+    law: RateLawFit | Unknown | None
 
     @classmethod
     def of(
@@ -750,7 +750,7 @@ class Work(Result):
     def figure(self) -> Figure:
         from .plots.inverse import work_figure
 
-        return work_figure(self.curves, self.law if isinstance(self.law, LawThrough) else None)
+        return work_figure(self.curves, self.law if isinstance(self.law, RateLawFit) else None)
 
 
 def _labels(item: WorkAlong) -> dict[str, list[Any]]:
@@ -873,7 +873,7 @@ class Look(Result):
                 try:
                     if isinstance(curve, InputError):
                         raise curve
-                    records.append(examine(curve))
+                    records.append(segment_force_curve(curve))
                 except InputError as error:
                     unusable += error.lines
         except InputError as error:

@@ -21,12 +21,12 @@ from ..base.errors import Estimate, InputError, SolveError, Unknown, known
 from ..base.numerics import NOTICEABLE, ROWS, SAME, UNSEEN, Array
 from ..base.units import show
 from ..bodies.materials import RELAXATIONS, Relaxation
-from ..fitting.rate import LawThrough
+from ..fitting.rate import RateLawFit
 from ..resolve.analysis import Analysis
 from ..resolve.histories import checked_histories
 from ..series import Solution
 from .result import Figure, Result, Several, as_result
-from .tables import cycle_title, device, energies, speed_words, state_words, timed, timed_jump, with_unit
+from .tables import cycle_title, device, energies, format_state, speed_words, timed, timed_jump, with_unit
 
 VAGUE = 1.0  # relative standard error, theory: one as large as the parameter does not tell it from zero
 
@@ -137,16 +137,16 @@ class CycledAtSpeed(History, Result):
         contact, pulled, lost = self.contact, self.pull_off, self.lost
         works = show(contact.w_advance, "work"), show(contact.w0, "work")
         lines = [
-            f"pull-off force {show(-pulled.P, 'load')} at {state_words(pulled, 't delta a')}; "
+            f"pull-off force {show(-pulled.P, 'load')} at {format_state(pulled, 't delta a')}; "
             f"edge up to {show(self.fastest, 'speed')}: {self.body.path}",
             f"  {self.control}, w = {works[0]} on approach, from {works[1]} on retraction; {law_words(contact.law)}",
-            *(f"  contact jumps at t = {show(jump.t, 'time')} from {state_words(jump.start, 'a')} to "
-              f"{state_words(jump.end, 'a P')}" for jump in self.jumps if jump.end is not None),
+            *(f"  contact jumps at t = {show(jump.t, 'time')} from {format_state(jump.start, 'a')} to "
+              f"{format_state(jump.end, 'a P')}" for jump in self.jumps if jump.end is not None),
         ]  # fmt: skip
         end = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost.t, 'time')}"
         if lost is not None and self.waited is not None:
             loaded = contact.stiffness == LOAD_CONTROL
-            where = f"at {state_words(lost.start, 'P')}" if loaded else "with the device at rest"
+            where = f"at {format_state(lost.start, 'P')}" if loaded else "with the device at rest"
             end += f", after {show(self.waited, 'time')} {where}"
         lines.append(f"  {end}; the contact stopped growing at t = {show(self.turn, 'time')}")
         energy = self.energy_lost
@@ -155,7 +155,7 @@ class CycledAtSpeed(History, Result):
         return lines
 
 
-def through_summary(through: LawThrough | Unknown | None) -> dict[str, Any] | None:
+def through_summary(through: RateLawFit | Unknown | None) -> dict[str, Any] | None:
     """The law through points of w over speed, or why there is none; None where no time was recorded."""
     if through is None or isinstance(through, Unknown):
         return None if through is None else {"law": None, "reason": through.reason}
@@ -170,7 +170,7 @@ def through_summary(through: LawThrough | Unknown | None) -> dict[str, Any] | No
     }
 
 
-def through_words(through: LawThrough | Unknown) -> str:
+def through_words(through: RateLawFit | Unknown) -> str:
     """The law through points of w over the speed in a line, or that the points determine none of its parameters."""
     if isinstance(through, Unknown):
         return f"no law over speed: {through.reason}"
@@ -250,9 +250,9 @@ class CycledRelaxing(RelaxedHistory, Result):
     def words(self) -> list[str]:
         peak, lost = self.peak, self.lost
         lines = [
-            f"largest load {show(peak.P, 'load')} at {state_words(peak, 't delta a')}: {self.file}",
+            f"largest load {show(peak.P, 'load')} at {format_state(peak, 't delta a')}: {self.file}",
             f"  {control(self.contact.stiffness)}, no adhesion; {self.contact.law}",
-            *(f"  at {state_words(one, 't')} {state_words(one)}" for one in self.corners if one.t > peak.t),
+            *(f"  at {format_state(one, 't')} {format_state(one)}" for one in self.corners if one.t > peak.t),
         ]
         ends = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost, 'time')}"
         energy = "" if isinstance(self.energy_lost, Unknown) else f"; energy lost per cycle {self.energy_lost:.4g} J"
@@ -335,11 +335,11 @@ class CycledAdhering(AdhesiveHistory, Result):
         known_to = "" if isinstance(error, Unknown) else f" ± {error:.1g} of it"
         zone = show(pulled.c - pulled.a, "length") if pulled.c is not None else "unknown"
         lines = [
-            f"pull-off force {show(-pulled.P, 'load')}{known_to} at {state_words(pulled, 't delta a')}, the zone "
+            f"pull-off force {show(-pulled.P, 'load')}{known_to} at {format_state(pulled, 't delta a')}, the zone "
             f"{zone} wide: {self.file}",
             f"  {self.control}, w = {show(contact.law.w, 'work')}, cohesive stress "
             f"{show(contact.law.stress, 'modulus')}; {contact.relaxation}",
-            *(f"  at {state_words(one, 't')} {state_words(one)}" for one in self.corners if one.t < pulled.t),
+            *(f"  at {format_state(one, 't')} {format_state(one)}" for one in self.corners if one.t < pulled.t),
         ]
         forces = [f"{show(-P, 'load')} ({name})" for name, P in self.limits.items() if not isinstance(P, Unknown)]
         if forces:

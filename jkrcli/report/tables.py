@@ -23,7 +23,7 @@ from ..adhesion.curve import (
 )
 from ..adhesion.device_path import Jump, Program, TimedState
 from ..adhesion.pull_off_error import Errors
-from ..adhesion.stability import Behaviour, branch
+from ..adhesion.stability import Stability, branch
 from ..adhesion.validity import Strains, Validity, strain_size, strain_words
 from ..base import process
 from ..base.errors import Estimate, InputError, Unknown, accuracy, known
@@ -47,7 +47,7 @@ DIMENSIONS = {  # of quantities by their names
 }  # fmt: skip
 
 
-def by_columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
+def transpose_rows(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
     """The table of ``rows``, each by the names of its cells, by columns; None where a row has no such cell."""
     return {name: [row.get(name) for row in rows] for name in dict.fromkeys(name for row in rows for name in row)}
 
@@ -75,7 +75,7 @@ def size_words(judged: Validity, sizes: Mapping[str, str]) -> list[str]:
     return [f"{name} = {value:.3g}" for name, value in values if isinstance(value, float)]
 
 
-def state_words(state: Any, names: str = "P delta a") -> str:
+def format_state(state: Any, names: str = "P delta a") -> str:
     """The numbers of a ``state`` that are called ``names``: ``P = 1 mN, delta = 2 um, a = 3 um``."""
     return ", ".join(f"{name} = {show(getattr(state, name), DIMENSIONS[name])}" for name in names.split())
 
@@ -204,7 +204,7 @@ def strains(change: Strains) -> dict[str, Any]:
     return {} if change is None else {"large_strains": list(change)}
 
 
-def lost_words(
+def format_pull_off(
     result: Analysis, points: Mapping[str, tuple[Equilibrium | Unknown, Errors | Unknown | None]]
 ) -> list[str]:
     """The verdict on a curve: its pull-off force under each control, ``points`` with their half-widths; then the
@@ -273,10 +273,10 @@ def validity(result: Analysis, *points: CriticalPoint | Unknown) -> dict[str, An
 
 def stable_states(result: Analysis) -> dict[str, Any]:
     """What the curve means under load and under displacement control."""
-    return {name: under_control(stability.behaviour(result.curve, k)) for name, k in CONTROLS.items()}
+    return {name: under_control(stability.stability_under(result.curve, k)) for name, k in CONTROLS.items()}
 
 
-def under_control(behaviour: Behaviour) -> dict[str, Any]:
+def under_control(behaviour: Stability) -> dict[str, Any]:
     """Everything that is read off a curve under one control; a null with its reason where there is no number."""
     return {
         "critical_points": [{"kind": item.kind, **point(item)} for item in behaviour.critical],
@@ -315,13 +315,13 @@ def stiffness(k: float) -> float | None:
     return None if k == DISPLACEMENT_CONTROL else k
 
 
-def energy_lost_error(behaviour: Behaviour) -> Estimate:
+def energy_lost_error(behaviour: Stability) -> Estimate:
     """90 % half-width of the energy lost per cycle [J], or why there is none."""
     whole = behaviour.whole
     return whole if isinstance(whole, Unknown) else energy_error.energy_lost_error(whole)
 
 
-def separation_error(behaviour: Behaviour) -> Estimate:
+def separation_error(behaviour: Stability) -> Estimate:
     """90 % half-width of the work of separation [J], or why there is none."""
     retraction, separation = behaviour.retraction, behaviour.separation
     if retraction is None or isinstance(separation, Unknown):

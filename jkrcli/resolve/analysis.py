@@ -19,17 +19,17 @@ from ..adhesion.curve import (
     AdhesiveCurve,
     CriticalPoint,
     EquilibriumCurve,
-    resolved,
-    yielding,
+    mask_below_atomic_spacing,
+    yield_warning,
 )
 from ..adhesion.finite_range import Range, RangeRequest
 from ..adhesion.interpolation import Nonadhesive
-from ..adhesion.pull_off_error import Errors, point_error
+from ..adhesion.pull_off_error import Errors, pull_off_error
 from ..adhesion.slopes import RULES
 from ..adhesion.slopes.choice import slopes, smoothed
 from ..adhesion.slopes.node_radii import Ahead
 from ..adhesion.slopes.result import Slopes
-from ..adhesion.stability import Behaviour, behaviours
+from ..adhesion.stability import Stability, behaviours
 from ..adhesion.validity import (
     Strains,
     Validity,
@@ -57,7 +57,7 @@ SURE = 2.0  # theory: 90 % half-widths of a normal error that one in a thousand 
 JKR: RangeRequest = RangeRequest()
 CALIBRATED = Ahead(0.0, 0.02, "calibrated on a half-space of the same surface mesh")
 TINY = Unknown("it would be one of a contact smaller than atoms")
-Lost: TypeAlias = tuple[Behaviour, Errors | Unknown | None]  # read off under one control; half-widths of its pull-off
+Lost: TypeAlias = tuple[Stability, Errors | Unknown | None]  # read off under one control; half-widths of its pull-off
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +107,9 @@ class Analysis:
     def pull_off(self) -> dict[str, CriticalPoint | Unknown]:
         """Where contact is lost under control of the load and of the displacement."""
         z0 = self.solution.record.z0
-        return {name: resolved(self.curve.pull_off(k), self.curve, k, z0) for name, k in CONTROLS.items()}
+        return {
+            name: mask_below_atomic_spacing(self.curve.pull_off(k), self.curve, k, z0) for name, k in CONTROLS.items()
+        }
 
     @cached_property
     def pull_off_errors(self) -> dict[str, Errors | Unknown]:
@@ -174,7 +176,7 @@ class Analysis:
         doubts = getattr(self.curve, "doubts", ())
         relaxes = relaxing(self.problem.specimen.relaxation)
         sentences = [*relaxes, *self.solution.warnings, *flags, *self.validity.warnings, *doubts]
-        sentences += [*yielding(self.problem, self.curve), *outside]
+        sentences += [*yield_warning(self.problem, self.curve), *outside]
         difference = None if self.comparison is None else known(self.comparison.pull_off)
         parts = [part for part in vars(self.budget).values() if not isinstance(part, Unknown)]
         stated = max(2 * sum(parts), 1e-6) if parts else math.inf  # what was not estimated is not exceeded
@@ -300,7 +302,7 @@ def _of_finite_range(
 def error_of_point(curve: EquilibriumCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
     """90 % half-widths of a pull-off ``point`` under a device of ``stiffness`` [N/m], on curves of either kind."""
     if isinstance(curve, AdhesiveCurve):
-        return point_error(curve, point, stiffness)
+        return pull_off_error(curve, point, stiffness)
     from ..adhesion.finite_range import FiniteRangeCurve
 
     assert isinstance(curve, FiniteRangeCurve)
@@ -321,7 +323,7 @@ def where_lost(
     return [(result, [_lost(result, each) for each in behaviours(result.curve, controls)]) for result in results]
 
 
-def _lost(result: Analysis, behaviour: Behaviour) -> Lost:
+def _lost(result: Analysis, behaviour: Stability) -> Lost:
     """What is read off a curve under one control; half-widths of its pull-off point, None where there is none."""
     above_atoms = _above_atoms(behaviour, result)
     if isinstance(above_atoms.pull_off, Unknown):
@@ -329,9 +331,9 @@ def _lost(result: Analysis, behaviour: Behaviour) -> Lost:
     return above_atoms, error_of_point(result.curve, above_atoms.pull_off, above_atoms.stiffness)
 
 
-def _above_atoms(behaviour: Behaviour, result: Analysis) -> Behaviour:
+def _above_atoms(behaviour: Stability, result: Analysis) -> Stability:
     """The behaviour without what would happen at radii below atoms."""
-    point = resolved(behaviour.pull_off, result.curve, behaviour.stiffness, result.solution.record.z0)
+    point = mask_below_atomic_spacing(behaviour.pull_off, result.curve, behaviour.stiffness, result.solution.record.z0)
     if point is behaviour.pull_off or not isinstance(point, Unknown):
         return behaviour
     return replace(behaviour, critical=(), pull_off=point, jump_in=TINY, energy_lost=TINY, separation=TINY)

@@ -17,7 +17,7 @@ from ..base.errors import Estimate, JkrError, Unknown
 from ..base.numerics import ROUNDED, Array, zeros_between
 from ..base.units import show
 from ..bodies.indenters import Sphere
-from ..bodies.problem import Problem, unbounded
+from ..bodies.problem import Problem, without_side_walls
 from ..methods.layered import contact as stack
 from ..methods.layered import no_slip, solver
 from ..series import Series, Solution
@@ -80,8 +80,8 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
     """Effect on ``problem`` at the contact radius ``largest`` [m], or why it is not known."""
     if problem.specimen.surface_tension:
         return Unknown("effect of no slip unknown: it is not derived with surface tension")
-    body = unbounded(problem)
-    if reason := no_slip.unable(body.indenter, body.specimen):
+    body = without_side_walls(problem)
+    if reason := no_slip.why_unsupported(body.indenter, body.specimen):
         return Unknown(f"effect of no slip unknown: {reason}")
     pair = stack.LayeredContact(body.indenter, body.specimen), no_slip.StuckLayeredContact(body.indenter, body.specimen)
     if largest > solver.QUICK * pair[1].scale:

@@ -27,7 +27,7 @@ DEPARTURE_FLOOR = 1e-14  # theory: variance below which nothing is known of the 
 DEPARTURE_LONGEST = 0.99  # choice: correlation of neighbours; more is drift itself
 
 
-def departures(beside: Compared) -> tuple[str, ...]:
+def check_against_solution(beside: Compared) -> tuple[str, ...]:
     """A sentence on how rows depart from the bodies' own solution by more than their scatter explains, if they do.
 
     Nothing where no exact method represents the bodies, or where points are few. Radii of nodes lie anywhere within an

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, resolved
+from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, mask_below_atomic_spacing
 from ..adhesion.from_rest import FromRest, LoadingHistory, Rest, histories, history_error
 from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.pull_off_error import Errors
@@ -19,7 +19,7 @@ from ..series import Solution
 from .analysis import Analysis, forecast, nonadhesive
 from .pull_off_range import REACH_INSIDE
 from .refine_pull_off import refined, solver_of
-from .resolve import again, method_behind
+from .resolve import method_behind, resolve_with
 
 CURVES = 4  # theory: one for each history; choice: of a forecast
 FURTHER = 1.5  # choice: the next series over the one that ends too soon; what is solved in vain grows with it
@@ -81,7 +81,7 @@ def _lost(result: Analysis, history: LoadingHistory, controls: Sequence[float], 
         if isinstance(curve, Unknown):
             lost[stiffness] = curve, None
             continue
-        point = resolved(curve.pull_off(stiffness), curve, stiffness, z0)
+        point = mask_below_atomic_spacing(curve.pull_off(stiffness), curve, stiffness, z0)
         error = None if isinstance(point, Unknown) else history_error(history, unit, curve, point, stiffness)
         lost[stiffness] = point, error
     end = float(unit.a[-1])
@@ -155,7 +155,7 @@ def solved_on(
             break
         try:
             loading = Loading("radius", end, len(solution.series), "log")
-            wider = again(replace(problem, loading=loading), None, method, PATIENCE)
+            wider = resolve_with(replace(problem, loading=loading), None, method, PATIENCE)
             there = replace(wider, record=solution.record)
             body = nonadhesive(there, slopes)
         except (JkrError, Refusal):

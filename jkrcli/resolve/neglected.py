@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, resolved, transform
+from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, mask_below_atomic_spacing, transform
 from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.validity import Strains, Validity, judge, large_strains, refuse_wetting, sizes, with_large_strains
 from ..base.errors import Estimate, JkrError, Refusal, Unknown
@@ -22,13 +22,13 @@ from ..base.process import PATIENCE
 from ..base.units import show
 from ..bodies.indenters import Paraboloid, Sphere
 from ..bodies.materials import GEL_TENSION, INCOMPRESSIBLE, Elastic
-from ..bodies.problem import HalfSpace, Loading, Problem, Rigid, alone, unbounded
+from ..bodies.problem import HalfSpace, Loading, Problem, Rigid, alone, without_side_walls
 from ..formulas import over_hertz, over_jkr
 from ..methods.layered.solver import Layered
 from ..methods.radii import DENSE
 from ..series import Series
 from .comparison import effect_of_range, half_space_pull_off, pull_off_ratios, ranged, sticking_effect
-from .resolve import again
+from .resolve import resolve_with
 
 # What is taken in where a case does not say how much of it there is, and how well that is solved.
 LEFT_OUT_GLASS = (70e9, 0.22)  # choice: E [Pa] and nu of what is taken as rigid: soda-lime glass
@@ -54,7 +54,7 @@ NOT_COMPARED = Unknown("not computed with a range")
 
 
 @dataclass(frozen=True)
-class Expectation:
+class EffectsPreview:
     """What a case will reach: largest radius ``a`` [m], displacement [m], load [N]; ``series``: to there.
 
     ``adhesion``: for each work of adhesion [J/m^2] its pull-off and validity.
@@ -72,7 +72,7 @@ class Expectation:
     profile_error: float
 
 
-def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation:
+def preview_effects(problem: Problem, works: tuple[float, ...], z0: float) -> EffectsPreview:
     """Solve ``problem`` to 1e-5 with its sides left out, and transform it for each work of adhesion.
 
     Refusal where that is no matter of a moment.
@@ -80,15 +80,15 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
     loading = problem.loading
     if loading.spacing != "radius":
         loading = Loading(loading.to, loading.maximum)
-    body = replace(unbounded(problem), loading=replace(loading, points=max(loading.points, 100)))
-    solution = again(body, method=COARSE, longest=PATIENCE)
+    body = replace(without_side_walls(problem), loading=replace(loading, points=max(loading.points, 100)))
+    solution = resolve_with(body, method=COARSE, longest=PATIENCE)
     series = solution.series
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
     adhesion, functions = [], Nonadhesive.of(series, "exact")
     for w in works:
         refuse_wetting(w, body.specimen.surface_tension)
         curve = AdhesiveCurve(functions, w)
-        point = resolved(curve.pull_off(LOAD_CONTROL), curve, LOAD_CONTROL, z0)
+        point = mask_below_atomic_spacing(curve.pull_off(LOAD_CONTROL), curve, LOAD_CONTROL, z0)
         pulled: dict[str, Any] = {"effect_of_range": point}
         if isinstance(point, CriticalPoint):
             pulled = {"a_pull_off": point.a, "effect_of_range": effect_of_range(body, series, w, z0, point)}
@@ -98,7 +98,7 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
             judged = with_large_strains(judged, large_strains(problem, w, point))
         adhesion.append((w, point, judged))
     matter = _layers_matter(problem, delta, P)
-    return Expectation(a, delta, P, matter, tuple(adhesion), series, solution.profile_error)
+    return EffectsPreview(a, delta, P, matter, tuple(adhesion), series, solution.profile_error)
 
 
 def _layers_matter(problem: Problem, delta: float, P: float) -> float | None:
@@ -107,14 +107,14 @@ def _layers_matter(problem: Problem, delta: float, P: float) -> float | None:
         return None
     half_space = alone(replace(problem, sticks=False, loading=Loading("depth", delta, 1)))
     try:
-        reference = again(half_space, method=COARSE).series.P[-1]
+        reference = resolve_with(half_space, method=COARSE).series.P[-1]
     except Refusal:  # a half-space would need more of the profile than there is
         return None
     return float(P / reference - 1)
 
 
 @dataclass(frozen=True)
-class LeftOut:
+class NeglectedEffect:
     """One thing that a case leaves out; or that a simpler formula does and the case has ``included``.
 
     ``key``: of the case, with which it is taken in, empty where there is none. ``load``, ``S``: change of the load and
@@ -155,10 +155,12 @@ def seconds_of_works(works: Sequence[float]) -> float:
     return LEFT_OUT_PER_WORK * len(works)
 
 
-def left_out(problem: Problem, expected: Expectation, works: Sequence[float], z0: float | None) -> list[LeftOut]:
+def neglected_effects(
+    problem: Problem, expected: EffectsPreview, works: Sequence[float], z0: float | None
+) -> list[NeglectedEffect]:
     """What ``problem`` leaves out, worst first and what is not known last: at the depth ``expected`` and for each of
     the ``works`` of adhesion [J/m^2]; ``z0``: range of its forces [m], None where the case includes one."""
-    body = unbounded(replace(problem, specimen=replace(problem.specimen, relaxation=None)))
+    body = without_side_walls(replace(problem, specimen=replace(problem.specimen, relaxation=None)))
     works = [w for w in works if w > 0]
     omissions = [*_neighbours(Neighbours(body, expected, works), problem.specimen.radius is not None)]
     omissions += [_slip(body, expected, works), *_range(body, expected, z0), *_strains(body, expected)]
@@ -171,24 +173,24 @@ class Neighbours:
     """A ``body`` and its neighbours at the depth that is ``expected``, with ``works`` of adhesion [J/m^2]."""
 
     body: Problem
-    expected: Expectation
+    expected: EffectsPreview
     works: Sequence[float]
 
-    def with_(self, name: str, key: str, **otherwise: Any) -> LeftOut:
+    def with_(self, name: str, key: str, **otherwise: Any) -> NeglectedEffect:
         """The body with ``otherwise`` in place of its fields."""
         loading = Loading("depth", self.expected.delta, DENSE, "log")
         method = Layered(LEFT_OUT_ACCURACY)
         try:
-            other = again(self.body, method=method, longest=PATIENCE, loading=loading, **otherwise).series
+            other = resolve_with(self.body, method=method, longest=PATIENCE, loading=loading, **otherwise).series
         except JkrError as error:
-            return LeftOut(name, key, Unknown(str(error)), Unknown(str(error)))
+            return NeglectedEffect(name, key, Unknown(str(error)), Unknown(str(error)))
         return self.over(name, key, self.expected.series, other)
 
-    def over(self, name: str, key: str, plain: Series, other: Series) -> LeftOut:
+    def over(self, name: str, key: str, plain: Series, other: Series) -> NeglectedEffect:
         """One series of the neighbour over one of the body; both reach the depth."""
         depth = float(plain.delta[-1])
         load, S = (new / old - 1 for new, old in zip(_at(other, depth), _at(plain, depth), strict=True))
-        return LeftOut(name, key, load, S, _pull_offs(plain, other, self.works))
+        return NeglectedEffect(name, key, load, S, _pull_offs(plain, other, self.works))
 
 
 def _at(series: Series, depth: float) -> tuple[float, float]:
@@ -210,7 +212,7 @@ def _pull_offs(plain: Series, other: Series, works: Sequence[float]) -> dict[flo
     return {w: ratio if isinstance(ratio, Unknown) else ratio - 1 for w, ratio in ratios.items()}
 
 
-def _neighbours(neighbours: Neighbours, sides: bool) -> Iterator[LeftOut]:
+def _neighbours(neighbours: Neighbours, sides: bool) -> Iterator[NeglectedEffect]:
     """The things for which a neighbouring body is solved; ``sides``: whether the specimen has any."""
     specimen, indenter = neighbours.body.specimen, neighbours.body.indenter
     glass = show(GLASS.E, "modulus")
@@ -229,7 +231,7 @@ def _neighbours(neighbours: Neighbours, sides: bool) -> Iterator[LeftOut]:
         yield _tension(neighbours)
 
 
-def _half_space(neighbours: Neighbours) -> LeftOut:
+def _half_space(neighbours: Neighbours) -> NeglectedEffect:
     """The top material alone in place of the layers, as a half-space formula has it."""
     other = alone(neighbours.body)
     formula = neighbours.with_(
@@ -244,7 +246,7 @@ def _half_space(neighbours: Neighbours) -> LeftOut:
     return replace(formula, pull_off=pulls, included=True)
 
 
-def _tension(neighbours: Neighbours) -> LeftOut:
+def _tension(neighbours: Neighbours) -> NeglectedEffect:
     """A surface tension, of a rigid indenter and without friction: no other is derived. A very slight one changes all
     in proportion."""
     body, Ups = neighbours.body, GEL_TENSION
@@ -261,7 +263,7 @@ def _tension(neighbours: Neighbours) -> LeftOut:
         omission, share = neighbours.over(name, key, plain, tense), Ups / trial
         pulls = {w: _part(share, _if_no_wetting(w, change)) for w, change in omission.pull_off.items()}
         return replace(omission, load=_part(share, omission.load), S=_part(share, omission.S), pull_off=pulls)
-    return LeftOut(name, key, failed, failed)
+    return NeglectedEffect(name, key, failed, failed)
 
 
 def _tense(body: Problem, largest: float, tension: float) -> tuple[Series, Series]:
@@ -269,7 +271,7 @@ def _tense(body: Problem, largest: float, tension: float) -> tuple[Series, Serie
     a0, method = body.indenter.a0, Layered(LEFT_OUT_ACCURACY)
     radii = a0 + (largest - a0) * np.geomspace(LEFT_OUT_SMALLEST, 1.0, LEFT_OUT_FEW)
     specimens = (body.specimen, replace(body.specimen, surface_tension=tension))
-    plain, tense = (again(body, radii, method, PATIENCE, specimen=one).series for one in specimens)
+    plain, tense = (resolve_with(body, radii, method, PATIENCE, specimen=one).series for one in specimens)
     return plain, tense
 
 
@@ -286,32 +288,32 @@ def _if_no_wetting(w: float, change: Estimate) -> Estimate:
     return change
 
 
-def _slip(body: Problem, expected: Expectation, works: Sequence[float]) -> LeftOut:
+def _slip(body: Problem, expected: EffectsPreview, works: Sequence[float]) -> NeglectedEffect:
     """Contact without slip, or with it where the case has none."""
     name, other = ("slip", "sliding") if body.sticks else ("no slip", "sticking")
     key = f'specimen.surface = "{other}"'
     effect = sticking_effect(body, expected.a, works)
     if isinstance(effect, Unknown):
-        return LeftOut(name, key, effect, effect)
+        return NeglectedEffect(name, key, effect, effect)
 
     def change(ratio: Estimate) -> Estimate:
         return ratio if isinstance(ratio, Unknown) else (1 / ratio if body.sticks else ratio) - 1
 
     pulls = {w: change(ratio) for w, ratio in effect.pull_off.items()}
-    return LeftOut(name, key, change(effect.load), change(effect.stiffness_at_depth), pulls)
+    return NeglectedEffect(name, key, change(effect.load), change(effect.stiffness_at_depth), pulls)
 
 
-def _range(body: Problem, expected: Expectation, z0: float | None) -> Iterator[LeftOut]:
+def _range(body: Problem, expected: EffectsPreview, z0: float | None) -> Iterator[NeglectedEffect]:
     """The range of adhesive forces: at pull-off, and of the load on the adhesive curve at its largest depth."""
     pulls = {w: judged.effect_of_range for w, _, judged in expected.adhesion if w > 0}
     if z0 is None or not pulls:
         return
     length = show(z0, "length")
     load = _load_at_range(body, expected, z0, pulls)
-    yield LeftOut(f"range of adhesion {length}", f'adhesion.range = "{length}"', load, NOT_COMPARED, pulls)
+    yield NeglectedEffect(f"range of adhesion {length}", f'adhesion.range = "{length}"', load, NOT_COMPARED, pulls)
 
 
-def _load_at_range(body: Problem, expected: Expectation, z0: float, pulls: Mapping[float, Estimate]) -> Estimate:
+def _load_at_range(body: Problem, expected: EffectsPreview, z0: float, pulls: Mapping[float, Estimate]) -> Estimate:
     """Change of the adhesive load, over the load without adhesion, for the w whose pull-off changes most."""
     from scipy.interpolate import CubicSpline
 
@@ -328,7 +330,7 @@ def _load_at_range(body: Problem, expected: Expectation, z0: float, pulls: Mappi
     return float(there - plain.P[-1]) / expected.P
 
 
-def _faces(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
+def _faces(body: Problem, expected: EffectsPreview) -> Iterator[NeglectedEffect]:
     """The faces of a pyramid: its contact area is a share of its cone's, on which w acts as that share of w; on layers,
     where S goes with a power of the radius other than 1, the load differs."""
     share, series = body.indenter.contact_share, expected.series
@@ -345,21 +347,21 @@ def _faces(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
         else:
             pulls[w] = point
     load = (power - 1) * (math.sqrt(share) - 1)
-    yield LeftOut("faces of the pyramid", "", load, NOT_COMPARED if load else 0.0, pulls)
+    yield NeglectedEffect("faces of the pyramid", "", load, NOT_COMPARED if load else 0.0, pulls)
 
 
-def _strains(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
+def _strains(body: Problem, expected: EffectsPreview) -> Iterator[NeglectedEffect]:
     """What large strains do to the load, as far as it is known, and with it to S."""
     if body.indenter.tip_radius is None:
         return
     name, known = "large strains of rubber", body.specimen.surface.nu >= INCOMPRESSIBLE
     judged = judge(a=expected.a, delta=expected.delta, w=0.0, L=None, z0=None, **sizes(body))
     if isinstance(judged.strained, Unknown) or not known:
-        yield LeftOut(name, "", NO_STRAINS, NO_STRAINS)
+        yield NeglectedEffect(name, "", NO_STRAINS, NO_STRAINS)
         return
     load = 1 / (1 + judged.strained) - 1
     pulls = {w: _largest(judged.large_strains) for w, _, judged in expected.adhesion if w > 0}
-    yield LeftOut(name, "", load, LEFT_OUT_OF_STRAINS * load, pulls)
+    yield NeglectedEffect(name, "", load, LEFT_OUT_OF_STRAINS * load, pulls)
 
 
 def _largest(change: Strains) -> Estimate:
@@ -369,7 +371,7 @@ def _largest(change: Strains) -> Estimate:
     return max(change, key=abs)
 
 
-def _weight(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
+def _weight(body: Problem, expected: EffectsPreview) -> Iterator[NeglectedEffect]:
     """The weight of a half-space that keeps its volume; of others no formula is known."""
     material, R = body.specimen.surface, body.indenter.tip_radius
     if R is None or not body.is_half_space or material.nu < INCOMPRESSIBLE or body.specimen.surface_tension:
@@ -377,4 +379,4 @@ def _weight(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
     load, S = over_hertz(expected.a, material.E_star, LEFT_OUT_DENSITY)
     pulls = {w: over_jkr(point.a, material.E_star, LEFT_OUT_DENSITY) if isinstance(point, CriticalPoint) else point
              for w, point, _ in expected.adhesion if w > 0}  # fmt: skip
-    yield LeftOut(f"weight of the specimen, {LEFT_OUT_DENSITY:g} kg/m^3", "", load, S, pulls)
+    yield NeglectedEffect(f"weight of the specimen, {LEFT_OUT_DENSITY:g} kg/m^3", "", load, S, pulls)

@@ -15,7 +15,7 @@ from ..base.units import show
 from ..bodies.problem import Loading, Problem
 from ..case.reading import Case
 from ..methods.finite_range import AttractedBody
-from ..methods.integral.density import unsmooth
+from ..methods.integral.density import nonsmooth_part
 from ..methods.layered.solver import surface_profile
 from ..series import Solution
 from .analysis import analyse
@@ -54,7 +54,7 @@ def _kernel_is_known(problem: Problem, a: float) -> bool:
     """Whether the kernel of a cylinder gives the pressures at the radius ``a`` [m]; Refusal where nothing does."""
     from ..methods.hybrid.method import Hybrid
 
-    reason = unsmooth(problem.specimen)
+    reason = nonsmooth_part(problem.specimen)
     if reason is not None and problem.specimen.surface_tension:
         raise Refusal(reason)
     return reason is None and Hybrid().refusal(replace(problem, loading=Loading.given("radius", (a,)))) is None

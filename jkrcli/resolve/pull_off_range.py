@@ -20,7 +20,7 @@ from ..methods.radii import ROOM
 from ..series import Solution
 from .analysis import nonadhesive
 from .neglected import COARSE
-from .resolve import again
+from .resolve import resolve_with
 
 # Radii at which a half-space is looked at, and those of a body whose w is known.
 REACH_RADII = (1e-13, 1e3)  # choice: [m], from below atoms to beyond every body
@@ -41,9 +41,9 @@ def solved_for(problem: Problem, works: Sequence[float], slopes: str = "auto", m
         if P[-1] > 0:
             break
     try:
-        return again(_to(problem, largest))
+        return resolve_with(_to(problem, largest))
     except JkrError:
-        return again(_to(problem, largest), method=COARSE)
+        return resolve_with(_to(problem, largest), method=COARSE)
 
 
 def solved_for_force(
@@ -81,7 +81,7 @@ def _wider(problem: Problem, w: float, modulus_factor: float) -> Iterator[Soluti
     reach = min(REACH_FURTHER * sum(layer.thickness for layer in layers), widest) if layers else widest
     while True:
         far = _to(problem, reach)
-        yield again(far, method=COARSE) if layers else again(far)
+        yield resolve_with(far, method=COARSE) if layers else resolve_with(far)
         if reach == widest:
             return
         reach = min(REACH_FURTHER * reach, widest)

@@ -27,7 +27,7 @@ from ..base.process import PATIENCE
 from ..bodies.problem import Loading, Problem
 from ..methods.protocol import METHODS
 from ..series import Series, Solution
-from .resolve import again, method_behind
+from .resolve import method_behind, resolve_with
 
 POINTS = 14  # choice: radii that are solved at once for a curve: seven around each of two pull-off points
 Further = Callable[[Array], Nonadhesive]  # the functions at other radii [m], solved
@@ -75,7 +75,7 @@ def solver_of(solution: Solution) -> Further | None:
             end = min(series.a0 + SOLVED_REACH * float(np.max(a - series.a0)), float(series.a[-1]))
             radii = np.append(radii, max(end, radii.max()))
         radii, order = np.unique(radii, return_inverse=True)
-        return _in_the_middle(again(problem, radii, method), order[: beyond.size].reshape(-1, STEPS.size))
+        return _in_the_middle(resolve_with(problem, radii, method), order[: beyond.size].reshape(-1, STEPS.size))
 
     return further
 
@@ -249,11 +249,11 @@ def solved_below(
     steps = math.ceil(SOLVED_DECADE * math.log10(first / floor))
     below = np.hypot(a0, np.geomspace(floor, first, steps + 1)[:-1])
     try:
-        rows = again(solution.problem, np.append(below, series.a), method, PATIENCE)
+        rows = resolve_with(solution.problem, np.append(below, series.a), method, PATIENCE)
         begin = np.searchsorted(below, least(rows.series)) - SOLVED_UNDER
         if begin > 0:
             below = below[begin:]
-            rows = again(solution.problem, np.append(below, series.a), method, PATIENCE)
+            rows = resolve_with(solution.problem, np.append(below, series.a), method, PATIENCE)
     except JkrError:
         return solution
     facts = {**solution.facts, "rows_below": below.size}
@@ -286,7 +286,7 @@ def _apart(before: Array, radii: Array, a0: float) -> Array:
     return before[np.min(steps, axis=1) > SOLVED_STEP]
 
 
-def is_solved(curve: EquilibriumCurve, point: Equilibrium) -> bool:
+def is_refined(curve: EquilibriumCurve, point: Equilibrium) -> bool:
     """Whether the ``point`` was solved at its own radius, and is not one between rows."""
     if not isinstance(curve, AdhesiveCurve):
         return True  # of finite range: each solves itself

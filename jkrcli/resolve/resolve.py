@@ -26,7 +26,7 @@ OWN_BODY_RADII = 80
 OWN_BODY_BELOW = 2.5
 
 
-def again(
+def resolve_with(
     problem: Problem, radii: Array | None = None, method: Method | None = None, longest: float = math.inf,
     **otherwise: Any,
 ) -> Solution:  # fmt: skip
@@ -70,6 +70,6 @@ def own_solution(problem: Problem, a: Array) -> Series | None:
     beyond = a - problem.indenter.a0
     steps = np.geomspace(beyond.min() * np.exp(-OWN_BODY_BELOW), beyond.max(), OWN_BODY_RADII)
     try:
-        return again(problem, problem.indenter.a0 + steps, longest=PATIENCE).series
+        return resolve_with(problem, problem.indenter.a0 + steps, longest=PATIENCE).series
     except JkrError:
         return None

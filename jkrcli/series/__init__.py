@@ -93,7 +93,7 @@ class Series:
     a0: float = 0.0
     S0: float | None = 0.0
     own: Series | None = None
-    coarser: Coarser | None = None
+    coarser: CoarseSeries | None = None
     kinks: tuple[float, ...] = ()
     bends: tuple[float, ...] = ()
     unresolved: Array | None = None
@@ -166,7 +166,7 @@ class Series:
 
 
 @dataclass(frozen=True, eq=False)
-class Coarser:
+class CoarseSeries:
     """A ``series`` of the same contact on elements ``ratio`` times as large, which may have its own; what the cut of
     the body costs is off in it, too."""
 
@@ -209,7 +209,7 @@ class PressureTable:
     p: Array
 
 
-class Resolved(Protocol):
+class FilteredSeries(Protocol):
     """A case with every default written out."""
 
     def to_toml(self, method: str | None = None) -> str: ...
@@ -228,7 +228,7 @@ class Record:
     w: tuple[float, ...] = ()
     z0: float = 0.3e-9
     path: Path = Path("solved")
-    case: Resolved | None = None
+    case: FilteredSeries | None = None
     command_line: str = ""
     versions: Mapping[str, str] = field(default_factory=dict)
     stress: float | None = None

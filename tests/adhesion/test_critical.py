@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from jkrcli.adhesion import pull_off_error
+from jkrcli.adhesion import pull_off_error as module
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from jkrcli.adhesion.interpolation import Nonadhesive
-from jkrcli.adhesion.pull_off_error import point_error
+from jkrcli.adhesion.pull_off_error import pull_off_error
 from jkrcli.adhesion.slopes.choice import slopes, smoothed
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere, TableProfile
@@ -23,7 +23,7 @@ from jkrcli.bodies.problem import Loading, Problem, Rigid, Specimen
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.protocol import method_class
 from jkrcli.resolve.analysis import nonadhesive
-from jkrcli.series import Coarser, Series
+from jkrcli.series import CoarseSeries, Series
 from studies.noise_cells import noisy
 
 CONTROLS = {"load": 0.0, "displacement": math.inf, "spring": 2.0}
@@ -70,7 +70,7 @@ def test_a_known_change_of_the_columns_moves_the_point_as_predicted(exact: Serie
     mode = (columns(after) - columns(before)).T
     joint = mode[:, :, None] * mode[:, None, :]
     known = replace(before.slopes, joint=joint, covariance=joint[:, :4, :4], quantile=1.0)
-    found = point_error(transform(before.series, known, W), start, stiffness)
+    found = pull_off_error(transform(before.series, known, W), start, stiffness)
     assert not isinstance(found, Unknown)
     between = before.interpolation_at(np.array(start.a))
     assert not isinstance(between, Unknown)
@@ -92,7 +92,7 @@ def test_noisy_points_lie_within_what_is_stated(exact: Series, noise: float) -> 
         for ours in curves:
             point = ours.pull_off(stiffness)
             assert isinstance(point, CriticalPoint)
-            found = point_error(ours, point, stiffness)
+            found = pull_off_error(ours, point, stiffness)
             assert not isinstance(found, Unknown)
             ratios.append(abs(point.P - truth.P) / found["P"])
             at_radius.append(abs(point.P - truth.P) / float(ours.error_at(np.array(point.a))["P"]))
@@ -107,7 +107,7 @@ def missed(ours: AdhesiveCurve, truth: CriticalPoint | Unknown) -> tuple[Critica
     point = ours.pull_off(math.inf)
     assert isinstance(truth, CriticalPoint)
     assert isinstance(point, CriticalPoint)
-    found = point_error(ours, point, math.inf)
+    found = pull_off_error(ours, point, math.inf)
     assert not isinstance(found, Unknown)
     return point, abs(point.P - truth.P), found["P"]
 
@@ -163,7 +163,7 @@ def beyond_stated(problem: Problem, behind: Problem) -> list[float]:
         for stiffness in (0.0, math.inf, 1e6, 1e7):
             point, truth = ours.pull_off(stiffness), theirs.pull_off(stiffness)
             if isinstance(point, CriticalPoint) and isinstance(truth, CriticalPoint):
-                stated = point_error(ours, point, stiffness)
+                stated = pull_off_error(ours, point, stiffness)
                 assert not isinstance(stated, Unknown)
                 for name in ("delta", "P"):
                     ratios.append(abs(getattr(point, name) - getattr(truth, name)) / stated[name])
@@ -176,11 +176,11 @@ def test_meshes_that_agree_by_accident_leave_the_error_that_the_larger_shows() -
     series = method_class("fem")()(THIN).series
     assert series.coarser is not None
     largest = replace(series, P=1.016 * series.P, S=1.016 * series.S, dS=1.016 * series.dS, coarser=None)
-    other = replace(series, coarser=Coarser(largest, 2.0))
-    ours = AdhesiveCurve(Nonadhesive.of(replace(series, coarser=Coarser(other, 2.0))), 10.0)
+    other = replace(series, coarser=CoarseSeries(largest, 2.0))
+    ours = AdhesiveCurve(Nonadhesive.of(replace(series, coarser=CoarseSeries(other, 2.0))), 10.0)
     point = ours.pull_off(0.0)
     assert isinstance(point, CriticalPoint)
-    stated = point_error(ours, point, 0.0)
+    stated = pull_off_error(ours, point, 0.0)
     assert not isinstance(stated, Unknown)
     assert 1e-3 * abs(point.P) < stated["P"] < 1e-2 * abs(point.P)
 
@@ -223,12 +223,14 @@ def test_smoothing_splines_are_measured_against_the_other_slopes(monkeypatch: py
     ours = transform(exact, slopes(exact, "loocv"), 1e-5)
     point, error, stated = missed(ours, truth)
     assert 0.05 * abs(point.P) < error <= stated
-    monkeypatch.setattr(pull_off_error, "slopes_function", None)
+    monkeypatch.setattr(module, "slopes_function", None)
     spring = ours.pull_off(2.0)
     assert isinstance(spring, CriticalPoint)
-    assert point_error(ours, spring, 2.0)["P"] > 0
+    assert pull_off_error(ours, spring, 2.0)["P"] > 0
 
 
 def test_no_adhesion_has_no_such_error(exact: Series) -> None:
     nothing = transform(exact, slopes(exact, "integral"), 0.0)
-    assert point_error(nothing, CriticalPoint(1.0, 0.1, 0.1), 0.0) == Unknown("unknown: there is no adhesion at w = 0")
+    assert pull_off_error(nothing, CriticalPoint(1.0, 0.1, 0.1), 0.0) == Unknown(
+        "unknown: there is no adhesion at w = 0"
+    )

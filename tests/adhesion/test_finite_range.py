@@ -17,7 +17,7 @@ import jkrcli as jkr
 from jkrcli.adhesion.curve import CriticalPoint, Equilibrium, position
 from jkrcli.adhesion.device_path import Jump
 from jkrcli.adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve, Range
-from jkrcli.adhesion.stability import behaviour, branch, cycle
+from jkrcli.adhesion.stability import branch, cycle, stability_under
 from jkrcli.base.units import show
 from jkrcli.methods.finite_range import AttractedBody
 from jkrcli.methods.integral.finite_range import AttractedSurface, Rims, attracted_surface
@@ -138,7 +138,7 @@ def attracted(curve: FiniteRangeCurve, nu: float, R: float) -> Uncontacted:
 def test_surfaces_on_the_ridge_come_together_without_contact(mu: float) -> None:
     """Under displacement control; "increase [loading] radius" was the answer."""
     curve = curve_of(layer(0.499), 1000.0, 8.0, 1e-4, mu)
-    jump_in, exact = behaviour(curve, DISPLACEMENT).jump_in, attracted(curve, 0.499, 1000.0)
+    jump_in, exact = stability_under(curve, DISPLACEMENT).jump_in, attracted(curve, 0.499, 1000.0)
     assert not isinstance(jump_in, jkr.Unknown)
     assert jump_in.a == 0
     c = brentq(lambda c: exact.delta(c) - curve.onset, 1.5, 3.0)
@@ -381,7 +381,7 @@ def test_change_of_units() -> None:
 
 def test_bodies_jump_together_before_they_touch() -> None:
     """At delta = -range; a compliant body is drawn into contact, a stiff one into an attraction without touch."""
-    near, far = (behaviour(curve_of(layer(0.3), 1000.0, 5.0, 1e-6, mu), DISPLACEMENT).jump_in for mu in (10, 0.3))
+    near, far = (stability_under(curve_of(layer(0.3), 1000.0, 5.0, 1e-6, mu), DISPLACEMENT).jump_in for mu in (10, 0.3))
     assert near.a > 0
     assert far.a == 0
     assert far.c > 0
@@ -550,7 +550,7 @@ def test_a_jump_to_no_contact_is_pull_off_although_the_surfaces_then_part_smooth
     cone = jkr.PowerLaw(1 / math.tan(math.radians(75)), 1.0)
     law, k = Range.of(0.0085802509, length=3.8301361e-7), 0.40626957
     solution = jkr.solve(jkr.Problem(cone, body, jkr.Loading("radius", 1.2e-6, 60)), "layered")
-    means = behaviour(FiniteRangeBody.of(solution).curve(law, k), k)
+    means = stability_under(FiniteRangeBody.of(solution).curve(law, k), k)
     assert isinstance(means.pull_off, CriticalPoint)
     assert means.pull_off.P == pytest.approx(-174.77e-9, rel=1e-4)
     assert means.pull_off.a == pytest.approx(154.4e-9, rel=1e-3)

@@ -22,11 +22,11 @@ from jkrcli.adhesion.stability import (
     STABLE,
     UNBOUNDED,
     UNSTABLE,
-    Behaviour,
-    behaviour,
+    Stability,
     behaviours,
     branch,
     cycle,
+    stability_under,
 )
 from jkrcli.base.errors import Unknown
 from jkrcli.bodies.indenters import Paraboloid
@@ -86,7 +86,7 @@ PUBLISHED = [
 @pytest.mark.parametrize(("what", "stiffness", "cube"), PUBLISHED)
 @pytest.mark.parametrize("method", ["closed form", "layered"])
 def test_critical_values_of_the_paraboloid_on_a_half_space(method: str, what: str, stiffness: float, cube: float):
-    found = behaviour(classical() if method == "closed form" else layered_half_space(), stiffness)
+    found = stability_under(classical() if method == "closed form" else layered_half_space(), stiffness)
     delta, P = bar(cube ** (1 / 3))
     assert units(getattr(found, what)) == pytest.approx((delta, P, cube), rel=1e-6, abs=1e-6)  # 1e-6 of the unit
 
@@ -99,8 +99,10 @@ def layered_half_space() -> AdhesiveCurve:
 
 
 def test_the_published_forces() -> None:
-    assert behaviour(classical(), 0.0).pull_off.P / (math.pi * W * R) == pytest.approx(-3 / 2, rel=1e-9)  # round-off
-    assert behaviour(classical(), RIGID).pull_off.P / (math.pi * W * R) == pytest.approx(-5 / 6, rel=1e-9)
+    assert stability_under(classical(), 0.0).pull_off.P / (math.pi * W * R) == pytest.approx(
+        -3 / 2, rel=1e-9
+    )  # round-off
+    assert stability_under(classical(), RIGID).pull_off.P / (math.pi * W * R) == pytest.approx(-5 / 6, rel=1e-9)
 
 
 @pytest.mark.parametrize("stiffness", [1e3, 2e4, 1e5, 1e6, 1e8])
@@ -113,7 +115,7 @@ def test_a_device_of_given_stiffness_against_the_closed_form(stiffness: float) -
 
     a = brentq(rate, (1 / 6) ** (1 / 3), 1.5 ** (1 / 3), xtol=1e-15)
     delta, P = bar(a)
-    found = behaviour(classical(), stiffness)
+    found = stability_under(classical(), stiffness)
     assert found.critical == (found.pull_off,)
     assert units(found.pull_off) == pytest.approx((delta, P, a**3), rel=1e-9)  # round-off of roots
     begin = found.jump_in
@@ -125,10 +127,10 @@ def test_what_many_devices_do_is_found_together(monkeypatch: pytest.MonkeyPatch)
     """One after the other it took 20 ms each; the very same numbers."""
     devices = [0.0, *np.geomspace(1e3, 1e8, 40), RIGID]
     one = curve(half_space())
-    alone = [behaviour(one, stiffness) for stiffness in devices]
+    alone = [stability_under(one, stiffness) for stiffness in devices]
     names = [field.name for field in fields(alone[0]) if field.name not in ("whole", "retraction")]  # paths
 
-    def values(found: list[Behaviour]) -> list[list[object]]:
+    def values(found: list[Stability]) -> list[list[object]]:
         return [[getattr(each, name) for name in names] for each in found]
 
     assert values(behaviours(curve(half_space()), devices)) == values(alone)
@@ -149,20 +151,20 @@ def test_monotone_in_stiffness_between_the_two_ends(log: float, step: float) -> 
     for column in ("P", "delta", "a"):
         values = [getattr(point, column) for point in found]
         assert all(np.diff(values) > 0) if column == "P" else all(np.diff(values) < 0)
-    energies = [behaviour(classical(), stiffness).energy_lost for stiffness in stiffnesses[1:]]
+    energies = [stability_under(classical(), stiffness).energy_lost for stiffness in stiffnesses[1:]]
     assert all(np.diff(energies) < 0)
 
 
 def test_energy_lost_per_cycle_is_the_published_one() -> None:
     """7.09 (w^5 R^4/E*^2)^(1/3): Thornton and Ning, Powder Technol. 99 (1998) 154, from delta = 0 to separation."""
-    found = behaviour(classical(), RIGID)
+    found = stability_under(classical(), RIGID)
     assert found.energy_lost / (W**5 * R**4 / E_STAR**2) ** (1 / 3) == pytest.approx(7.09, abs=0.005)  # as printed
 
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e5, RIGID])
 def test_energies_equal_the_area_by_an_independent_quadrature(stiffness: float) -> None:
     """Adaptive quadrature of Eq. 18 between the radii of its own critical points, jumps included as straight lines."""
-    found = behaviour(classical(), stiffness)
+    found = stability_under(classical(), stiffness)
     off, begin, rest = found.pull_off.a / A0, found.jump_in.a / A0, 6 ** (1 / 3)
 
     def power(a: float) -> float:
@@ -179,7 +181,7 @@ def test_energies_equal_the_area_by_an_independent_quadrature(stiffness: float) 
 def test_energy_balance() -> None:
     """What is lost is what the two jumps dissipate: elastic energy, spring and w pi a^2 before minus after."""
     stiffness = 3e4
-    found = behaviour(classical(), stiffness)
+    found = stability_under(classical(), stiffness)
 
     def total(point: CriticalPoint) -> float:
         """U_H - P_H t + S t^2/2 + P^2/(2 k) - w pi a^2; U_H = (2/5) P_H delta_H of Hertz."""
@@ -193,13 +195,13 @@ def test_energy_balance() -> None:
 
 
 def test_load_control_has_no_bound_on_the_energy() -> None:
-    found = behaviour(classical(), 0.0)
+    found = stability_under(classical(), 0.0)
     assert found.energy_lost == found.separation == UNBOUNDED
 
 
 @pytest.mark.parametrize(("law", "factor"), [("compressible", -2.0), ("incompressible", -3.0)])
 def test_thin_limits(law: str, factor: float) -> None:
-    found = behaviour(thin(law), 0.0)
+    found = stability_under(thin(law), 0.0)
     assert found.pull_off.P / (math.pi * thin(law).w * R) == pytest.approx(factor, rel=1e-9)  # power laws: round-off
 
 
@@ -216,7 +218,7 @@ def thin(law: str) -> AdhesiveCurve:
 
 def test_a_thin_compressible_layer_is_not_lost_under_displacement_control() -> None:
     """delta falls to a = 0 (no minimum): said, with no number and no extrapolation."""
-    found = behaviour(thin("compressible"), RIGID)
+    found = stability_under(thin("compressible"), RIGID)
     assert found.critical == ()
     assert isinstance(found.pull_off, Unknown)
     assert "the displacement is lowest at the smallest radius of the series, a = 283.3 nm" in found.pull_off.reason
@@ -228,13 +230,13 @@ def test_a_thin_compressible_layer_is_not_lost_under_displacement_control() -> N
 def test_a_series_that_ends_too_early_says_so() -> None:
     short = curve(half_space(20, largest=4e-6))
     for stiffness in (0.0, RIGID):
-        found = behaviour(short, stiffness)
+        found = stability_under(short, stiffness)
         assert found.jump_in == Unknown(
             "contact at delta = 0 spreads beyond the largest radius of the series, a = 4 um: increase [loading] radius"
         )
-    assert behaviour(short, 0.0).critical == ()
-    assert "the load is lowest at the largest radius of the series" in behaviour(short, 0.0).pull_off.reason
-    assert isinstance(behaviour(short, RIGID).pull_off, CriticalPoint)  # that one lies inside
+    assert stability_under(short, 0.0).critical == ()
+    assert "the load is lowest at the largest radius of the series" in stability_under(short, 0.0).pull_off.reason
+    assert isinstance(stability_under(short, RIGID).pull_off, CriticalPoint)  # that one lies inside
     assert largest_stable(short, 0.0) is None
 
 
@@ -242,7 +244,7 @@ def test_a_series_that_begins_too_late_says_so() -> None:
     a = np.linspace(9e-6, 1.7e-5, 30)
     delta, P = hertz(a, E_STAR, R)
     late = curve(Series(a, delta, P, 2 * E_STAR * a, np.full(30, 2 * E_STAR)))
-    found = behaviour(late, RIGID)
+    found = stability_under(late, RIGID)
     assert found.jump_in == Unknown(
         "contact at delta = 0 is in equilibrium below the smallest radius of the series, a = 9 um: begin at smaller "
         "radii"
@@ -251,7 +253,7 @@ def test_a_series_that_begins_too_late_says_so() -> None:
 
 
 def test_a_stiff_coating_has_several_critical_points_and_jumps_back_before_it_lets_go() -> None:
-    found = behaviour(stiff_coating(1.8e-4), RIGID)
+    found = stability_under(stiff_coating(1.8e-4), RIGID)
     assert [point.kind for point in found.critical] == ["minimum", "maximum", "minimum"]
     (jump,) = found.partial
     first, hill, second = found.critical
@@ -311,7 +313,7 @@ def test_a_contact_pressed_together_is_not_lost_but_leaves_the_series() -> None:
     ours = dipped(8e-6, (1e-5, 0.97, 0.1))
     (lowest,) = (point for point in ours.critical(RIGID) if point.kind == "minimum")
     assert 0 < lowest.delta < ours.at(ours.a[:1])[0][0]
-    found = behaviour(ours, RIGID)
+    found = stability_under(ours, RIGID)
     assert found.pull_off == ours.pull_off(RIGID)  # one rule, whoever asks
     assert isinstance(found.pull_off, Unknown)
     assert found.pull_off.reason.endswith(
@@ -391,9 +393,9 @@ def test_stable_under_load_control_is_stable_under_any() -> None:
 
 
 def test_no_adhesion() -> None:
-    found = behaviour(curve(half_space(), 0.0), RIGID)
+    found = stability_under(curve(half_space(), 0.0), RIGID)
     nothing = NO_ADHESION
-    assert vars(found) == vars(Behaviour(RIGID, (), nothing, nothing, (), NO_ADHESION, NO_ADHESION))
+    assert vars(found) == vars(Stability(RIGID, (), nothing, nothing, (), NO_ADHESION, NO_ADHESION))
 
 
 @pytest.mark.parametrize(("length", "force"), [(1e6, 1.0), (1e-3, 1e7), (1e9, 1e-9)])
@@ -406,7 +408,7 @@ def test_change_of_units(w: float | None, length: float, force: float) -> None:
     )
     other = curve(scaled, plain.w * stiff)
     for stiffness in (0.0, 30.0 if w else 3e4, RIGID):
-        here, there = behaviour(plain, stiffness), behaviour(other, stiffness * stiff)
+        here, there = stability_under(plain, stiffness), stability_under(other, stiffness * stiff)
         assert len(here.partial) == len(there.partial)
         for name in ("pull_off", "jump_in"):
             one, two = getattr(here, name), getattr(there, name)

@@ -23,7 +23,7 @@ from jkrcli.base.errors import InputError, Unknown
 from jkrcli.case import store
 from jkrcli.case.reading import load_case, parse_case
 from jkrcli.methods.closed_form import ClosedForm
-from jkrcli.series import COLUMNS, Coarser, ErrorBudget, PressureTable, RawSeries, Series, Solution
+from jkrcli.series import COLUMNS, CoarseSeries, ErrorBudget, PressureTable, RawSeries, Series, Solution
 
 CASE = load_case(Path(__file__).parents[2] / "cases" / "halfspace.toml")
 PROBLEM = CASE.model.problem()
@@ -46,7 +46,9 @@ def in_increments(**changes: Any) -> Solution:
     )
     series = Series(
         np.array([1.0, 2]), np.array([2.0, 4]), np.array([2.0, 4]), errors={"P": np.ones(2)}, a0=0.5, S0=None,
-        coarser=Coarser(replace(coarser, coarser=Coarser(replace(coarser, delta=coarser.delta + 1), 2.0)), 1.5),
+        coarser=CoarseSeries(
+            replace(coarser, coarser=CoarseSeries(replace(coarser, delta=coarser.delta + 1), 2.0)), 1.5
+        ),
     )  # fmt: skip
     pressure = PressureTable(np.array([0.0, 1]), np.arange(8.0).reshape(4, 2))
     budget, facts = ErrorBudget(1e-3, Unknown("nobody asked"), 0.0), {"nodes": 7, "solver": "SuperLU", "fits": True}

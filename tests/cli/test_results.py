@@ -22,7 +22,7 @@ from jkrcli.methods.protocol import Forecast, choose_method, method_class
 from jkrcli.report import tables
 from jkrcli.resolve.analysis import Analysis
 from jkrcli.resolve.comparison import compare_half_space, exact_curve
-from jkrcli.resolve.neglected import expect
+from jkrcli.resolve.neglected import preview_effects
 from jkrcli.series import ErrorBudget, Series, Solution
 from jkrcli.series.differences import curve_differences, series_differences
 
@@ -228,7 +228,7 @@ def test_auto_says_why_and_what_others_would_cost() -> None:
 
 def test_expectation_is_close_to_the_solution() -> None:
     series = Layered()(LAYER).series
-    expected = expect(LAYER, (1e-3,), 3e-10)
+    expected = preview_effects(LAYER, (1e-3,), 3e-10)
     assert expected.P == pytest.approx(series.P[-1], rel=1e-8, abs=0)  # measured 2e-10; asked to 1e-5
     curve = transform(series, slopes(series, "exact"), 1e-3)
     assert expected.adhesion[0][1].P == pytest.approx(curve.pull_off(0.0).P, rel=1e-8, abs=0)  # measured 2e-10
@@ -242,9 +242,9 @@ def test_what_a_profile_of_few_points_adds_is_expected() -> None:
     tip = TableProfile((0, 1e-6, 2e-6, 3e-6, 4e-6, 6e-6), (0, 2e-8, 1e-7, 3e-7, 7e-7, 2e-6))
     rough = Problem(tip, Specimen((Layer(Elastic(1e6, 0.5), 3e-6),), Rigid()), Loading("radius", 5e-6))
     stated = Layered()(rough).budget.total
-    assert expect(rough, (), 3e-10).profile_error == pytest.approx(stated, rel=1e-3, abs=0)
+    assert preview_effects(rough, (), 3e-10).profile_error == pytest.approx(stated, rel=1e-3, abs=0)
     assert stated > 0.5
-    assert expect(LAYER, (), 3e-10).profile_error == 0
+    assert preview_effects(LAYER, (), 3e-10).profile_error == 0
 
 
 class _Planned:

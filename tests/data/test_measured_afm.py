@@ -14,7 +14,7 @@ import pytest
 from jkrcli.base.errors import InputError, installs
 from jkrcli.data import measured
 from jkrcli.data.curve import Curve, Reading
-from jkrcli.data.segmentation import examine
+from jkrcli.data.segmentation import segment_force_curve
 
 HEIGHT = np.array([9.0, 5.0, 1.0, 3.0, 8.0]) * 1e-6  # grows away from the specimen
 FORCE = np.array([0.0, 1.0, 40.0, 10.0, -3.0]) * 1e-9
@@ -189,4 +189,4 @@ def test_records_of_creep_and_relaxation_are_read_by_their_motion(
         (curve,) = measured.read(path)
         assert curve.segment is None
         assert curve.t is not None
-        assert [part.kind for part in examine(curve).segments] == ["approach", "pause", "retract"]
+        assert [part.kind for part in segment_force_curve(curve).segments] == ["approach", "pause", "retract"]

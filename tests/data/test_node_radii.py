@@ -16,7 +16,7 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.resolve.analysis import analyse
-from jkrcli.resolve.consistency_check import departures
+from jkrcli.resolve.consistency_check import check_against_solution
 from jkrcli.resolve.node_radii import compared
 from jkrcli.series import RawSeries, Solution
 
@@ -312,7 +312,7 @@ def test_coarse_radii_are_no_drift_and_drifts_of_the_load_are_told(tmp_path: Pat
         ("sphere on half-space", 14, 252, 0.15, "outermost"),
     ):
         given = node_series(NAMED[name], elements, increments, ahead, node)
-        assert not departures(compared(given.body.problem, RawSeries(*given.columns)))
+        assert not check_against_solution(compared(given.body.problem, RawSeries(*given.columns)))
         a, delta, P = given.columns
         drifting = P * np.linspace(0.95, 1.05, P.size)
-        assert "drifts" in departures(compared(given.body.problem, RawSeries(a, delta, drifting)))[0]
+        assert "drifts" in check_against_solution(compared(given.body.problem, RawSeries(a, delta, drifting)))[0]

@@ -9,7 +9,7 @@ import pytest
 
 from jkrcli.base.errors import InputError
 from jkrcli.data.foreign import SeriesReading, read_series
-from jkrcli.data.tables import is_noise
+from jkrcli.data.tables import is_within_noise
 from jkrcli.resolve.analysis import analyse
 from jkrcli.series import Solution
 from studies.disturbed import cell, disturbed
@@ -85,7 +85,7 @@ def test_what_no_noise_does_is_refused_as_before(tmp_path: Path) -> None:
     shuffled = columns[:, np.random.default_rng(0).permutation(60)]
     with pytest.raises(InputError, match="--sort orders them by displacement"):
         read(tmp_path / "t.csv", shuffled)
-    assert not is_noise(*columns[:, :5])
+    assert not is_within_noise(*columns[:, :5])
 
 
 def exact_columns() -> np.ndarray:

@@ -11,7 +11,7 @@ from force_curves import Instrument, equilibrium, record
 
 from jkrcli.base.errors import InputError, Unknown
 from jkrcli.data.curve import APPROACH, Curve
-from jkrcli.data.segmentation import ForceCurve, examine, resolution
+from jkrcli.data.segmentation import ForceCurve, resolution, segment_force_curve
 
 E_STAR, R, W = 20e3, 5e-6, 1e-4
 PULL_OFF = 1.5 * np.pi * W * R
@@ -27,13 +27,13 @@ def curve_of(
 
 
 def examined(device: Instrument = DEVICE, **more: float) -> ForceCurve:
-    return examine(curve_of(device, **more))
+    return segment_force_curve(curve_of(device, **more))
 
 
 @pytest.mark.parametrize("told", [True, False])
 @pytest.mark.parametrize("pause", [0, 200])
 def test_directions_are_found_without_a_column_as_with_one(told: bool, pause: int) -> None:
-    found = examine(curve_of(replace(DEVICE, pause=pause), told=told))
+    found = segment_force_curve(curve_of(replace(DEVICE, pause=pause), told=told))
     assert [part.kind for part in found.segments] == ["approach", *(["pause"] if pause else []), "retract"]
     made = [DEVICE.rows, pause, DEVICE.rows] if pause else [DEVICE.rows, DEVICE.rows]
     assert [len(part) for part in found.segments] == pytest.approx(made, abs=0 if told else 5)
@@ -44,7 +44,7 @@ def test_directions_are_found_without_a_column_as_with_one(told: bool, pause: in
 def test_a_hold_longer_than_the_motion_is_a_pause() -> None:
     """It drew the usual speed to zero, and was a retraction that went the wrong way."""
     depth = np.concatenate([np.linspace(0, 6e-5, 80), np.full(400, 6e-5)])
-    found = examine(
+    found = segment_force_curve(
         Curve("held", None, depth, 1e-3 * np.concatenate([depth[:80], np.geomspace(6e-5, 3e-5, 400)]), None)
     )
     assert [(part.kind, len(part)) for part in found.segments] == [("approach", 80), ("pause", 400)]
@@ -88,8 +88,8 @@ def test_a_change_of_units_changes_nothing() -> None:
     curve = curve_of(DEVICE)
     assert curve.delta is not None
     assert curve.P is not None
-    one = examine(curve)
-    other = examine(Curve("scaled", delta=curve.delta * 1e3 + 0.0007, P=curve.P * 1e-4 - 1e-13))
+    one = segment_force_curve(curve)
+    other = segment_force_curve(Curve("scaled", delta=curve.delta * 1e3 + 0.0007, P=curve.P * 1e-4 - 1e-13))
     for a, b in zip(one.directions, other.directions, strict=True):
         assert len(a.segment) == len(b.segment)
         assert b.touch == pytest.approx(a.touch * 1e3 + 0.0007, rel=1e-9)
@@ -100,7 +100,7 @@ def test_a_change_of_units_changes_nothing() -> None:
 
 def test_a_record_called_approach_that_turns_back_holds_both_directions() -> None:
     curve = curve_of(DEVICE)
-    found = examine(replace(curve, segment=np.full(len(curve), "approach")))
+    found = segment_force_curve(replace(curve, segment=np.full(len(curve), "approach")))
     assert [part.kind for part in found.segments] == ["approach", "pause", "retract"]
 
 
@@ -109,7 +109,7 @@ def test_rows_at_a_standstill_are_a_pause_whatever_they_are_called(kind: str) ->
     """The load drifts meanwhile, at one position: as rows of a direction they were taken for relaxation."""
     curve = curve_of(DEVICE, told=True)
     assert curve.segment is not None
-    found = examine(replace(curve, segment=np.where(curve.segment == "pause", kind, curve.segment)))
+    found = segment_force_curve(replace(curve, segment=np.where(curve.segment == "pause", kind, curve.segment)))
     assert [part.kind for part in found.segments] == ["approach", "pause", "retract"]
     assert [len(part) for part in found.segments] == pytest.approx([DEVICE.rows, DEVICE.pause, DEVICE.rows], abs=5)
 
@@ -118,25 +118,25 @@ def test_what_is_wrong_is_named() -> None:
     free = replace(DEVICE, largest=1e-6 * PULL_OFF, drag=0.0)
     assert set(examined(free, w_retract=0.0).flags) == {"no contact"}
     whole = curve_of(DEVICE)
-    assert set(examine(whole.rows(np.arange(DEVICE.rows))).flags) == {"no retract"}
-    assert set(examine(whole.rows(np.arange(DEVICE.rows + 200, len(whole)))).flags) == {"no approach"}
+    assert set(segment_force_curve(whole.rows(np.arange(DEVICE.rows))).flags) == {"no retract"}
+    assert set(segment_force_curve(whole.rows(np.arange(DEVICE.rows + 200, len(whole)))).flags) == {"no approach"}
     assert whole.P is not None
     assert whole.delta is not None
     limited = replace(whole, P=np.minimum(whole.P, np.quantile(whole.P, 0.9)))
-    assert "saturated" in examine(limited).flags
+    assert "saturated" in segment_force_curve(limited).flags
     wave = replace(whole, P=whole.P + 0.6 * PULL_OFF * np.sin(whole.delta / 1.5e-7))
-    assert "wavy base line" in examine(wave).flags
+    assert "wavy base line" in segment_force_curve(wave).flags
     rng = np.random.default_rng(3)
     walk = rng.normal(size=4000)
-    assert "no force curve" in examine(Curve("walk", delta=walk, P=rng.normal(size=4000))).flags
+    assert "no force curve" in segment_force_curve(Curve("walk", delta=walk, P=rng.normal(size=4000))).flags
     deep = whole.rows(np.flatnonzero(whole.delta > 0.1e-6))
-    assert "no base line" in examine(deep).flags
+    assert "no base line" in segment_force_curve(deep).flags
 
 
 def test_a_record_that_goes_back_and_in_again_counts_the_other_way() -> None:
     curve = curve_of(DEVICE)
     assert curve.delta is not None
-    flags = examine(replace(curve, delta=-curve.delta)).flags
+    flags = segment_force_curve(replace(curve, delta=-curve.delta)).flags
     assert flags["wrong way"] == (
         "the displacement has the opposite sign: it is positive into the specimen (--flip delta)"
     )
@@ -153,7 +153,7 @@ def test_the_curved_end_of_a_prepared_retraction_is_no_base_line(noise: float, s
     delta = np.linspace(depth[-1], depth[fold], 300)
     P = np.interp(delta, depth[fold:], load[fold:])
     P += noise * np.ptp(P) * np.random.default_rng(2).normal(size=P.size)
-    found = examine(Curve("prepared", delta=delta, P=P))
+    found = segment_force_curve(Curve("prepared", delta=delta, P=P))
     assert set(found.flags) == {"no approach", "no base line"}
     assert not found.directions[0].based
 
@@ -165,7 +165,7 @@ def test_a_straight_line_before_contact_is_a_base_line(power: float, free: float
     """Contact that begins with a kink in the slope, in the curvature, or as a parabola."""
     z = np.linspace(-free, 1 - free, 500)
     P = np.maximum(z, 0) ** power / (1 - free) ** power + 0.05 * z + noise * np.random.default_rng(3).normal(size=500)
-    found = examine(Curve("free", delta=z, P=P))
+    found = segment_force_curve(Curve("free", delta=z, P=P))
     assert set(found.flags) == {"no retract"}
     assert found.directions[0].based
 
@@ -179,7 +179,7 @@ def test_a_second_pull_off_is_found_however_straight_the_load_before_it(string: 
     fold = float(z[back & (P < -0.3 * PULL_OFF)].min())
     far = 0.5 * (fold + float(z.min()))
     held = np.where(back & (z < fold) & (z > far), (fold - z) / (fold - far) if string else 1.0, 0.0)
-    found = examine(Curve("tether", delta=z, P=P - 0.4 * PULL_OFF * held))
+    found = segment_force_curve(Curve("tether", delta=z, P=P - 0.4 * PULL_OFF * held))
     side = found.direction("retract")
     assert side is not None
     assert "several contacts" in found.flags
@@ -210,7 +210,7 @@ def held_twice(seed: int) -> Curve:
 
 def test_second_pull_offs_of_random_records() -> None:
     """A tether may hold as much as the contact did, so that nothing happens where that ends: its load is level."""
-    assert sum("several contacts" in examine(held_twice(seed)).flags for seed in range(28)) >= 26
+    assert sum("several contacts" in segment_force_curve(held_twice(seed)).flags for seed in range(28)) >= 26
 
 
 def test_the_largest_tension_of_a_contact_is_not_level() -> None:
@@ -220,26 +220,26 @@ def test_the_largest_tension_of_a_contact_is_not_level() -> None:
     device = Instrument(k, 1500, far=2.8e-7, largest=3 * force, noise=0.03 * force)
     for seed in range(10):
         made = record(1.2e5, R, w / 10, w, device, seed)
-        found = examine(Curve("made", delta=made["z"] - made["P"] / k, P=made["P"], stiffness=k))
+        found = segment_force_curve(Curve("made", delta=made["z"] - made["P"] / k, P=made["P"], stiffness=k))
         assert "several contacts" not in found.flags
 
 
 def test_contacts_of_right_records_are_not_level() -> None:
     kinds = ("white", "pink", "peak", "steps")
     made = [drawn(np.random.default_rng((5, i)), R, None, kind=kinds[i % 4]) for i in range(24)]
-    assert not any("several contacts" in examine(Curve("right", delta=one.columns["z"], P=one.columns["P"])).flags
-                   for one in made)  # fmt: skip
+    right = [Curve("right", delta=one.columns["z"], P=one.columns["P"]) for one in made]
+    assert not any("several contacts" in segment_force_curve(curve).flags for curve in right)
 
 
 def test_rows_that_stand_alone_off_the_others_count_for_nothing() -> None:
     """Spikes to both sides, in the free rows and in contact; jumps, folds and the turn are none."""
     clean = curve_of(DEVICE)
-    plain = examine(clean)
+    plain = segment_force_curve(clean)
     assert plain.spikes.size == 0
     assert clean.P is not None
     rows, P = np.array([300, 1700, 2600, 3900]), clean.P.copy()
     P[rows] += PULL_OFF * np.array([-2.0, 1.0, -1.0, 3.0])
-    found = examine(replace(clean, P=P))
+    found = segment_force_curve(replace(clean, P=P))
     assert found.spikes.tolist() == rows.tolist()
     assert found.flags == plain.flags
     sides = [one.direction("retract") for one in (found, plain)]
@@ -250,13 +250,13 @@ def test_rows_that_stand_alone_off_the_others_count_for_nothing() -> None:
 
 def test_what_is_no_force_curve_is_refused_in_one_line() -> None:
     with pytest.raises(InputError) as caught:
-        examine(Curve("c", a=np.arange(30.0), P=np.arange(30.0)))
+        segment_force_curve(Curve("c", a=np.arange(30.0), P=np.arange(30.0)))
     told = (
         "c: a force curve needs displacement and load, it holds a, P; jkr fit reads contact radius and load as they are"
     )
     assert str(caught.value) == told
     with pytest.raises(InputError) as caught:
-        examine(Curve("c", delta=np.arange(5.0), P=np.arange(5.0)))
+        segment_force_curve(Curve("c", delta=np.arange(5.0), P=np.arange(5.0)))
     assert str(caught.value) == "c: holds 5 rows, at least 20 are needed to look at"
 
 
@@ -265,7 +265,7 @@ def test_what_lets_go_slowly_is_neither_free_nor_in_contact() -> None:
     curve = curve_of(replace(DEVICE, pause=0))
     assert curve.P is not None
     slow = np.convolve(np.pad(curve.P, 150, mode="edge"), np.ones(301) / 301, "valid")
-    side = examine(replace(curve, P=slow)).direction("retract")
+    side = segment_force_curve(replace(curve, P=slow)).direction("retract")
     assert side is not None
     assert not side.jumps
     first, last = side.border
@@ -277,16 +277,16 @@ def test_what_lets_go_slowly_is_neither_free_nor_in_contact() -> None:
 def test_a_displacement_against_its_segments_is_named_and_not_fitted() -> None:
     """A height that grows away from the specimen, under a name that does not say so."""
     curve = curve_of(DEVICE, told=True)
-    turned = examine(replace(curve, delta=-curve.delta))
+    turned = segment_force_curve(replace(curve, delta=-curve.delta))
     assert turned.flags["wrong way"] == (
         "the displacement of the retract has the opposite sign: it is positive into the specimen (--flip delta)"
     )
-    assert "wrong way" not in examine(curve).flags
+    assert "wrong way" not in segment_force_curve(curve).flags
 
 
 def test_tension_that_counts_as_positive_is_named() -> None:
     curve = curve_of(DEVICE)
-    assert examine(replace(curve, P=-curve.P)).flags["wrong sign"] == (
+    assert segment_force_curve(replace(curve, P=-curve.P)).flags["wrong sign"] == (
         "the load of the retract is least where the device presses deepest: is compression negative (--flip P)?"
     )
 
@@ -298,12 +298,12 @@ def test_suction_right_after_the_turn_is_no_wrong_sign() -> None:
     P = np.concatenate([np.where(z > 0, 0.25 * z**2, 0.0), suction[::-1]])
     P = P + 1e-3 * np.random.default_rng(5).normal(size=P.size)
     curve = Curve("made", delta=1e-6 * np.concatenate([z, z[::-1]]), P=1e-6 * P)
-    side = examine(curve).direction("retract")
+    side = segment_force_curve(curve).direction("retract")
     assert side is not None
     assert isinstance(side.adhesion, float)
     assert side.adhesion_at > 1.9e-6
-    assert "wrong sign" not in examine(curve).flags
-    assert "wrong sign" in examine(replace(curve, P=-1e-6 * P)).flags
+    assert "wrong sign" not in segment_force_curve(curve).flags
+    assert "wrong sign" in segment_force_curve(replace(curve, P=-1e-6 * P)).flags
 
 
 @pytest.mark.parametrize("noise", [0.0, 3e-5, 3e-4])
@@ -311,7 +311,7 @@ def test_a_base_line_ends_at_a_jump_far_smaller_than_the_largest_load(noise: flo
     """Pressed to 300 times its jump into contact; the line went on through it as far as loads were within 0.5 %."""
     z = np.linspace(-1.0, 2.0, 6001)
     P = np.where(z > 0, 0.25 * z**2 - 1 / 300, 0.0) + noise * np.random.default_rng(4).normal(size=z.size)
-    side = examine(Curve("made", delta=1e-6 * z, P=1e-6 * (P + 0.01 * z))).direction(APPROACH)
+    side = segment_force_curve(Curve("made", delta=1e-6 * z, P=1e-6 * (P + 0.01 * z))).direction(APPROACH)
     assert side is not None
     assert 1900 <= side.base.rows <= 2030
 

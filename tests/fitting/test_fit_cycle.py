@@ -18,7 +18,7 @@ from jkrcli.data.measured import read
 from jkrcli.fitting.forward_model import FittedBody
 from jkrcli.fitting.procedure import fit
 from jkrcli.fitting.result import Fit
-from jkrcli.fitting.rows import directed
+from jkrcli.fitting.rows import orient
 from jkrcli.fitting.settings import settings_of
 from jkrcli.methods.layered.solver import Layered
 
@@ -79,7 +79,7 @@ def cycles(count: int, noise: float) -> tuple[Curve, np.ndarray]:
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_the_order_of_rows_tells_the_branches_of_several_cycles(count: int, noise: float) -> None:
     curve, words = cycles(count, noise)
-    told = directed(curve)
+    told = orient(curve)
     assert told.segment is not None
     assert np.count_nonzero(told.segment != words) <= count - 1  # rows where contact is lost and made anew
     assert [line.split(" by ")[0] for line in told.flags] == [f"{2 * count} branches"] * (count > 1)
@@ -89,9 +89,9 @@ def test_rows_in_no_order_and_single_branches_are_no_cycles() -> None:
     rng = np.random.default_rng(5)
     curve, _ = cycles(3, 0.0)
     for rows in (rng.permutation(len(curve)), np.arange(15), np.arange(15, 33)):
-        assert directed(curve.rows(rows)).segment is None
+        assert orient(curve.rows(rows)).segment is None
     noisy = np.linspace(0, 1, 100) + 0.1 * rng.normal(size=100)
-    assert directed(Curve("c", a=noisy + 1, P=noisy)).flags == ()
+    assert orient(Curve("c", a=noisy + 1, P=noisy)).flags == ()
 
 
 @pytest.mark.parametrize(

@@ -25,9 +25,9 @@ from jkrcli.data.measured import read
 from jkrcli.fitting.forward_model import FittedBody
 from jkrcli.fitting.parameters import ROOT, FittedValue, Parameter
 from jkrcli.fitting.procedure import fit
-from jkrcli.fitting.record import whole_record
+from jkrcli.fitting.record import as_raw_force_curve
 from jkrcli.fitting.result import Fit
-from jkrcli.fitting.rows import third_differences
+from jkrcli.fitting.rows import noise_from_third_differences
 from jkrcli.fitting.settings import Settings, settings_of
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.methods.layered.solver import Layered
@@ -121,7 +121,7 @@ def test_a_displacement_that_goes_against_its_segments_is_refused() -> None:
     assert curve.delta is not None
     words = np.where(np.arange(len(curve)) <= int(np.argmax(curve.device)), "approach", "retract")
     with pytest.raises(InputError) as caught:
-        whole_record(replace(curve, delta=-curve.delta, segment=words, stiffness=None), usual(contact="fitted"))
+        as_raw_force_curve(replace(curve, delta=-curve.delta, segment=words, stiffness=None), usual(contact="fitted"))
     assert caught.value.lines == (
         "made: the displacement of the retract has the opposite sign: it is positive into the specimen (--flip delta)",
     )
@@ -138,9 +138,9 @@ def test_of_a_displacement_turned_as_it_was_read_another_remedy_is_named(tmp_pat
     for flip in (frozenset[str](), frozenset({"delta"})):
         (held,) = read(tmp_path / "m.csv", Reading(stiffness=curve.stiffness, flip=flip))
         with pytest.raises(InputError, match=r"its sign was turned when it was read: --factor delta=-1\)$"):
-            whole_record(held, usual(contact="fitted"))
+            as_raw_force_curve(held, usual(contact="fitted"))
         reading = Reading(stiffness=curve.stiffness, flip=flip, factors={"delta": -1.0})
-        assert whole_record(read(tmp_path / "m.csv", reading)[0], usual(contact="fitted")) is not None
+        assert as_raw_force_curve(read(tmp_path / "m.csv", reading)[0], usual(contact="fitted")) is not None
 
 
 @pytest.mark.slow
@@ -178,7 +178,7 @@ def test_how_often_intervals_hold_beside_a_random_walk(size: float, of_E: float,
         rng = np.random.default_rng(seed)
         curve, E_star, w = made(rng)
         assert curve.stiffness is not None
-        steps = rng.normal(size=len(curve)) * third_differences(curve.P) / math.sqrt(len(curve))
+        steps = rng.normal(size=len(curve)) * noise_from_third_differences(curve.P) / math.sqrt(len(curve))
         P = curve.P + size * np.cumsum(steps)
         found = fit(BODY, replace(curve, P=P, delta=curve.device - P / curve.stiffness), usual())
         held.append([inside for _, inside in judged(found, {"E_star": E_star, "w": w}).values()])
@@ -282,7 +282,7 @@ def test_a_drift_needs_both_directions_and_their_time() -> None:
         with pytest.raises(InputError, match=f"^{told}{reason}$"):
             fit(BODY, held, usual(free=["drift"], **options))
     with pytest.raises(InputError, match=r"^drift is for raw records of displacement and load, with --contact fitted"):
-        whole_record(curve, usual(free=["drift"], contact="as-is"))
+        as_raw_force_curve(curve, usual(free=["drift"], contact="as-is"))
 
 
 def test_an_approach_without_adhesion_has_an_upper_limit_of_its_own_w() -> None:

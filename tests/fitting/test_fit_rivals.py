@@ -35,7 +35,7 @@ from jkrcli.data.curve import Curve
 from jkrcli.fitting.forward_model import Drift, FittedBody
 from jkrcli.fitting.parameters import Parameter
 from jkrcli.fitting.procedure import OF_STRAINS, fit
-from jkrcli.fitting.range_alternative import RANGE, RIVALS, Rival
+from jkrcli.fitting.range_alternative import RANGE, RIVALS, AddedTerm
 from jkrcli.fitting.result import Fit
 from jkrcli.fitting.rows import Readings
 from jkrcli.methods.closed_form import ClosedForm
@@ -212,9 +212,9 @@ def test_rungs_are_near_the_fits_with_their_range() -> None:
 
 
 def test_a_change_that_the_first_order_does_not_know_is_no_number() -> None:
-    assert Rival("w", 0.3, {}).words == "a change of w along the record by +30%"
-    assert Rival("w", -53.5, {}).words == "a change of w along the record by more than -70%"
-    assert Rival("modulus", 9.0, {}).words == "a change of E* along the record by more than +120%"
+    assert AddedTerm("w", 0.3, {}).words == "a change of w along the record by +30%"
+    assert AddedTerm("w", -53.5, {}).words == "a change of w along the record by more than -70%"
+    assert AddedTerm("modulus", 9.0, {}).words == "a change of E* along the record by more than +120%"
 
 
 # ---------------------------------------------------------------------- the compressive part alone (Borodich, Galanov)

@@ -29,19 +29,19 @@ from jkrcli.fitting.least_squares import (
     LeastSquares,
     Spectrum,
     State,
+    chi2_increase,
     covariance,
+    covariance_coloured,
     covariance_of_uneven,
     in_time,
     larger,
-    rise,
-    spread,
     t_quantile,
     variance_factor,
     wider,
 )
 from jkrcli.fitting.parameters import ONE_SIDED, ROOT, FittedValue, Parameter
 from jkrcli.fitting.procedure import fit, preferences
-from jkrcli.fitting.rate import LawThrough, law_through, rate_fit, rate_settings
+from jkrcli.fitting.rate import RateLawFit, fit_rate_law, rate_fit, rate_settings
 
 
 # ---------------------------------------------------------------------- closed forms
@@ -50,8 +50,8 @@ def test_quantiles_have_two_sides(level: float) -> None:
     """Closed forms of Student's distribution at 1 and 2 degrees of freedom, and of F at 2 and any."""
     assert t_quantile(level, 1) == pytest.approx(math.tan(math.pi * level / 2), rel=1e-9)
     assert t_quantile(level, 2) == pytest.approx(level * math.sqrt(2 / (1 - level**2)), rel=1e-9)
-    assert rise(level, 7) == pytest.approx(t_quantile(level, 7) ** 2 / 7, rel=1e-9)
-    assert rise(level, 7, 2) == pytest.approx((1 - level) ** (-2 / 7) - 1, rel=1e-9)
+    assert chi2_increase(level, 7) == pytest.approx(t_quantile(level, 7) ** 2 / 7, rel=1e-9)
+    assert chi2_increase(level, 7, 2) == pytest.approx((1 - level) ** (-2 / 7) - 1, rel=1e-9)
 
 
 def test_covariances_of_two_means_by_hand() -> None:
@@ -101,7 +101,7 @@ def test_white_noise_through_the_coloured_covariance_is_white(rows: int) -> None
     J = np.stack([np.ones(rows), (-1.0) ** i, i / rows], axis=1)
     off = np.random.default_rng(3).standard_normal(rows)
     off -= J @ np.linalg.lstsq(J, off, rcond=None)[0]
-    found, white = spread(off, J, (), Spectrum(1.0)), np.linalg.inv(J.T @ J)
+    found, white = covariance_coloured(off, J, (), Spectrum(1.0)), np.linalg.inv(J.T @ J)
     size = found.covariance[0, 0] / white[0, 0]
     np.testing.assert_allclose(found.covariance, size * white, rtol=0, atol=1e-9 * size * white.max())
     assert size == pytest.approx(off @ off / (rows - 3), rel=0.1)  # 0.04 measured: by octaves
@@ -116,7 +116,7 @@ def test_lines_through_coloured_noise() -> None:
     noise = lfilter([1.0], [1.0, -0.8], noise, axis=1)[:, 100:]
     off, widths = np.linalg.lstsq(J, noise.T, rcond=None)[0].T, []
     for row, unknowns in zip(noise, off, strict=True):
-        widths.append(np.sqrt(np.diag(spread(row - J @ unknowns, J, (), Spectrum(1.0)).covariance)))
+        widths.append(np.sqrt(np.diag(covariance_coloured(row - J @ unknowns, J, (), Spectrum(1.0)).covariance)))
     assert_neither_doubled_nor_halved(mean_squares(off, widths))
 
 
@@ -129,7 +129,7 @@ def test_noise_of_one_over_f_at_the_lowest_frequencies_of_runs_that_lost_a_line(
     ratios = []
     for row in np.fft.irfft(waves, axis=1)[:, :900]:
         off = row - line @ np.linalg.lstsq(line, row, rcond=None)[0]
-        noise = spread(off, line, [off[:300], off[600:]], Spectrum(1.0)).noise
+        noise = covariance_coloured(off, line, [off[:300], off[600:]], Spectrum(1.0)).noise
         ratios.append(float(noise(np.array(1 / 300))) / 300)
     assert np.mean(ratios) == pytest.approx(1, abs=0.07)
 
@@ -144,11 +144,11 @@ def test_weighted_lines_through_noise_of_one_over_f() -> None:
     for row in np.fft.irfft(waves, axis=1)[:, :900]:
         plain = np.linalg.lstsq(J, row, rcond=None)[0]
         off = row - J @ plain
-        noise = spread(off, J, [off[rows] for rows in runs], Spectrum(1.0)).noise
+        noise = covariance_coloured(off, J, [off[rows] for rows in runs], Spectrum(1.0)).noise
         best = np.linalg.lstsq(noise.whitened(J), noise.whitened(row), rcond=None)[0]
         off = row - J @ best
         errors.append(best[2])
-        widths.append(np.sqrt(spread(off, J, [off[rows] for rows in runs], noise).covariance[2, 2]))
+        widths.append(np.sqrt(covariance_coloured(off, J, [off[rows] for rows in runs], noise).covariance[2, 2]))
     assert_neither_doubled_nor_halved(mean_squares(np.array(errors)[:, None], np.array(widths)[:, None]))
 
 
@@ -164,7 +164,7 @@ def test_noise_slower_than_the_free_rows_are_long_shows_in_all_rows() -> None:
     for one, walk in zip(white, walks, strict=True):
         for name, more in (("walk", 0.2 * walk / np.std(walk)), ("waves", 0.5 * np.sin(9 * np.pi * x) * (hump > 0))):
             off = one + more - J @ np.linalg.lstsq(J, one + more, rcond=None)[0]
-            slow[name] += bool(spread(off, J, [off[:1000], off[2000:]], Spectrum(1.0)).noise.slow)
+            slow[name] += bool(covariance_coloured(off, J, [off[:1000], off[2000:]], Spectrum(1.0)).noise.slow)
     assert slow["walk"] >= 30  # 26 by the free rows alone
     assert slow["waves"] <= 6  # 4 are taken for slow by chance
 
@@ -271,8 +271,8 @@ def test_a_law_through_points() -> None:
     at, off, widths = np.array([1e-8, 1e-6, 1e-4]), [], []
     for seed in range(12, 36):
         noise = np.repeat(np.random.default_rng(seed).standard_normal(80), 4)
-        found = law_through("power", v, law.work(0.04, v) * np.exp(0.03 * noise), 4)
-        assert isinstance(found, LawThrough)
+        found = fit_rate_law("power", v, law.work(0.04, v) * np.exp(0.03 * noise), 4)
+        assert isinstance(found, RateLawFit)
         w, low, high = found.band(at, 0.8)
         of_band = np.log(high / low) / 2 / student.ppf(0.9, 80 - 3)
         off.append([*np.log(w / law.work(0.04, at)), *(math.log(found.values[key] / known[key]) for key in known)])

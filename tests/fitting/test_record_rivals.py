@@ -26,7 +26,7 @@ from jkrcli.fitting.alternative_tests import (
     Linearised,
     _Amounts,
     _of_amounts,
-    bounded,
+    profile_bounds,
     rivals_of_record,
 )
 from jkrcli.fitting.alternatives import (
@@ -34,11 +34,11 @@ from jkrcli.fitting.alternatives import (
     CHANGE_SMALL,
     LITTLE,
     RIVALS,
-    Change,
+    AlternativeModel,
     ChangedFamily,
     FittedRecord,
     Known,
-    Rival,
+    Perturbation,
     RivalModel,
     columns,
     narrow_range,
@@ -47,7 +47,7 @@ from jkrcli.fitting.alternatives import (
 from jkrcli.fitting.forward_model import grid, on_grid
 from jkrcli.fitting.least_squares import Spectrum
 from jkrcli.fitting.procedure import fit
-from jkrcli.fitting.record import _fitted, _model, directions_of, whole_record
+from jkrcli.fitting.record import _fitted, _model, as_raw_force_curve, directions_of
 from jkrcli.fitting.result import Fit
 from jkrcli.fitting.settings import Settings
 from jkrcli.fitting.verdict import half_space_modulus
@@ -71,7 +71,7 @@ def still_record() -> FittedRecord:
 
 
 def of_record(made: Wrong, settings: Settings) -> FittedRecord:
-    held = whole_record(curve(made), settings)
+    held = as_raw_force_curve(curve(made), settings)
     assert held is not None
     return FittedRecord(*_fitted(BODY, _model(BODY, held, settings, {}, directions_of(held, settings)), settings))
 
@@ -81,13 +81,13 @@ def answer(kind: str) -> Fit:
     return fit(BODY, curve(ALL.get(kind, right)(AT)), usual())
 
 
-def named(name: str) -> Rival:
+def named(name: str) -> AlternativeModel:
     return next(rival for rival in RIVALS if rival.name == name)
 
 
-def change(name: str) -> Change:
+def change(name: str) -> Perturbation:
     found = named(name).effect(still_record())
-    assert isinstance(found, Change)
+    assert isinstance(found, Perturbation)
     return found
 
 
@@ -381,10 +381,10 @@ def test_a_range_below_the_noise_is_named_or_in_the_part_of_the_model(kind: str,
 def test_moves_at_a_bound_are_those_of_a_fit_in_full(name: str, drawn: Drawn) -> None:
     """Of a range below all that the body suggests, which these data exclude."""
     at = of_record(right(drawn), usual())
-    rivals = bounded(at, rivals_of_record(at))
+    rivals = profile_bounds(at, rivals_of_record(at))
     score = next(one for one in rivals.scores if one.name == name)
     effect = named(score.name).effect(at)
-    assert isinstance(effect, Change)
+    assert isinstance(effect, Perturbation)
     model = RivalModel.of(at.model, effect)
     held = replace(model, known={**model.known, AMOUNT: score.most})
     here = FittedRecord(at.body, force_curve.fit(held, at.fit.x, near=True))
@@ -397,7 +397,7 @@ def test_ranges_beyond_the_interval_count_by_the_chord() -> None:
     at, rival = still_record(), named("adhesion of finite range")
     score = next(one for one in rivals_of_record(at).scores if one.name == rival.name)
     effect = rival.effect(at)
-    assert isinstance(effect, Change)
+    assert isinstance(effect, Perturbation)
     tried = _Amounts(Linearised.of(at), effect)
     tried.moves.update({4.0: (0.0, 0.01, -0.02), 2.0: (6.0, 0.3, 0.1), 1.0: (7.0, 0.2, -0.4)})
     found = _of_amounts(tried, score)

@@ -18,7 +18,7 @@ from jkrcli.base.executors import available_cores
 from jkrcli.base.process import duration
 from jkrcli.case.reading import load_case
 from jkrcli.case.store import solve
-from jkrcli.methods.protocol import Forecast, Limits, admit
+from jkrcli.methods.protocol import Forecast, Limits, check_cost
 
 CASES = Path(__file__).parents[2] / "cases"
 CASE = """
@@ -65,7 +65,7 @@ REMEDY = "ask for fewer points, larger elements or a cheaper method, or raise th
 )
 def test_refused_with_its_estimate(forecast: Forecast, limits: Limits, message: str) -> None:
     with pytest.raises(Refusal) as refused:
-        admit("x", forecast, limits)
+        check_cost("x", forecast, limits)
     assert str(refused.value) == message
 
 
@@ -79,7 +79,7 @@ def test_refused_with_its_estimate(forecast: Forecast, limits: Limits, message: 
     ],
 )
 def test_told_where_it_is_much(seconds: float, mib: float, told: str | None) -> None:
-    assert admit("x", Forecast(seconds, mib, 0.0), Limits(64, 1)) == told
+    assert check_cost("x", Forecast(seconds, mib, 0.0), Limits(64, 1)) == told
 
 
 def test_the_least_of_all_limits_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,7 +19,7 @@ from jkrcli.case.reading import parse_case
 from jkrcli.cli import MOST_WORDS
 from jkrcli.cli.inputs import TABLE_PER_ROW
 from jkrcli.data import foreign, instruments, measured
-from jkrcli.data.afm_formats import rows_expected
+from jkrcli.data.afm_formats import estimate_rows
 from jkrcli.many.sweep.plan import Wanted, load_plan, solve_group
 from jkrcli.many.sweep.running import forecast
 from jkrcli.methods.fem.method import FEM
@@ -219,15 +219,15 @@ def test_the_curve_of_a_case_is_read_off_at_all_radii_together(jkr, monkeypatch:
 
 def test_rows_are_told_from_size_and_first_lines(tmp_path: Path) -> None:
     (tmp_path / "x.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 10_000)
-    assert rows_expected(tmp_path / "x.csv") == pytest.approx(10_000, rel=1e-3)
+    assert estimate_rows(tmp_path / "x.csv") == pytest.approx(10_000, rel=1e-3)
     (tmp_path / "utf16.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 10_000, encoding="utf-16")
-    assert rows_expected(tmp_path / "utf16.csv") == pytest.approx(10_000, rel=1e-3)
+    assert estimate_rows(tmp_path / "utf16.csv") == pytest.approx(10_000, rel=1e-3)
     with zipfile.ZipFile(tmp_path / "x.zip", "w", zipfile.ZIP_DEFLATED) as file:
         file.write(tmp_path / "x.csv", "x.csv")
-    assert 1 / 3 < rows_expected(tmp_path / "x.zip") / 10_000 < 3
+    assert 1 / 3 < estimate_rows(tmp_path / "x.zip") / 10_000 < 3
     (tmp_path / "wide.csv").write_text(("1," * 999 + "1\n") * 100)
-    assert 1000 < rows_expected(tmp_path / "wide.csv") < 2000  # as many take as long
-    assert rows_expected(tmp_path / "none.csv") == 0
+    assert 1000 < estimate_rows(tmp_path / "wide.csv") < 2000  # as many take as long
+    assert estimate_rows(tmp_path / "none.csv") == 0
     assert TABLE_PER_ROW * 10_000 < SILENCE
 
 

@@ -24,7 +24,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.base.files import SHORTEST, beside
 from jkrcli.base.process import LINE_ENDS
 from jkrcli.data import measured
-from jkrcli.data.afm_formats import rows_expected
+from jkrcli.data.afm_formats import estimate_rows
 from jkrcli.data.curve import Curve, Reading
 from jkrcli.report import archive
 
@@ -351,7 +351,7 @@ def test_a_series_of_the_first_format_without_one_of_its_parts(jkr: Run, series:
 def test_the_rows_of_an_archive_are_told_from_what_it_unpacks_to(tmp_path: Path) -> None:
     """Six times as many as forecast."""
     vendors.zipped(tmp_path / "x.zip", {"x.csv": b"1,2\n" * 100_000})
-    assert rows_expected(tmp_path / "x.zip") == pytest.approx(100_000, rel=0.01)
+    assert estimate_rows(tmp_path / "x.zip") == pytest.approx(100_000, rel=0.01)
 
 
 @pytest.mark.parametrize("end", [*LINE_ENDS, "\r\n"], ids=ascii)
@@ -430,7 +430,7 @@ def test_hostile_files(series: Path, ending: str, trials: int, seed: int) -> Non
         with bounded(SECONDS), address_space():
             if ending == "h5":
                 outcome("show", path, "--json", json_out=True)
-            rows_expected(path)
+            estimate_rows(path)
             with contextlib.suppress(InputError):
                 for _ in measured.each(path, Reading(incomplete=True)):
                     pass

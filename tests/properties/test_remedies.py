@@ -34,7 +34,7 @@ from jkrcli.adhesion.slopes import RULES
 from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic, Layer
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen, unbounded
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen, without_side_walls
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.solver import Layered
@@ -101,7 +101,7 @@ def pattern(says: str) -> str:
 
 def agrees(tables: Tree, found: Tree, near: float) -> None:
     """The last load against that of ``layered``, for bodies so wide that sides do not matter."""
-    wide = unbounded(parse_case(tomli_w.dumps(tables)).model.problem())
+    wide = without_side_walls(parse_case(tomli_w.dumps(tables)).model.problem())
     exact = Layered(1e-4)(Problem(wide.indenter, wide.specimen, Loading("radius", found["a_m"], 1))).series
     assert exact.S is not None
     beyond = (found["delta_m"] - exact.delta[-1]) * exact.S[-1]

@@ -12,7 +12,7 @@ from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.materials import GEL_TENSION, Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import displacement, over_hertz, over_jkr, sneddon_sphere
-from jkrcli.resolve.neglected import GLASS, LeftOut, expect, left_out
+from jkrcli.resolve.neglected import GLASS, NeglectedEffect, neglected_effects, preview_effects
 
 R, a = 1e-5, 2e-6
 RUBBER = Elastic(1e6, 0.5)
@@ -20,11 +20,11 @@ RUBBER = Elastic(1e6, 0.5)
 
 def found(
     specimen: Specimen, w: float = 0.0, indenter: object = None, z0: float = 3e-10, **more: object
-) -> dict[str, LeftOut]:
+) -> dict[str, NeglectedEffect]:
     """What is left out, by the first two words of its name."""
     problem = Problem(indenter or Paraboloid(R), specimen, Loading("radius", a, 40), **more)
     works = (w,) if w else ()
-    rows = left_out(problem, expect(problem, works, z0), works, z0)
+    rows = neglected_effects(problem, preview_effects(problem, works, z0), works, z0)
     known = [abs(one.largest[1]) for one in rows if one.largest]
     assert known == sorted(known, reverse=True)
     assert [one.largest is None for one in rows] == sorted(one.largest is None for one in rows)  # what is unknown last
@@ -189,7 +189,7 @@ def test_a_change_of_units_changes_nothing() -> None:
     """Lengths a thousand times as large, with the tension, the density and w that go with them."""
     rows = found(layer(a), 0.02)
     problem = Problem(Paraboloid(1e3 * R), layer(1e3 * a), Loading("radius", 1e3 * a, 40))
-    big = {one.name: one for one in left_out(problem, expect(problem, (20.0,), 3e-7), (20.0,), 3e-7)}
+    big = {one.name: one for one in neglected_effects(problem, preview_effects(problem, (20.0,), 3e-7), (20.0,), 3e-7)}
     for name in ("no slip", "exact sphere"):
         assert big[name].load == pytest.approx(rows[name].load, rel=1e-6, abs=1e-9)
         assert big[name].pull_off[20.0] == pytest.approx(rows[name].pull_off[0.02], rel=1e-6, abs=1e-9)

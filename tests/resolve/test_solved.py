@@ -21,7 +21,7 @@ from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.protocol import Method
 from jkrcli.resolve.analysis import analyse, nonadhesive
-from jkrcli.resolve.refine_pull_off import is_solved, seconds_of_points
+from jkrcli.resolve.refine_pull_off import is_refined, seconds_of_points
 
 CASES = Path(__file__).parents[2] / "cases"
 
@@ -206,7 +206,7 @@ def test_points_are_solved_where_that_takes_seconds(
         assert isinstance(point, CriticalPoint)
         assert isinstance(exact, CriticalPoint)
         assert not isinstance(stated, Unknown)
-        assert is_solved(result.curve, point)
+        assert is_refined(result.curve, point)
         held, other = ("P", "delta") if control == "load" else ("delta", "P")
         errors = {name: abs(getattr(point, name) - getattr(exact, name)) for name in stated}
         assert errors[held] <= stated[held] < 1e-3 * abs(getattr(exact, held))

@@ -27,7 +27,7 @@ from ... import __version__
 from ...adhesion.curve import DISPLACEMENT_CONTROL, AdhesiveCurve, CriticalPoint, Equilibrium
 from ...adhesion.interpolation import Nonadhesive
 from ...adhesion.slopes import checked_rule
-from ...adhesion.stability import behaviour
+from ...adhesion.stability import stability_under
 from ...adhesion.validity import strain_size, strain_words
 from ...base.errors import InputError, JkrError, Unknown, did_you_mean
 from ...base.files import check_target
@@ -306,7 +306,7 @@ def _point_errors(result: Analysis) -> dict[str, Any]:
 
 
 def _stability(result: Analysis) -> dict[str, Any]:
-    pulled = behaviour(result.curve, DISPLACEMENT_CONTROL)
+    pulled = stability_under(result.curve, DISPLACEMENT_CONTROL)
     energies = {"energy_lost_J": pulled.energy_lost, "work_of_separation_J": pulled.separation}
     return energies | _point("jump_in", pulled.jump_in)
 
@@ -430,7 +430,7 @@ SHARING_WORTH_KEEPING = 0.1  # choice: CPU seconds; reading a file takes a tenth
 
 
 @dataclass(frozen=True)
-class Recipe:
+class SweepPlan:
     """What a worker needs to know to make a case of given values: the base case's ``tables``, what is wanted."""
 
     tables: Tables
@@ -453,7 +453,7 @@ class Plan:
 
     source: str
     title: str
-    recipe: Recipe
+    recipe: SweepPlan
     axes: tuple[Axis, ...]
 
     @property
@@ -568,7 +568,7 @@ def load_plan(path: Path) -> Plan:
         raise InputError(
             f"{source}: the quantities asked for need a work of adhesion: vary adhesion.w, or set it in the base case"
         )
-    plan = Plan(source, model.title, Recipe(_self_contained(tables, first, axes), wanted, folder), axes)
+    plan = Plan(source, model.title, SweepPlan(_self_contained(tables, first, axes), wanted, folder), axes)
     if plan.count > MOST_CASES:
         raise InputError(f"{source}: makes {plan.count:,} cases, at most {MOST_CASES:,} are allowed in one sweep")
     if (cells := plan.count * len(wanted.columns)) > MOST_CELLS:
@@ -617,7 +617,7 @@ class Row:
     seconds: float
 
 
-def solve_group(recipe: Recipe, folder: Path | None, cases: Cases) -> list[Row]:
+def solve_group(recipe: SweepPlan, folder: Path | None, cases: Cases) -> list[Row]:
     """Solve what ``cases`` share, and read off each what is wanted; failures become rows.
 
     ``folder``: of expensive solves of earlier runs.
@@ -637,7 +637,7 @@ def solve_group(recipe: Recipe, folder: Path | None, cases: Cases) -> list[Row]:
 def _solved(body: Problem, model: CaseModel, folder: Path | None) -> Solution:
     """The solution by the case's method; where "auto" has the choice and a method fails, by the next one."""
     build = partial(method_of, model)
-    choice: Choice | None = least(body, model)
+    choice: Choice | None = cheapest_method(body, model)
     while choice is not None:
         try:
             return solved_once(body, choice.method, folder)
@@ -681,7 +681,7 @@ def _kept(path: Path, problem: Problem, key: str) -> Solution | None:
     return solution if solution is not None and solution.record.command_line == _made_by(key) else None
 
 
-def least(body: Problem, model: CaseModel) -> Choice:
+def cheapest_method(body: Problem, model: CaseModel) -> Choice:
     """What ``choose`` chooses, without asking the methods behind the first that will do: that would cost more."""
     build = partial(method_of, model)
     for name in least_first() if model.method == "auto" else ():
@@ -692,7 +692,7 @@ def least(body: Problem, model: CaseModel) -> Choice:
 
 
 def _row(
-    recipe: Recipe, solution: Solution, body: Nonadhesive, number: int, values: Mapping[str, Any], share: float
+    recipe: SweepPlan, solution: Solution, body: Nonadhesive, number: int, values: Mapping[str, Any], share: float
 ) -> Row:
     """What is wanted of one case; ``solution``, ``body``: at unit modulus, which all cases of the group share."""
     start = time.process_time()
@@ -710,7 +710,7 @@ def _row(
     return Row(number, OK, "; ".join(reasons), cells, share + time.process_time() - start)
 
 
-def failed(recipe: Recipe, number: int, why: str | Exception, seconds: float = 0.0) -> Row:
+def failed(recipe: SweepPlan, number: int, why: str | Exception, seconds: float = 0.0) -> Row:
     """The row of a case without a result; errors that are no message for users are bugs: their type tells so."""
     if isinstance(why, Exception) and not isinstance(why, JkrError):
         why = f"unexpected {type(why).__name__}: {why}"

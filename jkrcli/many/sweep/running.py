@@ -32,7 +32,7 @@ from ...base.units import scale, show
 from ...report import archive
 from ...report.plots import Figure, looks, studies
 from ...report.result import Files, Result
-from .plan import FAILED, OK, STRAINS, Cases, Plan, Row, at_unit_modulus, failed, least, solve_group
+from .plan import FAILED, OK, STRAINS, Cases, Plan, Row, at_unit_modulus, cheapest_method, failed, solve_group
 
 # --------------------------------------------------------------------------------------------------
 # The figure of a sweep: its results over the axis with the most values, a line for each value of the next.
@@ -504,7 +504,7 @@ def _solve_seconds(plan: Plan, group: Cases) -> float:
     model = plan.recipe.model(group[0][1])
     body, _ = at_unit_modulus(model.problem())
     try:
-        return least(body, model).method.forecast(body).seconds
+        return cheapest_method(body, model).method.forecast(body).seconds
     except JkrError:
         return 0.0
 

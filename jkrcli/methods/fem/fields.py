@@ -23,7 +23,7 @@ from ...base.numerics import ROUNDED, Array
 from ...base.process import StageClock
 from ...bodies.problem import Problem
 from .elasticity import ElasticSystem, force_r, force_z, mass, measure, stiffness_constants
-from .mesh import Grid, cut_out, finest_spacing, pressure_layers, scaled_layout
+from .mesh import Grid, finest_spacing, pressure_layers, scaled_layout, truncate
 from .method import FEM
 from .model import Discretisation, Model
 
@@ -226,7 +226,7 @@ def contact_state(
     edge = problem.specimen.radius
     if edge is not None and a >= edge:
         raise InputError(f"fields: contact radius {a:g} m reaches the edge of the body, {edge:g} m")
-    body = cut_out(problem, a, method.depth, method.width)
+    body = truncate(problem, a, method.depth, method.width)
     spacing, finest = STATE_SPACING, STATE_FINEST
     if problem.sticks:
         spacing = STATE_STUCK

@@ -418,7 +418,7 @@ class MeshedBody:
         return pairs[:-1] if self.cut_below else pairs
 
 
-def cut_out(problem: Problem, reach: float, depth: float | None, width: float | None) -> MeshedBody:
+def truncate(problem: Problem, reach: float, depth: float | None, width: float | None) -> MeshedBody:
     """The body to mesh for contact radii up to ``reach``; ``depth`` and ``width``: the user's truncation, or None."""
     specimen = _with_equivalent_modulus(problem)
     base, decay = specimen.base, _decay_length(specimen, reach)
@@ -440,14 +440,14 @@ def cut_out(problem: Problem, reach: float, depth: float | None, width: float | 
     return MeshedBody(*own, cut_below, cut_beside, completed=completed, tension=specimen.surface_tension)
 
 
-def half_space_like(body: MeshedBody, reach: float) -> MeshedBody:
+def homogenised_half_space(body: MeshedBody, reach: float) -> MeshedBody:
     """A homogeneous half-space of the uppermost material at the surface, for contact radii up to ``reach`` [m]."""
-    top = at_surface(body.materials[0])
+    top = surface_material(body.materials[0])
     size = CUT_CALIBRATION * max(reach, 2 * body.tension / top.surface.E_star)
     return MeshedBody((size,), (top,), size, True, "free", True, True, completed=True, tension=body.tension)
 
 
-def at_surface(material: Material) -> Elastic | TransverselyIsotropic:
+def surface_material(material: Material) -> Elastic | TransverselyIsotropic:
     """The homogeneous material that the first touch of ``material`` feels."""
     return material.top if isinstance(material, AnyTransverse) else material.surface
 
@@ -491,7 +491,7 @@ def mixed_layers(options: FEMOptions, problem: Problem) -> tuple[int, ...]:
 
 def finest_spacing(material: Material) -> float:
     """Least spacing of surface vertices over the radius that follows a contact that sticks to the ``material``."""
-    eta = abs(oscillation(at_surface(material))[1])
+    eta = abs(oscillation(surface_material(material))[1])
     start, turn = STUCK_PHASE
     return math.exp(start - turn / eta) if eta else 0.0
 
@@ -892,7 +892,7 @@ def _limited(surface: Array, lines: Array) -> Array:
 def layout_for(options: FEMOptions, problem: Problem, reach: float) -> Layout:
     """The layout of the options, fine out to the radius ``reach`` [m]. Refusal: too many elements, or a truncation
     that does not fit the body."""
-    body = cut_out(problem, reach, options.depth, options.width)
+    body = truncate(problem, reach, options.depth, options.width)
     a0, growth = problem.indenter.a0, options.growth_of_sizes
     if options.layout == "scaled":
         smallest = options.smallest * (reach - a0)

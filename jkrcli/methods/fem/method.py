@@ -21,7 +21,7 @@ from .mesh import (
     Layout,
     expected_reach,
     finest_spacing,
-    half_space_like,
+    homogenised_half_space,
     layout_for,
     mixed_layers,
 )
@@ -58,7 +58,7 @@ def forecast(options: FEMOptions, problem: Problem, layout: Layout) -> Forecast:
     seconds = _seconds(options, cells * per_cell)
     elsewhere = options.edge_correction and not problem.specimen.is_half_space
     if elsewhere:  # the edge correction needs a mesh of its own
-        half_space = half_space_like(layout.body, layout.law.reach * layout.unit)
+        half_space = homogenised_half_space(layout.body, layout.law.reach * layout.unit)
         seconds += _seconds(options, layout.on(half_space).expected_cells() * per_cell)
     rows = len(problem.loading.values)
     seconds += FORECAST_PER_ROW * rows
@@ -105,7 +105,7 @@ REFINEMENT_STEEPEST = 0.4  # growth; tuned on the same, by `make tuning`
 REFINEMENT_COMPANION = 2**0.5  # element sizes the first mesh is judged against; tuned on the same, by `make tuning`
 
 
-def adapted(options: FEMOptions, problem: Problem, clock: StageClock) -> Solution:
+def refine_to_tolerance(options: FEMOptions, problem: Problem, clock: StageClock) -> Solution:
     """Solve ``problem`` to the tolerance; Refusal with the error reached where that is not possible."""
     from . import model
 
@@ -122,7 +122,7 @@ def adapted(options: FEMOptions, problem: Problem, clock: StageClock) -> Solutio
             judged = model.assessed(solved, [coarse], ratio, truncation)
         reached = judged.budget.series
         if isinstance(reached, float) and reached <= tolerance:
-            return model.finished(sized(options, spacing), solved, judged, clock)
+            return model.to_solution(sized(options, spacing), solved, judged, clock)
         finer = spacing * _shrinkage(tolerance, reached, truncation)
         if finer < _finest(problem) or (isinstance(truncation, float) and truncation >= tolerance):
             break
@@ -283,7 +283,7 @@ class FEM(FEMOptions):
             return self.solve(problem)[1]
         self._refuse(problem)
         with one_thread():
-            return adapted(self, problem, StageClock())
+            return refine_to_tolerance(self, problem, StageClock())
 
     def solve(self, problem: Problem) -> tuple[Run, Solution]:
         """Solve on the mesh of the given sizes; the run holds mesh, factor and contact problem."""
@@ -296,7 +296,7 @@ class FEM(FEMOptions):
             runs = [solved] if solved.at_touches is None else [solved, solved.at_touches]
             judged, *others = self._assessed(runs, clock)
             touches = model.series_of(runs[1], others[0]) if others else None
-            return solved, model.finished(self, solved, judged, clock, touches)
+            return solved, model.to_solution(self, solved, judged, clock, touches)
 
     def _assessed(self, runs: list[Run], clock: StageClock) -> list[Assessment]:
         """The errors of the ``runs``, all on one mesh."""

@@ -20,11 +20,11 @@ from ...base.process import StageClock
 from ...bodies.indenters import Indenter, Paraboloid
 from ...bodies.materials import INCOMPRESSIBLE, AnyGraded, Elastic, Material, TransverselyIsotropic
 from ...bodies.problem import HalfSpace, Loading, Problem, Specimen
-from ...series import Coarser, ErrorBudget, PressureTable, RawSeries, Series, Solution, filter_plateaus
+from ...series import CoarseSeries, ErrorBudget, PressureTable, RawSeries, Series, Solution, filter_plateaus
 from ..integral.no_slip import coulomb_series, ring_transforms
 from ..layered.no_slip import half_space_compliances
 from ..layered.solver import largest_radius
-from ..layered.surface_tension import TenseContact
+from ..layered.surface_tension import SurfaceTensionSolver
 from ..options import FEMOptions, Solver
 from ..radii import DENSE, ROOM, graded_radii
 from .contact import (
@@ -45,12 +45,12 @@ from .mesh import (
     BUDGET_JUDGED_DEPTH,
     Layout,
     MeshedBody,
-    at_surface,
     expected_reach,
-    half_space_like,
+    homogenised_half_space,
     layout_for,
     mixed_layers,
     oscillation,
+    surface_material,
     within,
 )
 
@@ -233,8 +233,8 @@ def _under_tension(body: MeshedBody, profile: Indenter, radii: Array) -> Callabl
     ``body``."""
     from scipy.interpolate import CubicSpline
 
-    specimen = Specimen((), HalfSpace(at_surface(body.materials[0])), surface_tension=body.tension)
-    contact, a0 = TenseContact(profile, specimen), profile.a0
+    specimen = Specimen((), HalfSpace(surface_material(body.materials[0])), surface_tension=body.tension)
+    contact, a0 = SurfaceTensionSolver(profile, specimen), profile.a0
     beyond = np.geomspace(EDGE_NEAR * (radii[0] - a0), (radii[-1] - a0) / EDGE_NEAR, DENSE)
     result = contact.solved(a0 + beyond, contact.plan(a0 + beyond, EDGE_ACCURACY))
     spline = CubicSpline(np.log(beyond), np.log(result.delta))
@@ -360,7 +360,7 @@ class Model:
         heights = indenter.f(self.surface.radii)
         if not self.surface.sticks:
             return SurfaceContact(self.surface, heights)
-        rows = edge_rows(self.half_space, at_surface(self.body.materials[0]))
+        rows = edge_rows(self.half_space, surface_material(self.body.materials[0]))
         return StuckContact(self.surface, heights, rows, indenter.a0)
 
     def with_roller(self) -> Model:
@@ -374,7 +374,7 @@ class Model:
         """Surface of a half-space of the uppermost material with the same vertices: this one where it is one."""
         if self.body.cut_below and len(self.body.materials) == 1:
             return self.completed()
-        body = half_space_like(self.body, self.discretisation.reach)
+        body = homogenised_half_space(self.body, self.discretisation.reach)
         return self.discretisation.on_half_space(body).build(StageClock()).completed()
 
     def completed(self) -> Surface:
@@ -698,7 +698,7 @@ class Assessment:
     budget: ErrorBudget
     judged_from: float | None = None
     errors: Mapping[str, Array] = field(default_factory=dict)
-    coarser: Coarser | None = None
+    coarser: CoarseSeries | None = None
 
 
 def assessed(run: Run, larger: Sequence[MeshLevel], ratio: float, truncation: Estimate) -> Assessment:
@@ -733,7 +733,7 @@ def assessed(run: Run, larger: Sequence[MeshLevel], ratio: float, truncation: Es
     return Assessment(budget, judged_from, {name: values[rows] for name, values in errors.items()}, other)
 
 
-def _coarser(levels: Sequence[MeshLevel], delta: Array, ratio: float, cut: float) -> Coarser | None:
+def _coarser(levels: Sequence[MeshLevel], delta: Array, ratio: float, cut: float) -> CoarseSeries | None:
     """The series of the ``levels``, each of elements ``ratio`` times as large as those before, as deep as ``delta``
     [m], of a body that is stiffer by the fraction ``cut``; None where the first one's contact is no disc that only
     grows, or too small."""
@@ -748,7 +748,7 @@ def _coarser(levels: Sequence[MeshLevel], delta: Array, ratio: float, cut: float
     P, S, dS = ((1 + cut) * values for values in (events.P[rows], *slopes))
     beyond = _coarser(larger, delta, ratio, cut)
     try:
-        return Coarser(Series(a, events.delta[rows], P, S, dS, a0=level.indenter.a0, coarser=beyond), ratio)
+        return CoarseSeries(Series(a, events.delta[rows], P, S, dS, a0=level.indenter.a0, coarser=beyond), ratio)
     except InputError:
         return None
 
@@ -887,7 +887,7 @@ def truncation_of(run: Run, coarse: MeshLevel) -> Estimate:
 # What is returned of a finite-element run: series with errors, facts, and warnings with numbers.
 
 
-def finished(
+def to_solution(
     options: FEMOptions, run: Run, judged: Assessment, clock: StageClock, touches: Series | None = None
 ) -> Solution:
     """The solution: series, pressures, facts and warnings; of increments also the series at the ``touches``."""

@@ -250,7 +250,7 @@ def _size(specimen: Specimen, thick: list[float], error: float) -> tuple[float, 
     return length, length * (REGION_CUT / error) ** (1 / 3)
 
 
-def nearest(region: Region) -> float:
+def closest_cut(region: Region) -> float:
     """Distance from the contact to the nearest place where the body ends or changes."""
     return min(region.first, math.inf if region.cut_beside else region.width - 1.0)
 

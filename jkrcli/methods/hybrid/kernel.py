@@ -28,9 +28,9 @@ from .correction import (
     Correction,
     LineElements,
     Region,
+    closest_cut,
     correction,
     lines,
-    nearest,
     side_correction,
 )
 
@@ -212,7 +212,7 @@ class KernelLevels:
         t, w = (half[self.count :] for half in rule(2 * self.count))
         even = _even(t, self.count) * w[:, None] * (4 * np.arange(self.count) + 1)
         unit = self.region.unit
-        return PolynomialKernel(self.factor / unit * (even.T @ K @ even), unit, unit * nearest(self.region))
+        return PolynomialKernel(self.factor / unit * (even.T @ K @ even), unit, unit * closest_cut(self.region))
 
 
 # How the tolerance is shared out, how errors are judged from what they change, and when refinement ends.
@@ -354,7 +354,7 @@ class SideContact(KernelContact):
 
 
 @dataclass(frozen=True, eq=False)
-class Companions:
+class ErrorModes:
     """A ``contact`` beside others with one of the ``kernels``, each without one thing: finer elements, the last
     polynomial, digits, the cut's distance; found to the relative ``accuracy``. ``weights``: the part of each change
     that is left as an error, of each column; ``least``: relative errors that nothing tells apart."""
@@ -392,7 +392,7 @@ class ErrorEstimates:
     elements: Array
     parameters: Array
     cut: Array
-    companions: Companions | None = None
+    companions: ErrorModes | None = None
 
     @property
     def total(self) -> Array:
@@ -502,7 +502,7 @@ class AdaptiveKernel:
     def guard(self, levels: KernelLevels, degree: int) -> None:
         """Refuse what would take minutes or gigabytes."""
         cost, unit = levels.cost(degree), levels.region.unit
-        away = show(nearest(levels.region) * unit, "length")
+        away = show(closest_cut(levels.region) * unit, "length")
         if cost.seconds > HYBRID_MOST_SECONDS or cost.memory_mib > HYBRID_MOST_MIB:
             raise Refusal(
                 f"hybrid: contact radii up to {show(unit, 'length')} need elements of degree {degree} with about "
@@ -557,7 +557,7 @@ class AdaptiveKernel:
         """The contact and its errors with a kernel of this body that was ``kept``: as ``accurate`` gave them."""
         kernel, *others = (PolynomialKernel(each, kept.reach, kept.scale) for each in kept.coefficients)
         contact = self._with(kernel, kept.of_side)
-        companions = Companions(contact, tuple(others), kept.accuracy, tuple(kept.weights), kept.least)
+        companions = ErrorModes(contact, tuple(others), kept.accuracy, tuple(kept.weights), kept.least)
         elements, parameters, cut = kept.errors
         return contact, ErrorEstimates(kept.radii, elements, parameters, cut, companions)
 
@@ -603,7 +603,7 @@ class AdaptiveKernel:
         kernels = [levels.kernel(degree, coarser=1), levels.kernel(degree, coarser=2), shorter, shorter.shorter()]
         kernels += [levels.rounded(degree)]
         kernels += [levels.cut(degree)] if region.cut_beside else []
-        companions = Companions(contact, tuple(kernels), precise)
+        companions = ErrorModes(contact, tuple(kernels), precise)
         last, before, wave, other, rounding, *cuts = np.abs(companions.changes(radii))
         fastest = HYBRID_CORNERED if region.corners else HYBRID_FASTEST
         after_lowest = degree - 2 * STEP < HYBRID_LOWEST

@@ -63,7 +63,7 @@ class Density:
         order: int = DENSITY_PIECE,
     ) -> Iterator[Density]:
         """Densities at all radii, from one evaluation of the kernel; ``order``: nodes on each piece."""
-        edges, x = pieces(reach, kernel.scale, order)
+        edges, x = panel_pieces(reach, kernel.scale, order)
         sources = np.zeros((result.panels.x.size, result.panels.radii.size))
         for n in range(result.panels.radii.size):
             t, weights, phi = result.density(n, shift)
@@ -125,7 +125,7 @@ class Density:
         return np.array([-self.arc(self.a, float(x), float(x)) if x > self.a else 0.0 for x in r])
 
 
-def pieces(reach: float, scale: float, order: int) -> tuple[Array, Array]:
+def panel_pieces(reach: float, scale: float, order: int) -> tuple[Array, Array]:
     """Edges [m] of equal pieces from 0 to ``reach`` [m], no wider than ``scale`` [m], and the ``order`` Gauss nodes on
     each."""
     edges = np.linspace(0, reach, max(math.ceil(reach / scale), 1) + 1)
@@ -136,7 +136,7 @@ def _angle(r: float, t: Array) -> Array:
     return np.arccosh(np.maximum(t / r, 1.0))
 
 
-def unsmooth(specimen: Specimen) -> str | None:
+def nonsmooth_part(specimen: Specimen) -> str | None:
     """Why pressures and gaps on the ``specimen`` cannot be found from its density; None where they can."""
     if specimen.surface_tension:
         return "profile: pressures under surface tension are not implemented: leave specimen.surface_tension out"
@@ -187,7 +187,7 @@ def disc_warnings(
     a0 = contact.indenter.a0
     radii = a0 + np.array(DISC_FRACTIONS) * (largest - a0)
     try:
-        if reason := unsmooth(specimen):
+        if reason := nonsmooth_part(specimen):
             raise Refusal(reason)
         result = contact.solved(radii, contact.plan(radii, SAME))
     except JkrError as error:

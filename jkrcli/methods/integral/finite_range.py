@@ -29,7 +29,7 @@ from ...base.numerics import MOST_STEPS, ROUNDED, SAME, SETTLED, Array
 from ...base.units import show
 from ...bodies.indenters import Indenter
 from ...formulas import shift
-from .density import DENSITY_PIECE, Density, pieces
+from .density import DENSITY_PIECE, Density, panel_pieces
 from .dent import DentedProfile
 from .fredholm import AbelMoments, LegendrePanels, Panels, Quadrature, angle, gauss, rule, tension_moments, to_legendre
 
@@ -388,6 +388,6 @@ def _surface(
 def _density(indenter: Indenter, discs: Discs, rims: Rims, s: float, scale: float) -> Density:
     """The density up to a, its smooth part on equal pieces."""
     a, order = float(discs.a[0]), DENSITY_PIECE
-    edges, x = pieces(a, scale, order)
+    edges, x = panel_pieces(a, scale, order)
     smooth = 2 / math.pi * (discs.basis.at(x) @ discs.smooth(rims, s)[0])
     return Density(indenter, a, float(rims.delta[0]), edges, smooth.reshape(-1, order) @ to_legendre(order))

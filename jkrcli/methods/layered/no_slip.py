@@ -20,7 +20,7 @@ from ...bodies.problem import Specimen, stacks
 from ..integral.fredholm import EXACT, ContactResult, Panels, Quadrature
 from ..integral.no_slip import Growth, Pieces, StuckDisc, StuckKernel
 from .contact import LAYERED_MOST_FLOPS, LAYERED_MOST_NODES, IndenterOnLayers
-from .spectrum import LayeredSpectrum, Medium, minors_of, resolved, shear_moduli
+from .spectrum import LayeredSpectrum, LayerMedium, minors_of, resolved, shear_moduli
 
 # How the growing contact is discretised for an accuracy.
 # widest, over the kernel's scale; tuned on bodies, by `make constants`: with half of it the same accuracy takes
@@ -124,9 +124,9 @@ class StuckSpectrum(LayeredSpectrum):
 def half_space_compliances(material: Material) -> tuple[float, float, float]:
     """Compliances F_zz, F_zr, F_rr of a half-space [1/Pa] of the material at the top."""
     if isinstance(material, AnyTransverse):
-        medium, G = Medium.transverse(material), material.top.G_z
+        medium, G = LayerMedium.transverse(material), material.top.G_z
     else:
-        medium, G = Medium.isotropic(material.nu), material.surface.G
+        medium, G = LayerMedium.isotropic(material.nu), material.surface.G
     _, rr, zz, zr, _ = medium.half_space
     return zz / G, zr / G, rr / G
 
@@ -190,7 +190,7 @@ class StuckLayeredContact(IndenterOnLayers):
         return ContactResult(replace(panels, radii=radii), *columns, worst)
 
 
-def unable(indenter: Indenter, specimen: Specimen) -> str | None:
+def why_unsupported(indenter: Indenter, specimen: Specimen) -> str | None:
     """Why surfaces that stick are not solved for the two bodies; None where they are."""
     if isinstance(specimen.materials[0], AnyGraded):
         return (

@@ -12,22 +12,22 @@ import numpy as np
 from ...base.errors import InputError, Refusal
 from ...base.numerics import Array
 from ...base.process import StageClock
-from ...bodies.problem import Loading, Problem, Specimen, stacks, unbounded
+from ...bodies.problem import Loading, Problem, Specimen, stacks, without_side_walls
 from ...formulas import shift
 from ...series import ErrorBudget, Solution
-from ..integral.density import Density, disc_warnings, refuse_shrinking, unsmooth
+from ..integral.density import Density, disc_warnings, nonsmooth_part, refuse_shrinking
 from ..integral.fredholm import FLOPS_PER_SECOND, InaccurateError, first_stiffness, search, series_of
 from ..options import LayeredOptions
 from ..protocol import Forecast
 from .contact import GRADED, LAYERED_MARGIN, LayeredContact, checked
-from .no_slip import StuckLayeredContact, unable
+from .no_slip import StuckLayeredContact, why_unsupported
 from .spectrum import spectrum_seconds
-from .surface_tension import TENSE_TOLERANCE, TenseContact
+from .surface_tension import TENSE_TOLERANCE, SurfaceTensionSolver
 
 SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met; choice: finer than any tolerance in use
 QUICK = 20.0  # choice: sqrt(a^2 - a0^2) over the kernel's scale up to which a solve takes a fraction of a second
 SEARCHES = 4  # solves in which all radii of prescribed depths or loads are found; choice: for forecasts
-SolvedContact = LayeredContact | StuckLayeredContact | TenseContact
+SolvedContact = LayeredContact | StuckLayeredContact | SurfaceTensionSolver
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Layered(LayeredOptions):
                 f"the specimen has a finite radius of {radius:g} m, this method knows only laterally "
                 f"unbounded ones; use the method {other}, or leave the radius out"
             )
-        return unable(problem.indenter, problem.specimen) if problem.sticks else None
+        return why_unsupported(problem.indenter, problem.specimen) if problem.sticks else None
 
     def attainable(self, specimen: Specimen) -> float:
         """The tolerance that holds for ``specimen``."""
@@ -117,7 +117,7 @@ def largest_radius(problem: Problem) -> float:
     For a finite body this is the forecast that a mesh needs: its sides change it little unless the contact is near.
     Contacts so wide that the search would take long are extrapolated by the power with which they grow.
     """
-    return _largest(unbounded(problem))
+    return _largest(without_side_walls(problem))
 
 
 @lru_cache(maxsize=8)  # several methods forecast by it, and solve
@@ -133,7 +133,7 @@ def expected_radius(contact: SolvedContact, loading: Loading, accuracy: float) -
 
 def _contact(problem: Problem) -> SolvedContact:
     kind: Any = StuckLayeredContact if problem.sticks else LayeredContact
-    kind = TenseContact if problem.specimen.surface_tension else kind
+    kind = SurfaceTensionSolver if problem.specimen.surface_tension else kind
     return kind(problem.indenter, problem.specimen)
 
 
@@ -188,7 +188,7 @@ def surface_profile(
     ``r`` [m]: radii 0 < r < a for the pressure, by default 100 that crowd at the edge; ``r_surface`` [m]: any radii for
     the surface, by default up to 3 a. The loading of ``problem`` is not used. Errors: InputError, Refusal.
     """
-    reason = Layered().refusal(problem) or unsmooth(problem.specimen)
+    reason = Layered().refusal(problem) or nonsmooth_part(problem.specimen)
     if problem.sticks:
         reason = "profile: pressures of contact without slip are not those of one density: use the field of method fem"
     if problem.coatings:

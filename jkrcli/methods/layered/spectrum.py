@@ -93,7 +93,7 @@ _EVEN = 1 / np.array([float(math.factorial(n)) for n in range(4, 29, 2)])
 
 # ---------------------------------------------------------------------- one material
 @dataclass(frozen=True)
-class Medium:
+class LayerMedium:
     """Constants c = C13/C33, beta = C44/C33, e = (C11 - C13^2/C33)/C44 of the minors' equation, in units of C44.
 
     Numbers, or arrays of the wave numbers' shape.
@@ -104,18 +104,18 @@ class Medium:
     e: Any
 
     @classmethod
-    def isotropic(cls, nu: float) -> Medium:
+    def isotropic(cls, nu: float) -> LayerMedium:
         """Constants c = lambda/(lambda + 2 G), beta = G/(lambda + 2 G), e = 4 (lambda + G) beta/G."""
         return cls(nu / (1 - nu), (1 - 2 * nu) / (2 * (1 - nu)), 2 / (1 - nu))
 
     @classmethod
-    def transverse(cls, material: AnyTransverse) -> Medium:
+    def transverse(cls, material: AnyTransverse) -> LayerMedium:
         """Constants of a transversely isotropic material, at its top if graded."""
         one = material.top
         return cls.of(one.E_p, one.E_z, one.nu_p, one.nu_zp, one.G_z)
 
     @classmethod
-    def of(cls, E_p: Any, E_z: Any, nu_p: float, nu_zp: float, G_z: Any) -> Medium:
+    def of(cls, E_p: Any, E_z: Any, nu_p: float, nu_zp: float, G_z: Any) -> LayerMedium:
         """Constants c = p, beta = (G_z/E_z)(1 - 2 nu_zp p), e = E_p/(G_z (1 - nu_p^2)), p = nu_zp E_p/(E_z (1 - nu_p));
         the moduli of any shape."""
         c = nu_zp / (1 - nu_p) * (E_p / E_z)
@@ -179,7 +179,7 @@ def rescaled(m: Array, ratio: Array | float) -> Array:
     return m / np.abs(m).max(axis=0)
 
 
-def through_isotropic(m: Array, y: Array, nu: float) -> Array:
+def propagate_isotropic(m: Array, y: Array, nu: float) -> Array:
     """exp(B y) m exp(-2 y): the minors (5, n) one layer of y = k h further up."""
     b1, b2, b3, b4 = (_powers(nu) @ m).reshape(4, 5, -1)
     once, odd, even = _isotropic_functions(y)
@@ -189,7 +189,7 @@ def through_isotropic(m: Array, y: Array, nu: float) -> Array:
 @lru_cache(maxsize=1024)
 def _powers(nu: float) -> Array:
     """B, B^2, B^3, B^4 of an isotropic material, one below the other."""
-    return np.concatenate(list(Medium.isotropic(nu).powers(np.eye(5))))
+    return np.concatenate(list(LayerMedium.isotropic(nu).powers(np.eye(5))))
 
 
 def _isotropic_functions(y: Array) -> tuple[Array, Array, Array]:
@@ -248,7 +248,7 @@ def _hyperbolic(X: Array, y: Array, A: Array) -> tuple[Array, Array]:
 
 
 # ---------------------------------------------------------------------- graded layers
-def through_graded(m: Array, k: Array, material: AnyGraded, thickness: float) -> Array:
+def propagate_graded(m: Array, k: Array, material: AnyGraded, thickness: float) -> Array:
     """Minors (5, n) at the top of a graded layer, in units of its shear modulus there, from those at its bottom, in
     units of that at the bottom; ``k`` (n,) [1/m]. Raises SolveError where the moduli change too quickly."""
     parts = [part for ends in smooth_parts(material.laws, thickness) for part in _gentle_parts(material.laws, *ends)]
@@ -294,17 +294,17 @@ def slowest_root(material: Material, top: float = 0.0, bottom: float = 0.0) -> f
     """The least real part of the roots between two depths [m] of a layer, at most 1: that of an isotropic material."""
     match material:
         case TransverselyIsotropic():
-            return min(Medium.transverse(material).slowest, 1.0)
+            return min(LayerMedium.transverse(material).slowest, 1.0)
         case GradedTransverselyIsotropic():
             return min(_medium(material, np.linspace(top, bottom, MINORS_LOOKS))[0].slowest, 1.0)
         case _:
             return 1.0
 
 
-def _medium(material: GradedTransverselyIsotropic, depth: Array) -> tuple[Medium, Array]:
+def _medium(material: GradedTransverselyIsotropic, depth: Array) -> tuple[LayerMedium, Array]:
     """Constants and shear modulus [Pa] at every ``depth`` [m]."""
     E_p, E_z, G_z = material.at(depth)
-    return Medium.of(E_p, E_z, material.nu_p, material.nu_zp, G_z), G_z
+    return LayerMedium.of(E_p, E_z, material.nu_p, material.nu_zp, G_z), G_z
 
 
 def _through_part(
@@ -319,7 +319,7 @@ def _through_part(
         depth, y = top + seen * middle, k * seen * (lower - upper)
         if isinstance(material, Graded):
             here = material.at(depth)
-            m = through_isotropic(rescaled(m, here / modulus), y, material.nu)
+            m = propagate_isotropic(rescaled(m, here / modulus), y, material.nu)
         else:
             medium, here = _medium(material, depth)
             m = medium.through(rescaled(m, here / modulus), y)
@@ -349,7 +349,7 @@ def _base(base: Rigid | HalfSpace, size: int) -> tuple[Array, float]:
         case HalfSpace(material=Elastic(nu=nu, G=G)):
             minors = [1.0, 1 - nu, 1 - nu, nu - 0.5, (3 - 4 * nu) / 4]
         case HalfSpace(material=TransverselyIsotropic(G_z=G) as material):
-            minors = Medium.transverse(material).half_space
+            minors = LayerMedium.transverse(material).half_space
         case Rigid(bonded=bonded):
             minors, G = [1.0, 0, 0, 0, 0] if bonded else [0.0, 1, 0, 0, 0], 1.0
     return np.repeat(np.array(minors)[:, None], size, axis=1), G
@@ -357,7 +357,7 @@ def _base(base: Rigid | HalfSpace, size: int) -> tuple[Array, float]:
 
 def minors_of(specimen: Specimen, k: Array) -> Array:
     """Minors (5, n) of the whole stack at its surface, up to a positive factor, in units of the modulus there."""
-    return upwards(minors_below(specimen, k), k, specimen.layers[0])
+    return propagate(minors_below(specimen, k), k, specimen.layers[0])
 
 
 def minors_below(specimen: Specimen, k: Array) -> Array:
@@ -375,22 +375,22 @@ def minors_below(specimen: Specimen, k: Array) -> Array:
     for layer, count in zip(reversed(below), reversed(felt), strict=True):
         top, bottom = shear_moduli(layer)
         if count:
-            m[:, :count] = upwards(rescaled(m[:, :count], bottom / G), k[:count], layer)
+            m[:, :count] = propagate(rescaled(m[:, :count], bottom / G), k[:count], layer)
         G = top
     given = np.empty_like(m)
     given[:, order] = m
     return rescaled(given, shear_moduli(specimen.layers[0])[1] / G)
 
 
-def upwards(m: Array, k: Array, layer: Layer) -> Array:
+def propagate(m: Array, k: Array, layer: Layer) -> Array:
     """Minors at the top of a layer, in units of the shear modulus there, from those at its bottom, in units of that."""
     match layer.material:
         case Graded() | GradedTransverselyIsotropic() as material:
-            return through_graded(m, k, material, layer.thickness)
+            return propagate_graded(m, k, material, layer.thickness)
         case TransverselyIsotropic() as material:
-            return Medium.transverse(material).through(m, k * layer.thickness)
+            return LayerMedium.transverse(material).through(m, k * layer.thickness)
         case Elastic(nu=nu):
-            return through_isotropic(m, k * layer.thickness, nu)
+            return propagate_isotropic(m, k * layer.thickness, nu)
 
 
 def shear_moduli(layer: Layer) -> tuple[float, float]:
@@ -503,7 +503,7 @@ def surface_series(material: AnyGraded, count: int) -> Array:
             ]
         )
 
-    F_0 = np.outer(Medium(c[0], beta[0], e[0]).half_space[1:4], one)
+    F_0 = np.outer(LayerMedium(c[0], beta[0], e[0]).half_space[1:4], one)
     J = _jacobian(c, e, F_0)
     for n in range(1, size):
         F_0[:, n] = -np.linalg.solve(J[:, :, 0], R(*F_0)[:, n])
@@ -522,19 +522,19 @@ def surface_series(material: AnyGraded, count: int) -> Array:
     return np.array([f[1, 0] for f in F]) / F_0[1, 0]
 
 
-def _surface_medium(material: AnyGraded, size: int) -> tuple[Medium, Array]:
+def _surface_medium(material: AnyGraded, size: int) -> tuple[LayerMedium, Array]:
     """Constants as power series of depth at a layer's top, ``size`` terms; and that of the shear modulus over its value
     at the top."""
     one = np.eye(1, size)[0]
     if isinstance(material, Graded):
-        isotropic = Medium.isotropic(material.nu)
-        return Medium(isotropic.c * one, isotropic.beta * one, isotropic.e * one), material.law.taylor(size)
-    top = Medium.transverse(material)
+        isotropic = LayerMedium.isotropic(material.nu)
+        return LayerMedium(isotropic.c * one, isotropic.beta * one, isotropic.e * one), material.law.taylor(size)
+    top = LayerMedium.transverse(material)
     E_p, E_z, G_z = (m.taylor(size) if isinstance(m, Law) else one for m in material.moduli.values())
     c = top.c * divided(E_p, E_z)
     share = 2 * material.nu_zp * c
     beta = top.beta / (1 - share[0]) * _product(divided(G_z, E_z), one - share)
-    return Medium(c, beta, top.e * divided(E_p, G_z)), G_z
+    return LayerMedium(c, beta, top.e * divided(E_p, G_z)), G_z
 
 
 def _jacobian(c: Array, e: Array, F: Array) -> Array:
@@ -624,7 +624,7 @@ def _of_stack(specimen: Specimen, k: Array) -> Array:
     dev = np.empty_like(k)
     g = np.empty_like(k)
     small = y < MINORS_SMALL
-    g[small] = _over(through_isotropic(below[:, small], y[small], nu), 1 - nu)
+    g[small] = _over(propagate_isotropic(below[:, small], y[small], nu), 1 - nu)
     dev[small] = g[small] - 1
     dev[~small] = _far(below[:, ~small], y[~small], nu)
     g[~small] = 1 + dev[~small]
@@ -639,7 +639,7 @@ def _over(m: Array, half_space: float) -> Array:
 def _far(m: Array, y: Array, nu: float) -> Array:
     """Deviation g - 1 for a thick top layer: its growing part, a half-space, is taken out of exp(B y) before any
     subtraction."""
-    b1, b2, b3, b4 = Medium.isotropic(nu).powers(m)
+    b1, b2, b3, b4 = LayerMedium.isotropic(nu).powers(m)
     once = np.exp(-2 * y)
     twice = once * once
 
@@ -649,7 +649,7 @@ def _far(m: Array, y: Array, nu: float) -> Array:
     decaying = once * (
         excess(m) + y * (excess(b1) - excess(b3) / 4) + y**2 * (excess(b2) / 2 - excess(b4) / 8) - excess(b4) / 16
     ) + twice * (excess(b4) / 32 - excess(b3) / 16)
-    return decaying / ((1 - nu) * through_isotropic(m, y, nu)[0])
+    return decaying / ((1 - nu) * propagate_isotropic(m, y, nu)[0])
 
 
 @dataclass(frozen=True, eq=False)

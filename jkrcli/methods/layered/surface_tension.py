@@ -271,7 +271,7 @@ class TenseSpectrum(LayeredSpectrum):
 
 
 @dataclass(frozen=True, eq=False)
-class TenseContact(IndenterOnLayers):
+class SurfaceTensionSolver(IndenterOnLayers):
     """A rigid indenter on a layered specimen with surface tension, solved at given radii."""
 
     what = " of contact under surface tension"

@@ -14,7 +14,7 @@ from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.case.store import read_solution, write_solution
 from jkrcli.many.convergence import converge
-from jkrcli.methods.fem.mesh import Layout, Strip, half_space_like, layout_for
+from jkrcli.methods.fem.mesh import Layout, Strip, homogenised_half_space, layout_for
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.model import Discretisation, _in_step
 from jkrcli.methods.layered.solver import Layered
@@ -51,7 +51,7 @@ def test_body_and_calibration_share_their_surface(element):
     method = FEM(element=element, spacing=0.1, growth=0.3)
     reach = method.reach(LAYER)
     recipe = Discretisation(layout_for(method, LAYER, reach), 2, (), reach)
-    other = recipe.on_half_space(half_space_like(recipe.layout.body, reach))
+    other = recipe.on_half_space(homogenised_half_space(recipe.layout.body, reach))
     grids = [recipe.layout.grid(), other.layout.grid()]
     radii = [grid.surface_radii() for grid in grids]
     n = int(np.searchsorted(radii[0], reach * (1 + 1e-9)))
@@ -67,7 +67,7 @@ def test_a_calibration_of_fine_thin_layers_stays_small():
     problem = replace(LAYER, loading=Loading("depth", 0.15))
     method = FEM(layout="zones", element="quadrilateral", order=1, width=30.0)
     layout = layout_for(method, problem, method.reach(problem))
-    other = layout.on(half_space_like(layout.body, layout.law.reach * layout.unit))
+    other = layout.on(homogenised_half_space(layout.body, layout.law.reach * layout.unit))
     assert other.expected_cells() < layout.expected_cells()  # 61,000 of 73,000; millions with the body's own law
 
 

@@ -16,7 +16,7 @@ from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import hertz
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.layered.solver import Layered
-from jkrcli.report.tables import lost_words
+from jkrcli.report.tables import format_pull_off
 from jkrcli.resolve.analysis import analyse
 from jkrcli.series import Series
 
@@ -98,7 +98,7 @@ def test_a_mesh_whose_error_is_not_estimated_states_none_at_pull_off(contact: st
     assert not result.curve.errors
     assert isinstance(result.budget.total, Unknown)
     assert not any("that was estimated" in line for line in result.warnings)
-    assert any("not estimated" in line for line in lost_words(result, {"load": (point, stated)}))
+    assert any("not estimated" in line for line in format_pull_off(result, {"load": (point, stated)}))
     assert isinstance(other.pull_off_errors["load"], dict)
 
 

@@ -20,7 +20,7 @@ from jkrcli.methods.fem.mesh import MeshedBody, triangles
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.model import Boussinesq, TransversePointForce
 from jkrcli.methods.layered.solver import Layered
-from jkrcli.methods.layered.spectrum import Medium, deviation
+from jkrcli.methods.layered.spectrum import LayerMedium, deviation
 
 ISOTROPIC, AS_FIVE = Elastic(2.6, 0.3), TransverselyIsotropic(2.6, 2.6, 0.3, 0.3, 1.0)
 REAL, CONJUGATE = TransverselyIsotropic(1.0, 3.0, 0.2, 0.3, 0.5), TransverselyIsotropic(5.0, 1.0, 0.2, 0.1, 3.0)
@@ -124,7 +124,7 @@ def test_the_point_force_obeys_hookes_law_and_sinks_as_it_should(material):
 # ---------------------------------------------------------------------- layered
 @pytest.mark.parametrize("material", MATERIALS)
 def test_the_way_through_a_layer_is_a_matrix_exponential(material):
-    medium = Medium.transverse(material)
+    medium = LayerMedium.transverse(material)
     B, A = medium.generator(np.eye(5)), np.sqrt(medium.squares[0])
     m = np.array([1.0, 0.3, 0.2, -0.1, 0.05])[:, None]
     for y in (1e-6, 0.1, 0.9, 1.1, 3.0, 20.0):
@@ -139,7 +139,7 @@ def test_the_way_through_a_layer_at_any_ratio_of_the_roots(ratio):
     """D^2/A^2 far below -1: stiffness in shear far above the others."""
     c = max(0.0, -0.5 - ratio)
     e = 2 + 2 * ratio + 2 * c
-    medium = Medium(c, ((1 - ratio) ** 2 - c**2) / e, e)
+    medium = LayerMedium(c, ((1 - ratio) ** 2 - c**2) / e, e)
     assert medium.squares == pytest.approx((4, 4 * ratio), rel=1e-9)
     B, m = medium.generator(np.eye(5)), np.array([1.0, 0.3, 0.2, -0.1, 0.05])[:, None]
     for y in (1e-3, 0.05, 0.099, 0.101, 0.23, 0.5, 0.9, 0.99, 1.01, 1.5):

@@ -20,9 +20,9 @@ from jkrcli.methods.layered.spectrum import (
     _base,
     _far,
     compliance,
+    propagate,
+    propagate_isotropic,
     rescaled,
-    through_isotropic,
-    upwards,
 )
 from jkrcli.methods.layered.surface_tension import TenseSpectrum
 from studies.stack_judge import compliances, contact
@@ -140,10 +140,10 @@ def test_layers_that_are_not_felt_change_nothing(contrast: float, base: Rigid | 
     k = np.geomspace(1e-3, 25.0, 80)
     (m, G), nu = _base(base, k.size), materials[0].nu
     for layer in reversed(layers[1:]):
-        m, G = upwards(rescaled(m, layer.material.G / G), k, layer), layer.material.G
+        m, G = propagate(rescaled(m, layer.material.G / G), k, layer), layer.material.G
     below = rescaled(m, materials[0].G / G)
     g, dev = compliance(Specimen(layers, base), k)
-    whole = through_isotropic(below, k, nu)
+    whole = propagate_isotropic(below, k, nu)
     assert g == pytest.approx(whole[2] / whole[0] / (1 - nu), rel=1e-13)
     thick = k >= 1
     assert dev[thick] == pytest.approx(_far(below[:, thick], k[thick], nu), rel=1e-12, abs=0)

@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 from jkrcli.base.errors import InputError, JkrError, Refusal, SolveError
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic, Graded, Layer, Linear
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Quantity, Rigid, Specimen, unbounded
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Quantity, Rigid, Specimen, without_side_walls
 from jkrcli.formulas import adhesive_half_space, thin_incompressible_layer, thin_layer
 from jkrcli.methods.integral import fredholm
 from jkrcli.methods.integral.fredholm import EquationResult, Quadrature, response
@@ -292,7 +292,7 @@ def test_largest_radius_ignores_the_sides() -> None:
     free = Specimen(bonded(0.4).layers, Rigid(), radius=30.0, side="free")
     wanted = largest_radius(Problem(Paraboloid(1000.0), bonded(0.4), loading))
     assert largest_radius(Problem(Paraboloid(1000.0), free, loading)) == wanted
-    assert Layered().refusal(unbounded(Problem(Paraboloid(1000.0), free, loading))) is None
+    assert Layered().refusal(without_side_walls(Problem(Paraboloid(1000.0), free, loading))) is None
 
 
 @pytest.mark.parametrize(("loading", "rel"), [(Loading("depth", 1e-7, 3), 1e-9), (Loading("depth", 1e-6, 3), 2e-3)])

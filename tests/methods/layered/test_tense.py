@@ -14,7 +14,7 @@ from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer, Transve
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.layered.contact import lagrange
 from jkrcli.methods.layered.solver import Layered
-from jkrcli.methods.layered.surface_tension import Angles, TenseContact
+from jkrcli.methods.layered.surface_tension import Angles, SurfaceTensionSolver
 from jkrcli.resolve.refine_pull_off import solved, solver_of
 
 UNIT = Paraboloid(1.0)
@@ -122,7 +122,7 @@ def energies(contact, a):
 @pytest.mark.parametrize("specimen", [half_space(0.3), bonded(0.5, 0.5), bonded(0.3, 0.02)], ids=str)
 def test_the_energy_is_a_parabola_with_one_zero_of_its_derivative(specimen):
     step = 0.004
-    contact = TenseContact(UNIT, specimen)
+    contact = SurfaceTensionSolver(UNIT, specimen)
     values = np.array([energies(contact, 1 + n * step) for n in range(-2, 3)])
     dS, dQ, dT = (slope(column, step) for column in values.T)
     series = at(specimen, 1.0)
@@ -171,7 +171,7 @@ def test_another_way_to_pull_off(beta, nu, q):
 def test_a_slight_tension_is_a_correction_to_first_order(indenter):
     left = []
     for kappa in (1e-2, 1e-3):
-        contact = TenseContact(indenter, half_space(kappa))
+        contact = SurfaceTensionSolver(indenter, half_space(kappa))
         exact = contact.solved(np.array([1.0]), contact.plan(np.array([1.0]), 1e-9)).columns[:, 0]
         square = (kappa * formulas.logarithm(np.array(1.0), kappa)) ** 2
         left.append(np.abs(contact._slight(1.0) / exact - 1) / square)
@@ -208,7 +208,7 @@ def test_a_pressed_membrane_is_a_logarithm():
 @pytest.mark.parametrize("specimen", [half_space(0.05), half_space(5.0), bonded(0.5, 0.3), bonded(0.3, 3.0)], ids=str)
 def test_the_pressure_is_nowhere_negative(specimen):
     """The load beyond r, pi E* int_r^a phi(t) t/sqrt(t^2 - r^2) dt, falls with r."""
-    contact = TenseContact(UNIT, specimen)
+    contact = SurfaceTensionSolver(UNIT, specimen)
     grid = contact._angles(1.0, contact.plan(np.array([1.0]), 1e-9))
     K = plain(contact, grid, 1.0)
     delta = contact.solved(np.array([1.0]), contact.plan(np.array([1.0]), 1e-9)).delta[0]

@@ -238,7 +238,7 @@ class Step:
             off, a, rows = np.append(-TINY, off), np.append(0.0, a), np.append(0.0, rows)
         stable = np.flatnonzero((off[:-1] < 0) & (off[1:] >= 0))
         for i in stable if inwards else stable[::-1]:
-            part = off[i] / (off[i] - off[i + 1])
+            part = 1.0 if inwards and i == 0 else off[i] / (off[i] - off[i + 1])
             found = self.near(
                 x, float(a[i] + part * (a[i + 1] - a[i])), float(rows[i] + part * (rows[i + 1] - rows[i]))
             )
@@ -449,7 +449,7 @@ class Course:
         self._record(step, found or NOTHING._replace(delta=self._free(self.x)))
         end = self.rows[-1]
         lost = (end.work - start.work) - (end.body - start.body) - (end.attraction - start.attraction)
-        most = max(abs(end.work - start.work), abs(end.body - start.body), abs(end.attraction - start.attraction))
+        most = max(abs(energy) for row in (start, end) for energy in row[5:8])
         if lost < -CLOSE * most and not (self._loaded and found is None):
             raise Refusal(
                 f"cycle: the edge of the contact is lost sight of at t = {show(self.t, 'time')}: a jump there would "
@@ -473,7 +473,11 @@ class Course:
                 f"program: at t = {show(self.t, 'time')} the surfaces come within the range beside the axis, on the "
                 "rim of a dent that has not recovered, which is not solved: wait longer, or end the program before"
             )
-        return centre <= length * (1 + SAME)
+        first = (
+            self.body.attraction.reach * (1 - SAME) * 10**-LEAP_DECADES
+        )  # where the tip is so sharp that it is not drawn in by a jump
+        rims = self.memory.over(0.0).rims(np.zeros(1), np.array([first]))
+        return centre <= length * (1 + SAME) - max(float(rims.delta[0]) + length, 0.0)
 
     def _alone(self, t0: float, x0: float, t1: float, x1: float, y: float) -> float:
         """Nothing holds the surfaces: let the body recover until they come within the range, or to the end of the

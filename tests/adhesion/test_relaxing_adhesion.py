@@ -200,3 +200,15 @@ def test_a_second_press_onto_the_dent_that_is_left_holds_more() -> None:
     first = next(row for row in course.rows if row.t == 0.1)
     assert course.rows[-1].a > 1.2 * first.a
     assert course.rows[-1].work == pytest.approx(sum(course.rows[-1][6:9]), rel=5e-3)
+
+
+def test_a_cone_is_drawn_in_and_let_go_without_a_jump() -> None:
+    """Sharp tips attract over as small a zone as may be; what such jumps radiate is nothing."""
+    half_space = jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(1.0, 0.0)))
+    solution = jkr.solve(jkr.Problem(jkr.PowerLaw(1.0, 1.0), half_space, jkr.Loading("depth", 1.0)))
+    contact = RelaxingAdhesion.of(solution, Range.of(0.05, stress=0.1), StandardSolid(0.3, 1.0), DISPLACEMENT_CONTROL)
+    course = contact._run(Program(np.array([0.0, 1.0]), np.array([contact.least, 0.3]), -1.0), 2e-2)
+    last = course.rows[-1]
+    assert last.c == 0
+    assert abs(last.radiated) < 1e-4 * last.work
+    assert last.work == pytest.approx(last.body, rel=5e-3)

@@ -167,8 +167,8 @@ class Nonadhesive:
     """The w-free functions delta_H, P_H, S, S' and shift t of a series: all that its adhesive curves are made of.
 
     delta_H and P_H are those of the slopes' own fit where it has them. Between the points they belong to one energy
-    (``energy_consistent_interpolant``). delta_H and P_H vanish at the first contact radius a0: their logs are taken over
-    log(a - a0).
+    (``energy_consistent_interpolant``). delta_H and P_H vanish at the first contact radius a0: their logs are taken
+    over log(a - a0).
     Refused where S or S' is not positive. ``log_rates``: slopes (n, 2) of log delta_H and of log S' over the same
     logarithms where they are known, NaN elsewhere. ``further``: the functions at more radii, among those of the series,
     which what lies between passes through too. ``together``: whether what lies between belongs to one energy, or each

@@ -56,8 +56,8 @@ from .forward_model import (
 # two.
 #
 # A ``Perturbation`` says what an amount does to the body, the device or the positions of a stretch; ``RivalModel`` is
-# the model with it, whose search, covariance and result are those of any record. Derivatives by what a change depends on
-# are differences.
+# the model with it, whose search, covariance and result are those of any record. Derivatives by what a change depends
+# on are differences.
 
 AMOUNT, ANY = "amount", (-math.inf, math.inf)
 Values = Mapping[str, float]  # of all unknowns, by name

@@ -207,7 +207,7 @@ ENDS = {"n": WHOLE_LAWS}
 
 
 @dataclass(frozen=True, eq=False)
-class RateLawFit:
+class LawAlongRecords:
     """A ``law`` with its ``w0`` [J/m^2] through points of w over speed; ``names`` of what is free of them, and the
     covariance of their logs (None where the points do not separate them); ``speeds``: the range [m/s]; ``dof``: degrees
     of freedom."""
@@ -268,7 +268,9 @@ def log_rates(law: RateLaw, w0: float, v: Array) -> Array:
     return np.stack(rates) / (2 * step)
 
 
-def fit_rate_law(name: str, v: Array, w: Array, together: int = 1, v_err: Array | None = None) -> RateLawFit | Unknown:
+def law_along_records(
+    name: str, v: Array, w: Array, together: int = 1, v_err: Array | None = None
+) -> LawAlongRecords | Unknown:
     """The law called ``name`` nearest to works ``w`` [J/m^2] at speeds ``v`` > 0 [m/s], by their logs, robustly.
 
     ``together``: how many neighbouring points share their noise; ``v_err``: half-widths of the speeds [m/s]. Unknown
@@ -295,7 +297,7 @@ def fit_rate_law(name: str, v: Array, w: Array, together: int = 1, v_err: Array 
     inner = covariance((log_rates(law, w0, v) / sigma).T, factor)
     if v_err is not None:
         inner = larger(inner, _of_blocks(name, logs, v, w, sigma, best.x))
-    return RateLawFit(law, w0, logs.names, inner, (float(ends[0]), float(ends[1])), dof)
+    return LawAlongRecords(law, w0, logs.names, inner, (float(ends[0]), float(ends[1])), dof)
 
 
 def _uneven(law: RateLaw, w0: float, v: Array, v_err: Array, residuals: Array) -> Array:
@@ -333,11 +335,11 @@ def receding(along: Sequence[WorkAlong]) -> tuple[Array, Array, int, Array]:
     return speeds, works, window, errors
 
 
-def law_along(along: Sequence[WorkAlong]) -> RateLawFit | Unknown | None:
+def law_along(along: Sequence[WorkAlong]) -> LawAlongRecords | Unknown | None:
     """The power law through all receding edges ``along`` records; None where no time was recorded."""
     if all(item.timed is None for item in along):
         return None
-    return fit_rate_law("power", *receding(along))
+    return law_along_records("power", *receding(along))
 
 
 def _starts(logs: Unknowns, v: Array, w: Array) -> list[Array]:
@@ -552,7 +554,7 @@ class RateFit(Answer):
         names = tuple(name for name in ("w0", *vars(self.law)) if name in self.free)
         chosen = [self.free.index(name) for name in names]
         inner = None if self.covariance is None else self.covariance[np.ix_(chosen, chosen)]
-        return RateLawFit(self.law, self.w0, names, inner, self.speeds, self.dof).band(v, self.settings.level)
+        return LawAlongRecords(self.law, self.w0, names, inner, self.speeds, self.dof).band(v, self.settings.level)
 
 
 def rate_settings(
@@ -715,7 +717,7 @@ class _Problem:
         along = self._along(elastic)
         v, w, *_ = receding(along)
         some = slice(None, None, 1 + v.size // (FIT_ROWS * len(along)))
-        through = fit_rate_law(self.settings.law, v[some], w[some], 1)
+        through = law_along_records(self.settings.law, v[some], w[some], 1)
         guesses = [] if isinstance(through, Unknown) or through.narrow else [through.values]
         speed = float(np.median(v)) if v.size else float(np.median([record.speed for record in self.records]))
         middle = float(np.median(w)) if w.size else float(np.median(along[0].w[along[0].ok]))

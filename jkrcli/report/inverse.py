@@ -25,7 +25,7 @@ from ..fitting import alternative_tests, alternatives, range_alternative
 from ..fitting.joint import JointFit
 from ..fitting.parameters import FittedValue
 from ..fitting.procedure import Failure
-from ..fitting.rate import RateFit, RateLawFit, law_along
+from ..fitting.rate import LawAlongRecords, RateFit, law_along
 from ..fitting.relaxation import RelaxationFit
 from ..fitting.result import Fit, JKRBeside
 from ..fitting.surface_tension import TensionFit
@@ -680,7 +680,7 @@ class Work(Result):
     curves: Sequence[WorkAlong]
     skipped: Sequence[str]
     body: Analysis
-    law: RateLawFit | Unknown | None
+    law: LawAlongRecords | Unknown | None
 
     @classmethod
     def of(
@@ -750,7 +750,7 @@ class Work(Result):
     def figure(self) -> Figure:
         from .plots.inverse import work_figure
 
-        return work_figure(self.curves, self.law if isinstance(self.law, RateLawFit) else None)
+        return work_figure(self.curves, self.law if isinstance(self.law, LawAlongRecords) else None)
 
 
 def _labels(item: WorkAlong) -> dict[str, list[Any]]:

@@ -21,7 +21,7 @@ from ..base.errors import Estimate, InputError, SolveError, Unknown, known
 from ..base.numerics import NOTICEABLE, ROWS, SAME, UNSEEN, Array
 from ..base.units import show
 from ..bodies.materials import RELAXATIONS, Relaxation
-from ..fitting.rate import RateLawFit
+from ..fitting.rate import LawAlongRecords
 from ..resolve.analysis import Analysis
 from ..resolve.histories import checked_histories
 from ..series import Solution
@@ -155,7 +155,7 @@ class CycledAtSpeed(History, Result):
         return lines
 
 
-def through_summary(through: RateLawFit | Unknown | None) -> dict[str, Any] | None:
+def through_summary(through: LawAlongRecords | Unknown | None) -> dict[str, Any] | None:
     """The law through points of w over speed, or why there is none; None where no time was recorded."""
     if through is None or isinstance(through, Unknown):
         return None if through is None else {"law": None, "reason": through.reason}
@@ -170,7 +170,7 @@ def through_summary(through: RateLawFit | Unknown | None) -> dict[str, Any] | No
     }
 
 
-def through_words(through: RateLawFit | Unknown) -> str:
+def through_words(through: LawAlongRecords | Unknown) -> str:
     """The law through points of w over the speed in a line, or that the points determine none of its parameters."""
     if isinstance(through, Unknown):
         return f"no law over speed: {through.reason}"

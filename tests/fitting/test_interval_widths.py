@@ -41,7 +41,7 @@ from jkrcli.fitting.least_squares import (
 )
 from jkrcli.fitting.parameters import ONE_SIDED, ROOT, FittedValue, Parameter
 from jkrcli.fitting.procedure import fit, preferences
-from jkrcli.fitting.rate import RateLawFit, fit_rate_law, rate_fit, rate_settings
+from jkrcli.fitting.rate import LawAlongRecords, law_along_records, rate_fit, rate_settings
 
 
 # ---------------------------------------------------------------------- closed forms
@@ -271,8 +271,8 @@ def test_a_law_through_points() -> None:
     at, off, widths = np.array([1e-8, 1e-6, 1e-4]), [], []
     for seed in range(12, 36):
         noise = np.repeat(np.random.default_rng(seed).standard_normal(80), 4)
-        found = fit_rate_law("power", v, law.work(0.04, v) * np.exp(0.03 * noise), 4)
-        assert isinstance(found, RateLawFit)
+        found = law_along_records("power", v, law.work(0.04, v) * np.exp(0.03 * noise), 4)
+        assert isinstance(found, LawAlongRecords)
         w, low, high = found.band(at, 0.8)
         of_band = np.log(high / low) / 2 / student.ppf(0.9, 80 - 3)
         off.append([*np.log(w / law.work(0.04, at)), *(math.log(found.values[key] / known[key]) for key in known)])

@@ -21,7 +21,15 @@ from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting.forward_model import FittedBody
-from jkrcli.fitting.rate import RateLawFit, fit_rate_law, law_along, predict, rate_fit, rate_record, rate_settings
+from jkrcli.fitting.rate import (
+    LawAlongRecords,
+    law_along,
+    law_along_records,
+    predict,
+    rate_fit,
+    rate_record,
+    rate_settings,
+)
 from jkrcli.fitting.work_along_curve import work_along
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.report.rate import through_words
@@ -201,7 +209,7 @@ def test_points_of_a_clean_record_give_its_law(V: float, rows: int, use: tuple[s
     held, touching = body("gel"), a > 0
     curve = Curve("clean", t=t[touching], a=a[touching], delta=delta[touching], P=P[touching])
     found = law_along([work_along(Nonadhesive(held.series, held.slopes), curve, use)])
-    assert isinstance(found, RateLawFit)
+    assert isinstance(found, LawAlongRecords)
     for (name, value), true in zip(found.values.items(), GEL, strict=True):
         assert value == pytest.approx(true, rel=3e-3)  # 2e-3 measured
         assert abs(math.log(value / true)) <= 2 * found.errors[name], name
@@ -209,8 +217,8 @@ def test_points_of_a_clean_record_give_its_law(V: float, rows: int, use: tuple[s
 
 def test_too_narrow_speeds_are_said() -> None:
     v = np.geomspace(1e-6, 3e-6, 50)
-    found = fit_rate_law("power", v, PowerRate(2e-6, 0.5).work(0.04, v))
-    assert isinstance(found, RateLawFit)
+    found = law_along_records("power", v, PowerRate(2e-6, 0.5).work(0.04, v))
+    assert isinstance(found, LawAlongRecords)
     assert found.narrow
 
 
@@ -257,7 +265,7 @@ def test_work_along_a_record_gives_the_law() -> None:
         rows = a > 1e-4
         found.append(work_along(Nonadhesive(held.series, held.slopes), Curve("r", a=a[rows], P=P[rows], t=t[rows])))
     law = law_along(found)
-    assert isinstance(law, RateLawFit)
+    assert isinstance(law, LawAlongRecords)
     assert law.w0 == pytest.approx(GEL[0], rel=0.1)
     assert law.law.n == pytest.approx(GEL[2], rel=0.05)  # type: ignore[attr-defined]
     assert not law.narrow
@@ -271,7 +279,7 @@ def test_without_a_time_there_is_no_law() -> None:
 
 
 def test_a_law_of_which_nothing_is_told_is_none() -> None:
-    law = RateLawFit(PowerRate(4e-12, 0.1), 0.007, ("w0", "v0", "n"), np.diag([9.0, 16.0, 4.0]), (1.8e-5, 2e-5), 9)
+    law = LawAlongRecords(PowerRate(4e-12, 0.1), 0.007, ("w0", "v0", "n"), np.diag([9.0, 16.0, 4.0]), (1.8e-5, 2e-5), 9)
     assert through_words(law) == "no law over speed: 18 um/s to 20 um/s tell none of w0, v0, n"
     known = replace(law, inner=np.diag([0.01, 16.0, 4.0]))
     assert "(w0 ± 10 %, v0 not told, n not told)" in through_words(known)

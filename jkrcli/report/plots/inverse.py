@@ -16,7 +16,7 @@ from ...base.numerics import DRAWN, Array
 from ...data.segmentation import Direction, ForceCurve
 from ...fitting.joint import JointFit
 from ...fitting.least_squares import chi2_increase
-from ...fitting.rate import RateLawFit
+from ...fitting.rate import LawAlongRecords
 from ...fitting.result import Fit
 from ...fitting.work_along_curve import WorkAlong, typical
 from ..map import IMAGES, Map
@@ -281,7 +281,7 @@ def _marks(axes: Axes, item: Direction, position: Array, x: float, y: float) -> 
 GROUPS = {"measured": (GREEN, "o"), "advancing": (BLUE, "^"), "receding": (ORANGE, "v")}  # told apart in grey too
 
 
-def work_figure(curves: Sequence[WorkAlong], law: RateLawFit | None = None) -> Figure:
+def work_figure(curves: Sequence[WorkAlong], law: LawAlongRecords | None = None) -> Figure:
     """w over the contact radius; where time was recorded also over the speed of the contact's edge, both logarithmic.
 
     Points are the rows of all curves, those whose edge advances and recedes told apart; a ``law`` has its 90 % band.
@@ -334,7 +334,7 @@ def _over_radius(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float
     axes.set(xlabel=label, ylim=(0, 1.3 * largest / w))
 
 
-def _over_speed(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float, law: RateLawFit | None) -> None:
+def _over_speed(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float, law: LawAlongRecords | None) -> None:
     speed, unit = unit_of("length", *(rows["speed"] for rows in groups.values()))
     for name, rows in groups.items():
         colour, marker = GROUPS[name]

@@ -332,11 +332,11 @@ class CycledAdhering(AdhesiveHistory, Result):
 
     def words(self) -> list[str]:
         pulled, lost, contact, error = self.pull_off, self.lost, self.contact, self.error["P"]
-        known_to = "" if isinstance(error, Unknown) else f" ± {error:.1g} of it"
+        known_to = "" if isinstance(error, Unknown) else f" ± {100 * error:.1g} %"
         zone = show(pulled.c - pulled.a, "length") if pulled.c is not None else "unknown"
         lines = [
-            f"pull-off force {show(-pulled.P, 'load')}{known_to} at {format_state(pulled, 't delta a')}, the zone "
-            f"{zone} wide: {self.file}",
+            f"pull-off force {show(-pulled.P, 'load')}{known_to} at {format_state(pulled, 't delta a')}, "
+            f"cohesive zone {zone} wide: {self.file}",
             f"  {self.control}, w = {show(contact.law.w, 'work')}, cohesive stress "
             f"{show(contact.law.stress, 'modulus')}; {contact.relaxation}",
             *(f"  at {format_state(one, 't')} {format_state(one)}" for one in self.corners if one.t < pulled.t),
@@ -356,7 +356,7 @@ class CycledAdhering(AdhesiveHistory, Result):
         """What a reader should know, each with its number."""
         error = self.error["P"]
         large = isinstance(error, float) and error > NOTICEABLE
-        return [f"the pull-off force errs by about {error:.1g} of it"] if large else []
+        return [f"the pull-off force errs by about {100 * error:.1g} %"] if large else []
 
 
 @dataclass(frozen=True, eq=False)

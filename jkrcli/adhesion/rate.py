@@ -13,7 +13,7 @@ import itertools
 import math
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import Annotated, Any, Protocol, TypeAlias
 
@@ -164,7 +164,7 @@ MOTION_LONGEST = 1e15  # theory: of s; beyond it the round-off of a double is lo
 # would delay
 MOTION_INSTANT = 1e-6
 # theory: distances to a fold, over the first, at which a slow edge is looked at; D rises by the square of the last
-MOTION_NEARER = field(default_factory=lambda: np.geomspace(1, 1e-6, 200))
+MOTION_NEARER = np.geomspace(1, 1e-6, 200)
 
 
 @dataclass(frozen=True, eq=False)

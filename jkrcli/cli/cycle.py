@@ -230,7 +230,7 @@ def cycle(
     jkr cycle gel.h5 --w-retract "45 mJ/m^2" --to-load "0.5 mN"
     jkr cycle gel.h5 --rate v0="1 um/s",n=0.6 --speed "10 um/s"
     jkr cycle relaxing-gel.h5 --w-approach 0 --speed "10 um/s" --hold "30 s"
-    jkr cycle relaxing-gel.h5 --w-approach "20 mJ/m^2" --stress "2 kPa" --speed "10 um/s" --to-depth "20 um"
+    jkr cycle relaxing-gel.h5 --w-approach 0.02 --stress "2 kPa" --speed "10 um/s"
     """
     rates.refuse_wrong(stiffness)
     output.folder(Path())

@@ -11,7 +11,7 @@ import contextlib
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -613,12 +613,10 @@ SEARCH_READINGS = 60  # tuned on records by `make tuning`: rows that starts are 
 SEARCH_ALTERNATIVES = 4  # tuned on records by `make tuning`: starts kept for each body
 SEARCH_LOAD_ZEROS = (0.0, -0.3, 0.3, -0.8, 0.8)  # choice: zeros of the load, in ranges of the loads
 # Factors of nominal values where one or two parameters of layers are free; of more only the nominal values.
-SEARCH_SCANNED: Mapping[int, Mapping[str, tuple[float, ...]]] = field(  # choice: factors that least squares bridges
-    default_factory=lambda: {
-        1: {"E": (0.05, 0.2, 1.0, 4.0, 16.0), "h": (0.2, 0.45, 1.0, 2.2, 5.0)},
-        2: {"E": (0.1, 1.0, 10.0), "h": (0.3, 1.0, 3.0)},
-    }
-)
+SEARCH_SCANNED: Mapping[int, Mapping[str, tuple[float, ...]]] = {  # choice: factors that least squares bridges
+    1: {"E": (0.05, 0.2, 1.0, 4.0, 16.0), "h": (0.2, 0.45, 1.0, 2.2, 5.0)},
+    2: {"E": (0.1, 1.0, 10.0), "h": (0.3, 1.0, 3.0)},
+}
 SEARCH_LOOKED_AT = 8  # tuned on records by `make tuning`: starts whose cost is computed in full
 SEARCH_FOLLOWED = 4  # tuned on records by `make tuning`: starts that are followed to their minimum
 

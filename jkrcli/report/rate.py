@@ -355,8 +355,9 @@ class CycledAdhering(AdhesiveHistory, Result):
     def warnings(self) -> list[str]:
         """What a reader should know, each with its number."""
         error = self.error["P"]
-        large = isinstance(error, float) and error > NOTICEABLE
-        return [f"the pull-off force errs by about {100 * error:.1g} %"] if large else []
+        if isinstance(error, Unknown) or error <= NOTICEABLE:
+            return []
+        return [f"the pull-off force errs by about {100 * error:.1g} %"]
 
 
 @dataclass(frozen=True, eq=False)

@@ -48,10 +48,10 @@ from .slopes import slopes_function
 # Where curves are compared, and what is concluded.
 # of what doubling changes, over (ratio - 1), at the end of the series: of values, and of places; tuned on random
 # bodies, by `make bounds` and `make point-bounds`
-COARSER_LEFT: tuple[float, float] = (1.9, 2.25)
+COARSER_LEFT = (2.75, 2.25)
 # Powers of a - a0 over that at the end, with which it falls towards first contact, where larger elements have few
 # nodes: of values, and of places
-COARSER_POWERS: tuple[float, float] = (0.45, 0.3)  # tuned on random bodies, by `make bounds`
+COARSER_POWERS = (0.45, 0.3)  # tuned on random bodies, by `make bounds`
 # of log(a - a0) on either side, over which values are averaged
 COARSER_VALUES = 0.35  # tuned on random bodies, by `make bounds`
 COARSER_RATES = 0.2  # and their rates; tuned on random bodies, by `make bounds`

@@ -198,8 +198,12 @@ def test_a_cylinder_without_a_base() -> None:
         ("integral", {"method": "layered", "loading": {"points": 4}}, (("integral", {"loading": {"points": 40}}),)),
         (
             "integral",
-            fem(contact={"algorithm": "incremental"}, loading={"radius": CLOSE, "points": None}),
-            (("integral", {"mesh": {"spacing": 0.02}}),),
+            fem(
+                contact={"algorithm": "incremental"},
+                loading={"radius": CLOSE, "points": None},
+                mesh={"edge_correction": False},
+            ),
+            (("integral", {"mesh": {"spacing": 0.02}}), ("integral", {"mesh": {"edge_correction": True}})),
         ),
         (
             "scaled",
@@ -299,6 +303,12 @@ BY_OTHER_VERBS = (  # refused to transform, or at sizes that take long: tests of
     "the correction is for frictionless contact",
     "rows without slip (limit {})",
     "surface tension",  # and tests of it
+    # and tests of adhesion on bodies that relax
+    "cycle: the edge of the contact takes more than {} steps, as its cohesive zone is ",
+    "narrow: give a smaller --stress (a longer --range)",
+    "cycle: the edge of the contact is lost sight of at t = {}: a jump there would ",
+    "win energy; give a smaller --stress",
+    "cycle: the surfaces attract each other ever farther out",
 )
 
 

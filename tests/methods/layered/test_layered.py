@@ -273,8 +273,8 @@ def test_radii_for_depths_are_found_with_few_responses(
     """One table and two or three Newton steps for all depths at once, besides the search for the largest radius."""
     sizes: list[int] = []
 
-    def counting(pair: object, to: Quantity, accuracy: float) -> Response:
-        plain = response(fredholm, to, accuracy)  # type: ignore[arg-type]
+    def counting(contact: object, to: Quantity, accuracy: float) -> Response:
+        plain = response(contact, to, accuracy)  # type: ignore[arg-type]
 
         def counted(radii: np.ndarray) -> np.ndarray:
             sizes.append(radii.size)
@@ -400,16 +400,16 @@ REFUSED: list[str] = []
 def estimate_bounds_the_error(specimen: Specimen, log_a: float, points: int, d: float) -> None:
     """Against twice the nodes per panel and twice the nodes in k; moduli differ by up to 1e4 from layer to layer."""
     a = specimen.top_thickness * 10**log_a
-    fredholm = LayeredContact(PowerLaw(0.1 * a ** (1 - d), d), specimen)
+    contact = LayeredContact(PowerLaw(0.1 * a ** (1 - d), d), specimen)
     radii = np.linspace(0, a, points + 1)[1:]
     try:
-        found, errors = fredholm.refined(radii, 1e-8)
+        found, errors = contact.refined(radii, 1e-8)
     except JkrError as reason:
         REFUSED.append(str(reason))
         return
     assert errors.max() <= 1e-8
-    plan = fredholm.plan(radii, 1e-8)
-    exact = replace(fredholm, order=48).solved(radii, Quadrature(2 * found.panels.order, plan.widest, 0, inner=40))
+    plan = contact.plan(radii, 1e-8)
+    exact = replace(contact, order=48).solved(radii, Quadrature(2 * found.panels.order, plan.widest, 0, inner=40))
     for name, stated in zip(("delta", "P", "S", "dS"), errors, strict=True):
         true = np.abs(getattr(found, name) / getattr(exact, name) - 1)
         assert (true <= stated).all(), f"{name}: {np.max(true / stated):.3g} times the estimate"

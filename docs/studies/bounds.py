@@ -121,8 +121,9 @@ def _counts(found: Sequence[Bound]) -> dict[str, Any]:
     }
 
 
-def judged(number: int) -> tuple[Bound, ...]:
-    """Every quantity of the body ``number`` by its method; none where it is refused, or too costly."""
+def judged(number: int, place: float | None = None) -> tuple[Bound, ...]:
+    """Every quantity of the body ``number`` by its method; none where it is refused, or too costly. ``place``: of the
+    largest radius, pull-off under load, where it is not to be drawn; 0: the row in the middle."""
     rng = np.random.default_rng(number)
     method = METHODS[number % len(METHODS)]
     problem = body(rng, cylinders=method != "layered")
@@ -133,7 +134,11 @@ def judged(number: int) -> tuple[Bound, ...]:
         solution = solver(problem)
         if not solution.series.errors or solution.facts.get("contact") == "incremental":
             return ()
-        found = _columns(solution) + _points(solution, rng) + _ranged(solution, rng)
+        found = (
+            _columns(solution)
+            + _points(solution, float(rng.uniform(*PLACES)) if place is None else place or None)
+            + _ranged(solution, rng)
+        )
     except JkrError:
         return ()
     return tuple(Bound(number, method, *item) for item in found)
@@ -257,14 +262,14 @@ def _ratio(
     return (words, float(error[worst] / stated[worst]), float(stated[worst]), bool(clear)), float(error.max())
 
 
-def _points(solution: Solution, rng: np.random.Generator) -> list[Judged]:
-    """P and delta of the pull-off points under load, displacement and a spring, for a random work of adhesion that
-    brings them within the series: against the stationary state of polynomials through nine exact radii."""
+def _points(solution: Solution, place: float | None) -> list[Judged]:
+    """P and delta of the pull-off points under load, displacement and a spring, for the work of adhesion that brings
+    load control to this ``place``: against the stationary state of polynomials through nine exact radii."""
     series = solution.series
     if series.S is None or series.dS is None:
         return []
     spring = float(series.S[len(series) // 2])
-    first = analyse(solution, [work_within(series, float(rng.uniform(*PLACES)))])[0]
+    first = analyse(solution, [work_within(series, place)])[0]
     result, found = with_solved_points(first, spring), []
     for control, stiffness in {**CONTROLS, "spring": spring}.items():
         point = mask_below_atomic_spacing(result.curve.pull_off(stiffness), result.curve, stiffness, 0.0)

@@ -91,7 +91,7 @@ def timed_scores() -> None:
             last[:] = [args[0].body, args[0].fit, found]
         return found
 
-    for name in ("rivals_of_record", "bounded"):
+    for name in ("rivals_of_record", "profile_bounds"):
         vars(verdict)[name] = partial(timed, vars(verdict)[name])
 
 

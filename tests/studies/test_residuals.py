@@ -10,8 +10,8 @@ from studies import record_rivals, residuals
 @pytest.fixture(autouse=True)
 def judged_once(monkeypatch):
     """What the study puts around the scores is taken off again."""
-    for name in ("rivals_of_record", "bounded"):
-        monkeypatch.setattr(record_rivals.record_verdict, name, getattr(record_rivals.record_verdict, name))
+    for name in ("rivals_of_record", "profile_bounds"):
+        monkeypatch.setattr(record_rivals.verdict, name, getattr(record_rivals.verdict, name))
     record_rivals.timed_scores()
 
 

@@ -29,12 +29,11 @@ from bodies import BODIES, Body
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import smoothed
 from jkrcli.base.errors import JkrError
-from jkrcli.base.files import check_target, write_text
+from jkrcli.base.files import as_json, check_target, write_text
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.many.bench import Cost, process_cost
-from jkrcli.report import tables
 from jkrcli.series import RawSeries
 from studies.chart_measure import machine, yardstick
 from studies.chart_reference import Errors, reference_of
@@ -172,7 +171,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         "yardstick_cpu_s": [before, yardstick()],
         "runs": [entry for entry in entries if entry is not None],
     }
-    write_text(given.output, tables.as_json(data))
+    write_text(given.output, as_json(data))
 
 
 if __name__ == "__main__":

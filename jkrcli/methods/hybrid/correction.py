@@ -230,17 +230,15 @@ class Moduli:
 def _size(specimen: Specimen, thick: list[float], error: float) -> tuple[float, float]:
     """Length over which the field decays, and radius (and depth, of a half-space) at which an unbounded body is cut.
 
-    A stack on a rigid base, if bonded, has a field that decays exponentially, the slower the stiffer its stiffest
-    layer.
-    On a half-space or a sliding base the layers' own far field, less that of the point force, dies with a power of
-    (length over distance); the length is the thickness, of stiff layers on a half-space as a membrane.
+    On a rigid base the length grows with the stiffest layer over the softest, a plate on a soft foundation; if bonded,
+    the field decays exponentially. On a half-space or a sliding base the layers' own far field, less that of the point
+    force, dies with a power of (length over distance); on a half-space stiff layers are a membrane.
     """
     stiffest = max(layer.moduli[1] for layer in specimen.layers)
     softest = min(layer.moduli[0] for layer in specimen.layers)
     if isinstance(specimen.base, Rigid):
-        length = sum(thick)
+        length = sum(thick) * (stiffest / softest) ** 0.25
         if specimen.base.bonded:
-            length *= (stiffest / softest) ** 0.25
             return length, 1.0 + REGION_DECAYS * length
     else:
         assert isinstance(specimen.base.material, Elastic)

@@ -222,7 +222,7 @@ HYBRID_ROUGH = 1e-3  # accuracy of the kernel with which radii are searched; cho
 # Planned for the number of t; conditioning takes the rest:
 HYBRID_PARAMETERS = 1e-2  # tuned on reference bodies, by `make tuning`
 HYBRID_CUT = 0.1  # of an unbounded body; choice: a tenth
-HYBRID_NO_CLAIM = 0.005  # smaller errors are not distinguished; tuned on random bodies, by `make bounds`
+HYBRID_NO_CLAIM = 0.01  # smaller errors are not distinguished; tuned on random bodies, by `make bounds`
 HYBRID_FINEST = 1e-7  # accuracy of K where the modulus changes from the contact on; choice: below ``GRADED``
 # Errors from what a step changes, at some radii:
 HYBRID_SAMPLES = 13  # radii; tuned on random bodies, by `make bounds`

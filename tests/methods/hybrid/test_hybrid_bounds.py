@@ -93,6 +93,20 @@ BODIES = {
     ),
     # 2.9e-6 off in S' where 1.4e-6 was stated: the order that extrapolation takes for granted is none here
     "half-space at 1/2": Problem(PowerLaw(0.05, 2.0), SUBSTRATE_AT_A_HALF, Loading.given("radius", (0.3, 1.0))),
+    # delta and S 1.0e-6 off where 1.2e-7 was stated: the stiff layer is a plate on the soft ones, and its field reaches
+    # farther than their thickness
+    "a stiff layer on soft ones that slide": Problem(
+        PowerLaw(8.655500410655576e16, 3.830447755123821),
+        Specimen(
+            (
+                Layer(Elastic(5670.633114487696, 0.27967781310066425), 1.6620208023219314e-06),
+                Layer(Elastic(8.19396490157368, -0.3966240040884905), 1.0696052938837382e-06),
+                Layer(Elastic(2.8200847489695473, 0.5), 8.103211393252246e-07),
+            ),
+            Rigid(bonded=False),
+        ),
+        Loading("radius", 4.7152705017796287e-07, 20, "depth"),
+    ),
 }
 
 

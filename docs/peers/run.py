@@ -151,7 +151,9 @@ def record(run: Run, python: str) -> dict | None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description="Run the peers of the chart.")
-    parser.add_argument("--python", default=sys.executable, help="Python of the peers' environment")
+    parser.add_argument(
+        "--python", type=os.path.abspath, default=sys.executable, help="Python of the peers' environment"
+    )  # by its whole path: runs have folders of their own
     parser.add_argument("--only", action="append", help="this peer alone")
     parser.add_argument("--longest", type=float, help="leave out what took longer in timings.json [CPU s]")
     parser.add_argument("-o", "--output", type=Path, default=HERE / "timings.json")

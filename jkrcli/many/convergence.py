@@ -60,7 +60,7 @@ class State:
 
 
 @dataclass(frozen=True, eq=False)
-class MeshLevel:
+class ConvergenceLevel:
     """One mesh: ``size``: of the elements at the edge of the largest contact [m]; ``seconds``: CPU of the solve."""
 
     size: float
@@ -86,7 +86,7 @@ class MeshSequence:
     problem: Problem
     w: float
     depth: float
-    levels: tuple[MeshLevel, ...]
+    levels: tuple[ConvergenceLevel, ...]
     exact: State | None
 
     def values(self, quantity: str) -> list[float | None]:
@@ -240,8 +240,8 @@ def converge(
     for solution, radii, seconds in meshes:
         series, facts = solution.series, solution.facts
         state = _state(solution.increments, series, slopes_name, w, depth)
-        levels.append(MeshLevel(spacing_at(radii, largest), state, facts["elements"], facts["unknowns"], len(series),
-                            facts["dropped"], seconds))  # fmt: skip
+        size = facts["elements"], facts["unknowns"], len(series), facts["dropped"]
+        levels.append(ConvergenceLevel(spacing_at(radii, largest), state, *size, seconds))
     return Convergence(problem, w, depth, tuple(levels), _exact(problem, w, depth))
 
 

@@ -1,4 +1,4 @@
-"""Studies over many bodies: maps, each a row of ``MAPS`` with its module ``<name>_map``, and convergence of meshes."""
+"""Studies over many bodies: maps, each a row of ``MAPS`` with its ``Map`` below, and convergence of meshes."""
 
 from __future__ import annotations
 

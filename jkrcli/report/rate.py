@@ -345,11 +345,10 @@ class CycledAdhering(AdhesiveHistory, Result):
         if forces:
             lines.append(f"  limits: {', '.join(forces)}")
         ends = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost.t, 'time')}"
-        energy = self.energy_lost
-        parts = str(energy)
-        if not isinstance(energy, Unknown):
-            parts = f"{energy:.4g} J, {self.in_body:.4g} J in the body, {self.at_edge:.4g} J in jumps"
-        return [*lines, f"  {ends}; energy lost: {parts}"]
+        if isinstance(self.energy_lost, Unknown):
+            return [*lines, f"  {ends}"]
+        parts = f"{self.in_body:.4g} J in the body, {self.at_edge:.4g} J in jumps"
+        return [*lines, f"  {ends}; energy lost: {self.energy_lost:.4g} J, {parts}"]
 
     @property
     def warnings(self) -> list[str]:

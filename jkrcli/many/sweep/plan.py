@@ -430,7 +430,7 @@ SHARING_WORTH_KEEPING = 0.1  # choice: CPU seconds; reading a file takes a tenth
 
 
 @dataclass(frozen=True)
-class SweepPlan:
+class CaseTemplate:
     """What a worker needs to know to make a case of given values: the base case's ``tables``, what is wanted."""
 
     tables: Tables
@@ -453,7 +453,7 @@ class Plan:
 
     source: str
     title: str
-    recipe: SweepPlan
+    recipe: CaseTemplate
     axes: tuple[Axis, ...]
 
     @property
@@ -568,7 +568,7 @@ def load_plan(path: Path) -> Plan:
         raise InputError(
             f"{source}: the quantities asked for need a work of adhesion: vary adhesion.w, or set it in the base case"
         )
-    plan = Plan(source, model.title, SweepPlan(_self_contained(tables, first, axes), wanted, folder), axes)
+    plan = Plan(source, model.title, CaseTemplate(_self_contained(tables, first, axes), wanted, folder), axes)
     if plan.count > MOST_CASES:
         raise InputError(f"{source}: makes {plan.count:,} cases, at most {MOST_CASES:,} are allowed in one sweep")
     if (cells := plan.count * len(wanted.columns)) > MOST_CELLS:
@@ -617,7 +617,7 @@ class Row:
     seconds: float
 
 
-def solve_group(recipe: SweepPlan, folder: Path | None, cases: Cases) -> list[Row]:
+def solve_group(recipe: CaseTemplate, folder: Path | None, cases: Cases) -> list[Row]:
     """Solve what ``cases`` share, and read off each what is wanted; failures become rows.
 
     ``folder``: of expensive solves of earlier runs.
@@ -692,7 +692,7 @@ def cheapest_method(body: Problem, model: CaseModel) -> Choice:
 
 
 def _row(
-    recipe: SweepPlan, solution: Solution, body: Nonadhesive, number: int, values: Mapping[str, Any], share: float
+    recipe: CaseTemplate, solution: Solution, body: Nonadhesive, number: int, values: Mapping[str, Any], share: float
 ) -> Row:
     """What is wanted of one case; ``solution``, ``body``: at unit modulus, which all cases of the group share."""
     start = time.process_time()
@@ -710,7 +710,7 @@ def _row(
     return Row(number, OK, "; ".join(reasons), cells, share + time.process_time() - start)
 
 
-def failed(recipe: SweepPlan, number: int, why: str | Exception, seconds: float = 0.0) -> Row:
+def failed(recipe: CaseTemplate, number: int, why: str | Exception, seconds: float = 0.0) -> Row:
     """The row of a case without a result; errors that are no message for users are bugs: their type tells so."""
     if isinstance(why, Exception) and not isinstance(why, JkrError):
         why = f"unexpected {type(why).__name__}: {why}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
@@ -146,7 +147,7 @@ def as_dict(found: Found) -> dict[str, Any]:
                 "whole_process": vars(point.whole),
                 "after_imports": vars(point.after_imports),
                 "slopes_cpu_s": point.slopes_cpu_s,
-                "stated_error": point.stated,
+                "stated_P_error": point.stated,
                 "stated_pull_off_error": point.stated_pull_off,
                 "errors": vars(point.errors),
                 "on_front": i in best,
@@ -181,7 +182,7 @@ CELLS: dict[str, Callable[[Measured], Any]] = {
     "after_imports_cpu_s": attrgetter("after_imports.cpu_s"),
     "after_imports_wall_s": attrgetter("after_imports.wall_s"),
     "slopes_cpu_s": attrgetter("slopes_cpu_s"),
-    "stated_error": lambda point: known(point.stated),
+    "stated_P_error": lambda point: known(point.stated),
     "stated_pull_off_error": lambda point: known(point.stated_pull_off),
     "P_error": attrgetter("errors.load"),
     "curve_error": attrgetter("errors.curve"),
@@ -221,6 +222,7 @@ LOOKS = {
     OWN: (PURPLE, "*"),
 }  # fmt: skip
 PEER_MARKERS = "^v<>"
+TITLE_WIDTH = 90  # choice: characters of a line of the title
 LEAST = 1e-7  # choice: of the errors drawn; smaller ones stand on the axis
 
 
@@ -270,7 +272,7 @@ def chart_figure(points: Sequence[Measured], peers: Sequence[Peer], title: str) 
         for place, panel in zip(axes[:, 0], PANELS[::2], strict=True):
             place.set_ylabel(panel.ylabel)
         legend_below(figure, axes.ravel(), 4)
-        figure.suptitle(pretty(title))
+        figure.suptitle(pretty(textwrap.fill(title, TITLE_WIDTH)))
         return figure
 
 
@@ -280,7 +282,7 @@ def _draw(axes: Axes, panel: ChartPanel, points: Sequence[Measured], peers: Sequ
     theirs = [spot for peer, x, y in named if (spot := _spot(x, y, None, f"{peer.name} {peer.version}", peer.now))]
     axes.set(xscale="log", yscale="log", title=panel.title, xlabel="CPU seconds")
     best = [ours[i] for i in front([(spot.x, spot.y) for spot in ours])]
-    axes.plot([s.x for s in best], [s.y for s in best], "-", color="0.8", lw=3, zorder=1, label="best of jkr")
+    axes.plot([s.x for s in best], [s.y for s in best], "-", color="0.6", lw=4, zorder=1, label="best of jkr")
     for name, (color, marker) in LOOKS.items():
         _scatter(axes, [spot for spot in ours if spot.family == name], name, color, marker)
     for name, marker in zip(dict.fromkeys(spot.family for spot in theirs), PEER_MARKERS, strict=False):

@@ -97,8 +97,9 @@ class Measured:
     """One setting with one way of finding the slopes.
 
     ``whole``: the process ``jkr run``; ``after_imports``: the solve alone, in a process that has done it once before;
-    ``slopes_cpu_s``: slopes and transformation; ``stated``: the error that the result itself claims for its series,
-    ``stated_pull_off``: for its pull-off force under load control.
+    ``slopes_cpu_s``: slopes and transformation; ``stated``: the error that the result itself claims for P at equal
+    displacement (discretisation and truncation: no contact radius enters it), ``stated_pull_off``: for its pull-off
+    force under load control.
     """
 
     setting: Setting
@@ -172,7 +173,7 @@ def _measured(case: Case, setting: Setting, w: float, reference: Reference, repe
             except JkrError:
                 continue  # these slopes do not exist for such a series
             costs, errors = (whole, after_imports, cost.cpu_s), reference.errors(found.curve)
-            stated = (solution.budget.series, errors, _stated_pull_off(found))
+            stated = (replace(solution.budget, radius=0.0).series, errors, _stated_pull_off(found))
             points.append(Measured(setting, slopes, unknowns, *costs, *stated))
     return points
 

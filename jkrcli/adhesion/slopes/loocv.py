@@ -255,6 +255,8 @@ LOOCV_FEWEST = 5  # points; theory: leaving one out must leave a cubic
 # random replicas of the noise; tuned on noisy series, by `make constants`: half as many move stated errors by an
 # eighth, as 1/sqrt(2 * 64) says
 LOOCV_PROBES = 64
+DIFFERENCES = 6  # order of those that tell noise from a smooth S(a); tuned on exact and noisy series, by `make noise`
+MEDIAN_SQUARE = 0.4549  # theory: of a normal number of variance 1
 
 
 KEPT = "S kept from the cubic spline P(delta)"
@@ -339,6 +341,13 @@ def interpolated_slope(delta: Array, P: Array) -> Array:
     return CubicSpline(x, y, bc_type="not-a-knot").derivative()(x)[1:] * load / depth
 
 
+def divided_differences(x: Array, y: Array, order: int) -> Array:
+    """Return the divided differences of an ``order`` of ``y`` (n, ...) at ``x`` (n,), shape (n - order, ...)."""
+    for gap in range(1, order + 1):
+        y = ((y[1:] - y[:-1]).T / (x[gap:] - x[:-gap])).T
+    return y
+
+
 def _with_first_touch(series: Series, S: Array) -> tuple[Array, Array, Array]:
     """Radii, slopes and weights with the known slope at first touch prepended at infinite weight."""
     if series.S0 is None:
@@ -364,7 +373,8 @@ def _covariance(series: Series, spline: SmoothingSpline, weights: Array, dS: Arr
 
     The noise is taken as independent and of one relative size on a, delta and P. White noise is sent through the same
     linear steps (fixed lambda), all columns seen at given radius; its size is set by the scatter of the interpolated
-    slopes about the smoothing spline.
+    slopes about the smoothing spline. A spline that interpolates has none, whatever the noise: there the size is that
+    of differences of high order, which the slopes of smooth data lose, their median over the radii.
     """
     first = spline.x.size - len(series)
     shape = (3, len(series), LOOCV_PROBES)
@@ -376,7 +386,11 @@ def _covariance(series: Series, spline: SmoothingSpline, weights: Array, dS: Arr
     smooth, slope = linear_fit(spline, weights, np.concatenate([np.zeros((first, LOOCV_PROBES)), raw]))
     smooth, slope = smooth[first:], slope[first:]
     scatter = interpolated_slope(series.delta, series.P) - spline.g[first:]
-    size = math.sqrt(np.sum(scatter**2) / np.mean(np.sum((raw - smooth) ** 2, axis=0)))
+    if spline.at_bound == "lower" and len(series) > DIFFERENCES:
+        differences = divided_differences(series.a, np.column_stack([raw, scatter + spline.g[first:]]), DIFFERENCES)
+        size = math.sqrt(np.median(differences[:, -1] ** 2 / np.mean(differences[:, :-1] ** 2, axis=1)) / MEDIAN_SQUARE)
+    else:
+        size = math.sqrt(np.sum(scatter**2) / np.mean(np.sum((raw - smooth) ** 2, axis=0)))
     of_S = raw if keep_S else smooth
     replicas = size * np.stack([delta - growth * a, P - S * growth * a, of_S, slope], axis=1)
     covariance = np.einsum("nip,njp->nij", replicas, replicas) / LOOCV_PROBES

@@ -21,24 +21,26 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from ..base.errors import Estimate, InputError, Refusal, Unknown
-from ..base.numerics import MOST_STEPS, SAME, TINY, Array
+from ..base.numerics import MOST_STEPS, SAME, TINY, Array, zeros_between
 from ..base.units import show
 from ..bodies.materials import Modes, Relaxation
 from ..bodies.problem import Problem
 from ..methods.finite_range import AttractedBody
 from ..methods.integral.dent import DentedProfile, DentPoints
 from ..methods.integral.finite_range import Attraction, Rims
+from ..methods.integral.fredholm import angle
 from ..series import Solution
 from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
-from .device_path import Jump, Program, TimedState
+from .device_path import Jump, Program, Ramp, TimedState
 from .finite_range import Range, unable
 
 # Accuracy.
@@ -52,6 +54,7 @@ STEP_FIRST = 1e-6  # choice: of a piece of the program, behind its corner
 STEP_FIRST_MOVE = 0.03  # choice: of the zone, what the edge moves in a step that nothing predicts
 STEP_LARGEST = 0.5  # choice: of the zone, what the edge moves at most
 STEP_GROWS, STEP_FALLS = 2.0, 0.4  # choice: from step to step
+STEP_ACCEPTED = 4.0  # choice: of the tolerance, what a prediction may miss in a step that is taken
 # An edge that moves so fast is seen to jump:
 STEP_LEAST = 1e-9  # theory: of a piece
 JUMPS = 1e-5  # theory: of the shortest time of relaxation, in which nothing relaxes
@@ -92,20 +95,56 @@ class Body:
     def s(self) -> float:
         return 2 * self.law.stress / self.attraction.E_star
 
+    @property
+    def end(self) -> float:
+        """The radius [m] up to which it is known."""
+        return self.attraction.reach * (1 - SAME)
+
+    @property
+    def loaded(self) -> bool:
+        return self.stiffness == LOAD_CONTROL
+
+    def free_delta(self, x: float) -> float:
+        """delta [m] of a tip that nothing holds, where the device is at ``x``."""
+        return -self.law.length if self.loaded else x
+
+
+class Found(NamedTuple):
+    """A state: radii of contact ``a`` and of the zone ``c`` [m], ``delta`` [m], ``P`` [N]; ``smooth``: int_0^c K phi
+    on the polynomials of its body, None where K = 0."""
+
+    a: float
+    c: float
+    delta: float
+    P: float
+    smooth: Array | None = None
+
+
+NOTHING = Found(0.0, 0.0, 0.0, 0.0)
+
+
+class Rim(NamedTuple):
+    """``delta`` [m], ``P`` [N] and the ``gap`` [m] at c of a state of given radii a and c, the ``slopes`` (3, 2) of
+    these by a and by c, and ``smooth`` as of ``Found``."""
+
+    delta: float
+    P: float
+    gap: float
+    slopes: Array
+    smooth: Array | None
+
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """What the ``body`` remembers: W [m] and V [m] at its points and eta_m of its modes, (m, points)."""
+    """What the ``body`` remembers: W [m] at its points and eta_m of its modes, (m, points)."""
 
     body: Body
     W: Array
-    V: Array
     eta: Array
 
     @classmethod
     def none(cls, body: Body) -> Memory:
-        zero = np.zeros_like(body.F)
-        return cls(body, zero, zero, np.zeros((body.modes.rates.size, zero.size)))
+        return cls(body, np.zeros_like(body.F), np.zeros((body.modes.rates.size, body.F.size)))
 
     def over(self, h: float) -> Step:
         """A step of ``h`` >= 0 [s] in which W moves evenly: eta -> exp(-z) eta + (1 - exp(-z))/z dW."""
@@ -115,20 +154,6 @@ class Memory:
         G = modes.relaxed + float(modes.weights @ gain)
         H = (modes.weights * decay) @ self.eta - float(modes.weights @ gain) * self.W
         return Step(self, decay, gain, G, H)
-
-
-class Found(NamedTuple):
-    """A state: radii of contact ``a`` and of the zone ``c`` [m], ``delta`` [m], ``P`` [N]; ``rims``: the same of the
-    step's dented profile."""
-
-    a: float
-    c: float
-    delta: float
-    P: float
-    rims: Rims | None = None
-
-
-NOTHING = Found(0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,17 +175,39 @@ class Step:
         return DentedProfile(self.body.points, self.body.F - self.H / self.G)
 
     def rims(self, a: Array, b: Array) -> Rims:
-        """States of contact radii ``a`` with zones ``b`` wide, ``gap`` as it comes; P [N] is that of G E*. Where
-        a = 0 nothing touches, and delta is what opens the gap at c to the range."""
-        rims = self.body.attraction.discs(a, self.profile).rims(b, self.body.s / self.G)
+        """States of many contact radii ``a`` with zones ``b`` wide at once, to 1e-4, ``gap`` as it comes; P [N] is that
+        of G E*. Where a = 0 nothing touches, and delta is what opens the gap at c to the range."""
+        body, g, s = self.body, self.profile, self.body.s / self.G
+        if body.attraction.is_half_space:
+            c, theta, root = a + b, angle(b, a + b), np.sqrt(b * (2 * a + b))
+            delta = g.F(a) - s * root
+            gap = 2 / math.pi * (g.arcs(a, b) - delta * theta - s * b)
+            P = 2 * body.attraction.E_star * (delta * a - g.inside(a) - s * (c**2 * theta - a * root) / 2)
+            rims = Rims(a, c, delta, P, gap)
+        else:
+            rims = body.attraction.discs(a, g).rims(b, s)
         open_, length = a == 0, self.body.law.length
         delta = np.where(open_, rims.delta + rims.gap - length, rims.delta)
         return Rims(a, rims.c, delta, rims.P * self.G, rims.gap)
 
-    def excess(self, rims: Rims, x: float) -> tuple[Array, Array]:
-        """Position of the device less ``x``, and log of the gap at c over the range."""
-        held = np.asarray(position(rims.delta, rims.P, self.body.stiffness))
-        return held - x, np.log(np.maximum(rims.gap / self.body.law.length, TINY))
+    def rim(self, a: float, c: float) -> Rim:
+        """The state with the radii ``a`` and ``c``, whatever the gap at c, and its derivatives."""
+        body, s = self.body, self.body.s / self.G
+        if not body.attraction.is_half_space:
+            discs = body.attraction.discs(np.array([a]), self.profile)
+            rims, smooth, slopes = discs.with_slopes(c - a, s)
+            slopes *= np.array([[1.0], [self.G], [1.0]])
+            return Rim(float(rims.delta[0]), float(rims.P[0]) * self.G, float(rims.gap[0]), slopes, smooth)
+        # K = 0: delta = g(a) - s sqrt(c^2 - a^2), (pi/2) gap = int_a^c (g - delta)/sqrt(c^2 - x^2) dx - s (c - a)
+        zone, E = self.profile.zone(a, c), 2 * body.attraction.E_star * self.G
+        root, theta = zone.root, math.atan2(zone.root, a)
+        delta = zone.F - s * root
+        P = E * (delta * a - float(self.profile.inside(np.array(a))) - s * (c**2 * theta - a * root) / 2)
+        gap = zone.arc + s * (root * theta - (c - a))
+        by_a, by_c = zone.slope + s * a / root, -s * c / root
+        gap_by_c = zone.arc_by_c + s * a / c - by_c * theta - s
+        rows = [[by_a, by_c], [E * a * by_a, E * (by_c * a - s * c * theta)], [-theta * by_a, gap_by_c]]
+        return Rim(delta, P, 2 / math.pi * gap, np.array(rows) * [[1.0], [1.0], [2 / math.pi]], None)
 
     def near(self, x: float, a: float, c: float) -> Found | None:
         """The stable state at the device's position ``x`` near to the radii ``a`` and ``c``; None: there is none."""
@@ -172,19 +219,22 @@ class Step:
         return None
 
     def _touching(self, x: float, a: float, b: float) -> Found | float | None:
-        """Newton in a and b; 0.0 where contact is lost into mere attraction."""
-        before = math.inf
+        """Newton in a and c; 0.0 where contact is lost into mere attraction."""
+        k, length, before, last = self.body.stiffness, self.body.law.length, math.inf, False
         for _ in range(MOST_STEPS):
-            if not a + b < self._end:
+            if not a + b < self.body.end:
                 raise TooFarError
-            e = CLOSE**2 * b
-            rims = self.rims(np.array([a, a + e, a]), np.array([b, b, b + e]))
-            off, opens = self.excess(rims, x)
-            (xa, ga), (xb, gb) = (((off[i] - off[0]) / e, (opens[i] - opens[0]) / e) for i in (1, 2))
-            det = xa * gb - xb * ga
-            if not (gb > 0 and det > 0):  # dx/da along the states whose gap closes the law
+            delta, P, gap, slopes, smooth = self.rim(a, a + b)
+            if last:
+                return self._held(x, a, a + b, delta, P, smooth)
+            off, opens = position(delta, P, k) - x, math.log(max(gap / length, TINY))
+            xa, xc = position(slopes[0], slopes[1], k).tolist()
+            ga, gc = (slopes[2] / max(gap, TINY)).tolist()
+            det = xa * gc - xc * ga
+            if not (gc > 0 and det > 0):  # dx/da along the states whose gap closes the law
                 return None
-            da, db = (xb * opens[0] - gb * off[0]) / det, (ga * off[0] - xa * opens[0]) / det
+            da, dc = (xc * opens - gc * off) / det, (ga * off - xa * opens) / det
+            db = dc - da
             moved = max(abs(da), abs(db)) / b
             part = min(1.0, STEP_LARGEST / max(moved, TINY))
             if a + part * da <= 0:
@@ -192,48 +242,48 @@ class Step:
                     return 0.0
                 part = min(part, (a - CLOSE / 2 * b) / -da)
             a, b = a + part * da, b + part * db
-            if moved < CLOSE or (moved > before > CLOSE and moved < CLOSE * STEP_LARGEST):
-                rims = self.rims(np.array([a]), np.array([b]))
-                return self._held(x, rims)
+            last = moved < CLOSE or (moved > before > CLOSE and moved < CLOSE * STEP_LARGEST)
             before = moved
         return None
 
     def _apart(self, x: float, c: float) -> Found | float | None:
         """Newton in c of attraction without contact; a small contact radius where the surfaces touch."""
+        k, length, last = self.body.stiffness, self.body.law.length, False
         for _ in range(MOST_STEPS):
-            if not c < self._end:
+            if not c < self.body.end:
                 raise TooFarError
-            e, none = CLOSE**2 * c, np.zeros(2)
-            rims = self.rims(none, np.array([c, c + e]))
-            off, _ = self.excess(rims, x)
-            slope = (off[1] - off[0]) / e
+            rim = self.rim(0.0, c)
+            opens = rim.gap - length  # the gap at c is the range
+            if last and opens > 0:  # closed at the axis
+                return CLOSE * c
+            if last:
+                return self._held(x, 0.0, c, rim.delta + opens, rim.P, rim.smooth)
+            slope = position(rim.slopes[0, 1] + rim.slopes[2, 1], rim.slopes[1, 1], k)
             if not slope > 0:
                 return None
-            dc = float(np.clip(-off[0] / slope, -STEP_LARGEST * c, STEP_LARGEST * c))
-            c += dc
-            if abs(dc) < CLOSE * c:
-                rims = self.rims(none[:1], np.array([c]))
-                if rims.gap[0] > self.body.law.length:  # closed at the axis
-                    return CLOSE * c
-                return self._held(x, rims)
+            dc = (x - position(rim.delta + opens, rim.P, k)) / slope
+            dc = min(max(dc, -STEP_LARGEST * c), STEP_LARGEST * c)
+            c, last = c + dc, abs(dc) < CLOSE * c
         return None
 
-    def _held(self, x: float, rims: Rims) -> Found:
-        """The state ``rims`` with what the device holds at ``x`` to the last digit."""
-        a, c, delta, P = (float(column[0]) for column in (rims.a, rims.c, rims.delta, rims.P))
+    def excess(self, rims: Rims, x: float) -> Array:
+        """Position of the device less ``x``."""
+        return np.asarray(position(rims.delta, rims.P, self.body.stiffness)) - x
+
+    def _held(self, x: float, a: float, c: float, delta: float, P: float, smooth: Array | None) -> Found:
+        """The state with what the device holds at ``x`` to the last digit."""
         k = self.body.stiffness
-        return Found(a, c, x if math.isinf(k) else delta, x if k == LOAD_CONTROL else P, rims)
+        return Found(a, c, x if math.isinf(k) else delta, x if k == LOAD_CONTROL else P, smooth)
 
     def leap(self, x: float, c: float, inwards: bool) -> Found | None:
         """The stable state at ``x`` that is the next beyond the radius ``c``, of larger zones where it goes
         ``inwards``; None: nothing holds the surfaces together."""
-        ends = self._end * np.logspace(-LEAP_DECADES, 0, LEAPS)[:-1]
+        ends = self.body.end * np.logspace(-LEAP_DECADES, 0, LEAPS)[:-1]
         rows = ends[ends > c] if inwards else ends[ends < c]
         if not rows.size:
             return None
         a = self._contacts(rows)
-        rims = self.rims(a, rows - a)
-        off, _ = self.excess(rims, x)
+        off = self.excess(self.rims(a, rows - a), x)
         if inwards:
             off, a, rows = np.append(-TINY, off), np.append(0.0, a), np.append(0.0, rows)
         stable = np.flatnonzero((off[:-1] < 0) & (off[1:] >= 0))
@@ -249,40 +299,35 @@ class Step:
         return None
 
     def _contacts(self, c: Array) -> Array:
-        """Contact radii inside zones that end at ``c`` [m], by halving: the wider the zone, the larger the gap."""
-        low, high = np.zeros_like(c), c.copy()
-        open_ = self.rims(low, c).gap > self.body.law.length
-        for _ in range(MOST_STEPS):
-            if (high - low < CLOSE * (c - low)).all():
-                break
-            middle = (low + high) / 2
-            wide = self.rims(middle, c - middle).gap > self.body.law.length
-            low, high = np.where(wide, middle, low), np.where(wide, high, middle)
-        return np.where(open_, low, 0.0)
+        """Contact radii inside zones that end at ``c`` [m]: the wider the zone, the larger the gap."""
 
-    @property
-    def _end(self) -> float:
-        return self.body.attraction.reach * (1 - SAME)
+        def excess(log_b: Array) -> Array:
+            b = np.exp(log_b)
+            return np.log(np.maximum(self.rims(np.maximum(c - b, 0.0), b).gap / self.body.law.length, TINY))
+
+        widest = np.log(c)
+        narrowest = np.where(excess(widest) > 0, np.log(SAME * c), widest)  # else nothing touches
+        b = np.exp(zeros_between(excess, narrowest, widest, CLOSE))
+        return np.where(narrowest < widest, c - b, 0.0)
 
     def taken(self, found: Found) -> tuple[Memory, Array, float]:
         """The memory behind the step that ends in the state ``found``, (pi/2) phi [m] at the points, and the energy [J]
         of the attraction less that of surfaces apart: -sigma times the integral of the range less the gap within c."""
-        body, memory, x, energy = self.body, self.memory, self.body.points.x, 0.0
-        V, kernel = np.zeros_like(x), np.zeros_like(x)
-        if found.rims is not None:
-            a, c, s, sigma = found.a, found.c, body.s / self.G, body.law.stress
-            discs = body.attraction.discs(np.array([a]), self.profile)
-            smooth = body.points.sums(discs.smooth(found.rims, s)[0])
+        body, memory, x = self.body, self.memory, self.body.points.x
+        V, kernel, energy = np.zeros_like(x), 0.0, 0.0
+        if found.c > 0:
+            (a, c, delta, *_), s, sigma = found, body.s / self.G, body.law.stress
+            smooth = 0.0 if found.smooth is None else body.points.sums(found.smooth)
             kernel = self.G * smooth
             pulled = kernel - body.s * np.sqrt(np.maximum((c - x) * (c + x), 0.0))
-            V = np.where(x < a, self.G * (found.delta - self.profile.values), pulled)
+            V = np.where(x < a, self.G * (delta - self.profile.values), pulled)
             # int r gap dr = (2/pi) int (F + W - delta) sqrt(c^2 - x^2) dx, and W has -s sqrt(c^2 - x^2)
-            open_ = DentedProfile(body.points, self.profile.values + smooth - found.delta).opened(a, c)
+            open_ = DentedProfile(body.points, self.profile.values + smooth - delta).zone(a, c).opened
             open_ -= s * (c - a) ** 2 * (2 * c + a) / 3
             energy = -sigma * (math.pi * c**2 * body.law.length - 4 * open_)
         W = (V - self.H) / self.G
         eta = self.decay[:, None] * memory.eta + np.multiply.outer(self.gain, W - memory.W)
-        return Memory(body, W, V, eta), V - kernel, energy
+        return Memory(body, W, eta), V - kernel, energy
 
 
 # --------------------------------------------------------------------------------------------------
@@ -304,214 +349,232 @@ class Row(NamedTuple):
     radiated: float = 0.0
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
+class Now:
+    """A moment of a program: the device's position ``x``, what the body remembers, the state ``at``, (pi/2) phi [m] at
+    its points, and the ``row`` of numbers."""
+
+    x: float
+    memory: Memory
+    at: Found
+    q: Array
+    row: Row
+
+    @classmethod
+    def apart(cls, body: Body, t: float, x: float) -> Now:
+        """The virgin body and its tip, which do not attract each other."""
+        found = NOTHING._replace(delta=body.free_delta(x))
+        return cls(x, Memory.none(body), found, np.zeros_like(body.F), Row(t, *found[:4]))
+
+    @classmethod
+    def at_rest(cls, body: Body, t: float, x: float) -> Now:
+        """Relaxed for long: elastic contact of the modulus r_inf E*, of which the modes remember nothing."""
+        relaxed = replace(Memory.none(body).over(0.0), G=body.modes.relaxed)
+        found = relaxed.leap(x, 0.0, True)
+        assert found is not None
+        memory, q, attraction = relaxed.taken(found)
+        return cls(
+            x, replace(memory, eta=np.zeros_like(memory.eta)), found, q, Row(t, *found[:4], attraction=attraction)
+        )
+
+    def after(self, step: Step, t: float, x: float, found: Found) -> Now:
+        """The moment behind a ``step`` to the state ``found``, with the works that it takes by the rule of trapezia,
+        exact at jumps: the device's int P d(delta), the body's 2 E* int int (pi/2) phi dW dx."""
+        memory, q, attraction = step.taken(found)
+        body, before = step.body, self.row
+        work = before.work + (found.P + before.P) / 2 * (found.delta - before.delta)
+        taken = 2 * body.attraction.E_star * body.points.integral((q + self.q) / 2 * (memory.W - self.memory.W))
+        row = Row(t, *found[:4], work, before.body + taken, attraction, before.radiated)
+        return Now(x, memory, found, q, row)
+
+    def alone(self, h: float, x: float) -> Now:
+        """The moment a time ``h`` [s] later, with nothing between the surfaces."""
+        found = NOTHING._replace(delta=self.memory.body.free_delta(x))
+        return self.after(self.memory.over(h), self.row.t + h, x, found)
+
+    @property
+    def touches(self) -> bool:
+        """Whether the surfaces that nothing holds come within the range where the device is; InputError where they do
+        so beside the axis."""
+        body = self.memory.body
+        if body.loaded:
+            return self.x >= 0
+        values = DentedProfile(body.points, body.F + self.memory.W)
+        r = float(body.points.x[-1]) * np.linspace(0, 1, FREE_RADII + 1)[1:]
+        zones = [values.zone(0.0, c) for c in r.tolist()]
+        gaps = np.array([zone.F + 2 / math.pi * zone.arc for zone in zones]) - self.x
+        centre, length = float(values.values[0]) - self.x, body.law.length
+        if gaps.min() < min(centre, length) * (1 - SAME):
+            raise InputError(
+                f"program: at t = {show(self.row.t, 'time')} the surfaces come within the range beside the axis, on "
+                "the rim of a dent that has not recovered, which is not solved: wait longer, or end the program before"
+            )
+        # a tip so sharp that it is not drawn in by a jump touches with the least zone that is looked at
+        rims = self.memory.over(0.0).rims(np.zeros(1), np.array([body.end * 10**-LEAP_DECADES]))
+        return centre <= length * (1 + SAME) - max(float(rims.delta[0]) + length, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
 class Course:
-    """A ``body`` under a program, step by step: its ``memory``, ``rows`` and ``jumps``; ``tolerance`` of steps.
-    ``rests``: whether it has relaxed for long at the program's begin."""
+    """What happened to a ``body`` step by step: its ``rows`` and ``jumps``, and the last moment."""
 
     body: Body
-    tolerance: float
-    rests: bool = False
-    rows: list[Row] = field(default_factory=list)
-    jumps: list[Jump] = field(default_factory=list)
-    steps: int = 0
+    rows: list[Row]
+    jumps: list[Jump]
+    last: Now
 
-    def follow(self, program: Program) -> None:
-        """Go through the ``program`` of the device, the surfaces apart before its begin; to the loss of contact where
-        it goes on."""
-        self.memory, self.at, self.q = Memory.none(self.body), NOTHING, np.zeros_like(self.body.F)
-        self.t, self.x = float(program.t[0]), float(program.x[0])
-        if self.rests:
-            self._rest()
-        else:
-            self._record(self.memory.over(0.0), NOTHING._replace(delta=self._free(self.x)))
-            if self._touches():
-                self._jump(True)
-        for ramp in program.ramps():
-            if math.isfinite(ramp.t_end):
-                self._piece(ramp.t, ramp.x, ramp.t_end, ramp.x_end)
-                continue
-            scale = self.body.law.stress * math.pi * self.at.c**2 if self._loaded else self.body.law.length
-            lasting = (abs(ramp.x) + scale) / abs(ramp.rate)
-            while self.at.c > 0:
-                t = self.t
-                self._piece(t, float(ramp.at(t)), t + lasting, float(ramp.at(t + lasting)), stops=True)
+    @property
+    def pull_off(self) -> TimedState:
+        """The state of the lowest load from the largest contact on, at the last one where there are several."""
+        largest = max(range(len(self.rows)), key=lambda i: self.rows[i].a)
+        return _state(min(self.rows[largest:], key=lambda row: (row.P, -row.t)))
 
-    def _rest(self) -> None:
-        """Begin relaxed: elastic contact of the modulus r_inf E*, after which the modes remember nothing."""
-        relaxed = self.body.modes.relaxed
-        step = replace(self.memory.over(0.0), G=relaxed)
-        found = step.leap(self.x, 0.0, True)
-        assert found is not None
-        self._record(step, found)
-        memory = self.memory
-        self.memory = replace(memory, V=relaxed * memory.W, eta=np.zeros_like(memory.eta))
-        self.rows[:] = [Row(self.t, *found[:4], attraction=self.rows[-1].attraction)]
+    @property
+    def lost(self) -> Jump | None:
+        """The jump by which contact was lost for good; None where it is not."""
+        return self.jumps[-1] if self.jumps and self.jumps[-1].end is None else None
 
-    def _piece(self, t0: float, x0: float, t1: float, x1: float, stops: bool = False) -> None:
-        """One straight piece of the program; y: how much of it is done. It ``stops`` where contact is lost."""
-        fastest = 1 / (float(self.body.modes.rates.max()) * max(t1 - t0, TINY))
+
+def march(body: Body, program: Program, tolerance: float, rests: bool = False) -> Course:
+    """Follow a ``program`` of the device step by step, to the loss of contact where it goes on; steps by their
+    ``tolerance``.
+
+    The surfaces are apart before its begin, or at rest (``rests``) with the body relaxed. A step of the time h is
+    elastic contact of the modulus G E* under F - H/G (``Memory.over``) with the radii a and c of
+
+        delta + P/k = x,     gap(c) = w/sigma                                        (``Step.near``),
+
+    from where they would go on straight. It is taken where that is right to the ``tolerance`` of the zone, else tried
+    again with a shorter h; where no h finds a stable state the contact jumps, and nothing relaxes meanwhile.
+    """
+    now = (Now.at_rest if rests else Now.apart)(body, float(program.t[0]), float(program.x[0]))
+    rows, jumps = [now.row], list[Jump]()
+
+    def jump(now: Now, inwards: bool) -> Now:
+        there, jumped = _jump(now, inwards)
+        rows.append(there.row)
+        jumps.append(jumped)
+        return there
+
+    if not rests and now.touches:
+        now = jump(now, True)
+    ramps = deque(program.ramps())
+    while ramps:
+        piece = ramp = ramps.popleft()
+        endless = not math.isfinite(ramp.t_end)
+        if endless:  # parts of it, until contact is lost
+            scale = body.law.stress * math.pi * now.at.c**2 if body.loaded else body.law.length
+            t = ramp.t + (abs(ramp.x) + scale) / abs(ramp.rate)
+            piece = Ramp.between(ramp.t, ramp.x, t, float(ramp.at(t)))
+        fastest = 1 / (float(body.modes.rates.max()) * max(piece.t_end - piece.t, TINY))
         first, least = min(STEP_FIRST, CLOSE * fastest), min(STEP_LEAST, JUMPS * fastest)
-        y, dy, last = 0.0, first, None
-        while y < 1:
-            if self.at.c == 0:
-                if stops:
-                    return
-                y = self._alone(t0, x0, t1, x1, y)
+        y, dy, before = 0.0, first, None  # the part of the piece that is done, the next step, the last one
+        while y < 1 and not (endless and now.at.c == 0):
+            if now.at.c == 0:
+                y, moments = _wait(now, piece, y, bool(jumps))
+                rows += [one.row for one in moments]
+                now, dy, before = moments[-1], first, None
                 if y < 1:
-                    self._jump(True)
-                dy, last = first, None
+                    now = jump(now, True)
                 continue
-            self.steps += 1
-            if self.steps > STEP_MOST:
+            if len(rows) > STEP_MOST:
                 raise Refusal(
                     f"cycle: the edge of the contact takes more than {STEP_MOST} steps, as its cohesive zone is "
                     "narrow: give a smaller --stress (a longer --range)"
                 )
             dy = 1 - y if dy > (1 - y) * (1 - SAME) else min(dy, (1 - y) / 2) if 2 * dy > 1 - y else dy
-            zone, x = self.at.c - self.at.a, x0 + (y + dy) * (x1 - x0)
-            step = self.memory.over(dy * (t1 - t0))
-            a, c = self._predicted(dy, last)
+            end = 1.0 if y + dy > 1 - SAME**2 else y + dy
+            t, x = piece.t + end * (piece.t_end - piece.t), piece.x + end * (piece.x_end - piece.x)
+            step = now.memory.over(dy * (piece.t_end - piece.t))
+            a, c = _predicted(now.at, dy, before)
             found = step.near(x, a, c)
-            missed = math.inf
-            if found is not None:
-                moved = abs(found.a - self.at.a) + abs(found.c - self.at.c)
-                wrong = abs(found.a - a) + abs(found.c - c)
-                missed = (moved / STEP_FIRST_MOVE / zone) ** 2 * self.tolerance if last is None else wrong / zone
-                if moved < self._spacing:  # what the points resolve
-                    missed = min(missed, self.tolerance / 4)
-                if moved > 2 * STEP_LARGEST * zone:
-                    missed = math.inf
-            if found is None or missed > 4 * self.tolerance:
-                dy *= STEP_FALLS
-                if dy < least:
-                    self.t, self.x = t0 + y * (t1 - t0), x0 + y * (x1 - x0)
-                    self._jump(x1 > x0 or (x1 == x0 and self._grows))
-                    dy, last = first, None
+            missed = _missed(now, found, a, c, before is None, tolerance)
+            if found is not None and missed <= STEP_ACCEPTED * tolerance:
+                before, y = (dy, now.at), end
+                now = now.after(step, t, x, found)
+                rows.append(now.row)
+                dy *= float(np.clip(0.8 * math.sqrt(tolerance / max(missed, TINY)), STEP_FALLS, STEP_GROWS))
                 continue
-            last, y = (dy, self.at), 1.0 if y + dy > 1 - SAME**2 else y + dy
-            self.t, self.x = t0 + y * (t1 - t0), x0 + y * (x1 - x0)
-            self._record(step, found)
-            dy *= float(np.clip(0.8 * math.sqrt(self.tolerance / max(missed, TINY)), STEP_FALLS, STEP_GROWS))
+            dy *= STEP_FALLS
+            if dy < least:
+                grows = rows[-1].c > rows[max(len(rows) - LAST_STEPS, 0)].c
+                now = jump(now, piece.rate > 0 or (piece.rate == 0 and grows))
+                dy, before = first, None
+        if endless and now.at.c > 0:
+            ramps.append(replace(ramp, t=piece.t_end, x=piece.x_end))
+    return Course(body, rows, jumps, now)
 
-    def _predicted(self, dy: float, last: tuple[float, Found] | None) -> tuple[float, float]:
-        """Radii a and c that go on as in the ``last`` step."""
-        a, c = self.at.a, self.at.c
-        if last is not None:
-            more = dy / last[0]
-            a, c = a + more * (a - last[1].a), c + more * (c - last[1].c)
-        zone = self.at.c - self.at.a
-        if self.at.a == 0:
-            return 0.0, max(c, self.at.c / 2)
-        a = float(np.clip(a, max(self.at.a - STEP_LARGEST * zone, self.at.a / 2), self.at.a + STEP_LARGEST * zone))
-        return a, a + float(np.clip(c - a, zone / 2, 2 * zone))
 
-    @property
-    def _loaded(self) -> bool:
-        return self.body.stiffness == LOAD_CONTROL
+def _predicted(at: Found, dy: float, before: tuple[float, Found] | None) -> tuple[float, float]:
+    """Radii a and c that go on as in the last step, of the length and from the state ``before``."""
+    a, c, zone = at.a, at.c, at.c - at.a
+    if before is not None:
+        more = dy / before[0]
+        a, c = a + more * (a - before[1].a), c + more * (c - before[1].c)
+    if at.a == 0:
+        return 0.0, max(c, at.c / 2)
+    a = min(max(a, at.a - STEP_LARGEST * zone, at.a / 2), at.a + STEP_LARGEST * zone)
+    return a, a + min(max(c - a, zone / 2), 2 * zone)
 
-    @property
-    def _spacing(self) -> float:
-        return float(self.body.points.x[1])
 
-    @property
-    def _grows(self) -> bool:
-        """Whether the zone moved outwards in the last steps."""
-        return self.rows[-1].c > self.rows[max(len(self.rows) - LAST_STEPS, 0)].c
+def _missed(now: Now, found: Found | None, a: float, c: float, first: bool, tolerance: float) -> float:
+    """What the prediction ``a``, ``c`` missed over the width of the zone; infinite where the step is no step."""
+    if found is None:
+        return math.inf
+    zone, spacing = now.at.c - now.at.a, float(now.memory.body.points.x[1])
+    moved = abs(found.a - now.at.a) + abs(found.c - now.at.c)
+    missed = (abs(found.a - a) + abs(found.c - c)) / zone
+    if first:
+        missed = (moved / STEP_FIRST_MOVE / zone) ** 2 * tolerance
+    if moved < spacing:  # what the points resolve
+        missed = min(missed, tolerance / 4)
+    return math.inf if moved > 2 * STEP_LARGEST * zone else missed
 
-    def _free(self, x: float) -> float:
-        """delta [m] of a tip that nothing holds, where the device is at ``x``."""
-        return -self.body.law.length if self._loaded else x
 
-    def _record(self, step: Step, found: Found) -> None:
-        """Take the ``step`` to the state ``found``, with the works that it takes by the rule of trapezia, exact at
-        jumps: the body's is 2 E* int (pi/2) phi dW dx."""
-        memory, q, attraction = step.taken(found)
-        body = self.body.points.integral((q + self.q) / 2 * (memory.W - self.memory.W))
-        before = self.rows[-1] if self.rows else Row(self.t, *NOTHING[:2], found.delta, 0.0)
-        self.rows.append(
-            Row(
-                self.t, *found[:4],
-                before.work + (found.P + before.P) / 2 * (found.delta - before.delta),
-                before.body + 2 * self.body.attraction.E_star * body,
-                attraction,
-                before.radiated,
-            )
-        )  # fmt: skip
-        self.memory, self.at, self.q = memory, found, q
+def _jump(now: Now, inwards: bool) -> tuple[Now, Jump]:
+    """Jump at standing time and device: nothing relaxes. What the works do not explain is radiated."""
+    step, body, start = now.memory.over(0.0), now.memory.body, now.row
+    found = step.leap(now.x, now.at.c, inwards)
+    if found is None and inwards:
+        found = step.leap(now.x, now.at.c, False)
+    there = now.after(step, start.t, now.x, found or NOTHING._replace(delta=body.free_delta(now.x)))
+    end = there.row
+    lost = (end.work - start.work) - (end.body - start.body) - (end.attraction - start.attraction)
+    most = max(abs(energy) for row in (start, end) for energy in row[5:8])
+    if lost < -CLOSE * most and not (body.loaded and found is None):
+        raise Refusal(
+            f"cycle: the edge of the contact is lost sight of at t = {show(start.t, 'time')}: a jump there would "
+            "win energy; give a smaller --stress"
+        )
+    end = end._replace(radiated=start.radiated + lost)
+    return replace(there, row=end), Jump(_state(start), _state(end) if found else None, start.t)
 
-    def _jump(self, inwards: bool) -> None:
-        """Jump at standing time and device: nothing relaxes."""
-        step, start = self.memory.over(0.0), self.rows[-1]
-        found = step.leap(self.x, self.at.c, inwards)
-        if found is None and inwards:
-            found = step.leap(self.x, self.at.c, False)
-        self._record(step, found or NOTHING._replace(delta=self._free(self.x)))
-        end = self.rows[-1]
-        lost = (end.work - start.work) - (end.body - start.body) - (end.attraction - start.attraction)
-        most = max(abs(energy) for row in (start, end) for energy in row[5:8])
-        if lost < -CLOSE * most and not (self._loaded and found is None):
-            raise Refusal(
-                f"cycle: the edge of the contact is lost sight of at t = {show(self.t, 'time')}: a jump there would "
-                "win energy; give a smaller --stress"
-            )
-        self.rows[-1] = end = end._replace(radiated=start.radiated + lost)
-        self.jumps.append(Jump(_state(start), _state(end) if found else None, self.t))
 
-    def _touches(self) -> bool:
-        """Whether the surfaces that nothing holds come within the range where the device is; InputError where they do
-        so beside the axis."""
-        if self._loaded:
-            return self.x >= 0
-        values = DentedProfile(self.body.points, self.body.F + self.memory.W)
-        r = float(self.body.points.x[-1]) * np.linspace(0, 1, FREE_RADII + 1)[1:]
-        gaps = 2 / math.pi * values.arcs(np.zeros_like(r), r) - self.x
-        centre = float(values.values[0]) - self.x
-        length = self.body.law.length
-        if gaps.min() < min(centre, length) * (1 - SAME):
-            raise InputError(
-                f"program: at t = {show(self.t, 'time')} the surfaces come within the range beside the axis, on the "
-                "rim of a dent that has not recovered, which is not solved: wait longer, or end the program before"
-            )
-        first = (
-            self.body.attraction.reach * (1 - SAME) * 10**-LEAP_DECADES
-        )  # where the tip is so sharp that it is not drawn in by a jump
-        rims = self.memory.over(0.0).rims(np.zeros(1), np.array([first]))
-        return centre <= length * (1 + SAME) - max(float(rims.delta[0]) + length, 0.0)
+def _wait(now: Now, piece: Ramp, y: float, again: bool) -> tuple[float, list[Now]]:
+    """Nothing holds the surfaces: let the body recover from the part ``y`` of the ``piece`` until they come within the
+    range, or to its end; how much of it is done, and the moments."""
+    moments, lasting, start = [now], piece.t_end - piece.t, y
 
-    def _alone(self, t0: float, x0: float, t1: float, x1: float, y: float) -> float:
-        """Nothing holds the surfaces: let the body recover until they come within the range, or to the end of the
-        piece; how much of it is done."""
-        if self._loaded and self.jumps:  # the tip is gone
-            self.t, self.x = t1, x1
-            self._record(self.memory.over((1 - y) * (t1 - t0)), NOTHING._replace(delta=self._free(x1)))
-            return 1.0
-        start = y
-        virgin = not self.memory.W.any()
-        while y < 1:
-            dy = 1 - y if virgin else min((1 - start) / FREE_STEPS, 1 - y)
+    def later(dy: float) -> Now:
+        return moments[-1].alone(dy * lasting, piece.x + (y + dy) * (piece.x_end - piece.x))
 
-            def touches(dy: float, y: float = y, memory: Memory = self.memory) -> bool:
-                step = memory.over(dy * (t1 - t0))
-                self.memory, self.x = step.taken(NOTHING)[0], x0 + (y + dy) * (x1 - x0)
-                self.t = t0 + (y + dy) * (t1 - t0)
-                found = self._touches()
-                self.memory = memory
-                return found
-
-            done = not touches(dy)
-            if not done:
-                low, high = 0.0, dy
-                while high - low > SAME**2 * dy and (low + high) / 2 not in (low, high):
-                    middle = (low + high) / 2
-                    low, high = (low, middle) if touches(middle) else (middle, high)
-                dy = high
-            y = 1.0 if done and y + dy > 1 - SAME**2 else y + dy
-            self.t, self.x = t0 + y * (t1 - t0), x0 + y * (x1 - x0)
-            self._record(self.memory.over(dy * (t1 - t0)), NOTHING._replace(delta=self._free(self.x)))
-            if not done:
-                return min(y, 1 - SAME**2)
-        return y
+    if now.memory.body.loaded and again:  # the tip is gone
+        return 1.0, [later(1 - y)]
+    virgin = not now.memory.W.any()
+    while y < 1:
+        dy = 1 - y if virgin else min((1 - start) / FREE_STEPS, 1 - y)
+        touches = later(dy).touches
+        if touches:
+            low, high = 0.0, dy
+            while high - low > SAME**2 * dy and (low + high) / 2 not in (low, high):
+                middle = (low + high) / 2
+                low, high = (low, middle) if later(middle).touches else (middle, high)
+            dy = high
+        moments.append(later(dy))
+        y = 1.0 if not touches and y + dy > 1 - SAME**2 else y + dy
+        if touches:
+            return min(y, 1 - SAME**2), moments[1:]
+    return y, moments[1:]
 
 
 def _state(row: Row) -> TimedState:
@@ -603,10 +666,8 @@ class RelaxingAdhesion:
         self._spacing(left, self.end[0])  # refused before anything is solved
         reach = reach or self._reach(left, float(np.max(program.x)))
         for _ in range(MOST_STEPS):
-            course = Course(self._body(reach, self._spacing(left, reach)), tolerance, self.rests)
             try:
-                course.follow(program)
-                return course
+                return march(self._body(reach, self._spacing(left, reach)), program, tolerance, self.rests)
             except TooFarError:
                 reach = self._further(reach)
         raise Refusal("cycle: the surfaces attract each other ever farther out")
@@ -684,12 +745,12 @@ class AdhesiveHistory:
     @property
     def lost(self) -> Jump | None:
         """The jump by which contact was lost for good; None where it is not."""
-        return self.jumps[-1] if self.jumps and self.jumps[-1].end is None else None
+        return self.course.lost
 
     @property
     def pull_off(self) -> TimedState:
         """The state of the lowest load from the largest contact on."""
-        return _pulled(self.course)
+        return self.course.pull_off
 
     @property
     def peak(self) -> TimedState:
@@ -711,8 +772,8 @@ class AdhesiveHistory:
     def error(self) -> dict[str, Estimate]:
         """Relative errors of the pull-off force "P", of the time "lost" of loss since the last corner before it, and
         of the "energy": what halving the steps changes, by its order, and the energies' balance at least."""
-        P = self._changed(lambda course: _pulled(course).P)
-        last = (self.lost, AdhesiveHistory(self.contact, self.program, self.coarser, self.coarser).lost)
+        P = self._changed(lambda course: course.pull_off.P)
+        last = self.lost, self.coarser.lost
         if last[0] is None or last[1] is None:
             missing = Unknown("contact is not lost")
             return {"P": P, "lost": missing, "energy": missing}
@@ -779,9 +840,3 @@ class AdhesiveHistory:
         phases = np.where(c == 0, "free", np.where(still, "rest", np.where(later > 0, "advance", "recede")))
         part = np.clip(np.searchsorted(ends, t, side="left"), 1, None)
         return columns | {"phase": phases, "part": part, "c_m": c}
-
-
-def _pulled(course: Course) -> TimedState:
-    """The state of the lowest load from the largest contact on, at the last one where there are several."""
-    largest = max(range(len(course.rows)), key=lambda i: course.rows[i].a)
-    return _state(min(course.rows[largest:], key=lambda row: (row.P, -row.t)))

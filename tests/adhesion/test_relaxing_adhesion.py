@@ -15,7 +15,7 @@ import jkrcli as jkr
 from jkrcli.adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from jkrcli.adhesion.device_path import Program
 from jkrcli.adhesion.finite_range import FiniteRangeBody, Range
-from jkrcli.adhesion.relaxing_adhesion import Course, Memory, RelaxingAdhesion
+from jkrcli.adhesion.relaxing_adhesion import Course, Memory, Now, RelaxingAdhesion
 from jkrcli.base.errors import InputError
 from jkrcli.base.numerics import Array
 from jkrcli.bodies.materials import PowerRelaxation, Prony, Relaxation, StandardSolid
@@ -170,13 +170,28 @@ def test_a_power_law_is_refused() -> None:
 
 
 def test_a_rim_that_is_met_beside_the_axis_is_refused() -> None:
-    contact = sphere(3.0)
-    course = Course(contact._body(1.0, 1e-3), 1e-2)
-    x = course.body.points.x
-    rim = Memory.none(course.body)
-    course.memory, course.t, course.x = replace(rim, W=-0.3 * np.exp(-(((x - 0.4) / 0.1) ** 2))), 0.0, -0.06
+    now = Now.apart(sphere(3.0)._body(1.0, 1e-3), 0.0, -0.06)
+    dent = -0.3 * np.exp(-(((now.memory.body.points.x - 0.4) / 0.1) ** 2))
     with pytest.raises(InputError, match="beside the axis"):
-        course._touches()
+        _ = replace(now, memory=replace(now.memory, W=dent)).touches
+
+
+@pytest.mark.parametrize("layered", [False, True])
+def test_the_derivatives_of_a_state_are_those_of_differences(layered: bool) -> None:
+    """By the radii of contact and zone, under a dent; and the states of many radii at once are the same."""
+    contact = RelaxingAdhesion.of(solved(1.0, layered, 20.0), Range.of(0.0025, stress=0.025), SOLID, math.inf)
+    body = contact._body(3.0, 1e-3)
+    x = body.points.x
+    step = Memory(body, -0.02 * np.exp(-(x**2)), np.full((1, x.size), 0.01) * np.exp(-(x**2))).over(0.3)
+    a, c, e = 1.03037, 1.30041, 1e-5
+
+    def values(a: float, c: float) -> Array:
+        return np.array(step.rim(a, c)[:3])
+
+    slopes = [(values(a + e, c) - values(a - e, c)) / (2 * e), (values(a, c + e) - values(a, c - e)) / (2 * e)]
+    np.testing.assert_allclose(step.rim(a, c).slopes, np.transpose(slopes), rtol=1e-6)
+    many = step.rims(np.array([a, 0.5]), np.array([c - a, 0.4]))
+    np.testing.assert_allclose([many.delta[0], many.P[0], many.gap[0]], values(a, c), rtol=1e-5)
 
 
 def test_contact_is_made_again_where_the_dent_has_recovered() -> None:

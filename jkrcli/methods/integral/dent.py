@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ...base.numerics import Array
-from .fredholm import LegendrePanels, angle
+from .fredholm import LegendrePanels, angle, rule
+
+ARC_NODES = 64  # choice: integrals over many zones at once, where jumps end, are good to 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +36,11 @@ class DentPoints:
         return cls(basis, np.unique(np.concatenate(parts)))
 
     @cached_property
+    def spacing(self) -> Array:
+        """Widths [m] of the intervals between points."""
+        return np.diff(self.x)
+
+    @cached_property
     def panels(self) -> Array:
         """The panel of each interval between points."""
         return self.basis.panel_of((self.x[:-1] + self.x[1:]) / 2)
@@ -47,7 +53,7 @@ class DentPoints:
     @cached_property
     def halves(self) -> tuple[Array, Array]:
         """The polynomials at both ends of each interval, times half its width, (intervals, order)."""
-        half = np.diff(self.x)[:, None] / 2
+        half = self.spacing[:, None] / 2
         return tuple(half * self.basis.local(x, self.panels) for x in (self.x[:-1], self.x[1:]))  # type: ignore[return-value]
 
     @cached_property
@@ -62,7 +68,7 @@ class DentPoints:
 
     def integral(self, values: Array) -> float:
         """Integral of ``values`` at the points over all of them."""
-        return float(np.diff(self.x) @ (values[1:] + values[:-1])) / 2
+        return float(self.spacing @ (values[1:] + values[:-1])) / 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,33 +107,78 @@ class DentedProfile:
         return moments.reshape(-1, basis.count, basis.order)[:, :, 0] @ np.sqrt(np.diff(basis.panels.edges))
 
     def arcs(self, a: Array, b: Array) -> Array:
-        """int_a^c F(x)/sqrt(c^2 - x^2) dx [m] for c = a + b."""
-        return np.array([self._arc(float(low), float(low + wide), _over_root) for low, wide in zip(a, b, strict=True)])
+        """int_a^c F(x)/sqrt(c^2 - x^2) dx [m] for c = a + b, by x = c cos(psi), which passes over bends."""
+        nodes, weights = rule(ARC_NODES)
+        half = angle(b, a + b)[:, None] / 2
+        return half[:, 0] * (self.F((a + b)[:, None] * np.cos(half * (nodes + 1))) @ weights)
 
-    def opened(self, a: float, c: float) -> float:
+    @cached_property
+    def _integrals(self) -> Array:
+        """int_0^x F [m^2] up to all points."""
+        return np.append(0.0, np.cumsum(self.points.spacing * (self.values[1:] + self.values[:-1]) / 2))
+
+    def inside(self, a: Array) -> Array:
+        """int_0^a F dx [m^2]."""
+        x, F = self.points.x, self.values
+        i = np.minimum(np.maximum(x.searchsorted(a, side="right") - 1, 0), x.size - 2)
+        beyond = a - x[i]
+        slope = (F[i + 1] - F[i]) / self.points.spacing[i]
+        return np.asarray(self._integrals[i] + beyond * (F[i] + slope * beyond / 2))
+
+    def zone(self, a: float, c: float) -> Zone:
+        """The function over the zone from ``a`` to ``c`` [m]."""
+        x, F = self.points.x, self.values
+        first = min(max(int(x.searchsorted(a, side="right")) - 1, 0), F.size - 2)
+        end = max(int(x.searchsorted(c)), first + 1)
+        slopes = (F[first + 1 : end + 1] - F[first:end]) / self.points.spacing[first:end]
+        at, low = x[first:end].copy(), float(F[first] + slopes[0] * (a - x[first]))
+        at[0] = a
+        bends = slopes.copy()
+        bends[1:] -= slopes[:-1]
+        return Zone(c, low, at, bends)
+
+
+@dataclass(frozen=True, eq=False)
+class Zone:
+    """A function over a zone that ends at ``c`` [m]: F(x) = ``F`` + sum of ``bends`` max(x - at, 0), the first ``at``
+    the zone's begin a."""
+
+    c: float
+    F: float
+    at: Array
+    bends: Array
+
+    @property
+    def slope(self) -> float:
+        """F' at a."""
+        return float(self.bends[0])
+
+    @cached_property
+    def roots(self) -> Array:
+        """sqrt(c^2 - x^2) [m] where it bends."""
+        return np.sqrt((self.c - self.at) * (self.c + self.at))
+
+    @property
+    def root(self) -> float:
+        """The same at a."""
+        return float(self.roots[0])
+
+    @cached_property
+    def _angles(self) -> Array:
+        return np.arctan2(self.roots, self.at)
+
+    @property
+    def arc(self) -> float:
+        """int_a^c (F(x) - F(a))/sqrt(c^2 - x^2) dx [m]: of a bend sqrt(c^2 - x_i^2) - x_i arccos(x_i/c)."""
+        return float(self.bends @ (self.roots - self.at * self._angles))
+
+    @property
+    def arc_by_c(self) -> float:
+        """Its derivative by c."""
+        return float(self.bends @ self.roots) / self.c
+
+    @property
+    def opened(self) -> float:
         """int_a^c F(x) sqrt(c^2 - x^2) dx [m^3]."""
-        return self._arc(a, c, _times_root)
-
-    def _arc(self, a: float, c: float, integrals: Callable[[Array, float], tuple[Array, Array]]) -> float:
-        """Integral from ``a`` to ``c`` with a weight, of which the ``integrals`` from x to c are known."""
-        x = self.points.x
-        inside = slice(int(np.searchsorted(x, a, side="right")), int(np.searchsorted(x, c, side="left")))
-        low, high = np.interp((a, c), x, self.values)
-        places = np.concatenate([[a], x[inside], [c]])
-        values = np.concatenate([[low], self.values[inside], [high]])
-        rates = (values[1:] - values[:-1]) / (places[1:] - places[:-1])
-        weight, moment = integrals(places, c)
-        # F = F(a) + rates[0] (t - a), and at each point on the bend of F times t less the point
-        bends = np.concatenate([rates[:1], rates[1:] - rates[:-1]])
-        return float(low * weight[0] + bends @ (moment[:-1] - places[:-1] * weight[:-1]))
-
-
-def _over_root(x: Array, c: float) -> tuple[Array, Array]:
-    """int_x^c 1/sqrt(c^2 - t^2) dt and int_x^c t/sqrt(c^2 - t^2) dt."""
-    return angle(c - x, np.full_like(x, c)), np.sqrt((c - x) * (c + x))
-
-
-def _times_root(x: Array, c: float) -> tuple[Array, Array]:
-    """int_x^c sqrt(c^2 - t^2) dt and int_x^c t sqrt(c^2 - t^2) dt."""
-    theta, root = _over_root(x, c)
-    return (c**2 * theta - x * root) / 2, root**3 / 3
+        flat = (self.c**2 * self._angles - self.at * self.roots) / 2  # int sqrt(c^2 - x^2) from each bend on
+        return float(self.bends @ (self.roots**3 / 3 - self.at * flat) + self.F * flat[0])

@@ -50,6 +50,7 @@ ATTRACTION_NARROWEST = 1e-13  # theory: of c, the width of an annulus of which c
 # Search for the width of the annulus, in logarithms:
 ATTRACTION_POWER = 1.3  # theory: of the width, with which the separation grows: 1 to 2; of the first step
 ATTRACTION_FAR = 1.5  # tuned on ranges, by `make constants`: longest step
+SLOPE_STEP = 1e-6  # theory: of the width of an annulus, for a derivative: rounding leaves ten digits
 # smallest separation over the wanted one that is distinguished; theory: below exp(-2 far) = 0.05 steps are as long
 # as they may be
 ATTRACTION_LEAST = 1e-3
@@ -101,6 +102,14 @@ class Discs:
             result[rows] = whole - cut @ M[block]
         return result
 
+    def _applied_to(self, vectors: Array) -> Array:
+        """M of the only disc times several vectors (n, size)."""
+        p, order = int(self.panel[0]), self.basis.order
+        M, block = self.schur[p], slice(p * order, (p + 1) * order)
+        whole = vectors @ M
+        applied: Array = whole - (whole[:, block] @ self.partial[0].T) @ M[block]
+        return applied
+
     @cached_property
     def _applied(self) -> tuple[Array, Array]:
         return self.applied(self.beta), self.applied(self.phi_F)
@@ -137,6 +146,38 @@ class Discs:
         pulled = np.sum(self.beta * M_rho, axis=1) - self.abel.integral(rho)
         P = 2 * self.E_star * (delta * S - Q + s * pulled)
         return Rims(self.a, self.a + b, delta, P, 2 / math.pi * gap)
+
+    def with_slopes(self, b: float, s: float) -> tuple[Rims, Array, Array]:
+        """The state of one disc with an annulus ``b`` [m] wide (see ``rims``) under a ``DentedProfile``, int_0^c K phi
+        of it on the polynomials, and the derivatives of delta [m], P [N] and the gap [m] by a at the same c and by c
+        at the same a, (3, 2).
+
+        Another a at the same c is the flat end of radius a pressed by d(delta), as phi stays continuous there; with
+        another c the tension sqrt(c^2 - t^2) changes by c/sqrt(c^2 - t^2).
+        """
+        assert isinstance(self.abel, DentedProfile)
+        a, e = float(self.a[0]), SLOPE_STEP * b
+        c, E, zone = a + b, 2 * self.E_star, self.abel.zone(a, a + b)
+        root, theta = zone.root, math.atan2(zone.root, a)
+        (rho, _), (kappa, further) = tension_moments(self.basis, np.array([a, a]), np.array([b, b + e]))
+        ends, beta = self.ends[0], self.beta[0]
+        M_beta, M_F, M_rho, M_kappa = self._applied_to(np.stack([beta, self.phi_F[0], rho, kappa]))
+        edge, S = 1 - float(ends @ M_beta), a - float(beta @ M_beta)
+        z, Q = zone.F - float(ends @ M_F), float(self.abel.inside(self.a)[0] - beta @ M_F)
+        # (pi/2) phi = delta - F - b smooth within a, -s sqrt(c^2 - x^2) beyond, and continuous at a
+        delta = (z - s * (float(ends @ M_rho) + root)) / edge
+        smooth = delta * M_beta - M_F - s * M_rho
+        opens = theta - float(kappa @ M_beta)  # less u of the flat end at c, times pi/2
+        gap = zone.arc + (zone.F - delta) * theta - s * b + float(kappa @ smooth)
+        P = E * (delta * S - Q + s * (float(beta @ M_rho) - (c**2 * theta - a * root) / 2))
+        by_a = (s * a / root + zone.slope + float(self.basis.slopes_at(self.a)[0] @ smooth)) / edge
+        by_c = -s * c * (float(ends @ M_kappa) + 1 / root) / edge
+        P_by_c = E * (by_c * S + s * c * (float(beta @ M_kappa) - theta))
+        gap_by_c = zone.arc_by_c + (zone.F - delta) * a / (c * root) - by_c * opens - s
+        gap_by_c += float((further - kappa) @ smooth) / e - s * c * float(kappa @ M_kappa)
+        rows = [[by_a, by_c], [E * S * by_a, P_by_c], [-2 / math.pi * opens * by_a, 2 / math.pi * gap_by_c]]
+        rims = Rims(*(np.array([value]) for value in (a, c, delta, P, 2 / math.pi * gap)))
+        return rims, smooth, np.array(rows)
 
     def equilibria(self, s: float, gap: float, reach: float, near: Array | None = None) -> Rims:
         """Maugis closure: the states in which the separation at c is ``gap`` [m]; beyond it at ``reach`` [m] (see
@@ -259,6 +300,11 @@ class Attraction:
         return float(self.basis.panels.edges[-1])
 
     @cached_property
+    def is_half_space(self) -> bool:
+        """Whether K = 0."""
+        return not self.kernel.any()
+
+    @cached_property
     def _abel(self) -> AbelMoments:
         towards_end = self.indenter.r_max * (1 - 0.5 ** np.arange(1, ATTRACTION_HALVINGS))
         kinks = np.unique([self.indenter.a0, *self.indenter.joints, *towards_end])
@@ -278,6 +324,13 @@ class Attraction:
             complements.append(M - half.T @ half)
         return complements
 
+    @cached_property
+    def _blocks(self) -> Array:
+        """M of the disc below each panel, on this panel."""
+        starts = range(0, self.basis.size, self.basis.order)
+        ends = [slice(start, start + self.basis.order) for start in starts]
+        return np.array([M[end, end] for M, end in zip(self._schur, ends, strict=True)])
+
     def discs(self, a: Array, profile: DentedProfile | None = None) -> Discs:
         """Contact discs of the radii ``a`` >= 0 [m] below ``reach``, under the indenter or another ``profile``."""
         basis, panel = self.basis, self.basis.panel_of(a)
@@ -285,10 +338,8 @@ class Attraction:
         x, w = gauss(lo, a, *rule(basis.order))
         values = basis.local(x.reshape(a.size, -1), np.broadcast_to(panel[:, None], (a.size, basis.order)))
         w = w.reshape(a.size, -1)
-        inside = np.einsum("nq,nqi,nqj->nij", w, values, values)
-        starts = range(0, basis.size, basis.order)
-        ends = [slice(start, start + basis.order) for start in starts]
-        blocks = np.array([M[end, end] for M, end in zip(self._schur, ends, strict=True)])[panel]
+        inside = (w[:, :, None] * values).transpose(0, 2, 1) @ values
+        blocks = self._blocks[panel]
         partial = np.linalg.solve(np.eye(basis.order) + inside @ blocks, inside)
         width = np.sqrt(np.diff(basis.panels.edges))
         beta = np.zeros((a.size, basis.count, basis.order))

@@ -19,7 +19,7 @@ from functools import cache, cached_property, partial
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.polynomial import legendre
+from numpy.polynomial import chebyshev, legendre
 
 from ...base.errors import Refusal, SolveError
 from ...base.numerics import Array
@@ -413,6 +413,19 @@ def panel_means(f: Callable[[Array], Array], cuts: Array, edges: Array, order: i
 Function = Callable[[Array], Array]
 
 
+@cache
+def in_chebyshev(order: int) -> tuple[Array, Array]:
+    """Legendre polynomials b_j = sqrt(2 j + 1) L_j, of norm 1 on (0, 1), as sums of Chebyshev's, b = T A, and their
+    derivatives on (-1, 1) as sums of themselves, b' = b D: two matrices (order, order)."""
+    norms = np.sqrt(2 * np.arange(order) + 1)
+    A, D = np.zeros((order, order)), np.zeros((order, order))
+    for j, unit in enumerate(np.eye(order)):
+        terms, by_y = chebyshev.poly2cheb(legendre.leg2poly(unit)), legendre.legder(unit)
+        A[: terms.size, j] = terms * norms[j]
+        D[: by_y.size, j] = by_y * norms[j] / norms[: by_y.size]
+    return A, D
+
+
 @dataclass(frozen=True, eq=False)
 class LegendrePanels:
     """Orthonormal Legendre polynomials b [m^-1/2] of degrees below the order on each of the ``panels``; panel by
@@ -448,13 +461,20 @@ class LegendrePanels:
     def local(self, x: Array, panel: Array) -> Array:
         """Values of the polynomials of each point's ``panel``, (..., order)."""
         lo, width = self.panels.edges[panel], np.diff(self.panels.edges)[panel]
-        values = legendre.legvander(2 * (x - lo) / width - 1, self.order - 1)
-        return values * np.sqrt((2 * np.arange(self.order) + 1) / width[..., None])
+        angles = np.arccos(np.clip(2 * (x - lo) / width - 1, -1.0, 1.0))[..., None]
+        return np.cos(np.arange(self.order) * angles) @ in_chebyshev(self.order)[0] / np.sqrt(width[..., None])
 
     def at(self, x: Array) -> Array:
         """All polynomials at the points ``x``, (x.size, size)."""
         panel = self.panel_of(x)
         return self.scattered(np.arange(x.size), panel, self.local(x, panel), x.size)
+
+    def slopes_at(self, x: Array) -> Array:
+        """Derivatives of all polynomials at the points ``x``, (x.size, size)."""
+        panel = self.panel_of(x)
+        width = np.diff(self.panels.edges)[panel]
+        by_y = self.local(x, panel) @ in_chebyshev(self.order)[1]
+        return self.scattered(np.arange(x.size), panel, by_y * 2 / width[:, None], x.size)
 
     def scattered(self, row: Array, panel: Array, values: Array, rows: int) -> Array:
         """Values (m, order) of the polynomials of each one's ``panel`` added up in (rows, size)."""

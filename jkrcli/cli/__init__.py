@@ -32,35 +32,35 @@ OUT_OF_MEMORY = "out of memory: ask for fewer points, larger elements or a cheap
 ARITHMETIC = "(overflow|divide by zero|invalid value) encountered"
 
 GROUPS = {
-    "A case": {
+    "Commands": {
         "new": "Write a commented case file to start from.",
-        "check": "Say which method a case needs, what it costs, what to expect; nothing is solved.",
-        "run": "Solve a case file: nonadhesive load, displacement, contact radius to HDF5.",
-        "import": "Take over a series that another program computed.",
-        "mesh": "Write and draw the finite-element mesh of a case.",
+        "check": "Method, cost and neglected effects, before it is solved.",
+        "run": "Solve a case without adhesion: P, delta and a to HDF5.",
+        "import": "Read P, delta and a that another program computed.",
+        "transform": "JKR curve of each w (Eq. 13): CSV, JSON, plots.",
+        "pull-off": "Pull-off force and stability; w from a measured force.",
+        "look": "What a force curve holds: base line, contact, adhesion.",
+        "fit": "E*, w and contact point of measured curves, with errors.",
     },
-    "An adhesive curve": {
-        "transform": "Turn cases or series files into adhesive (JKR) curves: CSV, JSON, plots.",
-        "pull-off": "Where contact is lost, by load, displacement or a spring; w from a measured pull-off.",
-        "cycle": "The approach-retract trace that a device of given stiffness records.",
-        "profile": "Contact pressure, surface shape and gap at one state.",
-        "fields": "Displacement and stress in the body at one state, for ParaView; tractions on interfaces.",
-        "export": "The contact law for particle codes: a C header and a table.",
-        "explore": "One page with sliders for w, modulus, machine and zero point, data overlaid.",
-    },
-    "A measurement": {
-        "look": "What a measured file holds: segments, base line, contact, jumps, adhesion; no body needed.",
-        "fit": "E*, w and the zero points from measured curves, with confidence intervals.",
-        "work": "The work of adhesion along measured curves, over the speed of the contact's edge.",
-    },
-    "A study": {
-        "compare": "Compare two results of the same problem; exit 1 where they differ.",
+    "More of a case": {
+        "mesh": "Write and draw the finite-element mesh.",
+        "compare": "Compare two results; exit code 1 where they differ.",
         "sweep": "Solve many cases from one file, to one table.",
+    },
+    "More of an adhesive curve": {
+        "cycle": "Force curve of an approach-retract cycle, over time too.",
+        "profile": "Contact pressure, surface shape and gap at one state.",
+        "fields": "Displacement and stress in the body, for ParaView.",
+        "export": "The contact law for particle codes: a C header and a table.",
+        "explore": "One page with sliders for w, modulus and stiffness.",
+    },
+    "More of a measurement": {
+        "work": "Energy release rate G along a measured curve.",
+    },
+    "More": {
         "study": "Maps and studies over many bodies.",
         "bench": "Time the stages of a run.",
-    },
-    "Help": {
-        "show": "Print what a series file holds.",
+        "show": "Print what a solution file holds.",
         "doctor": "Check what works on this machine, and how to get the rest.",
         "completion": "Print the completion script of a shell.",
     },
@@ -104,12 +104,11 @@ def jkr() -> None:
     E* and w.
 
     \b
-    jkr new my.toml                               a commented case file to edit
-    jkr transform my.toml --w "50 mJ/m^2"         its adhesive curve: CSV, plots
-    jkr pull-off my.toml --load "12 uN"           w that a pull-off force means
-    jkr fit curve.csv --radius "5 um" --nu 0.5    E* and w of a force curve
+    jkr run my.toml -o data.h5                    solve without adhesion
+    jkr transform data.h5 --w "50 mJ/m^2"         the adhesive curve of any w
     jkr import fe.csv --case my.toml              another program's P, delta, a
-    jkr transform fe.h5 --slopes loocv-kept       the paper's method (LOOCV)
+    jkr transform fe.h5 --slopes loocv-kept       by the paper's splines (LOOCV)
+    jkr fit curve.csv --radius "5 um" --nu 0.5    E* and w of a force curve
 
     Exit codes: 0 done, 2 bad input, 130 interrupted (Ctrl-C), 1 anything else.
     """

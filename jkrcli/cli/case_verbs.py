@@ -51,14 +51,13 @@ from .verb import FileType, as_one, verb
 @limits_options
 @output_options(force=ONE_FILE, json="Print the summary as JSON.")
 def run(case: Path, method: str | None, tolerance: float | None, limits: Limits, output: Output) -> None:
-    """Solve the nonadhesive contact of CASE (TOML) and write load, displacement and contact radius to HDF5.
+    """Solve CASE (TOML) without adhesion: load, displacement and contact radius, with their errors, to HDF5.
 
-    The work of adhesion plays no part here: one run serves every w (see: jkr transform).
+    One run serves every work of adhesion (next: jkr transform).
 
     \b
     jkr run cases/halfspace.toml
-    jkr run my.toml --method layered -o results/my.h5
-    jkr run my.toml --method fem --tolerance 1e-3
+    jkr run my.toml --method fem -o results/my.h5
     """
     start = time.process_time()
     loaded = load_case(case)
@@ -87,6 +86,7 @@ def new(file: Path, force: bool) -> None:
     """Write a commented case to FILE, ready to edit and run.
 
     \b
+    jkr new my.toml
     jkr new my.toml && jkr check my.toml && jkr transform my.toml
     """
     if file.suffix != ".toml":
@@ -140,16 +140,15 @@ reading_options = as_one(
 @reading_options
 @output_options(force=ONE_FILE, json="Print the summary as JSON.")
 def import_(table: Path, case: Path | None, flags: Flags, reading: SeriesReading, output: Output) -> None:
-    """Read the contact radius (or area), displacement and load that another program computed from the text TABLE.
+    """Read P, delta and a (or the contact area) that another program computed from TABLE, and write a solution file.
 
-    Columns are known by their names (a, contact radius, CAREA, delta, U2, P, RF2, CFN2, ...) and units in the header,
-    "P (mN)" or "P_mN"; say what the header does not. The keys are a, area, delta, P. CalculiX prints the force on its
-    wedge of 2 degrees of an axisymmetric body: --factor P=180.
+    Columns are known by usual names (a, CAREA, delta, U2, P, RF2, ...) with units in the header, "P (mN)"; --column
+    a=NAME and --unit P=mN say what the header does not. Loads and radii are compared with the exact solution of the
+    specimen. CalculiX prints the force on a wedge of 2 degrees: --factor P=180. Next: jkr transform.
 
     \b
     jkr import abaqus.rpt --case my.toml --unit delta=um --unit P=mN
-    jkr import table.csv -o data.h5 --radius "1 mm" --E "15 kPa" --nu 0.5
-    jkr import run.csv --case my.toml --column P=RF2 --column a=4 --factor P=180
+    jkr import table.csv --radius "1 mm" --E "15 kPa" --nu 0.5 -o data.h5
     """
     target = output.file(Path(f"{table.stem}.h5"), [table, *([case] if case else [])], check_series_target)
     body = _case(case, flags)

@@ -16,12 +16,14 @@ from .verb import verb
 @verb("case")
 @json_option
 def check(case: Path, as_json: bool) -> None:
-    """Validate CASE and say which method it needs and why, what each would cost, and what to expect.
+    """Check CASE before it is solved: the method that it needs, what each would cost, the pull-off force to expect, and
+    how large the neglected effects are.
 
-    The expectation is a coarse solution of the laterally unbounded body; nothing is written.
+    Computed from a coarse solution of the laterally unbounded specimen; nothing is written.
 
     \b
     jkr check cases/thin-layer.toml
+    jkr check my.toml -v                    all neglected effects, all methods
     """
     loaded = load_case(case)
     if words := long_look(loaded.model.problem()):

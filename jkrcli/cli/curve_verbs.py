@@ -94,11 +94,10 @@ def transform(
     files: tuple[Path, ...], works: tuple[float, ...], how: CurveOptions, dimensionless: str | None,
     own: tuple[tuple[str, float], ...], in_one: bool, limits: Limits, output: Output,
 ) -> None:  # fmt: skip
-    """Apply the explicit JKR transformation (Eq. 13) to each FILE, a case or a series, for each work of adhesion.
+    """Apply the explicit JKR transformation (Eq. 13) to each FILE, a case or a solution, for each work of adhesion.
 
-    With --stress or --range adhesion of finite range is solved for in its place (a constant tension up to a separation,
-    Maugis 1992), on any body but those of finite elements. Writes <stem>-w<J/m^2>.csv, .json, .png and .svg;
-    -stress<Pa>, -range<m> and -modulus<factor> are added to the name with these options.
+    With --stress or --range the cohesive zone (Maugis-Dugdale) is solved for instead. Writes <stem>-w<J/m^2>.csv,
+    .json, .png and .svg; -stress<Pa>, -range<m> and -modulus<factor> are added to the name with these options.
 
     \b
     jkr transform data.h5 --w "50 mJ/m^2"
@@ -190,18 +189,14 @@ def pull_off(
     uncertain: tuple[tuple[str, str], ...], rest_load: float | None, rest_depth: float | None, how: CurveOptions,
     limits: Limits, flags: Flags, as_json: bool,
 ) -> None:  # fmt: skip
-    """Say where contact is lost in each FILE, a case or a series, or on the body by flags (--radius, --E, --nu,
-    --thickness ...): under load control, displacement control, devices of a stiffness.
+    """Print pull-off and jump-in of each FILE, a case or a solution, or of a specimen from options, under load control,
+    displacement control and each --stiffness, with the energy lost in a cycle.
 
-    For each work of adhesion and control: pull-off, jump-in at first touch, every other critical point, energy lost
-    per approach-retract cycle and work of separation. With --load the other way round: the work of adhesion that a
-    measured pull-off force means on this body (under load control, or of each --stiffness). A viscoelastic specimen has
-    several: very fast and very slow cycles, at rest and then pulled at once, and the most after any other history.
+    With --load the other way round: the work of adhesion that a measured pull-off force means. A viscoelastic specimen
+    has several: very slow, very fast, loaded slowly and pulled at once.
 
     \b
     jkr pull-off my.toml --w "50 mJ/m^2" --stiffness "10 N/m"
-    jkr pull-off --radius "5 um" --E "1 MPa" --nu 0.5 --thickness "8 um" \\
-            --w "50 mJ/m^2"
     jkr pull-off gel.h5 --load "1.2 mN" --uncertain load=3% --uncertain R=1%
     """
     if force is not None and works:

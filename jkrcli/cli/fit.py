@@ -386,22 +386,15 @@ def fit(
     body: Path, measured: tuple[Path, ...], flags: Flags, reading: Reading, slopes: str, parallel: options.Parallel,
     limits: Limits, output: Output, **values: Any,
 ) -> None:  # fmt: skip
-    """Find E*, w and the zero points that bring the adhesive curves of BODY nearest to each MEASURED curve.
+    """Fit E*, w and the contact point to each MEASURED curve, with confidence intervals and alternative models.
 
-    BODY: a case or series file; or the body by flags (--radius, --nu, --thickness ...: its modulus is not needed), then
-    every file is a measured one. Measured are two or three of a, delta, P. Free are the common factor of all moduli
-    (E*), w and delta0, or a layer's own E:LAYER, h:LAYER (its name, its number from 1 at the contact, or base). A
-    reading is delta0 + delta + compliance P, and P0 + P; orthogonal distances are minimised, in units of the noise.
-    Writes <BODY>-fit.csv (a row per curve), .json, .h5 and a picture per curve; of a scan its map.
+    BODY is a case or a solution file; with a specimen from options (--radius, --nu, --thickness ...) every file is
+    measured: a force curve, or a table of two or three of a, delta, P. Further unknowns by --free, such as E:LAYER and
+    h:LAYER. Writes <BODY>-fit.csv (a row per curve), .json, .h5 and a picture per curve; of a scan its map.
 
     \b
     jkr fit curve.jpk-force --radius "5 um" --nu 0.5
-    jkr fit sphere.toml probe.csv --unit P=mN --uncertain nu=0.005
     jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
-    jkr fit gel.toml small.csv large.csv --free surface_tension \\
-            --tip-radius "5 um" --tip-radius "30 um"
-    jkr fit gel.toml held.csv --relaxation sls
-    jkr fit gel.toml small.csv large.csv --shared E_star,w
     """
     source, paths = body_and_measured(body, measured, flags)
     inputs = (body, *measured)

@@ -23,14 +23,10 @@ from .verb import verb
 @into_folder()
 @output_options(plots="Draw nothing.", json="Print everything as JSON.")
 def look(files: tuple[Path, ...], flags: Flags, reading: Reading, output: Output) -> None:
-    """What measured FILES hold: the first thing to do with a force curve. No body is needed.
+    """Show what measured FILES hold: the first thing to do with a force curve; no specimen is needed.
 
-    Says how columns and units were understood, and finds in every curve approach, pause and retraction, the base line
-    with its noise, tilt and waviness, where contact begins and ends, jumps, the largest load and the adhesion force;
-    and names what is wrong with a curve: no contact, a wavy base line, a detector at its limit. A file without
-    spring constant or sensitivity is read in arbitrary units, with a warning. A tip (--radius, --shape) gives a rough
-    E* and w by the formulas of a half-space. Draws <stem>-look.png and .svg. Exit code 2 where a file could not be
-    read, though the others are shown.
+    Prints how columns and units were read; of each curve its segments, base line and noise, contact point, jumps,
+    adhesion force, and what is wrong with it. With --radius a rough E* and w. Draws <stem>-look.png and .svg.
 
     \b
     jkr look curve.jpk-force --radius "5 um"

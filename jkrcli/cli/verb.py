@@ -1,6 +1,5 @@
-"""A verb, options that it takes together, and how its help groups the options: what everybody needs first, each other
-kind under its title. What would be longer than two screens names the options of the other kinds; ``--help-all``
-describes them."""
+"""A verb, options that it takes together, and how its help shows the options: at most twelve that everybody needs,
+the names of the others by their kind; ``--help-all`` describes all, each kind under its title."""
 
 from __future__ import annotations
 
@@ -17,6 +16,7 @@ from .output import level_options
 
 ALL = "jkr.help_all"
 LINES = 80  # of the help of a verb: two screens
+MOST_OPTIONS = 12  # choice: that a help describes without --help-all
 Command = Callable[..., Any]
 Options = Callable[[Command], Command]  # one or several, as a decorator
 
@@ -47,6 +47,17 @@ SYMBOLS = {
     "Poisson": "nu", "k": "stiffness", "spring-constant": "stiffness", "invOLS": "sensitivity", "W": "w", "gamma": "w",
     "v": "speed", "F": "load", "P": "load",
 }  # fmt: skip
+# What the help of a verb with more options describes; of another the first of each kind.
+DESCRIBED = {
+    "import": "case shape radius E nu thickness base column unit factor output help",
+    "transform": "w slopes stress range dimensionless together output no-plots force json verbose help",
+    "pull-off": "shape radius E nu thickness base w load stiffness uncertain json help",
+    "cycle": "w-approach w-retract stiffness to-load to-depth speed hold rate stress range output help",
+    "look": "shape radius column unit factor stiffness sensitivity where rows output no-plots help",
+    "fit": "shape radius nu thickness base stiffness free fix uncertain rivals output help",
+    "work": "use segment law rate column unit stiffness sensitivity uncertain output no-plots help",
+    "explore": "w column unit factor flip stiffness points output force json quiet help",
+}
 # Options that mean something else to some verbs, where everybody needs them.
 FIRST = {"cycle": ("stiffness",), "pull-off": ("stiffness", "uncertain"), "rate-map": ("rate", "speed", "stiffness")}
 
@@ -123,31 +134,27 @@ class Verb(click.Command):
                     raise click.UsageError(f"{parameter.opts[0]}: {twice} is given twice: it takes one value", ctx)
         return rest
 
-    def get_help(self, ctx: click.Context) -> str:
-        wanted = ctx.meta.get(ALL, False)
-        ctx.meta[ALL] = True
-        whole = super().get_help(ctx)
-        ctx.meta[ALL] = wanted
-        return whole if wanted or whole.count("\n") < LINES else super().get_help(ctx)
-
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        rows: dict[str, list[tuple[str, str]]] = {title: [] for title in ("Options", *GROUPS)}
+        rows: dict[str, dict[str, tuple[str, str]]] = {title: {} for title in ("Options", *GROUPS)}
         for parameter in self.get_params(ctx):
             record = parameter.get_help_record(ctx) if isinstance(parameter, click.Option) else None
             if record is not None:
-                rows[self._group(max(parameter.opts, key=len).removeprefix("--"))].append(record)
+                name = max(parameter.opts, key=len).removeprefix("--")
+                rows[self._group(name)][name] = record
+        names = [name for records in rows.values() for name in records]
+        whole = ctx.meta.get(ALL, False) or len(names) <= MOST_OPTIONS
+        described = (
+            names if whole else DESCRIBED.get(self.name or "", "").split() or [*names[: MOST_OPTIONS - 1], "help"]
+        )
         for title, records in rows.items():
-            if not records:
-                continue
-            if ctx.meta[ALL] or title in ("Options", "Output"):
+            if shown := [record for name, record in records.items() if name in described]:
                 with formatter.section(title):
-                    formatter.write_dl(records)
-            else:
-                formatter.write_paragraph()
-                names = " ".join(record[0].split()[0] for record in records)
-                formatter.write_text(f"{title}: {names}")
-        if not ctx.meta[ALL]:
+                    formatter.write_dl(shown)
+        if not whole:
             formatter.write_paragraph()
+            for title, records in rows.items():
+                if others := [f"--{name}" for name in records if name not in described]:
+                    formatter.write_text(f"{'Also' if title == 'Options' else title}: {' '.join(others)}")
             formatter.write_text(f"Every option described: {ctx.command_path} --help-all")
 
     def _group(self, option: str) -> str:

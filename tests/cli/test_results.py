@@ -200,6 +200,7 @@ def test_auto_takes_the_least_model() -> None:
         choose_method(finite, "layered", build)
 
 
+@pytest.mark.fem
 def test_auto_goes_on_to_the_next_method_and_names_all_that_failed() -> None:
     choice = choose_method(LAYER, "auto", build)
     missed = InaccurateError("missed 1e-8", "missed", 1e-6)
@@ -219,6 +220,7 @@ def test_auto_goes_on_to_the_next_method_and_names_all_that_failed() -> None:
     assert noticed.name == "hybrid"
 
 
+@pytest.mark.fem
 def test_auto_says_why_and_what_others_would_cost() -> None:
     reason = choose_method(LAYER, "auto", build).reason
     assert reason.startswith("the simplest method for this body (")

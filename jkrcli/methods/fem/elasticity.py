@@ -18,7 +18,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import skfem
 from scipy.sparse import block_diag, bmat, csr_matrix
 
 from ...base.errors import Refusal
@@ -31,7 +30,13 @@ from ...bodies.materials import (
     Material,
     TransverselyIsotropic,
 )
-from .mesh import Grid, MeshedBody, sides
+from .mesh import Grid, MeshedBody, require, sides
+
+try:
+    import skfem
+except ModuleNotFoundError:
+    require("skfem")
+    raise
 
 ELEMENTS = {  # of first order, second, ...
     "triangle": (skfem.ElementTriP1, skfem.ElementTriP2, skfem.ElementTriP3, skfem.ElementTriP4),

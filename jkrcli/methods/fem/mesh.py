@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
@@ -16,7 +17,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from ...base.errors import InputError, Refusal, SolveError
+from ...base.errors import InputError, Refusal, SolveError, installs
 from ...base.numerics import AT_ONCE, ROUNDED, SAME, Array
 from ...bodies.materials import AnyGraded, AnyTransverse, Elastic, Material, TransverselyIsotropic
 from ...bodies.problem import HalfSpace, Problem, Side, Specimen
@@ -561,11 +562,27 @@ def _with_equivalent_modulus(problem: Problem) -> Specimen:
 # Free triangle meshes, and meshes and fields as files (the door to gmsh and meshio).
 
 SYSTEM_PACKAGES = "libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libgomp1"
+PACKAGES = {"gmsh": "gmsh", "skfem": "scikit-fem", "meshio": "meshio"}  # of the extra fem, by their modules
+
+
+def missing_packages(*modules: str) -> str | None:
+    """Return which packages finite elements lack here, and the remedy; None where all ``modules`` are installed."""
+    if all(find_spec(module) for module in modules):
+        return None
+    missing = ", ".join(package for module, package in PACKAGES.items() if not find_spec(module))
+    return f"finite elements need the extra fem ({missing}): {installs('fem')}, or another method, which needs no mesh"
+
+
+def require(*modules: str) -> None:
+    """Refusal where one of the ``modules`` of the extra fem is not installed."""
+    if reason := missing_packages(*modules):
+        raise Refusal(reason)
 
 
 @contextmanager
 def _gmsh() -> Iterator[ModuleType]:
     """A fresh gmsh session that leaves signal handlers and the user's configuration alone."""
+    require("gmsh")
     try:
         import gmsh
     except OSError as error:
@@ -679,6 +696,7 @@ def write_msh(grid: Grid, path: Path) -> None:
 
 def write_vtu(grid: Grid, path: Path, point_data: Mapping[str, Array] | None = None) -> None:
     """Write the mesh in VTK's format .vtu with layer and quality of each cell; ``point_data``: values at vertices."""
+    require("meshio")
     import meshio
 
     points = np.column_stack([grid.points, np.zeros(len(grid.points))])

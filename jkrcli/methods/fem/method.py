@@ -23,7 +23,9 @@ from .mesh import (
     finest_spacing,
     homogenised_half_space,
     layout_for,
+    missing_packages,
     mixed_layers,
+    require,
 )
 
 if TYPE_CHECKING:  # what solves is imported when something is solved: scikit-fem takes as long to import as a forecast
@@ -205,7 +207,12 @@ class FEM(FEMOptions):
             self._first_layout(problem)
         except Refusal as refusal:
             return "; ".join(refusal.lines)
-        return None
+        return missing_packages(*self._packages)
+
+    @property
+    def _packages(self) -> tuple[str, ...]:
+        """Modules of the extra fem that a solve needs: structured quadrilaterals need no mesher."""
+        return ("gmsh", "skfem") if self.element == "triangle" else ("skfem",)
 
     def _unable(self, problem: Problem) -> str | None:
         """Why no mesh can represent the problem."""
@@ -282,14 +289,16 @@ class FEM(FEMOptions):
         if self.tolerance is None:
             return self.solve(problem)[1]
         self._refuse(problem)
+        require(*self._packages)
         with one_thread():
             return refine_to_tolerance(self, problem, StageClock())
 
     def solve(self, problem: Problem) -> tuple[Run, Solution]:
         """Solve on the mesh of the given sizes; the run holds mesh, factor and contact problem."""
+        self._refuse(problem)
+        require(*self._packages)
         from . import model
 
-        self._refuse(problem)
         clock = StageClock()
         with one_thread():
             solved = model.run(self, problem, clock)

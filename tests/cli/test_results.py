@@ -23,8 +23,7 @@ from jkrcli.report import tables
 from jkrcli.resolve.analysis import Analysis
 from jkrcli.resolve.comparison import compare_half_space, exact_curve
 from jkrcli.resolve.neglected import preview_effects
-from jkrcli.series import ErrorBudget, Series, Solution
-from jkrcli.series.differences import curve_differences, series_differences
+from jkrcli.series import ErrorBudget, Series, Solution, curve_differences, series_differences
 
 R, W = 1e-4, 50.0
 GROUND = Specimen((), HalfSpace(Elastic(5e9, 0.4)))

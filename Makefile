@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help study setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures bounds point-bounds node-study range-bounds stack-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
+.PHONY: help study setup run test test-all test-minimal test-nanite test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures bounds point-bounds node-study range-bounds stack-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -72,10 +72,16 @@ $(WHEELS): requirements.txt | $(READY) # the pinned packages themselves, checked
 	$(VENV)/bin/python -m pip download --quiet --require-hashes -r $< -d $@.part
 	@mv $@.part $@
 
-test-minimal: $(READY) $(WHEELS) ## the fast tests with the required packages only, in an environment of their own
+test-minimal: $(READY) $(WHEELS) ## the fast tests with the fewest packages (no optional ones, none of the extra fem), in an environment of their own
 	$(PYTHON) -m venv --clear $(VENV)-minimal
 	$(VENV)-minimal/bin/python -m pip install --quiet --no-index --find-links $(WHEELS) -e '.[test]'
+	$(VENV)-minimal/bin/python -m pip uninstall --quiet --yes gmsh scikit-fem meshio
 	$(VENV)-minimal/bin/python -m pytest -n auto -m "not slow"
+
+test-nanite: $(READY) #: the model of jkr export --nanite in an installed nanite, in an environment of its own
+	$(PYTHON) -m venv --clear $(VENV)-nanite
+	$(VENV)-nanite/bin/python -m pip install --quiet nanite==4.2.3
+	$(VENV)/bin/python -m pytest -rs tests/report/test_nanite.py
 
 wheel: $(READY) $(WHEELS) ## build sdist and wheel into dist, install it into an empty environment and use it from another folder
 	$(VENV)/bin/python .ci/wheel.py $(WHEELS)

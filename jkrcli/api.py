@@ -36,7 +36,7 @@ Adhesion that depends on the speed of the contact's edge, over time:
 >>> f"{history.pull_off.P * 1e6:.2f} uN after {history.pull_off.t:.3f} s"
 '-12.98 uN after 0.126 s'
 
-Bodies that relax, without adhesion:
+Bodies that relax, with ``w`` and ``stress`` with adhesion, too:
 
 >>> solid = jkr.StandardSolid(ratio=0.25, time=1.0)
 >>> history = jkr.cycle_relaxing(solved, solid, speed="10 um/s", to_depth="1 um", hold="3 s")
@@ -107,7 +107,7 @@ from .report.forward import (
     Transformed,
 )
 from .report.inverse import Fitted, JointFitted, LawFit, Look, RelaxationFitted, TensionFitted, Work
-from .report.rate import CycledAtSpeed, CycledInLimits, CycledRelaxing, traced_histories
+from .report.rate import CycledAdhering, CycledAtSpeed, CycledInLimits, CycledRelaxing, traced_histories
 from .report.result import AnyResult, Figure, Result, as_result
 from .resolve.analysis import analyse, nonadhesive, with_solved_points
 from .series import Solution
@@ -125,8 +125,8 @@ __all__ = [
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from .adhesion.rate import RateContact, RateLaw
-    from .adhesion.relaxation import RelaxingContact
+    from .adhesion.device_path import Turning
+    from .adhesion.rate import RateLaw
     from .bodies.indenters import Indenter
     from .bodies.materials import Relaxation
     from .many.maps import MapResult
@@ -286,34 +286,60 @@ def cycle_at_speed(
 
 @one_thread()
 def cycle_relaxing(
-    solved: Body, relaxation: Relaxation | None = None, speed: Number | None = None, *,
-    program: Program | None = None, speed_approach: Number | None = None, to_load: Number | None = None,
-    to_depth: Number | None = None, hold: Number = 0.0, stiffness: Number = DISPLACEMENT_CONTROL, slopes: str = "auto",
-) -> CycledRelaxing:  # fmt: skip
-    """What a device records over time while the moduli of the specimen relax, without adhesion.
+    solved: Body, relaxation: Relaxation | None = None, speed: Number | None = None, *, w: Number = 0.0,
+    stress: Number | None = None, length: Number | None = None, rest_load: Number | None = None,
+    rest_depth: Number | None = None, program: Program | None = None, speed_approach: Number | None = None,
+    to_load: Number | None = None, to_depth: Number | None = None, hold: Number = 0.0,
+    stiffness: Number = DISPLACEMENT_CONTROL, slopes: str = "auto",
+) -> CycledRelaxing | CycledAdhering:  # fmt: skip
+    """What a device records over time while the moduli of the specimen relax.
 
-    ``relaxation``: StandardSolid(ratio=0.25, time=1.0), PowerRelaxation, Prony; default: that of the specimen. The
-    device presses, waits and goes back as in ``cycle_at_speed``, or does what a ``program`` says.
+    ``relaxation``: StandardSolid(ratio=0.25, time=1.0), PowerRelaxation (without adhesion), Prony; default: that of the
+    specimen. The device presses, waits and goes back as in ``cycle_at_speed``, or does what a ``program`` says. With a
+    work of adhesion ``w`` [J/m^2] the surfaces attract each other by a cohesive ``stress`` [Pa], or up to a ``length``
+    [m], default: what the case says. With ``rest_load`` or ``rest_depth`` the contact is at rest there, and is pulled
+    at ``speed``.
 
-    The result's ``peak``, ``corners``, ``turn``, ``lost`` and ``error`` tell what happened, ``table(points)`` gives its
-    columns. Raises InputError where the contact leaves the series, or is loaded again onto its dent.
+    The result's ``peak``, ``corners``, ``turn``, ``lost`` and ``error`` tell what happened, with adhesion ``pull_off``,
+    ``jumps`` and ``limits``, too; ``table(points)`` gives its columns. Raises InputError where the contact leaves the
+    series, or, without adhesion, is loaded again onto its dent.
     """
     from .adhesion.relaxation import RelaxingContact
+    from .adhesion.relaxing_adhesion import RelaxingAdhesion
+    from .resolve.histories import pull_off_in_limits
 
-    solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
-    law = relaxation or solution.problem.specimen.relaxation
+    solution, k, work = _solution(solved, None), _number("stiffness", stiffness, "stiffness"), _number("w", w, "work")
+    law, rest = relaxation or solution.problem.specimen.relaxation, _rest(rest_load, rest_depth)
     if law is None:
         raise InputError(
             "cycle_relaxing: the specimen has no relaxation: give one, StandardSolid(ratio=0.25, time=1.0)"
         )
     relaxing = replace(solution.problem, specimen=replace(solution.problem.specimen, relaxation=law))  # may refuse
-    contact = RelaxingContact(nonadhesive(replace(solution, problem=relaxing), slopes), law, k)
-    driven = _driven("cycle_relaxing", contact, program, speed, speed_approach, to_load, to_depth, hold)
-    return CycledRelaxing.of(contact, driven, solution.record.path)
+    solution, ranged = replace(solution, problem=relaxing), _range(solution, stress, length)
+    does = (program, speed, speed_approach, to_load, to_depth, hold)
+    if work == 0:
+        if rest is not None:
+            raise InputError("cycle_relaxing: rest_load and rest_depth need adhesion: give w")
+        free = RelaxingContact(nonadhesive(solution, slopes), law, k)
+        return CycledRelaxing.of(free, _driven("cycle_relaxing", free, *does), solution.record.path)
+    if not ranged:
+        raise InputError("cycle_relaxing: adhesion is followed over time by a cohesive stress: give stress or length")
+    contact = RelaxingAdhesion.of(solution, ranged.law(work), law, k)
+    turn = _maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length")
+    at_rest = [one for one in traced_histories(solution, rest, *turn) if one.rest is not None]
+    limits = pull_off_in_limits(solution, work, ranged, next(iter(at_rest), None), slopes)
+    if rest is None:
+        driven = _driven("cycle_relaxing", contact, *does)
+    elif speed is None:
+        raise InputError("cycle_relaxing: from rest it is pulled at a speed: give it")
+    else:
+        contact = replace(contact, rests=True)
+        driven = Program.on(contact.pulled_from(rest), -_number("speed", speed, "load rate" if k == 0 else "speed"))
+    return CycledAdhering.of(contact, driven, solution.record.path, limits)
 
 
 def _driven(
-    verb: str, contact: RateContact | RelaxingContact, program: Program | None, speed: Number | None,
+    verb: str, contact: Turning, program: Program | None, speed: Number | None,
     speed_approach: Number | None, to_load: Number | None, to_depth: Number | None, hold: Number,
 ) -> Program:  # fmt: skip
     """The ``program``, or there and back at a speed."""

@@ -7,15 +7,18 @@ import os
 import signal
 import sys
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from pkgutil import resolve_name
 
 import pytest
 
+from jkrcli.base.errors import InputError
 from jkrcli.cli import call
 
+NO_FEM = not all(find_spec(module) for module in ("gmsh", "skfem", "meshio"))
 CASES = Path(__file__).parent.parent / "cases"
 
 
@@ -32,12 +35,30 @@ def pytest_configure() -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.dont_write_bytecode = False
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    if NO_FEM:
+        _skip_finite_elements()
+
+
+def _skip_finite_elements() -> None:
+    """A test, or a module of tests that is read, ends as skipped where it is told that the extra fem is missing. Tests
+    that ask for it in other processes, or only find it in a list of methods, are marked ``fem``."""
+    plain = InputError.__init__
+
+    def told(error: InputError, lines: str | Sequence[str]) -> None:
+        plain(error, lines)
+        if "the extra fem" in str(error):
+            pytest.skip("needs the extra fem", allow_module_level=True)
+
+    InputError.__init__ = told
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Of a test marked ``first(n)`` the fast tests take the first n sets of parameters."""
+    """Of a test marked ``first(n)`` the fast tests take the first n sets of parameters; those marked ``fem`` are
+    skipped where its packages are missing."""
     taken: Counter[str] = Counter()
     for item in items:
+        if NO_FEM and item.get_closest_marker("fem"):
+            item.add_marker(pytest.mark.skip(reason="needs the extra fem"))
         if (mark := item.get_closest_marker("first")) is not None:
             taken[(test := item.nodeid.partition("[")[0])] += 1
             if taken[test] > mark.args[0]:

@@ -600,7 +600,14 @@ class EdgeRule:
     def _branch(self, ramp: Ramp, place: float) -> Follow:
         """The rest of the stable branch, and how it ends. Contact is lost only where the free bodies do not attract
         each other (without range: overlap, D > 0): else a smaller contact outside the data remains."""
-        fold = self._fold(place)
+        # Where the stable branch that a place lies on ends; the place itself where it is not stable
+        critical, kind = self.curve.critical(self.stiffness), "maximum" if self.grows else "minimum"
+        here = next((point.kind for point in critical if point.place == place), None)
+        if here == kind or (here is None and self.rises(place) <= 0):
+            fold: float | None = place
+        else:
+            ahead = [point.place for point in critical if point.kind == kind and self._beyond(place, point.place)]
+            fold = self._next(ahead) if ahead else None
         if fold is None:
             begin, end = self.curve.places[[0, -1]].tolist()
             gone = self.curve.complete and not self.grows
@@ -611,15 +618,6 @@ class EdgeRule:
             return self._piece(ramp, place, fold, "fold", lands)
         lost = not self.grows and x <= self.free
         return self._piece(ramp, place, fold, "lost" if lost else "jump")
-
-    def _fold(self, place: float) -> float | None:
-        """Where the stable branch that a ``place`` lies on ends; the place itself where it is not stable."""
-        critical, kind = self.curve.critical(self.stiffness), "maximum" if self.grows else "minimum"
-        here = next((point.kind for point in critical if point.place == place), None)
-        if here == kind or (here is None and self.rises(place) <= 0):
-            return place
-        ahead = [point.place for point in critical if point.kind == kind and self._beyond(place, point.place)]
-        return self._next(ahead) if ahead else None
 
     def _piece(self, ramp: Ramp, place: float, end: float, ends: str = "ramp", lands: float | None = None) -> Follow:
         phase = ADVANCE if self.grows else RECEDE
@@ -791,19 +789,18 @@ class Path:
     @cached_property
     def jumps(self) -> tuple[Jump, ...]:
         """Where the radius changes while no time goes by, and where contact is lost."""
-        return tuple(self._jumps())
+        jumps = []
+        after = (*self.pieces[1:], None) if self.ends == "lost" else self.pieces[1:]
+        for one, two in zip(self.pieces, after, strict=False):
+            if two is None or (two.phase == FREE and one.phase != FREE):
+                jumps.append(Jump(self.state(one, *one.parting), None, one.last[0]))
+            elif abs(two.first[1] - one.last[1]) > ROUNDED * one.last[1]:
+                jumps.append(Jump(self.state(one, *one.parting), self.state(two, *two.first), one.last[0]))
+        return tuple(jumps)
 
     @property
     def control(self) -> str:
         return control(self.contact.stiffness)
-
-    def _jumps(self) -> Iterator[Jump]:
-        after = (*self.pieces[1:], None) if self.ends == "lost" else self.pieces[1:]
-        for one, two in zip(self.pieces, after, strict=False):
-            if two is None or (two.phase == FREE and one.phase != FREE):
-                yield Jump(self.state(one, *one.parting), None, one.last[0])
-            elif abs(two.first[1] - one.last[1]) > ROUNDED * one.last[1]:
-                yield Jump(self.state(one, *one.parting), self.state(two, *two.first), one.last[0])
 
     def state(self, piece: Piece, t: float, place: float) -> TimedState:
         """The state of a ``piece`` at the time ``t`` [s] and ``place`` [m]."""

@@ -378,16 +378,6 @@ class FiniteRangeCurve(EquilibriumCurve):
                 changes.append(float(np.max(np.abs(there - ours) / unit)))
         return max(changes) / FINITE_RANGE_HALVED + FINITE_RANGE_NO_CLAIM
 
-    def _released(self, stiffness: float) -> Equilibrium | None:
-        """Where surfaces that attract each other without contact let go, below what the curve leaves out; None where
-        they do not."""
-        if self.below.c.size <= FINITE_RANGE_DEGREE:
-            return None
-        pulled, c = _drawn(self.problem, self.below), np.linspace(0, float(self.below.c[-1]), FINITE_RANGE_RELEASED)
-        delta, P = self.problem.indenter.f(c) - pulled(c), -math.pi * self.law.stress * c**2
-        n = int(np.argmin(position(delta, P, stiffness)))
-        return Equilibrium(0.0, float(delta[n]), float(P[n]), float(c[n]), float(c[n])) if 0 < n < c.size - 1 else None
-
     def _outside(self, stiffness: float, end: str, lowest: Equilibrium) -> str:
         quantity = controlled(stiffness)
         if end == "smallest" and not self.complete:
@@ -399,7 +389,23 @@ class FiniteRangeCurve(EquilibriumCurve):
                 )
             first = float(self.touching.P[0]), float(self.touching.delta[0])
             shrunk = f"contact is not lost in a jump: it shrinks to nothing at {_where(*first)}"
-            if (last := self._released(stiffness)) is None:
+            # Where surfaces that attract each other without contact let go, below what the curve leaves out; None
+            # where they do not
+            if self.below.c.size <= FINITE_RANGE_DEGREE:
+                released = None
+            else:
+                pulled, c = (
+                    _drawn(self.problem, self.below),
+                    np.linspace(0, float(self.below.c[-1]), FINITE_RANGE_RELEASED),
+                )
+                delta, P = self.problem.indenter.f(c) - pulled(c), -math.pi * self.law.stress * c**2
+                n = int(np.argmin(position(delta, P, stiffness)))
+                released = (
+                    Equilibrium(0.0, float(delta[n]), float(P[n]), float(c[n]), float(c[n]))
+                    if 0 < n < c.size - 1
+                    else None
+                )
+            if (last := released) is None:
                 return f"{shrunk}, below which the states are not followed; give another stress or range"
             return (
                 f"{shrunk}; the surfaces attract each other on and let go at {_where(last.P, last.delta)} (between, "
@@ -540,7 +546,14 @@ class FiniteRangeBody:
         parts = Parts(*pulled.panels.discs(rims.a).nonadhesive, np.zeros(rims.a.size))
         begins = () if curve.complete else _begins(curve)
         curve = replace(curve, parts=parts, doubts=(*begins, *_doubts(pulled, rims)))
-        return self._judged(curve, pulled, replace(pulled, panels=self.body.check(reach)), controls)
+        # The curve with its errors, as far as states on other panels tell them
+        other = replace(pulled, panels=self.body.check(reach))
+        errors, of_profile = self._errors(curve, other), self._of_profile(curve, pulled)
+        errors = {name: error + of_profile.get(name, 0.0) for name, error in errors.items()}
+        points = list(_judged_points(curve, controls))
+        moved = self._moved(curve, pulled, other, points)
+        by_points = self._by_points(curve, pulled, points) if of_profile else {}
+        return replace(curve, half_widths=errors, of_profile=of_profile, moved=moved, by_points=by_points)
 
     def _begun(self, pulled: Pulled, rims: Rims) -> Rims:
         """The states of ``rims`` that follow each other and, where some below them do not, as far as they can be
@@ -581,17 +594,6 @@ class FiniteRangeBody:
             return free, _some(free, slice(0))
         return _some(free, slice(int(overlapping[-1]) + 2, None)), _some(free, slice(int(overlapping[0]) + 1))
 
-    def _judged(
-        self, curve: FiniteRangeCurve, pulled: Pulled, other: Pulled, controls: Sequence[float]
-    ) -> FiniteRangeCurve:
-        """The ``curve`` with its errors, as far as states on ``other`` panels tell them."""
-        errors, of_profile = self._errors(curve, other), self._of_profile(curve, pulled)
-        errors = {name: error + of_profile.get(name, 0.0) for name, error in errors.items()}
-        points = list(_judged_points(curve, controls))
-        moved = self._moved(curve, pulled, other, points)
-        by_points = self._by_points(curve, pulled, points) if of_profile else {}
-        return replace(curve, half_widths=errors, of_profile=of_profile, moved=moved, by_points=by_points)
-
     def _touching(self, pulled: Pulled) -> Rims:
         """States in contact from a = 0 on: at the radii of the series, and at more of them where they are too far apart
         of each other in a or c."""
@@ -603,7 +605,15 @@ class FiniteRangeBody:
             below = pulled.states(rims.a[:first], np.maximum(rims.c[first], rims.a[:first]))
             rims = _joined(below, _some(rims, slice(first, None)))
         if self.problem.indenter.kinks:
-            rows = self._rows(self._kinks(pulled, rims))
+            # Contact radii [m] of the series, and in their place around each of bends the radius itself and
+            # others at steps that shrink towards it on both sides, halfway to the next
+            bends = self._kinks(pulled, rims)
+            a, steps = np.concatenate([[0.0], self.series.a]), np.geomspace(FINITE_RANGE_FIRST, 1, FINITE_RANGE_BESIDE)
+            for before, bend, after in zip([0.0, *bends], bends, [*bends[1:], a[-1]], strict=False):
+                below, above = (min(FINITE_RANGE_AROUND * bend, abs(bend - other) / 2) for other in (before, after))
+                away = (a < bend - FINITE_RANGE_ROOM * below) | (a > bend + FINITE_RANGE_ROOM * above)
+                a = np.concatenate([a[away], bend - below * steps, [bend], bend + above * steps])
+            rows = np.unique(a)
             rims = pulled.states(rows, np.interp(rows, rims.a, rims.c))
         for _ in range(FINITE_RANGE_ROUNDS):
             over_c = np.diff(np.arccosh(np.sqrt(np.maximum.accumulate(rims.c) / rims.c[0])))
@@ -617,16 +627,6 @@ class FiniteRangeBody:
             more = PchipInterpolator(v, rims.a)(np.concatenate(inner))
             rims = _merged(rims, pulled.states(more, np.interp(more, rims.a, rims.c)))
         return rims
-
-    def _rows(self, bends: Array) -> Array:
-        """Contact radii [m] of the series, and in their place around each of ``bends`` the radius itself and others at
-        steps that shrink towards it on both sides, halfway to the next."""
-        a, steps = np.concatenate([[0.0], self.series.a]), np.geomspace(FINITE_RANGE_FIRST, 1, FINITE_RANGE_BESIDE)
-        for before, bend, after in zip([0.0, *bends], bends, [*bends[1:], a[-1]], strict=False):
-            below, above = (min(FINITE_RANGE_AROUND * bend, abs(bend - other) / 2) for other in (before, after))
-            away = (a < bend - FINITE_RANGE_ROOM * below) | (a > bend + FINITE_RANGE_ROOM * above)
-            a = np.concatenate([a[away], bend - below * steps, [bend], bend + above * steps])
-        return np.unique(a)
 
     def _kinks(self, pulled: Pulled, first: Rims) -> Array:
         """Contact radii [m] at which the curve has kinks: those of the profile, and where the surfaces attract each

@@ -66,7 +66,12 @@ class Rows:
         x, z = np.log(self.a), np.log(self.a - self.a0)
         rates = self.rates
         if np.isnan(rates).any():
-            fitted = np.stack([self._pieces(z, np.log(self.delta)), spline_slopes(x, np.log(self.dS))], 1)
+            # Slopes of splines that end at the bends; there that of the piece before, where y is smooth
+            y = np.log(self.delta)
+            pieces = np.empty_like(y)
+            for lo, hi in itertools.pairwise([y.size - 1, *self.bends[::-1].tolist(), 0]):
+                pieces[hi : lo + 1] = spline_slopes(z[hi : lo + 1], y[hi : lo + 1])
+            fitted = np.stack([pieces, spline_slopes(x, np.log(self.dS))], 1)
             rates = np.where(np.isnan(rates), fitted, rates)
         rate, rate_dS = rates.T
         rate = _rising(z, np.log(self.delta), rate)
@@ -76,13 +81,6 @@ class Rows:
             PiecewiseCubic(z, np.log(np.stack([self.delta, self.P], 1)), np.stack([rate, by_P], 1)),
             PiecewiseCubic(x, np.log(np.stack([self.S, self.dS], 1)), np.stack([by_S, rate_dS], 1)),
         )
-
-    def _pieces(self, x: Array, y: Array) -> Array:
-        """Slopes of splines through ``y`` that end at the bends; there that of the piece before, where y is smooth."""
-        slopes = np.empty_like(y)
-        for lo, hi in itertools.pairwise([y.size - 1, *self.bends[::-1].tolist(), 0]):
-            slopes[hi : lo + 1] = spline_slopes(x[hi : lo + 1], y[hi : lo + 1])
-        return slopes
 
 
 def _rising(x: Array, y: Array, slopes: Array) -> Array:

@@ -82,7 +82,15 @@ def pull_off_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float)
     rest = _beyond_gaps(curve, point, stiffness)
     if isinstance(rest, Unknown):
         return rest
-    rest = curve.with_shift(rest, _by_shift(curve, point, stiffness)) + _by_description(curve, point, stiffness)
+    # How far delta and P of the point lie from those of the bodies that the series is said to be of, by what is
+    # unexplained of the difference, (2,): which of the two is wrong is not known
+    other = _described(curve)
+    if other is None:
+        by_description = np.zeros(2)
+    else:
+        found = _pull_off(other, curve, stiffness)
+        by_description = _distance(other.point(point.a) if isinstance(found, Unknown) else found, point)
+    rest = curve.with_shift(rest, _by_shift(curve, point, stiffness)) + by_description
     return {name: float(here[name]) + more for name, more in zip(("delta", "P"), rest.tolist(), strict=True)}
 
 
@@ -97,16 +105,6 @@ def _by_shift(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> A
         return curve.shift_error_at(np.array(point.a))
     largest: Array = np.max([np.zeros(2), *moved], axis=0)
     return largest
-
-
-def _by_description(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
-    """How far delta and P of the ``point`` lie from those of the bodies that the series is said to be of, by what is
-    unexplained of the difference, (2,): which of the two is wrong is not known."""
-    other = _described(curve)
-    if other is None:
-        return np.zeros(2)
-    found = _pull_off(other, curve, stiffness)
-    return _distance(other.point(point.a) if isinstance(found, Unknown) else found, point)
 
 
 @lru_cache(maxsize=2)
@@ -353,24 +351,22 @@ def larger_elements(body: Nonadhesive) -> tuple[Nonadhesive, ...]:
     while coarser is not None:
         more *= coarser.ratio**2
         try:
-            fits.append(_fitted(coarser.series, body, more))
+            # The functions of the coarse series, which errs more times as much as that of the body, by its rule;
+            # InputError where this finds none
+            coarse, series, rule = coarser.series, body.series, body.slopes.method
+            errors = {
+                name: more
+                * getattr(coarse, name)
+                * np.interp(coarse.a, series.a, series.errors[name] / getattr(series, name))
+                for name in ("a", "P")
+            }
+            S, dS = (coarse.S, coarse.dS) if rule == "exact" else (None, None)
+            coarse = replace(coarse, S=S, dS=dS, S0=series.S0, errors=errors, kinks=series.kinks, bends=series.bends)
+            fits.append(Nonadhesive(coarse, slopes_function(rule)(coarse)))
         except InputError:
             break
         coarser = coarser.series.coarser
     return tuple(fits)
-
-
-def _fitted(coarse: Series, body: Nonadhesive, more: float) -> Nonadhesive:
-    """The functions of the ``coarse`` series, which errs ``more`` times as much as that of the ``body``, by its rule;
-    InputError where this finds none."""
-    series, rule = body.series, body.slopes.method
-    errors = {
-        name: more * getattr(coarse, name) * np.interp(coarse.a, series.a, series.errors[name] / getattr(series, name))
-        for name in ("a", "P")
-    }
-    S, dS = (coarse.S, coarse.dS) if rule == "exact" else (None, None)
-    coarse = replace(coarse, S=S, dS=dS, S0=series.S0, errors=errors, kinks=series.kinks, bends=series.bends)
-    return Nonadhesive(coarse, slopes_function(rule)(coarse))
 
 
 # --------------------------------------------------------------------------------------------------

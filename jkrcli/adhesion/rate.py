@@ -337,7 +337,14 @@ class ByLaw(EdgeRule):
 def move(rule: ByLaw, ramp: Ramp, t: float, a: float) -> Motion:
     """The motion of the edge from radius ``a`` [m] at the time ``t`` [s] of a ``ramp`` on. SolveError where the
     integrator gives up, or takes too many evaluations."""
-    unit, tolerance = _unit_of_time(rule, ramp, t, a), rule.tolerance
+    # T [s]: in which the device moves by the lag at G = w, or where it stands the edge by its radius
+    if ramp.rate != 0:
+        adhesive = rule.edge.position_at(np.array(a), rule.w) - rule.edge.position_at(np.array(a), 0.0)
+        unit_of_time = float(abs(adhesive / ramp.rate))
+    else:
+        G = float(rule.edge.state(np.array(a), np.array(ramp.x)).G)
+        unit_of_time = a / max(abs(rule.speed(G / rule.w - 1)), a / MOTION_LONGEST)
+    unit, tolerance = unit_of_time, rule.tolerance
     energy = math.pi * a**2 * rule.w
     rates = _equations(rule, ramp, unit, energy)
     excess = float(rule.edge.state(np.array(a), np.array(ramp.x + ramp.rate * (t - ramp.t))).G) / rule.w - 1
@@ -365,15 +372,6 @@ def _unfollowed(a: float) -> SolveError:
         f"the edge's motion could not be integrated beyond a = {a:.4g} m: look at v0 and n; a device that is very slow "
         "against v0 makes the cycle without --rate"
     )
-
-
-def _unit_of_time(rule: ByLaw, ramp: Ramp, t: float, a: float) -> float:
-    """T [s]: in which the device moves by the lag at G = w, or where it stands the edge by its radius."""
-    if ramp.rate != 0:
-        adhesive = rule.edge.position_at(np.array(a), rule.w) - rule.edge.position_at(np.array(a), 0.0)
-        return float(abs(adhesive / ramp.rate))
-    G = float(rule.edge.state(np.array(a), np.array(ramp.x)).G)
-    return a / max(abs(rule.speed(G / rule.w - 1)), a / MOTION_LONGEST)
 
 
 def _equations(rule: ByLaw, ramp: Ramp, unit: float, energy: float) -> Callable[..., list[float]]:

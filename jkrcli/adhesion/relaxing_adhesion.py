@@ -42,6 +42,7 @@ from ..series import Solution
 from .curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
 from .device_path import Jump, Program, Ramp, TimedState
 from .finite_range import Range, unable
+from .from_rest import Rest
 
 # Accuracy.
 # predicted less found radii over the width of the zone; choice: the forces of withdrawals at 0.01 to 1 R/tau are
@@ -276,14 +277,16 @@ class Step:
         return Found(a, c, x if math.isinf(k) else delta, x if k == LOAD_CONTROL else P, smooth)
 
     def leap(self, x: float, c: float, inwards: bool) -> Found | None:
-        """The stable state at ``x`` that is the next beyond the radius ``c``, of larger zones where it goes
-        ``inwards``; None: nothing holds the surfaces together."""
+        """The stable state at ``x`` that is the next beyond the radius ``c`` (infinite: the largest), of larger zones
+        where it goes ``inwards``; None: nothing holds the surfaces together."""
         ends = self.body.end * np.logspace(-LEAP_DECADES, 0, LEAPS)[:-1]
         rows = ends[ends > c] if inwards else ends[ends < c]
         if not rows.size:
             return None
         a = self._contacts(rows)
         off = self.excess(self.rims(a, rows - a), x)
+        if math.isinf(c) and off[-1] < 0:
+            raise TooFarError
         if inwards:
             off, a, rows = np.append(-TINY, off), np.append(0.0, a), np.append(0.0, rows)
         stable = np.flatnonzero((off[:-1] < 0) & (off[1:] >= 0))
@@ -314,10 +317,10 @@ class Step:
         """The memory behind the step that ends in the state ``found``, (pi/2) phi [m] at the points, and the energy [J]
         of the attraction less that of surfaces apart: -sigma times the integral of the range less the gap within c."""
         body, memory, x = self.body, self.memory, self.body.points.x
-        V, kernel, energy = np.zeros_like(x), 0.0, 0.0
+        V, kernel, energy = np.zeros_like(x), np.zeros(1), 0.0
         if found.c > 0:
             (a, c, delta, *_), s, sigma = found, body.s / self.G, body.law.stress
-            smooth = 0.0 if found.smooth is None else body.points.sums(found.smooth)
+            smooth = np.zeros(1) if found.smooth is None else body.points.sums(found.smooth)
             kernel = self.G * smooth
             pulled = kernel - body.s * np.sqrt(np.maximum((c - x) * (c + x), 0.0))
             V = np.where(x < a, self.G * (delta - self.profile.values), pulled)
@@ -370,8 +373,9 @@ class Now:
     def at_rest(cls, body: Body, t: float, x: float) -> Now:
         """Relaxed for long: elastic contact of the modulus r_inf E*, of which the modes remember nothing."""
         relaxed = replace(Memory.none(body).over(0.0), G=body.modes.relaxed)
-        found = relaxed.leap(x, 0.0, True)
-        assert found is not None
+        found = relaxed.leap(x, math.inf, False)
+        if found is None:
+            raise InputError(f"program: no contact rests where it begins, at {x:.4g} {'N' if body.loaded else 'm'}")
         memory, q, attraction = relaxed.taken(found)
         return cls(
             x, replace(memory, eta=np.zeros_like(memory.eta)), found, q, Row(t, *found[:4], attraction=attraction)
@@ -654,6 +658,25 @@ class RelaxingAdhesion:
         """The turn ``x``: adhesion is followed beyond the series."""
         return x
 
+    def pulled_from(self, rest: Rest) -> float:
+        """The device's position at ``rest``, relaxed; InputError where no contact rests there."""
+        held, x = (LOAD_CONTROL, rest.load) if rest.depth is None else (DISPLACEMENT_CONTROL, rest.depth)
+        relaxed = self.relaxation.relaxed or 0.0
+        if not relaxed > 0:
+            raise InputError("cycle: the relaxed modulus is zero: no contact is at rest: leave --rest-load and "
+                             "--rest-depth out")  # fmt: skip
+        reach = self._reach(relaxed, self.end[1])
+        for _ in range(MOST_STEPS):
+            body = replace(self._body(reach, self._spacing(relaxed, reach)), stiffness=held)
+            step = replace(Memory.none(body).over(0.0), G=relaxed)
+            try:
+                if (found := step.leap(x, math.inf, False)) is None:
+                    raise InputError(f"cycle: no contact rests at {rest.words}")
+                return float(position(found.delta, found.P, self.stiffness))
+            except TooFarError:
+                reach = self._further(reach)
+        raise Refusal("cycle: the surfaces attract each other ever farther out")
+
     def history(self, program: Program) -> AdhesiveHistory:
         """What happens under ``program`` of positions [m], of loads [N] under load control."""
         course = self._run(program, self.tolerance)
@@ -800,6 +823,8 @@ class AdhesiveHistory:
         """Work of the device from first attraction to the loss of contact [J]."""
         if self.lost is None:
             return Unknown("contact is not lost")
+        if self.contact.rests:
+            return Unknown("at rest energy is stored before the begin")
         return self._unknown if self._loaded else self.course.rows[-1].work
 
     @property

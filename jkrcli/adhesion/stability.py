@@ -6,14 +6,15 @@ with jumps in between. Energies are those of quasi-static cycles: what the devic
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from ..base.errors import Estimate, InputError, SolveError, Unknown
+from ..base.errors import Estimate, InputError, JkrError, SolveError, Unknown
 from ..base.numerics import ROUNDED, SAME, Array, zeros_between
 from ..base.units import show
 from .curve import (
@@ -27,9 +28,10 @@ from .curve import (
     control,
     position,
 )
-from .device_path import ADVANCE, RECEDE, REST, Jump, Path, QuasiStatic, grow, largest_stable, shrink
+from .device_path import ADVANCE, RECEDE, REST, Follow, Jump, Path, QuasiStatic, grow, largest_stable, shrink
 from .from_rest import FAST, FromRest, LoadingHistory
 from .interpolation import Nonadhesive
+from .pull_off_error import larger_elements
 
 STABLE, GRIPPED, UNSTABLE = "stable", "displacement-control", "unstable"
 UNBOUNDED = Unknown("not defined under load control")
@@ -85,7 +87,10 @@ class Cycle:
         missing = self._no_energy()
         if missing is not None:
             return missing
-        return self.approach.work + self._first_chord() + self.retraction.work
+        # Work [J] along a straight line from no contact to the first state without adhesion
+        first, k = self.begin, self.stiffness
+        first_chord = first.P / 2 * float(position(first.delta, first.P, k)) if self.contact.advancing.w == 0 else 0.0
+        return self.approach.work + first_chord + self.retraction.work
 
     @cached_property
     def separation(self) -> Estimate:
@@ -94,11 +99,6 @@ class Cycle:
 
     def _no_energy(self) -> Unknown | None:
         return _no_energy(self.retraction)
-
-    def _first_chord(self) -> float:
-        """Work [J] along a straight line from no contact to the first state without adhesion."""
-        first, k = self.begin, self.stiffness
-        return first.P / 2 * float(position(first.delta, first.P, k)) if self.contact.advancing.w == 0 else 0.0
 
 
 def separation_work(retraction: Path) -> Estimate:
@@ -234,7 +234,14 @@ def trace(cycle: Cycle, points: int) -> dict[str, Array]:
     left out under load control, where there is no such length), "phase" in words and "part", a number: jumps lie
     between two parts; "c_m" where adhesion has a range.
     """
-    before, after = _out_of_contact(cycle, points)
+    # Positions [m] before contact and after it is lost; they reach a quarter beyond where it is lost
+    curve = cycle.contact.receding
+    lost = curve.point(cycle.retraction.last)
+    D = lost.delta if cycle.stiffness == LOAD_CONTROL else position(lost.delta, lost.P, cycle.stiffness)
+    furthest = -1.25 * max(abs(D), abs(curve.onset))
+    before, after = np.linspace(furthest, cycle.contact.advancing.onset, points), np.array([])
+    if cycle.retraction.ends == "lost" and cycle.stiffness != LOAD_CONTROL:
+        after = np.linspace(D, furthest, points)
     along = {name: column for name, column in cycle.path.rows(points).items() if name not in ("t_s", "G_J_per_m2")}
     words = np.array([PHASES[phase] for phase in along["phase"]])
     around = {"phase": ("free approach", "free retraction"), "part": (0, along["part"][-1] + 1),
@@ -244,18 +251,6 @@ def trace(cycle: Cycle, points: int) -> dict[str, Array]:
         first, last = around.get(name, (0.0, 0.0))
         columns[name] = np.concatenate([np.full(before.size, first), column, np.full(after.size, last)])
     return columns | {"part": columns["part"] + 1}
-
-
-def _out_of_contact(cycle: Cycle, points: int) -> tuple[Array, Array]:
-    """Positions [m] before contact and after it is lost; they reach a quarter beyond where it is lost."""
-    curve = cycle.contact.receding
-    last = curve.point(cycle.retraction.last)
-    D = last.delta if cycle.stiffness == LOAD_CONTROL else position(last.delta, last.P, cycle.stiffness)
-    furthest = -1.25 * max(abs(D), abs(curve.onset))
-    before = np.linspace(furthest, cycle.contact.advancing.onset, points)
-    if cycle.retraction.ends != "lost" or cycle.stiffness == LOAD_CONTROL:
-        return before, np.array([])
-    return before, np.linspace(D, furthest, points)
 
 
 def stable_radius(curve: EquilibriumCurve, load: float) -> float:
@@ -335,10 +330,23 @@ def work_from_pull_off(
             log_w += step
         return log_w
 
-    works = _stationary(history.body(body), stiffness)
+    # The works of adhesion > 0 whose curves are stationary at radii across the series, increasing
+    own = history.body(body)
+    a = own.a.copy()
+    a[0], a[-1] = a[0] * (1 + SAME), a[-1] * (1 - SAME)
+    here, rates = own.with_rates(a)
+    nonadhesive = position(rates.delta_H, rates.P_H, stiffness)
+    adhesive = position(rates.t, rates.S * here.t + here.S * rates.t, stiffness)
+    root = np.divide(nonadhesive, adhesive, out=np.zeros_like(a), where=adhesive > 0)
+    works = np.sort(root[root > 0] ** 2)
     low, high = widened(inside(works), -STEP), widened(inside(works[::-1]), STEP)
     if not excess(low) <= 0 <= excess(high):
-        raise InputError(_out_of_reach(load, force(low), force(high)))
+        least, greatest = force(low), force(high)
+        remedy = "increase [loading] radius" if load > greatest else "begin the series at a smaller radius"
+        raise InputError(
+            f"load: a pull-off force of {show(load, 'load')} lies outside the series, which can tell forces from "
+            f"{show(least, 'load')} to {show(greatest, 'load')}: {remedy}"
+        )
     if low < high:
         low = float(zeros_between(np.vectorize(excess, otypes=[float]), np.array([low]), np.array([high]), 1e-14)[0])
     w = math.exp(low)
@@ -354,20 +362,108 @@ def work_from_pull_off(
     return FoundWork(load, stiffness, float(w), curve, tear_off, half_space)
 
 
-def _stationary(body: Nonadhesive, stiffness: float) -> Array:
-    """The works of adhesion > 0 whose curves are stationary at radii across the series, increasing."""
-    a = body.a.copy()
-    a[0], a[-1] = a[0] * (1 + SAME), a[-1] * (1 - SAME)
-    here, rates = body.with_rates(a)
-    nonadhesive = position(rates.delta_H, rates.P_H, stiffness)
-    adhesive = position(rates.t, rates.S * here.t + here.S * rates.t, stiffness)
-    root = np.divide(nonadhesive, adhesive, out=np.zeros_like(a), where=adhesive > 0)
-    return np.sort(root[root > 0] ** 2)
+# --------------------------------------------------------------------------------------------------
+# Errors of the energies of a cycle: of the energy lost, and of the work of separation.
+
+LEFT = 3.0  # of what doubling elements changes, over (ratio - 1); tuned on random bodies of `make point-bounds`
+TABULATED = 1e-10  # theory: share of an energy that cubics between the tabulated functions leave (``interpolation.py``)
+Change = Callable[[EquilibriumCurve], EquilibriumCurve]  # to another curve of the same body
 
 
-def _out_of_reach(load: float, least: float, greatest: float) -> str:
-    remedy = "increase [loading] radius" if load > greatest else "begin the series at a smaller radius"
-    return (
-        f"load: a pull-off force of {show(load, 'load')} lies outside the series, which can tell forces from "
-        f"{show(least, 'load')} to {show(greatest, 'load')}: {remedy}"
-    )
+def energy_lost_error(whole: Cycle) -> Estimate:
+    """90 % half-width of the energy lost per cycle [J], or why it is unknown."""
+    advancing, receding, k = whole.contact.advancing, whole.contact.receding, whole.stiffness
+    low, high = whole.retraction.last, whole.approach.stretches[0].place
+    above = 1 - math.sqrt(advancing.w / receding.w) if receding.w > 0 else 1.0  # of the errors, what does not cancel
+    parts = [(low, max(high, low), 1.0), (high, max(whole.turn, high), above)]
+
+    def again(change: Change) -> Estimate:
+        turn = None if whole.turn == advancing.places[-1] else whole.turn
+        other = cycle(change(advancing), change(receding), k, turn)
+        return other if isinstance(other, Unknown) else other.energy_lost
+
+    return _error(whole.energy_lost, receding, again, _by_points(whole.retraction, parts))
+
+
+def separation_error(retraction: Path) -> Estimate:
+    """90 % half-width of the work of separation [J] of a ``retraction``, or why it is unknown."""
+    contact, parts = retraction.contact, list[tuple[float, float, float]]()
+    assert isinstance(contact, QuasiStatic)
+    for piece in reversed(retraction.pieces):
+        last = piece.unloaded()
+        follow = last or piece
+        if isinstance(follow, Follow):
+            parts.append((follow.end, follow.place, 1.0))
+        if last is not None:
+            break
+
+    def again(change: Change) -> Estimate:
+        other = QuasiStatic(change(contact.advancing), change(contact.receding), contact.stiffness)
+        return separation_work(shrink(other, min(retraction.stretches[0].place, float(other.receding.places[-1]))))
+
+    return _error(separation_work(retraction), contact.receding, again, _by_points(retraction, parts))
+
+
+def _error(
+    energy: Estimate, curve: EquilibriumCurve, again: Callable[[Change], Estimate], by_points: Estimate
+) -> Estimate:
+    """The half-width of an ``energy`` [J] that ``again`` finds on other curves: what leaving out every second point
+    changes, and what larger elements do, else what the errors of the points make of it, ``by_points``."""
+    if isinstance(energy, Unknown):
+        return energy
+    thinned = [_tried(again, lambda one, half=half: one.halves[half]) for half in (0, 1)]  # type: ignore[misc]
+    between = [abs(other - energy) for other in thinned if not isinstance(other, Unknown)]
+    if not between:
+        return Unknown("unknown: with every second row left out contact is not lost in the series")
+    by_mesh = _by_mesh(energy, curve, again)
+    of_points = by_points if by_mesh is None else by_mesh
+    if isinstance(of_points, Unknown):
+        return of_points
+    return max(between) / curve.thinning + of_points + TABULATED * abs(energy)
+
+
+def _by_mesh(energy: float, curve: EquilibriumCurve, again: Callable[[Change], Estimate]) -> float | None:
+    """What is left of an ``energy`` [J] by the changes to larger and larger elements; None where there are none."""
+    coarser = curve.series.coarser
+    if not isinstance(curve, AdhesiveCurve) or coarser is None:
+        return None
+
+    def on(level: int) -> Change:
+        def change(one: EquilibriumCurve) -> EquilibriumCurve:
+            assert isinstance(one, AdhesiveCurve)
+            return AdhesiveCurve(larger_elements(one.nonadhesive)[level], one.w)
+
+        return change
+
+    others = [_tried(again, on(level)) for level in range(len(larger_elements(curve.nonadhesive)))]
+    known = [energy, *itertools.takewhile(lambda other: not isinstance(other, Unknown), others)]
+    if len(known) < 2:
+        return None
+    changes = np.diff(np.array(known, dtype=float)) / coarser.ratio ** (2.0 * np.arange(len(known) - 1))
+    return LEFT / (coarser.ratio - 1) * float(np.sqrt(np.mean(changes**2)))
+
+
+def _tried(again: Callable[[Change], Estimate], change: Change) -> Estimate:
+    """The energy [J] on other curves, Unknown where they do not have it."""
+    try:
+        return again(change)
+    except JkrError as error:
+        return Unknown(str(error))
+
+
+def _by_points(retraction: Path, parts: Sequence[tuple[float, float, float]]) -> Estimate:
+    """What the errors of the points make of the work [J] on ``parts`` of a curve, each from one place to another [m]
+    and counted by a factor, and where contact is lost."""
+    contact = retraction.contact
+    curve, k = contact.recede.curve, contact.stiffness
+    if not curve.errors:
+        return Unknown(f"unknown: {curve.slopes.error}")
+    total = 0.0
+    for low, high, factor in parts:
+        if high > low:
+            places, weights = curve.path(low, high)
+            e, (ddelta, dP) = curve.error_at(places), curve.rates(places)
+            total += factor * float(np.sum(weights * (e["P"] * np.abs(ddelta) + e["delta"] * np.abs(dP))))
+    last = np.array(retraction.last)
+    e = curve.error_at(last)
+    return total + abs(float(curve.at(last)[1])) * float(position(e["delta"], e["P"], k))

@@ -103,12 +103,22 @@ class Validity:
     @property
     def warnings(self) -> list[str]:
         """What is beyond a limit, each with its number; empty where all is well or nothing is known."""
+        # What is lost without a range, solved for; by the Tabor number where that is not known
+        number, effect = self.tabor, self.effect_of_range
+        by_tabor = "" if isinstance(number, Unknown) else f" (Tabor number {number:.3g})"
+        range_warning = []
+        if not isinstance(effect, Unknown):
+            if abs(effect) >= LIMITS.effect:
+                differs = f"at the range z0 the pull-off force would differ by {effect:+.2%}{by_tabor}: {REMEDY}"
+                range_warning = [differs]
+        elif not isinstance(number, Unknown) and number < LIMITS.tabor_jkr:
+            range_warning = [f"Tabor number {number:.3g} is below {LIMITS.tabor_jkr:g}: {self.regime}"]
         return [
             *_above(self.a_over_R, LIMITS.a_over_R, "a/R", _strains(self)),
             *_above(self.delta_over_h, SMALL, "delta/h", "small strains no longer hold in the layer"),
             *_above(self.edge_angle, LIMITS.edge_angle, STEEP, "pull-off is one of small slopes of the surface", EDGE),
             *(_above(self.a_over_L, SMALL, "a/L", "the cut of the mesh affects the result") if self.end_is_cut else ()),
-            *_range_warning(self),
+            *range_warning,
         ]
 
 
@@ -282,18 +292,6 @@ def _strains(judged: Validity) -> str:
         f"P at this depth is about {judged.strained:.1%} too large against a rubber at large strains (neo-Hookean "
         f"half-space){better if judged.sphere < judged.strained else ''}"
     )
-
-
-def _range_warning(judged: Validity) -> list[str]:
-    """What is lost without a range, solved for; by the Tabor number where that is not known."""
-    number, effect = judged.tabor, judged.effect_of_range
-    by_tabor = "" if isinstance(number, Unknown) else f" (Tabor number {number:.3g})"
-    if not isinstance(effect, Unknown):
-        differs = f"at the range z0 the pull-off force would differ by {effect:+.2%}{by_tabor}: {REMEDY}"
-        return [differs] if abs(effect) >= LIMITS.effect else []
-    if isinstance(number, Unknown) or number >= LIMITS.tabor_jkr:
-        return []
-    return [f"Tabor number {number:.3g} is below {LIMITS.tabor_jkr:g}: {judged.regime}"]
 
 
 def _tabor(R: float | None, w: float, E_star: float, z0: float | None) -> Estimate:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import math
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -164,10 +164,14 @@ def tree_of(path: Path, content: bytes, without: Container[str] = (), remedy: st
         return _group(file, without)
 
 
-def check(path: Path, content: bytes, remedy: str) -> None:
-    """The same check of a file that others wrote, whose attributes may be of any type; nothing is read."""
+@contextlib.contextmanager
+def members_of(
+    path: Path, content: bytes, remedy: str
+) -> Iterator[tuple[h5py.File, Callable[[h5py.Group, str], h5py.Group | h5py.Dataset]]]:
+    """Open a file that others wrote once; with it what gives a member of a group by its name, checked as ``tree_of``
+    does, but for attributes, which may be of any type. Values are read when they are asked for."""
     with _opened(path, content, remedy) as file:
-        _Check(path, of_ours=False).group(file)
+        yield file, _Check(path, of_ours=False).member
 
 
 @contextlib.contextmanager
@@ -212,15 +216,20 @@ class _Check:
     def group(self, group: h5py.Group, without: Container[str] = ()) -> None:
         self.attributes(group)
         for name in group:
-            if name in without:
-                continue
-            where = f"{group.name.strip('/')}/{name}".strip("/")
-            link = group.id.links.get_info(name.encode("utf-8", "surrogateescape"))
-            if link.type != h5py.h5l.TYPE_HARD or link.u in self.seen:  # so a small file becomes a huge tree
-                raise InputError(f'{self.path}: "{where}" is a link, not data of this file')
-            self.seen.add(link.u)
-            item = group[name]
-            self.dataset(where, item) if isinstance(item, h5py.Dataset) else self.group(item)
+            if name not in without and isinstance(item := self.member(group, name), h5py.Group):
+                self.group(item)
+
+    def member(self, group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset:
+        """One member, itself checked, of a group not yet what it holds."""
+        where = f"{group.name.strip('/')}/{name}".strip("/")
+        link = group.id.links.get_info(name.encode("utf-8", "surrogateescape"))
+        if link.type != h5py.h5l.TYPE_HARD or link.u in self.seen:  # so a small file becomes a huge tree
+            raise InputError(f'{self.path}: "{where}" is a link, not data of this file')
+        self.seen.add(link.u)
+        item = group[name]
+        if isinstance(item, h5py.Dataset):
+            self.dataset(where, item)
+        return item
 
     def dataset(self, where: str, data: h5py.Dataset) -> None:
         if data.external or data.is_virtual:

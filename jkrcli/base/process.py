@@ -99,38 +99,21 @@ CGROUP = Path("/sys/fs/cgroup")
 
 def free_memory() -> float:
     """MiB that this process may still use: the least of what machine, container and shell leave; inf if unknown."""
-    return min(_of_machine(), _of_container(), _of_shell())
-
-
-def _address_space() -> int:
-    """Bytes of address space of this process."""
-    import resource
-
-    return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
-
-
-def _of_machine() -> float:
+    left = []
     with contextlib.suppress(OSError, ValueError, StopIteration):
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
-        return next(float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")) / 1024
-    return math.inf
-
-
-def _of_container() -> float:
+        left.append(next(float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")) / 1024)
     with contextlib.suppress(OSError, ValueError):  # "max" where there is no limit
         most, used = (float((CGROUP / name).read_text(encoding="ascii")) for name in ("memory.max", "memory.current"))
-        return (most - used) / 2**20
-    return math.inf
-
-
-def _of_shell() -> float:
-    """What ``ulimit -v`` leaves; systems without it have no such module."""
-    with contextlib.suppress(ImportError, OSError):
+        left.append((most - used) / 2**20)
+    with contextlib.suppress(ImportError, OSError):  # `ulimit -v`; systems without it have no such module
         import resource
 
-        most, _ = resource.getrlimit(resource.RLIMIT_AS)
-        return math.inf if most == resource.RLIM_INFINITY else (most - _address_space()) / 2**20
-    return math.inf
+        limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+        if limit != resource.RLIM_INFINITY:
+            pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+            left.append((limit - pages * resource.getpagesize()) / 2**20)
+    return min(left, default=math.inf)
 
 
 # --------------------------------------------------------------------------------------------------

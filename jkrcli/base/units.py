@@ -76,7 +76,15 @@ def parse(text: str, dimension: str) -> float:
         return float(number) if unit == "rad" else math.radians(float(number))
     words, _, _, powers = DIMENSIONS[dimension]
     if unit not in powers:
-        raise ValueError(f'must be {words}, got "{text}": unknown unit "{match[2]}"{_hint(unit, dimension)}')
+        allowed = list(DIMENSIONS[dimension].units) or (["rad", "deg"] if dimension == "angle" else [])
+        if not allowed:
+            hint = ", no unit is allowed here"
+        else:
+            pressure = (
+                ", a pressure is no force per length" if dimension == "tension" and unit in UNITS["modulus"] else ""
+            )
+            hint = f"{pressure or did_you_mean(unit, allowed, 0.6)} (allowed: {', '.join(allowed)})"
+        raise ValueError(f'must be {words}, got "{text}": unknown unit "{match[2]}"{hint}')
     return float(number.scaleb(powers[unit]))
 
 
@@ -236,14 +244,6 @@ def _normalise(unit: str) -> str:
     unit = unit.replace("µ", "u").replace("μ", "u").replace("²", "^2").replace("**", "^")
     unit = re.sub(r"\s*m\^?-2\Z", "/m^2", unit)
     return re.sub(r"(?<=m)2\Z", "^2", unit)
-
-
-def _hint(unit: str, dimension: str) -> str:
-    allowed = list(DIMENSIONS[dimension].units) or (["rad", "deg"] if dimension == "angle" else [])
-    if not allowed:
-        return ", no unit is allowed here"
-    pressure = ", a pressure is no force per length" if dimension == "tension" and unit in UNITS["modulus"] else ""
-    return f"{pressure or did_you_mean(unit, allowed, 0.6)} (allowed: {', '.join(allowed)})"
 
 
 def reached(a: float, delta: float, P: float) -> str:

@@ -664,10 +664,11 @@ def relaxing(law: Relaxation | None) -> list[str]:
     begin = "the specimen relaxes: "
     if law.relaxed is None:
         return [f"{begin}the moduli here are those at the law's time; without adhesion jkr cycle --speed follows them"]
+    over_time = "jkr cycle --speed follows them over time, with adhesion by --stress or --range"
     fast = f"{begin}this is the limit of very fast cycles, with the moduli at t = 0"
     if not law.relaxed > 0:
-        return [f"{fast}; without adhesion jkr cycle --speed follows them over time"]
+        return [f"{fast}; {over_time}"]
     return [
         f"{fast}, and no bound: pulled at once from rest, contact holds up to {1 / law.relaxed:.3g} times as much; jkr "
-        "pull-off and jkr cycle give the force by the history"
+        f"pull-off and jkr cycle give the force by the history; {over_time}"
     ]

@@ -92,14 +92,11 @@ def with_others(finding: str | None, data: Any, handler: Callable[[Any], Made]) 
     except ValidationError as error:
         items = error.errors()
     unknown = any(item["type"] == "extra_forbidden" and len(item["loc"]) == 1 for item in items)
-    own = [] if unknown else [InitErrorDetails(type=wrong(finding), input=data)]
-    raise ValidationError.from_exception_data("table", [*own, *map(_again, items)])
-
-
-def _again(item: Any) -> InitErrorDetails:
-    """A finding of pydantic's in the form in which it takes findings."""
-    kind = wrong(item["msg"]) if item["type"] == "jkr" else item["type"]
-    return InitErrorDetails(type=kind, loc=item["loc"], input=item["input"], ctx=item.get("ctx", {}))
+    found = [] if unknown else [InitErrorDetails(type=wrong(finding), input=data)]
+    for item in items:  # pydantic takes findings in another form than it gives them
+        kind = wrong(item["msg"]) if item["type"] == "jkr" else item["type"]
+        found.append(InitErrorDetails(type=kind, loc=item["loc"], input=item["input"], ctx=item.get("ctx", {})))
+    raise ValidationError.from_exception_data("table", found)
 
 
 def readable(annotation: Any) -> Any:
@@ -314,20 +311,24 @@ class LayerTable(_Layer, IsotropicTable): ...
 class TransverseLayerTable(_Layer, TransverseTable): ...
 
 
-def _one_modulus(value: Any) -> Any:
-    if isinstance(value, dict):
-        raise wrong("a half-space is homogeneous: put a graded layer on it, so thick that the rest does not matter")
-    return value
+def _homogeneous(why: str) -> BeforeValidator:
+    """Refuse a law of the modulus over the depth, because of ``why``."""
+
+    def one_modulus(value: Any) -> Any:
+        if isinstance(value, dict):
+            raise wrong(why)
+        return value
+
+    return BeforeValidator(one_modulus)
 
 
-def _one_modulus_of_coating(value: Any) -> Any:
-    if isinstance(value, dict):
-        raise wrong("a layer of the indenter is homogeneous: cut a graded one into several")
-    return value
-
-
-ModulusOfHalfSpace = Annotated[Modulus, BeforeValidator(_one_modulus)]
-ModulusOfCoating = Annotated[Modulus, BeforeValidator(_one_modulus_of_coating)]
+ModulusOfHalfSpace = Annotated[
+    Modulus,
+    _homogeneous("a half-space is homogeneous: put a graded layer on it, so thick that the rest does not matter"),
+]
+ModulusOfCoating = Annotated[
+    Modulus, _homogeneous("a layer of the indenter is homogeneous: cut a graded one into several")
+]
 
 
 class CoatingTable(LayerTable):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -25,9 +25,8 @@ from ..bodies.materials import (
     Law,
     Layer,
     Material,
-    Solid,
 )
-from ..bodies.problem import HalfSpace, Loading, Problem, Specimen
+from ..bodies.problem import HalfSpace, Problem, Specimen
 from ..methods.protocol import METHODS
 from .models import CaseModel, RootTable, UnquotedError, case_model, other_tables
 
@@ -106,15 +105,12 @@ def parse_case(content: bytes, source: str, folder: Path | None = None) -> Case:
         raise InputError([*error.lines, *_mistakes(error.quoted, source, folder)]) from None
     if "base" in tree and "indenter" not in tree:
         raise InputError(f"{source}: is a sweep file, not a case: jkr sweep runs it")
-    return Case(model_of(tree, source, folder), source, remarks=tuple(_remarks(tree, source)))
-
-
-def _remarks(tree: dict[str, Any], source: str) -> Iterator[str]:
-    """A bare number is read as SI: a remark where that makes a work of adhesion that surfaces hardly have."""
+    model = model_of(tree, source, folder)
+    # A bare number is read as SI: a remark where that makes a work of adhesion that surfaces hardly have
     works = tree.get("adhesion", {}).get("w", [])
-    for work in works if isinstance(works, list) else [works]:
-        if not isinstance(work, str) and (doubt := doubtful_work(work)):
-            yield f"{source}: adhesion.w: {doubt}"
+    bare = (work for work in (works if isinstance(works, list) else [works]) if not isinstance(work, str))
+    remarks = tuple(f"{source}: adhesion.w: {doubt}" for work in bare if (doubt := doubtful_work(work)))
+    return Case(model, source, remarks=remarks)
 
 
 def _mistakes(text: str, source: str, folder: Path | None) -> tuple[str, ...]:
@@ -267,18 +263,22 @@ def shown(value: Any) -> str:
 
 def case_of(problem: Problem) -> Case:
     """A case of ``problem``, with defaults for all else; InputError where no case can say it."""
+    if isinstance(problem.indenter.material, Coated):
+        layers = [_layer(layer) for layer in problem.indenter.material.layers]
+        indenter = _material(problem.indenter.material.core) | {"layers": layers}
+    else:
+        indenter = _material(problem.indenter.material)
+    loading = problem.loading
+    if loading.spacing != "given":
+        to: dict[str, Any] = {loading.to: loading.maximum, "points": loading.points, "spacing": loading.spacing}
+    else:
+        to = {loading.to: loading.values} if len(loading.values) > 1 else {loading.to: loading.maximum, "points": 1}
     tree = {
-        "indenter": problem.indenter.keys | _indenter(problem.indenter.material),
+        "indenter": problem.indenter.keys | indenter,
         "specimen": _specimen(problem.specimen) | ({"surface": "sticking"} if problem.sticks else {}),
-        "loading": _loading(problem.loading),
+        "loading": to,
     }
     return Case(model_of(tree, "problem"), "problem")
-
-
-def _indenter(material: Solid | None) -> dict[str, Any]:
-    if isinstance(material, Coated):
-        return _material(material.core) | {"layers": [_layer(layer) for layer in material.layers]}
-    return _material(material)
 
 
 def _material(material: Material | None) -> dict[str, Any]:
@@ -306,9 +306,3 @@ def _specimen(specimen: Specimen) -> dict[str, Any]:
 
 def _layer(layer: Layer) -> dict[str, Any]:
     return _material(layer.material) | {"thickness": layer.thickness, "name": layer.name}
-
-
-def _loading(loading: Loading) -> dict[str, Any]:
-    if loading.spacing != "given":
-        return {loading.to: loading.maximum, "points": loading.points, "spacing": loading.spacing}
-    return {loading.to: loading.values} if len(loading.values) > 1 else {loading.to: loading.maximum, "points": 1}

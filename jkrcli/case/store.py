@@ -119,7 +119,12 @@ def _tree(solution: Solution, command_line: str) -> hdf5.Group:
     members |= dict(_larger_elements(series))
     if raw is not None:
         rows = hdf5.unit_column(np.asarray(raw.rows), "1", "number of the row")
-        members["increments"] = hdf5.Group({}, _columns(raw) | {"row": rows} | _element(raw))
+        # The distance of nodes to the next ones, where it is known
+        if raw.element is None:
+            element = {}
+        else:
+            element = {ELEMENT: hdf5.unit_column(raw.element, "m", "distance from the node to the next one")}
+        members["increments"] = hdf5.Group({}, _columns(raw) | {"row": rows} | element)
     if solution.touches is not None:
         members[TOUCHES] = hdf5.Group({}, _columns(solution.touches))
         members[f"{TOUCHES}_errors"] = hdf5.Group({}, _errors(solution.touches))
@@ -169,13 +174,6 @@ def _errors(series: Series) -> dict[str, hdf5.Group | hdf5.Dataset]:
 def _columns(rows: Series | RawSeries) -> dict[str, hdf5.Group | hdf5.Dataset]:
     there = {key: values for key in COLUMNS if (values := getattr(rows, key, None)) is not None}
     return {STORED[key].name: hdf5.unit_column(values, *STORED[key][1:]) for key, values in there.items()}
-
-
-def _element(raw: RawSeries) -> dict[str, hdf5.Group | hdf5.Dataset]:
-    """The distance of nodes to the next ones, where it is known."""
-    if raw.element is None:
-        return {}
-    return {ELEMENT: hdf5.unit_column(raw.element, "m", "distance from the node to the next one")}
 
 
 # ---------------------------------------------------------------------- reading

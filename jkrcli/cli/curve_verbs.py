@@ -363,36 +363,47 @@ def fields(file: Path, state: State, component: str, output: Output) -> None:
 
 @verb("file")
 @click.option("--dem", is_flag=True, help="For particle codes: a C header and a table of load and radius over overlap.")
+@click.option("--nanite", is_flag=True, help="For nanite and PyJibe: a fit model of E, w and the contact point.")
 @click.option("--w", "work", type=WORK, help='J/m^2 or "35 mJ/m^2" [default: the case\'s first].')
 @slopes_option
 @limits_options
 @into_folder()
 @output_options(json="Print the summary as JSON.")
-def export(file: Path, dem: bool, work: float | None, slopes: str, limits: Limits, output: Output) -> None:
+def export(
+    file: Path, dem: bool, nanite: bool, work: float | None, slopes: str, limits: Limits, output: Output
+) -> None:
     """Write the adhesive contact of FILE, a case or a series, as a law that another program can use.
 
     With --dem: force and contact radius over the overlap of two particles on the stable branch, the state after first
     touch, and where contact is lost under displacement and under load control. Writes <stem>-dem.h (C99: table,
     function, test vectors and a check that compiles alone) and <stem>-dem.csv; says what JKR of a half-space would do.
+    With --nanite: model_jkr_<stem>.py, JKR of this body with E, w and contact point to fit; --w is where a fit begins.
 
     \b
     jkr export coating.h5 --dem --w "50 mJ/m^2"
+    jkr export layer.h5 --nanite
     """
-    if not dem:
-        raise InputError("export: say for what: --dem, for particle codes (LAMMPS, LIGGGHTS, Lethe)")
+    if dem == nanite:
+        raise InputError("export: say for what: --dem, for particle codes (LAMMPS, LIGGGHTS, Lethe), or --nanite, for "
+                         "nanite and PyJibe")  # fmt: skip
     output.folder(Path())
     file, solution, w = body_and_work("export", file, work)
     if w == 0:
         raise InputError(f"{file}: a contact without adhesion needs no table of what holds it: give --w")
-    targets = output.files(output.folder(file.parent) / f"{file.stem}-dem", (".h", ".csv"), [file])
-    begin_curves("export", [solution], [(w,)], limits)
     from ..report.dem import Exported
+    from ..report.nanite import NaniteModel, model_name
 
-    law = Exported.of(analyse(solution, [w], slopes)[0])
+    folder, name = output.folder(file.parent), model_name(file.stem)
+    stem, endings = (f"{file.stem}-dem", (".h", ".csv")) if dem else (f"model_{name}", (".py",))
+    targets = output.files(folder / stem, endings, [file])
+    begin_curves("export", [solution], [(w,)], limits)
+    curve = analyse(solution, [w], slopes)[0]
+    result: Exported | NaniteModel = Exported.of(curve) if dem else NaniteModel.of(curve, name)
     with together():
-        write_text(targets[".h"], law.header)
-        targets.write(law.columns)
-    give(law, output.json, f"  written    {targets}")
+        write_text(targets[endings[0]], result.code)
+        if dem:
+            targets.write(result.columns)
+    give(result, output.json, f"  written    {targets}")
 
 
 # --------------------------------------------------------------------------------------------------

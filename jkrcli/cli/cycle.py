@@ -10,12 +10,11 @@ import click
 
 from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from ..adhesion.device_path import Course, Program
-from ..adhesion.finite_range import Range
 from ..adhesion.from_rest import LoadingHistory, Rest
 from ..adhesion.rate import RateContact, parameters_of, rate_law_of
 from ..adhesion.relaxation import RelaxingContact
 from ..adhesion.relaxing_adhesion import RelaxingAdhesion
-from ..base.errors import InputError, Unknown
+from ..base.errors import InputError
 from ..base.files import together
 from ..base.units import show
 from ..bodies.materials import Relaxation
@@ -24,7 +23,7 @@ from ..report.forward import Cycled, CycledByProgram
 from ..report.rate import CycledAdhering, CycledAtSpeed, CycledInLimits, CycledRelaxing, traced_histories
 from ..report.result import PICTURES, Output, Result
 from ..resolve.analysis import Analysis, analyse, with_solved_points
-from ..resolve.histories import curves_from_rest, rest_of
+from ..resolve.histories import curves_from_rest, pull_off_in_limits, rest_of
 from ..series import Solution
 from .inputs import (
     TABLE_CYCLE_MIB_PER_ROW,
@@ -122,6 +121,15 @@ class RateOptions:
             return read_program(self.program, contact.stiffness)
         return self._course.program(contact, flag)
 
+    def pulled(self, x: float, stiffness: float) -> Program:
+        """What the device does from rest at its position ``x`` on: back at once, to a dwell where there is one."""
+        if turns := [name for name in ("to_load", "to_depth", "speed_approach", "hold", "program")
+                     if getattr(self, name) is not None]:  # fmt: skip
+            raise InputError(f"cycle: from rest it is pulled at --speed: leave {flag(turns[0])} out")
+        moves = self._course.moves(stiffness == LOAD_CONTROL, flag)
+        whole = Program.on(x, -moves.back)
+        return whole if moves.dwell is None else whole.dwelling(moves.dwell, moves.dwell_time)
+
     def refuse_wrong(self, stiffness: float) -> None:
         """InputError where a speed, time or place is none, before anything is solved."""
         if self.speed is not None:
@@ -173,20 +181,6 @@ def run_relaxing(body: Analysis, law: Relaxation, stiffness: float, points: int,
     return CycledRelaxing.of(contact, rates.program_of(contact), body.path, points)
 
 
-def run_adhering(
-    solution: Solution, curves: Sequence[tuple[str, Analysis]], law: Range, stiffness: float, points: int,
-    rates: RateOptions,
-) -> CycledAdhering:  # fmt: skip
-    """What happens over time to a body that relaxes with adhesion of finite range by ``law``; ``curves``: those of its
-    limits by their names."""
-    relaxation, file = solution.problem.specimen.relaxation, solution.record.path
-    assert relaxation is not None
-    contact = RelaxingAdhesion.of(solution, law, relaxation, stiffness)
-    points_of = {name: curve.curve.pull_off(LOAD_CONTROL) for name, curve in curves}
-    limits = {name: point if isinstance(point, Unknown) else point.P for name, point in points_of.items()}
-    return CycledAdhering.of(contact, rates.program_of(contact), file, limits, points)
-
-
 def read_program(path: Path, stiffness: float) -> Program:
     """What the table at ``path`` says that a device of ``stiffness`` [N/m] does."""
     from ..data import foreign
@@ -201,8 +195,8 @@ def read_program(path: Path, stiffness: float) -> Program:
 @click.option("--stiffness", type=CONTROL, default="rigid", show_default=True,
               help='"0.2 N/m", "rigid" or "load".')  # fmt: skip
 @rate_options
-@click.option("--rest-load", type=LOAD, help="Viscoelastic specimens: at rest under this load, then pulled at once "
-              "[default: at the turn of --to-load or --to-depth, else at P = 0].")  # fmt: skip
+@click.option("--rest-load", type=LOAD, help="Viscoelastic specimens: at rest under this load, then pulled at once, "
+              "with --stress at --speed [default: at the turn of --to-load or --to-depth, else at P = 0].")  # fmt: skip
 @click.option("--rest-depth", type=LENGTH, help="The same at this displacement delta.")
 @click.option("--points", type=click.IntRange(2, 100_000), default=200, show_default=True, help="Rows per branch.")
 @curve_options
@@ -222,7 +216,7 @@ def cycle(
     the dissipating zone). Else with --stress or --range the surfaces attract each other before they touch. A specimen
     that relaxes is followed over time without adhesion (w = 0), and with it where --stress or --range says its range;
     without --speed very fast and very slow cycles are traced, and one that is loaded slowly, rests and is pulled at
-    once. Writes <stem>-cycle.csv, .png and .svg; the
+    once. With --rest-depth or --rest-load and --speed it begins at rest. Writes <stem>-cycle.csv, .png and .svg; the
     options that are given are added to the name in SI, as in <stem>-cycle-w-retract0.045-to-load0.0005.csv.
 
     \b
@@ -254,10 +248,9 @@ def cycle(
     if in_limits:
         rests = rates.rate is None and not ranged
         known = traced_histories(solution, rest, rates.to_load, rates.to_depth, rests)
-    elif rest is not None:
+    elif rest is not None and not adhering:
         raise InputError(
-            "cycle: --rest-load and --rest-depth are for adhesion on a specimen that relaxes, and without --speed: "
-            f"{'give --hold' if adhering else 'leave them out'}"
+            "cycle: --rest-load and --rest-depth are for adhesion on a specimen that relaxes: leave them out"
         )
     names = [one.name for one in known] or [""]
     ends = f"{_told(w_approach, w_retract, stiffness)}{rates.suffix(stiffness)}{_told_rest(rest)}{ranged.suffix}"
@@ -276,13 +269,19 @@ def cycle(
         return Cycled.from_rest(solution.record.path, *curves, stiffness, points, history.words)
 
     def followed() -> CycledAdhering:
-        """Adhesion over time, with the curves of its limits."""
+        """Adhesion over time, from ``rest`` on where there is one, with its limits."""
         assert law is not None
-        known = [("very fast", 1.0), *([("very slow", law.relaxed)] if law.relaxed else [])]
-        curves = [(name, analyse(solution, works, how.slopes, how.modulus_factor * share, ranged)[1])
-                  for name, share in known]  # fmt: skip
         scaled = solution.scaled(how.modulus_factor)
-        return run_adhering(scaled, curves, ranged.law(works[1]), stiffness, points, rates)
+        contact = RelaxingAdhesion.of(scaled, ranged.law(works[1]), law, stiffness)
+        if rest is None:
+            program = rates.program_of(contact)
+        else:
+            contact = replace(contact, rests=True)
+            program = rates.pulled(contact.pulled_from(rest), stiffness)
+        histories = traced_histories(solution, rest, rates.to_load, rates.to_depth)
+        at_rest = next((one for one in histories if one.rest is not None), None)
+        limits = pull_off_in_limits(solution, works[1], ranged, at_rest, how.slopes, how.modulus_factor)
+        return CycledAdhering.of(contact, program, solution.record.path, limits, points)
 
     def cycled(share: float = 1.0, history: str = "") -> Result:
         curves = analyse(solution, works, how.slopes, how.modulus_factor * share, ranged)

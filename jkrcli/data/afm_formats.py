@@ -8,7 +8,7 @@ import math
 import re
 import struct
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -63,6 +63,9 @@ def nanoscope_curves(path: Path, reading: Reading) -> Iterator[AsRead]:
     stiffness, sensitivity, flags = file.calibration(reading)
     for number in range(file.count):
         name = path.stem if file.count == 1 else str(number)
+        if not reading.wants(name):
+            yield name, None
+            continue
         try:
             yield file.curve(name, number, stiffness * sensitivity, flags).multiplied(reading.factors), stiffness
         except InputError as error:
@@ -344,8 +347,6 @@ def check(path: Path) -> None:
     ending = path.suffix.lower()
     if ending == ".zip" or ending.startswith(".jpk"):
         _members(path, process.TEXT if ending == ".zip" else None)
-    elif ending == ".h5":
-        hdf5.check(path, read_bytes(path, INTACT_WHAT), INTACT_AGAIN)
     elif ending == ".ibw":
         _wave(path, read_bytes(path, INTACT_WHAT))
     else:
@@ -393,6 +394,9 @@ HEIGHTS = ("height (measured)", "height (piezo)")  # the better first
 SEGMENTS = {0: APPROACH, 1: RETRACT}
 LACKING = "No data found"  # how afmformats begins to say that a column is not there
 BASE = ".base-calibration-slot"  # of a JPK file: how a property ends that names the scale which another is based on
+OWN_SENSITIVITY = "names its own sensitivity, or needs none: leave --sensitivity out"
+PLACE = ("grid index x", "grid index y", "position x", "position y")  # entries on the place of a curve in a map
+ENTRIES = ("spring constant", "point count", *PLACE)  # numbers that are read of a data set
 IN_NOTE = (b"FMapPointCounter", b"FMapLineCounter", b"XLVDT", b"YLVDT")  # of a wave that is one of a map
 COUNTED = re.compile(rb"(?:\A|\r)(%s): ?(-?\d+(?:\.\d*)?(?:e[-+]?\d{1,2})?)(?=\r)" % b"|".join(IN_NOTE))
 
@@ -408,16 +412,75 @@ def curves(path: Path, reading: Reading) -> Iterator[AsRead]:
     ``delta`` is minus the height, which grows away from the specimen, the deflection not yet subtracted; of files that
     hold the position of the tip itself it is minus that, and None stands for the spring constant.
     """
-    data_sets, lacks = _load(path, reading)
-    reading.check_known_columns(path)
-    for data in data_sets:
-        name = path.stem if len(data_sets) == 1 else str(data.enum)
-        try:
-            with _guarded(place(path, name)):
-                as_read = _curve_and_stiffness(path, name, data, reading, lacks)
-            yield as_read
-        except InputError as error:
-            yield error, None
+    with _opened_sets(path, reading) as (data_sets, lacks):
+        if reading.stiffness == math.inf:
+            raise InputError(f"{path}: is of a force microscope, whose lever bends: give its stiffness, not rigid")
+        reading.check_known_columns(path)
+        for data in data_sets:
+            name = path.stem if len(data_sets) == 1 else str(data.enum)
+            if not reading.wants(name):
+                yield name, None
+                continue
+            try:
+                with _guarded(place(path, name)):
+                    as_read = _curve_and_stiffness(path, name, data, reading, lacks)
+                yield as_read
+            except InputError as error:
+                yield error, None
+
+
+@contextlib.contextmanager
+def _opened_sets(path: Path, reading: Reading) -> Iterator[tuple[Sequence[Any], str]]:
+    """The data sets of a file, whose columns are read at their first use; what 1 stands in for, if anything."""
+    if path.suffix.lower() != ".h5":
+        yield _load(path, reading)
+        return
+    with hdf5.members_of(path, read_bytes(path, INTACT_WHAT), INTACT_AGAIN) as (file, member):
+        if not {"software", "software version"} <= set(file.attrs) or "0" not in file:
+            raise UnreadableError(f"{path}: holds no force curves as afmformats exports them")
+        if reading.sensitivity is not None:
+            raise InputError(f"{path}: {OWN_SENSITIVITY}")
+        yield [_Exported(file, member, number) for number in sorted(int(name) for name in file if name.isdecimal())], ""
+
+
+@dataclass(eq=False)
+class _Exported:
+    """A data set of an HDF5 file that afmformats exported, which is opened once for all of them: a group of one number,
+    ``enum``, with the entries on it and columns that are read once. Read as afmformats itself does, which opens the
+    file for each column."""
+
+    file: Any
+    member: Callable[[Any, str], Any]
+    enum: int
+
+    @cached_property
+    def group(self) -> Any:
+        return self.member(self.file, str(self.enum))
+
+    @cached_property
+    def columns(self) -> list[str]:
+        return sorted(self.group)
+
+    @cached_property
+    def _raw_data(self) -> dict[str, Array]:
+        return {}
+
+    @cached_property
+    def _metadata(self) -> Mapping[str, Any]:
+        entries = {key: self.group.attrs[key] for key in ENTRIES if key in self.group.attrs}
+        return {key: float(value) for key, value in entries.items() if not math.isnan(float(value))}
+
+    @property
+    def modality(self) -> str:
+        return str(self.group.attrs["imaging mode"])
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.columns
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self._raw_data:
+            self._raw_data[name] = self.member(self.group, name)[()]
+        return self._raw_data[name]
 
 
 def _curve_and_stiffness(path: Path, name: str, data: Any, reading: Reading, lacks: str) -> tuple[Curve, float | None]:
@@ -463,7 +526,7 @@ def _load(path: Path, reading: Reading) -> tuple[list[Any], str]:
         try:
             data_sets = _loaded(path)
             if data_sets and reading.sensitivity is not None:
-                raise InputError(f"{path}: names its own sensitivity, or needs none: leave --sensitivity out")
+                raise InputError(f"{path}: {OWN_SENSITIVITY}")
         except errors.MissingMetaDataError:
             if reading.incomplete:
                 lacks = " and ".join(key for key in calibration if key not in override)
@@ -476,8 +539,6 @@ def _load(path: Path, reading: Reading) -> tuple[list[Any], str]:
         raise InputError(f"{path}: lacks {missing}: give --stiffness and, if asked for, --sensitivity") from None
     if not data_sets:
         raise InputError(f"{path}: holds no force curve")
-    if reading.stiffness == math.inf:
-        raise InputError(f"{path}: is of a force microscope, whose lever bends: give its stiffness, not rigid")
     return data_sets, lacks
 
 
@@ -500,15 +561,13 @@ def _loaded(path: Path, **options: Any) -> list[Any]:
 @contextlib.contextmanager
 def _guarded(where: str) -> Iterator[None]:
     """A block of work by afmformats, whose readers of damaged files raise anything, much of which is no Exception."""
-    from afmformats import errors, meta
-
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             yield
-    except (InputError, MemoryError):
+    except (InputError, MemoryError, KeyboardInterrupt, SystemExit, GeneratorExit):
         raise
-    except (Exception, errors.AFMFileFormatError, meta.MetaDataMissingError) as error:
+    except BaseException as error:
         raise UnreadableError(f"{where}: afmformats cannot read this file ({first_line(error)})") from None
 
 
@@ -538,7 +597,8 @@ def _curve(path: Path, name: str, data: Any) -> Curve:
         t, flags = None, (*flags, "its time runs back and was left out")
     segment = None
     if _holds(data, "segment") and data.modality == "force-distance":  # others wait between: the motion divides them
-        segment = np.array([SEGMENTS.get(int(word), f"segment {word}") for word in data["segment"]])
+        numbers, of_rows = np.unique(np.asarray(data["segment"]).astype(int), return_inverse=True)
+        segment = np.array([SEGMENTS.get(int(one), f"segment {one}") for one in numbers])[of_rows]
     return Curve(name, delta=delta, P=P, t=t, segment=segment, origin=path, flags=flags, pixel=_pixel(path, data))
 
 
@@ -581,7 +641,7 @@ def _pixel(path: Path, data: Any) -> Pixel | None:
         note = dict(COUNTED.findall(read_bytes(path, INTACT_WHAT)))
         entries: list[Any] = [float(note[key]) if key in note else None for key in IN_NOTE]
     else:
-        entries = [_metadata(data, key) for key in ("grid index x", "grid index y", "position x", "position y")]
+        entries = [_metadata(data, key) for key in PLACE]
     if any(value is None or not math.isfinite(value) for value in entries):
         return None
     column, row, x, y = map(float, entries)
@@ -590,11 +650,9 @@ def _pixel(path: Path, data: Any) -> Pixel | None:
 
 def _holds(data: Any, name: str) -> bool:
     """Whether a data set has the column: some readers announce columns that their files lack."""
-    from afmformats.errors import FileFormatNotSupportedError
-
     try:
         return name in data and data[name] is not None
-    except FileFormatNotSupportedError as error:
+    except BaseException as error:  # of afmformats, whose errors are no Exceptions
         if str(error).startswith(LACKING):
             return False
         raise

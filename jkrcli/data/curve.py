@@ -148,7 +148,8 @@ class Curve:
         return () if self.segment is None else tuple(dict.fromkeys(self.segment.tolist()))
 
 
-AsRead: TypeAlias = tuple[Curve | InputError, float | None]  # with the stiffness of its device [N/m]
+# With the stiffness of its device [N/m]; of a curve that the reading leaves out its name alone, the rest not read.
+AsRead: TypeAlias = tuple[Curve | InputError | str, float | None]
 
 
 def quantity(name: str, value: float | str, dimension: str) -> float:
@@ -217,6 +218,10 @@ class Reading:
         object.__setattr__(self, "zero", zero)
         object.__setattr__(self, "factors", factors)
         object.__setattr__(self, "flip", frozenset([self.flip] if isinstance(self.flip, str) else self.flip))
+
+    def wants(self, name: str) -> bool:
+        """Whether the curve of this name is read."""
+        return self.where.get("curve") in (None, name)
 
     def check_known_columns(self, path: Path) -> None:
         """Refuse columns, their units and rows by them for a file whose format names them."""

@@ -59,8 +59,7 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
 
     InputError names lines and columns.
     """
-    from ..resolve.consistency_check import check_against_solution
-    from ..resolve.node_radii import compared
+    from ..resolve.node_radii import check_against_solution, compared
 
     indenter = problem.indenter
     table = read_table(path, reading.separator, reading.decimal)

@@ -43,7 +43,7 @@ def from_columns(columns: Mapping[str, Any], reading: Reading | None = None, nam
     lines = [",".join(arrays), *(",".join(map(str, row)) for row in table)]
     reading = replace(reading or Reading(), separator="comma", decimal=".")
     (curve, stiffness), *others = text_formats.curves(Path(name), reading, "\n".join(lines).encode())
-    if others or isinstance(curve, InputError):
+    if others or not isinstance(curve, Curve):
         raise curve if isinstance(curve, InputError) else InputError(f"{name}: holds several curves, one is wanted")
     return _by_convention(curve, reading, stiffness)
 
@@ -66,8 +66,8 @@ def each(path: Path, reading: Reading | None = None) -> Iterator[Curve | InputEr
         if isinstance(curve, InputError):
             yield curve
             continue
-        names.append(curve.name)
-        if wanted not in (None, curve.name):
+        names.append(curve if isinstance(curve, str) else curve.name)
+        if isinstance(curve, str) or not reading.wants(curve.name):
             continue
         try:
             yield _by_convention(_selected(curve, reading), reading, stiffness)

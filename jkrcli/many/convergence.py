@@ -80,8 +80,8 @@ class ConvergenceLevel:
 
 
 @dataclass(frozen=True, eq=False)
-class MeshSequence:
-    """Meshes from coarse to fine, all judged at ``depth`` [m]; ``exact``: of the wide body, None for a finite one."""
+class Convergence(Result):
+    """A study of meshes from coarse to fine, all judged at ``depth`` [m]; ``exact``: of the wide body, if any."""
 
     problem: Problem
     w: float
@@ -127,23 +127,6 @@ class MeshSequence:
         limit = self.extrapolated[quantity]
         return self.values(quantity)[-1] if isinstance(limit, Unknown) else limit[1]
 
-
-def richardson(values: Sequence[float | None]) -> tuple[float, float] | Unknown:
-    """Observed order and limit of values on meshes that halve their sizes, from the last three; else why not."""
-    last = values[-3:]
-    if len(last) < 3 or any(value is None for value in last):
-        return Unknown("needs three meshes with a value")
-    first, second = (b - a for a, b in itertools.pairwise(last))  # type: ignore[operator]
-    if abs(second) <= MESHES_ROUND_OFF * abs(last[-1]) or first / second <= 1:  # type: ignore[arg-type]
-        return Unknown("the differences do not shrink from mesh to mesh")
-    order = math.log(first / second) / math.log(MESHES_RATIO)
-    return order, last[-1] + second / (MESHES_RATIO**order - 1)
-
-
-@dataclass(frozen=True, eq=False)
-class Convergence(MeshSequence, Result):
-    """A study of meshes as a result."""
-
     @property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
         """A row per mesh; the pull-off cell is empty where it lies outside the series."""
@@ -180,29 +163,36 @@ class Convergence(MeshSequence, Result):
         against = "the exact solution" if self.exact is not None else "the extrapolated value or the finest mesh"
         finest = [abs(error) for name in WORDS if (error := self.errors(name)[-1]) is not None]
         verdict = f"errors within {max(finest):.1e} of {against}" if finest else "no errors"
+        orders = []
+        for name in WORDS:
+            order, limit = self.order(name), self.extrapolated[name]
+            observed = f"no order: {order}" if isinstance(order, Unknown) else f"observed order {order:.2f}"
+            if isinstance(limit, Unknown):
+                told = f"not extrapolated: {limit}"
+            else:
+                told = f"extrapolated {show(limit[1], DIMENSIONS[name], 6)}"
+            orders.append(f"  {WORDS[name]:<15} {observed}; {told}")
+        rows = []
+        for i, level in enumerate(self.levels):
+            cells = ""
+            for name in WORDS:
+                value, error = self.values(name)[i], self.errors(name)[i]
+                cells += f"{'none' if value is None else show(value, DIMENSIONS[name]):>12}"
+                cells += f"{'':>9}" if error is None else f"{error:>+9.1e}"
+            size = show(level.size, "length", 3)
+            rows.append(
+                f"  {size:>10}{level.elements:>10}{cells}{level.kept:>6}{level.dropped:>8}{level.seconds:>7.2f}"
+            )
         return [
             f"elements of {show(self.levels[-1].size, 'length', 3)}: {verdict}",
             f"  body      {self.problem.words}",
             f"  at        delta = {show(self.depth, 'length')}, w = {show(self.w, 'work')}",
-            *map(self._order, WORDS),
+            *orders,
             f"  {'CPU seconds':<15} grow like the number of unknowns to the power {self.time_exponent:.2f}",
             f"  {'size':>10}{'elements':>10}{'a':>12}{'error':>9}{'P':>12}{'error':>9}{'pull-off':>12}{'error':>9}"
             f"{'kept':>6}{'dropped':>8}{'CPU s':>7}",
-            *map(self._row, range(len(self.levels))),
+            *rows,
         ]
-
-    def _row(self, i: int) -> str:
-        level = self.levels[i]
-        cells = "".join(_cell(self.values(name)[i], self.errors(name)[i], DIMENSIONS[name]) for name in WORDS)
-        size = show(level.size, "length", 3)
-        return f"  {size:>10}{level.elements:>10}{cells}{level.kept:>6}{level.dropped:>8}{level.seconds:>7.2f}"
-
-    def _order(self, name: str) -> str:
-        order, limit = self.order(name), self.extrapolated[name]
-        words = f"no order: {order}" if isinstance(order, Unknown) else f"observed order {order:.2f}"
-        if isinstance(limit, Unknown):
-            return f"  {WORDS[name]:<15} {words}; not extrapolated: {limit}"
-        return f"  {WORDS[name]:<15} {words}; extrapolated {show(limit[1], DIMENSIONS[name], 6)}"
 
     @property
     def warnings(self) -> list[str]:
@@ -210,13 +200,19 @@ class Convergence(MeshSequence, Result):
         return [f"elements of {size}: {point.reason}" for size, point in points if isinstance(point, Unknown)]
 
     def figure(self) -> Figure:
-
         return convergence_figure(self)
 
 
-def _cell(value: float | None, error: float | None, dimension: str) -> str:
-    shown = "none" if value is None else show(value, dimension)
-    return f"{shown:>12}" + (f"{'':>9}" if error is None else f"{error:>+9.1e}")
+def richardson(values: Sequence[float | None]) -> tuple[float, float] | Unknown:
+    """Observed order and limit of values on meshes that halve their sizes, from the last three; else why not."""
+    last = values[-3:]
+    if len(last) < 3 or any(value is None for value in last):
+        return Unknown("needs three meshes with a value")
+    first, second = (b - a for a, b in itertools.pairwise(last))  # type: ignore[operator]
+    if abs(second) <= MESHES_ROUND_OFF * abs(last[-1]) or first / second <= 1:  # type: ignore[arg-type]
+        return Unknown("the differences do not shrink from mesh to mesh")
+    order = math.log(first / second) / math.log(MESHES_RATIO)
+    return order, last[-1] + second / (MESHES_RATIO**order - 1)
 
 
 # --------------------------------------------------------------------------------------------------
@@ -242,7 +238,16 @@ def converge(
         state = _state(solution.increments, series, slopes_name, w, depth)
         size = facts["elements"], facts["unknowns"], len(series), facts["dropped"]
         levels.append(ConvergenceLevel(spacing_at(radii, largest), state, *size, seconds))
-    return Convergence(problem, w, depth, tuple(levels), _exact(problem, w, depth))
+    # The exact solution of the wide body down to depth; None where the body ends sideways
+    loading = replace(problem.loading, to="depth", maximum=depth, points=200, spacing="radius", values=())
+    same_depth = replace(problem, loading=loading)
+    layered = Layered()
+    if layered.refusal(same_depth) is not None:
+        exact = None
+    else:
+        series = layered(same_depth).series
+        exact = _state(series, series, "exact", w, depth)
+    return Convergence(problem, w, depth, tuple(levels), exact)
 
 
 def _timed(problem: Problem, method: FEM) -> tuple[Solution, Array, float]:
@@ -294,17 +299,6 @@ def _state(rows: RawSeries | Series, series: Series, slopes_name: str, w: float,
         return State(radius, load, Unknown(error.lines[0]))
 
 
-def _exact(problem: Problem, w: float, depth: float) -> State | None:
-    """The exact solution of the wide body down to ``depth``; None where the body ends sideways."""
-    loading = replace(problem.loading, to="depth", maximum=depth, points=200, spacing="radius", values=())
-    same_depth = replace(problem, loading=loading)
-    method = Layered()
-    if method.refusal(same_depth) is not None:
-        return None
-    series = method(same_depth).series
-    return _state(series, series, "exact", w, depth)
-
-
 # --------------------------------------------------------------------------------------------------
 # The figure of a convergence study: radius, curves, errors and cost over the number of unknowns.
 
@@ -312,12 +306,12 @@ UNKNOWNS = "unknowns"
 COLORS = (ORANGE, BLUE, GREEN, "#CC79A7", "#56B4E9", "#E69F00", "#F0E442")
 
 
-def convergence_figure(study: MeshSequence) -> Figure:
+def convergence_figure(study: Convergence) -> Figure:
     """Contact radius over element size, adhesive curves, errors, and what the meshes cost."""
     return panels_figure([radius_panel(study), curves_panel(study), errors_panel(study), cost_panel(study)])
 
 
-def radius_panel(study: MeshSequence) -> Panel:
+def radius_panel(study: Convergence) -> Panel:
     """Contact radius at the depth of the study over the number of unknowns."""
     unit, label = axis_of("a", study.levels[-1].state.a)
     unknowns = _unknowns(study)
@@ -327,7 +321,7 @@ def radius_panel(study: MeshSequence) -> Panel:
     return Panel(UNKNOWNS, label, lines, logs="x")
 
 
-def curves_panel(study: MeshSequence) -> Panel:
+def curves_panel(study: Convergence) -> Panel:
     """Adhesive load over displacement of every mesh."""
     curves = [(level, level.state.curve) for level in study.levels if not isinstance(level.state.curve, Unknown)]
     if not curves:
@@ -344,7 +338,7 @@ def curves_panel(study: MeshSequence) -> Panel:
     return Panel(delta_label, P_label, lines)
 
 
-def errors_panel(study: MeshSequence) -> Panel:
+def errors_panel(study: Convergence) -> Panel:
     """Relative errors over the number of unknowns."""
     unknowns = _unknowns(study)
     lines = []
@@ -357,7 +351,7 @@ def errors_panel(study: MeshSequence) -> Panel:
     return Panel(UNKNOWNS, f"difference to {against} (%)", lines, logs="xy")
 
 
-def cost_panel(study: MeshSequence) -> Panel:
+def cost_panel(study: Convergence) -> Panel:
     """Points kept and CPU seconds over the number of unknowns."""
     unknowns = _unknowns(study)
     counts = np.array([level.kept for level in study.levels], dtype=float)
@@ -366,6 +360,6 @@ def cost_panel(study: MeshSequence) -> Panel:
     return Panel(UNKNOWNS, "points kept", [points], logs="xy", right=("CPU time (s)", time))
 
 
-def _unknowns(study: MeshSequence) -> Array:
+def _unknowns(study: Convergence) -> Array:
     """The axis of the study: it grows from mesh to mesh, while coarse meshes may share their largest element."""
     return np.array([level.unknowns for level in study.levels], dtype=float)

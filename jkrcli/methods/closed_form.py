@@ -81,7 +81,10 @@ def _formula(problem: Problem) -> Formula:
     """The formula for this body; Refusal where there is none, with what to use instead."""
     if reason := without_tension(problem) or without_coating(problem):
         raise Refusal(reason)
-    if problem.sticks and not _slides_all_the_same(problem):
+    # sticking changes nothing on an incompressible half-space under a rigid or incompressible indenter
+    tip, ours = problem.indenter.material, problem.specimen.materials[0].surface.nu == 0.5
+    same = problem.specimen.is_half_space and ours and (tip is None or tip.surface.nu == 0.5)
+    if problem.sticks and not same:
         other = "layered" if problem.specimen.radius is None else "fem"
         raise Refusal(f"no formula is known for no slip: use method {other}")
     if problem.specimen.is_half_space:
@@ -91,15 +94,6 @@ def _formula(problem: Problem) -> Formula:
             return _thin_layer(problem, layer, base)
     other = "layered" if problem.specimen.radius is None else "hybrid"
     raise Refusal(f"solves homogeneous half-spaces and thin single isotropic layers only: use method {other} (or fem)")
-
-
-def _slides_all_the_same(problem: Problem) -> bool:
-    """Whether sticking changes nothing: an incompressible half-space under a rigid or incompressible indenter."""
-    indenter = problem.indenter.material
-    incompressible = problem.specimen.materials[0].surface.nu == 0.5 and (
-        indenter is None or indenter.surface.nu == 0.5
-    )
-    return problem.specimen.is_half_space and incompressible
 
 
 def _half_space(problem: Problem) -> Formula:
@@ -128,16 +122,13 @@ def _thin_layer(problem: Problem, layer: Layer, base: Rigid) -> Formula:
         raise Refusal(f"the thin-layer formula could not be checked: {reason}") from None
     if error > CLOSED_FORM_WORST:
         first, last = radii[[0, -1]] / layer.thickness
+        # A relative error in words, of a formula that gives too much where it is large
+        off = f"errs by {100 * error:.2g} %" if error < 1 else f"gives up to {1 + error:.2g} times the exact values"
         raise Refusal(
-            f"the thin-layer formula {_off(error)} between a/h = {first:.3g} and {last:.3g}, more than "
+            f"the thin-layer formula {off} between a/h = {first:.3g} and {last:.3g}, more than "
             f"{CLOSED_FORM_WORST:.0%}: use method layered"
         )
     return replace(formula, error=error)
-
-
-def _off(error: float) -> str:
-    """A relative error in words, of a formula that gives too much where it is large."""
-    return f"errs by {100 * error:.2g} %" if error < 1 else f"gives up to {1 + error:.2g} times the exact values"
 
 
 def _leading_order(R: float, layer: Layer, base: Rigid) -> Formula:

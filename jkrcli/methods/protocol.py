@@ -255,21 +255,17 @@ class Choice:
     def after_failure(self, error: Exception, build: Callable[[str], Method]) -> Choice | None:
         """What "auto" turns to when the chosen method fails: the same one at the tolerance that its failure advises,
         once, where that is unnoticeable; else the next possible one; None where none is left."""
+        from .integral.fredholm import InaccurateError
+
         names = [option.name for option in self.options if option.forecast is not None]
         later = names[names.index(self.name) + 1 :] if self.name in names else []
         failures = (*self.failures, (self.name, str(error)))
         because = "because " + " and ".join(f"{name} failed ({why})" for name, why in dict(failures).items())
-        if self.name in names and self.name not in dict(self.failures) and (coarser := _would_do(error)) <= NOTICEABLE:
-            method = replace(cast(Any, self.method), tolerance=coarser)
+        would_do = error.would_do if isinstance(error, InaccurateError) else math.inf  # the tolerance that is reached
+        if self.name in names and self.name not in dict(self.failures) and would_do <= NOTICEABLE:
+            coarser, method = would_do, replace(cast(Any, self.method), tolerance=would_do)
             return Choice(self.name, method, f"to a tolerance of {coarser:.1e}, {because}", self.options, failures)
         return Choice(later[0], build(later[0]), because, self.options, failures) if later else None
-
-
-def _would_do(error: Exception) -> float:
-    """The tolerance to which the method that failed with ``error`` would do; infinite where it tells none."""
-    from .integral.fredholm import InaccurateError
-
-    return error.would_do if isinstance(error, InaccurateError) else math.inf
 
 
 def long_look(problem: Problem) -> str | None:

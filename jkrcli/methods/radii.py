@@ -66,7 +66,17 @@ class Search:
                 check_radius(self.indenter, a)
             return np.array(loading.values)
         radii = self._spaced(self.largest)
-        return radii if loading.spacing == "given" else _with_kinks(radii, self.indenter)
+        if loading.spacing == "given":
+            return radii
+        # The kinks of the profile among them, and rows that crowd above each: F begins there with a power 1/2 or 3/2
+        # of the distance, and is smooth below
+        for kink in self.indenter.kinks:
+            if max(self.indenter.a0, radii[0]) < kink < radii[-1]:
+                steps = np.geomspace(SEARCH_NEAREST, SEARCH_FARTHEST, SEARCH_ABOVE_KINK)
+                beyond = steps * (radii[np.searchsorted(radii, kink, side="right")] - kink)
+                close = np.abs(radii / kink - 1) < SAME
+                radii = np.unique(np.concatenate([radii[~close], [kink], kink + beyond]))
+        return radii
 
     @cached_property
     def largest(self) -> float:
@@ -122,18 +132,6 @@ class Search:
         for accuracy in self.accuracies:
             log_v = _followed(self.responses(quantity, accuracy), log_v, log_target, a0, accuracy)
         return np.hypot(a0, np.exp(log_v))
-
-
-def _with_kinks(radii: Array, indenter: Indenter) -> Array:
-    """The ``radii`` [m], with the kinks of the profile among them and rows that crowd above each: F begins there with a
-    power 1/2 or 3/2 of the distance, and is smooth below."""
-    for kink in indenter.kinks:
-        if max(indenter.a0, radii[0]) < kink < radii[-1]:
-            steps = np.geomspace(SEARCH_NEAREST, SEARCH_FARTHEST, SEARCH_ABOVE_KINK)
-            beyond = steps * (radii[np.searchsorted(radii, kink, side="right")] - kink)
-            close = np.abs(radii / kink - 1) < SAME
-            radii = np.unique(np.concatenate([radii[~close], [kink], kink + beyond]))
-    return radii
 
 
 def graded_radii(a0: float, largest: float, points: int) -> Array:

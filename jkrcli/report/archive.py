@@ -80,29 +80,24 @@ def archive_summary(archive: Archive) -> dict[str, Any]:
             "version": attributes["version"],
             "jkr": attributes["jkr"],
         }
-        contents = _fits(archive.root) if archive.format == FITS else _table(archive.root)
+        if archive.format == FITS:
+            curves = _group(archive.root, "curves").members
+            if "summary" in curves:
+                summaries = _values(curves["summary"])
+            else:  # of versions 1 and 2, a group for each curve
+                summaries = [curve.attributes["summary"] for curve in curves.values()]
+            contents = {"body": archive.root.attributes["body"], "curves": [json.loads(one) for one in summaries]}
+        else:
+            columns = {name: _values(member) for name, member in _group(archive.root, "table").members.items()}
+            rows = {len(values) for values in columns.values()}
+            if len(rows) != 1:
+                raise ValueError("columns of several lengths")
+            contents = {"rows": rows.pop(), "columns": {name: _ends(values) for name, values in columns.items()}}
         listing = identity | contents | {"warnings": [] if archive.is_protected else [DOUBT]}
         archive_words(listing), as_json(listing)  # what cannot be told is none
     except (*hdf5.UNREADABLE, AttributeError, RecursionError):  # a number where a group belongs, and the like
         raise InputError(f"{archive.path}: does not hold what an archive of format {archive.format} does") from None
     return listing
-
-
-def _fits(root: hdf5.Group) -> dict[str, Any]:
-    curves = _group(root, "curves").members
-    if "summary" in curves:
-        summaries = _values(curves["summary"])
-    else:  # of versions 1 and 2, a group for each curve
-        summaries = [curve.attributes["summary"] for curve in curves.values()]
-    return {"body": root.attributes["body"], "curves": [json.loads(one) for one in summaries]}
-
-
-def _table(root: hdf5.Group) -> dict[str, Any]:
-    columns = {name: _values(member) for name, member in _group(root, "table").members.items()}
-    rows = {len(values) for values in columns.values()}
-    if len(rows) != 1:
-        raise ValueError("columns of several lengths")
-    return {"rows": rows.pop(), "columns": {name: _ends(values) for name, values in columns.items()}}
 
 
 def _group(root: hdf5.Group, name: str) -> hdf5.Group:

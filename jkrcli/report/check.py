@@ -44,7 +44,13 @@ class Check(Result):
         choice = choose_method(problem, model.method, lambda name: method_of(model, name))
         options = choice.options or survey(problem, lambda name: method_of(model, name))
         expected = _expected(model)
-        left, range_ = _left_out(model, expected), _range(model, choice.name)
+        # What the case leaves out, at the depth expected; nothing where that is not known
+        left: Sequence[NeglectedEffect] = ()
+        if not isinstance(expected, Unknown):
+            adhesion = model.adhesion
+            ranged = adhesion.range or adhesion.stress or adhesion.capillary
+            left = neglected_effects(model.problem(), expected, adhesion.w, None if ranged else adhesion.z0)
+        range_ = _range(model, choice.name)
         return cls(path, problem, choice, options, expected, left, range_, case.remarks)
 
     def summary(self) -> dict[str, Any]:
@@ -52,7 +58,17 @@ class Check(Result):
         law = self.problem.specimen.relaxation
         data |= {"reason": self.choice.reason, "relaxation": "" if law is None else str(law)}
         data |= {"surface": self.problem.surface, "left_out": [one.as_dict for one in self.left_out]}
-        return data | {"options": [asdict(option) for option in self.options]} | _as_dict(self.expected)
+        if isinstance(self.expected, Unknown):
+            expected: dict[str, Any] = {"expectation": self.expected}
+        else:
+            adhesion = [
+                {"w_J_per_m2": w, "pull_off": tables.point(p), "validity": vars(v)}
+                for w, p, v in self.expected.adhesion
+            ]
+            sizes = tables.quantities(self.expected, "a delta P")
+            errors = {"half_space_error": self.expected.half_space_error, "profile_error": self.expected.profile_error}
+            expected = sizes | errors | {"adhesion": adhesion}
+        return data | {"options": [asdict(option) for option in self.options]} | expected
 
     def words(self) -> list[str]:
         ordered = sorted(self.options, key=lambda option: option.forecast is None)  # what is applicable first
@@ -111,15 +127,6 @@ def _range(model: CaseModel, method: str) -> str | Unknown:
     return Unknown(reason) if reason else "its range will be solved; the force here is that of JKR"
 
 
-def _left_out(model: CaseModel, expected: EffectsPreview | Unknown) -> Sequence[NeglectedEffect]:
-    """What the case leaves out, at the depth expected; nothing where that is not known."""
-    if isinstance(expected, Unknown):
-        return ()
-    adhesion = model.adhesion
-    ranged = adhesion.range or adhesion.stress or adhesion.capillary
-    return neglected_effects(model.problem(), expected, adhesion.w, None if ranged else adhesion.z0)
-
-
 def _expected(model: CaseModel) -> EffectsPreview | Unknown:
     """What to expect, or why that is not known."""
     try:
@@ -134,15 +141,6 @@ def _option(option: Option) -> str:
     note = f" ({option.forecast.note})" if option.forecast.note else ""
     against = f"; {words}" if (words := option.objection) else ""
     return f"about {option.cost}, {option.forecast.memory_mib:.0f} MiB{note}{against}"
-
-
-def _as_dict(expected: EffectsPreview | Unknown) -> dict[str, Any]:
-    if isinstance(expected, Unknown):
-        return {"expectation": expected}
-    adhesion = [{"w_J_per_m2": w, "pull_off": tables.point(p), "validity": vars(v)} for w, p, v in expected.adhesion]
-    sizes = tables.quantities(expected, "a delta P")
-    errors = {"half_space_error": expected.half_space_error, "profile_error": expected.profile_error}
-    return sizes | errors | {"adhesion": adhesion}
 
 
 def _ratio(value: Estimate) -> str:

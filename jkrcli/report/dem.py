@@ -24,7 +24,7 @@ CODE = Template(resources.files(__package__).joinpath("dem.c").read_text(encodin
 
 @dataclass(frozen=True, eq=False)
 class Exported(Result):
-    """The contact law of an adhesive curve: ``columns`` are its table, ``header`` the C header."""
+    """The contact law of an adhesive curve: ``columns`` are its table, ``code`` the C header."""
 
     law: DemLaw
     result: Analysis
@@ -42,7 +42,7 @@ class Exported(Result):
         return {"fraction": np.linspace(0, 1, law.delta.size), "delta_m": law.delta, "P_N": law.P, "a_m": law.a}
 
     @property
-    def header(self) -> str:
+    def code(self) -> str:
         """The C header (C99, no other file) with the table, a function that reads it, test vectors and a check."""
         law, result = self.law, self.result
         numbers = {"DELTA_TOUCH": 0.0, "FORCE_TOUCH": law.jump_in.P, "RADIUS_TOUCH": law.jump_in.a,

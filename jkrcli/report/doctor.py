@@ -18,9 +18,10 @@ from ..base.errors import installs
 from ..base.process import free_memory
 from .result import Result
 
-REQUIRED = ("numpy", "scipy", "h5py", "click", "pydantic", "tomli-w", "matplotlib", "scikit-fem", "meshio",
-            "threadpoolctl")  # fmt: skip
+REQUIRED = ("numpy", "scipy", "h5py", "click", "pydantic", "tomli-w", "matplotlib", "threadpoolctl")
 OPTIONAL = {  # package: extra, use
+    "scikit-fem": ("fem", "finite elements"),
+    "meshio": ("fem", "meshes and fields for ParaView"),
     "cvxopt": ("fast", "a faster sparse factorisation"),
     "afmformats": ("afm", "AFM vendors' files"),
     "distributed": ("cluster", "sweeps on a Dask cluster"),
@@ -99,7 +100,7 @@ def _mesher() -> Finding:
     except PackageNotFoundError:
         return Finding("gmsh", "ok", "from the system")
     except ImportError:
-        return Finding("gmsh", "missing", "not installed", installs(""))
+        return Finding("gmsh", "optional", "not installed (finite elements)", installs("fem"))
     except OSError as error:
         remedy = f"sudo apt-get install --no-install-recommends {LIBRARIES}"
         return Finding("gmsh", "missing", f"cannot load: {error}; methods without a mesh work", remedy)

@@ -21,10 +21,18 @@ from ..adhesion.curve import (
     yield_warning,
 )
 from ..adhesion.device_path import Jump, Program
-from ..adhesion.energy_error import energy_lost_error, separation_error
 from ..adhesion.from_rest import AT_MOST, FROM_REST, FromRest, LoadingHistory
 from ..adhesion.pull_off_error import Errors
-from ..adhesion.stability import Cycle, Stability, cycle, stable_radius, trace, turning_radius
+from ..adhesion.stability import (
+    Cycle,
+    Stability,
+    cycle,
+    energy_lost_error,
+    separation_error,
+    stable_radius,
+    trace,
+    turning_radius,
+)
 from ..adhesion.validity import Strains, faces, strain_words
 from ..base.errors import Estimate, InputError, Unknown, accuracy, known
 from ..base.files import lists
@@ -35,8 +43,7 @@ from ..resolve.analysis import Analysis, Lost, analyse
 from ..resolve.comparison import StickingEffect, effect_as_json, effect_on
 from ..resolve.histories import LostByHistory, strains_after
 from ..resolve.refine_pull_off import is_refined
-from ..series import Solution
-from ..series.differences import Difference, curve_differences, series_differences
+from ..series import Difference, Solution, curve_differences, series_differences
 from . import tables
 from .result import Figure, Result
 from .tables import Scales, format_state, quantities, read_curve, transpose_rows
@@ -564,8 +571,15 @@ class Cycled(Result):
         begin, onset = cycle.begin, inwards.onset
         jump_in = f"jump-in at delta = {show(onset, 'length') if onset else 0} to"
         start = jump_in if inwards.w > 0 else "contact grows from a point; first of the series:"
+        # Each energy [J] by its name, with its half-width; those of one reason why there are none together
+        known = [one for one in self._energies if not isinstance(one[1], Unknown)]
+        parts = [f"{name} {tables.energy_words(energy, error)}" for name, energy, error in known]
+        unknown = {name: energy.reason for name, energy, _ in self._energies if isinstance(energy, Unknown)}
+        for reason in dict.fromkeys(unknown.values()):
+            parts.append(f"{' and '.join(name for name, why in unknown.items() if why == reason)}: none, {reason}")
+        energy_words = "; ".join(parts)
         lines = [
-            f"{_energy_words(self._energies)}: {self.file}",
+            f"{energy_words}: {self.file}",
             _device_words(cycle.stiffness, inwards.w, outwards.w),
             f"  {start} {tables.format_state(begin, 'P a')}",
             f"  turn at {tables.format_state(inwards.point(cycle.turn), 'a')}",
@@ -644,16 +658,6 @@ class CycledByProgram(Result):
             *(f"  t = {show(jump.t, 'time')}: {_jump(jump)}" for jump in trace.jumps),
             *_strain_lines(self.large_strains),
         ]
-
-
-def _energy_words(energies: Sequence[tuple[str, Estimate, Estimate]]) -> str:
-    """Each energy [J] by its name, with its half-width; those of one reason why there are none together."""
-    known = [one for one in energies if not isinstance(one[1], Unknown)]
-    parts = [f"{name} {tables.energy_words(energy, error)}" for name, energy, error in known]
-    unknown = {name: energy.reason for name, energy, _ in energies if isinstance(energy, Unknown)}
-    for reason in dict.fromkeys(unknown.values()):
-        parts.append(f"{' and '.join(name for name, why in unknown.items() if why == reason)}: none, {reason}")
-    return "; ".join(parts)
 
 
 def _device_words(stiffness: float, approach: float, retraction: float) -> str:

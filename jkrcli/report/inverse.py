@@ -177,6 +177,12 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
             "reason": list(item.lines), "quality": {"quality": 0.0}, "flags": list(item.flags),
         }  # fmt: skip
     structure = item.structure
+    # JKR beside a fit with a range, by what its misfit is larger
+    jkr = item.jkr
+    if not isinstance(jkr, JKRBeside):
+        beside: dict[str, Any] = {} if jkr is None else {"jkr": {"reason": str(jkr)}}
+    else:
+        beside = {"jkr": quantities(jkr, "E_star w") | {"misfit": jkr.rms / jkr.rms_of_range}}
     return {
         "file": item.file,
         "curve": item.name,
@@ -200,20 +206,12 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
             "probability": structure.probability,
         },
         **({} if item.range_left is None else {"range_left_m": item.range_left}),
-        **_beside(item),
+        **beside,
         **_verdict(item),
         **({"plan": [asdict(one) for one in item.plan]} if item.plan else {}),
         **({} if item.quality is None else {"quality": dict(item.quality), "flags": list(item.flags)}),
         "warnings": list(item.warnings),
     }
-
-
-def _beside(item: Fit) -> dict[str, Any]:
-    """JKR beside a fit with a range, by what its misfit is larger."""
-    jkr = item.jkr
-    if not isinstance(jkr, JKRBeside):
-        return {} if jkr is None else {"jkr": {"reason": str(jkr)}}
-    return {"jkr": quantities(jkr, "E_star w") | {"misfit": jkr.rms / jkr.rms_of_range}}
 
 
 def _status(item: Fit) -> str:
@@ -238,7 +236,15 @@ def fit_words(item: Fit, once: bool = False) -> list[str]:
     status = f"{_status(item)}, " if item.quality is not None or item.flags else ""
     ways = f", {item.directions}" if item.directions else ""
     stuck = ", no slip" if item.surface == "sticking" else ""
-    lines = [*verdict_words(item, once), *_range_words(item)]
+    # A line on the longest range that the rows leave, where w rests on it more than on the noise
+    w, left = item.work, item.range_left
+    part = (w.model or {}).get(range_alternative.RANGE, 0.0)
+    if left is None or w.low is None or w.high is None or part < w.high - w.low:
+        range_words = []
+    else:
+        moved = f"the data allow up to {show(left, 'length', 2)}, which would change w by {show(part, 'work', 2)}"
+        range_words = [f"  {'range':<12} {moved}; if it is known to be shorter: --bound range=..LENGTH"]
+    lines = [*verdict_words(item, once), *range_words]
     lines += [f"  {item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
     lines += [f"  {'tip':<12} {item.tip}"] * bool(item.tip)
     lines += estimate_lines(sorted(item.estimates, key=lambda one: one.name in ZERO_POINTS), item.settings.level)
@@ -373,16 +379,6 @@ def _score_summary(one: alternative_tests.Score) -> dict[str, Any]:
         "E_star_moves": one.change(one.E_star), "w_moves": one.change(one.w),
         "E_star_may_move": one.moved(one.E_star), "w_may_move": one.moved(one.w),
     }  # fmt: skip
-
-
-def _range_words(item: Fit) -> list[str]:
-    """A line on the longest range that the rows leave, where w rests on it more than on the noise."""
-    w, left = item.work, item.range_left
-    part = (w.model or {}).get(range_alternative.RANGE, 0.0)
-    if left is None or w.low is None or w.high is None or part < w.high - w.low:
-        return []
-    moved = f"the data allow up to {show(left, 'length', 2)}, which would change w by {show(part, 'work', 2)}"
-    return [f"  {'range':<12} {moved}; if it is known to be shorter: --bound range=..LENGTH"]
 
 
 def estimate_lines(items: Iterable[FittedValue], level: float, names: Mapping[str, str] = SYMBOLS) -> list[str]:
@@ -975,25 +971,22 @@ def look_words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
     columns = ", ".join(map(text_formats.NAMES.meaning, curve.measured))
     parts = ", ".join(f"{segment.kind} {len(segment)}" for segment in record.segments)
     parts += f", {record.rest} of neither" if record.rest else ""
-    return [
-        f"{_look_verdict(record)}: {curve.where}",
-        f"  {len(curve)} rows of {columns}; {parts}",
-        *([] if tip is None else [_glance(record, tip)]),
-        *(f"  {name}: {sentence}" for name, sentence in record.flags.items()),
-        *(f"  {item.segment.kind:8}  {line}" for item in record.directions for line in _direction_words(item)),
-        *(f"  {flag}" for flag in curve.flags),
-    ]
-
-
-def _look_verdict(record: ForceCurve) -> str:
-    """The adhesion force and the largest load, where the base line gives them."""
+    # The adhesion force and the largest load, where the base line gives them
     forces = {}
     for item in record.directions if all(item.based for item in record.directions) else ():
         if item.segment.kind != "approach" and not isinstance(item.adhesion, Unknown):
             forces["adhesion force"] = item.adhesion
         forces["largest load"] = max(item.largest, forces.get("largest load", item.largest))
     words = [f"{name} {show(forces[name], 'load', 3)}" for name in ("adhesion force", "largest load") if name in forces]
-    return ", ".join(words) or "no force without a base line"
+    look_verdict = ", ".join(words) or "no force without a base line"
+    return [
+        f"{look_verdict}: {curve.where}",
+        f"  {len(curve)} rows of {columns}; {parts}",
+        *([] if tip is None else [_glance(record, tip)]),
+        *(f"  {name}: {sentence}" for name, sentence in record.flags.items()),
+        *(f"  {item.segment.kind:8}  {line}" for item in record.directions for line in _direction_words(item)),
+        *(f"  {flag}" for flag in curve.flags),
+    ]
 
 
 def _direction_words(item: Direction) -> list[str]:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion.curve import LOAD_CONTROL, control, position
+from ..adhesion.curve import LOAD_CONTROL, CriticalPoint, control, position
 from ..adhesion.device_path import Program
 from ..adhesion.from_rest import AT_MOST, FROM_REST, LoadingHistory, Rest
 from ..adhesion.rate import History, RateContact, RateLaw, parameters_of, rate_parameters
@@ -267,17 +267,18 @@ class CycledRelaxing(RelaxedHistory, Result):
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class CycledAdhering(AdhesiveHistory, Result):
-    """A history with adhesion as a result; ``limits``: pull-off forces [N] of very fast and of very slow cycles by
-    their names, ``points``: rows of a piece."""
+    """A history with adhesion as a result; ``limits``: pull-off points of very fast and very slow cycles and of one
+    pulled at once from rest, by their names, ``points``: rows of a piece."""
 
     file: Path
-    limits: Mapping[str, Estimate]
+    limits: Mapping[str, CriticalPoint | Unknown]
     points: int = ROWS
 
     @classmethod
     def of(
-        cls, contact: RelaxingAdhesion, program: Program, file: Path, limits: Mapping[str, Estimate], points: int = ROWS
-    ) -> CycledAdhering:
+        cls, contact: RelaxingAdhesion, program: Program, file: Path, limits: Mapping[str, CriticalPoint | Unknown],
+        points: int = ROWS,
+    ) -> CycledAdhering:  # fmt: skip
         """What happens to ``contact`` under ``program``."""
         try:
             history = contact.history(program)
@@ -296,7 +297,8 @@ class CycledAdhering(AdhesiveHistory, Result):
         how = f"{self.control}, {speed_words(self.program, contact.stiffness)}"
         more = f"cohesive stress {show(contact.law.stress, 'modulus')}"
         title = cycle_title(how, contact.law.w, contact.law.w, str(contact.relaxation), more)
-        return history_figure(self.columns, self.jumps, title)
+        marks = {name: point for name, point in self.limits.items() if not isinstance(point, Unknown)}
+        return history_figure(self.columns, self.jumps, title, marks)
 
     def summary(self) -> dict[str, Any]:
         contact, error, lost = self.contact, self.error, self.lost
@@ -308,7 +310,11 @@ class CycledAdhering(AdhesiveHistory, Result):
             "range_m": contact.law.length,
             "relaxation": relaxation_law_summary(contact.relaxation),
             "pull_off": timed(self.pull_off) | {"P_relative_error": known(error["P"])},
-            "limits": {f"pull_off_{'_'.join(name.split())}_P_N": known(P) for name, P in self.limits.items()},
+            "at_rest_at_the_begin": contact.rests,
+            "limits": {
+                f"pull_off_{'_'.join(name.split())}_P_N": None if isinstance(point, Unknown) else point.P
+                for name, point in self.limits.items()
+            },
             "largest_load": timed(self.peak),
             "turn_t_s": self.turn,
             "corners": list(map(timed, self.corners)),
@@ -341,7 +347,8 @@ class CycledAdhering(AdhesiveHistory, Result):
             f"{show(contact.law.stress, 'modulus')}; {contact.relaxation}",
             *(f"  at {format_state(one, 't')} {format_state(one)}" for one in self.corners if one.t < pulled.t),
         ]
-        forces = [f"{show(-P, 'load')} ({name})" for name, P in self.limits.items() if not isinstance(P, Unknown)]
+        found = {name: point for name, point in self.limits.items() if not isinstance(point, Unknown)}
+        forces = [f"{show(-point.P, 'load')} ({name})" for name, point in found.items()]
         if forces:
             lines.append(f"  limits: {', '.join(forces)}")
         ends = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost.t, 'time')}"

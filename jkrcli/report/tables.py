@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion import energy_error, stability
+from ..adhesion import stability
 from ..adhesion.curve import (
     CONTROLS,
     DISPLACEMENT_CONTROL,
@@ -318,7 +318,7 @@ def stiffness(k: float) -> float | None:
 def energy_lost_error(behaviour: Stability) -> Estimate:
     """90 % half-width of the energy lost per cycle [J], or why there is none."""
     whole = behaviour.whole
-    return whole if isinstance(whole, Unknown) else energy_error.energy_lost_error(whole)
+    return whole if isinstance(whole, Unknown) else stability.energy_lost_error(whole)
 
 
 def separation_error(behaviour: Stability) -> Estimate:
@@ -326,7 +326,7 @@ def separation_error(behaviour: Stability) -> Estimate:
     retraction, separation = behaviour.retraction, behaviour.separation
     if retraction is None or isinstance(separation, Unknown):
         return separation
-    return energy_error.separation_error(retraction)
+    return stability.separation_error(retraction)
 
 
 def energies(**values: tuple[Estimate, Estimate]) -> dict[str, Any]:

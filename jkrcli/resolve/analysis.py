@@ -238,21 +238,19 @@ def forecast(
     fitted = COST_FIT + COST_FIT_PER_ROW * rows if solution.series.S is None else 0.0
     per_row, mib = COST_PER_ROW + tables * COST_TABLE_PER_ROW, COST_MIB_PER_ROW + tables * COST_TABLE_MIB_PER_ROW
     each = COST_CURVE + per_row * rows + figures * COST_FIGURE + devices * COST_DEVICE
-    each += _ranged(solution, works, request) if request else seconds_of_points(solution, devices)
+    if request:
+        from ..adhesion.finite_range import FiniteRangeBody
+
+        body = FiniteRangeBody.of(solution)  # the dearest of its curves: the least or the largest w reaches farthest
+        each += max(body.seconds(request.law(w)) for w in {min(works), max(works)})
+    else:
+        each += seconds_of_points(solution, devices)
     return Forecast(fitted + len(works) * each, COST_MIB + mib * rows, 0.0)
 
 
 def seconds_of_page(solution: Solution) -> float:
     """CPU seconds of the explorer's page of a solution, beside those of its curve."""
     return COST_PAGE_PER_ROW * solution.increments.a.size
-
-
-def _ranged(solution: Solution, works: Sequence[float], request: RangeRequest) -> float:
-    """CPU seconds of the dearest of the curves of finite range: the least or the largest w reaches farthest."""
-    from ..adhesion.finite_range import FiniteRangeBody
-
-    body = FiniteRangeBody.of(solution)
-    return max(body.seconds(request.law(w)) for w in {min(works), max(works)})
 
 
 def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: float = 1.0) -> Analysis:
@@ -325,18 +323,15 @@ def where_lost(
 
 def _lost(result: Analysis, behaviour: Stability) -> Lost:
     """What is read off a curve under one control; half-widths of its pull-off point, None where there is none."""
-    above_atoms = _above_atoms(behaviour, result)
+    # The behaviour without what would happen at radii below atoms
+    point = mask_below_atomic_spacing(behaviour.pull_off, result.curve, behaviour.stiffness, result.solution.record.z0)
+    if point is behaviour.pull_off or not isinstance(point, Unknown):
+        above_atoms = behaviour
+    else:
+        above_atoms = replace(behaviour, critical=(), pull_off=point, jump_in=TINY, energy_lost=TINY, separation=TINY)
     if isinstance(above_atoms.pull_off, Unknown):
         return above_atoms, None
     return above_atoms, error_of_point(result.curve, above_atoms.pull_off, above_atoms.stiffness)
-
-
-def _above_atoms(behaviour: Stability, result: Analysis) -> Stability:
-    """The behaviour without what would happen at radii below atoms."""
-    point = mask_below_atomic_spacing(behaviour.pull_off, result.curve, behaviour.stiffness, result.solution.record.z0)
-    if point is behaviour.pull_off or not isinstance(point, Unknown):
-        return behaviour
-    return replace(behaviour, critical=(), pull_off=point, jump_in=TINY, energy_lost=TINY, separation=TINY)
 
 
 def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:

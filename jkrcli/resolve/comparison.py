@@ -222,7 +222,15 @@ def compare_half_space(computed: AdhesiveCurve, problem: Problem) -> Comparison 
     parabola = None
     if isinstance(problem.indenter, Sphere):
         parabola = 1 - exact_point.P / (-1.5 * np.pi * computed.w * problem.indenter.R)
-    return Comparison(load, pull_off, _curve_distance(computed, problem, exact_point), parabola, exact)
+    # Greatest relative distance of the computed points from the exact curve; near pull-off in units of that point.
+    # Where its displacement nearly vanishes (f = B r^1.5), a tenth of the shift t = sqrt(2 pi w a/E*) is the unit.
+    moved = formulas.shift(computed.w, exact_point.a, 2 * problem.E_star)
+    unit = CriticalPoint(exact_point.a, max(abs(exact_point.delta), 0.1 * moved), exact_point.P)
+    distance = curve_distance(
+        computed.a, computed.delta, computed.P, lambda radii: _formula(problem, computed.w, radii), unit,
+        (problem.indenter.a0, problem.indenter.r_max * (1 - 1e-12)), relative=True,
+    )  # fmt: skip
+    return Comparison(load, pull_off, distance, parabola, exact)
 
 
 def exact_curve(problem: Problem, w: float, a_max: float, points: int = 400) -> AdhesiveCurve | None:
@@ -271,20 +279,6 @@ def _formula(problem: Problem, w: float, a: Array) -> tuple[Array, Array]:
     pair = problem.indenter.half_space(a, problem.E_star)
     assert pair is not None
     return formulas.adhesive_half_space(a, *pair, problem.E_star, w)
-
-
-def _curve_distance(computed: AdhesiveCurve, problem: Problem, unit: CriticalPoint) -> float:
-    """Greatest relative distance of the computed points from the exact curve; near pull-off in units of that point.
-
-    Where its displacement nearly vanishes (f = B r^1.5), a tenth of the shift t = sqrt(2 pi w a/E*) is the unit.
-    """
-    indenter = problem.indenter
-    moved = formulas.shift(computed.w, unit.a, 2 * problem.E_star)
-    units = CriticalPoint(unit.a, max(abs(unit.delta), 0.1 * moved), unit.P)
-    ends = (indenter.a0, indenter.r_max * (1 - 1e-12))
-    return curve_distance(
-        computed.a, computed.delta, computed.P, lambda a: _formula(problem, computed.w, a), units, ends, relative=True
-    )
 
 
 def curve_distance(

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, mask_below_atomic_spacing
-from ..adhesion.from_rest import FromRest, LoadingHistory, Rest, histories, history_error
+from ..adhesion.from_rest import FAST, FROM_REST, SLOW, FromRest, LoadingHistory, Rest, histories, history_error
 from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.pull_off_error import Errors
 from ..adhesion.validity import LIMITS, Strains, large_strains
@@ -16,7 +16,7 @@ from ..base.numerics import MOST_STEPS
 from ..base.process import PATIENCE
 from ..bodies.problem import Loading, Problem
 from ..series import Solution
-from .analysis import Analysis, forecast, nonadhesive
+from .analysis import Analysis, RangeRequest, analyse, forecast, nonadhesive
 from .pull_off_range import REACH_INSIDE
 from .refine_pull_off import refined, solver_of
 from .resolve import method_behind, resolve_with
@@ -137,6 +137,28 @@ def curves_from_rest(
     if isinstance(lost, Unknown):
         return relaxed, pulled, None
     return relaxed, pulled, strains_after(solution.problem, outwards, history, lost, stiffness == LOAD_CONTROL)
+
+
+def pull_off_in_limits(
+    solution: Solution, w: float, range_: RangeRequest, history: LoadingHistory | None, slopes: str = "auto",
+    modulus_factor: float = 1.0,
+) -> dict[str, CriticalPoint | Unknown]:  # fmt: skip
+    """The pull-off points under load of what a viscoelastic specimen is between, for a work of adhesion ``w``
+    [J/m^2]: very fast and very slow cycles with adhesion of finite range, and, without a range, the ``history`` from
+    rest (None: nothing is at rest)."""
+    relaxation = solution.problem.specimen.relaxation
+    shares = {FAST: 1.0} | ({SLOW: relaxation.relaxed} if relaxation and relaxation.relaxed else {})
+    points = {
+        name: analyse(solution, [w], slopes, modulus_factor * share, range_)[0].curve.pull_off(LOAD_CONTROL)
+        for name, share in shares.items()
+    }
+    if history is not None:
+        try:
+            _, curve, _ = curves_from_rest(solution, (w, w), history, slopes, modulus_factor, LOAD_CONTROL)
+            points[FROM_REST] = curve.pull_off(LOAD_CONTROL)
+        except InputError as error:
+            points[FROM_REST] = Unknown(str(error))
+    return points
 
 
 def solved_on(

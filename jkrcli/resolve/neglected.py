@@ -190,7 +190,12 @@ class Neighbours:
         """One series of the neighbour over one of the body; both reach the depth."""
         depth = float(plain.delta[-1])
         load, S = (new / old - 1 for new, old in zip(_at(other, depth), _at(plain, depth), strict=True))
-        return NeglectedEffect(name, key, load, S, _pull_offs(plain, other, self.works))
+        try:
+            ratios = pull_off_ratios(other, plain, self.works, Unknown("pull-off lies outside the radii of the case"))
+        except JkrError as error:
+            ratios = dict.fromkeys(self.works, Unknown(str(error)))
+        pulls = {w: ratio if isinstance(ratio, Unknown) else ratio - 1 for w, ratio in ratios.items()}
+        return NeglectedEffect(name, key, load, S, pulls)
 
 
 def _at(series: Series, depth: float) -> tuple[float, float]:
@@ -201,15 +206,6 @@ def _at(series: Series, depth: float) -> tuple[float, float]:
     logs = CubicSpline(np.log(series.delta), np.log(np.stack([series.P, series.S])), axis=1)
     load, stiffness = np.exp(logs(np.log(depth)))
     return float(load), float(stiffness)
-
-
-def _pull_offs(plain: Series, other: Series, works: Sequence[float]) -> dict[float, Estimate]:
-    """Changes of the pull-off force under load control, by work of adhesion [J/m^2]."""
-    try:
-        ratios = pull_off_ratios(other, plain, works, Unknown("pull-off lies outside the radii of the case"))
-    except JkrError as error:
-        return dict.fromkeys(works, Unknown(str(error)))
-    return {w: ratio if isinstance(ratio, Unknown) else ratio - 1 for w, ratio in ratios.items()}
 
 
 def _neighbours(neighbours: Neighbours, sides: bool) -> Iterator[NeglectedEffect]:
@@ -256,7 +252,11 @@ def _tension(neighbours: Neighbours) -> NeglectedEffect:
     for slight in LEFT_OUT_SLIGHT:
         trial = max(Ups, slight * neighbours.expected.a * rigid.E_star / 2)
         try:
-            plain, tense = _tense(rigid, neighbours.expected.a, trial)
+            # The series up to the expected radius [m] without and with a trial [N/m]
+            a0, method = rigid.indenter.a0, Layered(LEFT_OUT_ACCURACY)
+            radii = a0 + (neighbours.expected.a - a0) * np.geomspace(LEFT_OUT_SMALLEST, 1.0, LEFT_OUT_FEW)
+            specimens = (rigid.specimen, replace(rigid.specimen, surface_tension=trial))
+            plain, tense = (resolve_with(rigid, radii, method, PATIENCE, specimen=one).series for one in specimens)
         except JkrError as error:
             failed = Unknown(str(error))
             continue
@@ -264,15 +264,6 @@ def _tension(neighbours: Neighbours) -> NeglectedEffect:
         pulls = {w: _part(share, _if_no_wetting(w, change)) for w, change in omission.pull_off.items()}
         return replace(omission, load=_part(share, omission.load), S=_part(share, omission.S), pull_off=pulls)
     return NeglectedEffect(name, key, failed, failed)
-
-
-def _tense(body: Problem, largest: float, tension: float) -> tuple[Series, Series]:
-    """The series up to the ``largest`` radius [m] without and with a ``tension`` [N/m]."""
-    a0, method = body.indenter.a0, Layered(LEFT_OUT_ACCURACY)
-    radii = a0 + (largest - a0) * np.geomspace(LEFT_OUT_SMALLEST, 1.0, LEFT_OUT_FEW)
-    specimens = (body.specimen, replace(body.specimen, surface_tension=tension))
-    plain, tense = (resolve_with(body, radii, method, PATIENCE, specimen=one).series for one in specimens)
-    return plain, tense
 
 
 def _part(share: float, change: Estimate) -> Estimate:

@@ -41,23 +41,33 @@ def profile_columns(solution: Solution, a: float, w: float, request: RangeReques
     if problem.specimen.radius is None:
         return _columns(problem, a, w)
     _check_within(solution, a)
-    return _cylindrical(solution, a, w) if _kernel_is_known(problem, a) else _meshed(solution, a, w)
+    # Whether the kernel of a cylinder gives the pressures at the radius a [m]; Refusal where nothing does
+    from ..methods.hybrid.method import Hybrid
+
+    reason = nonsmooth_part(problem.specimen)
+    if reason is not None and problem.specimen.surface_tension:
+        raise Refusal(reason)
+    kernel_is_known = (
+        reason is None and Hybrid().refusal(replace(problem, loading=Loading.given("radius", (a,)))) is None
+    )
+    if kernel_is_known:
+        # Pressure, displacement and gap on a cylinder out to 3 a, or half-way to its side, where the kernel costs
+        # little
+        from ..methods.integral.finite_range import adhesive_surface
+
+        problem = solution.problem
+        body = AttractedBody(problem, kept=solution.kernel)
+        half_way = (a + cast(float, problem.specimen.radius)) / 2
+        attraction = body.attraction(min(3 * a, half_way, body.limit))
+        r = _around(a, attraction.reach)
+        return _of_surface(problem, r, adhesive_surface(attraction, a, w, r, body.scale))
+    return _meshed(solution, a, w)
 
 
 def _check_within(solution: Solution, a: float) -> None:
     if not 0 < a <= solution.series.a[-1] * (1 + ROUNDED):
         end = show(float(solution.series.a[-1]), "length")
         raise InputError(f"profile: the contact radius must lie between 0 and {end}, got {show(a, 'length')}")
-
-
-def _kernel_is_known(problem: Problem, a: float) -> bool:
-    """Whether the kernel of a cylinder gives the pressures at the radius ``a`` [m]; Refusal where nothing does."""
-    from ..methods.hybrid.method import Hybrid
-
-    reason = nonsmooth_part(problem.specimen)
-    if reason is not None and problem.specimen.surface_tension:
-        raise Refusal(reason)
-    return reason is None and Hybrid().refusal(replace(problem, loading=Loading.given("radius", (a,)))) is None
 
 
 def _attracted(solution: Solution, a: float, law: Range) -> dict[str, Array]:
@@ -72,19 +82,6 @@ def _attracted(solution: Solution, a: float, law: Range) -> dict[str, Array]:
     r = _around(a, attraction.reach)
     surface = attracted_surface(attraction, a, law.stress, law.length, r, body.scale)
     return _of_surface(body.problem, r, surface)
-
-
-def _cylindrical(solution: Solution, a: float, w: float) -> dict[str, Array]:
-    """Pressure, displacement and gap on a cylinder out to 3 a, or half-way to its side, where the kernel costs
-    little."""
-    from ..methods.integral.finite_range import adhesive_surface
-
-    problem = solution.problem
-    body = AttractedBody(problem, kept=solution.kernel)
-    half_way = (a + cast(float, problem.specimen.radius)) / 2
-    attraction = body.attraction(min(3 * a, half_way, body.limit))
-    r = _around(a, attraction.reach)
-    return _of_surface(problem, r, adhesive_surface(attraction, a, w, r, body.scale))
 
 
 def _around(a: float, end: float) -> Array:

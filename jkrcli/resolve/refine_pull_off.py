@@ -19,8 +19,7 @@ import numpy as np
 
 from ..adhesion.curve import CONTROLS, AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve
 from ..adhesion.interpolation import Nonadhesive
-from ..adhesion.slopes.exact import exact
-from ..adhesion.slopes.result import TWO_SIDED_90
+from ..adhesion.slopes.result import TWO_SIDED_90, exact
 from ..base.errors import JkrError
 from ..base.numerics import MOST_SOLVES, SAME, Array, composite_gauss
 from ..base.process import PATIENCE
@@ -268,7 +267,13 @@ def refined(body: Nonadhesive, further: Further, wanted: Callable[[Nonadhesive],
         radii = np.unique(wanted(body))
         if all(_is_solved_at(body, a) for a in radii):
             break
-        apart = _apart(before, radii, body.series.a0) if step > 1 else before[:0]
+        if step > 1:
+            # Those radii of the step before that lie apart from the new radii: where steps go to and fro, the
+            # place lies between them
+            steps = np.abs(np.log((before[:, None] - body.series.a0) / (radii - body.series.a0)))
+            apart = before[np.min(steps, axis=1) > SOLVED_STEP]
+        else:
+            apart = before[:0]
         try:
             there = further(np.union1d(apart, radii))  # in place of what was solved further before
             trial = replace(body, further=there)
@@ -277,13 +282,6 @@ def refined(body: Nonadhesive, further: Further, wanted: Callable[[Nonadhesive],
             break
         body, before = trial, radii
     return body
-
-
-def _apart(before: Array, radii: Array, a0: float) -> Array:
-    """Those radii of the step ``before`` that lie apart from the new ``radii``: where steps go to and fro, the place
-    lies between them."""
-    steps = np.abs(np.log((before[:, None] - a0) / (radii - a0)))
-    return before[np.min(steps, axis=1) > SOLVED_STEP]
 
 
 def is_refined(curve: EquilibriumCurve, point: Equilibrium) -> bool:

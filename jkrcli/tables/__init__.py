@@ -272,7 +272,11 @@ def read_table(
     """
     whole = decoded(read_bytes(path, "table", process.TEXT) if content is None else content)
     check_text(path, whole)
-    lines_of_file = _without_long_head(_lines(path, _MINUS.sub("-", whole)))
+    # The lines without the midst of very many comments before the first other line
+    lines_of_file = _lines(path, _MINUS.sub("-", whole))
+    comments = next((i for i, (_, line) in enumerate(lines_of_file) if not _is_comment(line)), len(lines_of_file))
+    if comments > 2 * MOST_COLUMNS:
+        lines_of_file = lines_of_file[:MOST_COLUMNS] + lines_of_file[comments - MOST_COLUMNS :]
     dialect, sample = _dialect(path, lines_of_file, separator, decimal, least, is_text)
     lines, values = _rows(lines_of_file, dialect, gaps=not finite)
     if decimal is None:
@@ -296,7 +300,12 @@ def _table(
     notes, remarks, more = dict[int, str](), dict[int, str](), len(body) > lines.size
     rows = set(lines.tolist() if more or finite or dialect.text else ())
     if more:
-        notes = _notes(body, header, rows, is_note)
+        # Comments and notes behind the first of the rows, and lines of the header that come again behind a note
+        again, known = False, set(header)
+        for n, line in body:
+            again = n not in rows and (is_note(line) or (again and line in known))
+            if again or (n not in rows and _is_comment(line)):
+                notes[n] = line
         # Lines behind the `last` row, all of which begin with a word, as no row does, and none of the header's.
         last = int(lines[-1])
         behind = {n: line for n, line in body if n > last and not _is_comment(line) and any(dialect.cells(line))}
@@ -321,17 +330,6 @@ def _from(content: Lines, first: int) -> Lines:
     return content[bisect_left(content, (first, "")) :]
 
 
-def _notes(content: Lines, header: list[str], rows: set[int], is_note: Callable[[str], bool]) -> dict[int, str]:
-    """Comments and notes behind the first of the ``rows``, and lines of the header that come again behind a note."""
-    notes: dict[int, str] = {}
-    again, known = False, set(header)
-    for n, line in content:
-        again = n not in rows and (is_note(line) or (again and line in known))
-        if again or (n not in rows and _is_comment(line)):
-            notes[n] = line
-    return notes
-
-
 def _lines(path: Path, text: str) -> Lines:
     """The lines that are not empty; InputError where a row holds more cells than any table has."""
     lines = text.splitlines()
@@ -349,14 +347,6 @@ def _narrow(path: Path, n: int, line: str) -> str:
         if marks > MOST_COLUMNS or len(line.split(None, MOST_COLUMNS)) > MOST_COLUMNS:
             raise InputError(f"{path}: line {n} holds more than {MOST_COLUMNS:,} cells, the most that are read")
     return line
-
-
-def _without_long_head(content: Lines) -> Lines:
-    """The lines without the midst of very many comments before the first other line."""
-    comments = next((i for i, (_, line) in enumerate(content) if not _is_comment(line)), len(content))
-    if comments <= 2 * MOST_COLUMNS:
-        return content
-    return content[:MOST_COLUMNS] + content[comments - MOST_COLUMNS :]
 
 
 def _refuse_doubtful(path: Path, content: Lines, dialect: Dialect) -> None:

@@ -8,7 +8,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from annulus_by_elements import ElementLayer
 from maugis import Maugis, finite_range_curve
 from scipy.optimize import brentq
 from uncontacted import Uncontacted
@@ -331,6 +330,8 @@ def test_pressure_is_continuous_and_the_gap_grows_to_the_range(name: str, mu: fl
 def test_finite_elements_with_the_tension_as_a_load_agree(nu: float, mu: float) -> None:
     """delta, P and c at five contact radii; a node is no contact radius, so that loads are compared at equal delta."""
     R, w, rows = 100.0, 1e-4, 40
+    from annulus_by_elements import ElementLayer
+
     curve, elements = curve_of(layer(nu), R, 2.5, w, mu), ElementLayer(nu, R, rows)
     for a in (0.3, 0.6, 1.0, 1.5, 2.0):
         delta, P, c = elements.state(round(a * rows), curve.law.stress, curve.law.length)

@@ -14,7 +14,7 @@ import pytest
 from conftest import CASES
 
 import jkrcli as jkr_
-from jkrcli.adhesion.curve import DISPLACEMENT_CONTROL
+from jkrcli.adhesion.curve import DISPLACEMENT_CONTROL, CriticalPoint
 from jkrcli.adhesion.device_path import Program
 from jkrcli.adhesion.finite_range import Range
 from jkrcli.adhesion.relaxing_adhesion import RelaxingAdhesion
@@ -301,7 +301,7 @@ def test_adhesion_over_time_in_words() -> None:
     law = jkr_.StandardSolid(0.25, 1.0)
     contact = RelaxingAdhesion.of(solved, Range.of(0.05, stress=0.1), law, DISPLACEMENT_CONTROL)
     program = Program(np.array([0.0, 0.1]), np.array([contact.least, 0.02]), -1.0)
-    limits = {"very fast": -0.2, "very slow": Unknown("there is none")}
+    limits = {"very fast": CriticalPoint(0.5, -0.1, -0.2, "minimum"), "very slow": Unknown("there is none")}
     found = CycledAdhering.of(replace(contact, tolerance=0.05), program, Path("gel.h5"), limits, 20)
     text, summary, rows = "\n".join(found.words()), found.summary(), found.columns
     assert "contact is lost at t" in text
@@ -347,7 +347,7 @@ def test_adhesion_over_time_turns_at_a_load_in_a_spring(jkr: Callable, series: P
 
 
 ADHERES_NOT = {
-    "rest": ((*WIDE, "--rest-depth", "0.1 m"), "without --speed: give --hold"),
+    "rest": ((*WIDE, "--rest-depth", "0.1 m"), "from rest it is pulled at --speed: leave --to-depth out"),
     "narrow": (("--stress", "30 Pa", "--to-depth", "0.1 m"), "is too narrow beside"),
     "two works": ((*WIDE, "--w-retract", "60 mJ/m^2"), "give one work of adhesion"),
     "no turn": (("--stress", "1 Pa", "--stiffness", "1 N/m"), "say where it turns, --to-load or --to-depth"),
@@ -377,3 +377,23 @@ def test_adhesion_over_time_is_not_for_every_body(
     done = jkr("cycle", "other.toml", *ADHERES, *WIDE)
     assert done.code == 2
     assert line in done.err
+
+
+def test_cycles_with_adhesion_begin_at_rest_and_state_their_limits(jkr: Callable, series: Path) -> None:
+    """Pulled at once the force falls short of the third limit, which is stated beside the other two; from Python, too.
+    Once --rest-depth with --speed was refused, and cycle_relaxing had no adhesion."""
+    work = ("--w-approach", 0.05, "--stress", 0.3, "--speed", 1e4)
+    found = answer(jkr, series, *work, "--rest-depth", 0.0)
+    forces = {name: -P for name, P in found["limits"].items()}
+    assert forces["pull_off_from_rest_P_N"] > -found["pull_off"]["P_N"] > 1.5 * forces["pull_off_very_fast_P_N"]
+    assert found["at_rest_at_the_begin"]
+    assert found["energy_lost_J"] is None
+    history = jkr_.cycle_relaxing(series, speed=1e4, w=0.05, stress=0.3, rest_depth=0.0)
+    assert history.pull_off.P == pytest.approx(found["pull_off"]["P_N"], rel=1e-6)
+    labels = [text.get_text() for text in history.figure().legends[0].get_texts()]
+    assert {"pull-off very fast", "pull-off very slow", "pull-off from rest"} <= set(labels)
+    refused = jkr("cycle", series, *work, "--rest-depth", 0.0, "--hold", 1)
+    assert refused.code == 2
+    assert "--hold" in refused.err
+    with pytest.raises(jkr_.InputError, match="stress or length"):
+        jkr_.cycle_relaxing(series, speed=1.0, w=0.05)

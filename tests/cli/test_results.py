@@ -23,8 +23,7 @@ from jkrcli.report import tables
 from jkrcli.resolve.analysis import Analysis
 from jkrcli.resolve.comparison import compare_half_space, exact_curve
 from jkrcli.resolve.neglected import preview_effects
-from jkrcli.series import ErrorBudget, Series, Solution
-from jkrcli.series.differences import curve_differences, series_differences
+from jkrcli.series import ErrorBudget, Series, Solution, curve_differences, series_differences
 
 R, W = 1e-4, 50.0
 GROUND = Specimen((), HalfSpace(Elastic(5e9, 0.4)))
@@ -200,6 +199,7 @@ def test_auto_takes_the_least_model() -> None:
         choose_method(finite, "layered", build)
 
 
+@pytest.mark.fem
 def test_auto_goes_on_to_the_next_method_and_names_all_that_failed() -> None:
     choice = choose_method(LAYER, "auto", build)
     missed = InaccurateError("missed 1e-8", "missed", 1e-6)
@@ -219,6 +219,7 @@ def test_auto_goes_on_to_the_next_method_and_names_all_that_failed() -> None:
     assert noticed.name == "hybrid"
 
 
+@pytest.mark.fem
 def test_auto_says_why_and_what_others_would_cost() -> None:
     reason = choose_method(LAYER, "auto", build).reason
     assert reason.startswith("the simplest method for this body (")

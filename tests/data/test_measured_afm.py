@@ -55,19 +55,68 @@ def test_indentation_is_minus_height_minus_deflection(tmp_path: Path) -> None:
     np.testing.assert_allclose(curve.delta, -HEIGHT - FORCE / K, rtol=1e-14)
 
 
-def test_a_map_of_many_curves_is_read_one_by_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = written(tmp_path / "map.h5", *(data(i, spring_constant=K) for i in range(4)))
-    from afmformats.formats.fmt_hdf5 import H5DictReader
+@pytest.fixture
+def columns_read(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The names of the columns whose values are read from HDF5 files, in their order."""
+    h5py = pytest.importorskip("h5py")
+    loaded: list[str] = []
+    whole = h5py.Dataset.__getitem__
+    monkeypatch.setattr(h5py.Dataset, "__getitem__", lambda self, key: loaded.append(self.name) or whole(self, key))
+    return loaded
 
-    loaded = []
-    whole = H5DictReader.__getitem__
-    monkeypatch.setattr(H5DictReader, "__getitem__", lambda self, key: loaded.append(self.enum_key) or whole(self, key))
+
+def test_a_map_of_many_curves_is_read_one_by_one(tmp_path: Path, columns_read: list[str]) -> None:
+    path = written(tmp_path / "map.h5", *(data(i, spring_constant=K) for i in range(12)))
     curves = measured.each(path, Reading(zero={"delta": -5e-6}))
     first = next(curves)
     assert isinstance(first, Curve)
-    assert set(loaded) == {"0"}
-    assert [first.name, *(item.name for item in curves if isinstance(item, Curve))] == ["0", "1", "2", "3"]
+    assert sorted(columns_read) == [f"/0/{name}" for name in sorted(CONTENT)]  # each once
+    names = [first.name, *(item.name for item in curves if isinstance(item, Curve))]
+    assert names == [str(i) for i in range(12)]  # in the order of their numbers, not of their texts
     np.testing.assert_allclose(first.delta, 5e-6 - HEIGHT - FORCE / K, rtol=1e-14)
+
+
+def test_one_curve_of_a_map_is_read_without_the_others(tmp_path: Path, columns_read: list[str]) -> None:
+    """Others are not read, and what is wrong with them is not said; their names are known."""
+    lame = CONTENT | {"force": np.append(FORCE[:4], np.nan), "height (piezo)": HEIGHT}
+    path = written(tmp_path / "map.h5", data(0, lame, spring_constant=K), *(data(i, spring_constant=K) for i in (1, 2)))
+    (curve,) = measured.each(path, Reading(where={"curve": "2"}))
+    assert isinstance(curve, Curve)
+    assert {name.split("/")[1] for name in columns_read} == {"2"}
+    with pytest.raises(InputError, match=r'holds no curve "20".*0, 1, 2'):
+        list(measured.each(path, Reading(where={"curve": "20"})))
+
+
+def test_columns_that_are_not_needed_are_not_read(tmp_path: Path, columns_read: list[str]) -> None:
+    measured.read(written(tmp_path / "m.h5", data(columns=CONTENT | {"height (piezo)": HEIGHT}, spring_constant=K)))
+    assert not [name for name in columns_read if "piezo" in name]
+
+
+def test_damage_to_one_column_is_told_of_its_curve_alone(tmp_path: Path) -> None:
+    path = written(tmp_path / "map.h5", *(data(i, spring_constant=K) for i in range(3)))
+    import h5py
+
+    with h5py.File(path) as file:
+        place = file["1/force"].id.get_chunk_info(0)
+    content = bytearray(path.read_bytes())
+    content[place.byte_offset + place.size // 2] ^= 0xFF
+    path.write_bytes(content)
+    first, second, third = measured.each(path)
+    assert isinstance(first, Curve)
+    assert isinstance(third, Curve)
+    assert str(second).startswith(f'{path}: curve "1": ')
+
+
+def test_a_map_with_links_in_it_is_refused(tmp_path: Path) -> None:
+    path = written(tmp_path / "map.h5", *(data(i, spring_constant=K) for i in range(2)))
+    import h5py
+
+    with h5py.File(path, "a") as file:
+        del file["1"]
+        file["1"] = h5py.SoftLink("/0")
+    first, second = measured.each(path)
+    assert isinstance(first, Curve)
+    assert 'curve "1"' in str(second) or '"1" is a link' in str(second)
 
 
 def test_the_position_of_the_tip_itself_needs_no_deflection(tmp_path: Path) -> None:
@@ -182,7 +231,8 @@ def test_records_of_creep_and_relaxation_are_read_by_their_motion(
         kind = afmformats.AFMCreepCompliance if modality.startswith("creep") else afmformats.AFMStressRelaxation
         made = kind(columns, {"imaging mode": modality, "path": "x.h5", "enum": 0, "point count": 100,
                               "spring constant": K})  # fmt: skip
-        path = written(tmp_path / f"{modality}.h5", data(spring_constant=K))
+        path = tmp_path / f"{modality}.tab"
+        data(spring_constant=K).export_data(path)
         held = [made]
         monkeypatch.setattr(afmformats, "load_data", lambda path, modality=None, held=held, **_: (
             held if modality in (None, held[0].modality) else []))  # fmt: skip

@@ -16,8 +16,7 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.resolve.analysis import analyse
-from jkrcli.resolve.consistency_check import check_against_solution
-from jkrcli.resolve.node_radii import compared
+from jkrcli.resolve.node_radii import check_against_solution, compared
 from jkrcli.series import RawSeries, Solution
 
 CALCULIX = Path(__file__).parents[1] / "references" / "calculix"

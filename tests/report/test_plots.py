@@ -35,7 +35,7 @@ from jkrcli.report.plots.inverse import map_figure
 from jkrcli.report.plots.studies import differences_figure
 from jkrcli.report.result import Files
 from jkrcli.resolve.analysis import Analysis, analyse
-from jkrcli.series.differences import Difference
+from jkrcli.series import Difference
 from studies import paper
 from studies.chart import chart_figure
 from studies.chart_points import Measured, Setting

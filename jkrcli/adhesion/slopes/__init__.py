@@ -1,7 +1,7 @@
 """The rules by which S = dP/d(delta) and S' = dS/da of a nonadhesive series are found; each registers itself.
 
-Every module in the folder ``rules`` is light and registers a rule whose function is imported when it is called; a rule
-of one's own may do so in any module that has been imported.
+A rule registers the place of its function, which is imported when it is called; a rule of one's own may do so in any
+module that has been imported.
 """
 
 from __future__ import annotations
@@ -62,4 +62,16 @@ def slopes_function(name: str) -> Rule:
     return RULES[name] if name in RULES else RULES[checked_rule(name)]
 
 
-importlib.import_module(f"{__name__}.rules")
+register(
+    Rule("exact", "The slopes that the series carries; nothing is smoothed.", "jkrcli.adhesion.slopes.result:exact")
+)
+SENTENCE = "S' and d(delta_H)/da fitted through their integrals; nothing is differentiated."
+register(Rule("integral", SENTENCE, "jkrcli.adhesion.slopes.integral:integral"))
+# "loocv", the paper's, and "gcv", the same with another measure of the smoothing; of both S is re-evaluated by the
+# smoothing spline, or kept from the cubic spline P(delta).
+for _name, _left_out in (("loocv", "leave-one-out"), ("gcv", "generalised")):
+    _place = f"jkrcli.adhesion.slopes.loocv:{_name}"
+    _sentence = f"Derivative of a spline P(delta), smoothed over a by {_left_out} cross-validation."
+    register(Rule(_name, _sentence, _place, optimistic=True, quantised=True))
+    _sentence = f"As {_name}, with S kept from the spline P(delta): the paper's examples."
+    register(Rule(f"{_name}-kept", _sentence, f"{_place}_kept", optimistic=True, quantised=True))

@@ -113,7 +113,16 @@ class LogSplineModel:
         low, high = float(np.min(x)) - SPLINE_BELOW, float(np.max(x))
         self.knots = _knots(np.sort(x), intervals)
         self.size = self.knots.size - SPLINE_DEGREE - 1
-        self.shapes = self._shapes()
+        # B-spline coefficients, by columns, of 1, of x, and of shapes of unit roughness orthogonal in it
+        sites = sliding_window_view(self.knots[1:-1], SPLINE_DEGREE).mean(axis=1)  # Greville: they give x
+        # Gram matrix of second derivatives, int B_i'' B_j'' dx, exact by Gauss points in every interval.
+        breaks = self.knots[SPLINE_DEGREE : self.size + 1]
+        nodes, weights = np.polynomial.legendre.leggauss(SPLINE_DEGREE - 1)
+        h = np.diff(breaks)[:, None]
+        x = (breaks[:-1, None] + h * (1 + nodes) / 2).ravel()
+        second = self._splines(x, 2)
+        rough, vectors = np.linalg.eigh(second.T @ (second * (h * weights / 2).ravel()[:, None]))
+        self.shapes = np.column_stack([np.ones(self.size), sites, vectors[:, 2:] / np.sqrt(rough[2:])])
         self.S0 = S0
         self.x = np.linspace(low, high, int(np.ceil((high - low) / SPLINE_STEP)) + 2)
         self.step = self.x[1] - self.x[0]
@@ -219,18 +228,6 @@ class LogSplineModel:
         if order == 0:
             return BSpline.design_matrix(np.clip(x, self.knots[0], self.knots[-1]), self.knots, SPLINE_DEGREE).toarray()
         return BSpline(self.knots, np.eye(self.size), SPLINE_DEGREE)(x, order)
-
-    def _shapes(self) -> Array:
-        """B-spline coefficients, by columns, of 1, of x, and of shapes of unit roughness orthogonal in it."""
-        sites = sliding_window_view(self.knots[1:-1], SPLINE_DEGREE).mean(axis=1)  # Greville: they give x
-        # Gram matrix of second derivatives, int B_i'' B_j'' dx, exact by Gauss points in every interval.
-        breaks = self.knots[SPLINE_DEGREE : self.size + 1]
-        nodes, weights = np.polynomial.legendre.leggauss(SPLINE_DEGREE - 1)
-        h = np.diff(breaks)[:, None]
-        x = (breaks[:-1, None] + h * (1 + nodes) / 2).ravel()
-        second = self._splines(x, 2)
-        rough, vectors = np.linalg.eigh(second.T @ (second * (h * weights / 2).ravel()[:, None]))
-        return np.column_stack([np.ones(self.size), sites, vectors[:, 2:] / np.sqrt(rough[2:])])
 
 
 def _floored_exponent(power: float) -> tuple[float, float]:
@@ -677,19 +674,16 @@ def estimate(x: Array, residuals: Array, k: Array, m: Array, spent: float, floor
         relative = squares / size
         # theory: the sum of two squares is exponential, of median log 2; outliers hide in a mean that holds them
         unit = np.median(relative) / math.log(2) if round_ == 0 else np.mean(relative[inliers])
-        before, inliers = inliers, relative <= unit * _rare(inliers.sum() - spent / 2, x.size)
+        # The square, in units of the mean of free others, that chance brings among all with probability
+        # SCATTER_FALSE: both are exponential, so that their ratio exceeds t with probability (1 + t/free)^-free
+        free = max(inliers.sum() - spent / 2, 2.0)
+        rare = float(free * math.expm1(math.log(x.size / SCATTER_FALSE) / free))
+        before, inliers = inliers, relative <= unit * rare
         if round_ > 0 and (before == inliers).all():
             break
     distance = np.sqrt(relative / np.mean(relative[inliers]))
     far = np.where(inliers, np.maximum(1.0, distance / SCATTER_OUTLIER), distance)
     return shares * size * far**2, ~inliers
-
-
-def _rare(free: float, n: int) -> float:
-    """The square, in units of the mean of ``free`` others, that chance brings among ``n`` with probability
-    ``SCATTER_FALSE``: both are exponential, so that their ratio exceeds t with probability (1 + t/free)^-free."""
-    free = max(free, 2.0)
-    return float(free * math.expm1(math.log(n / SCATTER_FALSE) / free))
 
 
 def _shares(residuals: Array, k: Array, m: Array, spent: float, floor: float) -> Array:
@@ -837,7 +831,15 @@ def _settle(
     each row for itself, however little rows scatter about a fit: those of nodes keep in step with the increments."""
     data = replace(_prepare(raw, errors, a0), known=known)
     shape = None if own is None else Shape.of(own, float(np.max(raw.a) - a0))
-    return _fine_enough(data, None if S0 is None else S0 * float(np.max(raw.delta)) / float(np.max(raw.P)), shape)
+    # The fit with the knots that the data need; residuals still correlated count as that many fewer data
+    S0 = None if S0 is None else S0 * float(np.max(raw.delta)) / float(np.max(raw.P))
+    for intervals in (INTEGRAL_INTERVALS, 2 * INTEGRAL_INTERVALS):
+        settled = _fit(_Task(LogSplineModel(data.x, intervals, S0, shape), data))
+        length = 1.0 if _explained(settled.fit, data) else correlation_length(settled.fit.independent)
+        if length == 1 and settled.known.rho < max(PENALTY_CORRELATIONS):
+            break
+    inflated = replace(settled.known, V=length * settled.known.V, inner=length * settled.known.inner)
+    return replace(settled, known=inflated)
 
 
 def _slopes(settled: _Settled, raw: RawSeries, errors: Mapping[str, Array], a0: float, wanted: Array) -> Slopes:
@@ -869,21 +871,19 @@ def _slopes(settled: _Settled, raw: RawSeries, errors: Mapping[str, Array], a0: 
             joint[:, 4, 4] += (np.gradient(delta_H, wanted) * of_radius) ** 2
             joint[:, 5, 5] += (2 * dS / wanted * of_radius) ** 2
         covariance += shared
-    quantile = float(stdtrit(_freedom(fit), 0.95))
+    # Degrees of freedom of the scatter (Satterthwaite, Biometrics Bull. 2 (1946) 110): those of all residuals
+    # where both columns carry as much of it, of half of them where one does, or where an error of the radius is
+    # in both
+    rows = fit.independent
+    carried = np.linalg.eigvalsh(rows @ rows.T)
+    share = float(np.sum(carried) ** 2 / max(carried.size * np.sum(carried**2), TINY))
+    freedom = max((rows.size - fit.spent) * max(share, 1 / carried.size), 1.0)
+    quantile = float(stdtrit(freedom, 0.95))
     error = Unknown(TOO_FEW) if settled.hidden else shift_error(dS, covariance, quantile)
     known = {} if settled.hidden else {"covariance": covariance, "joint": joint}
     columns = {"delta": delta_H, "P": P_H, **known}
     flags, rho = tuple(_flags(settled, raw)), settled.correlation
     return Slopes(S, dS, "integral", error, float(fit.lambdas[1]), flags, quantile=quantile, correlation=rho, **columns)
-
-
-def _freedom(fit: PenalisedFit) -> float:
-    """Degrees of freedom of the scatter (Satterthwaite, Biometrics Bull. 2 (1946) 110): those of all residuals where
-    both columns carry as much of it, of half of them where one does, or where an error of the radius is in both."""
-    rows = fit.independent
-    carried = np.linalg.eigvalsh(rows @ rows.T)
-    share = float(np.sum(carried) ** 2 / max(carried.size * np.sum(carried**2), TINY))
-    return max((rows.size - fit.spent) * max(share, 1 / carried.size), 1.0)
 
 
 def _flags(settled: _Settled, raw: RawSeries) -> Iterator[str]:
@@ -946,29 +946,20 @@ def _prepare(raw: RawSeries, errors: Mapping[str, Array], a0: float) -> _Data:
     if any(np.any(errors[name] > 0) for name in columns.keys() & errors):
         stated = np.stack([(errors.get(name, 0 * v) / v / TWO_SIDED_90) ** 2 for name, v in columns.items()])
     y = a - a0
-    _refuse_span(a, y)
+    decades = np.log10(y)
+    if np.ptp(decades) > INTEGRAL_DECADES:  # more than a series has: the radius that lies farthest off
+        i = int(np.argmax(np.abs(decades - np.median(decades))))
+        raise InputError(
+            f"slopes 'integral': point {i + 1} has a = {a[i]:g} m, radii beyond the flat end differ by "
+            f"{np.ptp(decades):.0f} decades, at most {INTEGRAL_DECADES:g} are fitted: drop it"
+        )
     x, logs = np.log(y / np.max(y)), np.log([delta / np.max(delta), P / np.max(P)])
-    order = _order(x)
-    return _Data(order, x[order], (a / y)[order], logs[:, order], None if stated is None else stated[:, order])
-
-
-def _order(x: Array) -> Array:
-    """That of recording where ``x`` follows it, else that of ``x``."""
+    # The order of recording where x follows it, else that of x
     recorded = np.arange(x.size)
     ranks = np.argsort(np.argsort(x, kind="stable"), kind="stable")
     follows = float(np.corrcoef(recorded, ranks)[0, 1]) > INTEGRAL_RECORDED
-    return recorded if follows else np.argsort(x, kind="stable")
-
-
-def _refuse_span(a: Array, y: Array) -> None:
-    """Refuse radii over more decades than a series has, by the one that lies farthest off."""
-    logs = np.log10(y)
-    if np.ptp(logs) > INTEGRAL_DECADES:
-        i = int(np.argmax(np.abs(logs - np.median(logs))))
-        raise InputError(
-            f"slopes 'integral': point {i + 1} has a = {a[i]:g} m, radii beyond the flat end differ by "
-            f"{np.ptp(logs):.0f} decades, at most {INTEGRAL_DECADES:g} are fitted: drop it"
-        )
+    order = recorded if follows else np.argsort(x, kind="stable")
+    return _Data(order, x[order], (a / y)[order], logs[:, order], None if stated is None else stated[:, order])
 
 
 class _Task:
@@ -1035,17 +1026,6 @@ class _Settled:
         if not self.noisy:
             return None
         return Unknown(TOO_FEW) if self.few else self.known.rho
-
-
-def _fine_enough(data: _Data, S0: float | None, shape: Shape | None) -> _Settled:
-    """The fit with the knots that the data need; residuals still correlated count as that many fewer data."""
-    for intervals in (INTEGRAL_INTERVALS, 2 * INTEGRAL_INTERVALS):
-        settled = _fit(_Task(LogSplineModel(data.x, intervals, S0, shape), data))
-        length = 1.0 if _explained(settled.fit, data) else correlation_length(settled.fit.independent)
-        if length == 1 and settled.known.rho < max(PENALTY_CORRELATIONS):
-            break
-    known = replace(settled.known, V=length * settled.known.V, inner=length * settled.known.inner)
-    return replace(settled, known=known)
 
 
 def _explained(fit: PenalisedFit, data: _Data) -> bool:

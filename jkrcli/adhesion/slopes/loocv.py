@@ -276,7 +276,10 @@ def loocv(series: Series, criterion: Criterion = "loocv", keep_S: bool = False) 
             "give more increments, or refine the mesh where radii repeat"
         )
     raw = interpolated_slope(series.delta, series.P)
-    a, ordinates, weights = _with_first_touch(series, raw)
+    a, ordinates, weights = series.a, raw, np.ones(raw.size)
+    if series.S0 is not None:  # the known slope at first touch, at infinite weight
+        a, ordinates = np.append(series.a0, a), np.append(series.S0, raw)
+        weights = np.append(math.inf, weights)
     spline = smoothing_spline(a, ordinates, weights, criterion=criterion)
     S, dS = raw if keep_S else spline(series.a), spline(series.a, 1)
     bad = (dS <= 0) | (S <= 0)
@@ -296,9 +299,19 @@ def loocv(series: Series, criterion: Criterion = "loocv", keep_S: bool = False) 
     curvature = float(spline(np.array(probe), 2))
     bias = curvature * (h / (2 * math.sqrt(3)) + layer) * np.exp(-(x[-1] - series.a) / length)
     covariance = _covariance(series, spline, weights, dS, bias, keep_S)
-    flags = tuple(_end_flags(series, dS, bias))
+    flags: tuple[str, ...] = ()
+    if (relative := abs(bias[-1]) / dS[-1]) >= NOTICEABLE:
+        reached = int(np.sum(np.abs(bias) / dS > NOTICEABLE))
+        flags = (
+            f"natural end of the smoothing spline: dS/da is off by about {100 * relative:.2g} % at the largest radius "
+            f"{series.a[-1]:.4g} m, by more than {100 * NOTICEABLE:g} % at the last {reached} points",
+        )
     error = shift_error(dS, covariance, TWO_SIDED_90)
-    reason = f"{KEPT if keep_S else REEVALUATED}; {_lambda_words(spline)}"
+    bound = {
+        "lower": ", its lower bound: S(a) is interpolated, not smoothed",
+        "upper": ", its upper bound: S(a) is a straight line",
+    }.get(spline.at_bound or "", "")
+    reason = f"{KEPT if keep_S else REEVALUATED}; lambda = {spline.smoothing_lambda:.2g}{bound}"
     return Slopes(
         S, dS, "loocv", error, spline.smoothing_lambda, flags, reason, covariance=covariance, derived=not keep_S
     )
@@ -319,17 +332,6 @@ def gcv_kept(series: Series) -> Slopes:
     return replace(loocv(series, "gcv", keep_S=True), method="gcv-kept")
 
 
-def _lambda_words(spline: SmoothingSpline) -> str:
-    """The smoothing parameter, and what it means where cross-validation ends at a bound of its range."""
-    value = f"lambda = {spline.smoothing_lambda:.2g}"
-    match spline.at_bound:
-        case "lower":
-            return f"{value}, its lower bound: S(a) is interpolated, not smoothed"
-        case "upper":
-            return f"{value}, its upper bound: S(a) is a straight line"
-    return value
-
-
 def interpolated_slope(delta: Array, P: Array) -> Array:
     """dP/d(delta) at the points, from the not-a-knot cubic spline through them and (0, 0).
 
@@ -346,26 +348,6 @@ def divided_differences(x: Array, y: Array, order: int) -> Array:
     for gap in range(1, order + 1):
         y = ((y[1:] - y[:-1]).T / (x[gap:] - x[:-gap])).T
     return y
-
-
-def _with_first_touch(series: Series, S: Array) -> tuple[Array, Array, Array]:
-    """Radii, slopes and weights with the known slope at first touch prepended at infinite weight."""
-    if series.S0 is None:
-        return series.a, S, np.ones(S.size)
-    weights = np.ones(S.size + 1)
-    weights[0] = math.inf
-    return np.concatenate([[series.a0], series.a]), np.concatenate([[series.S0], S]), weights
-
-
-def _end_flags(series: Series, dS: Array, bias: Array) -> list[str]:
-    relative = abs(bias[-1]) / dS[-1]
-    if relative < NOTICEABLE:
-        return []
-    reached = int(np.sum(np.abs(bias) / dS > NOTICEABLE))
-    return [
-        f"natural end of the smoothing spline: dS/da is off by about {100 * relative:.2g} % at the largest radius "
-        f"{series.a[-1]:.4g} m, by more than {100 * NOTICEABLE:g} % at the last {reached} points"
-    ]
 
 
 def _covariance(series: Series, spline: SmoothingSpline, weights: Array, dS: Array, bias: Array, keep_S: bool) -> Array:

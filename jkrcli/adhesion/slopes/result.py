@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ...base.errors import Estimate
+from ...base.errors import Estimate, Refusal, Unknown
 from ...base.numerics import Array
 from ...series import COLUMNS, Series
 
@@ -108,3 +108,21 @@ def covariance_from_errors(
 def shift_error(dS: Array, covariance: Array, quantile: float) -> float:
     """Relative 90 % half-width of sqrt(a/S'), the median over the points."""
     return float(np.median(quantile * np.sqrt(covariance[:, 3, 3]) / (2 * dS)))
+
+
+# --------------------------------------------------------------------------------------------------
+# Slopes that the series carries itself: nothing is smoothed.
+
+NOT_STATED = Unknown("no error is stated")
+
+
+def exact(series: Series) -> Slopes:
+    """S and S' of the series as they are; refused where the method that made it does not know them."""
+    if series.S is None or series.dS is None:
+        raise Refusal(
+            "slopes: this series carries no exact S and dS/da; use the slopes 'integral' or 'loocv', or a method that "
+            "gives them (closed-form, layered, hybrid; fem with edge correction and error estimate)"
+        )
+    covariance = covariance_from_errors(series.a, series.errors, series.dS)
+    error = NOT_STATED if covariance is None else shift_error(series.dS, covariance, TWO_SIDED_90)
+    return Slopes(series.S, series.dS, "exact", error=error, covariance=covariance)

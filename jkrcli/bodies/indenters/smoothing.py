@@ -160,17 +160,21 @@ class _Fit:
     def pieces_of(self, values: Array) -> Array:
         """f, f', f'', f''' (4, pieces) by jumps of the slope, then f'' at the nodes of the curved segments."""
         jumps, bent = np.split(values, [len(self.corners)])
-        left, right = [], []
+        pieces = []
         for i, nodes in enumerate(self.segments):
             own = np.zeros(nodes.size)
             if i in self.curved:
                 own, bent = bent[: nodes.size], bent[nodes.size :]
-            left.append(own[:-1])
-            right.append(own[1:])
+            pieces.append(np.stack([own[:-1], own[1:]]))
+        left, right = np.concatenate(pieces, axis=1)
         steps = np.zeros(self.knots.size - 1)
         for place, jump in zip(self.corners, jumps, strict=True):
             steps[np.searchsorted(self.knots, place)] += jump
-        return _integrated(np.diff(self.knots), steps, np.concatenate(left), np.concatenate(right))
+        # at the left of the pieces, of lengths h, from the steps of the slope there and f'' at both ends
+        h = np.diff(self.knots)
+        slope = np.cumsum(steps) + np.append(0.0, np.cumsum((left + right) / 2 * h)[:-1])
+        f = np.append(0.0, np.cumsum(h * slope + h**2 * (2 * left + right) / 6)[:-1])
+        return np.array([f, slope, left, (right - left) / h])
 
     @cached_property
     def columns(self) -> Array:
@@ -277,14 +281,6 @@ class _Fit:
     def _si(self, knots: Array, pieces: Array) -> tuple[Array, Array]:
         length, height = self.unit
         return knots * length, pieces * (height / length ** np.arange(4.0))[:, None]
-
-
-def _integrated(h: Array, steps: Array, left: Array, right: Array) -> Array:
-    """f, f', f'', f''' (4, pieces) at the left of the pieces of lengths ``h`` from ``steps`` of the slope there and f''
-    at both ends."""
-    slope = np.cumsum(steps) + np.append(0.0, np.cumsum((left + right) / 2 * h)[:-1])
-    f = np.append(0.0, np.cumsum(h * slope + h**2 * (2 * left + right) / 6)[:-1])
-    return np.array([f, slope, left, (right - left) / h])
 
 
 def cut_at(places: Array, knots: Array, pieces: Array) -> Array:

@@ -92,7 +92,11 @@ class TableProfile(Indenter):
                 f"({f'{wrong[0]:g} is none' if wrong else 'not increasing'})"
             )
         if noise is None:
-            dip = _first_dip(r, f)
+            # Number of the first point at which the slope falls, or the profile from the axis on; None: it is
+            # convex
+            chord = np.diff(f) / np.diff(r)
+            dips = np.diff(chord) < -ROUNDED * max(float(np.max(np.abs(chord))), TINY)
+            dip = 0 if chord[0] < 0 else int(np.argmax(dips)) + 1 if dips.any() else None
             if dip is None:
                 return None
             noise = scatter(r, f) if r.size >= SMOOTHING_FEWEST else 0.0
@@ -349,15 +353,6 @@ def _check_table(r: Array, f: Array, exact: bool) -> None:
         raise InputError(f"profile table: radii must increase, point {i + 1} has r = {r[i]:g} after {r[i - 1]:g}")
     if f[-1] <= f[0]:
         raise InputError("profile table: is flat; a flat end needs a rounded edge")
-
-
-def _first_dip(r: Array, f: Array) -> int | None:
-    """Number of the first point at which the slope falls, or the profile from the axis on; None: it is convex."""
-    chord = np.diff(f) / np.diff(r)
-    dips = np.diff(chord) < -ROUNDED * max(float(np.max(np.abs(chord))), TINY)
-    if chord[0] < 0:
-        return 0
-    return int(np.argmax(dips)) + 1 if dips.any() else None
 
 
 def _straight(chord: Array, start: float) -> Array:

@@ -24,7 +24,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ... import __version__
-from ...adhesion.curve import DISPLACEMENT_CONTROL, AdhesiveCurve, CriticalPoint, Equilibrium
+from ...adhesion.curve import DISPLACEMENT_CONTROL, CriticalPoint, Equilibrium
 from ...adhesion.interpolation import Nonadhesive
 from ...adhesion.slopes import checked_rule
 from ...adhesion.stability import stability_under
@@ -36,7 +36,7 @@ from ...bodies.problem import Problem
 from ...case.models import CaseModel, method_of
 from ...case.reading import Case, model_of
 from ...case.store import read_solution, write_solution
-from ...case.sweep import MOST_CASES, AxisTable, DistributionTable, SamplesTable, SweepModel, load_sweep
+from ...case.sweep import MOST_CASES, AxisTable, DistributionTable, SweepModel, load_sweep
 from ...methods.protocol import Choice, Method, choose_method, least_first, survey
 from ...report import tables
 from ...resolve.analysis import Analysis, adhesive, nonadhesive, with_solved_points
@@ -164,10 +164,19 @@ def resolve(model: SweepModel, tables: Tables, folder: Path, source: str) -> tup
     axes = []
     for i, axis in enumerate(model.axes):
         with _noted(lines, f"{source}: axes[{i}]"):
-            axes.append(_axis(axis, trial))
+            listed = _listed(axis)
+            if axis.zip is None and axis.values is None:
+                rows = [(value,) for value in _range(axis, trial)]
+            else:
+                by_case = zip(*listed.values(), strict=True)
+                rows = [trial.si(dict(zip(listed, row, strict=True))) for row in by_case]
+            axes.append(Axis(tuple(listed), tuple(rows)))
     if model.samples is not None:
         with _noted(lines, f"{source}: samples.of"):
-            axes.append(_samples(model.samples, trial))
+            samples = model.samples
+            distributions = [_distribution(key, table, trial) for key, table in samples.of.items()]
+            drawn = draw(distributions, samples.count, samples.method, samples.seed)
+            axes.append(Axis(tuple(samples.of), tuple(drawn)))
     if lines:
         raise InputError(list(dict.fromkeys(lines)))
     if not any(W in axis.keys for axis in axes) and len(first.adhesion.w) > 1:
@@ -214,15 +223,6 @@ def _first(model: SweepModel) -> dict[str, Any]:
     return first
 
 
-def _axis(axis: AxisTable, trial: Trial) -> Axis:
-    listed = _listed(axis)
-    keys = tuple(listed)
-    if axis.zip is None and axis.values is None:
-        return Axis(keys, tuple((value,) for value in _range(axis, trial)))
-    rows = zip(*listed.values(), strict=True)
-    return Axis(keys, tuple(trial.si(dict(zip(keys, row, strict=True))) for row in rows))
-
-
 def _range(axis: AxisTable, trial: Trial) -> list[Any]:
     key, count = str(axis.key), axis.count or 2
     start, end = (_number(trial, key, value) for value in (axis.start, axis.end))
@@ -240,11 +240,6 @@ def _number(trial: Trial, key: str, value: Any) -> Any:
     if isinstance(number, bool) or not isinstance(number, int | float):
         raise InputError(f"{key}: is no number: give its values as a list")
     return number
-
-
-def _samples(samples: SamplesTable, trial: Trial) -> Axis:
-    distributions = [_distribution(key, table, trial) for key, table in samples.of.items()]
-    return Axis(tuple(samples.of), tuple(draw(distributions, samples.count, samples.method, samples.seed)))
 
 
 def _distribution(key: str, table: DistributionTable, trial: Trial) -> Distribution:
@@ -268,10 +263,6 @@ POINT = ("P_N", "delta_m", "a_m")
 ERROR = ("P_err_N", "delta_err_m")
 
 
-def _solved_by(result: Analysis) -> dict[str, Any]:
-    return {"method": result.solution.method, "slopes": result.curve.slopes.method}
-
-
 def _at_end(result: Analysis) -> dict[str, Any]:
     series = result.curve.series
     return {"points": len(series), "a_m": series.a[-1], "delta_H_m": series.delta[-1], "P_H_N": series.P[-1]}
@@ -279,15 +270,13 @@ def _at_end(result: Analysis) -> dict[str, Any]:
 
 def _pull_off(result: Analysis) -> dict[str, Any]:
     load, displacement = (_point(name, result.pull_off[name]) for name in ("load", "displacement"))
-    return load | displacement | {"load.over_pi_w_R": _ratio(result)}
-
-
-def _ratio(result: Analysis) -> float | Unknown:
-    """The pull-off force under load control as -P/(pi w R): 3/2 on a half-space."""
+    # The pull-off force under load control as -P/(pi w R): 3/2 on a half-space
     point, R = result.pull_off["load"], result.problem.indenter.tip_radius
     if isinstance(point, Unknown):
-        return point
-    return Unknown("the indenter has no tip radius") if R is None else -point.P / (math.pi * result.w * R)
+        ratio: float | Unknown = point
+    else:
+        ratio = Unknown("the indenter has no tip radius") if R is None else -point.P / (math.pi * result.w * R)
+    return load | displacement | {"load.over_pi_w_R": ratio}
 
 
 def _point(name: str, state: Equilibrium | Unknown) -> dict[str, Any]:
@@ -319,14 +308,6 @@ def _validity(result: Analysis) -> dict[str, Any]:
     return tables.validity(result) | {"large_strains": told if points else Unknown("")}
 
 
-def _errors(result: Analysis) -> dict[str, Any]:
-    return result.budget.as_dict()
-
-
-def _comparison(result: Analysis) -> dict[str, Any]:
-    return {"pull_off": result.comparison.pull_off if result.comparison else Unknown("")}
-
-
 def _of_both(keys: Sequence[str]) -> Iterator[str]:
     """The names of the ``keys`` under control of load and of displacement."""
     return (f"{control}.{key}" for control in ("load", "displacement") for key in keys)
@@ -335,15 +316,24 @@ def _of_both(keys: Sequence[str]) -> Iterator[str]:
 VALIDITY = ("tabor", "a_over_R", "a_over_R_pull_off", "delta_over_h", "a_over_h", "a_over_L", "large_strains")
 STRAINS = "validity.large_strains"  # beside every pull-off force, asked for or not: it is a doubt of the row
 SECTIONS: dict[str, tuple[Section, tuple[str, ...]]] = {
-    "solved_by": (_solved_by, ("method", "slopes")),
+    "solved_by": (
+        lambda result: {"method": result.solution.method, "slopes": result.curve.slopes.method},
+        ("method", "slopes"),
+    ),
     "contact": (lambda result: {"E_star_Pa": result.problem.E_star}, ("E_star_Pa",)),
     "end": (_at_end, ("points", "a_m", "delta_H_m", "P_H_N")),
     "pull_off": (_pull_off, (*_of_both(POINT), "load.over_pi_w_R")),
     "pull_off_errors": (_point_errors, tuple(_of_both(ERROR))),
     "stability": (_stability, ("energy_lost_J", "work_of_separation_J", *(f"jump_in.{key}" for key in POINT))),
     "validity": (_validity, VALIDITY),
-    "errors": (_errors, ("discretisation", "truncation", "radius", "smoothing", "total")),
-    "comparison": (_comparison, ("pull_off",)),
+    "errors": (
+        lambda result: result.budget.as_dict(),
+        ("discretisation", "truncation", "radius", "smoothing", "total"),
+    ),
+    "comparison": (
+        lambda result: {"pull_off": result.comparison.pull_off if result.comparison else Unknown("")},
+        ("pull_off",),
+    ),
 }
 NAMES = tuple(f"{section}.{key}" for section, (_, keys) in SECTIONS.items() for key in keys)
 NEED_W = ("pull_off", "pull_off_errors", "stability")
@@ -381,7 +371,15 @@ class Wanted:
         values = [_value(name, told[name]) for name in self.names]
         for k in self.stiffness:
             values += _point("device", result.curve.pull_off(k)).values()
-        return [*values, *_along(result.jkr, self.radii)]
+        # ``ALONG`` of the curve at each of the contact radii [m]; index H: without adhesion
+        curve, a = result.jkr, np.array(self.radii)
+        beyond = curve.beyond(a)
+        delta, P = curve.at(a[~beyond])
+        delta_H, P_H, S, dS, _ = curve.nonadhesive.parts(a[~beyond])
+        rows = iter(np.stack([P, delta, P_H, delta_H, S, dS], axis=1).tolist())
+        for place, out in zip(self.radii, beyond.tolist(), strict=True):
+            values += [Unknown(curve.beyond_words(place))] * len(ALONG) if out else next(rows)
+        return values
 
 
 def _value(name: str, value: Any) -> Value | Unknown:
@@ -391,17 +389,6 @@ def _value(name: str, value: Any) -> Value | Unknown:
     if isinstance(value, int | str):
         return value
     return float(value) if math.isfinite(value) else Unknown(f"{name} is not finite")
-
-
-def _along(curve: AdhesiveCurve, radii: Sequence[float]) -> Iterator[Value | Unknown]:
-    """``ALONG`` of the curve at each of the contact radii [m]; index H: without adhesion."""
-    a = np.array(radii)
-    beyond = curve.beyond(a)
-    delta, P = curve.at(a[~beyond])
-    delta_H, P_H, S, dS, _ = curve.nonadhesive.parts(a[~beyond])
-    rows = iter(np.stack([P, delta, P_H, delta_H, S, dS], axis=1).tolist())
-    for place, out in zip(radii, beyond.tolist(), strict=True):
-        yield from [Unknown(curve.beyond_words(place))] * len(ALONG) if out else next(rows)
 
 
 def names_of(words: Sequence[str], source: str) -> tuple[str, ...]:
@@ -568,7 +555,15 @@ def load_plan(path: Path) -> Plan:
         raise InputError(
             f"{source}: the quantities asked for need a work of adhesion: vary adhesion.w, or set it in the base case"
         )
-    plan = Plan(source, model.title, CaseTemplate(_self_contained(tables, first, axes), wanted, folder), axes)
+    # The base case with a profile's points in place of the name of their file, so that workers need no file
+    indenter = tables.get("indenter", {})
+    if "file" not in indenter or any(key == "indenter.file" for axis in axes for key in axis.keys):
+        self_contained = tables
+    else:
+        points = {key: first.model_dump()["indenter"][key] for key in ("r", "f")}
+        rest = {key: value for key, value in indenter.items() if key != "file"}
+        self_contained = {**tables, "indenter": rest | points}
+    plan = Plan(source, model.title, CaseTemplate(self_contained, wanted, folder), axes)
     if plan.count > MOST_CASES:
         raise InputError(f"{source}: makes {plan.count:,} cases, at most {MOST_CASES:,} are allowed in one sweep")
     if (cells := plan.count * len(wanted.columns)) > MOST_CELLS:
@@ -592,16 +587,6 @@ def _wanted(model: SweepModel, source: str) -> Wanted:
     if outputs.stiffness or any(name.startswith("pull_off.") for name in names):
         names = tuple(dict.fromkeys((*names, STRAINS)))
     return Wanted(names, outputs.radii, outputs.stiffness, rule)
-
-
-def _self_contained(tables: Tables, first: CaseModel, axes: Sequence[Axis]) -> Tables:
-    """The base case with a profile's points in place of the name of their file, so that workers need no file."""
-    indenter = tables.get("indenter", {})
-    if "file" not in indenter or any(key == "indenter.file" for axis in axes for key in axis.keys):
-        return tables
-    points = {key: first.model_dump()["indenter"][key] for key in ("r", "f")}
-    rest = {key: value for key, value in indenter.items() if key != "file"}
-    return {**tables, "indenter": rest | points}
 
 
 # ---------------------------------------------------------------------- the work that goes to a worker

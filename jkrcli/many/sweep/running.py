@@ -171,37 +171,28 @@ class Journal:
             return
         whole = content.rfind(b"\n") + 1
         head, *lines = content[:whole].splitlines() or [b""]
-        self._check_head(head)
+        named = _parsed(head)
+        if not isinstance(named, dict) or named.get("format") != FORMAT or named.get("version") != VERSION:
+            raise InputError(
+                f"{self.path}: is no journal of a sweep (line 1 must name the format {FORMAT}, version {VERSION}); "
+                "give another folder"
+            )
         self._file.truncate(whole)
         self._file.seek(whole)
         for number, line in enumerate(lines, start=2):
-            if (entry := _entry(line)) is None:
+            written = line.rpartition(b", ")[0] + b"]"
+            entry = _parsed(written) if _sealed(written) == line else None
+            is_sound = isinstance(entry, list) and list(map(type, entry)) == ENTRY and entry[1] in (OK, FAILED)
+            if entry is None or not is_sound:
                 self.damaged.append(number)
                 continue
             identity, status, reason, values, seconds = entry
             self.rows[identity] = Row(-1, status, reason, tuple(values), seconds)
 
-    def _check_head(self, line: bytes) -> None:
-        """Refuse to append to what is no journal of this format."""
-        head = _parsed(line)
-        if not isinstance(head, dict) or head.get("format") != FORMAT or head.get("version") != VERSION:
-            raise InputError(
-                f"{self.path}: is no journal of a sweep (line 1 must name the format {FORMAT}, version {VERSION}); "
-                "give another folder"
-            )
-
 
 def _sealed(entry: bytes) -> bytes:
     """A list in JSON with the digest of its text as its last item."""
     return entry[:-1] + b', "' + hashlib.sha256(entry).hexdigest()[:16].encode() + b'"]'
-
-
-def _entry(line: bytes) -> list[Any] | None:
-    """The entry of a line; None where the line is not as it was written."""
-    entry = line.rpartition(b", ")[0] + b"]"
-    values = _parsed(entry) if _sealed(entry) == line else None
-    is_sound = isinstance(values, list) and list(map(type, values)) == ENTRY and values[1] in (OK, FAILED)
-    return values if is_sound else None
 
 
 def _parsed(line: bytes) -> Any:
@@ -337,16 +328,23 @@ def endings() -> tuple[str, ...]:
 
 def write(folder: Path, columns: Columns) -> list[Path]:
     """Write the table in every form, each whole or not at all; returns the files."""
-    writers = {".csv": write_csv, ".h5": _write_hdf5, ".parquet": _write_parquet}
     paths = [folder / f"{STEM}{ending}" for ending in endings()]
     for path in paths:
-        writers[path.suffix](path, columns)
+        if path.suffix == ".csv":
+            write_csv(path, columns)
+        elif path.suffix == ".h5":
+            datasets = {name: Dataset(_as_dataset(values, name == "case")) for name, values in columns.items()}
+            archive.write(path, archive.SWEEP_TABLE, {"missing": MISSING}, {"table": Group({}, datasets)})
+        else:
+            import pyarrow
+            from pyarrow import parquet
+
+            arrays = [_arrow(values, name == "case") for name, values in columns.items()]
+            metadata = {"format": archive.SWEEP_TABLE, "jkr": __version__}
+            rows = pyarrow.Table.from_arrays(arrays, names=list(columns), metadata=metadata)
+            with atomic(path) as temporary:
+                parquet.write_table(rows, temporary)
     return paths
-
-
-def _write_hdf5(path: Path, columns: Columns) -> None:
-    datasets = {name: Dataset(_as_dataset(values, name == "case")) for name, values in columns.items()}
-    archive.write(path, archive.SWEEP_TABLE, {"missing": MISSING}, {"table": Group({}, datasets)})
 
 
 def _as_dataset(values: list[Any], whole: bool) -> Array | list[str]:
@@ -356,16 +354,6 @@ def _as_dataset(values: list[Any], whole: bool) -> Array | list[str]:
     ):
         return np.array(values, dtype=np.int64 if whole else np.float64)
     return ["" if value is None else str(value) for value in values]
-
-
-def _write_parquet(path: Path, columns: Columns) -> None:
-    import pyarrow
-    from pyarrow import parquet
-
-    arrays = [_arrow(values, name == "case") for name, values in columns.items()]
-    metadata = {"format": archive.SWEEP_TABLE, "jkr": __version__}
-    with atomic(path) as temporary:
-        parquet.write_table(pyarrow.Table.from_arrays(arrays, names=list(columns), metadata=metadata), temporary)
 
 
 def _arrow(values: list[Any], whole: bool) -> Any:
@@ -442,7 +430,16 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say, picture
             _solve(plan, groups, seconds, folder, journal, means, say)
         swept = Swept(plan, table(plan, journal))
     with together():
-        paths = [*write(folder, swept.columns), *_write_failed(folder, swept)]
+        # A table of the failed cases with the command that runs each alone; none where none failed
+        path = folder / FAILED_TABLE
+        if not swept.failed:
+            remove_file(path)
+            write_failed = []
+        else:
+            numbers, reasons = zip(*swept.failed, strict=True)
+            write_csv(path, {"case": numbers, "reason": reasons, "command": list(map(swept.plan.command, numbers))})
+            write_failed = [path]
+        paths = [*write(folder, swept.columns), *write_failed]
         if pictures is not None and pictures.endings and len(swept.failed) < plan.count:
             figure = sweep_figure(plan, swept.columns)
             pictures.write(figure=figure)
@@ -540,17 +537,6 @@ def _solve(
         except KeyboardInterrupt:
             say(f"{len(journal.rows):,} cases are kept; the same command goes on from there")
             raise
-
-
-def _write_failed(folder: Path, swept: Swept) -> list[Path]:
-    """A table of the failed cases with the command that runs each alone; none where none failed."""
-    path = folder / FAILED_TABLE
-    if not swept.failed:
-        remove_file(path)
-        return []
-    numbers, reasons = zip(*swept.failed, strict=True)
-    write_csv(path, {"case": numbers, "reason": reasons, "command": list(map(swept.plan.command, numbers))})
-    return [path]
 
 
 def alone(plan: Plan, number: int) -> SweptCase:

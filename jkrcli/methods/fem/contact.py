@@ -430,19 +430,18 @@ class StuckContact(SurfaceContact):
             z[row] = (self.f[k] - self.L[row, :row] @ z[:row]) / self.L[row, row]
             delta[k] = z[row] / y[row]
             if last > row:
-                z[last] = delta[k] * y[last] + self._slope(delta, k) * lag[k]
+                # d(delta)/da at node k, by a power law through it and the last node of its kind; first a parabola
+                j = k - int(np.flatnonzero(self.surface.is_vertex)[1])
+                width, before = self.surface.radii[[k, j]] - self.flat
+                if not delta[k] > 0 < width:
+                    slope = 0.0
+                else:
+                    power = 2.0
+                    if j > 0 and before > 0 < delta[j]:
+                        power = math.log(delta[k] / delta[j]) / math.log(width / before)
+                    slope = float(power * delta[k] / width)
+                z[last] = delta[k] * y[last] + slope * lag[k]
         return z
-
-    def _slope(self, delta: Array, k: int) -> float:
-        """d(delta)/da at node k, by a power law through it and the last node of its kind; first a parabola."""
-        j = k - int(np.flatnonzero(self.surface.is_vertex)[1])
-        width, before = self.surface.radii[[k, j]] - self.flat
-        if not delta[k] > 0 < width:
-            return 0.0
-        power = 2.0
-        if j > 0 and before > 0 < delta[j]:
-            power = math.log(delta[k] / delta[j]) / math.log(width / before)
-        return float(power * delta[k] / width)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import skfem
 from scipy.sparse import block_diag, bmat, csr_matrix
 
 from ...base.errors import Refusal
@@ -31,7 +30,13 @@ from ...bodies.materials import (
     Material,
     TransverselyIsotropic,
 )
-from .mesh import Grid, MeshedBody, sides
+from .mesh import Grid, MeshedBody, require, sides
+
+try:
+    import skfem
+except ModuleNotFoundError:
+    require("skfem")
+    raise
 
 ELEMENTS = {  # of first order, second, ...
     "triangle": (skfem.ElementTriP1, skfem.ElementTriP2, skfem.ElementTriP3, skfem.ElementTriP4),
@@ -253,7 +258,12 @@ def assemble(
         N, rest = basis.N, K.shape[0] - 2 * basis.N
         K = K + block_diag([csr_matrix((N, N)), body.tension * membrane.assemble(top), csr_matrix((rest, rest))], "csr")
     node_of = np.concatenate([np.arange(basis.N), np.arange(basis.N), pressure_nodes])
-    free = np.setdiff1d(np.arange(K.shape[0]), _constrained(basis, body))
+    # Unknowns that the supports constrain to zero
+    N = basis.N
+    axis, base, rim = (basis.get_dofs(name).all() for name in ("axis", "base", "side"))
+    held = {"free": [], "roller": [rim], "clamped": [rim, N + rim]}[body.side]
+    constrained = np.unique(np.concatenate([axis, N + base, *([base] if body.bonded else []), *held]))
+    free = np.setdiff1d(np.arange(K.shape[0]), constrained)
     areas = measure.assemble(top)[surface]
     return ElasticSystem(grid, materials, tuple(mixed), basis, K, node_of, free, surface, areas)
 
@@ -336,11 +346,3 @@ def stiffness_constants(material: Material, mixed: bool, depth: Array) -> Array:
     if np.isinf(lame):
         raise Refusal("nu: 0.5 needs the mixed form (second-order elements), got the displacement form")
     return np.multiply.outer([lame + 2 * G, lame, lame, lame + 2 * G, G], material.at(depth))
-
-
-def _constrained(basis: skfem.Basis, body: MeshedBody) -> Array:
-    """Unknowns that the supports constrain to zero."""
-    N = basis.N
-    axis, base, rim = (basis.get_dofs(name).all() for name in ("axis", "base", "side"))
-    held = {"free": [], "roller": [rim], "clamped": [rim, N + rim]}[body.side]
-    return np.unique(np.concatenate([axis, N + base, *([base] if body.bonded else []), *held]))

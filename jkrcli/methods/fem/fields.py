@@ -146,20 +146,17 @@ def _traction(products: csc_matrix, force: Array, first: int, order: int) -> tup
     """Tractions at the nodes of a line that balance ``force``, 0 at the nodes before ``first``, and their errors, from
     what polynomials of one order less than ``order`` change."""
     tractions = []
-    for space in (identity(force.size, format="csc"), _one_order_less(force.size, order)):
+    # Values at the nodes of a line of sides of order from those at the nodes of order - 1
+    x, y = np.linspace(-1, 1, order + 1), np.linspace(-1, 1, order)
+    side = np.vander(x, order) @ np.linalg.inv(np.vander(y, order))
+    matrix = np.zeros((force.size, (force.size - 1) // order * (order - 1) + 1))
+    for k in range((force.size - 1) // order):
+        matrix[k * order : (k + 1) * order + 1, k * (order - 1) : (k + 1) * (order - 1) + 1] = side
+    one_order_less = csc_matrix(matrix)
+    for space in (identity(force.size, format="csc"), one_order_less):
         T = space[:, first:].tocsc()
         tractions.append(T @ spsolve((T.T @ products @ T).tocsc(), T.T @ force))
     return tractions[0], TRACTION_CAUTION * np.abs(tractions[0] - tractions[1])
-
-
-def _one_order_less(nodes: int, order: int) -> csc_matrix:
-    """Values at the ``nodes`` of a line of sides of ``order`` from those at the nodes of ``order`` - 1."""
-    x, y = np.linspace(-1, 1, order + 1), np.linspace(-1, 1, order)
-    side = np.vander(x, order) @ np.linalg.inv(np.vander(y, order))
-    matrix = np.zeros((nodes, (nodes - 1) // order * (order - 1) + 1))
-    for k in range((nodes - 1) // order):
-        matrix[k * order : (k + 1) * order + 1, k * (order - 1) : (k + 1) * (order - 1) + 1] = side
-    return csc_matrix(matrix)
 
 
 # The mesh for the field at one contact radius.
@@ -255,7 +252,15 @@ def _state(model: Model, a: float, delta: float, p: Array, share: float) -> Cont
     lines = {"surface": stress.surface(a)} | {f"interface {i + 1}": stress.interface(i) for i in layers[:-1]}
     if not body.cut_below:
         lines["base"] = stress.base()
-    grid, stresses = _split(system.grid, used), np.concatenate(values, axis=1)
+    # The grid with the vertices of interfaces once for each layer, used: those of each
+    cells = np.empty_like(system.grid.cells)
+    start = 0
+    for layer, numbers in enumerate(used):
+        inside = system.grid.materials == layer
+        cells[inside] = start + np.searchsorted(numbers, system.grid.cells[inside])
+        start += numbers.size
+    split = Grid(system.grid.points[np.concatenate(used)], cells, system.grid.materials, {})
+    grid, stresses = split, np.concatenate(values, axis=1)
     for line in lines.values():  # tractions are the same on both sides
         on = np.isclose(grid.points[:, 1], -line.depth, rtol=ROUNDED, atol=0) & (grid.points[:, 0] <= line.r[-1])
         stresses[2:, on] = [np.interp(grid.points[on, 0], line.r, traction) for traction in (line.zz, line.rz)]
@@ -274,14 +279,3 @@ def _cut(model: Model) -> float:
     layers = zip(body.thicknesses[:-1], body.materials[:-1], strict=True)
     reach = sum(h * max(material.surface.E / base, 1.0) for h, material in layers)
     return abs(model.missing) * S * reach / body.width
-
-
-def _split(grid: Grid, used: tuple[Array, ...]) -> Grid:
-    """The grid with the vertices of interfaces once for each layer, ``used``: those of each."""
-    cells = np.empty_like(grid.cells)
-    start = 0
-    for layer, numbers in enumerate(used):
-        inside = grid.materials == layer
-        cells[inside] = start + np.searchsorted(numbers, grid.cells[inside])
-        start += numbers.size
-    return Grid(grid.points[np.concatenate(used)], cells, grid.materials, {})

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
@@ -16,7 +17,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from ...base.errors import InputError, Refusal, SolveError
+from ...base.errors import InputError, Refusal, SolveError, installs
 from ...base.numerics import AT_ONCE, ROUNDED, SAME, Array
 from ...bodies.materials import AnyGraded, AnyTransverse, Elastic, Material, TransverselyIsotropic
 from ...bodies.problem import HalfSpace, Problem, Side, Specimen
@@ -96,18 +97,14 @@ class SizeLaw:
         """Upper limits of the size from zones (inside square k, growing outwards from it), layers and corners."""
         for extent, size in self.zones:
             yield size + self.growth * np.maximum(np.maximum(r, 0.0 - z) - extent, 0.0)
-        for layer in self.layers:
-            yield self._layer_limit(layer, r, z)
+        for top, thickness, size, longest in self.layers:
+            # the layer's size inside it, growing with the distance from it and from the contact
+            above = np.maximum((0.0 - z) - (top + thickness), top + z)
+            beyond = np.maximum(r - (self.reach + 2 * (top + thickness)), 0.0)
+            sideways = np.minimum(size + self.growth * beyond, longest)
+            yield sideways + self.growth * np.maximum(above, 0.0)
         for radius, depth, size in self.corners:
             yield size + self.growth * np.hypot(r - radius, z + depth)
-
-    def _layer_limit(self, layer: tuple[float, float, float, float], r: Any, z: Any) -> Any:
-        """The layer's size inside it, growing with the distance from it and from the contact."""
-        top, thickness, size, longest = layer
-        above = np.maximum((0.0 - z) - (top + thickness), top + z)
-        beyond = np.maximum(r - (self.reach + 2 * (top + thickness)), 0.0)
-        sideways = np.minimum(size + self.growth * beyond, longest)
-        return sideways + self.growth * np.maximum(above, 0.0)
 
     def on_grid(self, r: Array, depth: Array) -> Array:
         """Sizes at all radii ``r`` (m,) and depths (n,), shape (m, n)."""
@@ -420,13 +417,34 @@ class MeshedBody:
 
 def truncate(problem: Problem, reach: float, depth: float | None, width: float | None) -> MeshedBody:
     """The body to mesh for contact radii up to ``reach``; ``depth`` and ``width``: the user's truncation, or None."""
-    specimen = _with_equivalent_modulus(problem)
-    base, decay = specimen.base, _decay_length(specimen, reach)
-    thicknesses = [layer.thickness for layer in specimen.layers]
+    specimen = problem.specimen
+    if problem.indenter.material is not None:
+        # An elastic indenter on a homogeneous half-space acts through E* alone (Eq. 4): give it all to the half-space
+        nu = specimen.surface.nu
+        specimen = Specimen((), HalfSpace(Elastic(problem.E_star * (1 - nu**2), nu)))
+    # Length over which the field changes far from the contact [m]: the layers' thickness, longer under a stiff
+    # plate (of moduli E1 on E2 like (E1/E2)^(1/3) on a half-space, and like (E1/E2)^(1/4) on a layer, as
+    # Winkler's) or under a tension, that carries over kappa = 2 Ups/E* on a half-space, and sqrt(kappa h) on a
+    # layer
+    kappa = specimen.tension_length
+    moduli = [modulus for layer in specimen.layers for modulus in layer.moduli]
+    total = sum(layer.thickness for layer in specimen.layers)
+    if isinstance(specimen.base, HalfSpace):
+        E = specimen.base.material.surface.E
+        contrast = max([*moduli, E]) / E
+        decay = max(reach, total * contrast ** (1 / 3), kappa)
+    else:
+        decay = max(total * (max(moduli) / min(moduli)) ** (1 / 4), math.sqrt(kappa * total))
+    base, thicknesses = specimen.base, [layer.thickness for layer in specimen.layers]
     if isinstance(base, HalfSpace):
-        far = CUT_HALF_SPACE * decay
-        thicknesses.append(_cut_below(sum(thicknesses), reach, far if depth is None else depth))
-        bonded = True
+        bonded, far = True, CUT_HALF_SPACE * decay
+        cut = far if depth is None else depth
+        if 2 * (total + reach) >= cut:
+            raise Refusal(
+                f"mesh.depth: {cut:g} m leaves too little of the half-space below contact and layers; "
+                f"give more than {2 * (total + reach):.3g} m or leave it out"
+            )
+        thicknesses.append(cut - total)
     else:
         bonded, far = base.bonded, reach + (CUT_BONDED if base.bonded else CUT_SLIDING) * decay
         if depth is not None:
@@ -511,16 +529,6 @@ def pressure_layers(materials: Sequence[Material], sticks: bool, above: float | 
     return tuple(i for i, material in enumerate(materials) if material.surface.nu > above)
 
 
-def _cut_below(layers: float, reach: float, depth: float) -> float:
-    """Thickness of a half-space cut at ``depth`` below ``layers`` of this thickness together [m]."""
-    if 2 * (layers + reach) >= depth:
-        raise Refusal(
-            f"mesh.depth: {depth:g} m leaves too little of the half-space below contact and layers; "
-            f"give more than {2 * (layers + reach):.3g} m or leave it out"
-        )
-    return depth - layers
-
-
 def _width(specimen: Specimen, reach: float, width: float | None, far: float) -> float:
     """Radius of the body [m]: the specimen's own, the user's ``width``, or ``far``."""
     if specimen.radius is not None:
@@ -534,38 +542,31 @@ def _width(specimen: Specimen, reach: float, width: float | None, far: float) ->
     return far if width is None else width
 
 
-def _decay_length(specimen: Specimen, reach: float) -> float:
-    """Length over which the field changes far from the contact [m]: the layers' thickness, longer under a stiff plate
-    (of moduli E1 on E2 like (E1/E2)^(1/3) on a half-space, and like (E1/E2)^(1/4) on a layer, as Winkler's) or under
-    a tension, that carries over kappa = 2 Ups/E* on a half-space, and sqrt(kappa h) on a layer."""
-    kappa = specimen.tension_length
-    moduli = [modulus for layer in specimen.layers for modulus in layer.moduli]
-    total = sum(layer.thickness for layer in specimen.layers)
-    if isinstance(specimen.base, HalfSpace):
-        E = specimen.base.material.surface.E
-        contrast = max([*moduli, E]) / E
-        return max(reach, total * contrast ** (1 / 3), kappa)
-    return max(total * (max(moduli) / min(moduli)) ** (1 / 4), math.sqrt(kappa * total))
-
-
-def _with_equivalent_modulus(problem: Problem) -> Specimen:
-    """An elastic indenter on a homogeneous half-space acts through E* alone (Eq. 4): give it all to the half-space."""
-    specimen = problem.specimen
-    if problem.indenter.material is None:
-        return specimen
-    nu = specimen.surface.nu
-    return Specimen((), HalfSpace(Elastic(problem.E_star * (1 - nu**2), nu)))
-
-
 # --------------------------------------------------------------------------------------------------
 # Free triangle meshes, and meshes and fields as files (the door to gmsh and meshio).
 
 SYSTEM_PACKAGES = "libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libgomp1"
+PACKAGES = {"gmsh": "gmsh", "skfem": "scikit-fem", "meshio": "meshio"}  # of the extra fem, by their modules
+
+
+def missing_packages(*modules: str) -> str | None:
+    """Return which packages finite elements lack here, and the remedy; None where all ``modules`` are installed."""
+    if all(find_spec(module) for module in modules):
+        return None
+    missing = ", ".join(package for module, package in PACKAGES.items() if not find_spec(module))
+    return f"finite elements need the extra fem ({missing}): {installs('fem')}, or another method, which needs no mesh"
+
+
+def require(*modules: str) -> None:
+    """Refusal where one of the ``modules`` of the extra fem is not installed."""
+    if reason := missing_packages(*modules):
+        raise Refusal(reason)
 
 
 @contextmanager
 def _gmsh() -> Iterator[ModuleType]:
     """A fresh gmsh session that leaves signal handlers and the user's configuration alone."""
+    require("gmsh")
     try:
         import gmsh
     except OSError as error:
@@ -602,7 +603,13 @@ def triangles(surface: Array, depth: float, interfaces: Array, size: str, strip:
         gmsh.model.mesh.field.setAsBackgroundMesh(field)
         gmsh.model.mesh.generate(2)
         points, cells, first = _arrays(gmsh, len(top))
-    _snap(points, surface[-1], [0.0, *interfaces, depth])
+    # Put vertices on the body's straight lines exactly, in place (gmsh leaves round-off there)
+    width = surface[-1]
+    depths = [0.0, *interfaces, depth]
+    for column, values in ((0, [0.0, width]), (1, [-depth for depth in depths])):
+        for value in values:
+            near = np.abs(points[:, column] - value) <= 1e-13 * max(width, depths[-1]) + 1e-11 * abs(value)
+            points[near, column] = value
     if strip is not None:
         # One mesh of the strip and what is below and beside it; `top`: the vertices along the top, from the axis on.
         own = strip.points.reshape(-1, 2)
@@ -644,14 +651,6 @@ def _arrays(gmsh: ModuleType, top: int) -> tuple[Array, Array, Array]:
     return coordinates.reshape(-1, 3)[:, :2].copy(), cells, number[first]
 
 
-def _snap(points: Array, width: float, depths: list[float]) -> None:
-    """Put vertices on the body's straight lines exactly, in place (gmsh leaves round-off there)."""
-    for column, values in ((0, [0.0, width]), (1, [-depth for depth in depths])):
-        for value in values:
-            near = np.abs(points[:, column] - value) <= 1e-13 * max(width, depths[-1]) + 1e-11 * abs(value)
-            points[near, column] = value
-
-
 def write_msh(grid: Grid, path: Path) -> None:
     """Write the mesh in gmsh's format 4.1 with the layers and the named boundaries as physical groups."""
     kind = 2 if grid.element == "triangle" else 3
@@ -679,6 +678,7 @@ def write_msh(grid: Grid, path: Path) -> None:
 
 def write_vtu(grid: Grid, path: Path, point_data: Mapping[str, Array] | None = None) -> None:
     """Write the mesh in VTK's format .vtu with layer and quality of each cell; ``point_data``: values at vertices."""
+    require("meshio")
     import meshio
 
     points = np.column_stack([grid.points, np.zeros(len(grid.points))])
@@ -947,24 +947,19 @@ def zones_layout(body: MeshedBody, options: FEMOptions, reach: float, a0: float,
 def _law(body: MeshedBody, unit: float, reach: float, a0: float, growth: float) -> SizeLaw:
     """Size law of contact, layers and corners in units of ``unit`` [m]: out to ``reach`` units, round ``a0`` [m]."""
     far_growth = max(growth, min(2 * growth, LAYOUT_FAR_GROWTH))
-    law = SizeLaw(reach, growth, far_growth, LAYOUT_FAR, _rounded(a0 / unit))
-    layers, corners = tuple(_layer_limits(body, unit, growth)), tuple(_corners(body, unit, growth))
-    return replace(law, layers=layers, corners=corners)
-
-
-def _corners(body: MeshedBody, unit: float, growth: float) -> Iterator[tuple[float, float, float]]:
-    """Points of singular fields, where the side's support meets another one: a free side on a bonded base, a clamped
-    side at the free surface."""
+    # Elements across the layers: 1/growth through the uppermost one, half as many through deeper ones
+    layers = []
+    for i, (top, thickness) in enumerate(body.layers):
+        share, t = (LAYOUT_TOP_LAYER if i == 0 else LAYOUT_DEEP_LAYER) * growth, _rounded(thickness / unit)
+        layers.append((_rounded(top / unit), t, min(share, 1 / LAYOUT_FEWEST_ROWS) * t, LAYOUT_LONGEST * t))
+    # Points of singular fields, where the side's support meets another one: a free side on a bonded base, a clamped
+    # side at the free surface
     size = LAYOUT_CORNER * growth * min(body.depth, body.width) / unit
     singular = {body.depth: body.side == "free" and body.bonded, 0.0: body.side == "clamped"}
-    for depth, is_singular in singular.items():
-        if is_singular and not body.cut_beside:
-            yield _rounded(body.width / unit), _rounded(depth / unit), _rounded(size)
-
-
-def _layer_limits(body: MeshedBody, unit: float, growth: float) -> Iterator[tuple[float, float, float, float]]:
-    """Elements across the layers: ``1/growth`` through the uppermost one, half as many through deeper ones."""
-    for i, (top, thickness) in enumerate(body.layers):
-        share = (LAYOUT_TOP_LAYER if i == 0 else LAYOUT_DEEP_LAYER) * growth
-        t = _rounded(thickness / unit)
-        yield _rounded(top / unit), t, min(share, 1 / LAYOUT_FEWEST_ROWS) * t, LAYOUT_LONGEST * t
+    corners = [
+        (_rounded(body.width / unit), _rounded(depth / unit), _rounded(size))
+        for depth, is_singular in singular.items()
+        if is_singular and not body.cut_beside
+    ]
+    law = SizeLaw(reach, growth, far_growth, LAYOUT_FAR, _rounded(a0 / unit))
+    return replace(law, layers=tuple(layers), corners=tuple(corners))

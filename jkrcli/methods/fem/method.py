@@ -23,7 +23,9 @@ from .mesh import (
     finest_spacing,
     homogenised_half_space,
     layout_for,
+    missing_packages,
     mixed_layers,
+    require,
 )
 
 if TYPE_CHECKING:  # what solves is imported when something is solved: scikit-fem takes as long to import as a forecast
@@ -123,11 +125,20 @@ def refine_to_tolerance(options: FEMOptions, problem: Problem, clock: StageClock
         reached = judged.budget.series
         if isinstance(reached, float) and reached <= tolerance:
             return model.to_solution(sized(options, spacing), solved, judged, clock)
-        finer = spacing * _shrinkage(tolerance, reached, truncation)
+        # Factor by which the spacing is to shrink; what the truncation takes of the tolerance is lost
+        if isinstance(reached, Unknown) or isinstance(truncation, Unknown) or truncation >= tolerance:
+            shrinkage = REFINEMENT_LEAST
+        else:
+            wanted = (REFINEMENT_AIM * (tolerance - truncation) / (reached - truncation)) ** (1 / REFINEMENT_ORDER)
+            shrinkage = min(max(wanted, REFINEMENT_LEAST), REFINEMENT_MOST)
+        finer = spacing * shrinkage
         if finer < _finest(problem) or (isinstance(truncation, float) and truncation >= tolerance):
             break
         coarse, ratio, spacing = solved.level, spacing / finer, finer
-        solved = _finer(sized(options, spacing), problem, clock, solved, _unreached(tolerance, reached, solved))
+        try:  # the next mesh, for the contact radius found on the one before
+            solved = model.run(sized(options, spacing), problem, clock, solved.level.model.discretisation.reach)
+        except Refusal as refusal:
+            raise Refusal([*_unreached(tolerance, reached, solved).lines, *refusal.lines]) from None
     raise _unreached(tolerance, reached, solved)
 
 
@@ -156,24 +167,6 @@ def sized(options: FEMOptions, spacing: float) -> FEMOptions:
     """The options with elements in proportion to ``spacing``, as far as the growth may go."""
     growth = min(options.growth_of_sizes * spacing / options.spacing, REFINEMENT_STEEPEST)
     return replace(options, spacing=spacing, growth=growth)
-
-
-def _shrinkage(tolerance: float, reached: Estimate, truncation: Estimate) -> float:
-    """Factor by which the spacing is to shrink; what the truncation takes of the tolerance is lost."""
-    if isinstance(reached, Unknown) or isinstance(truncation, Unknown) or truncation >= tolerance:
-        return REFINEMENT_LEAST
-    wanted = (REFINEMENT_AIM * (tolerance - truncation) / (reached - truncation)) ** (1 / REFINEMENT_ORDER)
-    return min(max(wanted, REFINEMENT_LEAST), REFINEMENT_MOST)
-
-
-def _finer(options: FEMOptions, problem: Problem, clock: StageClock, before: Run, unreached: Refusal) -> Run:
-    """The next mesh, for the contact radius found on the one before."""
-    from . import model
-
-    try:
-        return model.run(options, problem, clock, before.level.model.discretisation.reach)
-    except Refusal as refusal:
-        raise Refusal([*unreached.lines, *refusal.lines]) from None
 
 
 def _unreached(tolerance: float, reached: Estimate, solved: Run) -> Refusal:
@@ -205,7 +198,12 @@ class FEM(FEMOptions):
             self._first_layout(problem)
         except Refusal as refusal:
             return "; ".join(refusal.lines)
-        return None
+        return missing_packages(*self._packages)
+
+    @property
+    def _packages(self) -> tuple[str, ...]:
+        """Modules of the extra fem that a solve needs: structured quadrilaterals need no mesher."""
+        return ("gmsh", "skfem") if self.element == "triangle" else ("skfem",)
 
     def _unable(self, problem: Problem) -> str | None:
         """Why no mesh can represent the problem."""
@@ -282,14 +280,16 @@ class FEM(FEMOptions):
         if self.tolerance is None:
             return self.solve(problem)[1]
         self._refuse(problem)
+        require(*self._packages)
         with one_thread():
             return refine_to_tolerance(self, problem, StageClock())
 
     def solve(self, problem: Problem) -> tuple[Run, Solution]:
         """Solve on the mesh of the given sizes; the run holds mesh, factor and contact problem."""
+        self._refuse(problem)
+        require(*self._packages)
         from . import model
 
-        self._refuse(problem)
         clock = StageClock()
         with one_thread():
             solved = model.run(self, problem, clock)

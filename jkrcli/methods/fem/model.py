@@ -325,19 +325,19 @@ class Discretisation:
             factor = factorise(system, last, self.solver)
         with clock("surface solves"):
             surface = condense(system, factor)
-            w = self._missing_displacement(system, factor, surface) if self.layout.body.cut_below else 0.0
+            if self.layout.body.cut_below:
+                # What the cut-out half-space lacks, under a uniform pressure on the candidates' disc [m/N]
+                below = self.layout.body.materials[-1]
+                assert not isinstance(below, AnyGraded)  # it stands for a half-space, which is homogeneous
+                forces = np.zeros(len(surface.C))
+                forces[surface.normal] = -surface.areas / surface.areas.sum()
+                loads = factor.loads(forces)
+                w = missing_displacement(system, below, factor.solve(loads))
+            else:
+                w = 0.0
         if self.layout.body.completed:
             surface = surface.shifted(w)
         return Model(self, system, factor, surface, w)
-
-    def _missing_displacement(self, system: ElasticSystem, factor: StiffnessFactor, surface: Surface) -> float:
-        """What the cut-out half-space lacks, under a uniform pressure on the candidates' disc [m/N]."""
-        below = self.layout.body.materials[-1]
-        assert not isinstance(below, AnyGraded)  # it stands for a half-space, which is homogeneous
-        forces = np.zeros(len(surface.C))
-        forces[surface.normal] = -surface.areas / surface.areas.sum()
-        loads = factor.loads(forces)
-        return missing_displacement(system, below, factor.solve(loads))
 
 
 @dataclass(frozen=True, eq=False)
@@ -506,7 +506,11 @@ def run(options: FEMOptions, problem: Problem, clock: StageClock, reach: float |
         )
     if by_increments:
         with clock("contact"):
-            increments = _increments(problem, contact, touches)
+            loading = problem.loading
+            if loading.spacing == "given" and loading.to == "load":
+                increments = solve_loads(contact, loading.values)
+            else:
+                increments = solve_depths(contact, depths_of(problem, touches))
         with clock("edge correction"):
             return Run.of_increments(problem, level, increments)
     with clock("edge correction"):
@@ -531,9 +535,16 @@ def _solve_large_enough(
         if needed is None:
             return model, contact, events
         if options.contact_radius is not None:
+            # A contact radius [m] to provide for: needed, which a mesh too small has shown, or that of the wide
+            # body, and a twentieth for what a finite body or a coarse mesh changes
+            try:
+                expected = largest_radius(problem)
+            except JkrError:
+                expected = 0.0
+            enough = ROOM * max(needed, expected)
             raise Refusal(
                 f"contact leaves the refined zone: mesh.contact_radius is {options.contact_radius:g} m, "
-                f"this loading needs about {_enough(problem, needed):.2g} m: give that or leave it out"
+                f"this loading needs about {enough:.2g} m: give that or leave it out"
             )
         wider = within(problem, options.margin * needed)
         if wider <= reach:
@@ -543,23 +554,6 @@ def _solve_large_enough(
         f"contact reaches the edge of the body or of the indenter's profile, {reach:g} m, before the "
         f"{loading.to} reaches {loading.maximum:g}: load less"
     )
-
-
-def _enough(problem: Problem, needed: float) -> float:
-    """A contact radius [m] to provide for: ``needed``, which a mesh too small has shown, or that of the wide body, and
-    a twentieth for what a finite body or a coarse mesh changes."""
-    try:
-        expected = largest_radius(problem)
-    except JkrError:
-        expected = 0.0
-    return ROOM * max(needed, expected)
-
-
-def _increments(problem: Problem, contact: SurfaceContact, events: Events) -> list[Increment]:
-    loading = problem.loading
-    if loading.spacing == "given" and loading.to == "load":
-        return solve_loads(contact, loading.values)
-    return solve_depths(contact, depths_of(problem, events))
 
 
 # ---------------------------------------------------------------------- what a loading asks of the surface
@@ -931,6 +925,26 @@ def _facts(options: FEMOptions, run: Run, judged_from: float | None) -> dict[str
     last = increments[-1] if increments else None
     p, P = (last.p, last.P) if last is not None else (events.p[-1], float(events.P[-1]))
     violation = max((step.violation for step in increments), default=events.violation)
+    # Where the contact radii of the series come from
+    if run.increments:
+        where = "where the outermost one just touches" if run.level.correct else "not corrected"
+        radii = f"vertices in contact after each increment of the loading, {where}"
+    elif run.problem.loading.spacing == "given":
+        radii = "at the given values, interpolated between the vertices' first touches"
+    else:
+        radii = (
+            "nested contact has its own: first touches of vertices, and the loading's end; no use of points and spacing"
+        )
+    contact_reason = "as asked"
+    if run.increments and options.contact == "nested":
+        nested = run.level.touches.violation
+        contact_reason = f"the contact is not a growing disc of nodes (violation {nested:.1e}): solved by increments"
+    mixed = model.system.mixed
+    if not mixed:
+        formulation = "displacement"
+    else:
+        nu = max(model.body.materials[i].surface.nu for i in mixed)
+        formulation = f"displacement and pressure in layers {', '.join(str(i + 1) for i in mixed)} (nu = {nu:g})"
     return {
         "layout": options.layout,
         "element": grid.element,
@@ -944,9 +958,9 @@ def _facts(options: FEMOptions, run: Run, judged_from: float | None) -> dict[str
         "quality_median": float(np.median(quality)),
         "depth_m": grid.depth,
         "width_m": grid.width,
-        "formulation": _formulation(model),
+        "formulation": formulation,
         "contact": "nested" if last is None else "incremental",
-        "contact_reason": _contact_reason(options, run),
+        "contact_reason": contact_reason,
         "edge_correction": run.level.correct,
         "solver": f"{model.factor.factor.name}, nested dissection, contact nodes last",
         "factor_entries": model.factor.factor.entries,
@@ -957,33 +971,8 @@ def _facts(options: FEMOptions, run: Run, judged_from: float | None) -> dict[str
         "increments": len(increments),
         "dropped": run.dropped,
         "events": int(events.a.size),
-        "radii": _radii(run),
+        "radii": radii,
     } | ({} if judged_from is None else {"judged_from_m": judged_from})
-
-
-def _radii(run: Run) -> str:
-    """Where the contact radii of the series come from."""
-    if run.increments:
-        where = "where the outermost one just touches" if run.level.correct else "not corrected"
-        return f"vertices in contact after each increment of the loading, {where}"
-    if run.problem.loading.spacing == "given":
-        return "at the given values, interpolated between the vertices' first touches"
-    return "nested contact has its own: first touches of vertices, and the loading's end; no use of points and spacing"
-
-
-def _formulation(model: Model) -> str:
-    mixed = model.system.mixed
-    if not mixed:
-        return "displacement"
-    nu = max(model.body.materials[i].surface.nu for i in mixed)
-    return f"displacement and pressure in layers {', '.join(str(i + 1) for i in mixed)} (nu = {nu:g})"
-
-
-def _contact_reason(options: FEMOptions, run: Run) -> str:
-    if run.increments and options.contact == "nested":
-        violation = run.level.touches.violation
-        return f"the contact is not a growing disc of nodes (violation {violation:.1e}): solved by increments"
-    return "as asked"
 
 
 def _warnings(options: FEMOptions, run: Run) -> Iterator[str]:

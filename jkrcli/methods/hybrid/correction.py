@@ -559,7 +559,9 @@ class Mesh:
         weights = 2 * np.pi * self.z.rule[1][:, None] * (self.r.rule[1] * self.r.rule[0])
         work, moved = np.zeros((2, U.shape[1], U.shape[1]))
         fields, sizes = self._along_r(U), self._along_r(np.abs(U), np.abs)
-        for rows in self._slabs(U.shape[1]):
+        points = self.z.rule[0].size
+        size = max(1, AT_ONCE // (U.shape[1] * self.r.rule[0].size))  # fields at a time within the memory allowed
+        for rows in (slice(start, start + size) for start in range(0, points, size)):
             rr, tt, zz, rz, p = strains = self._strains(fields, rows)
             C11, C12, C13, C33, C44 = self.moduli.C[:, rows, None, None]
             misfit = rr + tt + zz + self.moduli.inverse_lame[rows, None, None] * p
@@ -570,12 +572,6 @@ class Mesh:
                 work += _pairs(stress, strain)
                 moved += _pairs(np.abs(stress), size)
         return work, np.finfo(float).eps * (moved + moved.T)
-
-    def _slabs(self, count: int) -> Iterator[slice]:
-        """Gauss points along z for fields of ``count`` at a time within the memory allowed."""
-        points = self.z.rule[0].size
-        size = max(1, AT_ONCE // (count * self.r.rule[0].size))
-        return (slice(start, start + size) for start in range(0, points, size))
 
     def _along_r(self, U: Array, of: Callable[[Array], Array] = np.asarray) -> list[Array]:
         """What strains and pressures need of the fields ``U`` (n, m) at the Gauss points along r, by nodes along z: of

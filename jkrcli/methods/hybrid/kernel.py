@@ -564,7 +564,12 @@ class AdaptiveKernel:
     def accurate(self, reach: float) -> tuple[KernelContact, ErrorEstimates, KernelLevels, int]:
         """The contact for radii up to ``reach`` [m] that meets the tolerance, its errors, and its degree."""
         levels = self.levels(reach)
-        step: Refinement | None = Refinement(degree=self._first(levels))
+        # The lowest degree that is judged, by the two below it: of one element the lowest may be right by
+        # accident, so that the next two differ by no more than it errs
+        higher = HYBRID_LOWEST + 2 * STEP
+        is_one = levels.cost(higher).unknowns < 3 * (higher + 1) ** 2  # two unknowns a node and pressures; of two: 4
+        first = higher if is_one else HYBRID_LOWEST + STEP
+        step: Refinement | None = Refinement(degree=first)
         while step is not None:
             tried = step
             contact = self._contact(levels, step.degree)
@@ -586,13 +591,6 @@ class AdaptiveKernel:
             f"above the tolerance {self.tolerance:.1e}; {remedy}ask for a smaller contact radius or use method "
             f"{instead(self.indenter, self.specimen)}"
         )
-
-    def _first(self, levels: KernelLevels) -> int:
-        """The lowest degree that is judged, by the two below it: of one element the lowest may be right by accident, so
-        that the next two differ by no more than it errs."""
-        higher = HYBRID_LOWEST + 2 * STEP
-        is_one = levels.cost(higher).unknowns < 3 * (higher + 1) ** 2  # two unknowns a node and pressures; of two: 4
-        return higher if is_one else HYBRID_LOWEST + STEP
 
     def _judge(self, contact: KernelContact, levels: KernelLevels, degree: int) -> ErrorEstimates:
         """Errors at some radii, from what lower levels, one polynomial less and the cut change."""

@@ -187,9 +187,17 @@ class Discs:
             return np.log(np.maximum(self.rims(b, s).gap / gap, ATTRACTION_LEAST))
 
         widest = reach - self.a
-        first = (
-            _first_width(self, s, gap, reach) if near is None else np.maximum(near - self.a, ATTRACTION_LEAST * widest)
-        )
+        if near is None:
+            # Widths [m] about those of a half-space: where the surfaces are drawn apart by the tension or by
+            # their shapes, of which nothing is known beyond reach [m]
+            F, a = self.abel.F, self.a
+            by_tension = gap * math.pi / 2 / s
+            scale = np.minimum(np.maximum(a, 1e-3 * by_tension), reach / (1 + 1e-3))
+            slope = (F(scale * (1 + 1e-3)) - F(scale * (1 - 1e-3))) / (2e-3 * scale)
+            by_shape = np.cbrt((gap * 3 * math.pi / 4) ** 2 * scale / 2 / np.maximum(slope, 1e-100) ** 2)
+            first = 1 / (1 / by_tension + 1 / np.maximum(by_shape, 1e-3 * by_tension))
+        else:
+            first = np.maximum(near - self.a, ATTRACTION_LEAST * widest)
         return self.rims(_rising_root(excess, np.minimum(first, widest / 2), widest), s)
 
     def smooth(self, rims: Rims, s: float) -> Array:
@@ -263,17 +271,6 @@ def _rising_root(excess: Callable[[Array], Array], first: Array, widest: Array) 
             secant = (there - here) / np.log(aimed / b)
         power, b, here = np.where((secant > 0) & np.isfinite(secant), secant, power), aimed, there
     return b
-
-
-def _first_width(discs: Discs, s: float, gap: float, reach: float) -> Array:
-    """Widths [m] about those of a half-space: where the surfaces are drawn apart by the tension or by their shapes, of
-    which nothing is known beyond ``reach`` [m]."""
-    F, a = discs.abel.F, discs.a
-    by_tension = gap * math.pi / 2 / s
-    scale = np.minimum(np.maximum(a, 1e-3 * by_tension), reach / (1 + 1e-3))
-    slope = (F(scale * (1 + 1e-3)) - F(scale * (1 - 1e-3))) / (2e-3 * scale)
-    by_shape = np.cbrt((gap * 3 * math.pi / 4) ** 2 * scale / 2 / np.maximum(slope, 1e-100) ** 2)
-    return 1 / (1 / by_tension + 1 / np.maximum(by_shape, 1e-3 * by_tension))
 
 
 @dataclass(frozen=True, eq=False)

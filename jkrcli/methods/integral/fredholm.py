@@ -638,16 +638,15 @@ def response(contact: Contact, to: Quantity, accuracy: float) -> Response:
         beyond = max(float(v[-1]) / most, 1.0)
         inside = radii if beyond == 1 else np.hypot(a0, v / beyond)
         values: Array = getattr(contact.solved(inside, contact.plan(inside, accuracy / 4)), name)
-        return values if beyond == 1 else values * beyond ** _power(v, values)
+        if beyond == 1:
+            return values
+        # The power of v = sqrt(a^2 - a0^2) with which a response goes on beyond its last two points; of one
+        # alone, the second
+        ends = np.log(v[-2:]), np.log(values[-2:])
+        power = float(np.diff(ends[1])[0] / np.diff(ends[0])[0]) if v.size > 1 else 2.0
+        return values * beyond**power
 
     return at
-
-
-def _power(v: Array, values: Array) -> float:
-    """The power of v = sqrt(a^2 - a0^2) with which a response goes on beyond its last two points; of one alone, the
-    second."""
-    ends = np.log(v[-2:]), np.log(values[-2:])
-    return float(np.diff(ends[1])[0] / np.diff(ends[0])[0]) if v.size > 1 else 2.0
 
 
 def first_stiffness(contact: Contact, tolerance: float) -> float:

@@ -321,13 +321,13 @@ class Growth:
         F = self.indenter.abel(b)
         weights = self.pieces.integrals(self.indenter, b, self.inner)
         D = [weights * self.disc.residual[:, :, j].T for j in (0, 1)]
-        matrix = D[0] if self.disc.eta == 0 else self._unwound(D, F)
+        if self.disc.eta == 0:
+            matrix = D[0]
+        else:
+            # Z_1 D_1 + Z_2 D_2 at the nodes, from the matrices D that give D_j there
+            rows = [self._rings(x) for x in self.pieces.nodes]
+            matrix = sum(np.array([row[j] for row in rows]) @ (D[j] / F[:, None]) for j in (0, 1)) * np.ones_like(D[0])
         return np.linalg.solve(matrix / F[:, None], np.full(F.size, self.disc.Lambda))
-
-    def _unwound(self, D: list[Array], F: Array) -> Array:
-        """Z_1 D_1 + Z_2 D_2 at the nodes, from the matrices ``D`` that give D_j there."""
-        rows = [self._rings(x) for x in self.pieces.nodes]
-        return sum(np.array([row[j] for row in rows]) @ (D[j] / F[:, None]) for j in (0, 1)) * np.ones_like(D[0])
 
     def _rings(self, x: float) -> tuple[Array, Array]:
         """Rows (n,) that give Z_1 D_1 and Z_2 D_2 at the node ``x`` [m] from D_1/F and D_2/F at the nodes.

@@ -62,24 +62,21 @@ class Layered(LayeredOptions):
 
         Refusal of what takes more nodes than the solve accepts.
         """
-        contact = _contact(problem)
+        contact: Any = _contact(problem)
         radii = np.linspace(problem.indenter.a0, largest_radius(problem), max(problem.loading.points, 1) + 1)[1:]
-        plan: Any = contact.plan(radii, self.attainable(problem.specimen) / LAYERED_MARGIN)
-        contact.guard(radii, plan)
-        seconds = spectrum_seconds(problem) + self._operations(contact, problem, radii) / FLOPS_PER_SECOND
-        memory = 8 * 6 * (plan.nodes + radii.size / getattr(plan, "groups", 1)) ** 2 / 2**20
-        return Forecast(seconds, 5 + memory, self.attainable(problem.specimen), f"{plan.nodes} nodes, no mesh")
-
-    def _operations(self, contact: Any, problem: Problem, radii: Array) -> float:
-        """Floating-point operations: of the solve, of its check at some of the ``radii``, and of finding them all where
-        depths or loads are prescribed."""
         tolerance, loading = self.attainable(problem.specimen), problem.loading
         plan: Any = contact.plan(radii, tolerance / LAYERED_MARGIN)
-        main = float(contact.flops(radii, plan))
-        some = radii[checked(radii, getattr(plan, "groups", 1), problem.specimen.is_graded)]
+        contact.guard(radii, plan)
+        # Floating-point operations: of the solve, of its check at some of the radii, and of finding them all where
+        # depths or loads are prescribed
+        groups = getattr(plan, "groups", 1)
+        some = radii[checked(radii, groups, problem.specimen.is_graded)]
         check = contact.flops(some, contact.plan(some, tolerance / LAYERED_MARGIN**3).finer())
         each_is_looked_for = loading.spacing == "depth" or (loading.to != "radius" and loading.values)
-        return main * (SEARCHES if each_is_looked_for else 1) + float(check)
+        operations = float(contact.flops(radii, plan)) * (SEARCHES if each_is_looked_for else 1) + float(check)
+        memory = 8 * 6 * (plan.nodes + radii.size / groups) ** 2 / 2**20
+        seconds = spectrum_seconds(problem) + operations / FLOPS_PER_SECOND
+        return Forecast(seconds, 5 + memory, tolerance, f"{plan.nodes} nodes, no mesh")
 
     def __call__(self, problem: Problem) -> Solution:
         """Solve; errors: Refusal outside the validity, SolveError where the tolerance is not reached."""
@@ -98,7 +95,10 @@ class Layered(LayeredOptions):
             S0 = first_stiffness(contact, 1e-12)
         with clock("full disc"):
             refuse_shrinking(radii, result.delta)
-            warnings = _disc_warnings(contact, problem.specimen, float(radii[-1]))
+            # What is wrong with the contact as a disc; one that sticks has been refused where it does not grow
+            warnings: tuple[str, ...] = ()
+            if not isinstance(contact, StuckLayeredContact):
+                warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), contact.spectrum.kernel)
         series = series_of(result, errors, problem.indenter.a0, S0)
         budget = ErrorBudget(discretisation=float(errors.max()), truncation=0.0, radius=0.0)
         panels = result.panels
@@ -135,13 +135,6 @@ def _contact(problem: Problem) -> SolvedContact:
     kind: Any = StuckLayeredContact if problem.sticks else LayeredContact
     kind = SurfaceTensionSolver if problem.specimen.surface_tension else kind
     return kind(problem.indenter, problem.specimen)
-
-
-def _disc_warnings(contact: SolvedContact, specimen: Specimen, largest: float) -> tuple[str, ...]:
-    """What is wrong with the contact as a disc; one that sticks has been refused where it does not grow."""
-    if isinstance(contact, StuckLayeredContact):
-        return ()
-    return disc_warnings(contact, specimen, largest, contact.spectrum.kernel)
 
 
 # --------------------------------------------------------------------------------------------------
@@ -212,6 +205,16 @@ def surface_profile(
         phi = phi.anchored()
     edge = float(phi(np.array([a]))[0]) if w > 0 else 0.0
     gap = phi.gaps(r_surface)
+    # Displacement of the specimen [m]: delta - f + gap, less the indenter's own as a half-space under the
+    # pressure, (E*/E*_i) int_0^min(a,r) phi(t)/sqrt(r^2 - t^2) dt
+    both = phi.delta - problem.indenter.f(r_surface) + gap
+    material = problem.indenter.material
+    if material is None:
+        specimen_surface = both
+    else:
+        on_axis = math.pi / 2 * float(phi(np.zeros(1))[0])  # the limit for r -> 0
+        own = np.array([phi.arc(0.0, min(phi.a, float(x)), float(x)) if x > 0 else on_axis for x in r_surface])
+        specimen_surface = both - problem.E_star / material.E_star * own
     return Profile(
         a=a,
         w=w,
@@ -220,7 +223,7 @@ def surface_profile(
         r=r,
         pressure=contact.E_star / 2 * phi.pressures(edge, r),
         r_surface=r_surface,
-        displacement=_specimen_surface(phi, problem, r_surface, gap),
+        displacement=specimen_surface,
         gap=gap,
         stress_intensity=-contact.E_star / 2 * edge * math.sqrt(math.pi / a) if w > 0 else 0.0,
     )
@@ -239,15 +242,3 @@ def _sample(problem: Problem, a: float, w: float, r: Array | None, surface: Arra
     if ((outside < 0) | (outside > r_max)).any():
         raise InputError(f"profile: surface radii must lie between 0 and the end of the profile ({r_max:g} m)")
     return inside, outside
-
-
-def _specimen_surface(phi: Density, problem: Problem, r: Array, gap: Array) -> Array:
-    """Displacement of the specimen [m]: delta - f + gap, less the indenter's own as a half-space under the pressure,
-    (E*/E*_i) int_0^min(a,r) phi(t)/sqrt(r^2 - t^2) dt."""
-    both = phi.delta - problem.indenter.f(r) + gap
-    material = problem.indenter.material
-    if material is None:
-        return both
-    on_axis = math.pi / 2 * float(phi(np.zeros(1))[0])  # the limit for r -> 0
-    own = np.array([phi.arc(0.0, min(phi.a, float(x)), float(x)) if x > 0 else on_axis for x in r])
-    return both - problem.E_star / material.E_star * own

@@ -677,18 +677,15 @@ class LayeredSpectrum:
     @cached_property
     def scan(self) -> tuple[Array, Array]:
         """Wave numbers [1/m], decreasing, and the rest there."""
-        k = 2.0 ** np.arange(5.5, -60.0, -0.5) / self._finest
-        return k, self(k)
-
-    @property
-    def _finest(self) -> float:
-        """The length [m] over which the bodies change below the surface, as far as the contact feels it."""
+        # The length [m] over which the bodies change below the surface, as far as the contact feels it
         lengths = []
         for body in stacks(self.specimen, self.indenter):
             top, own = body.layers[0], self.tail if body is self.specimen else None
             slowest = slowest_root(top.material, 0.0, top.thickness)
             lengths.append(top.thickness * slowest if own is None else own.finest)
-        return min(lengths)
+        finest = min(lengths)
+        k = 2.0 ** np.arange(5.5, -60.0, -0.5) / finest
+        return k, self(k)
 
     def bandwidth(self, level: float) -> float:
         """The k [1/m] beyond which the rest is below ``level``; 0 for a homogeneous half-space."""
@@ -734,14 +731,14 @@ class LayeredSpectrum:
     def kernel(self, reach: float, order: int = 24) -> CosineKernel:
         """Kernel for all x, t with x + t <= ``reach`` [m], from ``order`` Gauss nodes in k on every panel."""
         k, w, panel = self.nodes(reach, order)
-        rest = self._interpolated(k, panel) if self.specimen.is_graded else self(k)
+        if self.specimen.is_graded:
+            # The rest at k, each on the panel of the given index: cheaper than g itself through graded layers
+            lo, hi, values = self.panels
+            local = (2 * k - lo[panel] - hi[panel]) / (hi - lo)[panel]
+            rest = legendre.legval(local, (values @ to_legendre(SPECTRUM_SAMPLES)).T[:, panel], tensor=False)
+        else:
+            rest = self(k)
         return CosineKernel(k, w * rest, self.scale)
-
-    def _interpolated(self, k: Array, panel: Array) -> Array:
-        """The rest at ``k``, each on the panel of the given index: cheaper than g itself through graded layers."""
-        lo, hi, values = self.panels
-        local = (2 * k - lo[panel] - hi[panel]) / (hi - lo)[panel]
-        return legendre.legval(local, (values @ to_legendre(SPECTRUM_SAMPLES)).T[:, panel], tensor=False)
 
 
 def spectrum_seconds(problem: Problem) -> float:

@@ -333,30 +333,22 @@ class SurfaceTensionSolver(IndenterOnLayers):
         for n in np.flatnonzero(slight):
             columns[:, n] = self._slight(float(radii[n]))
         if not slight.all():
-            columns[:, ~slight] = self._first_kind(radii[~slight], plan)
+            # Rows delta, P, S, S' from the contact equation
+            discs = [(a, self._angles(a, plan)) for a in radii[~slight].tolist()]
+            reach = 2 * discs[-1][0]
+            singular = self.spectrum.tabulated(min(a * grid.nearest for a, grid in discs) / 2, 1.01 * reach)
+            smooth = self.spectrum.smooth(reach, plan.order + 14)
+            columns[:, ~slight] = np.stack([self._at(a, grid, singular, smooth) for a, grid in discs], axis=1)
         delta, P, S, dS = columns
-        return ContactResult(self._of_largest(radii, plan), delta, P, S, dS, np.zeros_like(radii))
-
-    def _of_largest(self, radii: Array, plan: TensePlan) -> Panels:
-        """The nodes at the largest radius, from the axis outwards."""
+        # The nodes at the largest radius, from the axis outwards
         a, grid = float(radii[-1]), self._angles(float(radii[-1]), plan)
         x, w = a * np.cos(grid.tau[::-1]), a * (np.sin(grid.tau) * grid.w)[::-1]
-        return Panels(a * np.cos(grid.edges[::-1]), grid.order, radii, x, w, np.searchsorted(x, radii))
+        of_largest = Panels(a * np.cos(grid.edges[::-1]), grid.order, radii, x, w, np.searchsorted(x, radii))
+        return ContactResult(of_largest, delta, P, S, dS, np.zeros_like(radii))
 
     def _angles(self, a: float, plan: TensePlan) -> Angles:
         points = 5 * plan.order // 2 + math.ceil(TENSE_PER_DECADE * max(math.log10(a / self.kappa), 0.0))
         return Angles.of(*self._panels(a, plan), plan.order, points + points % 2)
-
-    def _first_kind(self, radii: Array, plan: TensePlan) -> Array:
-        """Rows delta, P, S, S' from the contact equation."""
-        grids = [self._angles(float(a), plan) for a in radii]
-        nearest = min(float(a) * grid.nearest for a, grid in zip(radii, grids, strict=True))
-        reach = 2 * float(radii[-1])
-        singular = self.spectrum.tabulated(nearest / 2, 1.01 * reach)
-        smooth = self.spectrum.smooth(reach, plan.order + 14)
-        return np.stack(
-            [self._at(float(a), grid, singular, smooth) for a, grid in zip(radii, grids, strict=True)], axis=1
-        )
 
     def _at(self, a: float, grid: Angles, singular: Function, smooth: Function) -> Array:
         """Delta, P, S, S' at the radius ``a`` [m] from the two parts of the kernel and their s d/ds."""

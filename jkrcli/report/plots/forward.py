@@ -14,7 +14,7 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
-from ...adhesion.curve import CriticalPoint, EquilibriumCurve
+from ...adhesion.curve import CriticalPoint, Equilibrium, EquilibriumCurve
 from ...adhesion.device_path import Jump
 from ...adhesion.stability import GRIPPED, STABLE, UNSTABLE, branch
 from ...base.numerics import Array
@@ -407,13 +407,18 @@ RATE_PHASES = {
     "free": (BLACK, ":", "no contact"),
 }
 RATE_PANELS = (("delta", "P"), ("t", "P"), ("t", "a"))
+LIMIT_MARKERS = ("^", "v", "s")
 COLUMNS = {"t": "t_s", "delta": "delta_m", "P": "P_N", "a": "a_m"}
 
 
-def history_figure(columns: Mapping[str, Array], jumps: Sequence[Jump], title: str) -> Figure:
+def history_figure(
+    columns: Mapping[str, Array], jumps: Sequence[Jump], title: str, limits: Mapping[str, Equilibrium] | None = None
+) -> Figure:
     """Load over displacement, and load and contact radius over time, each phase in its colour and line; where the
-    contact ``jumps``, and where it is lost. ``columns``: as ``History.table`` gives them."""
-    with panelled(WIDE, 3.2, len(RATE_PANELS), legend=6) as (figure, axes):
+    contact ``jumps``, and where it is lost, and the pull-off points of its ``limits`` by their names. ``columns``: as
+    ``History.table`` gives them."""
+    limits = limits or {}
+    with panelled(WIDE, 3.2, len(RATE_PANELS), legend=4 if limits else 6) as (figure, axes):
         for place, names in zip(axes, RATE_PANELS, strict=True):
             (x_unit, x_label), (y_unit, y_label) = (axis_of(name, columns[COLUMNS[name]]) for name in names)
             across, up = (columns[COLUMNS[name]] for name in names)
@@ -428,6 +433,11 @@ def history_figure(columns: Mapping[str, Array], jumps: Sequence[Jump], title: s
                 lost: dict[str, Any] = {"marker": "x", "ls": "", "label": "contact is lost"}
                 look = lost if jump.end is None else {"label": "jump"}
                 place.plot(x / x_unit, y / y_unit, color="0.5", **look)
+            if "t" not in names:
+                for marker, (name, point) in zip(LIMIT_MARKERS, limits.items(), strict=False):
+                    x, y = (np.array([getattr(point, quantity)]) for quantity in names)
+                    label = f"pull-off {name}"
+                    place.plot(x / x_unit, y / y_unit, marker, color=BLACK, mfc="none", label=label)
             place.set(xlabel=x_label, ylabel=y_label)
         figure.suptitle(pretty(title))
         return figure

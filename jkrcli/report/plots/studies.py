@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.patheffects import withStroke
 
 from ...base.numerics import Array
-from ...series.differences import Difference
+from ...series import Difference
 from . import Axes, Figure, drawing, legend_below, log_ticks, panelled, zero_lines
 from .looks import COLORS, MIDDLE, NARROW, WIDE
 

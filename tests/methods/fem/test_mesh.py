@@ -171,6 +171,7 @@ def test_meshing_leaves_the_interrupt_handler_alone():
     assert signal.getsignal(signal.SIGINT) is before
 
 
+@pytest.mark.fem
 @pytest.mark.parametrize("element", ["triangle", "quadrilateral"])
 def test_meshes_are_written_for_gmsh_and_paraview(tmp_path, element):
     import gmsh

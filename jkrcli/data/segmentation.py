@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from ..base.errors import Estimate, InputError, Unknown, known
 from ..base.numerics import FEWEST_ROWS, NOTICEABLE, SAME, Array
 from ..base.units import show
 from .curve import APPROACH, AS_DEPTH, NOT_SUBTRACTED, RETRACT, Curve
+from .free_rows import FreeRows, Side, free_rows
 from .instruments import presses_outward
 from .tables import NO_UNIT
 
@@ -24,35 +26,42 @@ from .tables import NO_UNIT
 
 # What no load of a contact does.
 SATURATION_SATURATED = 5  # choice: rows in succession at the very same largest load that count
+SATURATION_FREE = 0.1  # choice: of the way, its far end: rows that rest at the same load there are a base line
 SATURATION_LEVELS = 10.0  # choice: of a converter, by which the load must have come there within as many rows
 
 
-def saturation(curve: Curve) -> tuple[str, ...]:
-    """A sentence where the load stands still at its largest or smallest value while the device moves on, as it does at
-    a detector's limit."""
+def saturation(curve: Curve) -> dict[str, Array]:
+    """The rows at which the load stands still at its "largest" or "smallest" value while the device moves on, as it
+    does at a detector's limit: the load is at least that large there; none of a base line."""
     if curve.P is None or curve.delta is None:
-        return ()
-    z = curve.device
-    for name, end in (("largest", curve.P.max()), ("smallest", curve.P.min())):
-        count = _standing_still(curve.P, z, float(end))
-        if count:
-            return (f"{count} rows in succession hold the same {name} load, {show(float(end), 'load')}: "
-                    "is the detector at its limit?",)  # fmt: skip
-    return ()
+        return {}
+    ends = {"largest": float(curve.P.max()), "smallest": float(curve.P.min())}
+    return {name: curve.P == end for name, end in ends.items() if _standing_still(curve.P, curve.device, end)}
 
 
-def _standing_still(P: Array, z: Array, end: float) -> int:
-    """Rows of the longest run at the load ``end``, where it came there by more than some steps of the converter."""
+def saturation_words(curve: Curve) -> tuple[str, ...]:
+    """A sentence on each end of the loads at which they are saturated."""
+    return tuple(
+        f"{np.count_nonzero(rows)} rows hold the same {name} load, {show(float(curve.load[rows][0]), 'load')}, as at "
+        "the limit of a detector"
+        for name, rows in saturation(curve).items()
+    )
+
+
+def _standing_still(P: Array, z: Array, end: float) -> bool:
+    """Whether the longest run at the load ``end`` is long, and came there by more than some steps of the converter."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], end == P, [False]]).astype(int)))
     first, last = edges[::2], edges[1::2]
     i = int(np.argmax(last - first))
     count = int(last[i] - first[i])
+    held = z[first[i] : last[i]]
     levels = np.diff(np.unique(P))
-    moved = np.abs(z[first[i] : last[i]] - z[first[i]]).max()
-    if count < SATURATION_SATURATED or count == P.size or moved < NOTICEABLE * np.ptp(z):
-        return 0
+    if count < SATURATION_SATURATED or count == P.size or np.abs(held - held[0]).max() < NOTICEABLE * np.ptp(z):
+        return False
+    if held.min() < z.min() + SATURATION_FREE * np.ptp(z):
+        return False
     near = P[max(first[i] - count, 0) : last[i] + count]
-    return count if float(np.ptp(near)) > SATURATION_LEVELS * float(levels.min()) else 0
+    return float(np.ptp(near)) > SATURATION_LEVELS * float(levels.min())
 
 
 PAUSE = "pause"
@@ -147,7 +156,8 @@ class Direction:
     half-width; ``largest``: largest load over the base line [N]; ``adhesion``: largest tension below it [N], at
     ``adhesion_at`` [m]. ``border``: from the far end inwards, the last row that is free for sure and the first that is
     in contact for sure: after a jump, else where tension is largest, as what lets go slowly beyond is no contact of
-    an elastic body. ``way, depth``: how far the device moves in all, and beyond touch [m]. ``jumps``: to tension, seen
+    an elastic body. ``way, depth``: how far the device moves in all, and beyond touch [m]. ``free``: how many rows from
+    the far end on may be free, up to the largest ``jump`` [N] to tension, 0 without one. ``jumps``: to tension, seen
     from the far end inwards; ``steps``: all other sudden changes of the load.
     """
 
@@ -163,6 +173,8 @@ class Direction:
     border: tuple[int, int]
     way: float
     depth: float
+    free: int
+    jump: float
 
     @property
     def begins_free(self) -> bool:
@@ -182,13 +194,33 @@ class Direction:
 @dataclass(frozen=True, eq=False)
 class ForceCurve:
     """A measured curve taken apart; ``flags``: what is wrong with it, in a word or two, and a sentence on each;
-    ``spikes``: rows that stand alone off the others, which count for nothing."""
+    ``spikes``: rows that stand alone off the others, ``saturated``: rows at a detector's limit: they count for nothing.
+    ``held``: what the free rows hold beside a base line, which is taken off the loads of the ``curve``; ``plain``: the
+    record with it.
+    """
 
     curve: Curve
     segments: tuple[Segment, ...]
     directions: tuple[Direction, ...]
     flags: dict[str, str]
     spikes: Array
+    saturated: Array
+    held: FreeRows | None = None
+    plain: ForceCurve | None = None
+
+    def holding(self, held: FreeRows) -> ForceCurve:
+        """The record with something else taken off its loads; base lines follow when it is fitted."""
+        taken = np.zeros(len(self.curve)) if self.held is None else self.held.taken
+        curve = replace(self.curve, P=self.curve.load + taken - held.taken)
+        P = curve.load
+        sides = tuple(_direction(curve.device, P, side.segment) for side in self.directions)
+        return replace(self, curve=curve, held=held, directions=sides)
+
+    @cached_property
+    def ignored(self) -> Array:
+        """The rows that count for nothing."""
+        within = np.zeros(0, dtype=int) if self.held is None else self.held.spoilt
+        return np.unique(np.concatenate([self.spikes, self.saturated, within]))
 
     @property
     def rest(self) -> int:
@@ -218,14 +250,33 @@ def segment_force_curve(curve: Curve) -> ForceCurve:
     parts = _segments_by_motion(curve.device) if curve.segment is None else _named_segments(curve)
     sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= FEWEST_ROWS]
     directions = tuple(_direction(curve.device, P, part) for part in sides)
+    held = _free_rows(curve, directions)
+    plain = ForceCurve(whole, tuple(parts), directions, {}, spikes, spikes[:0]) if held is not None else None
+    if held is not None:  # the tip stays at its depth
+        curve, whole = (replace(one, P=one.load - held.taken) for one in (curve, whole))
+        directions = tuple(_direction(curve.device, curve.load, part) for part in sides)
     # What a reader should know before trusting anything that is fitted to this curve; the last sentence of a name.
     touched = [item for item in directions if not isinstance(item.touch, Unknown)]
     flags = [*_missing(parts, directions)]
     if directions and not touched:
         flags.append(("no contact", "the load never leaves its base line"))
     flags += [*_on_base_lines(curve, touched), *_on_jumps(touched), *_on_signs(curve, directions)]
-    flags += [("saturated", sentence) for sentence in saturation(curve)]
-    return ForceCurve(whole, tuple(parts), directions, dict(flags), spikes)
+    limits = np.flatnonzero(np.any([np.zeros(len(curve), dtype=bool), *saturation(curve).values()], axis=0))
+    flags += [("saturated", f"{sentence}: they are left out") for sentence in saturation_words(curve)]
+    return ForceCurve(whole, tuple(parts), directions, dict(flags), spikes, limits, held, plain)
+
+
+def _free_rows(curve: Curve, directions: Sequence[Direction]) -> FreeRows | None:
+    """What the free rows of the first approach and the first retraction hold beside a base line."""
+    sides, z, P = [], curve.device, curve.load
+    for kind in (APPROACH, RETRACT):
+        item = next((item for item in directions if item.segment.kind == kind), None)
+        if item is None or isinstance(item.touch, Unknown):
+            continue
+        rows = np.arange(item.segment.first, item.segment.last + 1)[:: 1 if kind == APPROACH else -1]
+        free, contact = rows[: item.free], rows[item.free :]
+        sides.append(Side(kind, free, z[free], P[free], contact, item.jump, resolution(P)))
+    return free_rows(sides, len(curve), math.inf if curve.stiffness is None else curve.stiffness)
 
 
 def _spikes(P: Array) -> Array:
@@ -303,6 +354,8 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
         tension = Unknown("no tension beyond the noise")
     rows = range(segment.first, segment.last + 1)[::order]
     falls, others = _jumps(off, base)
+    main = min(falls, key=lambda fall: off[fall[1]] - off[fall[0]], default=None)
+    jump = 0.0 if main is None else float(off[main[1]] - off[main[0]])
     falls += _end_of_tether(off, base, falls)
     turn = x.max() - RECORD_SMALL * np.ptp(x)  # beyond, a change of drag is no event
     others = [(first, last) for first, last in others if x[last] < turn]
@@ -314,7 +367,16 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
     border = min([row - 1, *(first for first, _ in falls)]), inner
     depth = float(x.max() - x[min(row, x.size - 1)])
     loads = float(off.max()), tension, float(x[lowest])
-    return Direction(segment, base, touch, error, *loads, jumps, steps, border, float(np.ptp(x)), depth)
+    free = main[0] + 1 if main is not None else _before_least(off) if order > 0 else border[0] + 1
+    return Direction(
+        segment, base, touch, error, *loads, jumps, steps, border, float(np.ptp(x)), depth, max(free, 0), jump
+    )
+
+
+def _before_least(off: Array) -> int:
+    """How many rows from the far end on lie before the least load, of means of rows: contact raises it."""
+    size = _block(off.size)
+    return int(np.argmin(_blocks(off, size))) * size
 
 
 def in_succession(marked: Array) -> Array:

@@ -327,7 +327,7 @@ def _curves(origin: Path, path: Path, stem: str, reading: Reading, content: byte
     table, layout_flags = (as_read, []) if named else one_under_the_other(as_read, _quantity_of)
     columns, choice_flags = _columns(table, replace(reading, units=units))
     whole, value_flags = columns.in_si()
-    segments, segment_flags = _segments(table, columns.chosen.get("segment"))
+    segments, segment_flags = _segments(table, columns.chosen.get("segment"), "segment" in reading.columns)
     flags = (*layout_flags, *choice_flags, *value_flags, *unit_flags, *as_read.left_out, *segment_flags)
     for name, recorded in _groups(table, columns.chosen, stem):
         kept, left_out = _without_gaps(table, recorded, whole)
@@ -365,17 +365,27 @@ def _where(table: TextTable, wanted: Mapping[str, str]) -> TextTable:
     return table
 
 
-def _segments(table: TextTable, index: int | None) -> tuple[Array | None, list[str]]:
+TEXT_SEGMENTS = 12  # choice: different words of a column, above which they are no segments of one curve
+
+
+def _segments(table: TextTable, index: int | None, told: bool) -> tuple[Array | None, list[str]]:
     """The segment of every row, by the column ``index`` or else by notes, None where neither names one; a sentence on
-    what the words of a column were taken for, where they are others."""
+    what the words of a column were taken for, where they are others. A column of many different words, or of
+    numbers, as that of a phase in degrees, names none unless it is ``told`` to."""
+    ignored: list[str] = []
+    if index is not None and not told:
+        words = set(table.text[index])
+        if len(words) > TEXT_SEGMENTS or not any(re.search(r"[^\W\d_]{2}", word) for word in words):
+            ignored = [f"{table.titled(index)} holds numbers or more than {TEXT_SEGMENTS} words: it names no segments"]
+            index = None
     words = _noted(table) if index is None else table.text[index]
     if not words:
-        return None, []
+        return None, ignored
     whole = itertools.accumulate(words, lambda above, word: word or above)  # sheets write some only where they change
     segments = np.array([instruments.SEGMENTS.get(word.lower(), word) for word in whole])
     others = dict.fromkeys(word for word in words if word)
     if index is None or set(others) <= {APPROACH, RETRACT}:
-        return segments, []
+        return segments, ignored
     meant = [f'"{word}" is {instruments.SEGMENTS.get(word.lower(), "neither approach nor retract")}' for word in others]
     more = ", ..." * (len(meant) > SHOWN)
     return segments, [f"segments from {table.titled(index)}: {', '.join(meant[:SHOWN])}{more}"]

@@ -229,7 +229,7 @@ def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> Directio
     line, tension, touching, keep = _base_and_contact(side, z, P)
     contact = np.count_nonzero(touching) or rows.size - side.border[1]
     keep[rows.size - round(READINGS_TURNING * contact) :] = False
-    keep &= ~np.isin(rows, record.spikes)
+    keep &= ~np.isin(rows, record.ignored)
     into = record.direction(APPROACH)
     last = int(np.argmax(curve.device)) if into is None else into.segment.last
     t = np.zeros(len(curve)) if curve.t is None else curve.t - curve.t[last]

@@ -39,6 +39,7 @@ from .least_squares import (
     variance_factor,
     wider,
 )
+from .nuisance import settled, with_nuisance
 from .parameters import LOG, FittedValue, Parameter, changes_by, dimension_of
 from .range_alternative import Rivals, missed_pull_off, rivals_of
 from .record import RESTS, as_raw_force_curve, beside, beyond_the_record, contact_rows, differ, fit_record
@@ -446,7 +447,9 @@ def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | F
 def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None, before: Neighbour | None = None) -> Fit:
     ready = prepared(body, curve, settings)
     if isinstance(ready, ForceCurve):
-        return fit_record(body, ready, settings, pool, before)
+        nuisance = settled(body, ready, settings)
+        record = ready if nuisance is None else nuisance.record
+        return with_nuisance(fit_record(body, record, settings, pool, before), nuisance)
     curve, points, settings, words = ready.curve, ready.points, ready.settings, ready.words
     edges, zero = set() if points.edges is None else set(points.edges), settings.known("P0")
     minimum = robust(search(body, points, settings), settings.loss)

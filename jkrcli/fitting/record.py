@@ -500,11 +500,12 @@ def _line(best: ForceCurveFit) -> dict[str, Array]:
 
 
 def _left_out(record: ForceCurve, used: int) -> tuple[str, ...]:
-    spikes = record.spikes.size
-    rest = len(record.curve) - used - spikes
+    spikes, limits = record.spikes.size, record.saturated.size
+    rest = len(record.curve) - used - spikes - limits
     return (
         *[f"{rest} rows of other segments, next to the turning point or in jumps"] * (rest > 0),
         *[f"{spikes} {'isolated outliers' if spikes > 1 else 'isolated outlier'}"] * (spikes > 0),
+        *[f"{limits} saturated"] * (limits > 0),
     )
 
 

@@ -20,7 +20,7 @@ from ..base.units import SI, scale, show
 from ..bodies.indenters import Indenter
 from ..data import measured, text_formats
 from ..data.curve import ARBITRARY
-from ..data.segmentation import Direction, ForceCurve, saturation, segment_force_curve
+from ..data.segmentation import Direction, ForceCurve, saturation_words, segment_force_curve
 from ..fitting import alternative_tests, alternatives, range_alternative
 from ..fitting.joint import JointFit
 from ..fitting.parameters import FittedValue
@@ -247,6 +247,7 @@ def fit_words(item: Fit, once: bool = False) -> list[str]:
     lines = [*verdict_words(item, once), *range_words]
     lines += [f"  {item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
     lines += [f"  {'tip':<12} {item.tip}"] * bool(item.tip)
+    lines += [f"  {'free rows':<12} {'; '.join(item.held)}"] * bool(item.held)
     lines += estimate_lines(sorted(item.estimates, key=lambda one: one.name in ZERO_POINTS), item.settings.level)
     correlation = item.correlated("modulus", "w")
     more = [] if correlation is None else [f"correlation of E* and w {correlation:.2f}"]
@@ -811,7 +812,7 @@ def _spread(item: WorkAlong, rows: Array) -> dict[str, Any] | None:
 def flags(item: WorkAlong) -> list[str]:
     """What a reader of the numbers should know about one curve."""
     size = len(item.curve)
-    lines = list(saturation(item.curve))
+    lines = list(saturation_words(item.curve))
     ends = {BELOW: "begin the series at smaller radii", ABOVE: "increase [loading] radius"}
     for word, remedy in ends.items():
         if (count := int((item.state == word).sum())) > MANY * size:

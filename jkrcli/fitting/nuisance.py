@@ -1,0 +1,146 @@
+"""What the free rows of a record hold beside base lines, in its fit: how large it is, and what it leaves of E* and w.
+
+Loads of a level or of an attraction are taken off before a fit. Its size is a parameter all the same: the whole record
+is fitted at sizes a standard error apart, the least of the parabola through their chi^2 is the size, and its width by
+the change of an estimate over it is added to the interval (the profile of one parameter). What the other law of an
+attraction makes of an estimate is a part by the model.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+
+from ..base.errors import JkrError
+from ..base.units import show
+from ..data.free_rows import FreeRows
+from ..data.segmentation import ForceCurve
+from .force_curve import ForceCurveFit
+from .forward_model import FittedBody
+from .least_squares import t_quantile
+from .parameters import FittedValue
+from .record import outcome_of, whole_fit
+from .result import Fit
+from .settings import Settings
+
+NUISANCE_FARTHEST = 10.0  # choice: standard errors of the free rows, which the contact moves the size by at most
+NUISANCE_ROUNDS = 3  # choice: parabolas through sizes
+NUISANCE_EXCLUDED = 100.0  # choice: rise of chi^2, ten standard errors, beyond which another law is none of these data
+OTHER_LAW = "the law of the attraction"
+
+
+@dataclass(frozen=True, eq=False)
+class Nuisance:
+    """The ``record`` as it is fitted best, and what is not known of its free rows: ``changes`` of the outcome by a
+    standard error each, ``laws``: by the other law; ``words`` on what it holds."""
+
+    record: ForceCurve
+    changes: tuple[Mapping[str, float], ...]
+    laws: Mapping[str, float]
+    words: tuple[str, ...]
+
+
+def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisance | None:
+    """The record with what its free rows hold at the sizes that fit best; None where they hold a line alone."""
+    held = record.held
+    if held is None:
+        return None
+
+    def of(other: ForceCurve) -> tuple[float, Mapping[str, float], ForceCurveFit]:
+        best = whole_fit(body, other, settings)
+        return float(best.off @ best.off), outcome_of(best, best.x, body), best
+
+    changes, laws = list[Mapping[str, float]](), dict[str, float]()
+    try:
+        if held.attraction is not None:
+            (held, here, cost, per_row, width), other = sorted(
+                (_of_law(of, record, one) for one in (held, held.by_other_law)), key=lambda one: one[2]
+            )
+            record = record.holding(held)
+            changes.append(_between(here, of(record.holding(held.stronger(width)))[1]))
+            if other[2] - cost < NUISANCE_EXCLUDED * per_row:
+                laws = _between(here, other[1])
+        else:
+            here = of(record)[1]
+        for raised in held.raised:
+            moved = replace(held, taken=held.taken + raised)
+            changes.append(_between(here, of(record.holding(moved))[1]))
+    except JkrError:  # a size that no curve resembles tells nothing
+        pass
+    return Nuisance(record, tuple(changes), laws, (*held.words, *_left_in(body, record, settings)))
+
+
+Outcome: TypeAlias = tuple[float, Mapping[str, float], ForceCurveFit]
+
+
+def _of_law(
+    of: Callable[[ForceCurve], Outcome], record: ForceCurve, held: FreeRows
+) -> tuple[FreeRows, Mapping[str, float], float, float, float]:
+    """An attraction by one law at the size of least chi^2, the outcome there, the sum of squares of the residuals and
+    that of one row, and the standard error of the size, in those of the free rows."""
+    step, width = _least(lambda size: of(record.holding(held.stronger(size)))[::2])
+    held = held.stronger(step)
+    cost, outcome, best = of(record.holding(held))
+    return held, outcome, cost, best.sigma**2 * best.spread.tau, width
+
+
+def _between(here: Mapping[str, float], there: Mapping[str, float]) -> dict[str, float]:
+    return {name: there[name] - value for name, value in here.items() if name in there}
+
+
+def _least(cost_of: Callable[[float], tuple[float, ForceCurveFit]]) -> tuple[float, float]:
+    """The size of least chi^2 and its standard error, in those of the free rows; as these have it where the record
+    has no least."""
+    tried = {size: cost_of(size) for size in (-1.0, 0.0, 1.0)}
+    for _ in range(NUISANCE_ROUNDS):
+        sizes = sorted(sorted(tried, key=lambda size: tried[size][0])[:3])
+        best = min(tried.values(), key=lambda one: one[0])[1]
+        per_row = best.sigma**2 * best.spread.tau
+        bend, slope, _ = np.polyfit(sizes, [tried[size][0] / per_row for size in sizes], 2)
+        if bend <= 0 or abs(least := -slope / (2 * bend)) > NUISANCE_FARTHEST:
+            return 0.0, 1.0
+        if min(abs(least - size) for size in tried) < 0.3 / math.sqrt(bend):
+            break
+        tried[least] = cost_of(least)
+    return float(least), float(1 / math.sqrt(bend))
+
+
+def _left_in(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[str, ...]:
+    """A sentence on what E* and w are where it is left in the loads."""
+    if record.plain is None:
+        return ()
+    try:
+        best = whole_fit(body, record.plain, settings)
+    except JkrError:
+        return ("left in the loads no fit converges",)
+    outcome = outcome_of(best, best.x, body)
+    E_star = math.exp(best.model.values(best.x)["ln_s"]) * body.problem.E_star
+    work = "w" if "w" in outcome else "w_approach"
+    return (
+        f"left in the loads E* = {show(E_star, 'modulus', 4)}, {work} = {show(max(outcome[work], 0.0), 'work', 4)}",
+    )
+
+
+def with_nuisance(fitted: Fit, nuisance: Nuisance | None) -> Fit:
+    """The fit of a settled record with what is not known of its free rows in the errors."""
+    if nuisance is None:
+        return fitted
+    t = t_quantile(fitted.settings.level, fitted.dof)
+    estimates = tuple(_widened(item, nuisance, t) for item in fitted.estimates)
+    return replace(fitted, estimates=estimates, held=nuisance.words)
+
+
+def _widened(item: FittedValue, nuisance: Nuisance, t: float) -> FittedValue:
+    total = math.hypot(*(change.get(item.name, 0.0) for change in nuisance.changes))
+    law = abs(nuisance.laws.get(item.name, 0.0))
+    if item.error is None or not item.free:
+        return item
+    low = None if item.low is None else item.value - math.hypot(item.value - item.low, t * total)
+    high = None if item.high is None else item.value + math.hypot(item.high - item.value, t * total)
+    low = max(low, 0.0) if low is not None and item.dimension in ("modulus", "work") else low
+    model = {**(item.model or {}), OTHER_LAW: law} if law and item.dimension in ("modulus", "work") else item.model
+    return replace(item, error=math.hypot(item.error, total), low=low, high=high, model=model)

@@ -1,0 +1,145 @@
+"""What free rows hold is found, taken off and told: levels, attraction; saturated rows count for nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from force_curves import Instrument, record
+from test_fit_record import BODY, usual
+
+from jkrcli.data.curve import Curve
+from jkrcli.data.measured import read
+from jkrcli.data.segmentation import segment_force_curve
+from jkrcli.fitting.procedure import fit
+from jkrcli.fitting.result import Fit
+
+E_STAR, R, W = 500e3, 5e-6, 2e-4
+PULL_OFF = 1.5 * np.pi * W * R
+DEVICE = Instrument(k=0.3, rows=1000, far=2e-7, largest=4 * PULL_OFF, noise=0.004 * PULL_OFF, offset=0.0,
+                    tilt=0.0, drag=0.0, pause=0)  # fmt: skip
+
+
+def made(seed: int = 1, w_approach: float = W / 2) -> dict[str, np.ndarray]:
+    return record(E_STAR, R, w_approach, W, DEVICE, seed)
+
+
+def curve_of(parts: dict[str, np.ndarray], P: np.ndarray) -> Curve:
+    return Curve("made", delta=parts["z"] - P / DEVICE.k, P=P, t=parts["t"], stiffness=DEVICE.k)
+
+
+def lost(parts: dict[str, np.ndarray]) -> int:
+    """The first row after pull-off."""
+    half = parts["P"].size // 2
+    return half + int(np.argmax(np.diff(parts["P"][half:]))) + 1
+
+
+def with_tether(share: float, length: float, seed: int = 1) -> tuple[Curve, float]:
+    parts = made(seed)
+    first = lost(parts)
+    last = first + round(length * (parts["P"].size - first))
+    P = parts["P"].copy()
+    P[first:last] -= share * PULL_OFF
+    return curve_of(parts, P), share * PULL_OFF
+
+
+@pytest.mark.parametrize(("share", "length"), [(0.02, 0.5), (0.1, 0.3), (0.2, 0.8)])
+def test_a_tether_is_a_level_with_its_place_and_size(share: float, length: float) -> None:
+    curve, size = with_tether(share, length)
+    found = segment_force_curve(curve)
+    assert found.flags == {}
+    assert found.held is not None
+    (level,) = found.held.levels
+    assert -level.size == pytest.approx(size, abs=4 * level.error)
+    assert level.error < 0.1 * size
+    retract = found.direction("retract")
+    assert retract is not None
+    assert retract.adhesion == pytest.approx(segment_adhesion(1), abs=6 * DEVICE.noise)
+
+
+def segment_adhesion(seed: int) -> float:
+    parts = made(seed)
+    side = segment_force_curve(curve_of(parts, parts["P"])).direction("retract")
+    assert side is not None
+    assert isinstance(side.adhesion, float)
+    return side.adhesion
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_free_rows_of_right_records_hold_lines(seed: int) -> None:
+    parts = made(seed, 0.0 if seed % 2 else W / 2)
+    assert segment_force_curve(curve_of(parts, parts["P"])).held is None
+
+
+@pytest.mark.parametrize("share", [0.05, 0.2])
+def test_an_attraction_is_told_with_size_and_range(share: float) -> None:
+    parts, reach = made(), 6e-8
+    P, half = parts["P"].copy(), parts["P"].size // 2
+    size, into = share * PULL_OFF, int(np.argmin(np.diff(parts["P"][:half]))) + 1
+    free = np.r_[0:into, lost(parts) : P.size]
+    drawn = np.full(P.size, -size)
+    touch = float(parts["z"][into])
+    gap = np.maximum(touch - parts["z"][free], 0.0)
+    for _ in range(50):  # the attraction deflects the device
+        gap = np.maximum(touch - parts["z"][free] + size * (1 - np.exp(-gap / reach)) / DEVICE.k, 0.0)
+    drawn[free] = -size * np.exp(-gap / reach)
+    found = segment_force_curve(curve_of(parts, P + drawn)).held
+    assert found is not None
+    assert found.attraction is not None
+    assert -found.attraction.size == pytest.approx(size, rel=0.3)
+    assert found.attraction.range == pytest.approx(reach, rel=0.5)
+
+
+def within(found: Fit, name: str, true: float) -> bool:
+    """Whether an estimate lies as near to the truth as its interval and its model part say."""
+    item = found.estimate(name)
+    assert item.low is not None
+    assert item.high is not None
+    part = sum((item.model or {}).values())
+    return item.low - part <= true <= item.high + part and item.high - item.low + part < 0.2 * true
+
+
+def test_a_fit_takes_a_tether_off_and_says_so() -> None:
+    found = fit(BODY, with_tether(0.1, 0.5)[0], usual())
+    assert found.flags == ()
+    assert within(found, "E_star", E_STAR)
+    assert within(found, "w", W)
+    assert any("level" in words and "tether" in words for words in found.held)
+    assert any("left in the loads" in words for words in found.held)
+
+
+def test_a_fit_without_saturated_rows_finds_the_values() -> None:
+    parts = made()
+    found = fit(BODY, curve_of(parts, np.minimum(parts["P"], 0.5 * parts["P"].max())), usual())
+    assert found.flags == ("saturated",)
+    assert within(found, "E_star", E_STAR)
+    assert within(found, "w", W)
+    assert any("saturated" in words for words in found.left_out)
+
+
+def test_saturated_rows_count_for_nothing() -> None:
+    parts = made()
+    P = np.minimum(parts["P"], 0.6 * parts["P"].max())
+    found = segment_force_curve(curve_of(parts, P))
+    assert "saturated" in found.flags
+    assert set(found.saturated) == set(np.flatnonzero(P == P.max()))
+
+
+def test_a_base_line_of_rounded_zeros_is_not_saturated() -> None:
+    z = np.linspace(0, 2e-6, 60)
+    P = 1e-3 * np.maximum(z - 1e-6, 0)
+    assert "saturated" not in segment_force_curve(Curve("rounded", delta=z, P=P)).flags
+
+
+def test_a_column_of_numbers_names_no_segments(tmp_path: Path) -> None:
+    parts = made()
+    phase = 60 + np.random.default_rng(1).normal(size=parts["z"].size)
+    rows = zip(parts["t"], 1e9 * parts["z"], 1e9 * parts["P"], phase, strict=True)
+    lines = ["Time (s)\tZ Piezo (nm)\tForce (nN)\tPhase (deg)", *("\t".join(f"{v:.6g}" for v in row) for row in rows)]
+    path = tmp_path / "phase.txt"
+    path.write_text("\n".join(lines))
+    (curve,) = read(path)
+    assert curve.segment is None
+    assert any("Phase" in flag and "segments" in flag for flag in curve.flags)
+    assert [part.kind for part in segment_force_curve(curve).segments] == ["approach", "retract"]

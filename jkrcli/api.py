@@ -107,7 +107,14 @@ from .report.forward import (
     Transformed,
 )
 from .report.inverse import Fitted, JointFitted, LawFit, Look, RelaxationFitted, TensionFitted, Work
-from .report.rate import CycledAdhering, CycledAtSpeed, CycledInLimits, CycledRelaxing, traced_histories
+from .report.rate import (
+    CycledAdhering,
+    CycledAtSpeed,
+    CycledInLimits,
+    CycledRelaxing,
+    followed_with_limits,
+    traced_histories,
+)
 from .report.result import AnyResult, Figure, Result, as_result
 from .resolve.analysis import analyse, nonadhesive, with_solved_points
 from .series import Solution
@@ -290,7 +297,7 @@ def cycle_relaxing(
     stress: Number | None = None, length: Number | None = None, rest_load: Number | None = None,
     rest_depth: Number | None = None, program: Program | None = None, speed_approach: Number | None = None,
     to_load: Number | None = None, to_depth: Number | None = None, hold: Number = 0.0,
-    stiffness: Number = DISPLACEMENT_CONTROL, slopes: str = "auto",
+    stiffness: Number = DISPLACEMENT_CONTROL, slopes: str = "auto", compare_rate: bool = False,
 ) -> CycledRelaxing | CycledAdhering:  # fmt: skip
     """What a device records over time while the moduli of the specimen relax.
 
@@ -298,7 +305,7 @@ def cycle_relaxing(
     specimen. The device presses, waits and goes back as in ``cycle_at_speed``, or does what a ``program`` says. With a
     work of adhesion ``w`` [J/m^2] the surfaces attract each other by a cohesive ``stress`` [Pa], or up to a ``length``
     [m], default: what the case says. With ``rest_load`` or ``rest_depth`` the contact is at rest there, and is pulled
-    at ``speed``.
+    at ``speed``. ``compare_rate``: what a law w(v) of the same material says, as if the bulk were relaxed, is ``rate``.
 
     The result's ``peak``, ``corners``, ``turn``, ``lost`` and ``error`` tell what happened, with adhesion ``pull_off``,
     ``jumps`` and ``limits``, too; ``table(points)`` gives its columns. Raises InputError where the contact leaves the
@@ -335,7 +342,7 @@ def cycle_relaxing(
     else:
         contact = replace(contact, rests=True)
         driven = Program.on(contact.pulled_from(rest), -_number("speed", speed, "load rate" if k == 0 else "speed"))
-    return CycledAdhering.of(contact, driven, solution.record.path, limits)
+    return followed_with_limits(solution, contact, driven, limits, slopes, compare_rate=compare_rate)
 
 
 def _driven(

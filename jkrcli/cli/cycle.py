@@ -20,7 +20,14 @@ from ..base.units import show
 from ..bodies.materials import Relaxation
 from ..methods.protocol import Limits
 from ..report.forward import Cycled, CycledByProgram
-from ..report.rate import CycledAdhering, CycledAtSpeed, CycledInLimits, CycledRelaxing, traced_histories
+from ..report.rate import (
+    CycledAdhering,
+    CycledAtSpeed,
+    CycledInLimits,
+    CycledRelaxing,
+    followed_with_limits,
+    traced_histories,
+)
 from ..report.result import PICTURES, Output, Result
 from ..resolve.analysis import Analysis, analyse, with_solved_points
 from ..resolve.histories import curves_from_rest, pull_off_in_limits, rest_of
@@ -198,6 +205,8 @@ def read_program(path: Path, stiffness: float) -> Program:
 @click.option("--rest-load", type=LOAD, help="Viscoelastic specimens: at rest under this load, then pulled at once, "
               "with --stress at --speed [default: at the turn of --to-load or --to-depth, else at P = 0].")  # fmt: skip
 @click.option("--rest-depth", type=LENGTH, help="The same at this displacement delta.")
+@click.option("--compare-rate", is_flag=True, help="Viscoelastic specimens, with --stress and --speed: what a law "
+              "w(v) of the same material says, as if the bulk were relaxed.")  # fmt: skip
 @click.option("--points", type=click.IntRange(2, 100_000), default=200, show_default=True, help="Rows per branch.")
 @curve_options
 @limits_options
@@ -205,7 +214,8 @@ def read_program(path: Path, stiffness: float) -> Program:
 @output_options(plots="Write the CSV only.", json="Print the figures as JSON.")
 def cycle(
     file: Path, w_approach: float | None, w_retract: float | None, stiffness: float, points: int, how: CurveOptions,
-    rates: RateOptions, rest_load: float | None, rest_depth: float | None, limits: Limits, output: Output,
+    rates: RateOptions, rest_load: float | None, rest_depth: float | None, compare_rate: bool, limits: Limits,
+    output: Output,
 ) -> None:  # fmt: skip
     """Trace what a device records that presses the bodies of FILE, a case or a series, together and pulls them apart
     again.
@@ -238,6 +248,10 @@ def cycle(
     if adhering:
         rates.refuse_in_limits(bool(how.of(solution)))
     in_limits = adhering and not rates.timed
+    if compare_rate and (in_limits or not adhering):
+        raise InputError(
+            "cycle: --compare-rate is for adhesion on a specimen that relaxes over time: give --stress and --speed"
+        )
     if rates.rate is not None:  # there the stress is that of the zone in which energy is lost
         rates, how = replace(rates, stress=how.stress), replace(how, stress=None)
     ranged = how.of(solution)
@@ -281,7 +295,9 @@ def cycle(
         histories = traced_histories(solution, rest, rates.to_load, rates.to_depth)
         at_rest = next((one for one in histories if one.rest is not None), None)
         limits = pull_off_in_limits(solution, works[1], ranged, at_rest, how.slopes, how.modulus_factor)
-        return CycledAdhering.of(contact, program, solution.record.path, limits, points)
+        return followed_with_limits(
+            solution, contact, program, limits, how.slopes, how.modulus_factor, points, compare_rate=compare_rate
+        )
 
     def cycled(share: float = 1.0, history: str = "") -> Result:
         curves = analyse(solution, works, how.slopes, how.modulus_factor * share, ranged)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,9 @@ import numpy as np
 from ..adhesion.curve import LOAD_CONTROL, CriticalPoint, control, position
 from ..adhesion.device_path import Program
 from ..adhesion.from_rest import AT_MOST, FROM_REST, LoadingHistory, Rest
+from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.rate import History, RateContact, RateLaw, parameters_of, rate_parameters
+from ..adhesion.rate_of_relaxation import RateLawCourse, follow_crack_law
 from ..adhesion.relaxation import RelaxedHistory, RelaxingContact
 from ..adhesion.relaxing_adhesion import AdhesiveHistory, RelaxingAdhesion
 from ..adhesion.validity import NEGLECTED, Zone, strain_words, zone
@@ -23,11 +25,12 @@ from ..base.units import show
 from ..bodies.materials import RELAXATIONS, Relaxation
 from ..fitting.rate import LawAlongRecords
 from ..resolve.analysis import Analysis
-from ..resolve.histories import checked_histories
+from ..resolve.histories import checked_histories, relaxed_specimen
 from ..series import Solution
 from .result import Figure, Result, Several, as_result
 from .tables import cycle_title, device, energies, format_state, speed_words, timed, timed_jump, with_unit
 
+RATE_REACH = 1.3  # choice: of the largest contact, to which the relaxed specimen is known for a law w(v)
 VAGUE = 1.0  # relative standard error, theory: one as large as the parameter does not tell it from zero
 
 
@@ -268,27 +271,35 @@ class CycledRelaxing(RelaxedHistory, Result):
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class CycledAdhering(AdhesiveHistory, Result):
     """A history with adhesion as a result; ``limits``: pull-off points of very fast and very slow cycles and of one
-    pulled at once from rest, by their names, ``points``: rows of a piece."""
+    pulled at once from rest, by their names, ``points``: rows of a piece; ``relaxed``: the specimen
+    relaxed, where it is asked what a law w(v) on it says."""
 
     file: Path
     limits: Mapping[str, CriticalPoint | Unknown]
     points: int = ROWS
+    relaxed: Nonadhesive | None = None
 
     @classmethod
     def of(
         cls, contact: RelaxingAdhesion, program: Program, file: Path, limits: Mapping[str, CriticalPoint | Unknown],
-        points: int = ROWS,
+        points: int = ROWS, relaxed: Nonadhesive | None = None,
     ) -> CycledAdhering:  # fmt: skip
         """What happens to ``contact`` under ``program``."""
         try:
             history = contact.history(program)
         except InputError as error:
             raise InputError([f"{file}: {line}" for line in error.lines]) from None
-        return as_result(cls, history, file=file, limits=limits, points=points)
+        return as_result(cls, history, file=file, limits=limits, points=points, relaxed=relaxed)
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]
-        return self.table(self.points)
+        columns, rate = self.table(self.points), self.rate
+        return columns | (rate.columns(columns["t_s"]) if isinstance(rate, RateLawCourse) else {})
+
+    @cached_property
+    def rate(self) -> RateLawCourse | Unknown | None:
+        """What a law w(v) on the relaxed specimen would have said; None where it is not asked for."""
+        return None if self.relaxed is None else follow_crack_law(self, self.relaxed)
 
     def figure(self) -> Figure:
         from .plots.forward import history_figure
@@ -328,6 +339,7 @@ class CycledAdhering(AdhesiveHistory, Result):
                 radiated_in_jumps=(self.at_edge, self._half_width(self.energy_lost)),
             ),
             "balance_relative_error": self.balance,
+            **({} if self.rate is None else {"rate_law": effective_summary(self.rate)}),
             "neglected": ADHESION_NEGLECTED,
             "warnings": self.warnings,
         }
@@ -348,14 +360,16 @@ class CycledAdhering(AdhesiveHistory, Result):
             *(f"  at {format_state(one, 't')} {format_state(one)}" for one in self.corners if one.t < pulled.t),
         ]
         found = {name: point for name, point in self.limits.items() if not isinstance(point, Unknown)}
-        forces = [f"{show(-point.P, 'load')} ({name})" for name, point in found.items()]
+        ranged = {FROM_REST: f"{FROM_REST}, without a range"}
+        forces = [f"{show(-point.P, 'load')} ({ranged.get(name, name)})" for name, point in found.items()]
         if forces:
             lines.append(f"  limits: {', '.join(forces)}")
         ends = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost.t, 'time')}"
+        law = [] if self.rate is None else effective_words(self.rate)
         if isinstance(self.energy_lost, Unknown):
-            return [*lines, f"  {ends}"]
+            return [*lines, f"  {ends}", *law]
         parts = f"{self.in_body:.4g} J in the body, {self.at_edge:.4g} J in jumps"
-        return [*lines, f"  {ends}; energy lost: {self.energy_lost:.4g} J, {parts}"]
+        return [*lines, f"  {ends}; energy lost: {self.energy_lost:.4g} J, {parts}", *law]
 
     @property
     def warnings(self) -> list[str]:
@@ -364,6 +378,52 @@ class CycledAdhering(AdhesiveHistory, Result):
         if isinstance(error, Unknown) or error <= NOTICEABLE:
             return []
         return [f"the pull-off force errs by about {100 * error:.1g} %"]
+
+
+def followed_with_limits(
+    solution: Solution, contact: RelaxingAdhesion, program: Program, limits: Mapping[str, CriticalPoint | Unknown],
+    slopes: str, modulus_factor: float = 1.0, points: int = ROWS, *, compare_rate: bool = False,
+) -> CycledAdhering:  # fmt: skip
+    """What happens to ``contact`` under ``program``; ``compare_rate``: with what a law w(v) on the relaxed specimen of
+    ``solution`` says."""
+    followed = CycledAdhering.of(contact, program, solution.record.path, limits, points)
+    if not compare_rate:
+        return followed
+    radius = RATE_REACH * float(followed.rows[:, 1].max())
+    return replace(followed, relaxed=relaxed_specimen(solution, radius, slopes, modulus_factor))
+
+
+def effective_summary(rate: RateLawCourse | Unknown) -> dict[str, Any]:
+    """What a law w(v) would have said, keys with their units; or why there is none."""
+    if isinstance(rate, Unknown):
+        return {"pull_off": None, "reason": rate.reason}
+    lost = rate.history.lost
+    return {
+        "pull_off": timed(rate.history.pull_off),
+        "lost_t_s": None if lost is None else lost.t,
+        "P_relative_difference": rate.force_difference,
+        "delta_difference_m": rate.depth_difference,
+        "enough": rate.enough,
+    }
+
+
+def effective_words(rate: RateLawCourse | Unknown) -> list[str]:
+    """The same as a table of both courses."""
+    if isinstance(rate, Unknown):
+        return [f"  the law w(v) of the same material is not followed: {rate.reason}"]
+    rows = [("this course", rate.course), ("the law w(v)", rate.history)]
+    table = [
+        f"    {name:<14}{show(-one.pull_off.P, 'load'):>12}  at {format_state(one.pull_off, 't delta a')}"
+        + ("" if one.lost is None else f"; lost at t = {show(one.lost.t, 'time')}")
+        for name, one in rows
+    ]
+    verdict = "a rate law will do" if rate.enough else "no rate law will do"
+    return [
+        "  as if the bulk were relaxed and only the crack lost energy, by the law w(v) of the same material:",
+        *table,
+        f"    force {100 * rate.force_difference:+.2g} %, displacement at pull-off off by "
+        f"{show(abs(rate.depth_difference), 'length')} of a way of {show(rate.stroke, 'length')}: {verdict}",
+    ]
 
 
 @dataclass(frozen=True, eq=False)

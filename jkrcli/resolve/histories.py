@@ -161,6 +161,17 @@ def pull_off_in_limits(
     return points
 
 
+def relaxed_specimen(solution: Solution, radius: float, slopes: str, modulus_factor: float = 1.0) -> Nonadhesive:
+    """The w-free functions of a viscoelastic specimen whose moduli are relaxed, solved up to a contact ``radius`` [m]
+    at least where that is not long."""
+    relaxation = solution.problem.specimen.relaxation
+    if relaxation is None or not relaxation.relaxed:
+        raise InputError("cycle: --compare-rate needs a relaxed modulus above zero: a fluid has none")
+    unit = nonadhesive(solution, slopes).scaled(modulus_factor)
+    _, unit = solved_on(solution.scaled(modulus_factor), unit, lambda body: bool(body.a[-1] > radius), slopes)
+    return unit.scaled(relaxation.relaxed)
+
+
 def solved_on(
     solution: Solution, unit: Nonadhesive, enough: Callable[[Nonadhesive], bool], slopes: str = "auto"
 ) -> tuple[Solution, Nonadhesive]:

@@ -411,7 +411,7 @@ def effective_words(rate: RateLawCourse | Unknown) -> list[str]:
     """The same as a table of both courses."""
     if isinstance(rate, Unknown):
         return [f"  the law w(v) of the same material is not followed: {rate.reason}"]
-    rows = [("this course", rate.course), ("the law w(v)", rate.history)]
+    rows: list[tuple[str, AdhesiveHistory | History]] = [("this course", rate.course), ("the law w(v)", rate.history)]
     table = [
         f"    {name:<14}{show(-one.pull_off.P, 'load'):>12}  at {format_state(one.pull_off, 't delta a')}"
         + ("" if one.lost is None else f"; lost at t = {show(one.lost.t, 'time')}")

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, mask_below_atomic_spacing
+from ..adhesion.finite_range import RangeRequest
 from ..adhesion.from_rest import FAST, FROM_REST, SLOW, FromRest, LoadingHistory, Rest, histories, history_error
 from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.pull_off_error import Errors
@@ -16,7 +17,7 @@ from ..base.numerics import MOST_STEPS
 from ..base.process import PATIENCE
 from ..bodies.problem import Loading, Problem
 from ..series import Solution
-from .analysis import Analysis, RangeRequest, analyse, forecast, nonadhesive
+from .analysis import Analysis, analyse, forecast, nonadhesive
 from .pull_off_range import REACH_INSIDE
 from .refine_pull_off import refined, solver_of
 from .resolve import method_behind, resolve_with

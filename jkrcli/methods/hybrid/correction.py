@@ -560,8 +560,9 @@ class Mesh:
         work, moved = np.zeros((2, U.shape[1], U.shape[1]))
         fields, sizes = self._along_r(U), self._along_r(np.abs(U), np.abs)
         points = self.z.rule[0].size
-        size = max(1, AT_ONCE // (U.shape[1] * self.r.rule[0].size))  # fields at a time within the memory allowed
-        for rows in (slice(start, start + size) for start in range(0, points, size)):
+        slab = max(1, AT_ONCE // (U.shape[1] * self.r.rule[0].size))  # points at a time within the memory allowed
+        for start in range(0, points, slab):
+            rows = slice(start, start + slab)
             rr, tt, zz, rz, p = strains = self._strains(fields, rows)
             C11, C12, C13, C33, C44 = self.moduli.C[:, rows, None, None]
             misfit = rr + tt + zz + self.moduli.inverse_lame[rows, None, None] * p

@@ -13,7 +13,7 @@ from maugis import Maugis
 from scipy.optimize import brentq
 
 import jkrcli as jkr
-from jkrcli.adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
+from jkrcli.adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL, CriticalPoint
 from jkrcli.adhesion.device_path import Program
 from jkrcli.adhesion.finite_range import FiniteRangeBody, Range
 from jkrcli.adhesion.relaxing_adhesion import Course, Memory, Now, RelaxingAdhesion
@@ -165,18 +165,19 @@ def test_what_does_not_relax_follows_the_elastic_curve() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("layered", [True, False])
 def test_unilateral_rings(layered: bool) -> None:
-    """Press at once, wait, go back: 320 rings of the body's compliance; their own error halves from 160."""
+    """Press at once, wait, go back: rings of the body's compliance, whose error falls with their number: 4.0, 1.7 and
+    1.0 % of the force with 160, 320 and 480 on the half-space."""
     R, w, stress, solution = 20.0, 0.0025, 0.025, solved(1.0, layered, 20.0)
     law = StandardSolid(0.3, 1.0)
     contact = RelaxingAdhesion.of(solution, Range.of(w, stress=stress), law, DISPLACEMENT_CONTROL)
-    far, end = (0.12, 2.75) if layered else (0.2, 3.0)
+    far, end, rings, steps = (0.12, 2.75, 320, 80) if layered else (0.2, 3.0, 480, 160)
     program = Program(np.array([0.0, 0.0, 1.0]), np.array([contact.least, 0.05, 0.05]), -0.1)
     rows = np.array(contact._run(program, 2e-3).rows)[1:]
-    t = np.append(np.linspace(0, 1, 20), 1 + np.linspace(0, 10 * far, 80)[1:])
-    delta = np.append(np.full(20, 0.05), 0.05 - np.linspace(0, far, 80)[1:])
-    P = withdrawn(R, stress, w / stress, 0.3, t, delta, end, 320, 0.3 if layered else None)
+    t = np.append(np.linspace(0, 1, 20), 1 + np.linspace(0, 10 * far, steps)[1:])
+    delta = np.append(np.full(20, 0.05), 0.05 - np.linspace(0, far, steps)[1:])
+    P = withdrawn(R, stress, w / stress, 0.3, t, delta, end, rings, 0.3 if layered else None)
     lowest = rows[:, 4].min()
-    assert P.min() == pytest.approx(lowest, rel=0.015)
+    assert P.min() == pytest.approx(lowest, rel=0.01)
     before = t[: P.size - 3]
     off: Array = np.abs(P[: before.size] - np.interp(before, rows[:, 0], rows[:, 4])) / abs(lowest)
     assert off.mean() < 0.01
@@ -245,3 +246,29 @@ def test_a_cone_is_drawn_in_and_let_go_without_a_jump() -> None:
     assert last.c == 0
     assert abs(last.radiated) < 1e-4 * last.work
     assert last.work == pytest.approx(last.body, rel=5e-3)
+
+
+TIPS = {
+    "sphere": (jkr.Sphere(1.0), 0.3, 0.02, 0.2),
+    "fourth power": (jkr.PowerLaw(1.0, 4.0), 0.1, 0.005, 0.1),
+    "rounded flat": (jkr.RoundedFlat(0.5, 0.2), 0.05, 0.002, 0.1),
+    "thin layer, nu = 1/2": (jkr.Paraboloid(1.0), 0.005, 1e-4, 0.05),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tip", TIPS)
+def test_pull_off_of_any_convex_tip_is_that_of_its_relaxed_curve(tip: str) -> None:
+    """Pressed, held and pulled by a body that relaxes at once to a third: the curve of finite range with that."""
+    indenter, depth, w, stress = TIPS[tip]
+    half_space = jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(1.0, 0.0)))
+    thin = jkr.Specimen((jkr.Layer(jkr.Elastic(0.75, 0.5), 0.05),), jkr.Rigid(True))
+    specimen = thin if "layer" in tip else half_space
+    solution = jkr.solve(jkr.Problem(indenter, specimen, jkr.Loading("depth", 1.5 * depth)))
+    contact = RelaxingAdhesion.of(solution, Range.of(w, stress=stress), StandardSolid(1 / 3, 1e-6), math.inf)
+    t, x = np.array([0.0, 1.0, 2.0]), np.array([contact.least, depth, depth])
+    course = contact._run(Program(t, x, -depth), 4e-3)
+    expected = FiniteRangeBody.of(solution.scaled(1 / 3)).curve(Range.of(w, stress=stress)).pull_off(LOAD_CONTROL)
+    assert isinstance(expected, CriticalPoint)
+    assert course.pull_off.P == pytest.approx(expected.P, rel=2e-3)
+    assert course.last.row.work == pytest.approx(course.last.row.body + course.last.row.radiated, rel=5e-3)

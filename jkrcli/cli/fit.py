@@ -20,7 +20,7 @@ from ..base.process import one_thread
 from ..bodies.materials import RELAXATIONS
 from ..data import measured
 from ..data.curve import Curve, Reading
-from ..data.measured import usable
+from ..data.measured import holds_map, usable
 from ..data.segmentation import segment_force_curve
 from ..fitting.forward_model import FittedBody
 from ..fitting.joint import joint_fit, shared_of, with_radii
@@ -49,7 +49,7 @@ from .inputs import (
 )
 from .options import Parallel, begin
 from .output import give, note, progress, say, warn
-from .verb import flag, several, verb
+from .verb import as_one, flag, several, verb
 
 # --------------------------------------------------------------------------------------------------
 # Which options have an effect on which kind of fit: one table; whatever is given besides is refused.
@@ -102,16 +102,49 @@ def check_unused_options(kind: str, options: Mapping[str, Any]) -> None:
 Beside = TypeVar("Beside")
 
 
+Pairs: TypeAlias = tuple[tuple[str, Any], ...]  # NAME=VALUE
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitOptions:
+    """What was asked of a fit, by the options of the same names."""
+
+    free: tuple[tuple[str, ...], ...]
+    fix: Pairs
+    start: Pairs
+    bound: Pairs
+    law: str | None
+    relaxation: str | None
+    terms: int | None
+    segment: str | None
+    base_line: str
+    branch: str
+    noise: Pairs
+    loss: str
+    confidence: str
+    model: str
+    rivals: bool
+    plan: bool
+    level: float
+    samples: int
+    seed: int
+    shared: tuple[tuple[str, ...], ...]
+    own: tuple[tuple[str, ...], ...]
+    tip_radius: tuple[float, ...]
+    surface: str | None
+    uncertain: Pairs
+
+
 @dataclass(frozen=True, eq=False)
 class FitRequest:
     """What is fitted to what, how the files are read, and where it goes; ``names``: of what is free beside the usual;
-    ``body_words``: the ``body`` in words; ``options``: of the fit, by name; ``inputs``: files not to write over."""
+    ``body_words``: the ``body`` in words; ``inputs``: files not to write over."""
 
     body: FittedBody
     measured: Sequence[Path]
     reading: Reading
     names: Sequence[str]
-    options: dict[str, Any]
+    options: FitOptions
     targets: Files
     body_words: str
     output: Output
@@ -144,9 +177,9 @@ class FitRequest:
 
 def fit_joint(request: FitRequest, settings: Settings) -> None:
     """What all records have in common, from all of them together."""
-    shared, own = ([name for group in request.options[kind] for name in group] for kind in ("shared", "own"))
+    shared, own = (_flat(groups) for groups in (request.options.shared, request.options.own))
     names = shared_of(shared, own, settings)
-    curves, bodies = request.curves(with_radii(request.body, request.options["tip_radius"], len(request.measured)))
+    curves, bodies = request.curves(with_radii(request.body, request.options.tip_radius, len(request.measured)))
     request.conclude(JointFitted, lambda: joint_fit(bodies, curves, settings, names), level=settings.level)
 
 
@@ -154,16 +187,17 @@ def fit_law(request: FitRequest) -> None:
     """w0, the law's parameters, E* and zeros from records at one or several speeds."""
     from ..fitting.rate import rate_fit, rate_settings
 
-    law, fix, start = (request.options[name] for name in ("law", "fix", "start"))
-    how = {name: request.options[name] for name in ("level", "segment", "confidence")}
-    settings = rate_settings(request.body, law, request.names, fix, start, **how)
+    asked = request.options
+    how = {"level": asked.level, "segment": asked.segment, "confidence": asked.confidence}
+    assert asked.law is not None
+    settings = rate_settings(request.body, asked.law, request.names, asked.fix, asked.start, **how)
     curves, _ = request.curves(request.measured)
     request.conclude(LawFit, lambda: rate_fit(request.body, curves, settings))
 
 
 def has_tension(request: FitRequest) -> bool:
     """Whether surface tension has a part in the fit."""
-    named = TENSION in request.names or TENSION in dict(request.options["fix"])
+    named = TENSION in request.names or TENSION in dict(request.options.fix)
     return named or request.body.problem.specimen.surface_tension > 0
 
 
@@ -171,9 +205,9 @@ def fit_tension(request: FitRequest) -> None:
     """The surface tension, E*, w and zeros from records by tips of several radii."""
     from ..fitting.surface_tension import known_values, radii_of, tension_fit
 
-    problem, level = request.body.problem, request.options["level"]
-    fixed = known_values(problem, request.names, request.options["fix"])
-    curves, tips = request.curves(radii_of(problem, request.options["tip_radius"], len(request.measured)))
+    problem, level = request.body.problem, request.options.level
+    fixed = known_values(problem, request.names, request.options.fix)
+    curves, tips = request.curves(radii_of(problem, request.options.tip_radius, len(request.measured)))
     request.conclude(TensionFitted, lambda: tension_fit(problem, curves, tips, fixed, level), level=level)
 
 
@@ -182,15 +216,16 @@ def fit_relaxation(request: FitRequest) -> None:
     are skipped and said."""
     from ..fitting.relaxation import relaxation_fit, relaxation_settings
 
-    body, options = request.body, request.options
-    terms = {} if options["terms"] is None else {"terms": options["terms"]}
-    how = {name: options[name] for name in ("level", "confidence")} | terms
-    settings = relaxation_settings(options["relaxation"], options["fix"], request.names, body.problem.E_star, **how)
+    body, asked = request.body, request.options
+    terms = {} if asked.terms is None else {"terms": asked.terms}
+    how = {"level": asked.level, "confidence": asked.confidence} | terms
+    assert asked.relaxation is not None
+    settings = relaxation_settings(asked.relaxation, asked.fix, request.names, body.problem.E_star, **how)
     curves, skipped = usable(request.measured, request.reading)
     done = []
     for curve in curves:
         try:
-            part = curve if options["segment"] in (None, "both") else curve.only(options["segment"])
+            part = curve if asked.segment in (None, "both") else curve.only(asked.segment)
             with one_thread():
                 done.append(relaxation_fit(body, part, settings))
         except InputError as error:
@@ -224,7 +259,7 @@ def fit_curves(
     from ..fitting.procedure import friction_warnings, preferences
 
     output = request.output
-    curves, reasons = usable(request.measured, request.reading)
+    curves, unread = usable(request.measured, request.reading)
     each_curve = (TABLE_FIT_PER_CURVE + refits * (TABLE_REFIT + TABLE_REFIT_PER_ROW * len(one)) for one in curves)
     seconds = sum(each_curve)
     begin(f"fit of {len(curves):,} curves", Forecast(len(bodies) * seconds, 0.0, 0.0), limits, FEWER)
@@ -233,25 +268,25 @@ def fit_curves(
         with executor(*parallel, progress, seconds) as pool:
             each.append(fit_all(one, curves, settings, pool))
     outcomes = [item for items in each for item in items]
-    if request.options["rivals"] and not any(isinstance(item, Fit) and item.verdict for item in outcomes):
+    if request.options.rivals and not any(isinstance(item, Fit) and item.verdict for item in outcomes):
         raise InputError("fit: --rivals is for raw records, which none of these was fitted as: leave it out")
-    if request.options["plan"]:
+    if request.options.plan:
         outcomes = [planned(one, item) if isinstance(item, Fit) else item
                  for one, items in zip(bodies, each, strict=True) for item in items]  # fmt: skip
-    reasons += [line for item in each[0] if isinstance(item, Failure) for line in item.lines]
+    reasons = unread + [line for item in each[0] if isinstance(item, Failure) for line in item.lines]
     pictures = _pictures(request, each, bodies) if output.plots else []
     preferred = list(preferences(outcomes)) if len(bodies) > 1 else []
     friction = [] if len(bodies) > 1 else list(friction_warnings(request.body, outcomes))
-    result = Fits(outcomes, request.body_words, friction)
+    result = Fits(outcomes, request.body_words, friction, unread)
     map_file = _write(request, result, reasons, pictures)
-    for line in reasons:
+    for line in some(reasons):
         warn(f"skipped: {line}")
     drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
     more = f" ({len(result.fits) - SHOWN:,} more curves)" if len(result.fits) > SHOWN else ""
     scan = f", the map in {map_file}" if map_file else ""
     give(result, output.json, f"  written {request.targets}{drawn}{scan}{more}")
     for item in result.fits[:SHOWN] if not output.json else []:
-        if lines := [*(rivals_table(item) if request.options["rivals"] else []), *plan_table(item)]:
+        if lines := [*(rivals_table(item) if request.options.rivals else []), *plan_table(item)]:
             say("\n".join(lines))
     for line in preferred:
         (note if output.json else say)(line)
@@ -261,22 +296,25 @@ def _write(request: FitRequest, result: Fits, reasons: list[str], pictures: Pict
     """Write table, summary, archive and pictures; the files of the map, if there is one. InputError, when all that can
     be written is, where no curve could be used."""
     from ..report import archive
-    from ..report.map import map_of
+    from ..report.map import LEAST_CURVES, map_of
 
     if not result.outcomes:
         raise InputError(some(reasons))
     targets, output, summary = request.targets, request.output, result.summary()
     scan = map_of(result.outcomes) if output.plots else None
-    of_map = None if scan is None else output.files(Path(f"{targets.stem}-map"), PICTURES, request.inputs)
+    alone = scan is None and (
+        len(result.outcomes) < LEAST_CURVES or not result.fits or len({item.surface for item in result.fits}) > 1
+    )
+    of_map = None if alone or not output.plots else output.files(Path(f"{targets.stem}-map"), PICTURES, request.inputs)
     with together():
         targets.write(result.columns, summary)
         archive.write_fits(targets[".h5"], result.outcomes, summary)
         if pictures:
             _draw(pictures)
-        if scan is not None and of_map is not None:
-            from ..report.plots.inverse import map_figure
+        if of_map is not None:
+            from ..report.plots.inverse import curves_figure, map_figure
 
-            of_map.write(figure=map_figure(scan))
+            of_map.write(figure=curves_figure(result.outcomes) if scan is None else map_figure(scan))
     if not result.fits:
         raise InputError(some(reasons))
     return of_map
@@ -323,9 +361,10 @@ class NamesType(options.ParsedType):
         return tuple(part.strip() for part in text.split(",") if part.strip())
 
 
-# Of the body, of the fit, of the reading, of what is written.
-OPTIONS = several(
-    body_options,
+# Of the fit.
+ASKED = as_one(
+    "asked",
+    FitOptions,
     click.option("--free", multiple=True, type=NamesType(),
                  help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (of adhesion), drift, "
                  "hysteresis, creep (of a raw record's positions), surface_tension."),
@@ -371,6 +410,12 @@ OPTIONS = several(
                  help="Of the body, instead of its own; both: under either, and what the data prefer."),
     click.option("--uncertain", multiple=True, type=options.NAMED,
                  help="Standard deviation of an input, carried on: radius=3%, stiffness=10%, thickness=5%."),
+)  # fmt: skip
+
+# Of the body, of the fit, of the reading, of what is written.
+OPTIONS = several(
+    body_options,
+    ASKED,
     options.slopes_option,
     reading_options,
     options.limits_options,
@@ -384,13 +429,14 @@ OPTIONS = several(
 @OPTIONS
 def fit(
     body: Path, measured: tuple[Path, ...], flags: Flags, reading: Reading, slopes: str, parallel: options.Parallel,
-    limits: Limits, output: Output, **values: Any,
+    limits: Limits, output: Output, asked: FitOptions,
 ) -> None:  # fmt: skip
     """Fit E*, w and the contact point to each MEASURED curve, with confidence intervals and alternative models.
 
     BODY is a case or a solution file; with a specimen from options (--radius, --nu, --thickness ...) every file is
-    measured: a force curve, or a table of two or three of a, delta, P. Further unknowns by --free, such as E:LAYER and
-    h:LAYER. Writes <BODY>-fit.csv (a row per curve), .json, .h5 and a picture per curve; of a scan its map.
+    measured: a force curve, or a table of two or three of a, delta, P; a folder is a map. Further unknowns by --free,
+    such as E:LAYER and h:LAYER. Writes <BODY>-fit.csv, of one map <MAP>-fit.csv (a row per curve), .json, .h5 and
+    pictures of each curve and of all.
 
     \b
     jkr fit curve.jpk-force --radius "5 um" --nu 0.5
@@ -399,20 +445,22 @@ def fit(
     source, paths = body_and_measured(body, measured, flags)
     inputs = (body, *measured)
     # The kind of fit by its options; that of a surface tension shows in the parameters.
-    if values["relaxation"] is None and "relaxation" in _flat(values["free"]):
+    if asked.relaxation is None and "relaxation" in _flat(asked.free):
         raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
-    kinds = {RELAXATION: values["relaxation"], LAW: values["law"], SHARED: values["shared"]}
+    kinds = {RELAXATION: asked.relaxation, LAW: asked.law, SHARED: asked.shared}
     typed, kind = typed_options(), next((kind for kind, value in kinds.items() if value), EACH)
     if kind != EACH:
         check_unused_options(kind, typed)
     # What is written, but for pictures of curves, whose names are known when they are read.
     timed = kind != EACH
     endings = (".csv", ".json", *PICTURES) if timed else (".csv", ".json", ".h5")
-    targets = output.files(output.folder(body.parent) / f"{body.stem}-fit", endings, inputs)
+    named = measured[0] if len(measured) == 1 and holds_map(measured[0]) else body
+    stem = named.name if named.is_dir() else named.stem
+    targets = output.files(output.folder(body.parent) / f"{stem}-fit", endings, inputs)
     for longest in [] if timed else beside(targets.stem, ["x" * files.SHORTEST]):
         output.files(longest, PICTURES, inputs)
-    refits = refits_of(values["confidence"], values["samples"], len(values["uncertain"]))
-    surfaces = SURFACES.get(values["surface"], ("",))
+    refits = refits_of(asked.confidence, asked.samples, len(asked.uncertain))
+    surfaces = SURFACES.get(asked.surface or "", ("",))
     per_row, per_file = TABLE_FIT_PER_ROW + refits * TABLE_REFIT_PER_ROW, refits * TABLE_REFIT
     begin_reading("fit", paths, limits, FEWER, per_row=len(surfaces) * per_row, per_file=len(surfaces) * per_file)
     fitted = fitted_body(source, slopes, limits)
@@ -420,9 +468,9 @@ def fit(
         raise InputError(f"fit: {kind} {NO_RANGE}")
     words = str(source) if isinstance(source, Path) else fitted.problem.words
     # The parameters that are free beside the usual ones, those that records share or have each among them.
-    known = (*USUALLY_FREE, ALIAS, *dict(values["fix"]))
-    own = [name for name in _flat((*values["shared"], *values["own"])) if name not in known]
-    request = FitRequest(fitted, paths, reading, [*_flat(values["free"]), *own], values, targets, words, output, inputs)
+    known = (*USUALLY_FREE, ALIAS, *dict(asked.fix))
+    own = [name for name in _flat((*asked.shared, *asked.own)) if name not in known]
+    request = FitRequest(fitted, paths, reading, [*_flat(asked.free), *own], asked, targets, words, output, inputs)
     if kind in (EACH, SHARED):
         kind = TENSION if has_tension(request) else kind
         check_unused_options(kind, typed)
@@ -436,19 +484,19 @@ def fit(
     elif kind == SHARED:
         fit_joint(request, _settings(request, reading.contact))
     else:
-        bodies = [fitted.on_surface(one) for one in SURFACES[values["surface"] or fitted.problem.surface]]
+        bodies = [fitted.on_surface(one) for one in SURFACES[asked.surface or fitted.problem.surface]]
         fit_curves(request, bodies, _settings(request, reading.contact), refits, limits, parallel)
 
 
 def _settings(request: FitRequest, contact: str) -> Settings:
     """What is fitted and how; uncertain inputs are known only when the parameters are."""
-    values = request.options
-    free = (request.body, request.names, values["fix"], values["start"], values["bound"])
-    how = {name: values[name] for name in HOW} | {"noise": dict(values["noise"]), "contact": contact}
+    asked = request.options
+    free = (request.body, request.names, asked.fix, asked.start, asked.bound)
+    how = {name: getattr(asked, name) for name in HOW} | {"noise": dict(asked.noise), "contact": contact}
     settings = settings_of(*free, **how)
-    if not values["uncertain"]:
+    if not asked.uncertain:
         return settings
-    return settings_of(*free, uncertain=uncertain_of(request.body, values["uncertain"], settings), **how)
+    return settings_of(*free, uncertain=uncertain_of(request.body, asked.uncertain, settings), **how)
 
 
 def _flat(groups: Iterable[Sequence[str]]) -> list[str]:

@@ -273,10 +273,12 @@ class File:
         lines, columns = self.shape
         size, unit = _last(self._of("Ciao scan list").get("scan size", ""))
         unit = unit.replace("~", "u")
-        if lines * columns == 1 or unit_power(unit) is None:
+        if lines * columns == 1:
             return None
-        step = _metres(size, unit) / columns
         row, column = divmod(number, columns)
+        if unit_power(unit) is None:
+            return Pixel(column, row)
+        step = _metres(size, unit) / columns
         return Pixel(column, row, step * (column + 0.5 - columns / 2), step * (row + 0.5 - lines / 2))
 
     def _of(self, title: str) -> Section:
@@ -642,10 +644,10 @@ def _pixel(path: Path, data: Any) -> Pixel | None:
         entries: list[Any] = [float(note[key]) if key in note else None for key in IN_NOTE]
     else:
         entries = [_metadata(data, key) for key in PLACE]
-    if any(value is None or not math.isfinite(value) for value in entries):
+    column, row, *place = (float(value) if value is not None and math.isfinite(value) else None for value in entries)
+    if column is None or row is None:
         return None
-    column, row, x, y = map(float, entries)
-    return Pixel(int(column), int(row), x, y)
+    return Pixel(int(column), int(row), *(place if None not in place else ()))
 
 
 def _holds(data: Any, name: str) -> bool:
@@ -691,6 +693,8 @@ def estimate_rows(path: Path) -> float:
     0 where it cannot be read, which its reader says, and of pipes, which would be waited for.
     """
     try:
+        if path.is_dir():
+            return sum(estimate_rows(item) for item in path.iterdir() if item.is_file())
         if not path.is_file():
             return 0.0
         if path.suffix.lower() == ".zip":

@@ -21,12 +21,13 @@ LEAST_ROWS = 3  # theory: E* and w take two rows, the third shows how well they 
 
 @dataclass(frozen=True)
 class Pixel:
-    """Where in a map a curve was taken: ``column, row`` from 0 on, ``x, y`` [m] of the device in the plane."""
+    """Where in a map a curve was taken: ``column, row`` from 0 on, ``x, y`` [m] of the device in the plane, None where
+    its file holds no positions."""
 
     column: int
     row: int
-    x: float
-    y: float
+    x: float | None = None
+    y: float | None = None
 
 
 NOT_SUBTRACTED = "the deflection of the device is not subtracted: give --stiffness"  # a flag of a curve

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import InputError, did_you_mean
-from ..base.files import packed
+from ..base.files import is_ours, packed
 from ..base.hdf5 import format_of
 from ..base.numerics import SHOWN
 from . import afm_formats, instruments, text_formats
@@ -22,6 +23,9 @@ from .segmentation import SUBTRACTED_TWICE, of_its_device, stiffness_of_noise
 __all__ = ["APPROACH", "SUBTRACTED_TWICE", "Curve", "Reading", "each", "from_columns", "read", "usable"]
 # Endings of force microscopes' files. Of .csv and .txt only the user knows: --format afm.
 AFM_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".ibw", ".h5", ".tab")
+MAP_ENDINGS = (".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".h5")
+# What lies beside measurements in a folder, and is none.
+NOT_MEASURED = (".toml", ".json", ".png", ".svg", ".pdf", ".jpg", ".tif", ".html", ".md", ".py", ".ipynb", ".log")
 
 
 def read(path: Path, reading: Reading | None = None) -> list[Curve]:
@@ -49,18 +53,71 @@ def from_columns(columns: Mapping[str, Any], reading: Reading | None = None, nam
 
 
 def usable(paths: Iterable[Path], reading: Reading) -> tuple[list[Curve], list[str]]:
-    """All curves in files, in their order, and a line on each that cannot be used."""
+    """All curves in files, and a line on each that cannot be used: those of a map row by row of its grid, others in
+    their order."""
     items = [item for path in paths for item in each(path, reading)]
     lines = [line for item in items if isinstance(item, InputError) for line in item.lines]
-    return [item for item in items if isinstance(item, Curve)], lines
+    curves = [item for item in items if isinstance(item, Curve)]
+    grid = {(at.row, at.column): item for item in curves if (at := item.pixel) is not None}
+    return [grid[at] for at in sorted(grid)] if len(grid) == len(curves) else curves, lines
+
+
+def holds_map(path: Path) -> bool:
+    """Whether a path is that of a map, by its name: a folder, or a microscope's file of many curves."""
+    return path.is_dir() or path.name.endswith(MAP_ENDINGS)
+
+
+def files_in(folder: Path) -> list[Path]:
+    """The files of a folder that may hold measured curves, by their names, numbers in them as numbers (2 before 10):
+    what ``jkr`` wrote, pictures, cases and hidden files are none."""
+
+    def natural(path: Path) -> list[tuple[int, str]]:
+        return [(int(part), "") if part.isdecimal() else (-1, part.lower()) for part in re.split(r"(\d+)", path.name)]
+
+    return sorted((path for path in folder.iterdir() if path.is_file() and not path.name.startswith(".")
+                   and path.suffix.lower() not in NOT_MEASURED and not is_ours(path)), key=natural)  # fmt: skip
+
+
+def _each_in(folder: Path, reading: Reading) -> Iterator[Curve | InputError]:
+    """The curves in the files of a folder: one that cannot be read comes as its error, too."""
+    found, names = False, list[str]()
+    for path in files_in(folder):
+        try:
+            for item in each(path, reading):
+                found = True
+                yield item
+        except NoSuchCurveError as error:
+            names += error.names
+        except InputError as error:
+            found = True
+            yield error
+    if found:
+        return
+    wanted = reading.where.get("curve")
+    raise InputError(f"{folder}: the folder holds no measured curves") if wanted is None else (
+        NoSuchCurveError(folder, wanted, names))  # fmt: skip
+
+
+class NoSuchCurveError(InputError):
+    """A file or folder at ``path`` that holds curves of other ``names`` than the one that is ``wanted``."""
+
+    def __init__(self, path: Path, wanted: str, names: Sequence[str]) -> None:
+        near = f"{did_you_mean(wanted, names)} ({', '.join(names[:SHOWN])})"
+        super().__init__(f'{path}: holds no curve "{wanted}"{near}')
+        self.names = names
 
 
 def each(path: Path, reading: Reading | None = None) -> Iterator[Curve | InputError]:
-    """The curves in the file at ``path`` one by one, of a microscope's file only the one at hand in memory.
+    """The curves in the file at ``path``, or in the files of that folder, one by one, of a microscope's file only the
+    one at hand in memory.
 
-    A curve that cannot be used comes as its error and the others follow; a file that cannot be read raises InputError.
+    A curve that cannot be used comes as its error and the others follow, and so does a file of a folder; a file that
+    cannot be read raises InputError.
     """
     reading = reading or Reading()
+    if path.is_dir():
+        yield from _each_in(path, reading)
+        return
     wanted, names = reading.where.get("curve"), []
     for curve, stiffness in _as_read(path, reading):
         if isinstance(curve, InputError):
@@ -74,7 +131,7 @@ def each(path: Path, reading: Reading | None = None) -> Iterator[Curve | InputEr
         except InputError as error:
             yield error
     if wanted is not None and wanted not in names:
-        raise InputError(f'{path}: holds no curve "{wanted}"{did_you_mean(wanted, names)} ({", ".join(names[:SHOWN])})')
+        raise NoSuchCurveError(path, wanted, names)
 
 
 def _as_read(path: Path, reading: Reading) -> Iterator[AsRead]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
@@ -35,6 +36,7 @@ from ..resolve.pull_off_range import Rough, rough
 from ..series import Solution
 from ..tables import some
 from . import archive
+from .map import DOUBTFUL, FITTED, LEAST_CURVES, UNUSABLE, status_of
 from .rate import RELAXATION_NEGLECTED, law_words, relaxation_law_summary, through_summary, through_words
 from .result import SHOWN, Figure, Result, Several
 from .tables import DIMENSIONS, quantities, stacked, stiffness, transpose_rows, with_unit
@@ -42,7 +44,7 @@ from .tables import DIMENSIONS, quantities, stacked, stiffness, transpose_rows, 
 ALWAYS = ("file", "curve", "status", "reason", "points")
 SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
 ZERO_POINTS = ("delta0", "P0", "tilt")  # told last
-FITTED, DOUBTFUL, UNUSABLE = "fitted", "doubtful", "unusable"
+REASONS_SHOWN, LONGEST_REASON = 6, 60  # choice: of a line; letters of one
 VAGUE = "not determined"  # how flags end of what rivals may change by much
 NOTICEABLE = 0.01  # of an error, theory: it is shown to two digits, and a smaller part lies below the second
 
@@ -55,6 +57,7 @@ class Fits(Several):
     outcomes: Sequence[Fit | Failure]
     body: str
     remarks: Sequence[str] = ()
+    unread: Sequence[str] = ()  # lines on curves and files that could not be read
 
     @property
     def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
@@ -73,11 +76,11 @@ class Fits(Several):
             return [fit_words(self.fits[0])]
         each = [[f"{item.where}: {verdict}", *rest] for item in self.fits[:SHOWN]
                 for verdict, *rest in [fit_words(item, once=True)]]  # fmt: skip
-        return [[self._together()], *each] if len(self.fits) > 2 and len(_surfaces(self.fits)) == 1 else each
+        several = len(self.outcomes) + len(self.unread) >= LEAST_CURVES
+        return [[self._together()], *each] if several and len(_surfaces(self.fits)) == 1 else each
 
     def _together(self) -> str:
-        """How many curves were fitted, and the median and the ends of E* and w over them."""
-        doubtful = sum(_status(item) == DOUBTFUL for item in self.fits)
+        """The median and the ends of E* and w over all curves, how many were fitted, and of the others why not."""
         parts = []
         for name in ("E_star", "w"):
             estimates = [one for item in self.fits for one in item.estimates if one.name == name]
@@ -86,7 +89,15 @@ class Fits(Several):
             sizes, dimension = [one.value for one in estimates], estimates[0].dimension
             middle, low, high = (show(float(size), dimension, 4) for size in np.percentile(sizes, (50, 0, 100)))
             parts.append(f"{SYMBOLS.get(name, name)} = {middle} (median; {low} to {high})")
-        return f"{', '.join(parts)}: {len(self.fits):,} of {len(self.outcomes):,} curves fitted, {doubtful:,} doubtful"
+        doubts = Counter(flag for item in self.fits for flag in item.flags)
+        reasons = Counter(flag for item in self.outcomes if isinstance(item, Failure) for flag in _reasons(item))
+        doubtful = sum(status_of(item) == DOUBTFUL for item in self.fits)
+        failed, unread = len(self.outcomes) - len(self.fits), len(self.unread)
+        counts = [f"{len(self.fits):,} of {len(self.outcomes) + unread:,} curves fitted",
+                  f"{doubtful:,} doubtful{_counted(doubts)}"]  # fmt: skip
+        counts += [f"{failed:,} unusable{_counted(reasons)}"] * bool(failed)
+        counts += [f"{unread:,} not read"] * bool(unread)
+        return f"{', '.join(parts)}: {', '.join(counts)}"
 
     @property
     def warnings(self) -> list[str]:
@@ -117,6 +128,18 @@ class Fitted(Fit, Result):
         return fit_figure(self)
 
 
+def _reasons(item: Failure) -> Sequence[str]:
+    """Why a curve is unusable, in a word or two each; where it has no flag, its first line without the place."""
+    return item.flags or [item.lines[0].removeprefix(f"{item.curve.where}: ")[:LONGEST_REASON]]
+
+
+def _counted(reasons: Counter[str]) -> str:
+    """How many curves have each of the reasons, the most frequent first."""
+    shown = [f"{count:,} {reason}" for reason, count in reasons.most_common(REASONS_SHOWN)]
+    more = len(reasons) - len(shown)
+    return f" ({', '.join([*shown, *[f'{more} other reasons'] * bool(more)])})" if shown else ""
+
+
 def _surfaces(fits: Sequence[Fit]) -> set[str]:
     return {item.surface for item in fits}
 
@@ -131,7 +154,7 @@ def _row(item: Fit | Failure) -> dict[str, Any]:
         cells = (str(item.curve.origin or ""), item.curve.name, UNUSABLE, " ".join(item.lines), None)
         more = {"quality": 0.0, "flags": "; ".join(item.flags)}
         return dict(zip(ALWAYS, cells, strict=True)) | _placed(item) | more
-    row: dict[str, Any] = dict(zip(ALWAYS, (item.file, item.name, _status(item), "", item.a.size), strict=True))
+    row: dict[str, Any] = dict(zip(ALWAYS, (item.file, item.name, status_of(item), "", item.a.size), strict=True))
     row |= _placed(item) | {"surface": item.surface}
     for estimate in item.estimates:
         parts: dict[str, float | None] = {"": estimate.value}
@@ -187,7 +210,7 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
         "file": item.file,
         "curve": item.name,
         "surface": item.surface,
-        "status": _status(item),
+        "status": status_of(item),
         "estimates": {estimate.name: estimate_summary(estimate) for estimate in item.estimates},
         **{name: getattr(item.settings, name) for name in ("level", "confidence", "loss")},
         "free": list(item.free),
@@ -214,10 +237,6 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
     }
 
 
-def _status(item: Fit) -> str:
-    return DOUBTFUL if item.flags else FITTED
-
-
 def estimate_summary(item: FittedValue) -> dict[str, Any]:
     unit = "m/N" if item.name == "compliance" else SI[item.dimension]
     numbers: dict[str, Any] = {"value": item.value, "unit": unit, "free": item.free}
@@ -233,7 +252,7 @@ def estimate_summary(item: FittedValue) -> dict[str, Any]:
 def fit_words(item: Fit, once: bool = False) -> list[str]:
     """A fit as lines of text: the verdict (``once``: as ``brief``), what was free, and what follows from it."""
     out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
-    status = f"{_status(item)}, " if item.quality is not None or item.flags else ""
+    status = f"{status_of(item)}, " if item.quality is not None or item.flags else ""
     ways = f", {item.directions}" if item.directions else ""
     stuck = ", no slip" if item.surface == "sticking" else ""
     # A line on the longest range that the rows leave, where w rests on it more than on the noise

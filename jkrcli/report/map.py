@@ -19,17 +19,28 @@ IMAGES = {  # name: dimension
     "contact_point": "length",
     "adhesion_force": "load",
     "quality": "number",
+    "status": "number",
 }
+FITTED, DOUBTFUL, UNUSABLE = "fitted", "doubtful", "unusable"
+STATUSES = (UNUSABLE, DOUBTFUL, FITTED)  # by their numbers in an image
+LEAST_CURVES = 3  # choice: from which on curves without a grid are drawn together, as they are summed up in a line
+
+
+def status_of(item: Fit | Failure) -> str:
+    """Whether a curve was fitted, and is to be believed."""
+    return UNUSABLE if isinstance(item, Failure) else DOUBTFUL if item.flags else FITTED
 
 
 @dataclass(frozen=True, eq=False)
 class Map:
     """``images`` (rows, columns) by their names in ``IMAGES``, SI, NaN where nothing was found; ``x, y`` [m] of their
-    columns and rows, the rows and columns that hold no curve left out."""
+    columns and rows, the rows and columns that hold no curve left out; their numbers where no ``positions`` are
+    known."""
 
     x: Array
     y: Array
     images: Mapping[str, Array]
+    positions: bool = True
 
 
 def map_of(outcomes: Sequence[Fit | Failure]) -> Map | None:
@@ -39,7 +50,8 @@ def map_of(outcomes: Sequence[Fit | Failure]) -> Map | None:
         return None
     columns, column = np.unique([at.column for at in pixels], return_inverse=True)
     rows, row = np.unique([at.row for at in pixels], return_inverse=True)
-    x, y = np.array([at.x for at in pixels]), np.array([at.y for at in pixels])
+    placed = all(at.x is not None and at.y is not None for at in pixels)
+    x, y = np.array([(at.x, at.y) if placed else (at.column, at.row) for at in pixels], dtype=float).T
     images = {name: np.full((rows.size, columns.size), np.nan) for name in IMAGES}
     values = [_values(item) for item in outcomes]
     for name, image in images.items():
@@ -48,13 +60,14 @@ def map_of(outcomes: Sequence[Fit | Failure]) -> Map | None:
         np.array([np.mean(x[column == i]) for i in range(columns.size)]),
         np.array([np.mean(y[row == i]) for i in range(rows.size)]),
         images,
+        placed,
     )
 
 
 def _values(item: Fit | Failure) -> dict[str, float]:
     """The pixel of one curve in each image."""
     if isinstance(item, Failure):
-        return dict.fromkeys(IMAGES, np.nan) | {"quality": 0.0}
+        return dict.fromkeys(IMAGES, np.nan) | {"quality": 0.0, "status": 0.0}
     estimates = {estimate.name: estimate.value for estimate in item.estimates}
     return {
         "E_star": estimates.get("E_star", np.nan),
@@ -62,10 +75,14 @@ def _values(item: Fit | Failure) -> dict[str, float]:
         "contact_point": estimates.get("delta0", np.nan),
         "adhesion_force": np.nan if item.adhesion is None else item.adhesion,
         "quality": np.nan if item.quality is None else item.quality["quality"],
+        "status": float(STATUSES.index(status_of(item))),
     }
 
 
 def images_of(scan: Map) -> Group:
     """A map in HDF5: each image with its unit, and the positions of columns and rows."""
-    images = {name: unit_column(image, SI[IMAGES[name]]) for name, image in scan.images.items()}
-    return Group({}, {"x": unit_column(scan.x, "m"), "y": unit_column(scan.y, "m"), **images})
+    status = ", ".join(f"{number} {word}" for number, word in enumerate(STATUSES))
+    images = {name: unit_column(image, SI[IMAGES[name]], status if name == "status" else "")
+              for name, image in scan.images.items()}  # fmt: skip
+    length = "m" if scan.positions else "1"
+    return Group({}, {"x": unit_column(scan.x, length), "y": unit_column(scan.y, length), **images})

@@ -16,10 +16,11 @@ from ...base.numerics import DRAWN, Array
 from ...data.segmentation import Direction, ForceCurve
 from ...fitting.joint import JointFit
 from ...fitting.least_squares import chi2_increase
+from ...fitting.procedure import Failure
 from ...fitting.rate import LawAlongRecords
 from ...fitting.result import Fit
 from ...fitting.work_along_curve import WorkAlong, typical
-from ..map import IMAGES, Map
+from ..map import DOUBTFUL, FITTED, IMAGES, STATUSES, UNUSABLE, Map, status_of
 from . import Axes, Figure, enlarged, log_ends, log_ticks, panelled
 from .looks import (
     BLACK,
@@ -40,6 +41,7 @@ from .looks import (
 )
 
 AXES = {"delta,P": ("delta", "P"), "a,P": ("P", "a"), "a,delta": ("delta", "a"), "a,delta,P": ("delta", "P")}
+STATUS_LOOKS = {FITTED: (BLUE, "o"), DOUBTFUL: (ORANGE, "^"), UNUSABLE: (BLACK, "x")}
 MARKS = {"a": (GREEN, "s"), "delta": (BLUE, "^"), "P": (ORANGE, "o")}
 
 
@@ -157,28 +159,62 @@ def _zero(one: Fit, name: str) -> float:
 
 
 def map_figure(scan: Map) -> Figure:
-    """Five images over the positions of the curves."""
-    length, word = unit_of("length", np.ptp(scan.x), np.ptp(scan.y))
+    """Six images over the positions of the curves, over columns and rows where none are known."""
+    length, word = unit_of("length", np.ptp(scan.x), np.ptp(scan.y)) if scan.positions else (1.0, "")
+    x, y = (f"$x$ ({word})", f"$y$ ({word})") if scan.positions else ("column", "row")
     with panelled(WIDE, 4.0, len(scan.images), columns=3, grid=False) as (figure, panels):
         for i, (panel, (name, image)) in enumerate(zip(panels, scan.images.items(), strict=False)):
             _image(figure, panel, scan, name, image, length)
-            panel.set_xlabel(f"$x$ ({word})" if i + 3 >= len(scan.images) else "")
-            panel.set_ylabel(f"$y$ ({word})" if i % 3 == 0 else "")
+            panel.set_xlabel(x if i + 3 >= len(scan.images) else "")
+            panel.set_ylabel(y if i % 3 == 0 else "")
+        return figure
+
+
+def curves_figure(outcomes: Sequence[Fit | Failure]) -> Figure:
+    """E* and w of curves without a grid over their numbers, with intervals, by their status; what is unusable along the
+    axis."""
+    numbers = np.arange(1, len(outcomes) + 1)
+    status = np.array([status_of(item) for item in outcomes])
+    with panelled(WIDE, 4.6, 2, columns=1, legend=len(STATUS_LOOKS)) as (figure, panels):
+        for axes, name in zip(panels, ("E_star", "w"), strict=True):
+            found = [None if isinstance(item, Failure) else item.work if name == "w" else item.estimate(name)
+                     for item in outcomes]  # fmt: skip
+            rows = [(math.nan,) * 3 if one is None else (one.value, one.low, one.high) for one in found]
+            value, low, high = np.array(rows, dtype=float).T
+            factor, unit = unit_of(IMAGES[name], value[np.isfinite(value)])
+            for word, (color, mark) in STATUS_LOOKS.items():
+                at = status == word
+                if word == UNUSABLE:
+                    axes.plot(numbers[at], np.zeros(at.sum()), mark, color=color, label=word, clip_on=False,
+                              transform=axes.get_xaxis_transform())  # fmt: skip
+                    continue
+                axes.vlines(numbers[at], low[at] / factor, high[at] / factor, color=color, lw=0.8)
+                axes.plot(numbers[at], value[at] / factor, mark, color=color, label=word, ms=3)
+            least, most = np.nanmin(value) / factor, np.nanmax(value) / factor
+            room = 0.1 * (most - least) or 0.1 * abs(most) or 1.0
+            axes.set_ylim(least - room, most + room)  # a long interval does not flatten the rest
+            axes.set_ylabel(f"{LABELS[name]} ({unit})")
+        panels[-1].set_xlabel("curve")
+        panels[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
         return figure
 
 
 def _image(figure: Figure, axes: Axes, scan: Map, name: str, image: Array, length: float) -> None:
     """The ``image`` of one quantity over positions in units of ``length`` [m]."""
     known = image[np.isfinite(image)]
-    factor, unit = (1.0, "") if name == "quality" else unit_of(IMAGES[name], known if known.size else 1.0)
+    factor, unit = (1.0, "") if IMAGES[name] == "number" else unit_of(IMAGES[name], known if known.size else 1.0)
     unknown = name == "quality" or not known.size
-    ends = (0.0, 1.0) if unknown else np.percentile(known / factor, (2, 98))  # single pixels do not flatten the rest
+    ends = (
+        (0.0, 2.0) if name == "status" else (0.0, 1.0) if unknown else np.percentile(known / factor, (2, 98))
+    )  # single pixels do not flatten the rest
     x, y = scan.x - scan.x[0], scan.y - scan.y[0]
     pitch = max(np.ptp(at) / (at.size - 1) for at in (x, y) if at.size > 1)
     cells = (_edges(at, float(pitch)) / length for at in (x, y))
     drawn = axes.pcolormesh(*cells, image / factor, shading="flat", cmap="viridis",
                             vmin=ends[0], vmax=ends[1], rasterized=True)  # fmt: skip
-    figure.colorbar(drawn, ax=axes, format=ScalarFormatter(useOffset=False))
+    bar = figure.colorbar(drawn, ax=axes, format=ScalarFormatter(useOffset=False))
+    if name == "status":
+        bar.set_ticks(range(len(STATUSES)), labels=STATUSES)
     label = LABELS.get(name, name.replace("_", " "))
     axes.set_title(f"{label} ({unit})" if unit else label)
     axes.set_aspect("equal")

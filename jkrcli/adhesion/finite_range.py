@@ -544,8 +544,22 @@ class FiniteRangeBody:
 
         rims = curve.touching
         parts = Parts(*pulled.panels.discs(rims.a).nonadhesive, np.zeros(rims.a.size))
-        begins = () if curve.complete else _begins(curve)
-        curve = replace(curve, parts=parts, doubts=(*begins, *_doubts(pulled, rims)))
+        doubts = []
+        if not curve.complete:
+            begin = curve.point(float(curve.places[0]))
+            where = f"c = {show(begin.place, 'length')}" if begin.a == 0 else f"a = {show(begin.a, 'length')}"
+            doubts.append(
+                f"finite range: below {where} several radii to which the surfaces attract each other belong to one "
+                "contact: they leap together, and the curve begins there"
+            )
+        # What speaks against some of the states: the first one found, with the contact radius
+        for n in np.unique(np.linspace(0, rims.a.size - 1, FINITE_RANGE_LOOKED_AT).astype(int)):
+            one = _some(rims, slice(n, n + 1))
+            if words := pulled.panels.discs(one.a).doubt(one, pulled.s, pulled.gap, pulled.panels.reach):
+                where = show(float(one.a[0]), "length")
+                doubts.append(f"finite range: at the contact radius {where} {words}: the curve is doubtful there")
+                break
+        curve = replace(curve, parts=parts, doubts=tuple(doubts))
         # The curve with its errors, as far as states on other panels tell them
         other = replace(pulled, panels=self.body.check(reach))
         errors, of_profile = self._errors(curve, other), self._of_profile(curve, pulled)
@@ -779,16 +793,6 @@ def _reach(point: Equilibrium) -> float:
     return point.a if point.c is None else point.c
 
 
-def _doubts(pulled: Pulled, rims: Rims) -> tuple[str, ...]:
-    """What speaks against some of the states, with the contact radius."""
-    for n in np.unique(np.linspace(0, rims.a.size - 1, FINITE_RANGE_LOOKED_AT).astype(int)):
-        one = _some(rims, slice(n, n + 1))
-        if words := pulled.panels.discs(one.a).doubt(one, pulled.s, pulled.gap, pulled.panels.reach):
-            where = show(float(one.a[0]), "length")
-            return (f"finite range: at the contact radius {where} {words}: the curve is doubtful there",)
-    return ()
-
-
 def _some(rims: Rims, rows: Array | slice) -> Rims:
     return Rims(*(column[rows] for column in vars(rims).values()))
 
@@ -838,13 +842,3 @@ def _growing(rims: Rims) -> Rims:
             "is not touched in a disc that grows; increase [loading] radius, or give another stress or range"
         )
     return _some(rims, slice(first, None))
-
-
-def _begins(curve: FiniteRangeCurve) -> tuple[str, ...]:
-    """A warning that the curve does not begin where the free bodies do, and why."""
-    first = curve.point(float(curve.places[0]))
-    where = f"c = {show(first.place, 'length')}" if first.a == 0 else f"a = {show(first.a, 'length')}"
-    return (
-        f"finite range: below {where} several radii to which the surfaces attract each other belong to one contact: "
-        "they leap together, and the curve begins there",
-    )

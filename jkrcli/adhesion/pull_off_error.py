@@ -31,7 +31,6 @@ import numpy as np
 from ..base.errors import InputError, Unknown
 from ..base.numerics import SAME, UNSEEN, Array
 from ..bodies.indenters import Indenter
-from ..series import Series
 from .curve import (
     CURVE_ORDER,
     CURVE_WIDEST,
@@ -261,7 +260,10 @@ def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) ->
     if coarser is None or not others:
         return None
     shift, slope = _by_profile(curve, point.a)
-    if _even(series) and (moved := _lost_by_larger(curve, others[0], point, stiffness)) is not None:
+    # nodes a step apart, the same at all radii
+    spacing = np.diff(series.a)
+    even = np.mean(np.abs(spacing / np.median(spacing) - 1) < SAME_STEP) >= MOST_STEPS_SAME
+    if even and (moved := _lost_by_larger(curve, others[0], point, stiffness)) is not None:
         return np.hypot(moved / (coarser.ratio - 1), shift)
     steps = np.arange(-COARSER_VALUES, COARSER_VALUES + COARSER_SPACING / 2, COARSER_SPACING)
     a = series.a0 + (point.a - series.a0) * np.exp(steps)
@@ -297,12 +299,6 @@ def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) ->
     relative = np.array([_mean(change) for change in changes / _sizes(curve, a)[:, None]])
     of_mesh = np.hypot(of_value * relative * _sizes(curve, np.array(point.a)), of_place * along * moved)
     return np.sqrt(of_mesh**2 + shift**2 + (along * float(position(slope[0], slope[1], stiffness)) / bend) ** 2)
-
-
-def _even(series: Series) -> bool:
-    """Whether the rows are nodes a step apart, the same at all radii."""
-    steps = np.diff(series.a)
-    return bool(np.mean(np.abs(steps / np.median(steps) - 1) < SAME_STEP) >= MOST_STEPS_SAME)
 
 
 def _lost_by_larger(curve: AdhesiveCurve, larger: Nonadhesive, point: Equilibrium, stiffness: float) -> Array | None:

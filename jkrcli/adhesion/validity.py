@@ -113,8 +113,17 @@ class Validity:
                 range_warning = [differs]
         elif not isinstance(number, Unknown) and number < LIMITS.tabor_jkr:
             range_warning = [f"Tabor number {number:.3g} is below {LIMITS.tabor_jkr:g}: {self.regime}"]
+        # What large strains do to the load, in per cent where that is known
+        if isinstance(self.strained, Unknown) or isinstance(self.sphere, Unknown):
+            strains = "small-strain theory becomes inaccurate"
+        else:
+            better = f'; the exact sphere errs by {self.sphere:.1%}: take indenter.shape = "sphere"'
+            strains = (
+                f"P at this depth is about {self.strained:.1%} too large against a rubber at large strains "
+                f"(neo-Hookean half-space){better if self.sphere < self.strained else ''}"
+            )
         return [
-            *_above(self.a_over_R, LIMITS.a_over_R, "a/R", _strains(self)),
+            *_above(self.a_over_R, LIMITS.a_over_R, "a/R", strains),
             *_above(self.delta_over_h, SMALL, "delta/h", "small strains no longer hold in the layer"),
             *_above(self.edge_angle, LIMITS.edge_angle, STEEP, "pull-off is one of small slopes of the surface", EDGE),
             *(_above(self.a_over_L, SMALL, "a/L", "the cut of the mesh affects the result") if self.end_is_cut else ()),
@@ -234,9 +243,14 @@ def judge(
     thickness = None if h is None or math.isinf(h) else h
     depth = thickness if depth is None else None if math.isinf(depth) else depth
     number = _tabor(R, w, E_star, z0)
+    if not isinstance(effect_of_range, Unknown):
+        differs = f"at the range z0 the pull-off force differs by {effect_of_range:+.2%}"
+        holds = "JKR holds" if abs(effect_of_range) < LIMITS.effect else differs
+    else:
+        holds = f"unknown: {number}" if isinstance(number, Unknown) else regime(number)
     return Validity(
         number,
-        _words(number, effect_of_range),
+        holds,
         _ratio(a, R, NO_TIP_RADIUS),
         Unknown("no pull-off radius given") if a_pull_off is None else _ratio(a_pull_off, R, NO_TIP_RADIUS),
         _ratio(delta, depth, NO_LAYER if thickness is None else Unknown("no layer lies on anything stiffer")),
@@ -270,28 +284,10 @@ def regime(number: float) -> str:
     return f"JKR does not hold, DMT is near: {REMEDY}"
 
 
-def _words(number: Estimate, effect: Estimate) -> str:
-    if isinstance(effect, Unknown):
-        return f"unknown: {number}" if isinstance(number, Unknown) else regime(number)
-    differs = f"at the range z0 the pull-off force differs by {effect:+.2%}"
-    return "JKR holds" if abs(effect) < LIMITS.effect else differs
-
-
 def _above(value: Estimate, limit: float, name: str, meaning: str, where: str = LARGEST) -> list[str]:
     if isinstance(value, Unknown) or value <= limit * (1 + SAME):
         return []
     return [f"{name} = {value:.3g} {where} is above {limit:g}: {meaning}"]
-
-
-def _strains(judged: Validity) -> str:
-    """What large strains do to the load, in per cent where that is known."""
-    if isinstance(judged.strained, Unknown) or isinstance(judged.sphere, Unknown):
-        return "small-strain theory becomes inaccurate"
-    better = f'; the exact sphere errs by {judged.sphere:.1%}: take indenter.shape = "sphere"'
-    return (
-        f"P at this depth is about {judged.strained:.1%} too large against a rubber at large strains (neo-Hookean "
-        f"half-space){better if judged.sphere < judged.strained else ''}"
-    )
 
 
 def _tabor(R: float | None, w: float, E_star: float, z0: float | None) -> Estimate:

@@ -117,19 +117,17 @@ def _fill(target: h5py.Group, group: Group) -> None:
         if isinstance(member, Group):
             _fill(target.create_group(name, track_order=True), member)
         else:
-            _describe(_dataset(target, name, member.values), member.attributes)
+            given = member.values
+            values = given if isinstance(given, np.ndarray) else _fixed(given)
+            if isinstance(given, str) or not values.size:
+                dataset = target.create_dataset(name, data=values)
+            else:  # digits of measured numbers are noise, two thirds of them remain
+                fastest = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+                packed = {} if values.dtype.kind == "f" else fastest
+                chunks = (min(len(values), process.ROWS), *values.shape[1:])
+                dataset = target.create_dataset(name, data=values, chunks=chunks, fletcher32=True, **packed)
+            _describe(dataset, member.attributes)
     _describe(target, group.attributes)
-
-
-def _dataset(target: h5py.Group, name: str, values: Any) -> h5py.Dataset:
-    is_text = isinstance(values, str)
-    values = values if isinstance(values, np.ndarray) else _fixed(values)
-    if is_text or not values.size:
-        return target.create_dataset(name, data=values)
-    fastest = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-    packed = {} if values.dtype.kind == "f" else fastest  # digits of measured numbers are noise, two thirds remain
-    chunks = (min(len(values), process.ROWS), *values.shape[1:])
-    return target.create_dataset(name, data=values, chunks=chunks, fletcher32=True, **packed)
 
 
 def _describe(target: h5py.Group | h5py.Dataset, attributes: Mapping[str, Any]) -> None:

@@ -687,34 +687,26 @@ def _restored(tree: dict[str, Any]) -> CaseModel:
 def _completed(shapes: tuple[tuple[str, Any], ...], methods: tuple[Descriptor, ...]) -> type[CaseModel]:
     names = Literal.__getitem__(("auto", *(method.name for method in methods)))
     fields: dict[str, Any] = {"method": (names, "auto"), "indenter": (any_indenter(dict(shapes)), ...)}
-    fields |= {table: (kind, _default(kind)) for table, kind in _option_tables(methods).items()}
-    return create_model("CaseModel", __base__=CaseModel, **fields)
-
-
-def _default(kind: type[Table]) -> Table:
-    """The table without any keys. A default that its own method refuses is that method's mistake, which reports it
-    when it is used."""
-    try:
-        return kind()
-    except ValidationError:
-        return kind.model_construct()
-
-
-def other_tables(method: str) -> set[str]:
-    """The tables of options that the method called ``method`` has no part in."""
-    own = {place.table for place in METHODS[method].places.values()} if method in METHODS else set()
-    return {place.table for other in METHODS.values() for place in other.places.values()} - own
-
-
-def _option_tables(methods: Iterable[Descriptor]) -> dict[str, type[Table]]:
-    """The tables of the methods' options, those of the method with most of them first."""
+    # The tables of the methods' options, those of the method with most of them first
     keys: dict[str, dict[str, Any]] = {}
     owners: dict[str, Descriptor] = {}
     for method in sorted(methods, key=lambda method: (-len(method.places), method.effort)):
         for place in method.places.values():
             keys.setdefault(place.table, {})[place.key] = (readable(place.annotation), place.default)
             owners[place.table] = method
-    return {table: _option_table(table, keys[table], owners[table]) for table in keys}
+    for table in keys:
+        kind = _option_table(table, keys[table], owners[table])
+        try:
+            fields[table] = (kind, kind())
+        except ValidationError:  # a default that its own method refuses is reported when it is used
+            fields[table] = (kind, kind.model_construct())
+    return create_model("CaseModel", __base__=CaseModel, **fields)
+
+
+def other_tables(method: str) -> set[str]:
+    """The tables of options that the method called ``method`` has no part in."""
+    own = {place.table for place in METHODS[method].places.values()} if method in METHODS else set()
+    return {place.table for other in METHODS.values() for place in other.places.values()} - own
 
 
 def _option_table(table: str, keys: dict[str, Any], method: Descriptor) -> type[Table]:

@@ -340,7 +340,14 @@ def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:
     The integral fit takes increments as they are, plateaus and noise included; all else takes the paper's filter first.
     """
     try:
-        beside = _compared(solution)
+        # The increments beside the bodies that they are of: those of another program beside their own solution,
+        # unless it is not to be used
+        beside: Compared | None = None
+        if solution.raw is not None:
+            read = solution.method == "import"
+            beside = compared(solution.problem, solution.raw, read and solution.facts.get("compared") != "no")
+            if not read and solution.facts.get("edge_correction"):
+                beside = replace(beside, ahead=CALIBRATED)
         pair = _series_and_slopes(solution, slopes_name, beside)
     except InputError as error:
         path = str(solution.record.path)
@@ -405,18 +412,6 @@ def _uneven(solution: Solution) -> str | None:
             f'than the load; set mesh.order = 2{quads}, or take the slopes "integral"'
         )
     return None
-
-
-def _compared(solution: Solution) -> Compared | None:
-    """The increments of a solution beside the bodies that they are of: those of another program beside their own
-    solution, unless it is not to be used."""
-    if solution.raw is None:
-        return None
-    read = solution.method == "import"
-    beside = compared(solution.problem, solution.raw, read and solution.facts.get("compared") != "no")
-    if not read and solution.facts.get("edge_correction"):
-        return replace(beside, ahead=CALIBRATED)
-    return beside
 
 
 def _at_touches(series: Series, beside: Compared) -> Series:

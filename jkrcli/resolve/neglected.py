@@ -7,16 +7,17 @@ known by formula, where they are.
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, mask_below_atomic_spacing, transform
 from ..adhesion.interpolation import Nonadhesive
-from ..adhesion.validity import Strains, Validity, judge, large_strains, refuse_wetting, sizes, with_large_strains
+from ..adhesion.validity import Validity, judge, large_strains, refuse_wetting, sizes, with_large_strains
 from ..base.errors import Estimate, JkrError, Refusal, Unknown
 from ..base.process import PATIENCE
 from ..base.units import show
@@ -97,20 +98,12 @@ def preview_effects(problem: Problem, works: tuple[float, ...], z0: float) -> Ef
         if isinstance(point, CriticalPoint):
             judged = with_large_strains(judged, large_strains(problem, w, point))
         adhesion.append((w, point, judged))
-    matter = _layers_matter(problem, delta, P)
+    matter = None  # relative difference of the load to that of a half-space of the top material at the same depth
+    if problem.layers:
+        half_space = alone(replace(problem, sticks=False, loading=Loading("depth", delta, 1)))
+        with contextlib.suppress(Refusal):  # a half-space would need more of the profile than there is
+            matter = float(P / resolve_with(half_space, method=COARSE).series.P[-1] - 1)
     return EffectsPreview(a, delta, P, matter, tuple(adhesion), series, solution.profile_error)
-
-
-def _layers_matter(problem: Problem, delta: float, P: float) -> float | None:
-    """Relative difference of the load to that of a half-space of the top material at the same displacement."""
-    if not problem.layers:
-        return None
-    half_space = alone(replace(problem, sticks=False, loading=Loading("depth", delta, 1)))
-    try:
-        reference = resolve_with(half_space, method=COARSE).series.P[-1]
-    except Refusal:  # a half-space would need more of the profile than there is
-        return None
-    return float(P / reference - 1)
 
 
 @dataclass(frozen=True)
@@ -351,15 +344,14 @@ def _strains(body: Problem, expected: EffectsPreview) -> Iterator[NeglectedEffec
         yield NeglectedEffect(name, "", NO_STRAINS, NO_STRAINS)
         return
     load = 1 / (1 + judged.strained) - 1
-    pulls = {w: _largest(judged.large_strains) for w, _, judged in expected.adhesion if w > 0}
+    pulls: dict[float, Estimate] = {}
+    for w, _, judged in expected.adhesion:
+        change = judged.large_strains  # a range of changes: its end that is larger in size
+        if w > 0 and change is None:
+            pulls[w] = NO_PULL_OFF
+        elif w > 0:
+            pulls[w] = change if isinstance(change, Unknown) else max(cast(tuple[float, float], change), key=abs)
     yield NeglectedEffect(name, "", load, LEFT_OUT_OF_STRAINS * load, pulls)
-
-
-def _largest(change: Strains) -> Estimate:
-    """The end of a range of changes that is larger in size."""
-    if change is None or isinstance(change, Unknown):
-        return NO_PULL_OFF if change is None else change
-    return max(change, key=abs)
 
 
 def _weight(body: Problem, expected: EffectsPreview) -> Iterator[NeglectedEffect]:

@@ -334,19 +334,16 @@ def _lines(path: Path, text: str) -> Lines:
     """The lines that are not empty; InputError where a row holds more cells than any table has."""
     lines = text.splitlines()
     if max(map(len, lines), default=0) > MOST_COLUMNS:  # few cells stand in shorter ones
-        lines = [_narrow(path, n, line) for n, line in enumerate(lines, start=1)]
+        for i, line in enumerate(lines):
+            if len(line) > MOST_COLUMNS and _ROW.match(line):
+                marks = max(line.count(mark) for mark in SEPARATORS.values() if mark is not None)
+                if marks > MOST_COLUMNS or len(line.split(None, MOST_COLUMNS)) > MOST_COLUMNS:
+                    raise InputError(
+                        f"{path}: line {i + 1} holds more than {MOST_COLUMNS:,} cells, the most that are read"
+                    )
+            elif len(line) > AT_ONCE:
+                lines[i] = ""  # words that name no columns
     return [(n, line) for n, line in enumerate(lines, start=1) if line and not line.isspace()]
-
-
-def _narrow(path: Path, n: int, line: str) -> str:
-    """A line that is no wide row, without those words that name no columns."""
-    if len(line) > AT_ONCE and not _ROW.match(line):
-        return ""
-    if len(line) > MOST_COLUMNS and _ROW.match(line):
-        marks = max(line.count(mark) for mark in SEPARATORS.values() if mark is not None)
-        if marks > MOST_COLUMNS or len(line.split(None, MOST_COLUMNS)) > MOST_COLUMNS:
-            raise InputError(f"{path}: line {n} holds more than {MOST_COLUMNS:,} cells, the most that are read")
-    return line
 
 
 def _refuse_doubtful(path: Path, content: Lines, dialect: Dialect) -> None:

@@ -27,7 +27,13 @@ def slopes(series: Series, name: str = "auto", against: tuple[Series, Slopes] | 
         rule = slopes_function(name)
         by_rule = rule(series)
         if rule.optimistic:
-            fitted = _integral_or_none(series) if against is None else _at_radii(against, series.a)
+            if against is None:
+                fitted = _integral_or_none(series)
+            else:  # the slopes of the other rows at these radii, power laws between their own
+                other, fitted = against
+                x, known = np.log(series.a), np.log(other.a)
+                S, dS = (np.exp(np.interp(x, known, np.log(values))) for values in (fitted.S, fitted.dS))
+                fitted = replace(fitted, S=S, dS=dS)
             by_rule = replace(_measured_against(by_rule, fitted), against=against)
         return replace(by_rule, reason=f"asked for; {by_rule.reason}" if by_rule.reason else "asked for")
     if series.S is not None and series.dS is not None:
@@ -75,13 +81,6 @@ def _towards(own: Series | None) -> str:
 def _unseen(fitted: Slopes) -> str:
     """What the noise of few points does not tell."""
     return f"; {fitted.correlation}" if isinstance(fitted.correlation, Unknown) else ""
-
-
-def _at_radii(pair: tuple[Series, Slopes], a: Array) -> Slopes:
-    """Slopes of a series at other radii, power laws between its own."""
-    series, fitted = pair
-    S, dS = (np.exp(np.interp(np.log(a), np.log(series.a), np.log(values))) for values in (fitted.S, fitted.dS))
-    return replace(fitted, S=S, dS=dS)
 
 
 def _integral_or_none(series: Series) -> Slopes | None:

@@ -1050,7 +1050,9 @@ def _fit(task: _Task) -> _Settled:
         if best is not None and not fit.settled:
             break  # weights too uneven to go on: the last fit stands
         if fit.settled:
-            best, noisy = fit, _noisy(fit, data, variances)
+            # noise, rather than what the splines cannot bend to?
+            scatter = math.sqrt(fit.phi * float(np.mean(np.median(variances, axis=1))))
+            best, noisy = fit, data.stated is None and not _explained(fit, data) and scatter > INTEGRAL_NOISE
         if stated is None and fit.phi <= floor:
             break
         if stated is None:
@@ -1080,12 +1082,6 @@ def _far_off(data: _Data) -> Array:
     # theory: an exponent that changes along the record moves a row by no more than the way to its neighbours
     far = gap > np.maximum(INTEGRAL_FAR * usual, np.median(np.abs(expected), axis=1))
     return np.where(far, (gap / max(usual, INTEGRAL_FLOOR)) ** 2, 1.0)
-
-
-def _noisy(fit: PenalisedFit, data: _Data, variances: Array) -> bool:
-    """Whether the residuals are noise rather than what the splines cannot bend to."""
-    size = math.sqrt(fit.phi * float(np.mean(np.median(variances, axis=1))))
-    return data.stated is None and not _explained(fit, data) and size > INTEGRAL_NOISE
 
 
 def _start(task: _Task) -> Array:

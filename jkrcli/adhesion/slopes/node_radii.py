@@ -98,19 +98,16 @@ class NodeRadii:
         for i in np.flatnonzero(single):
             begin = first[i] if i == 0 else (first[i - 1] + ends[i - 1]) // 2
             end = max((first[i] + ends[i] + 1) // 2, first[i] + 1)
-            load[i] = _on_line(delta, P, min(begin, max(first[i] - 1, 0)), max(end, 2), depth[i])
+            # the load at the depth on the line through these rows, log P over log delta
+            around = slice(min(begin, max(first[i] - 1, 0)), max(end, 2))
+            x, y = np.log(delta[around]), np.log(P[around])
+            spread = x - x.mean()
+            slope = float(spread @ y) / max(float(spread @ spread), 1e-300)
+            load[i] = float(np.exp(y.mean() + slope * (np.log(depth[i]) - x.mean())))
         rows = RawSeries(radius, depth, load, self.rows.rows[first])
         known = radius > 0
         errors = NODE_HALF_WIDTH * share / 2 * e
         return Touches(rows.only(known), errors[known], e[known])
-
-
-def _on_line(delta: Array, P: Array, begin: int, end: int, depth: float) -> float:
-    """The load at a ``depth`` on the line through some rows, log P over log delta."""
-    x, y = np.log(delta[begin:end]), np.log(P[begin:end])
-    spread = x - x.mean()
-    slope = float(spread @ y) / max(float(spread @ spread), 1e-300)
-    return float(np.exp(y.mean() + slope * (np.log(depth) - x.mean())))
 
 
 def has_plateaus(raw: RawSeries) -> bool:
@@ -128,7 +125,9 @@ def node_radii(raw: RawSeries) -> NodeRadii | None:
     before, radii = _before(raw), np.unique(rows.a)
     if rows.element is not None:
         return NodeRadii(rows, rows.element, before)
-    if (even := evenly_spaced(raw)) is not None and (_repeat(rows) or _scatters(rows, even.spacing)):
+    # whether some radii repeat while displacement and load go on
+    repeat = bool(np.any((np.diff(rows.a) == 0) & (np.diff(rows.delta) > 0) & (np.diff(rows.P) > 0)))
+    if (even := evenly_spaced(raw)) is not None and (repeat or _scatters(rows, even.spacing)):
         return even
     if not has_plateaus(raw) or radii.size < 2:
         return None
@@ -156,12 +155,6 @@ def _before(raw: RawSeries) -> float:
     """The last displacement [m] at which no node carried, or 0."""
     untouched = raw.delta[(raw.a <= 0) & (raw.delta < raw.touching.delta[0])]
     return max(float(np.max(untouched, initial=0.0)), 0.0)
-
-
-def _repeat(rows: RawSeries) -> bool:
-    """Whether some radii repeat while displacement and load go on."""
-    again = np.diff(rows.a) == 0
-    return bool(np.any(again & (np.diff(rows.delta) > 0) & (np.diff(rows.P) > 0)))
 
 
 def _even_spacing(radii: Array) -> float | None:

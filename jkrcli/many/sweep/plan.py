@@ -155,7 +155,13 @@ class Trial:
 def resolve(model: SweepModel, tables: Tables, folder: Path, source: str) -> tuple[tuple[Axis, ...], CaseModel]:
     """All axes, samples and several works of adhesion included, and the first case; a line per mistake."""
     _each_once(model, source)
-    trial = Trial(tables, _first(model), folder)
+    # A value of every varied key that stands in the file, but for the number of layers
+    values = {key: listed[0] for axis in model.axes for key, listed in _listed(axis).items()}
+    for key, item in (model.samples.of if model.samples else {}).items():
+        value = item.parameters[DISTRIBUTIONS[item.distribution].needed[0]]
+        values[key] = value[0] if item.distribution == "choice" else value
+    values.pop(LAYER_COUNT, None)
+    trial = Trial(tables, values, folder)
     lines: list[str] = []
     with _noted(lines, f"{source}: base"):
         first = trial.model({})
@@ -211,16 +217,6 @@ def _each_once(model: SweepModel, source: str) -> None:
             parse(key)
         except InputError as error:
             raise InputError(f"{source}: axes: {error}") from None
-
-
-def _first(model: SweepModel) -> dict[str, Any]:
-    """A value of every varied key that stands in the file, but for the number of layers."""
-    first = {key: values[0] for axis in model.axes for key, values in _listed(axis).items()}
-    for key, item in (model.samples.of if model.samples else {}).items():
-        value = item.parameters[DISTRIBUTIONS[item.distribution].needed[0]]
-        first[key] = value[0] if item.distribution == "choice" else value
-    first.pop(LAYER_COUNT, None)
-    return first
 
 
 def _range(axis: AxisTable, trial: Trial) -> list[Any]:
@@ -640,8 +636,11 @@ def solved_once(problem: Problem, method: Method, folder: Path | None = None) ->
     # A hash of all that a solve depends on: the physics, the method with its options, the release.
     key = hashlib.sha256(f"{problem.key}\n{method!r}\n{__version__}".encode()).hexdigest()[:24]
     path = None if folder is None else folder / f"{key}.h5"
-    if path is not None and (stored := _kept(path, problem, key)) is not None:
-        return stored
+    if path is not None and path.exists():
+        with contextlib.suppress(InputError):  # a damaged file is solved again, as one that holds another solve
+            stored = read_solution(path, problem)
+            if stored.record.command_line == _made_by(key):
+                return stored
     start = time.process_time()
     solution = replace(method(problem), record=Record(path=Path("series")))
     expensive = time.process_time() - start > SHARING_WORTH_KEEPING
@@ -655,15 +654,6 @@ def solved_once(problem: Problem, method: Method, folder: Path | None = None) ->
 def _made_by(key: str) -> str:
     """What a kept file says of its origin: its name alone proves nothing."""
     return f"jkr sweep, solve {key}"
-
-
-def _kept(path: Path, problem: Problem, key: str) -> Solution | None:
-    """A solution that was kept; None where there is none, its file is damaged, or it holds another solve."""
-    try:
-        solution = read_solution(path, problem) if path.exists() else None
-    except InputError:
-        return None
-    return solution if solution is not None and solution.record.command_line == _made_by(key) else None
 
 
 def cheapest_method(body: Problem, model: CaseModel) -> Choice:

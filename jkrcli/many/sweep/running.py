@@ -47,7 +47,12 @@ def sweep_figure(plan: Plan, table: Mapping[str, Sequence[Any]]) -> Figure | Non
     the title says. None where no axis or no result is a number."""
     numbers = {name: np.array(values, dtype=float) for name, values in table.items()
                if all(value is None or isinstance(value, int | float) for value in values)}  # fmt: skip
-    axes = sorted(_axes(plan, numbers), key=lambda name: -np.unique(numbers[name]).size)
+    # The first column of each axis that holds several numbers
+    axes, columns = [], iter(plan.key_columns)
+    for axis in plan.axes:
+        names = [next(columns) for _ in axis.keys]
+        axes += [name for name in names if name in numbers and np.unique(numbers[name]).size > 1][:1]
+    axes.sort(key=lambda name: -np.unique(numbers[name]).size)
     results = [name for name in plan.recipe.wanted.columns if name in numbers and "err" not in name]
     results = ([name for name in results if name.endswith(".P_N")] or results)[:2]
     if not axes or not results:
@@ -59,14 +64,6 @@ def sweep_figure(plan: Plan, table: Mapping[str, Sequence[Any]]) -> Figure | Non
     joint = any(x in plan.key_columns and len(axis.keys) > 1 for axis in plan.axes)
     panels = [_panel(shown, x, others[:1], name, "" if joint else "-") for name in results]
     return studies.panels_figure(panels, ", ".join(_value(name, at) for name, at in first.items()))
-
-
-def _axes(plan: Plan, numbers: Mapping[str, Array]) -> Iterator[str]:
-    """The first column of each axis that holds several numbers."""
-    columns = iter(plan.key_columns)
-    for axis in plan.axes:
-        names = [next(columns) for _ in axis.keys]
-        yield from [name for name in names if name in numbers and np.unique(numbers[name]).size > 1][:1]
 
 
 def _panel(columns: Mapping[str, Array], x: str, beside: list[str], y: str, style: str) -> studies.Panel:
@@ -422,7 +419,17 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say, picture
         if means.retry and (forgotten := journal.forget_failed()):
             say(f"{forgotten} failed cases are tried again")
         if look > SILENCE:
-            _guard_early(plan, journal, means.hours, say)
+            # What all cases cost at most and at least, told from the first before the others are looked at; the
+            # journal's rows count as done, whether or not they are of this plan. What is sure comes after the look.
+            first, _ = plan.groups([0])
+            each = _solve_seconds(plan, first[0]) if first else 0.0
+            left = max(0.0, 1 - len(journal.rows) / plan.count)
+            most, least = (
+                left * (_beside(plan, plan.count) + count * each) for count in (plan.count, plan.least_solves)
+            )
+            say(f"all cases: at most about {duration(most)} of CPU time, were each solved on its own as the first")
+            so_many = f"{plan.count:,} cases with at least {plan.least_solves:,} solves"
+            _guard(so_many, least, means.hours, ", as the first case does")
         groups = _left(plan, journal, say)
         seconds = forecast(plan, groups)
         _guard(f"{sum(map(len, groups)):,} cases with {len(groups):,} solves", seconds, means.hours)
@@ -447,19 +454,6 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say, picture
     if len(swept.failed) == plan.count:
         raise JkrError(f"{plan.source}: every case failed, the first because: {swept.failed[0][1]}")
     return replace(swept, files=paths)
-
-
-def _guard_early(plan: Plan, journal: Journal, hours: float, say: Say) -> None:
-    """Announce at most, and refuse at least, what all cases cost, told from the first before the others are looked at.
-
-    The journal's rows count as done, whether or not they are of this plan; what is sure comes after the look.
-    """
-    groups, _ = plan.groups([0])
-    solve = _solve_seconds(plan, groups[0]) if groups else 0.0
-    left = max(0.0, 1 - len(journal.rows) / plan.count)
-    most, least = (left * (_beside(plan, plan.count) + count * solve) for count in (plan.count, plan.least_solves))
-    say(f"all cases: at most about {duration(most)} of CPU time, were each solved on its own as the first")
-    _guard(f"{plan.count:,} cases with at least {plan.least_solves:,} solves", least, hours, ", as the first case does")
 
 
 def _left(plan: Plan, journal: Journal, say: Say) -> list[Cases]:

@@ -900,21 +900,19 @@ def layout_for(options: FEMOptions, problem: Problem, reach: float) -> Layout:
     else:
         layout = zones_layout(body, options, reach, a0, problem.indenter.tip_radius or 6 * reach)
     if (cells := layout.expected_cells()) > LAYOUT_MOST_CELLS:
+        # Remedy for too many cells
+        if options.tolerance is not None:
+            remedy = "ask for a larger mesh.tolerance, or use the method layered where it represents the body"
+        else:
+            size = "mesh.element_size" if options.layout == "zones" else "mesh.spacing or mesh.smallest"
+            quads = options.element == "quadrilateral"
+            fewer = quads and replace(layout, element="triangle").expected_cells() < cells
+            remedy = f"take a larger {size}, or {'triangles' if fewer else 'a larger mesh.growth'}"
         raise Refusal(
             f"mesh: about {cells:.1e} elements expected, too many {options.element}s (at most {LAYOUT_MOST_CELLS}): "
-            + _fewer(options, layout, cells)
+            + remedy
         )
     return layout
-
-
-def _fewer(options: FEMOptions, layout: Layout, cells: float) -> str:
-    """Remedy for too many ``cells``."""
-    if options.tolerance is not None:
-        return "ask for a larger mesh.tolerance, or use the method layered where it represents the body"
-    size = "mesh.element_size" if options.layout == "zones" else "mesh.spacing or mesh.smallest"
-    quads = options.element == "quadrilateral"
-    fewer = quads and replace(layout, element="triangle").expected_cells() < cells
-    return f"take a larger {size}, or {'triangles' if fewer else 'a larger mesh.growth'}"
 
 
 def scaled_layout(

@@ -29,7 +29,7 @@ from .mesh import (
 )
 
 if TYPE_CHECKING:  # what solves is imported when something is solved: scikit-fem takes as long to import as a forecast
-    from .model import Assessment, Run
+    from .model import Run
 
 # --------------------------------------------------------------------------------------------------
 # What a solve by ``fem`` costs and how accurate it is, before it is begun.
@@ -294,18 +294,13 @@ class FEM(FEMOptions):
         with one_thread():
             solved = model.run(self, problem, clock)
             runs = [solved] if solved.at_touches is None else [solved, solved.at_touches]
-            judged, *others = self._assessed(runs, clock)
+            if self.estimate_error:
+                with clock("error estimate"):
+                    larger = [solved.companion(ratio) for ratio in (DOUBLED, DOUBLED**2)]
+                    truncation = model.truncation_of(solved, larger[0])
+                    judged, *others = [model.assessed(each, larger, DOUBLED, truncation) for each in runs]
+            else:
+                reason = Unknown("not estimated: estimate_error is off")
+                judged, *others = [model.Assessment(ErrorBudget(reason, reason, reason)) for _ in runs]
             touches = model.series_of(runs[1], others[0]) if others else None
             return solved, model.to_solution(self, solved, judged, clock, touches)
-
-    def _assessed(self, runs: list[Run], clock: StageClock) -> list[Assessment]:
-        """The errors of the ``runs``, all on one mesh."""
-        from . import model
-
-        if not self.estimate_error:
-            reason = Unknown("not estimated: estimate_error is off")
-            return [model.Assessment(ErrorBudget(reason, reason, reason)) for _ in runs]
-        with clock("error estimate"):
-            larger = [runs[0].companion(ratio) for ratio in (DOUBLED, DOUBLED**2)]
-            truncation = model.truncation_of(runs[0], larger[0])
-            return [model.assessed(each, larger, DOUBLED, truncation) for each in runs]

@@ -369,13 +369,13 @@ class ErrorModes:
         """Relative changes, with their signs, of delta, P, S, S' (kernels, 4, radii) at ``radii`` [m]; infinite where
         the equation is not positive definite."""
         best = self.contact.columns(radii, self.accuracy)
-        return np.array([self._of(kernel, radii, best) for kernel in self.kernels])
-
-    def _of(self, kernel: PolynomialKernel, radii: Array, best: Array) -> Array:
-        try:
-            return replace(self.contact, kernel=kernel).columns(radii, self.accuracy) / best - 1
-        except SolveError:
-            return np.full_like(best, np.inf)
+        changes = []
+        for kernel in self.kernels:
+            try:
+                changes.append(replace(self.contact, kernel=kernel).columns(radii, self.accuracy) / best - 1)
+            except SolveError:
+                changes.append(np.full_like(best, np.inf))
+        return np.array(changes)
 
     def __call__(self, radii: Array) -> Array:
         """What is left, relative errors (n, 4, radii), those of one companion alike from radius to radius."""

@@ -374,8 +374,8 @@ def _segments(table: TextTable, index: int | None, told: bool) -> tuple[Array | 
     numbers, as that of a phase in degrees, names none unless it is ``told`` to."""
     ignored: list[str] = []
     if index is not None and not told:
-        words = set(table.text[index])
-        if len(words) > TEXT_SEGMENTS or not any(re.search(r"[^\W\d_]{2}", word) for word in words):
+        different = set(table.text[index])
+        if len(different) > TEXT_SEGMENTS or not any(re.search(r"[^\W\d_]{2}", word) for word in different):
             ignored = [f"{table.titled(index)} holds numbers or more than {TEXT_SEGMENTS} words: it names no segments"]
             index = None
     words = _noted(table) if index is None else table.text[index]

@@ -220,6 +220,8 @@ OF_SHAPE = "the faces of the pyramid"
 OF_STRAINS = "large strains"
 NOTICED = 0.1  # choice: of the interval of w, the part by large strains from which on it is told
 FLAT = 0.2  # theory: of R, the contact radius up to which sphere and paraboloid agree to 1 % in the load
+STIFFEST = 50.0  # choice: of the device, a contact's stiffness beyond which no E* is told
+STIFFNESS_PART = 0.2  # choice: of the range of the load, from the largest on, over which a contact's stiffness is taken
 SYMBOLS = {"E_star": "E*"}
 WARNED = {  # flags of a curve that matter
     NOT_SUBTRACTED: "E* is that of contact and device in series: ",
@@ -318,6 +320,7 @@ def fit(
         ]
         warnings = (*flags, *fitted.warnings)
         fitted = replace(fitted, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
+        fitted = with_inputs(fitted, body, curve.stiffness)
         return with_other_profile(with_strains(with_shape(fitted, body), body), body, curve, settings)
     except InputError as error:
         likely = "".join(f"; {flag}" for flag in (NOT_SUBTRACTED, SUBTRACTED_TWICE) if flag in curve.flags)
@@ -327,6 +330,55 @@ def fit(
         raise SolveError(f"{curve.where}: {error}") from None
     except (ArithmeticError, RuntimeWarning) as error:  # of one curve, which takes no others of a map with it
         raise SolveError(f"{curve.where}: the numbers leave the range of arithmetic ({error})") from error
+
+
+def with_inputs(fitted: Fit, body: FittedBody, stiffness: float | None) -> Fit:
+    """The fit of a raw record with what no row can tell: its inputs that no error holds, and how far the sensitivity of
+    the device counts, beside which a contact may be too stiff.
+
+    At the device z = delta + P/k a relative error e of P/k is one of -e N in delta, N = (dP/d delta)/k: E* errs by
+    e (1 + N) on a half-space (Hertz). Beyond ``STIFFEST`` it is known only to be at least what has that N there: a
+    contact's stiffness goes with E*^(2/3) at equal loads.
+    """
+    if fitted.quality is None or fitted.covariance is None:
+        return fitted
+    missing = [] if RADIUS in fitted.settings.uncertain or body.problem.indenter.tip_radius is None else ["radius"]
+    if missing and not body.problem.layers:
+        missing = ["radius (E* ~ R^-1/2, w ~ 1/R)"]
+    ratio = None if stiffness is None or math.isinf(stiffness) else _stiffness_of_contact(fitted) / stiffness
+    if ratio is not None:
+        of_error = f" (1 % of it is {round(1 + ratio, 1 if ratio < STIFFEST / 5 else None)} % of E*)"
+        missing += [
+            words
+            for name, words in (("stiffness", "spring constant"), ("sensitivity", f"sensitivity{of_error}"))
+            if name not in fitted.settings.uncertain
+        ]
+    words = f"{', '.join(missing)}: --uncertain gives their errors" if missing else ""
+    fitted = replace(fitted, not_included=words)
+    modulus = next((item for item in fitted.estimates if item.name == "E_star"), None)
+    if ratio is None or ratio <= STIFFEST or modulus is None or not modulus.free:
+        return fitted
+    factor = (STIFFEST / ratio) ** 1.5
+    estimates = tuple(
+        replace(item, value=factor * item.value, error=None, low=factor * item.value, high=None, model=None)
+        if item.free and (item.dimension == "modulus" or item.name == "modulus") else item
+        for item in fitted.estimates
+    )  # fmt: skip
+    sentence = (
+        f"too stiff: at the largest load the contact is {ratio:.0f} times stiffer than the device, the specimen is "
+        f"stiffer than E* = {show(factor * modulus.value, 'modulus', 2)}: take a stiffer device or a blunter tip"
+    )
+    return replace(
+        fitted, estimates=estimates, flags=(*fitted.flags, "too stiff"), warnings=(sentence, *fitted.warnings)
+    )
+
+
+def _stiffness_of_contact(fitted: Fit) -> float:
+    """dP/d delta [N/m] of the fitted curve over the deepest part of its contact."""
+    P, delta = fitted.line["P"], fitted.line["delta"]
+    top = (fitted.line["a"] > 0) & (P > P.max() - STIFFNESS_PART * np.ptp(P))
+    way = float(np.ptp(delta[top]))
+    return abs(float(np.polyfit((delta[top] - delta[top].mean()) / way, P[top], 1)[0])) / way if way > 0 else math.inf
 
 
 def with_shape(fitted: Fit, body: FittedBody) -> Fit:

@@ -376,7 +376,8 @@ def as_fit(
     rows = np.concatenate([part.rows for part in best.model.stretches])
     a, order = contact_radii(best), np.argsort(rows)
     flags, quality = judgement(record, best, a)
-    flags = {**record.flags, **flags}
+    missing = [f"no {kind}" for kind in (APPROACH, RETRACT) if kind not in requested(settings)]  # nobody asked for it
+    flags = {name: words for name, words in record.flags.items() if name not in missing} | flags
     result = Fit(
         name=curve.name,
         file="" if curve.origin is None else str(curve.origin),
@@ -529,7 +530,9 @@ def _adhesion(record: ForceCurve) -> float | None:
 RECORD_PLACED_ROWS = 0.05  # choice: of the loads' relative scatter, that of positions which have none
 RECORD_APART = 4.0  # choice: standard errors between the moduli of the two directions from which on they differ
 RECORD_UNDETERMINED = 1.0  # theory: of ln E*, a standard error with which 95 % span a factor of fifty
-RECORD_DIFFERS = 0.01  # choice: of a modulus, or of the way of a device in contact, a difference that is none
+RECORD_HALF = 0.5  # choice: of the range of the load, from the largest on, over which a device's line is looked at
+RECORD_RIGID = 0.02  # theory: of the device's stiffness, what its line lacks beside a contact fifty times stiffer
+RECORD_DIFFERS = 0.01  # choice: of a modulus, a difference that is none
 
 
 def fit_record(
@@ -574,9 +577,9 @@ def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
     other = "fit both directions, or " if len(joint.model.stretches) == 1 else ""
     reason = f"the rows in contact do not tell it from w and the zero: {other}fix w (--fix w=...)"
     model, part = joint.model, joint.model.stretches[-1]
-    values = model.values(joint.x)
-    reach = model.k * float(model.depth(part, values).max())
-    if math.isfinite(model.k) and float((part.P - base_line(part, values)[0]).max()) > (1 - RECORD_DIFFERS) * reach:
+    top = part.P > part.P.max() - RECORD_HALF * np.ptp(part.P)
+    slope = float(np.polyfit(part.z[top] - part.z[top].mean(), part.P[top], 1)[0]) if np.ptp(part.z[top]) > 0 else 0.0
+    if math.isfinite(model.k) and slope > (1 - RECORD_RIGID) * model.k:
         reason = (
             f"beside a device of {show(model.k, 'stiffness')} the specimen is rigid: check --stiffness and the units"
         )

@@ -49,7 +49,8 @@ class Fit(Answer):
     units of ``scales``; ``scatter``: their standard deviation, ``dof`` their degrees of freedom. ``line``: the
     fitted curve, readings by column and "a". ``warnings``: sentences with numbers. ``flags``: what is wrong with a
     raw record, in a word or two each; ``surface``: what the surfaces were taken to do; ``tip``: what stands for the
-    tip, where that is a convention; ``held``: what the free rows of a raw record hold beside a base line; ``quality``:
+    tip, where that is a convention; ``held``: what the free rows of a raw record hold beside a base line;
+    ``not_included``: inputs that no error holds; ``quality``:
     of a raw record, between 0 and 1, with its parts, None where readings were prepared; ``adhesion``: its largest
     tension on retraction [N], None where there is none; ``directions``: of it that were fitted. ``pixel``: in a map.
     ``jkr``: of a fit with a range, JKR beside it; ``range_left``: of a fit of JKR, the longest range [m] that the rows
@@ -78,6 +79,7 @@ class Fit(Answer):
     surface: str = "sliding"
     tip: str = ""
     held: tuple[str, ...] = ()
+    not_included: str = ""
     adhesion: float | None = None
     pixel: Pixel | None = None
     jkr: JKRBeside | Unknown | None = None

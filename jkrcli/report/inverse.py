@@ -267,6 +267,7 @@ def fit_words(item: Fit, once: bool = False) -> list[str]:
     lines += [f"  {item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
     lines += [f"  {'tip':<12} {item.tip}"] * bool(item.tip)
     lines += [f"  {'free rows':<12} {'; '.join(item.held)}"] * bool(item.held)
+    lines += [f"  {'not included':<12} {item.not_included}"] * bool(item.not_included)
     lines += estimate_lines(sorted(item.estimates, key=lambda one: one.name in ZERO_POINTS), item.settings.level)
     correlation = item.correlated("modulus", "w")
     more = [] if correlation is None else [f"correlation of E* and w {correlation:.2f}"]

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from force_curves import Instrument, record
-from test_fit_record import BODY, usual
+from test_fit_record import BODY, body, usual
 
+from jkrcli.base.errors import InputError
 from jkrcli.data.curve import Curve
 from jkrcli.data.measured import read
 from jkrcli.data.segmentation import segment_force_curve
@@ -143,3 +145,46 @@ def test_a_column_of_numbers_names_no_segments(tmp_path: Path) -> None:
     assert curve.segment is None
     assert any("Phase" in flag and "segments" in flag for flag in curve.flags)
     assert [part.kind for part in segment_force_curve(curve).segments] == ["approach", "retract"]
+
+
+def test_what_no_row_tells_is_named_until_its_error_is_given() -> None:
+    parts = made()
+    curve = curve_of(parts, parts["P"])
+    found = fit(BODY, curve, usual())
+    for words in ("radius", "R^-1/2", "spring constant", "sensitivity", "--uncertain"):
+        assert words in found.not_included
+    calibrated = fit(BODY, curve, usual(uncertain={"stiffness": 0.1, "sensitivity": 0.05}))
+    assert "radius" in calibrated.not_included
+    assert "spring" not in calibrated.not_included
+
+
+def test_a_rigid_specimen_is_called_so() -> None:
+    """A rigid specimen whose sensitivity is half a per cent wrong looked like one of some modulus."""
+    z = np.linspace(-3e-7, 2e-8, 600)
+    rng, k = np.random.default_rng(3), 1.0
+    into = np.where(z > 0, 0.995 * k * z, 0.0)
+    out = np.where(z > -5e-9, 0.995 * k * z, 0.0)
+    P = np.concatenate([into, out[::-1]]) + 1e-11 * rng.normal(size=2 * z.size)
+    z = np.concatenate([z, z[::-1]])
+    with pytest.raises(InputError, match=r"beside a device of .* the specimen is rigid"):
+        fit(body(1e9, 1e-8), Curve("rigid", delta=z - P / k, P=P, stiffness=k), usual())
+
+
+def test_a_contact_much_stiffer_than_its_device_has_a_least_modulus() -> None:
+    parts = record(E_STAR, R, W / 2, W, replace(DEVICE, k=0.005, far=4e-6, noise=1e-4 * PULL_OFF), 1)
+    found = fit(BODY, Curve("stiff", delta=parts["z"] - parts["P"] / 0.005, P=parts["P"], stiffness=0.005), usual())
+    assert "too stiff" in found.flags
+    item = found.estimate("E_star")
+    assert item.error is None
+    assert item.high is None
+    assert item.low is not None
+    assert item.low < E_STAR
+    assert any("times stiffer than the device" in line for line in found.warnings)
+
+
+def test_a_direction_that_nobody_asked_for_is_not_missed() -> None:
+    parts = made()
+    half = parts["P"].size // 2
+    curve = Curve("in", delta=parts["z"][:half] - parts["P"][:half] / DEVICE.k, P=parts["P"][:half], stiffness=DEVICE.k)
+    assert "no retract" in fit(BODY, curve, usual()).flags
+    assert "no retract" not in fit(BODY, curve, usual(segment="approach")).flags

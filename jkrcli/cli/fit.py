@@ -393,7 +393,7 @@ ASKED = as_one(
     click.option("--confidence", type=click.Choice(["covariance", "profile", "bootstrap"]), default="covariance",
                  show_default=True, help="How the intervals are found."),
     click.option("--model", type=click.Choice(["jkr", "auto"]), default="jkr", show_default=True,
-                 help="Of a raw record; auto: the best other models too, where its data ask for one."),
+                 help="Of a raw record; auto: the best other models too, where its data favour one."),
     click.option("--rivals", is_flag=True, help="Print what the data of a raw record say of each other model."),
     click.option("--plan", is_flag=True, help="Print which further measurement would narrow E* and w most."),
     click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals."),

@@ -80,7 +80,7 @@ def work(
     At each measured point w = S' (delta_H - delta)^2/(4 pi a), the energy release rate of the contact's edge: from a
     and P (needs no zero of the displacement), a and delta, or delta and P. Of raw records base line and contact
     point are fitted first, and the rows on which the edge moves are taken. With a time column also the speed da/dt of
-    the edge: rate-dependent adhesion, and w0 (1 + (v/v0)^n) through the rows whose edge recedes. Tables name their
+    the edge: rate-dependent adhesion, and w0 (1 + (v/v0)^n) through the rows whose crack opens. Tables name their
     columns and units, "a_um, P_mN, t_s"; files of force microscopes (.jpk-force, .jpk-force-map, .ibw, .h5, .tab) are
     read by the optional package afmformats.
     Writes <stem>-work.csv, .json, .png and .svg.

@@ -20,6 +20,7 @@ from ..data.segmentation import ForceCurve, segment_force_curve
 from ..fitting.procedure import Failure
 from ..fitting.result import Fit
 from . import inverse
+from .map import UNUSABLE, status_of
 
 PAGE = Template(resources.files(__package__).joinpath("curve_page.html").read_text(encoding="utf-8"))
 PAGE_POINTS = 800_000  # choice: points of all curves together; 4,000 curves with their words make 9 MB
@@ -46,7 +47,7 @@ def _fitted(fit: Fit, points: int) -> dict[str, Any]:
     zero = [estimates.get(name, 0.0) for name in ("delta0", "P0")] if {x, y} == {"delta", "P"} else []
     return {
         "name": fit.name or fit.file,
-        "status": inverse._status(fit),
+        "status": status_of(fit),
         "words": inverse.fit_words(fit),
         **_axes(x, y),
         "lines": [
@@ -65,14 +66,14 @@ def _looked_at(item: ForceCurve | Failure, points: int) -> dict[str, Any]:
         try:
             record = segment_force_curve(item.curve)
         except InputError:
-            return {"name": name, "status": "not fitted", "words": reasons, **_axes("delta", "P"), "lines": [],
+            return {"name": name, "status": UNUSABLE, "words": reasons, **_axes("delta", "P"), "lines": [],
                     "base": [], "contact": []}  # fmt: skip
     assert isinstance(record, ForceCurve)
     z, P = record.curve.device, record.curve.P
     assert P is not None
     based = [side for side in record.directions if side.based]
     ends = [(side, z[side.segment.rows].min(), z[side.segment.rows].max()) for side in based]
-    status = "not fitted" if isinstance(item, Failure) else ", ".join(record.flags) or "no remark"
+    status = UNUSABLE if isinstance(item, Failure) else ", ".join(record.flags) or "no remark"
     what = "displacement" if record.curve.stiffness is None else "position z of the device"
     return {
         "name": name,

@@ -18,6 +18,7 @@ from jkrcli.base.files import is_ours
 from jkrcli.data import measured
 from jkrcli.data.segmentation import segment_force_curve
 from jkrcli.report.curve_page import page
+from jkrcli.report.map import UNUSABLE
 
 RAW = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
@@ -69,7 +70,7 @@ def test_fit_leaves_a_page_with_what_could_not_be_fitted(jkr: Callable, files: l
     assert done.code == 0, done.err
     (found,) = Path("out").glob("*-curves.html")
     fitted, failed = curves_of(found.read_text(encoding="utf-8"))
-    assert (fitted["status"], failed["status"]) == ("fitted", "not fitted")
+    assert (fitted["status"], failed["status"]) == ("fitted", UNUSABLE)
     assert {line["kind"] for line in fitted["lines"]} == {"measured", "fitted"}
     estimates = json.loads(next(Path("out").glob("*-fit.json")).read_text())["curves"][0]["estimates"]
     assert fitted["contact"] == [[estimates["delta0"]["value"], estimates["P0"]["value"]]]

@@ -213,7 +213,7 @@ def pull_off(
     elif files:
         _, solutions = read_files("pull-off", files)
     else:
-        raise InputError("pull-off: give FILES, a case or a series, or the body by flags: --radius, --E, --nu")
+        raise InputError("pull-off: give FILES, a case or a series, or the specimen from options: --radius, --E, --nu")
     if force is not None:
         give(_means(solutions, abs(force), stiffnesses, uncertain, rest, how, limits), as_json)
         return

@@ -72,7 +72,7 @@ class RateOptions:
     )
     to_depth: float | None = typed(LENGTH, "Turn at this displacement delta.")
     rate: Mapping[str, str] | None = typed(
-        PAIRS, 'w0 (1 + (v/v0)^n) as the edge recedes: v0="1 um/s",n=0.6; law=log,v0=...,b="5 mJ/m^2": '
+        PAIRS, 'w0 (1 + (v/v0)^n) on retraction: v0="1 um/s",n=0.6; law=log,v0=...,b="5 mJ/m^2": '
         "w0 + b log(1 + v/v0). w0 is --w-retract.")  # fmt: skip
     rate_advance: Mapping[str, str] | None = typed(PAIRS, "The same of an edge that advances [default: at once].")
     speed: str | None = typed(str, 'Of the device, "10 um/s"; of the load under load control, "1 mN/s".')
@@ -221,7 +221,7 @@ def cycle(
     again.
 
     JKR forces have no range: contact jumps in where the undeformed gap closes (delta = 0) and out where
-    d(delta + P/stiffness)/da = 0. A rigid device is displacement control. With --rate over time: the edge recedes as
+    d(delta + P/stiffness)/da = 0. A rigid device is displacement control. With --rate over time: the line opens as
     fast as G/w0 says, rests between the works of adhesion, advances at once (--stress is then the cohesive stress of
     the dissipating zone). Else with --stress or --range the surfaces attract each other before they touch. A specimen
     that relaxes is followed over time without adhesion (w = 0), and with it where --stress or --range says its range;

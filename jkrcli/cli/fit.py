@@ -15,7 +15,7 @@ from ..adhesion.rate import RATE_LAWS
 from ..base import files
 from ..base.errors import InputError, SolveError
 from ..base.executors import executor
-from ..base.files import beside, together
+from ..base.files import beside, together, write_text
 from ..base.process import one_thread
 from ..bodies.materials import RELAXATIONS
 from ..data import measured
@@ -278,13 +278,12 @@ def fit_curves(
     preferred = list(preferences(outcomes)) if len(bodies) > 1 else []
     friction = [] if len(bodies) > 1 else list(friction_warnings(request.body, outcomes))
     result = Fits(outcomes, request.body_words, friction, unread)
-    map_file = _write(request, result, reasons, pictures)
+    more_files = _write(request, result, reasons, pictures)
     for line in some(reasons):
         warn(f"skipped: {line}")
     drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
     more = f" ({len(result.fits) - SHOWN:,} more curves)" if len(result.fits) > SHOWN else ""
-    scan = f", the map in {map_file}" if map_file else ""
-    give(result, output.json, f"  written {request.targets}{drawn}{scan}{more}")
+    give(result, output.json, f"  written {request.targets}{drawn}{more_files}{more}")
     for item in result.fits[:SHOWN] if not output.json else []:
         if lines := [*(rivals_table(item) if request.options.rivals else []), *plan_table(item)]:
             say("\n".join(lines))
@@ -292,9 +291,9 @@ def fit_curves(
         (note if output.json else say)(line)
 
 
-def _write(request: FitRequest, result: Fits, reasons: list[str], pictures: Pictures) -> Files | None:
-    """Write table, summary, archive and pictures; the files of the map, if there is one. InputError, when all that can
-    be written is, where no curve could be used."""
+def _write(request: FitRequest, result: Fits, reasons: list[str], pictures: Pictures) -> str:
+    """Write table, summary, archive and pictures; what is said of the page of curves and the map. InputError, when all
+    that can be written is, where no curve could be used."""
     from ..report import archive
     from ..report.map import LEAST_CURVES, map_of
 
@@ -306,18 +305,25 @@ def _write(request: FitRequest, result: Fits, reasons: list[str], pictures: Pict
         len(result.outcomes) < LEAST_CURVES or not result.fits or len({item.surface for item in result.fits}) > 1
     )
     of_map = None if alone or not output.plots else output.files(Path(f"{targets.stem}-map"), PICTURES, request.inputs)
+    several = output.plots and len(result.outcomes) > 1
+    of_curves = output.files(Path(f"{targets.stem}-curves"), (".html",) if several else (), request.inputs)
     with together():
         targets.write(result.columns, summary)
         archive.write_fits(targets[".h5"], result.outcomes, summary)
         if pictures:
             _draw(pictures)
+        if several:
+            from ..report.curve_page import page
+
+            write_text(of_curves[".html"], page(result.outcomes, f"fit to {request.body_words}"))
         if of_map is not None:
             from ..report.plots.inverse import curves_figure, map_figure
 
             of_map.write(figure=curves_figure(result.outcomes) if scan is None else map_figure(scan))
     if not result.fits:
         raise InputError(some(reasons))
-    return of_map
+    page_words = f", all curves in {of_curves}" if several else ""
+    return f"{page_words}, the map in {of_map}" if of_map else page_words
 
 
 def _pictures(request: FitRequest, each: list[list[Outcome]], bodies: list[FittedBody]) -> Pictures:
@@ -393,7 +399,7 @@ ASKED = as_one(
     click.option("--confidence", type=click.Choice(["covariance", "profile", "bootstrap"]), default="covariance",
                  show_default=True, help="How the intervals are found."),
     click.option("--model", type=click.Choice(["jkr", "auto"]), default="jkr", show_default=True,
-                 help="Of a raw record; auto: the best other models too, where its data ask for one."),
+                 help="Of a raw record; auto: the best other models too, where its data favour one."),
     click.option("--rivals", is_flag=True, help="Print what the data of a raw record say of each other model."),
     click.option("--plan", is_flag=True, help="Print which further measurement would narrow E* and w most."),
     click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals."),
@@ -436,7 +442,7 @@ def fit(
     BODY is a case or a solution file; with a specimen from options (--radius, --nu, --thickness ...) every file is
     measured: a force curve, or a table of two or three of a, delta, P; a folder is a map. Further unknowns by --free,
     such as E:LAYER and h:LAYER. Writes <BODY>-fit.csv, of one map <MAP>-fit.csv (a row per curve), .json, .h5 and
-    pictures of each curve and of all.
+    pictures of each curve and of all; of several a page to click through them.
 
     \b
     jkr fit curve.jpk-force --radius "5 um" --nu 0.5

@@ -1,4 +1,4 @@
-"""A body by flags instead of a case file: indenter, and a half-space or one layer; the body of a fit by either."""
+"""A specimen from options instead of a case file: indenter, half-space or one layer; the body of a fit by either."""
 
 from __future__ import annotations
 
@@ -79,12 +79,12 @@ def by_flags(verb: str, body: Flags, files: Sequence[Path]) -> bool:
     named = named_flags(body)
     if named and files:
         names = ", ".join(map(str, files))
-        raise InputError(f"{verb}: give a body file or the body by flags, not both: {names} and {named}")
+        raise InputError(f"{verb}: give a body file or the specimen from options, not both: {names} and {named}")
     return bool(named)
 
 
 def case_of(verb: str, body: Flags, instead: str, modulus: str | None = None, **keys: Any) -> Case:
-    """The case of a body by flags, with more ``keys`` of its own, "loading" among them; the rest as of ``tables_of``.
+    """The case of a specimen from options, with more ``keys``, "loading" among them; the rest as of ``tables_of``.
     InputError names flags, not the keys that they stand for."""
     import tomli_w
 
@@ -118,7 +118,7 @@ def tables_of(verb: str, body: Flags, instead: str, modulus: str | None) -> dict
         raise InputError(f"{verb}: a {shape} has no {unused[0]}: leave it out, or give another --shape")
     missing = [flag(name) for name in (*sizes, "modulus", "nu") if texts[name] is None]
     if missing:
-        either = f"needs {instead}, or the body by flags: " if instead else ""
+        either = f"needs {instead}, or the specimen from options: " if instead else ""
         raise InputError(f"{verb}: {either}{', '.join(missing)} missing")
     if texts["base"] is not None and texts["thickness"] is None:
         raise InputError(f"{verb}: --base needs --thickness: a half-space has no base")
@@ -153,7 +153,7 @@ def body_and_measured(
     """What describes the body, a file or the flags, and the measured files: by flags every file is one."""
     by_case = not by_flags("fit", flags, [body_file] if _is_body(body_file) else [])
     if by_case and not measured:
-        raise InputError("fit: give MEASURED files behind BODY, or the body by flags: --radius, --nu")
+        raise InputError("fit: give MEASURED files behind BODY, or the specimen from options: --radius, --nu")
     return (body_file, measured) if by_case else (flags, (body_file, *measured))
 
 
@@ -334,8 +334,8 @@ MEASURED_KEYS = tuple(NAMES.quantities)
 
 
 SEPARATED = (
-    click.option("--separator", type=click.Choice(list(SEPARATORS)), help="Between the columns [default: found out]."),
-    click.option("--decimal", type=click.Choice([".", ","]), help="Decimal mark [default: found out]."),
+    click.option("--separator", type=click.Choice(list(SEPARATORS)), help="Between the columns [default: detected]."),
+    click.option("--decimal", type=click.Choice([".", ","]), help="Decimal mark [default: detected]."),
 )
 
 
@@ -360,7 +360,7 @@ reading_options = as_one(
     click.option("--zero", multiple=True, type=options.ScaleType(("delta", "P")),
                  help='Reading at the zero point, subtracted after the flip: delta="1.2 um".'),
     click.option("--contact", type=click.Choice(["auto", "fitted", "as-is", "estimate"]), default="auto",
-                 show_default=True, help="Zero points: fitted together with the rest (base line, tilt, contact point; "
+                 show_default=True, help="Contact point and force offset: fitted together (with baseline, tilt; "
                  "auto: of raw records), as-is, or estimated before from the free part of the approach; of raw records "
                  "the same as fitted."),
     click.option("--stiffness", type=options.STIFFNESS,

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from ..base.errors import InputError
-from ..base.files import together
+from ..base.files import together, write_text
 from ..data.curve import Reading
 from ..report.result import PICTURES, Output, Results
 from .inputs import TABLE_WORK_PER_ROW, Flags, begin_reading, reading_options, tip_of, tip_options
@@ -26,7 +26,8 @@ def look(files: tuple[Path, ...], flags: Flags, reading: Reading, output: Output
     """Show what measured FILES hold: the first thing to do with a force curve; no specimen is needed.
 
     Prints how columns and units were read; of each curve its segments, base line and noise, contact point, jumps,
-    adhesion force, and what is wrong with it. With --radius a rough E* and w. Draws <stem>-look.png and .svg.
+    adhesion force, and what is wrong with it. With --radius a rough E* and w. Draws <stem>-look.png and .svg;
+    of several curves also a page to click through them, <stem>-look.html, of several files curves-look.html.
 
     \b
     jkr look curve.jpk-force --radius "5 um"
@@ -37,6 +38,8 @@ def look(files: tuple[Path, ...], flags: Flags, reading: Reading, output: Output
     tip = tip_of("look", flags)
     targets = output.each([output.beside(path, "-look") for path in files], PICTURES, files)
     begin_reading("look", files)
+    several = files[0] if len(files) == 1 else files[0].with_name("curves")
+    curves = output.files(output.beside(several, "-look"), (".html",) if output.plots else (), files)
     results, pictures = [], list[str]()
     with together():
         for path, target in zip(files, targets, strict=True):
@@ -45,6 +48,12 @@ def look(files: tuple[Path, ...], flags: Flags, reading: Reading, output: Output
             if result.records and output.plots:
                 target.write(figure=result.figure())
                 pictures.append(str(target))
+        records = [record for result in results for record in result.records]
+        if output.plots and len(records) > 1:
+            from ..report.curve_page import page
+
+            write_text(curves[".html"], page(records, f"{len(records):,} curves: {', '.join(map(str, files[:3]))}"))
+            pictures.append(str(curves))
     whole = Results(results, [line for result in results for line in result.warnings], "files")
     if not any(result.records for result in results):
         if output.json:
@@ -80,7 +89,7 @@ def work(
     At each measured point w = S' (delta_H - delta)^2/(4 pi a), the energy release rate of the contact's edge: from a
     and P (needs no zero of the displacement), a and delta, or delta and P. Of raw records base line and contact
     point are fitted first, and the rows on which the edge moves are taken. With a time column also the speed da/dt of
-    the edge: rate-dependent adhesion, and w0 (1 + (v/v0)^n) through the rows whose edge recedes. Tables name their
+    the edge: rate-dependent adhesion, and w0 (1 + (v/v0)^n) through the rows whose crack opens. Tables name their
     columns and units, "a_um, P_mN, t_s"; files of force microscopes (.jpk-force, .jpk-force-map, .ibw, .h5, .tab) are
     read by the optional package afmformats.
     Writes <stem>-work.csv, .json, .png and .svg.

@@ -12,6 +12,7 @@ import sys
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
+from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
 
 LEVEL, WARNED, ANNOUNCED = "jkr.level", "jkr.warned", "jkr.announced"
 QUIET, USUAL, VERBOSE = range(3)
+WIDE = 120  # choice: columns where no terminal says how many
+WIDEST = 100  # choice: columns of a line of a result
+FIRST = 12  # choice: lines of a first answer
 
 
 def level_options(quiet: bool) -> list[click.Option]:
@@ -52,9 +56,9 @@ def _level() -> int:
     return USUAL if ctx is None else ctx.meta.get(LEVEL, USUAL)
 
 
-def folded(line: str) -> str:
+def folded(line: str, widest: int = WIDE) -> str:
     """A line as several of the terminal's width, broken between words; all but the first are set in."""
-    width = max(shutil.get_terminal_size((120, 0)).columns, 40)
+    width = min(max(shutil.get_terminal_size((WIDE, 0)).columns, 40), widest)
     if len(line) <= width:
         return line
     indent = " " * (len(line) - len(line.lstrip()) + 4)
@@ -79,16 +83,20 @@ def give_up(stream: TextIO | None) -> None:
 def say(text: str) -> None:
     """Lines of the summary."""
     if _level() != QUIET:
-        click.echo("\n".join(folded(printable(line)) for line in text.split("\n")))
+        click.echo("\n".join(folded(printable(line), WIDEST) for line in text.split("\n")))
 
 
-def present(*results: Sequence[str], last: str = "") -> None:
-    """The verdict of a result, its first line, and up to ten lines behind it, the ``last`` among them; of several
-    results their verdicts. All of it with -v."""
-    lines, room = [line for lines in results for line in lines], 11 - bool(last)
+def present(*results: Sequence[str], last: str = "", most: int = FIRST) -> None:
+    """At most ``most`` lines of a result, its verdict first and the ``last`` among them, as the terminal folds them; of
+    several results their verdicts. All of it with -v."""
+    lines, room = (
+        [line for lines in results for line in lines],
+        most - (folded(last, WIDEST).count("\n") + 1) * bool(last),
+    )
     shown = lines if len(results) == 1 or _level() == VERBOSE else [lines[0] for lines in results]
-    if _level() != VERBOSE and (len(shown) > room or shown != lines):
-        shown = shown[: room - 1]
+    heights = list(accumulate(folded(printable(line), WIDEST).count("\n") + 1 for line in shown))
+    if _level() != VERBOSE and shown and (heights[-1] > room or shown != lines):
+        shown = shown[: max(sum(height <= room - 1 for height in heights), 1)]
         shown.append(f"  ... {len(lines) - len(shown):,} more lines with -v")
     say("\n".join([*shown, *filter(None, [last])]))
 
@@ -166,6 +174,6 @@ def give(result: Result, json: bool, written: str = "", of: Path | None = None) 
     if json:
         answer(result.summary())
     else:
-        present(*result.parts, last=written)
+        present(*result.parts, last=written, most=result.first_lines)
     for line in result.warnings:
         warn(f"{of}: {line}" if of else line)

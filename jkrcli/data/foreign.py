@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 LEAST_ROWS = 5  # theory: of a series; leaving one of fewer out leaves no cubic for its slopes
 MOST_ROWS = 100_000  # theory: as many points as a case may ask for
-UNKNOWN = Unknown("unknown: made by another program")
+UNKNOWN = Unknown("unknown: imported data")
 NAMES = vocabulary("computed")
 
 

@@ -725,7 +725,8 @@ def with_zero_points(curve: Curve) -> Curve:
     first = max(int(np.argmax(in_succession(away))), 1)
     touch, half = float(z[first - 1] + z[first]) / 2, abs(float(z[first] - z[first - 1])) / 2
     flag = (
-        f"zero points estimated from {free} free rows: first touch at {show(touch, 'length')} (within "
+        f"contact point and force offset estimated from {free} free rows: first touch at "
+        f"{show(touch, 'length')} (within "
         f"{show(half, 'length')}), baseline {show(float(side.base(np.array(touch))), 'load')} with a tilt of "
         f"{side.base.tilt:.3g} N/m"
     )
@@ -739,9 +740,13 @@ def _approach(curve: Curve) -> Direction:
     side = segment_force_curve(curve).direction(APPROACH)
     if side is None:
         segments = f" (segments: {', '.join(curve.segments())})" if curve.segment is not None else ""
-        raise InputError(f"{curve.where}: has no approach{segments}: zero points cannot be estimated")
+        raise InputError(
+            f"{curve.where}: has no approach{segments}: contact point and force offset cannot be estimated"
+        )
     if isinstance(side.touch, Unknown):
         raise InputError(f"{curve.where}: the load of the approach never leaves its baseline: no contact was made")
     if not side.begins_free:
-        raise InputError(f"{curve.where}: the approach has no free part, which zero points are estimated from; {GIVE}")
+        raise InputError(
+            f"{curve.where}: the approach has no free part to estimate contact point and force offset from; {GIVE}"
+        )
     return side

@@ -544,7 +544,7 @@ class Columns:
         if of_user is None and of_head is None:
             return [NOT_SUBTRACTED] if "P" in self.chosen else []
         if of_user is None:
-            return [f"stiffness {of_head:g} N/m from the head of the file, its deflection is subtracted"]
+            return [f"stiffness {of_head:g} N/m from the header of the file, its deflection is subtracted"]
         if of_head is None or math.isclose(of_head, of_user, rel_tol=1e-6):
             return []
         told = "rigid" if of_user == math.inf else f"{of_user:g} N/m"
@@ -575,7 +575,7 @@ class Columns:
             elif sign < 0 and curve.P is not None:
                 P = curve.P * (-1.0 if "P" in reading.flip else 1.0)
                 sign = 1 if instruments.presses_outward(-curve.delta, P) else -1
-            turned = f"{TURNED}: {reason}" if sign < 0 else ", its sign as it is"
+            turned = f"{TURNED}: {reason}" if sign < 0 else ", sign unchanged"
             if "delta" in reading.flip:
                 sign, turned = 1, f"{TURNED} as told"
             flags = (f"displacement from {self.table.titled(self.chosen['delta'])}{turned}", *flags)

@@ -40,7 +40,7 @@ from .alternatives import (
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
 from .least_squares import COLOURED_FREE, STATISTICS_IMPROBABLE, Spectrum, frequencies, in_time, t_quantile, waves
 
-DETECTED, EXCLUDED, UNDECIDED = "asked for by the data", "excluded", "cannot be told"
+DETECTED, EXCLUDED, UNDECIDED = "favoured by the data", "excluded", "not distinguishable"
 
 # When a rival is detected, and when it is excluded.
 SCORE_CHANCE = 0.01  # choice: of any rival being detected in data of the model itself

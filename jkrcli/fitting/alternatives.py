@@ -1245,7 +1245,7 @@ RIVALS: tuple[AlternativeModel, ...] = (
           misplaced_back(lambda record, part: np.full(part.z.size, -record.reach)), of_directions=True),
     AlternativeModel("another modulus on the way back", MEMORY, "relative change", another_modulus, of_directions=True),
     AlternativeModel("another slope at rest", MEMORY, "relative change", slope_at_rest, of_directions=True),
-    AlternativeModel("stiffness of the device", DEVICE, "relative change", stiffness,
+    AlternativeModel("stiffness of the cantilever", DEVICE, "relative change", stiffness,
           limits=(-ALTERNATIVE_DEVICE, ALTERNATIVE_DEVICE)),
     AlternativeModel("creep of the position", DEVICE, "of the travel, per decade of time",
           misplaced_back(lambda record, part: part.travel * creep(record.time(part)), "creep"), of_directions=True),

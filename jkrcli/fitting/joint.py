@@ -216,14 +216,24 @@ def joint_fit(
     known = {item.name: item.value for item in estimates}
     fixed = tuple(Parameter(p.name, False, known[p.name]) if p.name in known else p for p in settings.parameters)
     sharing = replace(settings, parameters=fixed)
-    fits = tuple(_sharing(fit(body, curve, sharing), estimates) for body, curve in zip(bodies, curves, strict=True))
+    # The fit of each record with the shared estimates in the place of those that were fixed in it.
+    known = {item.name: item for item in estimates}
+    fits = tuple(
+        replace(one, estimates=tuple(known.get(item.name, item) for item in one.estimates))
+        for one in (fit(body, curve, sharing) for body, curve in zip(bodies, curves, strict=True))
+    )
     rise = 2 * (least.cost - sum(part.least.cost / part.noise for part in parts))
     chance = float(chdtrc(m * (len(parts) - 1), max(rise, 0.0)))
     alone = tuple(_alone(part, shared, E_star) for part in parts)
-    warnings = *_warnings(estimates, chance), *(f"{one.where}: {line}" for one in fits for line in one.warnings)
+    warnings = [f"{one.where}: {line}" for one in fits for line in one.warnings]
+    if chance <= STATISTICS_IMPROBABLE:
+        names = " and ".join("E*" if item.name == "E_star" else item.name for item in estimates
+                             if item.name != "modulus")  # fmt: skip
+        differ = f"the records differ by more than their noise (p = {chance:.1g}): they do not share {names}"
+        warnings.insert(0, f"{differ}; see what each says alone")
     return JointFit(
         estimates=estimates, free=tuple(shared), covariance=intervals.covariance[:m, :m], dof=least.dof,
-        warnings=warnings, fits=fits, alone=alone, chance=chance,
+        warnings=tuple(warnings), fits=fits, alone=alone, chance=chance,
     )  # fmt: skip
 
 
@@ -232,17 +242,3 @@ def _alone(part: Part, shared: Sequence[str], E_star: float) -> dict[str, float]
     values = {name: part.value(name) for name in shared}
     values |= {name: math.exp(x) for name, x in values.items() if Parameter(name, True).kind == LOG}
     return ({ALIAS: values.pop("modulus") * E_star} if "modulus" in values else {}) | values
-
-
-def _sharing(one: Fit, shared: Sequence[FittedValue]) -> Fit:
-    """The fit of a record with the shared estimates in the place of those that were fixed in it."""
-    known = {item.name: item for item in shared}
-    return replace(one, estimates=tuple(known.get(item.name, item) for item in one.estimates))
-
-
-def _warnings(shared: Sequence[FittedValue], chance: float) -> list[str]:
-    if chance > STATISTICS_IMPROBABLE:
-        return []
-    names = " and ".join("E*" if item.name == "E_star" else item.name for item in shared if item.name != "modulus")
-    return [f"the records differ by more than their noise (p = {chance:.1g}): they do not share {names}; see what each "
-            "says alone"]  # fmt: skip

@@ -721,7 +721,7 @@ def beside(back: Fit, into: Fit, both: Fit) -> Fit:
     name = "directions differ"
     sentence = (
         f"{name}: E* is {show(other.value, 'modulus', 4)} on approach and {show(one.value, 'modulus', 4)} on "
-        "retraction, one value does not fit both: the specimen relaxes or yields, or the device drifts"
+        "retraction, one value does not fit both: the specimen relaxes or yields, or the instrument drifts"
     )
     work, drifts = into.estimate("w_approach"), [line for line in both.warnings if line.startswith("drift")]
     quality = back.quality and {**back.quality, "quality": FLAG_SPOILT * back.quality["quality"]}

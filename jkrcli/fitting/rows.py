@@ -1140,8 +1140,8 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
     distance = far * robust_scale(minimum.distances.residuals)
     if distance > SEARCH_ALIEN:
         raise InputError(
-            f"no curve of this body comes within {distance:.2g} of the data's size: "
-            "check units, signs, zero points, the indenter and the layers"
+            f"the best fit leaves {distance:.0%} of the signal unexplained: "
+            "check units, signs, contact point, the indenter and the layers"
         )
     return minimum
 

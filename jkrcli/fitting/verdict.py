@@ -53,7 +53,7 @@ def attach_verdict(result: Fit, body: FittedBody, fit: ForceCurveFit) -> Fit:
 def replace_by_best_alternative(
     plain: Fit, body: FittedBody, fit: ForceCurveFit, fresh: ForceCurveModel, result_of: Callable[[ForceCurveFit], Fit]
 ) -> Fit:
-    """The result by the best of the rivals that are taken, where the data ask for one; ``result_of`` a fit of the
+    """The result by the best of the rivals that are taken, where the data favour one; ``result_of`` a fit of the
     record. The systematic part holds what is tied with it."""
     verdict = plain.verdict
     if verdict is None or not verdict.rivals.named:

@@ -509,8 +509,10 @@ RATE_MAP = Map(
         ),
         "thickness": Axis((0.3,), "Of a bonded layer on a rigid base, in R; repeatable.", POSITIVE, family=True),
         "nu": Axis(0.3, "Poisson's ratio of the layers.", POISSON, several=False),
-        "stiffness": Axis(("rigid", "1"), 'Of the device, in E* R; "rigid"; repeatable.', family=True, read=_stiffness),
-        "speed": Axis(tuple(10.0 ** (i / 2) for i in range(-8, 5)), "Of the device, in v0", POSITIVE, "1e-4 to 100"),
+        "stiffness": Axis(
+            ("rigid", "1"), 'Of the machine, in E* R; "rigid"; repeatable.', family=True, read=_stiffness
+        ),
+        "speed": Axis(tuple(10.0 ** (i / 2) for i in range(-8, 5)), "Of the machine, in v0", POSITIVE, "1e-4 to 100"),
     },
     _rate_work,
     lambda values: (

@@ -9,7 +9,6 @@ from typing import Any
 
 from ..adhesion.finite_range import unable
 from ..base.errors import Estimate, Refusal, Unknown
-from ..base.numerics import NOTICEABLE
 from ..base.units import reached, show
 from ..bodies.problem import Problem
 from ..case.models import CaseModel, method_of
@@ -19,13 +18,16 @@ from ..resolve.neglected import EffectsPreview, NeglectedEffect, neglected_effec
 from . import tables
 from .result import Result
 
+LARGEST = 3  # choice: neglected effects that are printed first
 SIZES = {"a/R": "a_over_R", "a/h": "a_over_h", "delta/h": "delta_over_h"}
 
 
 @dataclass(frozen=True, eq=False)
 class Check(Result):
     """Which method a case needs and why, what each would cost, and what to expect: a coarse solution of the laterally
-    unbounded body, and what each thing left out would change."""
+    unbounded body, and neglected effects and their size."""
+
+    first_lines = 16
 
     path: Path
     problem: Problem
@@ -73,15 +75,18 @@ class Check(Result):
     def words(self) -> list[str]:
         ordered = sorted(self.options, key=lambda option: option.forecast is None)  # what is applicable first
         options = (f"            {option.name:<12} {_option(option)}" for option in ordered)
+        first = [one for one in self.left_out if not one.included and one.largest is not None][:LARGEST]
+        rest = [one for one in self.left_out if one not in first]
         return [
             f"method {self.choice.name}: {self.choice.brief}",
             f"  body      {self.problem.words}",
             *self._reaches(),
             *self._relaxes(),
-            *_worst(self.left_out),
+            *_table(first, "neglected effects and their size"),
+            *["  S: punch stiffness dP/d(delta) at fixed contact radius; load and S at equal depth"] * bool(first),
             "  methods   cost and numerical error of each:",
             *options,
-            *_table(self.left_out),
+            *_table(rest, "smaller effects, and those included"),
         ]
 
     @property
@@ -147,19 +152,10 @@ def _ratio(value: Estimate) -> str:
     return f"none ({value})" if isinstance(value, Unknown) else f"{value:.3g}"
 
 
-def _worst(rows: Sequence[NeglectedEffect]) -> Iterator[str]:
-    """The three things left out that change most, with what of."""
-    known = [(one.name, one.largest) for one in rows if not one.included and one.largest is not None]
-    changes = [f"{name} ({quantity} {_percent(change)})" for name, (quantity, change) in known
-            if abs(change) >= NOTICEABLE][:3]  # fmt: skip
-    if known:
-        yield f"  left out  {', '.join(changes) or f'nothing that changes a result by {NOTICEABLE:.1%}'}"
-
-
-def _table(rows: Sequence[NeglectedEffect]) -> Iterator[str]:
-    """Every thing with its changes, and its key or why nothing is known of it."""
+def _table(rows: Sequence[NeglectedEffect], title: str) -> Iterator[str]:
+    """Effects with their changes, and the key that includes each or why nothing is known of it."""
     if rows:
-        yield f"  {'what each thing left out would change':<37}     load        S  pull-off  included by"
+        yield f"  {title:<37}     load        S  pull-off  included by"
     for one in rows:
         cells = "".join(f"{_percent(change):>9}" for change in one.changes.values())
         why = "" if one.largest else f"({one.load})"

@@ -122,7 +122,7 @@ def _of_curve(result: Analysis) -> Iterator[str]:
     budget, slopes = result.budget, result.curve.slopes
     yield (
         f"curve: {accuracy(budget.total)} (series {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)}); "
-        f"between the rows up to {_estimate(result.curve.interpolation_error)} more"
+        f"interpolation error up to {_estimate(result.curve.interpolation_error)}"
     )
     below = result.solution.facts.get("rows_below", 0)
     more = f", {below} of them solved below its own for pull-off" if below else ""
@@ -267,7 +267,7 @@ def _by_history(result: Analysis, found: Sequence[LostByHistory]) -> list[str]:
     lines += [f"  model: {'; '.join(changes)}"] if changes else []
     unknown = [error for error in errors if isinstance(error, Unknown)]
     worst = unknown[0] if unknown else max((error for error in errors if isinstance(error, float)), default=None)
-    return lines + ([] if worst is None else [f"  pull-off: {accuracy(worst)} (90 %)"])
+    return lines + ([] if worst is None else [f"  pull-off: {accuracy(worst)} (90 % confidence)"])
 
 
 def _no_depth(history: LoadingHistory) -> dict[str, Any]:
@@ -416,7 +416,7 @@ class MeasuredPullOff(Result):
             under = "" if work.stiffness == LOAD_CONTROL else " under load control"
             lines.append(
                 f"  1.5 pi w R of a half-space{under} would have given {show(work.half_space, 'work')}, "
-                f"{work.half_space / work.w:.3g} times this body's"
+                f"{work.half_space / work.w:.3g} times that of this specimen"
             )
         return lines + _validity(means.result, work.point)
 
@@ -653,7 +653,7 @@ class CycledByProgram(Result):
         trace = self.trace
         works = (edge.curve.w for edge in (trace.contact.advance, trace.contact.recede))
         return [
-            f"work of the device {trace.work:.4g} J: {self.file}",
+            f"work of the machine {trace.work:.4g} J: {self.file}",
             _device_words(trace.contact.stiffness, *works),
             *(f"  t = {show(jump.t, 'time')}: {_jump(jump)}" for jump in trace.jumps),
             *_strain_lines(self.large_strains),

@@ -45,6 +45,7 @@ ALWAYS = ("file", "curve", "status", "reason", "points")
 SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
 ZERO_POINTS = ("delta0", "P0", "tilt")  # told last
 REASONS_SHOWN, LONGEST_REASON = 6, 60  # choice: of a line; letters of one
+LOPSIDED = 0.05  # choice: of an interval, by which its middle may miss the value before its ends are printed
 VAGUE = "not determined"  # how flags end of what rivals may change by much
 NOTICEABLE = 0.01  # of an error, theory: it is shown to two digits, and a smaller part lies below the second
 
@@ -75,7 +76,7 @@ class Fits(Several):
         if len(self.fits) == 1:
             return [fit_words(self.fits[0])]
         each = [[f"{item.where}: {verdict}", *rest] for item in self.fits[:SHOWN]
-                for verdict, *rest in [fit_words(item, once=True)]]  # fmt: skip
+                for verdict, *rest in [fit_words(item)]]  # fmt: skip
         several = len(self.outcomes) + len(self.unread) >= LEAST_CURVES
         return [[self._together()], *each] if several and len(_surfaces(self.fits)) == 1 else each
 
@@ -249,8 +250,8 @@ def estimate_summary(item: FittedValue) -> dict[str, Any]:
     return numbers
 
 
-def fit_words(item: Fit, once: bool = False) -> list[str]:
-    """A fit as lines of text: the verdict (``once``: as ``brief``), what was free, and what follows from it."""
+def fit_words(item: Fit) -> list[str]:
+    """A fit as lines of text: the verdict, what was free, and what follows from it."""
     out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
     status = f"{status_of(item)}, " if item.quality is not None or item.flags else ""
     ways = f", {item.directions}" if item.directions else ""
@@ -263,7 +264,7 @@ def fit_words(item: Fit, once: bool = False) -> list[str]:
     else:
         moved = f"the data allow up to {show(left, 'length', 2)}, which would change w by {show(part, 'work', 2)}"
         range_words = [f"  {'range':<12} {moved}; if it is known to be shorter: --bound range=..LENGTH"]
-    lines = [*verdict_words(item, once), *range_words]
+    lines = [*verdict_words(item), *range_words]
     lines += [f"  {item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
     lines += [f"  {'tip':<12} {item.tip}"] * bool(item.tip)
     lines += [f"  {'free rows':<12} {'; '.join(item.held)}"] * bool(item.held)
@@ -278,50 +279,61 @@ def fit_words(item: Fit, once: bool = False) -> list[str]:
     return lines
 
 
-def verdict_words(item: Fit, once: bool = False) -> list[str]:
+def verdict_words(item: Fit) -> list[str]:
     """E* and w with the parts of their errors; of raw records also whether the model is rejected, what a formula would
     give, and which rivals the parts by the model are from."""
     shown, formula = [item.estimate("E_star"), item.work], list[str]()
     doubts = [flag for flag in item.flags if not flag.endswith(VAGUE)]
-    verdict = brief(shown, item.settings.level, once)
+    verdict = brief(shown, item.settings.level)
     verdict += f"; doubtful: {', '.join(doubts)}" if doubts else ""
     if item.verdict is None:
         return [verdict]
     if item.verdict.E_star is not None:
         by = item.verdict.E_star
         change = by / item.value("E_star") - 1
-        formula = [f"{item.verdict.formula} at the deepest row would give {show(by, 'modulus', 3)} ({change:+.0%})"]
+        formula = [f"{item.verdict.formula} fit at maximum load would give {show(by, 'modulus', 3)} ({change:+.0%})"]
     others = item.verdict.rivals
     rejected = f"; rejected for {' or '.join(others.families)}" if others.named else ""
-    judged = [] if others.named else ["the data ask for no other model"]
+    judged = [] if others.named else ["no alternative model is favoured"]
     if tied := item.verdict.tied:
         rejected = f"; by {tied[0].name} ({parameter_words(tied[0])})"
-        judged = ["JKR as described is rejected", *(f"{one.name} cannot be told from it" for one in tied[1:])]
+        judged = ["JKR as described is rejected", *(f"{one.name} is not distinguishable from it" for one in tied[1:])]
     judged += [flag for flag in item.flags if flag.endswith(VAGUE)]
     parts = dict.fromkeys(name for one in shown for name in one.model or {})
-    judged += [f"(model) is what the data leave of {', '.join(parts)}"] if parts else []
+    judged += [f"model uncertainty from {', '.join(parts)}"] if parts else []
     return [verdict + rejected, *(f"  {'; '.join(lines)}" for lines in (formula, judged) if lines)]
 
 
-def brief(items: Sequence[FittedValue], level: float, once: bool = False) -> str:
+def brief(items: Sequence[FittedValue], level: float) -> str:
     """Values with their statistical part, that of inputs, and that of the model, all half-widths at one ``level``;
-    ``once``: the kinds of several parts behind all values, where all have the same."""
+    the kinds of several parts stand behind all values, where all have the same."""
     parts = [_parts(item, level) for item in items]
-    kinds = list(parts[0]) if once and len(parts[0]) > 1 and len(set(map(tuple, parts))) == 1 else []
-    shown = ([f"± {size}" + f" ({kind})" * (not kinds) for kind, size in each.items()] for each in parts)
-    values = ", ".join(" ".join([_value(item), *errors]) for item, errors in zip(items, shown, strict=True))
+    kinds = list(parts[0]) if len(parts[0]) > 1 and len(set(map(tuple, parts))) == 1 else []
+    values = ", ".join(_value(item, each, not kinds) for item, each in zip(items, parts, strict=True))
     values += f" ({', '.join(kinds)})" * bool(kinds)
     return values + f", at {100 * level:g} %" * any(item.error is not None for item in items)
 
 
-def _value(item: FittedValue) -> str:
+def _value(item: FittedValue, parts: Mapping[str, float], named: bool) -> str:
     none = item.error is None or item.low is item.high is None  # an error beyond any interval tells nothing
-    why = "" if not none else " (not determined by the data)" if item.free else " (held)"
-    return f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension, 4)}{why}"
+    why = "" if not none else " (not determined by the data)" if item.free else " (fixed)"
+    return f"{SYMBOLS.get(item.name, item.name)} = {with_errors(item, parts, named)}{why}"
 
 
-def _parts(item: FittedValue, level: float) -> dict[str, str]:
-    """The parts of the error by their kinds, in the unit of the value, those that are noticeable."""
+def with_errors(item: FittedValue, parts: Mapping[str, float], named: bool) -> str:
+    """A value with half-widths, by their kinds where ``named``, in one unit: to the second digit of the whole error, or
+    the first of the smallest part."""
+    factor, unit = scale(item.value, item.dimension)
+    if not parts or not all(0 < size < math.inf for size in parts.values()):
+        return show(item.value, item.dimension, 4)
+    whole, least = math.hypot(*parts.values()) / factor, min(parts.values()) / factor
+    places = max(1 - math.floor(math.log10(whole)), -math.floor(math.log10(least)), 0)
+    errors = (f"± {size / factor:.{places}f}" + f" ({kind})" * named for kind, size in parts.items())
+    return " ".join([f"{item.value / factor:.{places}f}", *errors, unit]).strip()
+
+
+def _parts(item: FittedValue, level: float) -> dict[str, float]:
+    """The half-widths [SI] of the parts of the error by their kinds, those that are noticeable."""
     if item.error is None or item.low is item.high is None:
         return {}
     half = item.error * float(ndtri((1 + level) / 2))
@@ -330,8 +342,7 @@ def _parts(item: FittedValue, level: float) -> dict[str, str]:
     calibration = half * min(math.hypot(*(item.systematic or {}).values()) / (item.error or 1.0), 1.0)
     own = math.sqrt(half**2 - calibration**2)
     parts = {"statistical": own, "calibration": calibration, "model": math.hypot(*(item.model or {}).values())}
-    unit, _ = scale(item.value, item.dimension)
-    return {kind: f"{float(f'{size / unit:.2g}'):g}" for kind, size in parts.items() if size > NOTICEABLE * own}
+    return {kind: size for kind, size in parts.items() if size > NOTICEABLE * own}
 
 
 def parameter_words(one: alternative_tests.FittedRival) -> str:
@@ -344,7 +355,7 @@ def rivals_table(item: Fit) -> list[str]:
     """A line per rival of a raw record: what the data say, how much of it they ask for, and how E* and w would move."""
     if item.verdict is None:
         return []
-    head = f"  {'rival':<44}{'the data':<23}{'p':>9}{'E*':>8}{'w':>8}{'chi^2':>10}"
+    head = f"  {'alternative model':<44}{'the data':<23}{'p':>9}{'E*':>8}{'w':>8}{'chi^2':>10}"
     return [head, *(
         f"  {one.name:<44}{one.word:<23}{one.chance:>9.1g}{one.change(one.E_star):>+8.1%}{one.change(one.w):>+8.1%}"
         f"{-one.taken:>10.3g}" for one in item.verdict.rivals.scores
@@ -409,23 +420,21 @@ def estimate_lines(items: Iterable[FittedValue], level: float, names: Mapping[st
 
 
 def estimate_words(estimate: FittedValue, level: float) -> str:
-    dimension = estimate.dimension
-    text = f"{show(estimate.value, dimension, 5):<14}"
+    """A value with the half-widths of its error at ``level``; its interval where that has one end or is lopsided."""
+    dimension, parts = estimate.dimension, _parts(estimate, level)
+    text = with_errors(estimate, parts, len(parts) > 1)
     if estimate.error is None:
         text += " (not determined by the data)"
         if estimate.low is None and estimate.high is None:
             return text
-    else:
-        text += f" ± {show(estimate.error, dimension, 2):<12}"
-    ends = [None if end is None else show(end, dimension, 5) for end in (estimate.low, estimate.high)]
-    text += f" {level:.0%}: {ends[0] or 'no lower limit'} to {ends[1] or 'no upper limit'}"
-    named = (estimate.systematic or {}).items()
+    low, high = estimate.low, estimate.high
+    if low is None or high is None or abs(high + low - 2 * estimate.value) > LOPSIDED * (high - low):
+        ends = [None if end is None else show(end, dimension, 4) for end in (low, high)]
+        text += f", {100 * level:g} %: {ends[0] or 'no lower limit'} to {ends[1] or 'no upper limit'}"
     least = NOTICEABLE * (estimate.error or 0.0)
-    parts = [f"{name} {show(value, dimension, 2)}" for name, value in named if value > least]
-    text += f" (of which {', '.join(parts)})" if parts else ""
-    if estimate.model:
-        text += f"; systematic (model) ± {show(math.hypot(*estimate.model.values()), dimension, 2)}"
-    return text
+    inputs = [f"{name} {value / estimate.error:.0%}" for name, value in (estimate.systematic or {}).items()
+              if estimate.error and value > least]  # fmt: skip
+    return text + (f" (share of the error: {', '.join(inputs)})" if inputs else "")
 
 
 def _scatter(item: Fit) -> list[str]:
@@ -839,8 +848,8 @@ def flags(item: WorkAlong) -> list[str]:
             lines.append(f"{count} of {size} rows lie {word}: they have no w; {remedy}, or they are not in contact")
     if (count := int((item.state == NONE).sum())) > MANY * size:
         lines.append(
-            f"{count} of {size} rows lie at or above the nonadhesive load: check zero points and modulus; if "
-            "noise put them there, the w of the others is too large on average"
+            f"{count} of {size} rows lie at or above the nonadhesive load: check contact point, force "
+            "offset and modulus; if noise put them there, the w of the others is too large on average"
         )
     if item.w_err is not None and (unsure := int((item.w_err > item.w)[item.ok].sum())) > MANY * size:
         lines.append(f"at {unsure} of {size} rows the error of w is larger than w")

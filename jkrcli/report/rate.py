@@ -149,7 +149,7 @@ class CycledAtSpeed(History, Result):
         end = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost.t, 'time')}"
         if lost is not None and self.waited is not None:
             loaded = contact.stiffness == LOAD_CONTROL
-            where = f"at {format_state(lost.start, 'P')}" if loaded else "with the device at rest"
+            where = f"at {format_state(lost.start, 'P')}" if loaded else "with the machine at rest"
             end += f", after {show(self.waited, 'time')} {where}"
         lines.append(f"  {end}; the contact stopped growing at t = {show(self.turn, 'time')}")
         energy = self.energy_lost
@@ -244,7 +244,7 @@ class CycledRelaxing(RelaxedHistory, Result):
             "corners": list(map(timed, self.corners)),
             "contact_lost": self.lost is not None,
             "lost_t_s": self.lost,
-            **energies(energy_lost=(self.energy_lost, Unknown("not estimated for specimens that relax"))),
+            **energies(energy_lost=(self.energy_lost, Unknown("not estimated for viscoelastic specimens"))),
             "load_relative_error": self.error,
             "neglected": RELAXATION_NEGLECTED,
             "warnings": self.warnings,

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeVar
 
 from ..base.errors import InputError, installs
 from ..base.files import as_json, check_target, make_folder, real_path, together, write_csv, write_text
@@ -28,6 +28,7 @@ class Result:
     ``print``), ``warnings``, and the ``figure``. What a result has not is empty."""
 
     columns: Mapping[str, Any]
+    first_lines: ClassVar[int] = 12  # choice: that are printed without -v
 
     def summary(self) -> dict[str, Any]:
         """What the command prints with --json."""

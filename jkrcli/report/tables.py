@@ -190,10 +190,10 @@ def digits(value: float, change: Strains) -> int:
 def error_words(error: Estimate, change: Strains) -> str:
     """The relative numerical ``error``, and the model's: what large strains ``change``, far larger or not."""
     if change is None:
-        return f"{accuracy(error)} (90 %)"
+        return f"{accuracy(error)} (90 % confidence)"
     size = strain_size(change)
     seen = isinstance(error, Unknown) or error > SEEN * size
-    numerical = f"{accuracy(error)} (90 %)" if seen else "numerical error far smaller"
+    numerical = f"{accuracy(error)} (90 % confidence)" if seen else "numerical error far smaller"
     return f"{strain_words(change)} (model), {numerical}"
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -45,12 +46,10 @@ def test_a_case_and_a_curve_give_table_summary_archive_and_picture(jkr, folder: 
     outcome = jkr("fit", "sphere.toml", "probe.csv")
     assert outcome.code == 0
     lines = outcome.out.splitlines()
-    assert lines[0].startswith(
-        "E* = 1 MPa ± 0.0034 (statistical) ± 0.018 (model), w = 99.8 mJ/m^2 ± 0.49 (statistical)"
-    )
+    assert re.match(r"E\* = 1\.000 ± 0\.003 .*MPa, w = 99\.8 ± 0\.5 .*at 95 %$", lines[0])
     assert lines[1].startswith("  range        the data allow up to ")
-    assert lines[2] == "  probe.csv: 200 rows of delta, P"
-    assert lines[3].startswith("  w            99.799 mJ/m^2  ± ")
+    assert "  probe.csv: 200 rows of delta, P" in lines
+    assert any(line.startswith("  w            99.8 ± ") for line in lines)
     assert lines[-1] == "  written sphere-fit{.csv,.json,.h5}, 1 picture"
     assert outcome.err.startswith("jkr: warning: probe.csv: a/R = 0.68")
     assert len(outcome.err.splitlines()) == 1
@@ -285,7 +284,7 @@ def test_sizes_that_a_shape_lacks_are_refused(jkr) -> None:
     for words, said in (
         (("--shape", "cone", "--radius", "1 um"), "a cone has no --radius: leave it out, or give another --shape"),
         (("--half-angle", "35 deg"), "a sphere has no --half-angle: leave it out, or give another --shape"),
-        (("--shape", "pyramid"), "or the body by flags: --half-angle missing"),
+        (("--shape", "pyramid"), "or the specimen from options: --half-angle missing"),
         (("--radius", "1 um", "--cap", "sphere"), "a sphere has no --cap: leave it out, or give another --shape"),
         (
             ("--shape", "rounded-cone", "--radius", "1 um", "--half-angle", "20 deg", "--cap", "ball"),
@@ -304,7 +303,7 @@ def test_a_work_of_adhesion_ten_times_that_of_the_record_is_told_not_to_fit(jkr)
     words = ("fit", "--radius", "5 um", "--nu", "0.5", str(record), "--no-plots", "--force", "-o", "raw", "--fix")
     outcome = jkr(*words, "w=10 mJ/m^2")
     assert outcome.code == 0
-    assert "w = 10 mJ/m^2 (held), at 95 %; doubtful: misfit, model rejected" in " ".join(outcome.out.split())
+    assert "w = 10 mJ/m^2 (fixed), at 95 %; doubtful: misfit, model rejected" in " ".join(outcome.out.split())
     assert "misfit: the residuals in contact are 3." in " ".join(outcome.err.split())
     (found,) = json.loads(Path("raw/raw-force-curve-fit.json").read_text())["curves"]
     item = found["estimates"]["E_star"]

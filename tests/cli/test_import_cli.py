@@ -57,8 +57,8 @@ def test_after_import_every_verb_works_as_on_our_own(jkr, table: Path, tmp_path:
     assert summary["method"] == "import"
     # Exact data on 60 points: the slopes are polynomials, which their splines hold; 1e-12 measured.
     assert summary["pull_off"]["load"]["P_N"] == pytest.approx(-1.5 * np.pi * 0.05 * 1e-3, rel=1e-11)
-    assert summary["errors"]["total"] == "unknown: made by another program"
-    assert "numerical error unknown: made by another program: t.h5" in jkr("show", "t.h5").out
+    assert summary["errors"]["total"] == "unknown: imported data"
+    assert "numerical error unknown: imported data: t.h5" in jkr("show", "t.h5").out
     (tmp_path / "again.toml").write_text(jkr("show", "--case", "t.h5").out)
     assert jkr("run", "again.toml", "--method", "closed-form", "-o", "own.h5").code == 0
     assert jkr("compare", "t.h5", "own.h5", "--rtol", 1e-5).code == 0
@@ -93,7 +93,7 @@ def test_bodies_by_flags(jkr, table: Path) -> None:
 
 
 WRONG = {
-    "no bodies": (("t.txt",), "import: needs --case, or the body by flags: --radius, --E, --nu missing"),
+    "no bodies": (("t.txt",), "import: needs --case, or the specimen from options: --radius, --E, --nu missing"),
     "both": (("t.txt", "--case", "my.toml", "--nu", "0.3"),
              "import: --nu belongs to an import without --case; my.toml says it already"),
     "base alone": (("t.txt", *BODY, "--base", "bonded"), "import: --base needs --thickness: a half-space has no base"),

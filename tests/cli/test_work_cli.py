@@ -191,7 +191,7 @@ def test_a_force_map_of_a_microscope(jkr: Run, measured: Path) -> None:
     for item in summary["curves"]:
         # Half a step of the piezo, 0.6 nm, against a shift of some 60 nm: d(log w) = 2 d(delta)/shift
         np.testing.assert_allclose(item["w"]["all"]["median_J_per_m2"], W, rtol=0.03)
-        assert item["flags"][1].startswith("zero points estimated from")
+        assert item["flags"][1].startswith("contact point and force offset estimated from")
 
 
 RAW = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"

@@ -104,7 +104,7 @@ def test_every_guise_gives_the_same_series(tmp_path: Path, text: str, reading: S
         np.testing.assert_allclose(found[touching], exact, rtol=1e-14)
     np.testing.assert_allclose(solution.series.a, A[KEPT], rtol=1e-14)
     assert (solution.method, solution.facts["dropped"]) == ("import", raw.a.size - 5)
-    assert solution.budget.total == Unknown("unknown: made by another program")
+    assert solution.budget.total == Unknown("unknown: imported data")
 
 
 LENGTHS, LOADS = st.sampled_from(["m", "mm", "um", "nm", "cm"]), st.sampled_from(["N", "kN", "mN", "uN", "nN"])

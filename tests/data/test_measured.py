@@ -284,7 +284,7 @@ def test_baseline_tilt_and_first_touch_are_found(noise: float) -> None:
     np.testing.assert_allclose(raw.delta - found.delta, 5e-6, atol=2.6e-9)  # m
     # The line's error at its far end, of 1000 rows of noise: 2 sigma/sqrt(1000)
     np.testing.assert_allclose(found.P.max(), 4e-8, atol=4 * noise + 1e-15)  # N
-    assert found.flags[0].startswith("zero points estimated from 99")
+    assert found.flags[0].startswith("contact point and force offset estimated from 99")
     tilt = float(found.flags[0].removesuffix(" N/m").rsplit(" ", 1)[1])
     np.testing.assert_allclose(tilt, 1e-3, atol=3 * noise / 1.4e-6 / 1000**0.5)  # N/m: 3 sigma, z spreads by 1.4 um
 
@@ -299,7 +299,7 @@ def test_zero_points_need_a_free_approach() -> None:
         with_zero_points(raw.rows(slice(0, 900)))
     with pytest.raises(InputError, match=r"^c: the approach has no free part, which zero points"):
         with_zero_points(raw.rows(slice(990, 1400)))
-    with pytest.raises(InputError, match=r"^c: has no approach: zero points cannot be estimated$"):
+    with pytest.raises(InputError, match=r"^c: has no approach: contact point and force offset cannot be estimated$"):
         with_zero_points(raw.rows(slice(1201, None)))
     with pytest.raises(InputError, match=r"^c: has no approach \(segments: up\): zero points cannot"):
         with_zero_points(replace(raw.rows(slice(0, 1201)), segment=np.full(1201, "up")))

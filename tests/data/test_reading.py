@@ -56,8 +56,8 @@ def test_the_same_table_in_every_encoding(tmp_path: Path, encoding: str) -> None
     np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
     np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
     assert curve.flags == (
-        'displacement from column 1 "Weg [µm]", its sign as it is',
-        "the deflection of the device is not subtracted: give --stiffness",
+        'displacement from column 1 "Weg [µm]", sign unchanged',
+        "the deflection of the cantilever is not subtracted: give --stiffness",
     )
 
 
@@ -69,7 +69,7 @@ def test_nothing_is_subtracted_where_the_device_is_rigid(tmp_path: Path) -> None
     )
     np.testing.assert_array_equal(told.delta, Z)
     np.testing.assert_allclose(found.delta, Z - LOAD / 0.3, rtol=1e-12)
-    assert told.flags[1] == "stiffness rigid as told, the head of the file says 0.3 N/m"
+    assert told.flags[1] == "stiffness rigid as told, the header of the file says 0.3 N/m"
     bent = written(tmp_path, table(("Height (um)", Z), ("Deflection_nm", LOAD)))
     with pytest.raises(InputError, match=r"is a deflection in nm, and a rigid device has none: give its stiffness$"):
         measured.read(bent, Reading(stiffness=math.inf))
@@ -167,9 +167,9 @@ def test_piezo_or_tip_is_chosen_by_what_is_known_of_the_device(tmp_path: Path) -
     curve = one(written(tmp_path, table(*columns, head="k (N/m)\t0.019\n\n")))
     np.testing.assert_allclose(curve.delta, Z - LOAD / 0.019, rtol=1e-12, atol=1e-20)
     assert curve.flags == (
-        'displacement from column 3 "Piezo (nm)", its sign as it is',
+        'displacement from column 3 "Piezo (nm)", sign unchanged',
         'the piezo position z was taken, not column 2 "Indentation (nm)": its stiffness is known',
-        "stiffness 0.019 N/m from the head of the file, its deflection is subtracted",
+        "stiffness 0.019 N/m from the header of the file, its deflection is subtracted",
     )
 
 
@@ -180,7 +180,7 @@ def test_the_spring_constant_stands_in_the_head(tmp_path: Path, line: str) -> No
     path = written(tmp_path, line + "\n" + table(("Height (nm)", -Z * 1e9), ("Force (nN)", LOAD * 1e9)))
     assert one(path).stiffness == 0.05
     assert one(path, Reading(stiffness=0.2)).flags[-1] == (
-        "stiffness 0.2 N/m as told, the head of the file says 0.05 N/m"
+        "stiffness 0.2 N/m as told, the header of the file says 0.05 N/m"
     )
 
 

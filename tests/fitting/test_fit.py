@@ -463,6 +463,6 @@ def test_what_is_missing_in_a_record_is_said_where_nothing_fits() -> None:
         fit(half_space(), Curve("way", delta=delta, P=-delta, flags=(NOT_SUBTRACTED,)), usual())
     assert caught.value.lines == (
         "way: P falls as delta rises (correlation -1.00): one of them has the wrong sign; displacement into the "
-        "specimen and compression are positive (--flip delta, --flip P); the deflection of the device is not "
+        "specimen and compression are positive (--flip delta, --flip P); the deflection of the cantilever is not "
         "subtracted: give --stiffness",
     )

@@ -181,7 +181,7 @@ def test_a_right_record_asks_for_nothing() -> None:
     assert found.flags == ()
     assert found.verdict.rivals.misfit / found.verdict.rivals.dof == pytest.approx(1, abs=0.1)
     assert {one.word for one in found.verdict.rivals.scores} <= {EXCLUDED, UNDECIDED}
-    assert "the data ask for no other model" in fit_words(found)[2]
+    assert "no alternative model is favoured" in fit_words(found)[2]
 
 
 @pytest.mark.parametrize(("kind", "family"), [("cone", "shape of the tip"), ("plastic", "relaxation or flow")])

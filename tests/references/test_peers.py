@@ -273,7 +273,7 @@ def test_graded_half_spaces_of_chen(k: float) -> None:
     assert near < far / 2
 
 
-# ---------------------------------------------------------------------- a record made by another program's recipe
+# ---------------------------------------------------------------------- a record imported data's recipe
 def test_a_synthetic_record_of_cellmechlab(jkr: Callable, tmp_path: Path) -> None:
     """Hertz of E = 5.3 kPa, R = 3.4 um, k = 0.032 N/m, noise 1 nN, under its header."""
     delta = np.concatenate([np.linspace(-2e-6, 0, 300, endpoint=False), np.linspace(0, 2e-6, 300)])

@@ -401,9 +401,9 @@ def _edge(axes: Axes, a: float) -> None:
 # Figures of contacts over time: of a device's history, of adhesion that depends on speed, of bodies that relax.
 
 RATE_PHASES = {
-    "advance": (BLUE, "-", "edge advances"),
-    "rest": (GREEN, "--", "edge rests"),
-    "recede": (ORANGE, "-", "edge recedes"),
+    "advance": (BLUE, "-", "contact line closes"),
+    "rest": (GREEN, "--", "contact line pinned"),
+    "recede": (ORANGE, "-", "contact line opens"),
     "free": (BLACK, ":", "no contact"),
 }
 RATE_PANELS = (("delta", "P"), ("t", "P"), ("t", "a"))

@@ -45,6 +45,10 @@ STATUS_LOOKS = {FITTED: (BLUE, "o"), DOUBTFUL: (ORANGE, "^"), UNUSABLE: (BLACK, 
 MARKS = {"a": (GREEN, "s"), "delta": (BLUE, "^"), "P": (ORANGE, "o")}
 
 
+LEAP = 0.2  # choice: of all radii of a fitted line, between neighbours of one branch
+MARKERS = 300  # choice: measured points that are drawn; more hide the fitted line
+
+
 def fit_figure(fit: Fit) -> Figure:
     """Three panels, or two where the data tell no joint region of E* and w."""
     region = fit.covariance is not None and {"modulus", "w"} <= set(fit.free)
@@ -61,13 +65,12 @@ def _curve(axes: Axes, fit: Fit) -> None:
     units, labels = zip(*(axis_of(name, fit.data[name]) for name in (x, y)), strict=True)
     measured = [fit.data[name] / unit for name, unit in zip((x, y), units, strict=True)]
     near = _near_rows(fit)
-    # A fitted line without its jumps: a gap wherever contact begins or ends.
-    line = [
-        np.insert(
-            fit.line[name][near] / unit, np.flatnonzero(np.diff((fit.line["a"][near] > 0).astype(int))) + 1, np.nan
-        )
-        for name, unit in zip((x, y), units, strict=True)
-    ]
+    # A fitted line without its jumps: a gap wherever contact begins or ends, and between the end of one branch and
+    # the begin of the other, where the contact radius leaps.
+    radii = fit.line["a"][near]
+    leaps = (np.diff((radii > 0).astype(int)) != 0) | (np.abs(np.diff(radii)) > LEAP * np.ptp(radii))
+    gaps = np.flatnonzero(leaps) + 1
+    line = [np.insert(fit.line[name][near] / unit, gaps, np.nan) for name, unit in zip((x, y), units, strict=True)]
     places = [axes]
     touched = fit.a > 0
     if touched.any() and np.ptp(measured[0][touched]) < LARGER * np.ptp(measured[0]):
@@ -75,7 +78,8 @@ def _curve(axes: Axes, fit: Fit) -> None:
         level = (float(np.median(up[~touched])) - up.min()) / np.ptp(up)
         places.append(enlarged(axes, across[touched], up[touched], 0.05 + 0.9 * level))
     for place in places:
-        place.plot(*measured, "o", color=SKY, ms=3, mfc="none", label="measured")
+        thin = 1 + fit.a.size // MARKERS
+        place.plot(*(values[::thin] for values in measured), "o", color=SKY, ms=3, mfc="none", label="measured")
         place.plot(*line, "-", color=BLACK, lw=1.0, label="fitted")
     axes.set(xlabel=labels[0], ylabel=labels[1])
 
@@ -251,7 +255,7 @@ def record_figure(records: Sequence[ForceCurve]) -> Figure:
     with panelled(WIDE, max(3.6, 2.2 * rows + 0.6), len(shown), columns, legend=4) as (figure, panels):
         for i, (panel, record) in enumerate(zip(panels, shown, strict=False)):
             _panel(panel, record, x, y, round(LETTERS / columns))
-            what = "displacement" if record.curve.stiffness is None else "position z of the device"
+            what = "displacement" if record.curve.stiffness is None else "position z of the cantilever"
             panel.set_xlabel(fill(f"{what} ({length})", LETTERS // columns) if i + columns >= len(shown) else "")
             panel.set_ylabel(f"load ({load})" if i % columns == 0 else "")
         return figure

@@ -1,0 +1,42 @@
+"""The field's words: phrases that a reader of the field would read twice stand in no message and on no user's page."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PHRASES = (
+    "the data ask for no other model", "asked for by the data", "cannot be told from", "is what the data leave",
+    "left out would change", "body by flags", "its sign as it is", "from the head of the file", "found out]",
+    "of the data's size", "Hertz at the deepest row", "at the deepest row would", "between the rows up to",
+    "made by another program", "times this body's", "edge advances", "edge rests", "edge recedes",
+    "specimens that relax",
+)  # fmt: skip
+PAGES = [ROOT / "README.md", *(page for page in (ROOT / "docs").rglob("*.md") if page.parent.name != "project")]
+
+
+def texts(path: Path) -> Iterator[str]:
+    """The strings of a module but its docstrings; an f-string's constant parts."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    docs = {
+        id(node.body[0].value)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
+        and node.body and isinstance(node.body[0], ast.Expr)
+    }  # fmt: skip
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docs:
+            yield node.value
+
+
+@pytest.mark.parametrize("phrase", PHRASES)
+def test_no_message_and_no_page_has_the_phrase(phrase: str) -> None:
+    assert [path.name for path, said in MESSAGES if phrase in said] == []
+    assert [page.name for page in PAGES if phrase in page.read_text(encoding="utf-8")] == []
+
+
+MESSAGES = [(path, said) for path in (ROOT / "jkrcli").rglob("*.py") for said in texts(path)]

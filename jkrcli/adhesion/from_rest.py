@@ -247,7 +247,7 @@ def _changed(unit: Nonadhesive, moduli: float, profile: float) -> Nonadhesive:
 
 
 def histories(law: Relaxation, rest: Rest) -> tuple[LoadingHistory, ...] | Unknown:
-    """The histories for which adhesion on a specimen that relaxes by ``law`` is known, with that from ``rest``; very
+    """The histories for which adhesion on a viscoelastic specimen by ``law`` is known, with that from ``rest``; very
     fast cycles alone where the relaxed modulus is zero."""
     ratio = law.relaxed
     if ratio is None:

@@ -36,7 +36,7 @@ NOT_TOGETHER = {
     "specimen; leave out indenter.E and nu, or the relaxation",
     ("relaxation", "sticking"): "specimen.relaxation: is for frictionless contact: leave "
     'surface = "sticking" out, or relaxation',
-    ("relaxation", "tension"): "specimen.relaxation: contact of a body that relaxes is not derived with surface "
+    ("relaxation", "tension"): "specimen.relaxation: contact of a viscoelastic specimen is not derived with surface "
     "tension: leave specimen.surface_tension out, or the relaxation",
     ("tension", "sticking"): "specimen.surface_tension: contact without slip is not derived with surface tension: "
     'leave it out, or take specimen.surface = "sliding"',

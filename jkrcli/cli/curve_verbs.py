@@ -425,7 +425,7 @@ def explore(
     curve.
 
     It works from disk without a network: sliders and number fields for the work of adhesion, a factor to all moduli,
-    the machine's stiffness and the data's zero point; stable and unstable branches, pull-off, the commands that give
+    the machine's stiffness and the data's contact point; stable and unstable branches, pull-off, the commands that give
     the same numbers, a button that saves the curve as CSV.
 
     \b

@@ -117,7 +117,7 @@ class RateOptions:
         """InputError where they say what a body does over time that relaxes and adheres, but not all of it."""
         if self.rate is None and self.named and not (ranged and self.timed):
             raise InputError(
-                f"cycle: {flag(self.named[0])}: adhesion on a specimen that relaxes is followed over time by a "
+                f"cycle: {flag(self.named[0])}: adhesion on a viscoelastic specimen is followed over time by a "
                 "cohesive stress: give --stress or --range, and --speed or --program; or none of them, for very fast "
                 "and very slow cycles and one from rest; or --w-approach 0"
             )
@@ -250,7 +250,7 @@ def cycle(
     in_limits = adhering and not rates.timed
     if compare_rate and (in_limits or not adhering):
         raise InputError(
-            "cycle: --compare-rate is for adhesion on a specimen that relaxes over time: give --stress and --speed"
+            "cycle: --compare-rate is for adhesion on a viscoelastic specimen: give --stress and --speed"
         )
     if rates.rate is not None:  # there the stress is that of the zone in which energy is lost
         rates, how = replace(rates, stress=how.stress), replace(how, stress=None)
@@ -264,7 +264,7 @@ def cycle(
         known = traced_histories(solution, rest, rates.to_load, rates.to_depth, rests)
     elif rest is not None and not adhering:
         raise InputError(
-            "cycle: --rest-load and --rest-depth are for adhesion on a specimen that relaxes: leave them out"
+            "cycle: --rest-load and --rest-depth are for adhesion on a viscoelastic specimen: leave them out"
         )
     names = [one.name for one in known] or [""]
     ends = f"{_told(w_approach, w_retract, stiffness)}{rates.suffix(stiffness)}{_told_rest(rest)}{ranged.suffix}"

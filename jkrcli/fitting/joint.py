@@ -217,9 +217,9 @@ def joint_fit(
     fixed = tuple(Parameter(p.name, False, known[p.name]) if p.name in known else p for p in settings.parameters)
     sharing = replace(settings, parameters=fixed)
     # The fit of each record with the shared estimates in the place of those that were fixed in it.
-    known = {item.name: item for item in estimates}
+    shared_by_name = {item.name: item for item in estimates}
     fits = tuple(
-        replace(one, estimates=tuple(known.get(item.name, item) for item in one.estimates))
+        replace(one, estimates=tuple(shared_by_name.get(item.name, item) for item in one.estimates))
         for one in (fit(body, curve, sharing) for body, curve in zip(bodies, curves, strict=True))
     )
     rise = 2 * (least.cost - sum(part.least.cost / part.noise for part in parts))

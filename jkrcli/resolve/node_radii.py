@@ -151,7 +151,7 @@ class Compared:
             return f"{spacing}; where the edge is between them is not known: {c:+.2f} ± {error:.2f} elements taken"
         how = {"body": "corrected", "tip": "corrected by the tip alone"}[source]
         where = f"{abs(c):.2f} ± {error:.2f} elements {'ahead' if c >= 0 else 'behind'}"
-        return f"{spacing}; the edge runs {where}: {how}"
+        return f"{spacing}; the contact edge lies {where}: {how}"
 
     @property
     def unexplained(self) -> tuple[float, float]:
@@ -472,7 +472,7 @@ def _judged(gap: Array, rates: Array, x: Array, least: float, equal: str) -> tup
     how = "drifts from" if name == "load" else "departs from"
     return (
         f"the {name} {how} the solution of these bodies at the same {equal} by {spans[name]:+.1%}, beyond the "
-        "scatter (the modulus left free): drift, a wrong zero point, or other bodies; the stated errors do not "
+        "scatter (the modulus left free): drift, a wrong contact point, or other bodies; the stated errors do not "
         "include it",
     )
 

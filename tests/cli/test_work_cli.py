@@ -128,7 +128,7 @@ def test_bad_curves_and_bad_files_among_many(jkr: Run, measured: Path) -> None:
     assert done.code == 0
     skipped = (
         'map.csv: curve "bad": none of its 4 rows gives a work of adhesion: 4 at contact radii above 200 um, where it '
-        "ends; are the zero points (--zero), signs (--flip), units and the modulus right?"
+        "ends; are contact point and force offset (--zero), signs (--flip), units and modulus right?"
     )
     assert f"jkr: warning: skipped: {skipped}\n" in done.err
     assert json.loads(Path("map-work.json").read_text())["skipped"] == [skipped]

@@ -408,7 +408,7 @@ def test_the_end_of_a_curve_on_a_thin_layer_is_no_base_line() -> None:
 @pytest.mark.parametrize("line", [7, 9, 12, 30])
 @pytest.mark.parametrize("power", [1.0, 1.5, 3.0])
 def test_a_base_line_of_few_rows_is_one(line: int, power: float) -> None:
-    """Up to ten rows of it were fitted as contact: "no curve of this body comes within 1.4 of the data's size"."""
+    """Up to ten rows of it were fitted as contact: "the best fit leaves 140 % of the signal unexplained"."""
     depth = np.linspace(0.02, 1.0, 22)
     delta = np.concatenate([0.03 * np.arange(-line, 0), depth])
     for noise in (0.0, 1e-4):

@@ -152,7 +152,7 @@ def test_a_curve_without_any_usable_row_is_refused_with_the_counts() -> None:
         work_along(held, curve)
     assert str(caught.value) == (
         "c: none of its 3 rows gives a work of adhesion: 1 at or above the nonadhesive load, 2 at contact radii above "
-        "200 um, where it ends; are the zero points (--zero), signs (--flip), units and the modulus right?"
+        "200 um, where it ends; are contact point and force offset (--zero), signs (--flip), units and modulus right?"
     )
 
 

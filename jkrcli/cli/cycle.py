@@ -249,9 +249,7 @@ def cycle(
         rates.refuse_in_limits(bool(how.of(solution)))
     in_limits = adhering and not rates.timed
     if compare_rate and (in_limits or not adhering):
-        raise InputError(
-            "cycle: --compare-rate is for adhesion on a viscoelastic specimen: give --stress and --speed"
-        )
+        raise InputError("cycle: --compare-rate is for adhesion on a viscoelastic specimen: give --stress and --speed")
     if rates.rate is not None:  # there the stress is that of the zone in which energy is lost
         rates, how = replace(rates, stress=how.stress), replace(how, stress=None)
     ranged = how.of(solution)

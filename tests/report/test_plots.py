@@ -31,7 +31,7 @@ from jkrcli.report import plots
 from jkrcli.report.map import Map
 from jkrcli.report.plots import looks
 from jkrcli.report.plots.forward import curve_figure, physical_units
-from jkrcli.report.plots.inverse import map_figure
+from jkrcli.report.plots.inverse import _broken, map_figure
 from jkrcli.report.plots.studies import differences_figure
 from jkrcli.report.result import Files
 from jkrcli.resolve.analysis import Analysis, analyse
@@ -376,3 +376,11 @@ def test_names_of_written_files_are_those_that_are_there(tmp_path: Path, capsys:
     assert paper.main(["--only", "fig10", "--no-plots", "-o", str(tmp_path)]) == 0
     assert "{}" not in capsys.readouterr().out
     assert not list(tmp_path.iterdir())
+
+
+def test_a_fitted_line_is_not_joined_from_branch_to_branch() -> None:
+    """Free, then in contact up to 4, pinned, then the retraction, which begins at 1: gaps where contact begins and
+    where the next branch does."""
+    a = np.array([0.0, 0.0, 2.0, 3.0, 4.0, 4.0, 1.0, 1.5])
+    (line,) = _broken(a, [np.arange(8.0)])
+    np.testing.assert_array_equal(line, [0, 1, np.nan, 2, 3, 4, 5, np.nan, 6, 7])

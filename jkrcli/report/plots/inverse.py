@@ -42,10 +42,9 @@ from .looks import (
 
 AXES = {"delta,P": ("delta", "P"), "a,P": ("P", "a"), "a,delta": ("delta", "a"), "a,delta,P": ("delta", "P")}
 STATUS_LOOKS = {FITTED: (BLUE, "o"), DOUBTFUL: (ORANGE, "^"), UNUSABLE: (BLACK, "x")}
+BRANCH_GAP = 0.3  # choice: of the largest contact radius, a step of the fitted line beyond which it is not joined
+ARROW_ROWS = 8  # choice: fewest rows of a branch in contact for an arrow
 MARKS = {"a": (GREEN, "s"), "delta": (BLUE, "^"), "P": (ORANGE, "o")}
-
-
-LEAP = 0.2  # choice: of all radii of a fitted line, between neighbours of one branch
 MARKERS = 300  # choice: measured points that are drawn; more hide the fitted line
 
 
@@ -64,13 +63,6 @@ def _curve(axes: Axes, fit: Fit) -> None:
     x, y = AXES[",".join(fit.data)]
     units, labels = zip(*(axis_of(name, fit.data[name]) for name in (x, y)), strict=True)
     measured = [fit.data[name] / unit for name, unit in zip((x, y), units, strict=True)]
-    near = _near_rows(fit)
-    # A fitted line without its jumps: a gap wherever contact begins or ends, and between the end of one branch and
-    # the begin of the other, where the contact radius leaps.
-    radii = fit.line["a"][near]
-    leaps = (np.diff((radii > 0).astype(int)) != 0) | (np.abs(np.diff(radii)) > LEAP * np.ptp(radii))
-    gaps = np.flatnonzero(leaps) + 1
-    line = [np.insert(fit.line[name][near] / unit, gaps, np.nan) for name, unit in zip((x, y), units, strict=True)]
     places = [axes]
     touched = fit.a > 0
     if touched.any() and np.ptp(measured[0][touched]) < LARGER * np.ptp(measured[0]):
@@ -80,8 +72,47 @@ def _curve(axes: Axes, fit: Fit) -> None:
     for place in places:
         thin = 1 + fit.a.size // MARKERS
         place.plot(*(values[::thin] for values in measured), "o", color=SKY, ms=3, mfc="none", label="measured")
-        place.plot(*line, "-", color=BLACK, lw=1.0, label="fitted")
+        for label, colour, rows in _branches(fit):
+            line = [np.where(rows, fit.line[name], np.nan) / unit for name, unit in zip((x, y), units, strict=True)]
+            place.plot(*_broken(fit.line["a"], line), "-", color=colour, lw=1.2, label=label)
+            if label != "fitted" and place is places[-1]:
+                _arrow(place, line, np.where(rows, fit.line["a"], np.nan), colour)
     axes.set(xlabel=labels[0], ylabel=labels[1])
+
+
+def _branches(fit: Fit) -> list[tuple[str, str, Array]]:
+    """Label, colour and rows of approach and retraction along the fitted line, or of the line as a whole."""
+    a, near, place = fit.line["a"], _near_rows(fit), np.arange(fit.line["a"].size)
+    if fit.quality is None:  # a table: the contact line closes up to the reversal, is pinned, then opens
+        stops = np.flatnonzero((np.diff(a) <= 0) & (a[:-1] > 0))
+        turn = int(stops[0]) if stops.size else a.size
+    else:  # a raw force curve: rows in the order of time
+        turn = int(np.argmax(a)) if "approach" in fit.directions or not fit.directions else 0
+    if not 0 < turn < a.size - 1:
+        return [("fitted", BLACK, near)]
+    return [("fitted, approach", BLUE, near & (place <= turn)), ("fitted, retraction", ORANGE, near & (place >= turn))]
+
+
+def _broken(a: Array, line: Sequence[Array]) -> list[Array]:
+    """The fitted ``line`` without its jumps: a gap where contact begins or ends, or the next branch begins."""
+    begins = np.diff((a > 0).astype(int)) != 0
+    gaps = np.flatnonzero(begins | (np.abs(np.diff(a)) > BRANCH_GAP * np.max(a))) + 1
+    return [np.insert(column, gaps, np.nan) for column in line]
+
+
+def _arrow(axes: Axes, line: Sequence[Array], a: Array, colour: str) -> None:
+    """An arrow in the middle of a branch: towards larger contact radii on approach, smaller ones on retraction."""
+    rows = np.flatnonzero(a > 0)
+    if rows.size < ARROW_ROWS:
+        return
+    middle = rows[np.argmin(np.abs(a[rows] - 0.7 * a[rows].max()))]  # choice: where branches are apart and not steep
+    others = rows[np.abs(a[rows] - a[middle]) > 0.02 * a[rows].max()]  # choice: long enough for its direction
+    if others.size == 0:
+        return
+    other = others[np.argmin(np.abs(others - middle))]
+    begin, end = (middle, other) if (a[other] > a[middle]) == (colour == BLUE) else (other, middle)
+    tail, head = ((float(line[0][row]), float(line[1][row])) for row in (begin, end))
+    axes.annotate("", head, tail, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.2, "mutation_scale": 9})
 
 
 def _near_rows(fit: Fit) -> Array:
@@ -147,7 +178,8 @@ def joint_figure(joint: JointFit) -> Figure:
             line = [np.where(touching, one.line[name], np.nan) for name in (x, y)]
             read, curve = ([(v - o) / f for v, o, f in zip(p, zeros, factors, strict=True)] for p in (near, line))
             axes.plot(*read, "o", color=COLORS[i % len(COLORS)], ms=3, mfc="none", label=pretty(one.name))
-            axes.plot(*curve, "-", color=BLACK, lw=1.0, label="fitted" if one is together[-1] else None)
+            label = "fitted" if one is together[-1] else None
+            axes.plot(*_broken(one.line["a"], curve), "-", color=BLACK, lw=1.0, label=label)
         axes.set(xlabel=labels[0], ylabel=labels[1])
         return figure
 

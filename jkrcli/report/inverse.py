@@ -314,7 +314,14 @@ def brief(items: Sequence[FittedValue], level: float) -> str:
     return values + f", at {100 * level:g} %" * any(item.error is not None for item in items)
 
 
+def _is_least(item: FittedValue) -> bool:
+    """Whether the value is a lower bound: nothing but its own low end is known."""
+    return item.error is None and item.high is None and item.low == item.value
+
+
 def _value(item: FittedValue, parts: Mapping[str, float], named: bool) -> str:
+    if _is_least(item):
+        return f"{SYMBOLS.get(item.name, item.name)} > {show(item.value, item.dimension, 3)} (lower bound)"
     none = item.error is None or item.low is item.high is None  # an error beyond any interval tells nothing
     why = "" if not none else " (not determined by the data)" if item.free else " (fixed)"
     return f"{SYMBOLS.get(item.name, item.name)} = {with_errors(item, parts, named)}{why}"
@@ -422,6 +429,8 @@ def estimate_lines(items: Iterable[FittedValue], level: float, names: Mapping[st
 def estimate_words(estimate: FittedValue, level: float) -> str:
     """A value with the half-widths of its error at ``level``; its interval where that has one end or is lopsided."""
     dimension, parts = estimate.dimension, _parts(estimate, level)
+    if _is_least(estimate):
+        return f"more than {show(estimate.value, dimension, 3)}"
     text = with_errors(estimate, parts, len(parts) > 1)
     if estimate.error is None:
         text += " (not determined by the data)"

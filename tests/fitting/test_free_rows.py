@@ -16,6 +16,7 @@ from jkrcli.data.measured import read
 from jkrcli.data.segmentation import segment_force_curve
 from jkrcli.fitting.procedure import fit
 from jkrcli.fitting.result import Fit
+from jkrcli.report.inverse import estimate_words
 
 E_STAR, R, W = 500e3, 5e-6, 2e-4
 PULL_OFF = 1.5 * np.pi * W * R
@@ -180,6 +181,7 @@ def test_a_contact_much_stiffer_than_its_device_has_a_least_modulus() -> None:
     assert item.low is not None
     assert item.low < E_STAR
     assert any("times stiffer than the device" in line for line in found.warnings)
+    assert estimate_words(item, 0.95).startswith("more than ")
 
 
 def test_a_direction_that_nobody_asked_for_is_not_missed() -> None:

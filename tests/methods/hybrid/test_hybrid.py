@@ -13,6 +13,7 @@ from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.materials import Elastic, Exponential, Graded, Layer, Linear, TransverselyIsotropic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.hybrid import correction
 from jkrcli.methods.hybrid.correction import Region
 from jkrcli.methods.hybrid.kernel import HYBRID_NO_CLAIM, AdaptiveKernel, KernelContact, KernelLevels, count_for
 from jkrcli.methods.hybrid.method import Hybrid
@@ -144,6 +145,13 @@ def test_better_than_second_order_where_a_free_side_meets_a_held_one(name: str) 
 def test_a_split_layer_is_the_whole_layer() -> None:
     whole, split = stack((1.0, 0.4, 2.0)), stack((1.0, 0.4, 0.7), (1.0, 0.4, 1.3))
     assert difference(solve(whole, 1.5, 1e-6).series, solve(split, 1.5, 1e-6).series) < 2e-6  # both stated errors
+
+
+def test_slabs_within_little_memory_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    body = stack((1.0, 0.4, 1.0), base=HalfSpace(Elastic(10.0, 0.25)))
+    whole = solve(body, 1.0, 1e-3).series
+    monkeypatch.setattr(correction, "AT_ONCE", 3000)
+    assert difference(solve(body, 1.0, 1e-3).series, whole) < 1e-10
 
 
 def test_units_do_not_matter() -> None:

@@ -58,7 +58,9 @@ def _level() -> int:
 
 def folded(line: str, widest: int = WIDE) -> str:
     """A line as several of the terminal's width, broken between words; all but the first are set in."""
-    width = min(max(shutil.get_terminal_size((WIDE, 0)).columns, 40), widest)
+    width = max(shutil.get_terminal_size((WIDE, 0)).columns, 40)
+    if not os.environ.get("COLUMNS", "").isdigit():  # who sets it is obeyed
+        width = min(width, widest)
     if len(line) <= width:
         return line
     indent = " " * (len(line) - len(line.lstrip()) + 4)

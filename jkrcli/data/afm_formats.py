@@ -570,6 +570,8 @@ def _guarded(where: str) -> Iterator[None]:
     except (InputError, MemoryError, KeyboardInterrupt, SystemExit, GeneratorExit):
         raise
     except BaseException as error:
+        if hasattr(error, "meta_keys"):  # what the file lacks, which its caller asks for
+            raise
         raise UnreadableError(f"{where}: afmformats cannot read this file ({first_line(error)})") from None
 
 

@@ -310,6 +310,10 @@ def _bent(sides: Sequence[Side], size: int, stiffness: float) -> Bent | None:
     falls = _falls(blocks, at, way)
     if falls[0] < FREE_SIGMAS**2 or falls[0] < FREE_MIRRORED * falls[1]:
         return None
+    # Rows next to contact may belong to it, or to a slow jump: an attraction is seen without them, too.
+    apart_from_contact = [(*tuple(v[x < at - FREE_RANGES[0] * way] for v in (x, y)), s) for x, y, s in blocks]
+    if _falls(apart_from_contact, at, way)[0] < FREE_SIGMAS**2:
+        return None
     bends = [_bend(blocks, law, at, way, stiffness, False) for law in LAWS]
     least = min(one.cost for one in bends)
     colour = max(least / bends[0].dof, 1.0)

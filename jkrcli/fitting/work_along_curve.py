@@ -207,8 +207,8 @@ def _refuse_none(body: Nonadhesive, curve: Curve, state: Array) -> None:
             "belong to the record? jkr fit finds E* (--modulus-factor)"
         )
     raise InputError(
-        f"{curve.where}: none of its {len(curve)} rows gives a work of adhesion: {', '.join(counts)}; are the zero "
-        "points (--zero), signs (--flip), units and the modulus right?"
+        f"{curve.where}: none of its {len(curve)} rows gives a work of adhesion: {', '.join(counts)}; are contact "
+        "point and force offset (--zero), signs (--flip), units and modulus right?"
     )
 
 

@@ -309,7 +309,7 @@ def test_a_work_of_adhesion_ten_times_that_of_the_record_is_told_not_to_fit(jkr)
     item = found["estimates"]["E_star"]
     part = math.hypot(*item["model"].values())
     assert item["low"] - part < 200e3 < item["high"] + part
-    assert "w = 5 mJ/m^2 (held)" in jkr(*words, "w=5 mJ/m^2").out
+    assert "w = 5 mJ/m^2 (fixed)" in jkr(*words, "w=5 mJ/m^2").out
 
 
 def test_a_work_of_adhesion_on_its_upper_bound_is_said_to_be(jkr: Callable[..., Outcome]) -> None:

@@ -162,9 +162,9 @@ def test_a_raw_curve_is_fitted_without_a_case_file(jkr: Callable[..., Outcome], 
 
 def test_a_drift_is_told_in_every_form(jkr: Callable[..., Outcome], table: Path) -> None:
     body = ("--shape", "paraboloid", "--radius", "5 um", "--nu", "0.5", "--stiffness", "0.05 N/m")
-    done = jkr("fit", *body, str(table), "--segment", "both", "--free", "drift", "--no-plots")
+    done = jkr("fit", *body, str(table), "--segment", "both", "--free", "drift", "--no-plots", "-v")
     assert done.code == 0
-    assert re.search(r"^  drift +-?[\d.]+ [pn]m/s +±", done.out, re.MULTILINE)
+    assert re.search(r"^  drift +-?[\d.]+ ± [\d.]+ .*[pn]m/s", done.out, re.MULTILINE)
     held = json.loads((table.parent / "probe-fit.json").read_text())["curves"][0]["estimates"]["drift"]
     assert abs(held["value"]) < 3 * held["standard_error"]
     assert "drift_m_per_s" in (table.parent / "probe-fit.csv").read_text()

@@ -297,11 +297,11 @@ def test_zero_points_need_a_free_approach() -> None:
         InputError, match=r"^c: the load of the approach never leaves its baseline: no contact was made$"
     ):
         with_zero_points(raw.rows(slice(0, 900)))
-    with pytest.raises(InputError, match=r"^c: the approach has no free part, which zero points"):
+    with pytest.raises(InputError, match=r"^c: the approach has no free part to estimate contact point"):
         with_zero_points(raw.rows(slice(990, 1400)))
     with pytest.raises(InputError, match=r"^c: has no approach: contact point and force offset cannot be estimated$"):
         with_zero_points(raw.rows(slice(1201, None)))
-    with pytest.raises(InputError, match=r"^c: has no approach \(segments: up\): the contact point cannot"):
+    with pytest.raises(InputError, match=r"^c: has no approach \(segments: up\): contact point and force offset"):
         with_zero_points(replace(raw.rows(slice(0, 1201)), segment=np.full(1201, "up")))
     both = with_zero_points(replace(raw, segment=np.full(len(raw), "up")))  # what turns back holds both directions
     assert both.flags == with_zero_points(raw).flags

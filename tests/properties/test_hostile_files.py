@@ -385,7 +385,10 @@ def test_curves_of_long_names_are_fitted_and_drawn(jkr: Run, series: Path, monke
     rows = "".join(f"{x},{y}\n" for x, y in zip(a.tolist(), P.tolist(), strict=True)).encode()
     vendors.zipped(Path("m.zip"), {f"{name}.csv": b"a_m,P_N\n" + rows for name in ("a" * 300, "x")})
     done = jkr("fit", series, "m.zip")
-    assert (done.code, done.out.splitlines()[-1]) == (0, "  written s-fit{.csv,.json,.h5}, 2 pictures"), done.err
+    assert (done.code, done.out.splitlines()[-1]) == (
+        0,
+        "  written s-fit{.csv,.json,.h5}, 2 pictures, all curves in s-fit-curves.html",
+    ), done.err
 
 
 def test_names_that_others_gave_become_different_names_of_files(tmp_path: Path) -> None:

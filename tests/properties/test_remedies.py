@@ -285,7 +285,7 @@ REFUSALS = {"Refusal", "InaccurateError"}
 REASONS = {"refusal", "_unable", "_too_much", "_no_radius", "unsmooth", "_formula", "_half_space", "_thin_layer"}
 PASSED_ON = {  # what such functions return, and refusals that another one holds
     "reason", "found", "error.fixed", "_no_radius(problem, reach)", "_too_much(problem)",
-    "[*unreached.lines, *refusal.lines]", "self._too_far(a)", "self.no_range",
+    "[*_unreached(tolerance, reached, solved).lines, *refusal.lines]", "self._too_far(a)", "self.no_range",
 }  # fmt: skip
 BEHIND = (  # never seen, as something else is told before, or seen as no refusal
     "mesh: {} x {} lines make too many quadrilaterals",  # their number is estimated first

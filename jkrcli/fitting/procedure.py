@@ -346,6 +346,8 @@ def with_inputs(fitted: Fit, body: FittedBody, stiffness: float | None) -> Fit:
     if missing and not body.problem.layers:
         missing = ["radius (E* ~ R^-1/2, w ~ 1/R)"]
     ratio = None if stiffness is None or math.isinf(stiffness) else _stiffness_of_contact(fitted) / stiffness
+    if ratio is not None and math.isinf(ratio):  # the fitted line holds no two depths in contact
+        ratio = None
     if ratio is not None:
         of_error = f" (1 % of it is {round(1 + ratio, 1 if ratio < STIFFEST / 5 else None)} % of E*)"
         missing += [

@@ -154,12 +154,13 @@ def _ratio(value: Estimate) -> str:
 
 def _table(rows: Sequence[NeglectedEffect], title: str) -> Iterator[str]:
     """Effects with their changes, and the key that includes each or why nothing is known of it."""
+    name = max(len(title) - 2, *(len(one.name) for one in rows), 0) if rows else 0
     if rows:
-        yield f"  {title:<37}     load        S  pull-off  included by"
+        yield f"  {title:<{name + 2}}    load       S pull-off  included by"
     for one in rows:
-        cells = "".join(f"{_percent(change):>9}" for change in one.changes.values())
+        load, S, pull_off = map(_percent, one.changes.values())
         why = "" if one.largest else f"({one.load})"
-        yield f"    {one.name:<35}{cells}   {why or one.key}".rstrip()
+        yield f"    {one.name:<{name}}{load:>8}{S:>8}{pull_off:>9}  {why or one.key}".rstrip()
 
 
 def _percent(change: Estimate) -> str:

@@ -55,8 +55,8 @@ DESCRIBED = {
     "cycle": "w-approach w-retract stiffness to-load to-depth speed hold rate stress range output help",
     "look": "shape radius column unit factor stiffness sensitivity where rows output no-plots help",
     "fit": "shape radius nu thickness base stiffness free fix uncertain rivals output help",
-    "work": "use segment law rate column unit stiffness sensitivity uncertain output no-plots help",
-    "explore": "w column unit factor flip stiffness points output force json quiet help",
+    "work": "use segment noise column unit flip zero contact stiffness output no-plots help",
+    "explore": "w column unit factor flip zero stiffness slopes output force json help",
 }
 # Options that mean something else to some verbs, where everybody needs them.
 FIRST = {"cycle": ("stiffness",), "pull-off": ("stiffness", "uncertain"), "rate-map": ("rate", "speed", "stiffness")}

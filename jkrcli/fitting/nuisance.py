@@ -54,7 +54,7 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
         best = whole_fit(body, other, settings)
         return float(best.off @ best.off), outcome_of(best, best.x, body), best
 
-    changes, laws = list[Mapping[str, float]](), dict[str, float]()
+    changes, laws, unknown = list[Mapping[str, float]](), dict[str, float](), tuple[str, ...]()
     try:
         if held.attraction is not None:
             (held, here, cost, per_row, width), other = sorted(
@@ -70,8 +70,8 @@ def settled(body: FittedBody, record: ForceCurve, settings: Settings) -> Nuisanc
             moved = replace(held, taken=held.taken + raised)
             changes.append(_between(here, of(record.holding(moved))[1]))
     except JkrError:  # a size that no curve resembles tells nothing
-        pass
-    return Nuisance(record, tuple(changes), laws, (*held.words, *_left_in(body, record, settings)))
+        unknown = ("how well its size is known is not in the errors: no curve fits at other sizes",)
+    return Nuisance(record, tuple(changes), laws, (*held.words, *_left_in(body, record, settings), *unknown))
 
 
 Outcome: TypeAlias = tuple[float, Mapping[str, float], ForceCurveFit]

@@ -20,8 +20,8 @@ from jkrcli.base.errors import installs
 from jkrcli.cli import GROUPS, VERBS
 from jkrcli.cli import jkr as root
 from jkrcli.cli.study_verbs import STUDIES
+from jkrcli.cli.verb import DESCRIBED, LINES
 from jkrcli.cli.verb import GROUPS as OPTIONS
-from jkrcli.cli.verb import LINES
 from jkrcli.report import doctor
 
 BIN = Path(sys.executable).parent
@@ -61,6 +61,14 @@ def test_every_option_says_what_it_does() -> None:
 
 
 MAIN = GROUPS["Commands"]
+
+
+@pytest.mark.parametrize("verb", DESCRIBED)
+def test_what_a_help_describes_are_options_of_its_verb(verb: str) -> None:
+    command = root.get_command(click.Context(root), verb)
+    assert command is not None
+    names = {option.removeprefix("--") for parameter in command.params for option in parameter.opts}
+    assert set(DESCRIBED[verb].split()) - {"help"} <= names
 
 
 def test_eight_verbs_come_first() -> None:

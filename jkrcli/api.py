@@ -353,7 +353,7 @@ def _driven(
     from .adhesion.device_path import Course
 
     if (speed is None) == (program is None):
-        raise InputError(f"{verb}: give either the speed of the device or its program")
+        raise InputError(f"{verb}: give either the speed of the instrument or its program")
     if speed is None:
         assert program is not None
         return program

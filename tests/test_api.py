@@ -90,11 +90,14 @@ def test_a_cycle_at_speed_is_that_of_the_command_line(jkr: Callable) -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({}, "cycle_at_speed: give either the speed of the device or its program"),
+        ({}, "cycle_at_speed: give either the speed of the instrument or its program"),
         ({"speed": "10 kg"}, "speed: must be a speed"),
         ({"speed": 0.0}, "speed: must be > 0, got 0.0"),
-        ({"speed": 1e-6, "to_load": "1 N", "to_depth": "1 um"}, "cycle: give the turn as a load or as a depth"),
-        ({"speed": 1e-6, "law_approach": {"v0": 1e-6, "n": 1}}, "cycle: an edge that advances by a law needs a turn"),
+        ({"speed": 1e-6, "to_load": "1 N", "to_depth": "1 um"}, "cycle: give the reversal as a load or as a depth"),
+        (
+            {"speed": 1e-6, "law_approach": {"v0": 1e-6, "n": 1}},
+            "cycle: an edge that advances by a law needs",
+        ),
         ({"law": {"v0": 1e-6, "n": -1}, "speed": 1e-6}, "law: n: must be > 0"),
     ],
 )

@@ -60,14 +60,14 @@ def positions(delta: Array, P: Array, stiffness: Array) -> Array:
 
 
 def controlled(stiffness: float) -> str:
-    """The quantity that a device prescribes: ``load``, ``displacement`` or ``device position``."""
-    return {value: name for name, value in CONTROLS.items()}.get(stiffness, "device position")
+    """The quantity that a device prescribes: ``load``, ``displacement`` or ``instrument position``."""
+    return {value: name for name, value in CONTROLS.items()}.get(stiffness, "instrument position")
 
 
 def control(stiffness: float) -> str:
-    """The control in words: ``load control``, ``displacement control`` or ``device of 0.2 N/m``."""
+    """The control in words: ``load control``, ``displacement control`` or ``instrument stiffness 0.2 N/m``."""
     name = controlled(stiffness)
-    return f"{name} control" if name in CONTROLS else f"device of {show(stiffness, 'stiffness')}"
+    return f"{name} control" if name in CONTROLS else f"instrument stiffness {show(stiffness, 'stiffness')}"
 
 
 @dataclass(frozen=True)

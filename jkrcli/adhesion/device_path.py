@@ -221,7 +221,7 @@ class Program:
         """The same, but going on back only as far as ``x``, where the device stays for the time ``lasts`` [s]."""
         turn, rate = float(self.x[-1]), self.rate or math.nan
         if not x < turn:
-            raise InputError(f"program: the dwell must lie before the turn at {turn:g}, got {x:g}")
+            raise InputError(f"program: the dwell must lie before the reversal at {turn:g}, got {x:g}")
         if not lasts > 0:
             raise InputError(f"program: the dwell must last > 0 s, got {lasts:g}")
         reached = float(self.t[-1]) + (x - turn) / rate
@@ -304,7 +304,7 @@ class Course:
     def program(self, contact: Turning, called: Callable[[str], str] = str) -> Program:
         """What the device does to ``contact``; InputError that names the field as it is ``called``."""
         if self.to_load is not None and self.to_depth is not None:
-            raise InputError("cycle: give the turn as a load or as a depth, not both")
+            raise InputError("cycle: give the reversal as a load or as a depth, not both")
         moves = self.moves(contact.stiffness == LOAD_CONTROL, called)
         x = contact.turning(self.to_load, self.to_depth, moves.there)
 
@@ -763,7 +763,7 @@ class Path:
                 f"{show(self.pieces[-1].last[1], 'length')}, while pressed: ask for smaller radii, "
                 'loading.spacing = "log"'
             )
-        return "the contact grows beyond the largest radius of the series: increase [loading] radius, or turn before"
+        return "the contact grows beyond the largest radius of the series: increase [loading] radius, or reverse before"
 
     def holds(self, place: float) -> bool:
         """Whether equilibrium at the ``place`` [m] is passed through."""
@@ -774,7 +774,9 @@ class Path:
         for i, piece in enumerate(self.pieces):
             if isinstance(piece, Follow) and piece.holds(place):
                 return replace(self, pieces=(*self.pieces[:i], replace(piece, end=place, ends="ramp")), ends="program")
-        raise InputError(f"cycle: the turn at a = {show(place, 'length')} is not passed by stable contact on approach")
+        raise InputError(
+            f"cycle: the reversal at a = {show(place, 'length')} is not passed by stable contact on approach"
+        )
 
     @cached_property
     def unloaded_work(self) -> float | None:

@@ -385,7 +385,7 @@ class FiniteRangeCurve(EquilibriumCurve):
                 return (
                     f"the {quantity} is lowest where the curve begins, at a = {show(lowest.a, 'length')}: below, "
                     "several radii to which the surfaces attract each other belong to one contact, which are not "
-                    "followed; take load control or a softer device, or another stress or range"
+                    "followed; take load control or a softer instrument, or another stress or range"
                 )
             first = float(self.touching.P[0]), float(self.touching.delta[0])
             shrunk = f"contact is not lost in a jump: it shrinks to nothing at {_where(*first)}"

@@ -369,8 +369,8 @@ def move(rule: ByLaw, ramp: Ramp, t: float, a: float) -> Motion:
 
 def _unfollowed(a: float) -> SolveError:
     return SolveError(
-        f"the edge's motion could not be integrated beyond a = {a:.4g} m: look at v0 and n; a device that is very slow "
-        "against v0 makes the cycle without --rate"
+        f"the edge's motion could not be integrated beyond a = {a:.4g} m: look at v0 and n; an instrument that is very "
+        "slow against v0 makes the cycle without --rate"
     )
 
 
@@ -512,14 +512,14 @@ class RateContact(Contact):
             return self.advance.position(place)
         quantity, value = ("P", load) if depth is None else ("delta", depth)
         if value is None:
-            raise InputError("cycle: an edge that advances by a law needs a turn: --to-load or --to-depth")
+            raise InputError("cycle: an edge that advances by a law needs a reversal: --to-load or --to-depth")
         try:
             x = self.once(Program.on(self.least, speed)).position_where(quantity, value)
         except SolveError as error:
             raise InputError(f"cycle: {error}") from None
         if x is None:
             turn = f"{quantity} = {show(value, 'load' if quantity == 'P' else 'length')}"
-            raise InputError(f"cycle: the turn at {turn} is not passed on approach within the series")
+            raise InputError(f"cycle: the reversal at {turn} is not passed on approach within the series")
         return x
 
     def within(self, _: Callable[[float], Program], x: float) -> float:

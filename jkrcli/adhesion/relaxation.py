@@ -737,7 +737,7 @@ class RelaxingContact:
         if path.deepest > most * (1 + SAME):
             raise InputError(
                 f"program: the contact comes {show(path.deepest - most, 'length')} beyond the largest depth of the "
-                f"series, {show(most, 'length')}: turn before, or increase [loading] radius"
+                f"series, {show(most, 'length')}: reverse before, or increase [loading] radius"
             )
         return RelaxedHistory(self, program, path)
 
@@ -748,7 +748,7 @@ class RelaxingContact:
             if beyond <= 1 + SAME:
                 return x
             x *= (1 - NOTICEABLE) / beyond  # theory: the depth grows no faster than the position
-        raise InputError("cycle: no turn keeps the contact within the series: say where it turns, --to-depth")
+        raise InputError("cycle: no reversal keeps the contact within the series: give it, --to-depth")
 
     def _path(self, program: Program) -> RelaxedPath:
         t, x = _in_contact(*_ended(program), self.stiffness == LOAD_CONTROL)
@@ -779,7 +779,7 @@ class RelaxingContact:
         met = np.flatnonzero(reached(places) >= 0)[:1]
         if not met.size or met[0] == 0:
             raise InputError(
-                f"cycle: the turn at {name} = {show(wanted or 0.0, unit)} is not passed on approach, which in this "
+                f"cycle: the reversal at {name} = {show(wanted or 0.0, unit)} is not passed on approach, which in this "
                 f"series ends at {show(float(reached(places[-1:])[0]) + (wanted or 0.0), unit)}"
             )
         return speed * float(path.load.times(zeros_between(reached, places[met - 1], places[met], 0.0))[0])
@@ -889,7 +889,7 @@ class RelaxedHistory:
         path, places, turn = self.path, np.arange(self.path.last + 1), int(self.path.last)
         steps = (np.diff(path.depth.t) == 0) & (np.abs(path.depth.p[:, 1:].sum(axis=1)) > SAME * path.depths.most)
         if steps[turn:].any():
-            return Unknown("the device steps back")
+            return Unknown("the instrument steps back")
         y, weights = composite_gauss(places)
         P = path.load.integral(y.ravel(), path.load.times(y.ravel()))
         t = path.depth.t[turn:]

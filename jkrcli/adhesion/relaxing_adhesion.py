@@ -633,7 +633,7 @@ class RelaxingAdhesion:
         if math.isinf(self.stiffness) and load is None:
             return self.end[1] if depth is None else depth
         if load is None and depth is None:
-            raise InputError("cycle: say where it turns, --to-load or --to-depth: adhesion draws it beyond the series")
+            raise InputError("cycle: give the reversal, --to-load or --to-depth: adhesion draws it beyond the series")
         wanted, column = (load, 4) if load is not None else (depth, 3)
         assert wanted is not None
         x, unit = (max(self.law.length, self.end[1]), "length") if column == 3 else (self.law.length, "load")
@@ -652,7 +652,7 @@ class RelaxingAdhesion:
                 then = rows[max(i - 1, 0), 0] + part * (rows[i, 0] - rows[max(i - 1, 0), 0])
                 return self.least + speed * float(then)
             x = self.least + 2 * (x - self.least)
-        raise InputError(f"cycle: the turn at {show(wanted, unit)} is not passed on approach")
+        raise InputError(f"cycle: the reversal at {show(wanted, unit)} is not passed on approach")
 
     def within(self, program: Callable[[float], Program], x: float) -> float:
         """The turn ``x``: adhesion is followed beyond the series."""
@@ -725,7 +725,7 @@ class RelaxingAdhesion:
         if reach >= self.attracted.limit * (1 - SAME):
             raise InputError(
                 f"cycle: the surfaces attract each other beyond {show(reach, 'length')}, the end of the profile or of "
-                "the body: turn before, or hold for less time"
+                "the body: reverse before, or hold for less time"
             )
         return min(REACH_GROWS * reach, self.attracted.limit)
 

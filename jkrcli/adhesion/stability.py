@@ -210,7 +210,7 @@ def turning_radius(
         first, last = first_contact(inwards), curve.point(inwards.last)
         name, unit = ("P", "load") if depth is None else ("delta", "length")
         raise InputError(
-            f"cycle: the turn at {name} = {show(value, unit)} is not passed on approach, which in this series goes "
+            f"cycle: the reversal at {name} = {show(value, unit)} is not passed on approach, which in this series goes "
             f"from {show(getattr(first, name), unit)} to {show(getattr(last, name), unit)}"
         )
     return met[0]

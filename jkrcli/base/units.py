@@ -18,7 +18,7 @@ from typing import Annotated, Any, NamedTuple, TypeAlias, Union, get_args, get_o
 
 from .errors import InputError, did_you_mean
 
-PREFIX = {"p": -12, "n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6, "G": 9, "T": 12}
+PREFIX = {"a": -18, "f": -15, "p": -12, "n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6, "G": 9, "T": 12}
 
 
 def _family(unit: str, prefixes: str, **extra: int) -> dict[str, int]:
@@ -48,6 +48,7 @@ DIMENSIONS = {
     "speed": Dimension("a speed", "m/s", "10 um/s", _family("m/s", "pnum")),
     "time": Dimension("a time", "s", "20 ms", _family("s", "num")),
     "load rate": Dimension("a rate of loading", "N/s", "1 mN/s", _family("N/s", "pnum")),
+    "energy": Dimension("an energy", "J", "10 nJ", _family("J", "afpnum")),
     "sensitivity": Dimension("a deflection per volt", "m/V", "45 nm/V", _family("m/V", "pnum")),
     "angle": Dimension("an angle", "rad", "70 deg", {}),
     "number": Dimension("a plain number", "", "0.3", {}),

@@ -68,32 +68,32 @@ class RateOptions:
     """What the command line says the device does, as text where it depends on the control; None: not given."""
 
     to_load: float | None = typed(
-        LOAD, "Turn at this load [default: at the end of the series, what creeps on included]."
+        LOAD, "Reverse at this load [default: at the end of the series, later creep included]."
     )
-    to_depth: float | None = typed(LENGTH, "Turn at this displacement delta.")
+    to_depth: float | None = typed(LENGTH, "Reverse at this displacement delta.")
     rate: Mapping[str, str] | None = typed(
         PAIRS, 'w0 (1 + (v/v0)^n) on retraction: v0="1 um/s",n=0.6; law=log,v0=...,b="5 mJ/m^2": '
         "w0 + b log(1 + v/v0). w0 is --w-retract.")  # fmt: skip
-    rate_advance: Mapping[str, str] | None = typed(PAIRS, "The same of an edge that advances [default: at once].")
-    speed: str | None = typed(str, 'Of the device, "10 um/s"; of the load under load control, "1 mN/s".')
+    rate_advance: Mapping[str, str] | None = typed(PAIRS, "The same for approach [default: no dependence on speed].")
+    speed: str | None = typed(str, 'Of the instrument, "10 um/s"; of the load under load control, "1 mN/s".')
     speed_approach: str | None = typed(str, "The same on approach [default: --speed].")
-    hold: str | None = typed(str, 'Time to wait at the turn, "10 s".')
-    dwell: str | None = typed(str, "Go back as far as this position (load under load control) and stay there.")
-    dwell_time: str | None = typed(str, "How long to stay.")
+    hold: str | None = typed(str, 'Time to wait at the reversal, "10 s".')
+    dwell: str | None = typed(str, "Retract to this position (load under load control) and dwell there.")
+    dwell_time: str | None = typed(str, "Duration of the dwell.")
     program: Path | None = typed(  # noqa: RUF009  # a field
-        FileType(), "Table t, x of the device instead: times [s] and positions (loads) between which "
+        FileType(), "Table t, x of the instrument instead: times [s] and positions (loads) between which "
         "it moves evenly; equal times are steps.")  # fmt: skip
     stress: float | None = None
 
     def __post_init__(self) -> None:
         if self.rate is not None and (self.speed is None) == (self.program is None):
-            raise InputError('cycle: --rate needs what the device does: --speed "10 um/s", or --program TABLE')
+            raise InputError('cycle: --rate needs the motion of the instrument: --speed "10 um/s", or --program TABLE')
         if self.program is not None and (beside := [name for name in self.named if name in ALONE]):
             raise InputError(f"cycle: give either {flag(beside[0])} or --program")
         if (self.dwell is None) != (self.dwell_time is None):
             raise InputError("cycle: --dwell and --dwell-time go together")
         if self.program is not None and not self.to_load is self.to_depth is None:
-            raise InputError("cycle: give either --program or a turn (--to-load, --to-depth)")
+            raise InputError("cycle: give either --program or a reversal (--to-load, --to-depth)")
         if self.to_load is not None and self.to_depth is not None:
             raise InputError("cycle: give at most one of --to-load and --to-depth")
 
@@ -183,7 +183,7 @@ def run_relaxing(body: Analysis, law: Relaxation, stiffness: float, points: int,
     if rates.rate is not None:
         raise InputError("cycle: --rate needs adhesion: give --w-approach, or leave it out")
     if rates.speed is None and rates.program is None:
-        raise InputError('cycle: the specimen relaxes: say what the device does, --speed "10 um/s" or --program TABLE')
+        raise InputError('cycle: viscoelastic specimen: give the motion, --speed "10 um/s" or --program TABLE')
     contact = RelaxingContact(body.jkr.nonadhesive, law, stiffness)
     return CycledRelaxing.of(contact, rates.program_of(contact), body.path, points)
 
@@ -197,13 +197,13 @@ def read_program(path: Path, stiffness: float) -> Program:
 
 
 @verb("file")
-@click.option("--w-approach", type=WORK, help="While the contact grows [default: the case's first w].")
-@click.option("--w-retract", type=WORK, help="While it shrinks, not smaller [default: that of approach].")
+@click.option("--w-approach", type=WORK, help="On approach [default: the case's first w].")
+@click.option("--w-retract", type=WORK, help="On retraction, not smaller [default: that of approach].")
 @click.option("--stiffness", type=CONTROL, default="rigid", show_default=True,
               help='"0.2 N/m", "rigid" or "load".')  # fmt: skip
 @rate_options
 @click.option("--rest-load", type=LOAD, help="Viscoelastic specimens: at rest under this load, then pulled at once, "
-              "with --stress at --speed [default: at the turn of --to-load or --to-depth, else at P = 0].")  # fmt: skip
+              "with --stress at --speed [default: at the reversal of --to-load or --to-depth, or P = 0].")  # fmt: skip
 @click.option("--rest-depth", type=LENGTH, help="The same at this displacement delta.")
 @click.option("--compare-rate", is_flag=True, help="Viscoelastic specimens, with --stress and --speed: what a law "
               "w(v) of the same material says, as if the bulk were relaxed.")  # fmt: skip
@@ -217,17 +217,15 @@ def cycle(
     rates: RateOptions, rest_load: float | None, rest_depth: float | None, compare_rate: bool, limits: Limits,
     output: Output,
 ) -> None:  # fmt: skip
-    """Trace what a device records that presses the bodies of FILE, a case or a series, together and pulls them apart
-    again.
+    """Compute the cycle of approach and retraction on FILE, a case or a solution file: load, displacement and contact
+    radius, jumps, energy lost.
 
-    JKR forces have no range: contact jumps in where the undeformed gap closes (delta = 0) and out where
-    d(delta + P/stiffness)/da = 0. A rigid device is displacement control. With --rate over time: the line opens as
-    fast as G/w0 says, rests between the works of adhesion, advances at once (--stress is then the cohesive stress of
-    the dissipating zone). Else with --stress or --range the surfaces attract each other before they touch. A specimen
-    that relaxes is followed over time without adhesion (w = 0), and with it where --stress or --range says its range;
-    without --speed very fast and very slow cycles are traced, and one that is loaded slowly, rests and is pulled at
-    once. With --rest-depth or --rest-load and --speed it begins at rest. Writes <stem>-cycle.csv, .png and .svg; the
-    options that are given are added to the name in SI, as in <stem>-cycle-w-retract0.045-to-load0.0005.csv.
+    Without --speed the cycle is quasi-static: jump-in at delta = 0, loss of contact where d(delta + P/stiffness)/da =
+    0. With --stress or --range the surfaces attract each other before contact (Maugis-Dugdale). With --rate and --speed
+    w depends on the speed of the contact line (--stress is then the cohesive stress of the dissipating zone). A
+    viscoelastic specimen needs --speed, and with adhesion --stress or --range; without --speed its limits are computed:
+    very fast, very slow, and pulled at once from rest. Writes <stem>-cycle.csv, .png and .svg, the given options in
+    the name in SI, as in <stem>-cycle-w-retract0.045-to-load0.0005.csv.
 
     \b
     jkr cycle data.h5 --stiffness "10 kN/m"

@@ -376,7 +376,8 @@ ASKED = as_one(
                  "hysteresis, creep (of a raw record's positions), surface_tension."),
     click.option("--fix", multiple=True, type=options.NAMED,
                  help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'),
-    click.option("--start", multiple=True, type=options.NAMED, help="Starting value, beside those found in the data."),
+    click.option("--start", multiple=True, type=options.NAMED,
+                 help="Starting value, in addition to those estimated from the data."),
     click.option("--bound", multiple=True, type=options.NAMED,
                  help='Bounds, w="10 mJ/m^2..1 J/m^2"; one may be left out. '
                  'Of what is not fitted what is known: range="..10 nm", surface_tension="..30 mN/m".'),

@@ -349,7 +349,7 @@ reading_options = as_one(
     "reading",
     lambda flip, **values: Reading(flip=frozenset(flip), **reading_of(values)),
     click.option("--column", "columns", multiple=True, type=options.KeyValueType(MEASURED_KEYS),
-                 help=f"Column name or number where the header does not tell; keys {', '.join(MEASURED_KEYS)}."),
+                 help=f"Column name or number where the header does not name it; keys {', '.join(MEASURED_KEYS)}."),
     click.option("--unit", "units", multiple=True, type=options.ColumnUnitType(),
                  help=f"Unit, whatever the header says, P=nN; keys {', '.join(NAMES.numbers)}, or the name or number "
                  "of a column, deflection=nm."),
@@ -364,8 +364,8 @@ reading_options = as_one(
                  "auto: of raw records), as-is, or estimated before from the free part of the approach; of raw records "
                  "the same as fitted."),
     click.option("--stiffness", type=options.STIFFNESS,
-                 help='The displacement is that of a device (piezo) of this stiffness: P/stiffness is subtracted; it '
-                 'makes a force of a deflection. "rigid": nothing is to be subtracted.'),
+                 help='The displacement is that of an instrument (piezo) of this stiffness: P/stiffness is subtracted; '
+                 'it makes a force of a deflection. "rigid": nothing is to be subtracted.'),
     click.option("--sensitivity", type=options.SENSITIVITY,
                  help='Of a force microscope, "45 nm/V", where its file lacks it: makes a deflection of volts.'),
     click.option("--format", type=click.Choice(["auto", "text", "afm"]), default="auto", show_default=True,

@@ -6,6 +6,7 @@ from __future__ import annotations
 import contextlib
 import math
 import os
+import re
 import shlex
 import shutil
 import sys
@@ -26,9 +27,10 @@ if TYPE_CHECKING:
 
 LEVEL, WARNED, ANNOUNCED = "jkr.level", "jkr.warned", "jkr.announced"
 QUIET, USUAL, VERBOSE = range(3)
-WIDE = 120  # choice: columns where no terminal says how many
-WIDEST = 100  # choice: columns of a line of a result
+WIDE = 100  # choice: columns of a line, on wider terminals too
 FIRST = 12  # choice: lines of a first answer
+UNIT = r"(?:%|[anpumkMGTµ]?(?:m|N|J|Pa|s|V)\b)"
+TOGETHER = re.compile(rf"(?<=\S) (?== \S)|(?<=[=±]) (?=[-+]?\d)|(?<=\d) (?={UNIT})")  # name, value and unit
 
 
 def level_options(quiet: bool) -> list[click.Option]:
@@ -56,15 +58,17 @@ def _level() -> int:
     return USUAL if ctx is None else ctx.meta.get(LEVEL, USUAL)
 
 
-def folded(line: str, widest: int = WIDE) -> str:
+def folded(line: str) -> str:
     """A line as several of the terminal's width, broken between words; all but the first are set in."""
     width = max(shutil.get_terminal_size((WIDE, 0)).columns, 40)
     if not os.environ.get("COLUMNS", "").isdigit():  # who sets it is obeyed
-        width = min(width, widest)
+        width = min(width, WIDE)
     if len(line) <= width:
         return line
     indent = " " * (len(line) - len(line.lstrip()) + 4)
-    return textwrap.fill(line, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+    whole = TOGETHER.sub(lambda gap: "\0" * len(gap[0]), line)
+    lines = textwrap.fill(whole, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+    return lines.replace("\0", " ")
 
 
 def tell(line: str) -> None:
@@ -85,7 +89,7 @@ def give_up(stream: TextIO | None) -> None:
 def say(text: str) -> None:
     """Lines of the summary."""
     if _level() != QUIET:
-        click.echo("\n".join(folded(printable(line), WIDEST) for line in text.split("\n")))
+        click.echo("\n".join(folded(printable(line)) for line in text.split("\n")))
 
 
 def present(*results: Sequence[str], last: str = "", most: int = FIRST) -> None:
@@ -93,10 +97,10 @@ def present(*results: Sequence[str], last: str = "", most: int = FIRST) -> None:
     several results their verdicts. All of it with -v."""
     lines, room = (
         [line for lines in results for line in lines],
-        most - (folded(last, WIDEST).count("\n") + 1) * bool(last),
+        most - (folded(last).count("\n") + 1) * bool(last),
     )
     shown = lines if len(results) == 1 or _level() == VERBOSE else [lines[0] for lines in results]
-    heights = list(accumulate(folded(printable(line), WIDEST).count("\n") + 1 for line in shown))
+    heights = list(accumulate(folded(printable(line)).count("\n") + 1 for line in shown))
     if _level() != VERBOSE and shown and (heights[-1] > room or shown != lines):
         shown = shown[: max(sum(height <= room - 1 for height in heights), 1)]
         shown.append(f"  ... {len(lines) - len(shown):,} more lines with -v")

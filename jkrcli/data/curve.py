@@ -32,7 +32,9 @@ class Pixel:
 
 NOT_SUBTRACTED = "the deflection of the cantilever is not subtracted: give --stiffness"  # a flag of a curve
 GAPS = " without a number left out"  # in a flag
-AS_DEPTH = "the displacement is taken as the depth of the tip: give --stiffness if it is that of the device"  # another
+AS_DEPTH = (
+    "the displacement is taken as the depth of the tip: give --stiffness if it is that of the instrument"  # another
+)
 ARBITRARY = "arbitrary units until it is given by"  # in a flag
 TURNED = ", its sign turned"  # in a flag of a displacement: by name or load, or as told; --factor delta=-1 undoes it
 OVERRULED = " as told, the header of the file says "  # in a flag, between two stiffnesses

@@ -206,7 +206,7 @@ def _by_convention(curve: Curve, reading: Reading, stiffness: float | None) -> C
     if stiffness in (None, math.inf) or converted.delta is None:
         return of_its_device(converted)
     if converted.P is None:
-        raise InputError(f"{curve.where}: holds no load: the device's deflection P/stiffness cannot be subtracted")
+        raise InputError(f"{curve.where}: holds no load: the instrument's deflection P/stiffness cannot be subtracted")
     twice = stiffness_of_noise(converted.delta, converted.P) is not None
     flags = (*converted.flags, SUBTRACTED_TWICE) if twice else converted.flags
     return replace(converted, delta=converted.delta - converted.P / stiffness, stiffness=stiffness, flags=flags)

@@ -613,7 +613,7 @@ def _on_jumps(touched: Sequence[Direction]) -> Iterator[tuple[str, str]]:
 def _on_signs(curve: Curve, directions: Sequence[Direction]) -> Iterator[tuple[str, str]]:
     """Flags of devices that run to and fro, and of columns that count the other way round."""
     if any(_wanders(curve.device[item.segment.rows]) for item in directions):
-        yield "no force curve", "the device reverses more than once"
+        yield "no force curve", "the instrument reverses more than once"
     for item in directions:
         name = item.segment.kind
         # Whether a direction goes the other way than the file names it, or back and then in again.
@@ -635,12 +635,12 @@ def _on_signs(curve: Curve, directions: Sequence[Direction]) -> Iterator[tuple[s
                 ),
             )
         elif _pulls_deepest(curve, item):
-            sentence = f"the load of the {name} is least where the device presses deepest"
+            sentence = f"the load of the {name} is least where the instrument presses deepest"
             yield "wrong sign", f"{sentence}: is compression negative (--flip P)?"
 
 
 def _pulls_deepest(curve: Curve, item: Direction) -> bool:
-    """Whether tension is largest where the device presses deepest, and compression is not, as where tension counts as
+    """Whether tension is largest where it presses deepest, and compression is not, as where tension counts as
     positive; a gel that relaxes after the turn has both there."""
     z = curve.device[item.segment.rows]
     deepest = item.adhesion_at > z.max() - RECORD_SMALL * float(np.ptp(z))
@@ -679,7 +679,7 @@ def of_its_device(curve: Curve) -> Curve:
     if k is None:
         return curve
     flags = tuple(flag for flag in curve.flags if flag not in (NOT_SUBTRACTED, AS_DEPTH))
-    flag = f"the displacement is that of the tip, with the noise of the load: the device has {show(k, 'stiffness')}"
+    flag = f"the displacement is that of the tip, with the noise of the load: the instrument has {show(k, 'stiffness')}"
     return replace(curve, stiffness=k, flags=(*flags, flag))
 
 

@@ -520,7 +520,9 @@ class Columns:
         if options and not self.reading.incomplete:
             raise InputError(f"{self.table.path}: {title} is {kind}, no force: give {options}")
         if known["stiffness"] == math.inf:
-            raise InputError(f"{self.table.path}: {title} is {kind}, and a rigid device has none: give its stiffness")
+            raise InputError(
+                f"{self.table.path}: {title} is {kind}, and a rigid instrument has none: give its stiffness"
+            )
         factor = math.prod(1.0 if value is None else value for value in known.values())
         if options:
             return factor, f"{title} is {kind}: loads in {ARBITRARY} {options}"
@@ -659,7 +661,7 @@ def _displacement(table: TextTable, taken: set[int], stiffness: float | None) ->
         return None if prepared else (tip, "")
     if stiffness is not None:
         return device, f"the piezo position z was taken, not {table.titled(tip)}: its stiffness is known"
-    why = f"the position of the tip was taken, not {table.titled(device)}: the stiffness of the device is not known"
+    why = f"the position of the tip was taken, not {table.titled(device)}: the stiffness of the instrument is not known"
     return (NAMES.guess(table, "delta") if prepared else tip), why
 
 

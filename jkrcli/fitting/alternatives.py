@@ -1165,7 +1165,13 @@ ALTERNATIVE_SHAPE = 0.003  # choice: exponent of the profile within which a tip 
 # radius of curvature changes over a factor e of the contact radius
 
 
-BODY, TIP, ADHESION, DEVICE, MEMORY = "layer or base", "shape of the tip", "adhesion", "device", "relaxation or flow"
+BODY, TIP, ADHESION, DEVICE, MEMORY = (
+    "layer or base",
+    "shape of the tip",
+    "adhesion",
+    "instrument",
+    "relaxation or flow",
+)
 # What the unknowns of rivals mean, by dimension:
 OF_RIVALS = {
     AMOUNT: "number", "thickness": "length", "nu": "number", "exponent": "number", "range": "length",

@@ -224,7 +224,7 @@ STIFFEST = 50.0  # choice: of the device, a contact's stiffness beyond which no 
 STIFFNESS_PART = 0.2  # choice: of the range of the load, from the largest on, over which a contact's stiffness is taken
 SYMBOLS = {"E_star": "E*"}
 WARNED = {  # flags of a curve that matter
-    NOT_SUBTRACTED: "E* is that of contact and device in series: ",
+    NOT_SUBTRACTED: "E* is that of contact and instrument in series: ",
     AS_DEPTH: "",
     SUBTRACTED_TWICE: "",
 }
@@ -367,8 +367,8 @@ def with_inputs(fitted: Fit, body: FittedBody, stiffness: float | None) -> Fit:
         for item in fitted.estimates
     )  # fmt: skip
     sentence = (
-        f"too stiff: at the largest load the contact is {ratio:.0f} times stiffer than the device, the specimen is "
-        f"stiffer than E* = {show(factor * modulus.value, 'modulus', 2)}: take a stiffer device or a blunter tip"
+        f"too stiff: at the largest load the contact is {ratio:.0f} times stiffer than the instrument, the specimen is "
+        f"stiffer than E* = {show(factor * modulus.value, 'modulus', 2)}: take a stiffer instrument or a blunter tip"
     )
     return replace(
         fitted, estimates=estimates, flags=(*fitted.flags, "too stiff"), warnings=(sentence, *fitted.warnings)
@@ -481,7 +481,9 @@ def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | F
         curve, settings = contact_rows(body, record, settings)
     requested = settings
     if idle := [name for name in settings.uncertain if name in CALIBRATED]:
-        raise InputError(f"{curve.where}: --uncertain {idle[0]} is for raw records of a device, it has no effect here")
+        raise InputError(
+            f"{curve.where}: --uncertain {idle[0]} is for raw force curves of an instrument, it has no effect here"
+        )
     if settings.tension_at_most:
         raise InputError(f"{curve.where}: --bound {TENSION} is for raw records, it has no effect here")
     curve = with_zero_points(curve) if settings.contact == "estimate" else curve

@@ -808,6 +808,6 @@ def _warnings(fit: RateFit) -> list[str]:
     if fit.scatter > SEARCH_MISFIT:
         lines.append(
             f"the loads scatter {fit.scatter:.2g} times as far about the prediction as from row to row: the law, the "
-            "body or the device's stiffness is not what the data show; intervals are too narrow"
+            "body or the instrument's stiffness is not what the data show; intervals are too narrow"
         )
     return lines

@@ -575,13 +575,13 @@ def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
         return
     times = f"{error:.2g}" if error < 1000 else "more than 1000"
     other = "fit both directions, or " if len(joint.model.stretches) == 1 else ""
-    reason = f"the rows in contact do not tell it from w and the zero: {other}fix w (--fix w=...)"
+    reason = f"the rows in contact do not separate it from w and the contact point: {other}fix w (--fix w=...)"
     model, part = joint.model, joint.model.stretches[-1]
     top = part.P > part.P.max() - RECORD_HALF * np.ptp(part.P)
     slope = float(np.polyfit(part.z[top] - part.z[top].mean(), part.P[top], 1)[0]) if np.ptp(part.z[top]) > 0 else 0.0
     if math.isfinite(model.k) and slope > (1 - RECORD_RIGID) * model.k:
         reason = (
-            f"beside a device of {show(model.k, 'stiffness')} the specimen is rigid: check --stiffness and the units"
+            f"for an instrument of {show(model.k, 'stiffness')} the specimen is rigid: check --stiffness and the units"
         )
     raise InputError(f"{curve.where}: E* is not determined, its standard error is {times} times itself: {reason}")
 

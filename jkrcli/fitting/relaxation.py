@@ -237,8 +237,8 @@ FIT_GROWS = 0.02  # choice: of the depth, by which a contact may grow again: cor
 MISFIT = "the law or the body is not what the record shows"
 RANGE = "the numbers leave the range of arithmetic"
 AS_READ = (
-    "neither device nor load moved at constant rates: the displacement of the tip is used as read, its noise is not "
-    "in the intervals"
+    "neither instrument nor load moved at constant rates: the displacement of the tip is used as read, its noise is "
+    "not in the intervals"
 )
 FAILURES = (JkrError, FloatingPointError, OverflowError, ValueError)  # of a history far from any record
 ZEROS = {"delta0": Ranged("length"), "P0": Ranged("load"), "tilt": Ranged("stiffness")}  # added to what is read

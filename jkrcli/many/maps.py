@@ -483,7 +483,7 @@ def _rate_figure(columns: Columns) -> Figure:
 
     panels = [MapPanel("minus_P_over_pi_w0_R", r"pull-off force / $\pi w_0 R$", logs="xy"),
               MapPanel("dissipated_over_w0_pi_a2", r"energy lost at the edge / $\pi w_0 a^2$", logs="xy")]  # fmt: skip
-    return lines_figure(columns, ("V_over_v0", "speed of the device $V/v_0$"), panels, {
+    return lines_figure(columns, ("V_over_v0", "speed of the instrument $V/v_0$"), panels, {
         "h_over_R": lambda h: "half-space" if math.isinf(h) else f"$h$ = {h:g} $R$",
         "k_over_Estar_R": lambda k: "rigid" if math.isinf(k) else f"$k$ = {k:g} $E^* R$",
     })  # fmt: skip

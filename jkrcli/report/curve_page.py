@@ -74,7 +74,7 @@ def _looked_at(item: ForceCurve | Failure, points: int) -> dict[str, Any]:
     based = [side for side in record.directions if side.based]
     ends = [(side, z[side.segment.rows].min(), z[side.segment.rows].max()) for side in based]
     status = UNUSABLE if isinstance(item, Failure) else ", ".join(record.flags) or "no remark"
-    what = "displacement" if record.curve.stiffness is None else "position z of the device"
+    what = "displacement" if record.curve.stiffness is None else "position z of the instrument"
     return {
         "name": name,
         "status": status,

@@ -582,7 +582,7 @@ class Cycled(Result):
             f"{energy_words}: {self.file}",
             _device_words(cycle.stiffness, inwards.w, outwards.w),
             f"  {start} {tables.format_state(begin, 'P a')}",
-            f"  turn at {tables.format_state(inwards.point(cycle.turn), 'a')}",
+            f"  reversal at {tables.format_state(inwards.point(cycle.turn), 'a')}",
             *(f"  {_jump(jump)}" for jump in (*cycle.approach.jumps, *cycle.retraction.jumps)),
         ]
         if cycle.retraction.ends != "lost":
@@ -653,7 +653,7 @@ class CycledByProgram(Result):
         trace = self.trace
         works = (edge.curve.w for edge in (trace.contact.advance, trace.contact.recede))
         return [
-            f"work of the machine {trace.work:.4g} J: {self.file}",
+            f"work of the instrument {show(trace.work, 'energy')}: {self.file}",
             _device_words(trace.contact.stiffness, *works),
             *(f"  t = {show(jump.t, 'time')}: {_jump(jump)}" for jump in trace.jumps),
             *_strain_lines(self.large_strains),

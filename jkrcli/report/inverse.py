@@ -362,9 +362,9 @@ def rivals_table(item: Fit) -> list[str]:
     """A line per rival of a raw record: what the data say, how much of it they ask for, and how E* and w would move."""
     if item.verdict is None:
         return []
-    head = f"  {'alternative model':<44}{'the data':<23}{'p':>9}{'E*':>8}{'w':>8}{'chi^2':>10}"
+    head = f"  {'alternative model':<43}{'the data':<21}{'p':>8}{'E*':>8}{'w':>8}{'chi^2':>10}"
     return [head, *(
-        f"  {one.name:<44}{one.word:<23}{one.chance:>9.1g}{one.change(one.E_star):>+8.1%}{one.change(one.w):>+8.1%}"
+        f"  {one.name:<43}{one.word:<21}{one.chance:>8.1g}{one.change(one.E_star):>+8.1%}{one.change(one.w):>+8.1%}"
         f"{-one.taken:>10.3g}" for one in item.verdict.rivals.scores
     ), *(
         f"  in full: {one.name}: {'taken' if one.taken else f'not taken, p = {one.chance:.1g}'}, "
@@ -928,7 +928,7 @@ class Look(Result):
             flagged = sum(bool(record.flags) for record in self.records)
             head = [f"{count} curves, {flagged} of them with remarks: {self.path}"]
             lines = [*head, *(f"  {look_words(record)[0]}" for record in self.records[:SHOWN]), *lines]
-        return lines + ([f"  ... and {count - SHOWN} more curves (--json tells all)"] if count > SHOWN else [])
+        return lines + ([f"  ... and {count - SHOWN} more curves (all with --json)"] if count > SHOWN else [])
 
     def _rough(self, record: ForceCurve) -> dict[str, Any]:
         """The rough numbers of a record as plain values, where there is a tip."""

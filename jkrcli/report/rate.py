@@ -153,7 +153,7 @@ class CycledAtSpeed(History, Result):
             end += f", after {show(self.waited, 'time')} {where}"
         lines.append(f"  {end}; the contact stopped growing at t = {show(self.turn, 'time')}")
         energy = self.energy_lost
-        lines.append(f"  energy lost: {energy if isinstance(energy, Unknown) else f'{energy:.4g} J'}")
+        lines.append(f"  energy lost: {energy if isinstance(energy, Unknown) else show(energy, 'energy')}")
         lines.append(f"  dissipating zone at the edge: {self.zone.words}")
         return lines
 
@@ -180,8 +180,8 @@ def through_words(through: LawAlongRecords | Unknown) -> str:
     low, high = (show(v, "speed", 3) for v in through.speeds)
     known = {name: error for name, error in through.errors.items() if error is not None and error <= VAGUE}
     if not known:
-        return f"no law over speed: {low} to {high} tell none of {', '.join(through.names)}"
-    determined = {name: f"± {100 * known[name]:.2g} %" if name in known else "not told" for name in through.names}
+        return f"no law over speed: {low} to {high} determine none of {', '.join(through.names)}"
+    determined = {name: f"± {100 * known[name]:.2g} %" if name in known else "not determined" for name in through.names}
     errors = ", ".join(f"{name} {word}" for name, word in determined.items())
     doubt = "; less than a decade of speeds does not separate v0 and n" if through.narrow else ""
     return f"w0 = {show(through.w0, 'work')}, {law_words(through.law)} ({errors}) between {low} and {high}{doubt}"
@@ -258,7 +258,11 @@ class CycledRelaxing(RelaxedHistory, Result):
             *(f"  at {format_state(one, 't')} {format_state(one)}" for one in self.corners if one.t > peak.t),
         ]
         ends = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost, 'time')}"
-        energy = "" if isinstance(self.energy_lost, Unknown) else f"; energy lost per cycle {self.energy_lost:.4g} J"
+        energy = (
+            ""
+            if isinstance(self.energy_lost, Unknown)
+            else f"; energy lost per cycle {show(self.energy_lost, 'energy')}"
+        )
         grown = f"it stopped growing at t = {show(self.turn, 'time')}{', at the end of the series' * self.whole}"
         return [*lines, f"  {ends}; {grown}{energy}"]
 
@@ -368,8 +372,8 @@ class CycledAdhering(AdhesiveHistory, Result):
         law = [] if self.rate is None else effective_words(self.rate)
         if isinstance(self.energy_lost, Unknown):
             return [*lines, f"  {ends}", *law]
-        parts = f"{self.in_body:.4g} J in the body, {self.at_edge:.4g} J in jumps"
-        return [*lines, f"  {ends}; energy lost: {self.energy_lost:.4g} J, {parts}", *law]
+        parts = f"{show(self.in_body, 'energy')} in the body, {show(self.at_edge, 'energy')} in jumps"
+        return [*lines, f"  {ends}; energy lost {show(self.energy_lost, 'energy')}, {parts}", *law]
 
     @property
     def warnings(self) -> list[str]:

@@ -226,7 +226,9 @@ def format_pull_off(
     R, loaded = result.problem.indenter.tip_radius, there.get("load control")
     if R is not None and loaded is not None:
         classical = 1.5 * math.pi * result.w * R
-        beside = f"; 1.5 pi w R = {show(classical, 'load')} ({-classical / loaded[0].P - 1:+.0%})"
+        difference = -classical / loaded[0].P - 1
+        words = f"{100 * difference:+.2g} %" if abs(difference) > PRINTED else "the same"
+        beside = f"; 1.5 pi w R = {show(classical, 'load')} ({words})"
     else:
         beside = ""
     lines = [f"{verdict} at w = {show(result.w, 'work')}{law_words(result)}{beside}: {result.path}"]
@@ -344,10 +346,14 @@ def energies(**values: tuple[Estimate, Estimate]) -> dict[str, Any]:
 
 
 def energy_words(energy: Estimate, error: Estimate) -> str:
-    """``1.2e-14 J ± 3e-19 J``; without the error where it is unknown."""
+    """``12.43 fJ ± 0.2 %``; without the error where it is unknown, its bound where it does not reach four digits."""
     if isinstance(energy, Unknown):
         return f"none: {energy}"
-    return f"{energy:.4g} J" + ("" if isinstance(error, Unknown) else f" ± {error:.1g} J")
+    words = show(energy, "energy")
+    if isinstance(error, Unknown) or energy == 0:
+        return words
+    relative = error / abs(energy)
+    return words + (f" ± {percent(relative)}" if relative > PRINTED else f" (error < {percent(PRINTED)})")
 
 
 def cycle_title(how: str, approach: float, retraction: float, *more: str) -> str:
@@ -355,7 +361,8 @@ def cycle_title(how: str, approach: float, retraction: float, *more: str) -> str
     ``more``."""
     back = "" if approach == retraction else f" on approach, {show(retraction, 'work')} on retraction"
     second = "; ".join(filter(None, more))
-    return f"{how}, w = {show(approach, 'work')}{back}" + (f"\n{second}" if second else "")
+    adhesion = f"w = {show(approach, 'work')}{back}" if max(approach, retraction) > 0 else "no adhesion"
+    return f"{how}, {adhesion}" + (f"\n{second}" if second else "")
 
 
 def speed_words(program: Program, stiffness: float) -> str:

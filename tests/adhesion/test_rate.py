@@ -336,7 +336,7 @@ def test_a_trace_of_ten_thousand_rows_is_quick() -> None:
         (lambda: there_and_back(1.0, 1.0, 1.0, -2.0), "program: the hold must last >= 0 s, got -2"),
         (
             lambda: there_and_back(1.0, 1.0, 1.0).dwelling(2.0, 1.0),
-            "program: the dwell must lie before the turn at 1, got 2",
+            "program: the dwell must lie before the reversal at 1, got 2",
         ),
         (lambda: there_and_back(1.0, 1.0, 1.0).dwelling(-2.0, 0.0), "program: the dwell must last > 0 s, got 0"),
         (

@@ -198,7 +198,8 @@ def test_a_loading_after_contact_was_lost_is_refused() -> None:
 @pytest.mark.parametrize("stiffness", [math.inf, 1.0, 0.0])
 def test_a_depth_beyond_the_series_is_refused(stiffness: float) -> None:
     with pytest.raises(
-        InputError, match=r"beyond the largest depth of the series, 1.5 m: turn before, or increase \[loading\] radius"
+        InputError,
+        match=r"beyond the largest depth of the series, 1.5 m: reverse before, or increase",
     ):
         RelaxingContact(depths().body, SOLID, stiffness).history(Program(TRIANGLE[0], 4 * TRIANGLE[1]))
 

@@ -421,7 +421,8 @@ def test_change_of_units(w: float | None, length: float, force: float) -> None:
 
 
 def test_controls_in_words() -> None:
-    assert [control(k) for k in (0.0, 0.2, RIGID)] == ["load control", "device of 200 mN/m", "displacement control"]
+    words = ["load control", "instrument stiffness 200 mN/m", "displacement control"]
+    assert [control(k) for k in (0.0, 0.2, RIGID)] == words
 
 
 def test_curve_of_the_tests_is_classical_jkr() -> None:

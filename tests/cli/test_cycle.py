@@ -211,10 +211,11 @@ def test_turns_that_are_not_passed_are_refused_with_the_range() -> None:
     """From -4/3 pi w R up to 4 E* a^3/(3 R) - sqrt(8 pi w E* a^3) = (410.9 - 196.8) mN at a = 17.3 um."""
     curve = half_space(50.0)
     assert refused(lambda: turning_radius(curve, RIGID, load=-0.022)) == (
-        "cycle: the turn at P = -22 mN is not passed on approach, which in this series goes from -20.94 mN to 214.1 mN"
+        "cycle: the reversal at P = -22 mN is not passed on approach, which in this series goes from "
+        "-20.94 mN to 214.1 mN"
     )
     assert refused(lambda: turning_radius(curve, RIGID, depth=5e-6)) == (
-        "cycle: the turn at delta = 5 um is not passed on approach, which in this series goes from 0 m to 2.037 um"
+        "cycle: the reversal at delta = 5 um is not passed on approach, which in this series goes from 0 m to 2.037 um"
     )
     assert refused(lambda: turning_radius(half_space(50.0, last=4e-6), RIGID, load=1.0)).startswith(
         "cycle: contact at delta = 0 spreads beyond the largest radius of the series, a = 4 um"
@@ -224,7 +225,7 @@ def test_turns_that_are_not_passed_are_refused_with_the_range() -> None:
 def test_a_turn_that_is_not_on_the_path_is_refused() -> None:
     curve = half_space(50.0)
     assert refused(lambda: cycle(curve, curve, RIGID, turn=1e-6)) == (
-        "cycle: the turn at a = 1 um is not passed by stable contact on approach"
+        "cycle: the reversal at a = 1 um is not passed by stable contact on approach"
     )
 
 

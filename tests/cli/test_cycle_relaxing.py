@@ -180,7 +180,7 @@ def test_what_is_wrong_is_refused_before_a_case_is_solved(
 
 
 REFUSED = {
-    "no motion": ((), 'cycle: the specimen relaxes: say what the device does, --speed "10 um/s" or --program TABLE'),
+    "no motion": ((), 'cycle: viscoelastic specimen: give the motion, --speed "10 um/s" or --program TABLE'),
     "rate without adhesion": (
         ("--rate", "v0=1,n=0.5", "--speed", "1"),
         "cycle: --rate needs adhesion: give --w-approach, or leave it out",
@@ -191,12 +191,12 @@ REFUSED = {
     ),
     "too deep": (
         ("--speed", "1", "--to-depth", "2 m"),
-        "gel.h5: program: the contact comes 1 m beyond the largest depth of the series, 1 m: turn before, or increase "
-        "[loading] radius",
+        "gel.h5: program: the contact comes 1 m beyond the largest depth of the series, 1 m: reverse before, or "
+        "increase [loading] radius",
     ),
     "too strong": (
         ("--speed", "1", "--to-load", "5 N"),
-        "cycle: the turn at P = 5 N is not passed on approach, which in this series ends at 1.026 N",
+        "cycle: the reversal at P = 5 N is not passed on approach, which in this series ends at 1.026 N",
     ),
     "again": (
         ("--speed", "1", "--dwell", "0.8", "--dwell-time", "1 s"),
@@ -350,7 +350,7 @@ ADHERES_NOT = {
     "rest": ((*WIDE, "--rest-depth", "0.1 m"), "from rest it is pulled at --speed: leave --to-depth out"),
     "narrow": (("--stress", "30 Pa", "--to-depth", "0.1 m"), "is too narrow beside"),
     "two works": ((*WIDE, "--w-retract", "60 mJ/m^2"), "give one work of adhesion"),
-    "no turn": (("--stress", "1 Pa", "--stiffness", "1 N/m"), "say where it turns, --to-load or --to-depth"),
+    "no turn": (("--stress", "1 Pa", "--stiffness", "1 N/m"), "give the reversal, --to-load or --to-depth"),
 }
 
 

@@ -222,7 +222,7 @@ WRONG = {
     ),
     "a deflection without a load": (
         "a_um,delta_nm\n1,1\n2,2\n3,3\n", Reading(stiffness=1.0),
-        "{path}: holds no load: the device's deflection P/stiffness cannot be subtracted",
+        "{path}: holds no load: the instrument's deflection P/stiffness cannot be subtracted",
     ),
 }  # fmt: skip
 

@@ -162,7 +162,7 @@ def test_piezo_or_tip_is_chosen_by_what_is_known_of_the_device(tmp_path: Path) -
     curve = one(written(tmp_path, table(*columns)))
     np.testing.assert_allclose(curve.delta, Z - 5e-9, rtol=1e-12)
     assert curve.flags == (
-        'the position of the tip was taken, not column 3 "Piezo (nm)": the stiffness of the device is not known',
+        'the position of the tip was taken, not column 3 "Piezo (nm)": the stiffness of the instrument is not known',
     )
     curve = one(written(tmp_path, table(*columns, head="k (N/m)\t0.019\n\n")))
     np.testing.assert_allclose(curve.delta, Z - LOAD / 0.019, rtol=1e-12, atol=1e-20)

@@ -287,7 +287,7 @@ def test_a_displacement_against_its_segments_is_named_and_not_fitted() -> None:
 def test_tension_that_counts_as_positive_is_named() -> None:
     curve = curve_of(DEVICE)
     assert segment_force_curve(replace(curve, P=-curve.P)).flags["wrong sign"] == (
-        "the load of the retract is least where the device presses deepest: is compression negative (--flip P)?"
+        "the load of the retract is least where the instrument presses deepest: is compression negative (--flip P)?"
     )
 
 

@@ -214,7 +214,7 @@ def test_a_record_beside_whose_device_the_specimen_is_rigid_determines_no_modulu
     with pytest.raises(InputError) as error:
         fit(BODY, Curve("made", delta=z - P / 0.1, P=P, stiffness=0.1), usual())
     assert str(error.value) == (
-        "made: E* is not determined, its standard error is more than 1000 times itself: beside a device of 100 mN/m "
+        "made: E* is not determined, its standard error is more than 1000 times itself: for an instrument of 100 mN/m "
         "the specimen is rigid: check --stiffness and the units"
     )
 

@@ -24,7 +24,7 @@ from ...fitting.relaxation import RelaxationFit
 from ...resolve.analysis import Analysis
 from ..tables import Scales
 from . import Axes, Box, Figure, colors, drawing, ends, inset, legend_below, log_ticks, pair, panelled, zero_lines
-from .looks import BLACK, BLUE, COLORS, GREEN, LABELS, ORANGE, WIDE, axis_of, pretty, unit_of
+from .looks import BLACK, BLUE, COLORS, GREEN, LABELS, ORANGE, SKY, WIDE, axis_of, pretty, unit_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -145,8 +145,8 @@ def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
     ``columns``: as ``stability.trace`` gives them, with "phase" and "part".
     """
     over = "device_m" if "device_m" in columns else "delta_m"
-    soft = not np.array_equal(columns[over], columns["delta_m"])
-    name = r"device position $\delta + P/k$" if soft else LABELS["delta"]
+    soft = not np.allclose(columns[over], columns["delta_m"], rtol=0, atol=1e-9 * np.ptp(columns["delta_m"]))
+    name = r"instrument position $\delta + P/k$" if soft else LABELS["delta"]
     with pair(4, pretty(title)) as (figure, panels):
         length, x_unit = unit_of("length", columns[over])
         x = columns[over] / length
@@ -408,6 +408,7 @@ RATE_PHASES = {
 }
 RATE_PANELS = (("delta", "P"), ("t", "P"), ("t", "a"))
 LIMIT_MARKERS = ("^", "v", "s")
+READINGS = 300  # choice: readings that are drawn; more hide the model
 COLUMNS = {"t": "t_s", "delta": "delta_m", "P": "P_N", "a": "a_m"}
 
 
@@ -460,8 +461,8 @@ def rate_fit_figure(fit: RateFit) -> Figure:
             part = (record.t - record.t[0]) / (record.t[-1] - record.t[0])
             colour = COLORS[i % len(COLORS)]
             left.plot(part, record.P / factor, ".", color=colour, ms=1.5, alpha=0.4)
-            device = pretty(f"device {show(record.speed, 'speed', 3)}")
-            left.plot(part, (prediction.P + fit.zero) / factor, color=colour, label=device)
+            speed = pretty(f"at {show(record.speed, 'speed', 3)}")
+            left.plot(part, (prediction.P + fit.zero) / factor, color=colour, label=speed)
         left.set(xlabel="time over the record's length", ylabel=label)
         low, high = (max(v, 1e-30) for v in fit.speeds)
         v = np.geomspace(low, high, 100)
@@ -487,8 +488,10 @@ def relaxation_fit_figure(fits: Sequence[RelaxationFit]) -> Figure:
             pairs = ((left, record.imposed, fit.imposed, names[0]), (right, record.response, fit.response, names[1]))
             for place, read, model, name in pairs:
                 (time, t_label), (factor, label) = axis_of("t", record.t), axis_of(name, read)
-                place.plot(record.t / time, read / factor, ".", ms=2, color=BLUE, label="readings")
-                place.plot(record.t / time, model / factor, color=ORANGE, label="model")
+                thin = 1 + read.size // READINGS
+                seen: dict[str, Any] = {"ms": 3, "color": SKY, "mfc": "none", "label": "readings"}
+                place.plot(record.t[::thin] / time, read[::thin] / factor, "o", **seen)
+                place.plot(record.t / time, model / factor, color=ORANGE, lw=1.2, label="model")
                 place.set(xlabel=t_label, ylabel=label)
             left.set_title(pretty(str(fit.relaxation)), fontsize=8)
         return figure

@@ -86,11 +86,16 @@ def _branches(fit: Fit) -> list[tuple[str, str, Array]]:
     if fit.quality is None:  # a table: the contact line closes up to the reversal, is pinned, then opens
         stops = np.flatnonzero((np.diff(a) <= 0) & (a[:-1] > 0))
         turn = int(stops[0]) if stops.size else a.size
-    else:  # a raw force curve: rows in the order of time
-        turn = int(np.argmax(a)) if "approach" in fit.directions or not fit.directions else 0
+    else:
+        turn = _reversal(fit, a)
     if not 0 < turn < a.size - 1:
         return [("fitted", BLACK, near)]
     return [("fitted, approach", BLUE, near & (place <= turn)), ("fitted, retraction", ORANGE, near & (place >= turn))]
+
+
+def _reversal(fit: Fit, a: Array) -> int:
+    """The first row of the retraction of a raw force curve of radii ``a``: its rows are in the order of time."""
+    return int(np.argmax(a)) if "approach" in fit.directions or not fit.directions else 0
 
 
 def _broken(a: Array, line: Sequence[Array]) -> list[Array]:
@@ -121,21 +126,23 @@ def _near_rows(fit: Fit) -> Array:
 
 
 def _residuals(axes: Axes, fit: Fit) -> None:
+    """Residuals of a table over the contact radius, of all rows of a raw force curve over the displacement."""
+    scatter = fit.scatter or 1.0
+    axes.axhline(0, color="0.6", lw=0.8, zorder=0)
+    axes.set_ylabel("residual / standard deviation")
+    if fit.quality is not None:  # all scatter is in the load
+        factor, label = axis_of("delta", fit.data["delta"])
+        turn = _reversal(fit, fit.a)
+        for colour, rows in ((BLUE, slice(None, turn)), (ORANGE, slice(turn, None))):
+            axes.plot(fit.data["delta"][rows] / factor, fit.residuals[0, rows] / scatter, ".", color=colour, ms=1.5)
+        axes.set_xlabel(label)
+        return
     factor, label = axis_of("a", fit.a)
-    free, places, beside = fit.a == 0, fit.a / factor, 0.6  # choice: width of the rows out of contact, in largest radii
-    places[free] = places.max() * beside * (np.linspace(-1, 0, int(free.sum()) + 1)[:-1])
-    alone = "normal distance" if fit.quality is None else LABELS["P"]  # of raw records all scatter is in the load
-    names = [alone] if fit.residuals.shape[0] == 1 else [LABELS[name] for name in fit.data]
+    names = ["normal distance"] if fit.residuals.shape[0] == 1 else [LABELS[name] for name in fit.data]
     marks = [MARKS["delta"]] if len(names) == 1 else [MARKS[name] for name in fit.data]
     for values, name, (colour, mark) in zip(fit.residuals, names, marks, strict=True):
-        axes.plot(places, values / (fit.scatter or 1.0), mark, color=colour, ms=3, mfc="none", label=name)
-    axes.axhline(0, color="0.6", lw=0.8, zorder=0)
-    if free.any():
-        axes.axvline(0, color="0.6", lw=0.8)
-        axes.set_xticks([tick for tick in axes.get_xticks() if 0 <= tick <= places.max() * 1.05])
-        middle = beside / (1 + beside) / 2
-        axes.annotate("base line", (middle, 1.0), None, "axes fraction", ha="center", va="bottom", size=7, color="0.4")
-    axes.set(xlabel=label, ylabel="residual / standard deviation")
+        axes.plot(fit.a / factor, values / scatter, mark, color=colour, ms=3, mfc="none", label=name)
+    axes.set_xlabel(label)
 
 
 def _region(axes: Axes, fit: Fit) -> None:

@@ -115,6 +115,11 @@ def test_readme_begins_with_two_commands_and_names_the_paper_s() -> None:
     assert "make paper" in text
 
 
+def test_pages_for_users_stay_short() -> None:
+    pages = [page for page in PAGES if page.parent.name != "project"]
+    assert sum(len(page.read_text(encoding="utf-8").split()) for page in pages) <= 18_000
+
+
 @pytest.mark.parametrize("verb", [*VERBS, *(f"study {name}" for name in STUDIES)])
 def test_every_verb_is_used_on_a_page(verb: str) -> None:
     assert any(f"jkr {verb}" in page.read_text(encoding="utf-8") for page in PAGES)

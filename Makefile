@@ -177,6 +177,9 @@ relaxation-bounds: $(READY) #: whether 95 % intervals of records that relax hold
 tension-bounds: $(READY) #: whether 95 % intervals of E*, surface tension and w from two tip radii hold, on 1,000 made pairs (an hour)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.tension_bounds $(call QUOTE,$(SEED)) 1000
 
+dirt: $(READY) #: what fits make of 24 kinds of dirt in force curves, 20 of each, and of 200 clean ones (fifteen minutes)
+	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.dirt $(call QUOTE,$(SEED)) 20
+
 record-rivals: $(READY) #: whether wrong models of raw records are told and right ones are not accused, on 20 records of each kind (fifteen minutes)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.record_rivals $(call QUOTE,$(SEED)) 20
 

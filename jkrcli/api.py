@@ -49,7 +49,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from .adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from .adhesion.device_path import Program
@@ -59,6 +59,7 @@ from .adhesion.rate import LogRate, PowerRate
 from .base.errors import InputError, JkrError, Refusal, Unknown
 from .base.files import check_series_target
 from .base.process import one_thread
+from .base.result import Result
 from .base.units import parse
 from .bodies.indenters import Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere, TableProfile
 from .bodies.materials import (
@@ -86,7 +87,7 @@ from .data.measured import from_columns
 from .data.measured import read as read_curves
 from .fitting import procedure
 from .fitting.forward_model import FittedBody, body_of
-from .fitting.joint import joint_fit, shared_of, with_radii
+from .fitting.joint import JointFit, joint_fit, shared_of, with_radii
 from .fitting.procedure import further
 from .fitting.result import Fit, Further
 from .fitting.settings import settings_of
@@ -104,9 +105,8 @@ from .report.forward import (
     MeasuredPullOff,
     Profile,
     PullOff,
-    Transformed,
 )
-from .report.inverse import Fitted, JointFitted, LawFit, Look, RelaxationFitted, TensionFitted, Work
+from .report.inverse import Look, Work
 from .report.rate import (
     CycledAdhering,
     CycledAtSpeed,
@@ -115,8 +115,8 @@ from .report.rate import (
     followed_with_limits,
     traced_histories,
 )
-from .report.result import AnyResult, Figure, Result, as_result
-from .resolve.analysis import analyse, nonadhesive, with_solved_points
+from .report.result import Figure
+from .resolve.analysis import Analysis, analyse, nonadhesive, with_solved_points
 from .series import Solution
 
 __all__ = [
@@ -136,6 +136,9 @@ if TYPE_CHECKING:
     from .adhesion.rate import RateLaw
     from .bodies.indenters import Indenter
     from .bodies.materials import Relaxation
+    from .fitting.rate import RateFit
+    from .fitting.relaxation import RelaxationFit
+    from .fitting.surface_tension import TensionFit
     from .many.maps import MapResult
 
 Body: TypeAlias = Case | Problem | Solution | str | Path  # to be solved, or solved; or the file of either
@@ -143,6 +146,7 @@ Number: TypeAlias = float | str  # in SI, or text with its unit
 OneCurve: TypeAlias = Curve | str | Path  # or the file that holds it
 AnyLaw: TypeAlias = "RateLaw | Mapping[str, Any]"  # or its keys
 Known: TypeAlias = Mapping[str, Number] | None  # values of what is not fitted, standard deviations of inputs
+AnyResult = TypeVar("AnyResult", bound=Result)
 
 
 def parse_case(text: str, folder: str | Path = ".") -> Case:
@@ -183,7 +187,7 @@ def save(solved: Solution, path: str | Path, force: bool = False) -> Path:
 def transform(
     solved: Body, w: Number, slopes: str = "auto", modulus_factor: float = 1.0, method: str | Method | None = None, *,
     stress: Number | None = None, length: Number | None = None,
-) -> Transformed:  # fmt: skip
+) -> Analysis:  # fmt: skip
     """The adhesive curve for the work of adhesion ``w`` [J/m^2], with pull-off, errors, validity and warnings.
 
     ``solved``: a solution or its file; a case, its file or a problem is solved first, by ``method``. ``w``: a number,
@@ -193,8 +197,7 @@ def transform(
     """
     solution = _solution(solved, method)
     ranged = _range(solution, stress, length)
-    curve = analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, ranged)[0]
-    return as_result(Transformed, curve)
+    return analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, ranged)[0]
 
 
 @one_thread()
@@ -401,7 +404,7 @@ def identify(
     body: Body, measured: OneCurve | DataFrame | Mapping[str, Any] | None = None, free: Iterable[str] = (),
     fix: Known = None, slopes: str = "auto", *, reading: Reading | None = None,
     a: Any = None, delta: Any = None, P: Any = None, t: Any = None, **options: Any,
-) -> Fitted:  # fmt: skip
+) -> Fit:  # fmt: skip
     """E*, w and the zero points that bring the adhesive curve of ``body`` nearest to one ``measured`` curve: of a file,
     a data frame with columns named as in a table ("delta_um", "P (nN)"), or arrays of ``a, delta, P, t`` [SI]. In these
     ``reading``, Reading(units={"P": "nN"}), tells units, signs and the device.
@@ -420,7 +423,7 @@ def identify(
     curve = _curve_of(named if measured is None else measured, reading)
     source = body_of(body, slopes)
     result = one_thread()(procedure.fit)(source, curve, settings_of(source, free, _texts(fix), **options))
-    return as_result(Fitted, result, body=_named(body, source))
+    return replace(result, body=_named(body, source))
 
 
 fit = identify  # the verb's name
@@ -429,7 +432,7 @@ fit = identify  # the verb's name
 def identify_joint(
     body: Body, measured: Sequence[OneCurve], shared: Iterable[str] = ("E_star", "w"), own: Iterable[str] = (),
     tip_radii: Sequence[Number] = (), free: Iterable[str] = (), fix: Known = None, slopes: str = "auto", **options: Any,
-) -> JointFitted:  # fmt: skip
+) -> JointFit:  # fmt: skip
     """E*, w or whatever else all records ``measured`` share, from all of them together; the rest is each record's own.
 
     ``tip_radii`` [m]: of each, or one of all (default: the body's); ``free``, ``fix``, ``options`` as of ``identify``.
@@ -440,7 +443,7 @@ def identify_joint(
     settings = settings_of(source, free, _texts(fix), **options)
     bodies = with_radii(source, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
     result = one_thread()(joint_fit)(bodies, curves, settings, shared_of(shared, own, settings))
-    return as_result(JointFitted, result, body=_named(body, source), level=settings.level)
+    return replace(result, body=_named(body, source))
 
 
 def plan(body: Body, found: Fit, slopes: str = "auto") -> tuple[Further, ...]:
@@ -453,7 +456,7 @@ def plan(body: Body, found: Fit, slopes: str = "auto") -> tuple[Further, ...]:
 def identify_law(
     body: Body, measured: Iterable[OneCurve], law: str = "power", free: Iterable[str] = (), fix: Known = None,
     slopes: str = "auto", **options: Any,
-) -> LawFit:  # fmt: skip
+) -> RateFit:  # fmt: skip
     """w0, the parameters of a ``law`` over the edge's speed, E* and the zero point, from records with time together.
 
     ``measured``: curves of retractions at one or several speeds, or their files; ``free``: more parameters ("P0");
@@ -466,12 +469,12 @@ def identify_law(
     start = _texts(options.pop("start", None))
     settings = rate_settings(source, law, free, _texts(fix), start, **options)
     curves = [curve for each in measured for curve in ([each] if isinstance(each, Curve) else measured_curves(each))]
-    return as_result(LawFit, one_thread()(rate_fit)(source, curves, settings), body=_named(body, source))
+    return replace(one_thread()(rate_fit)(source, curves, settings), body=_named(body, source))
 
 
 def identify_relaxation(
     body: Body, measured: OneCurve, law: str = "sls", fix: Known = None, slopes: str = "auto", **options: Any,
-) -> RelaxationFitted:  # fmt: skip
+) -> RelaxationFit:  # fmt: skip
     """The modulus, the parameters of a ``law`` of relaxation and the zero point, from a record with time.
 
     ``measured``: one curve of t, delta, P, or its file; ``fix``: known ones, {"ratio": "0.3"}; ``options``: level,
@@ -482,13 +485,13 @@ def identify_relaxation(
     source = body_of(body, slopes)
     curve = _curve_of(measured, None)
     result = one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, _texts(fix), **options))
-    return as_result(RelaxationFitted, result, body=_named(body, source))
+    return replace(result, body=_named(body, source))
 
 
 def identify_tension(
     body: Body, measured: Sequence[OneCurve], tip_radii: Sequence[Number] = (), fix: Known = None,
     level: float = 0.95,
-) -> TensionFitted:  # fmt: skip
+) -> TensionFit:  # fmt: skip
     """Surface tension, E*, w and the zero points from records by tips of one or more radii on the same body, together.
 
     ``measured``: curves or their files; ``tip_radii`` [m]: of each, or one of all (default: the body's); ``fix``: known
@@ -502,7 +505,7 @@ def identify_tension(
     radii = radii_of(problem, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
     known = known_values(problem, [] if TENSION in (fix or {}) else [TENSION], _texts(fix))
     result = one_thread()(tension_fit)(problem, curves, radii, known, level)
-    return as_result(TensionFitted, result, body=_named(body, source), level=level)
+    return replace(result, body=_named(body, source))
 
 
 def _named(body: Any, source: FittedBody) -> str:

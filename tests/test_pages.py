@@ -7,6 +7,7 @@ is not here is marked by the line before it: ``<!-- not run: why -->``.
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 import subprocess
@@ -98,15 +99,25 @@ def test_lines_of_the_changes_are_short() -> None:
     assert [line for line in lines if len(line) > 120] == []
 
 
-def test_readme_s_first_screen_has_the_ways_from_a_clone_to_w() -> None:
-    screen = "\n".join(README.read_text(encoding="utf-8").splitlines()[:40])
-    for command in (
-        "make setup",
-        "jkr pull-off --radius",
-        "jkr fit cases/measured/raw-force-curve.txt",
-        "jkr transform my.toml --w",
-    ):
-        assert command in screen
+WAYS = ("jkr transform", "jkr import", "jkr fit")  # a case, a finite-element solution, a force curve
+
+
+@pytest.mark.parametrize("command", WAYS)
+def test_readme_shows_each_way_to_w_with_what_it_prints(command: str) -> None:
+    found = blocks(README)
+    shown_by = [after for block, after in itertools.pairwise(found) if block.kind == "sh" and command in block.text]
+    assert any(after.kind == "text" and not after.mark for after in shown_by)
+
+
+def test_readme_begins_with_two_commands_and_names_the_paper_s() -> None:
+    text = README.read_text(encoding="utf-8")
+    assert text.index("make run") < text.index("make test") < min(text.index(way) for way in ("jkr import", "jkr fit"))
+    assert "make paper" in text
+
+
+def test_pages_for_users_stay_short() -> None:
+    pages = [page for page in PAGES if page.parent.name != "project"]
+    assert sum(len(page.read_text(encoding="utf-8").split()) for page in pages) <= 18_000
 
 
 @pytest.mark.parametrize("verb", [*VERBS, *(f"study {name}" for name in STUDIES)])

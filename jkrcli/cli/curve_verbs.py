@@ -14,6 +14,7 @@ from ..adhesion.finite_range import RangeRequest
 from ..adhesion.from_rest import Rest
 from ..base.errors import InputError
 from ..base.files import atomic, together, write_text
+from ..base.result import Result
 from ..bodies.materials import relaxing
 from ..case.reading import Case
 from ..data import measured
@@ -28,10 +29,13 @@ from ..report.forward import (
     MeasuredPullOff,
     Profile,
     PullOff,
-    Transformed,
-    figure_of,
+    curve_summary,
+    curve_table,
+    curve_words,
+    draw_curve,
+    draw_curves,
 )
-from ..report.result import PICTURES, Files, Output, Result, Results, as_result
+from ..report.result import PICTURES, Files, Output, Results
 from ..resolve.analysis import analyse, seconds_of_page, where_lost
 from ..resolve.comparison import effect_on, sticking_warnings
 from ..resolve.histories import checked_histories, lost_by_history, rest_of, seconds_of_histories
@@ -118,18 +122,17 @@ def transform(
     with together():
         for solution, works, ranged, places, picture in zip(solutions, wanted, ranges, targets, pictures, strict=True):
             effect = effect_on(solution.scaled(how.modulus_factor), works)
-            results = list[Transformed]()
-            curves = analyse(solution, works, how.slopes, how.modulus_factor, ranged)
+            analysed = analyse(solution, works, how.slopes, how.modulus_factor, ranged)
+            curves = [replace(curve, effect=effect) for curve in analysed]
             for curve, target in zip(curves, places, strict=True):
                 scales = tables.scales_of(curve.problem, curve.w, dimensionless) if dimensionless else users
-                results.append(as_result(Transformed, curve, scales=scales, effect=effect))
-                summaries.append(results[-1].summary())
-                target.write(results[-1].columns, summaries[-1], results[-1].figure() if figures else None)
+                summaries.append(curve_summary(curve, scales))
+                target.write(curve_table(curve, scales), summaries[-1], draw_curve(curve, scales) if figures else None)
             if picture is not None:
-                picture.write(figure=figure_of(results))
-            lines += [result.words() for result in results]
+                picture.write(figure=draw_curves(curves, users))
+            lines += map(curve_words, curves)
             warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
-            warnings += [f"{result.path}: {text}" for result in results for text in result.warnings if not output.json]
+            warnings += [f"{curve.path}: {text}" for curve in curves for text in curve.warnings if not output.json]
     if output.json:
         answer({"results": summaries})
     else:

@@ -16,6 +16,7 @@ from ..adhesion.relaxation import RelaxingContact
 from ..adhesion.relaxing_adhesion import RelaxingAdhesion
 from ..base.errors import InputError
 from ..base.files import together
+from ..base.result import Result
 from ..base.units import show
 from ..bodies.materials import Relaxation
 from ..methods.protocol import Limits
@@ -28,7 +29,7 @@ from ..report.rate import (
     followed_with_limits,
     traced_histories,
 )
-from ..report.result import PICTURES, Output, Result
+from ..report.result import PICTURES, Output
 from ..resolve.analysis import Analysis, analyse, with_solved_points
 from ..resolve.histories import curves_from_rest, pull_off_in_limits, rest_of
 from ..series import Solution

@@ -17,6 +17,7 @@ from ..base.errors import InputError, SolveError
 from ..base.executors import executor
 from ..base.files import beside, together, write_text
 from ..base.process import one_thread
+from ..base.result import Result
 from ..bodies.materials import RELAXATIONS
 from ..data import measured
 from ..data.curve import Curve, Reading
@@ -24,13 +25,13 @@ from ..data.measured import holds_map, usable
 from ..data.segmentation import segment_force_curve
 from ..fitting.forward_model import FittedBody
 from ..fitting.joint import joint_fit, shared_of, with_radii
-from ..fitting.parameters import ALIAS
+from ..fitting.parameters import ALIAS, Answer
 from ..fitting.procedure import Failure, fit_all, planned
 from ..fitting.result import Fit
 from ..fitting.settings import USUALLY_FREE, Settings, settings_of, uncertain_of
 from ..methods.protocol import Forecast, Limits
-from ..report.inverse import Fits, JointFitted, LawFit, RelaxationFits, TensionFitted, plan_table, rivals_table
-from ..report.result import PICTURES, SHOWN, Files, Output, Result, as_result
+from ..report.inverse import Fits, RelaxationFits, plan_table, rivals_table
+from ..report.result import PICTURES, SHOWN, Files, Output
 from ..tables import some
 from . import options
 from .inputs import (
@@ -159,12 +160,11 @@ class FitRequest:
                 raise item
         return [item for item, _ in pairs if not isinstance(item, InputError)], [one for _, one in pairs]
 
-    def conclude(self, kind: type[Result], fit: Callable[[], Any], **more: Any) -> None:
-        """One fit of all curves as a result of a ``kind``, with what is ``more``: its table, summary and, where it has
-        one, picture."""
+    def conclude(self, fit: Callable[[], Answer]) -> None:
+        """One ``fit`` of all curves: its table, summary and, where it has one, picture."""
         try:
             with one_thread():
-                result = as_result(kind, fit(), body=self.body_words, **more)
+                result = replace(fit(), body=self.body_words)
         except SolveError as error:
             raise InputError(f"{self.measured[0]}: {error}") from None
         self.write(result)
@@ -180,7 +180,7 @@ def fit_joint(request: FitRequest, settings: Settings) -> None:
     shared, own = (_flat(groups) for groups in (request.options.shared, request.options.own))
     names = shared_of(shared, own, settings)
     curves, bodies = request.curves(with_radii(request.body, request.options.tip_radius, len(request.measured)))
-    request.conclude(JointFitted, lambda: joint_fit(bodies, curves, settings, names), level=settings.level)
+    request.conclude(lambda: joint_fit(bodies, curves, settings, names))
 
 
 def fit_law(request: FitRequest) -> None:
@@ -192,7 +192,7 @@ def fit_law(request: FitRequest) -> None:
     assert asked.law is not None
     settings = rate_settings(request.body, asked.law, request.names, asked.fix, asked.start, **how)
     curves, _ = request.curves(request.measured)
-    request.conclude(LawFit, lambda: rate_fit(request.body, curves, settings))
+    request.conclude(lambda: rate_fit(request.body, curves, settings))
 
 
 def has_tension(request: FitRequest) -> bool:
@@ -208,7 +208,7 @@ def fit_tension(request: FitRequest) -> None:
     problem, level = request.body.problem, request.options.level
     fixed = known_values(problem, request.names, request.options.fix)
     curves, tips = request.curves(radii_of(problem, request.options.tip_radius, len(request.measured)))
-    request.conclude(TensionFitted, lambda: tension_fit(problem, curves, tips, fixed, level), level=level)
+    request.conclude(lambda: tension_fit(problem, curves, tips, fixed, level))
 
 
 def fit_relaxation(request: FitRequest) -> None:

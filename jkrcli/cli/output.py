@@ -23,7 +23,7 @@ from ..base.errors import printable, writable
 from ..base.process import SILENCE, duration
 
 if TYPE_CHECKING:
-    from ..report.result import Result
+    from ..base.result import Result
 
 LEVEL, WARNED, ANNOUNCED = "jkr.level", "jkr.warned", "jkr.announced"
 QUIET, USUAL, VERBOSE = range(3)

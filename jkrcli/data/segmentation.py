@@ -64,7 +64,7 @@ def _standing_still(P: Array, z: Array, end: float) -> bool:
     return float(np.ptp(near)) > SATURATION_LEVELS * float(levels.min())
 
 
-PAUSE = "pause"
+PAUSE, PERMANENT_SET = "pause", "permanent set"
 
 # Where a departure counts; lengths are shares of the rows of a direction.
 RECORD_NORMAL = 1.4826  # theory: standard deviation over median deviation of normal noise
@@ -247,7 +247,7 @@ def segment_force_curve(curve: Curve) -> ForceCurve:
         z, P = curve.device, P.copy()
         P[spikes] = (P[spikes - 1] + P[spikes + 1]) / 2
         curve = replace(curve, P=P, delta=z if curve.stiffness is None else z - P / curve.stiffness)
-    parts = _segments_by_motion(curve.device) if curve.segment is None else _named_segments(curve)
+    parts, by_load = _segments_by_motion(curve.device, P) if curve.segment is None else (_named_segments(curve), False)
     sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= FEWEST_ROWS]
     directions = tuple(_direction(curve.device, P, part) for part in sides)
     held = _free_rows(curve, directions)
@@ -260,7 +260,8 @@ def segment_force_curve(curve: Curve) -> ForceCurve:
     flags = [*_missing(parts, directions)]
     if directions and not touched:
         flags.append(("no contact", "the load never leaves its base line"))
-    flags += [*_on_base_lines(curve, touched), *_on_jumps(touched), *_on_signs(curve, directions)]
+    dent = _permanent_set(curve, directions) if by_load else ()
+    flags += [*(dent or _on_base_lines(curve, touched)), *_on_jumps(touched), *_on_signs(curve, directions)]
     limits = np.flatnonzero(np.any([np.zeros(len(curve), dtype=bool), *saturation(curve).values()], axis=0))
     flags += [("saturated", f"{sentence}: they are left out") for sentence in saturation_words(curve)]
     return ForceCurve(whole, tuple(parts), directions, dict(flags), spikes, limits, held, plain)
@@ -293,7 +294,7 @@ def _spikes(P: Array) -> Array:
 def _named_segments(curve: Curve) -> list[Segment]:
     """Stretches of rows with the same word. One that turns back in its middle holds both directions, whatever it is
     called; rows of one direction at a standstill by the turn are a pause."""
-    words, delta = curve.segment, curve.device
+    words, delta, P = curve.segment, curve.device, curve.load
     assert words is not None
     ends = np.flatnonzero(words[1:] != words[:-1])
     stretches = [
@@ -302,7 +303,7 @@ def _named_segments(curve: Curve) -> list[Segment]:
     ]
     parts: list[Segment] = []
     for part in stretches:
-        inside = _segments_by_motion(delta[part.rows]) if len(part) >= FEWEST_ROWS else []
+        inside = _segments_by_motion(delta[part.rows], P[part.rows])[0] if len(part) >= FEWEST_ROWS else []
         moved = [item for item in inside if item.kind != PAUSE]
         ways = {item.kind: float(np.ptp(delta[part.rows][item.rows])) for item in inside}
         both = len(moved) > 1 and min(ways[item.kind] for item in moved) > RECORD_FAR * float(np.ptp(delta))
@@ -314,8 +315,23 @@ def _named_segments(curve: Curve) -> list[Segment]:
     return parts
 
 
-def _segments_by_motion(delta: Array) -> list[Segment]:
-    """Approach, pause and retraction by the motion alone: up to the turning point, at rest there, and back."""
+def _segments_by_motion(delta: Array, P: Array) -> tuple[list[Segment], bool]:
+    """Approach, pause and retraction by the motion alone: up to the turning point, at rest there, and back. Under load
+    control the displacement follows little of an unloading that leaves a dent: where the load falls in a pause in which
+    the displacement recovers, the load tells the parts; whether it does."""
+    parts = _parts_of_way(delta)
+    pause = next((part for part in parts if part.kind == PAUSE), None)
+    if pause is None or len(pause) < FEWEST_ROWS:
+        return parts, False
+    size = _block(len(pause))
+    moved, loads = (_blocks(v[pause.rows], size) for v in (delta, P))
+    least = max(RECORD_LEAST * float(np.ptp(delta)), RECORD_SIGMAS * _robust(np.diff(delta, 2)) / math.sqrt(6 * size))
+    by_load = bool(loads[0] - loads[-1] > RECORD_FAR * np.ptp(P) and moved[0] - moved[-1] > least)
+    return _parts_of_way(P) if by_load else parts, by_load
+
+
+def _parts_of_way(delta: Array) -> list[Segment]:
+    """The parts of what rises, rests and falls again."""
     n = delta.size
     window = _block(n)
     smooth = np.convolve(np.pad(delta, window, mode="edge"), np.ones(2 * window + 1) / (2 * window + 1), "valid")
@@ -593,6 +609,24 @@ def _on_base_lines(curve: Curve, touched: Sequence[Direction]) -> Iterator[tuple
                 "the range of the load (optical interference: fit --base-line sine)"
             )
             yield "wavy base line", sentence
+
+
+def _permanent_set(curve: Curve, directions: Sequence[Direction]) -> tuple[tuple[str, str], ...]:
+    """A flag with the depth at which the load of an unloading is gone without any tension: that of a dent."""
+    sides = {item.segment.kind: item for item in directions}
+    into, out = sides.get(APPROACH), sides.get(RETRACT)
+    if into is None or out is None or not into.begins_free or isinstance(into.touch, Unknown):
+        return ()
+    z, P = (_blocks(v[out.segment.rows], _block(len(out.segment))) for v in (curve.device, curve.load))
+    off, least = P - into.base(z), max(into.base.least, RECORD_SMALL * into.largest)
+    gone = np.flatnonzero(off < least)
+    if not gone.size or off.min() < -least:
+        return ()
+    dent, depth = float(z[gone[0]]) - into.touch, float(curve.device.max()) - into.touch
+    if dent < RECORD_FAR * depth + into.touch_err:
+        return ()
+    sentence = f"unloading leaves a dent of {show(dent, 'length', 3)} of a depth of {show(depth, 'length', 3)}"
+    return ((PERMANENT_SET if dent > RECORD_HALF * depth else f"some {PERMANENT_SET}", sentence),)
 
 
 def _on_jumps(touched: Sequence[Direction]) -> Iterator[tuple[str, str]]:

@@ -607,8 +607,13 @@ def _columns(table: TextTable, reading: Reading) -> tuple[Columns, list[str]]:
     for key in NAMES.quantities:
         known = SIZES.keys() & chosen.keys() if key in SIZES else key in chosen
         if not known and (named := NAMES.named(table, key)):
-            whole = [i for i in named if instruments.plain(table.names[i]) in instruments.WHOLE]
-            chosen[key] = whole[0] if whole else NAMES.guess(table, key)
+            filled = [i for i in named if i in table.text or np.nan_to_num(table.values[:, i]).any()]
+            if key not in ("delta", "P"):  # of which a column of zeros is no measurement
+                flags += [f"{table.titled(i)} holds zeros alone and is left out" for i in named if i not in filled]
+                if not filled:
+                    continue
+            whole = [i for i in filled if instruments.plain(table.names[i]) in instruments.WHOLE]
+            chosen[key] = whole[0] if whole else filled[0] if len(filled) == 1 else NAMES.guess(table, key)
     if "diameter" not in reading.columns and "diameter" in chosen and _is_constant(table, chosen["diameter"]):
         del chosen["diameter"]  # that of the indenter
     bent = instruments.deflection(table)

@@ -179,11 +179,13 @@ class Joint:
 @dataclass(frozen=True, eq=False, kw_only=True)
 class JointFit(Answer):
     """Records fitted together: what is ``shared`` (``covariance``: of logs of moduli); ``fits`` of the records with
-    these; ``alone``: the values by each record alone; ``chance`` that records which share them differ as much."""
+    these; ``alone``: the values by each record alone; ``chance`` that records which share them differ as much;
+    ``level`` of the intervals."""
 
     fits: tuple[Fit, ...]
     alone: tuple[Mapping[str, float], ...]
     chance: float
+    level: float = 0.95
 
     @property
     def shared(self) -> tuple[FittedValue, ...]:
@@ -233,7 +235,7 @@ def joint_fit(
         warnings.insert(0, f"{differ}; see what each says alone")
     return JointFit(
         estimates=estimates, free=tuple(shared), covariance=intervals.covariance[:m, :m], dof=least.dof,
-        warnings=tuple(warnings), fits=fits, alone=alone, chance=chance,
+        warnings=tuple(warnings), fits=fits, alone=alone, chance=chance, level=settings.level,
     )  # fmt: skip
 
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from ..base.errors import InputError, did_you_mean
 from ..base.numerics import SAME, Array
+from ..base.result import Reported
 from ..base.units import Ranged
 
 # --------------------------------------------------------------------------------------------------
@@ -45,16 +46,17 @@ class FittedValue:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Answer:
+class Answer(Reported):
     """``estimates``: the parameters, then what follows from them; ``free``: names of those that were fitted, with their
     ``covariance`` (of SI values, or of logs), None where the data do not separate them; ``dof``: degrees of freedom;
-    ``warnings``: sentences."""
+    ``warnings``: sentences; ``body``: what was fitted, in words."""
 
     estimates: tuple[FittedValue, ...]
     free: tuple[str, ...]
     covariance: Array | None
     dof: int
     warnings: tuple[str, ...] = ()
+    body: str = ""
 
     def estimate(self, name: str) -> FittedValue:
         """The estimate called ``name``."""

@@ -20,6 +20,7 @@ from ..base.units import show
 from ..bodies.indenters import Paraboloid, Sphere
 from ..bodies.problem import RADIUS, changed
 from ..data.curve import APPROACH, AS_DEPTH, GAPS, NOT_SUBTRACTED, OVERRULED, RETRACT, Curve, Pixel
+from ..data.segmentation import PERMANENT_SET as SET
 from ..data.segmentation import SUBTRACTED_TWICE, ForceCurve, segment_force_curve, with_zero_points
 from ..data.tables import NO_UNIT
 from ..methods.radii import ROOM
@@ -514,7 +515,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None, 
     rivals = Rivals((), 1.0)
     if settings.range is None and minimum.least.ended:
         rivals = rivals_of(minimum, confidence.scatter**2, confidence.dof, settings)
-    flags: Mapping[str, str] = {} if curve.stiffness is None else flags_of(curve)
+    flags = {name: line for name, line in flags_of(curve).items() if curve.stiffness is not None or SET in name}
     free = minimum.objective.unknowns.names
     estimates = _resting(minimum, rivals.with_parts(confidence.estimates))
     undetermined = any(item.name in free and item.low is None and item.high is None for item in estimates)

@@ -14,7 +14,7 @@ from ..base.executors import Pool
 from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, SAME, Array
 from ..base.units import show
 from ..data.curve import APPROACH, RETRACT, TURNED, Curve
-from ..data.segmentation import ForceCurve, segment_force_curve
+from ..data.segmentation import PERMANENT_SET, ForceCurve, segment_force_curve
 from ..methods.radii import ROOM
 from .alternatives import OF_RIVALS
 from .checks import warnings_of
@@ -224,6 +224,11 @@ def as_raw_force_curve(curve: Curve, settings: Settings) -> ForceCurve | None:
         if required:
             raise
         return None
+    if dent := record.flags.get(PERMANENT_SET):
+        raise InputError(
+            f"{curve.where}: {PERMANENT_SET}: {dent}: the specimen yields or flows, no elastic contact has such an "
+            "unloading: measure below the load at which it begins to"
+        )
     if not (required or _raw(record)):
         if settings.contact != "auto" or not _as_read(record, settings):
             return None

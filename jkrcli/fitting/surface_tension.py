@@ -60,12 +60,13 @@ TENSION_FIT_FARTHEST = 80.0  # theory: of logs of SI values, far beyond matter a
 class TensionFit(Answer):
     """E_star, surface_tension, w and the zero points, ``covariance`` in the units of their search; ``scatter`` of the
     load [N]; ``loads``: fitted loads [N] of each of the ``records``; ``mixed``: by name what those of one radius do not
-    separate from the tension, with the correlation."""
+    separate from the tension, with the correlation; ``level`` of the intervals."""
 
     scatter: float
     records: tuple[Curve, ...]
     loads: tuple[Array, ...]
     mixed: Mapping[str, float] = field(default_factory=dict)
+    level: float = 0.95
 
 
 @dataclass(frozen=True, eq=False)
@@ -252,7 +253,7 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
     fit = TensionFit(
         estimates=tuple(replace(item, name=zeros.get(item.name, item.name)) for item in estimates),
         free=tuple(zeros.get(name, name) for name in unknowns.names),
-        covariance=spread, dof=best.dof, records=model.records, loads=tuple(model.loads(best.x)),
+        covariance=spread, dof=best.dof, level=level, records=model.records, loads=tuple(model.loads(best.x)),
         scatter=math.sqrt(best.variance) * float(np.mean([_span(record.load) for record in model.records])),
     )  # fmt: skip
     mixed = {} if several else _mixed(fit)

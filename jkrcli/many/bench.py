@@ -15,9 +15,9 @@ from typing import Any
 
 from ..base.errors import SolveError
 from ..base.process import StageClock
+from ..base.result import Result
 from ..case.reading import Case
 from ..case.store import solve, write_solution
-from ..report.result import Result
 
 # --------------------------------------------------------------------------------------------------
 # What a command costs: CPU and wall time and peak memory of a whole process.

@@ -16,6 +16,7 @@ from ..adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from ..base.errors import Estimate, InputError, Unknown
 from ..base.executors import Pool, in_order
 from ..base.numerics import Array
+from ..base.result import Result
 from ..base.units import show
 from ..bodies.problem import Problem
 from ..methods.fem.method import FEM
@@ -23,7 +24,7 @@ from ..methods.layered.solver import Layered
 from ..report import tables
 from ..report.plots.looks import BLACK, BLUE, GREEN, ORANGE, axis_of
 from ..report.plots.studies import Line, Panel, panels_figure
-from ..report.result import Figure, Result
+from ..report.result import Figure
 from ..series import RawSeries, Series, Solution
 
 # --------------------------------------------------------------------------------------------------

@@ -21,6 +21,7 @@ from ..base.errors import InputError, JkrError, SolveError, Unknown, known
 from ..base.executors import Pool, in_order
 from ..base.files import lists
 from ..base.numerics import MOST_STEPS, Array
+from ..base.result import Result
 from ..base.units import Ranged
 from ..bodies.indenters import Paraboloid
 from ..bodies.materials import Elastic, Layer
@@ -30,7 +31,7 @@ from ..methods.closed_form import ClosedForm
 from ..methods.finite_range import AttractedBody
 from ..methods.layered.solver import Layered
 from ..methods.protocol import Method
-from ..report.result import Figure, Result
+from ..report.result import Figure
 from ..series import Series
 
 MAPS = {

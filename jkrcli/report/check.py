@@ -9,6 +9,7 @@ from typing import Any
 
 from ..adhesion.finite_range import unable
 from ..base.errors import Estimate, Refusal, Unknown
+from ..base.result import Result
 from ..base.units import reached, show
 from ..bodies.problem import Problem
 from ..case.models import CaseModel, method_of
@@ -16,7 +17,6 @@ from ..case.reading import Case
 from ..methods.protocol import Choice, Option, choose_method, survey
 from ..resolve.neglected import EffectsPreview, NeglectedEffect, neglected_effects, preview_effects
 from . import tables
-from .result import Result
 
 LARGEST = 3  # choice: neglected effects that are printed first
 SIZES = {"a/R": "a_over_R", "a/h": "a_over_h", "delta/h": "delta_over_h"}

@@ -13,10 +13,10 @@ import numpy as np
 from ..adhesion.dem import DemLaw
 from ..base.errors import InputError
 from ..base.numerics import Array
+from ..base.result import Result
 from ..base.units import show
 from ..formulas import jkr
 from ..resolve.analysis import Analysis
-from .result import Result
 from .tables import format_state, quantities
 
 CODE = Template(resources.files(__package__).joinpath("dem.c").read_text(encoding="utf-8"))

@@ -16,7 +16,7 @@ from typing import Any, Literal
 from .. import __version__
 from ..base.errors import installs
 from ..base.process import free_memory
-from .result import Result
+from ..base.result import Result
 
 REQUIRED = ("numpy", "scipy", "h5py", "click", "pydantic", "tomli-w", "matplotlib", "threadpoolctl")
 OPTIONAL = {  # package: extra, use

@@ -37,15 +37,16 @@ from ..adhesion.validity import Strains, faces, strain_words
 from ..base.errors import Estimate, InputError, Unknown, accuracy, known
 from ..base.files import lists
 from ..base.numerics import ROWS, Array
+from ..base.result import FIGURES, SUMMARIES, TABLES, WORDS, Result
 from ..base.units import implausible_work, show
 from ..bodies.materials import relaxing
 from ..resolve.analysis import Analysis, Lost, analyse
-from ..resolve.comparison import StickingEffect, effect_as_json, effect_on
+from ..resolve.comparison import effect_as_json
 from ..resolve.histories import LostByHistory, strains_after
 from ..resolve.refine_pull_off import is_refined
 from ..series import Difference, Solution, curve_differences, series_differences
 from . import tables
-from .result import Figure, Result
+from .result import Figure
 from .tables import Scales, format_state, quantities, read_curve, transpose_rows
 
 TYPE_CHECKING = False
@@ -55,53 +56,40 @@ if TYPE_CHECKING:
     from ..methods.fem.method import FEM
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Transformed(Analysis, Result):
-    """An adhesive curve as a result; ``scales``: units of more columns and of the picture; ``effect``:
-    what it matters whether the surfaces stick, where that is known for several curves of one body at once."""
-
-    scales: Scales | None = None
-    effect: StickingEffect | Unknown | None = None
-
-    @cached_property
-    def columns(self) -> dict[str, Array]:  # type: ignore[override]
-        return tables.curve_columns(self.curve) | ({} if self.scales is None else self.scales.columns(self))
-
-    @cached_property
-    def sticking(self) -> StickingEffect | Unknown:
-        """What it matters whether the surfaces stick."""
-        return effect_on(self.solution, [self.w]) if self.effect is None else self.effect
-
-    def summary(self) -> dict[str, Any]:
-        summary, scales = tables.summary(self) | {"sticking": effect_as_json(self.sticking)}, self.scales
-        if scales is not None:
-            summary["scales"] = {"name": scales.name} | tables.quantities(scales, "P delta a")
-        return summary
-
-    def words(self) -> list[str]:
-        """Where contact is lost, what the numbers are worth, what an exact solution says."""
-        errors = self.pull_off_errors
-        points = {f"{name} control": (point, errors.get(name)) for name, point in self.pull_off.items()}
-        return [*tables.format_pull_off(self, points), *(f"  {line}" for line in _of_curve(self))]
-
-    @property
-    def units(self) -> Scales:
-        """Of the axes."""
-        from .plots.forward import physical_units
-
-        return self.scales or physical_units(self.curve)
-
-    def figure(self) -> Figure:
-        from .plots.forward import curve_figure
-
-        return curve_figure(self, self.units)
+@TABLES.register(Analysis)
+def curve_table(curve: Analysis, scales: Scales | None = None) -> dict[str, Array]:
+    """The columns of an adhesive curve, with those in units of ``scales``."""
+    return tables.curve_columns(curve.curve) | ({} if scales is None else scales.columns(curve))
 
 
-def figure_of(results: Sequence[Transformed]) -> Figure:
+@SUMMARIES.register(Analysis)
+def curve_summary(curve: Analysis, scales: Scales | None = None) -> dict[str, Any]:
+    """Pull-off, errors, validity and warnings of an adhesive curve; ``scales``: of more columns."""
+    summary = tables.summary(curve) | {"sticking": effect_as_json(curve.sticking)}
+    return summary | ({} if scales is None else {"scales": {"name": scales.name} | quantities(scales, "P delta a")})
+
+
+@FIGURES.register(Analysis)
+def draw_curve(curve: Analysis, scales: Scales | None = None) -> Figure:
+    """The picture of an adhesive curve, its axes in units of ``scales``."""
+    from .plots.forward import curve_figure, physical_units
+
+    return curve_figure(curve, scales or physical_units(curve.curve))
+
+
+def draw_curves(curves: Sequence[Analysis], scales: Scales | None = None) -> Figure:
     """One picture of the curves of one body for several works of adhesion."""
-    from .plots.forward import curves_figure
+    from .plots.forward import curves_figure, physical_units
 
-    return curves_figure(results, results[-1].units)
+    return curves_figure(curves, scales or physical_units(curves[-1].curve))
+
+
+@WORDS.register(Analysis)
+def curve_words(curve: Analysis) -> list[str]:
+    """Where contact is lost, what the numbers are worth, what an exact solution says."""
+    errors = curve.pull_off_errors
+    points = {f"{name} control": (point, errors.get(name)) for name, point in curve.pull_off.items()}
+    return [*tables.format_pull_off(curve, points), *(f"  {line}" for line in _of_curve(curve))]
 
 
 def _of_curve(result: Analysis) -> Iterator[str]:

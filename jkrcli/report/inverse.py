@@ -17,6 +17,7 @@ from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.validity import NEGLECTED
 from ..base.errors import InputError, Unknown
 from ..base.numerics import Array
+from ..base.result import FIGURES, SUMMARIES, TABLES, WORDS, Result
 from ..base.units import SI, scale, show
 from ..bodies.indenters import Indenter
 from ..data import measured, text_formats
@@ -38,7 +39,7 @@ from ..tables import some
 from . import archive
 from .map import DOUBTFUL, FITTED, LEAST_CURVES, UNUSABLE, status_of
 from .rate import RELAXATION_NEGLECTED, law_words, relaxation_law_summary, through_summary, through_words
-from .result import SHOWN, Figure, Result, Several
+from .result import SHOWN, Figure, Several
 from .tables import DIMENSIONS, quantities, stacked, stiffness, transpose_rows, with_unit
 
 ALWAYS = ("file", "curve", "status", "reason", "points")
@@ -107,26 +108,24 @@ class Fits(Several):
         return [*(f"{where}: {line}" for where, lines in named for line in lines), *self.remarks]
 
 
-@dataclass(frozen=True, eq=False)
-class Fitted(Fit, Result):
-    """A fitted curve as a result; ``body``: what was fitted, in words."""
+@TABLES.register(Fit)
+def fit_table(fit: Fit) -> dict[str, list[Any]]:
+    """The row of one curve, by columns."""
+    return columns([fit])
 
-    body: str = ""
 
-    @property
-    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
-        return columns([self])
+@SUMMARIES.register(Fit)
+def fit_summary(fit: Fit) -> dict[str, Any]:
+    """What stands in the JSON file of one curve."""
+    return summary([fit], fit.body)
 
-    def summary(self) -> dict[str, Any]:
-        return summary([self], self.body)
 
-    def words(self) -> list[str]:
-        return fit_words(self)
+@FIGURES.register(Fit)
+def draw_fit(fit: Fit) -> Figure:
+    """The picture of a fitted curve."""
+    from .plots.inverse import fit_figure
 
-    def figure(self) -> Figure:
-        from .plots.inverse import fit_figure
-
-        return fit_figure(self)
+    return fit_figure(fit)
 
 
 def _reasons(item: Failure) -> Sequence[str]:
@@ -250,6 +249,7 @@ def estimate_summary(item: FittedValue) -> dict[str, Any]:
     return numbers
 
 
+@WORDS.register(Fit)
 def fit_words(item: Fit) -> list[str]:
     """A fit as lines of text: the verdict, what was free, and what follows from it."""
     out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
@@ -456,154 +456,158 @@ def _scatter(item: Fit) -> list[str]:
 # over the speed of the contact's edge.
 
 
-@dataclass(frozen=True, eq=False)
-class JointFitted(JointFit, Result):
-    """Records fitted together as a result; ``body``: what was fitted, in words; ``level`` of their intervals."""
-
-    body: str = ""
-    level: float = 0.95
-
-    @property
-    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
-        """A row for each record: what all share, and its own."""
-        return columns(self.fits)
-
-    def summary(self) -> dict[str, Any]:
-        return identity("jkr-joint-fit", self.body) | {
-            "shared": {item.name: estimate_summary(item) for item in self.shared},
-            "correlation": np.asarray(self.correlation).tolist(),
-            "chance": self.chance,
-            "status": DOUBTFUL if self.flags else FITTED,
-            "flags": list(self.flags),
-            "alone": [dict(values) for values in self.alone],
-            "curves": summary(self.fits, self.body)["curves"],
-            "warnings": list(self.warnings),
-        }
-
-    def words(self) -> list[str]:
-        """What is shared, then what each record says alone, and its own."""
-        shared = [item for item in self.shared if item.name != "modulus"]
-        lines = [
-            brief(shared, self.level) + (f"; {DOUBTFUL}: {', '.join(self.flags)}" if self.flags else ""),
-            f"  {len(self.fits)} records together (p = {self.chance:.2g} that such records differ as much)",
-        ]
-        lines += estimate_lines(shared, self.level, {})
-        dimensions = {item.name: item.dimension for item in self.shared}
-        for one, values in zip(self.fits, self.alone, strict=True):
-            own = [item for item in one.estimates if item.free and item.name not in dimensions]
-            parts = [f"{name} = {show(value, dimensions[name], 4)}" for name, value in values.items()]
-            rest = ", ".join(f"{i.name} = {show(i.value, i.dimension, 4)}" for i in own if i.dimension != "modulus")
-            lines.append(f"  {one.name}: alone {', '.join(parts)}; its own {rest or 'none'}")
-        return lines
-
-    def figure(self) -> Figure:
-        from .plots.inverse import joint_figure
-
-        return joint_figure(self)
+@TABLES.register(JointFit)
+def joint_table(joint: JointFit) -> dict[str, list[Any]]:
+    """A row for each record: what all share, and its own."""
+    return columns(joint.fits)
 
 
-@dataclass(frozen=True, eq=False)
-class TensionFitted(TensionFit, Result):
-    """A common fit as a result; ``body``: what was fitted, in words; ``level`` of its intervals."""
-
-    body: str = ""
-    level: float = 0.95
-
-    @property
-    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
-        """All rows of all records: readings and the fitted load."""
-        return stacked([
-            {"curve": [record.name] * loads.size, "delta_m": record.depth, "P_N": record.load, "P_fit_N": loads}
-            for record, loads in zip(self.records, self.loads, strict=True)
-        ])  # fmt: skip
-
-    def summary(self) -> dict[str, Any]:
-        return identity("jkr-tension-fit", self.body) | {
-            "estimates": {item.name: estimate_summary(item) for item in self.estimates},
-            "free": list(self.free),
-            "correlation": np.asarray(self.correlation).tolist(),
-            "scatter_N": self.scatter,
-            "warnings": list(self.warnings),
-        }
-
-    def words(self) -> list[str]:
-        rows = sum(map(len, self.records))
-        together = "1 record" if len(self.records) == 1 else f"{len(self.records)} records together"
-        free = [item for item in self.estimates if item.free]
-        mixed = f"; one radius does not separate the tension from {' and '.join(self.mixed)}" if self.mixed else ""
-        lines = [
-            brief(free, self.level) + mixed,
-            f"  {together}, {rows} rows, scatter of the load {show(self.scatter, 'load', 2)}",
-        ]
-        known = [f"{item.name} = {show(item.value, item.dimension)}" for item in self.estimates if not item.free]
-        lines += [f"  {item.name:<24} {estimate_words(item, self.level)}" for item in free]
-        return lines + ([f"  fixed: {', '.join(known)}"] if known else [])
+@SUMMARIES.register(JointFit)
+def joint_summary(joint: JointFit) -> dict[str, Any]:
+    """What is shared and what each record says."""
+    return identity("jkr-joint-fit", joint.body) | {
+        "shared": {item.name: estimate_summary(item) for item in joint.shared},
+        "correlation": np.asarray(joint.correlation).tolist(),
+        "chance": joint.chance,
+        "status": DOUBTFUL if joint.flags else FITTED,
+        "flags": list(joint.flags),
+        "alone": [dict(values) for values in joint.alone],
+        "curves": summary(joint.fits, joint.body)["curves"],
+        "warnings": list(joint.warnings),
+    }
 
 
-@dataclass(frozen=True, eq=False)
-class LawFit(RateFit, Result):
-    """A common fit of records at several speeds as a result; ``body``: what was fitted, in words."""
+@WORDS.register(JointFit)
+def joint_words(joint: JointFit) -> list[str]:
+    """What is shared, then what each record says alone, and its own."""
+    shared = [item for item in joint.shared if item.name != "modulus"]
+    lines = [
+        brief(shared, joint.level) + (f"; {DOUBTFUL}: {', '.join(joint.flags)}" if joint.flags else ""),
+        f"  {len(joint.fits)} records together (p = {joint.chance:.2g} that such records differ as much)",
+    ]
+    lines += estimate_lines(shared, joint.level, {})
+    dimensions = {item.name: item.dimension for item in joint.shared}
+    for one, values in zip(joint.fits, joint.alone, strict=True):
+        own = [item for item in one.estimates if item.free and item.name not in dimensions]
+        parts = [f"{name} = {show(value, dimensions[name], 4)}" for name, value in values.items()]
+        rest = ", ".join(f"{i.name} = {show(i.value, i.dimension, 4)}" for i in own if i.dimension != "modulus")
+        lines.append(f"  {one.name}: alone {', '.join(parts)}; its own {rest or 'none'}")
+    return lines
 
-    body: str = ""
 
-    @property
-    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
-        """All rows of all records: readings, prediction, and the edge's speed and radius."""
-        tables = []
-        measured = any(record.a is not None for record in self.records)
-        for record, prediction in zip(self.records, self.predictions, strict=True):
-            values: dict[str, Any] = {
-                "curve": [record.curve.name] * record.t.size, "t_s": record.t, "P_N": record.P,
-                "P_fit_N": prediction.P + self.zero, "a_fit_m": prediction.a,
-                "speed_m_per_s": np.where(prediction.speed > 0, -prediction.speed, 0.0),
-            }  # fmt: skip
-            if measured:
-                values["a_m"] = np.full(record.t.size, np.nan) if record.a is None else record.a
-            tables.append(values)
-        return stacked(tables)
+@FIGURES.register(JointFit)
+def draw_joint(joint: JointFit) -> Figure:
+    """The picture of what all records share."""
+    from .plots.inverse import joint_figure
 
-    def summary(self) -> dict[str, Any]:
-        return identity("jkr-rate-fit", self.body) | {
-            "law": self.settings.law,
-            "free": list(self.free),
-            "level": self.settings.level,
-            "estimates": {item.name: estimate_summary(item) for item in self.estimates},
-            "records": [
-                {"curve": record.curve.where, "rows": record.t.size, "device_speed_m_per_s": record.speed,
-                 "stiffness_N_per_m": stiffness(record.stiffness),
-                 "noise_P_N": record.noise["P"]} for record in self.records
-            ],
-            "edge_speeds_m_per_s": list(self.speeds),
-            "scatter": self.scatter,
-            "degrees_of_freedom": self.dof,
-            "neglected": NEGLECTED,
-            "warnings": list(self.warnings),
+    return joint_figure(joint)
+
+
+@TABLES.register(TensionFit)
+def tension_table(tension: TensionFit) -> dict[str, list[Any]]:
+    """All rows of all records: readings and the fitted load."""
+    return stacked([
+        {"curve": [record.name] * loads.size, "delta_m": record.depth, "P_N": record.load, "P_fit_N": loads}
+        for record, loads in zip(tension.records, tension.loads, strict=True)
+    ])  # fmt: skip
+
+
+@SUMMARIES.register(TensionFit)
+def tension_summary(tension: TensionFit) -> dict[str, Any]:
+    """Tension, E* and w, with their correlations."""
+    return identity("jkr-tension-fit", tension.body) | {
+        "estimates": {item.name: estimate_summary(item) for item in tension.estimates},
+        "free": list(tension.free),
+        "correlation": np.asarray(tension.correlation).tolist(),
+        "scatter_N": tension.scatter,
+        "warnings": list(tension.warnings),
+    }
+
+
+@WORDS.register(TensionFit)
+def tension_words(tension: TensionFit) -> list[str]:
+    """What was found of all records together, then each value."""
+    rows = sum(map(len, tension.records))
+    together = "1 record" if len(tension.records) == 1 else f"{len(tension.records)} records together"
+    free = [item for item in tension.estimates if item.free]
+    mixed = f"; one radius does not separate the tension from {' and '.join(tension.mixed)}" if tension.mixed else ""
+    lines = [
+        brief(free, tension.level) + mixed,
+        f"  {together}, {rows} rows, scatter of the load {show(tension.scatter, 'load', 2)}",
+    ]
+    known = [f"{item.name} = {show(item.value, item.dimension)}" for item in tension.estimates if not item.free]
+    lines += [f"  {item.name:<24} {estimate_words(item, tension.level)}" for item in free]
+    return lines + ([f"  fixed: {', '.join(known)}"] if known else [])
+
+
+@TABLES.register(RateFit)
+def rate_fit_table(fit: RateFit) -> dict[str, list[Any]]:
+    """All rows of all records: readings, prediction, and the edge's speed and radius."""
+    tables = []
+    measured = any(record.a is not None for record in fit.records)
+    for record, prediction in zip(fit.records, fit.predictions, strict=True):
+        values: dict[str, Any] = {
+            "curve": [record.curve.name] * record.t.size, "t_s": record.t, "P_N": record.P,
+            "P_fit_N": prediction.P + fit.zero, "a_fit_m": prediction.a,
+            "speed_m_per_s": np.where(prediction.speed > 0, -prediction.speed, 0.0),
         }  # fmt: skip
+        if measured:
+            values["a_m"] = np.full(record.t.size, np.nan) if record.a is None else record.a
+        tables.append(values)
+    return stacked(tables)
 
-    def words(self) -> list[str]:
-        rows = sum(record.t.size for record in self.records)
-        speeds = " to ".join(show(v, "speed", 3) for v in self.speeds)
-        records = f"{len(self.records)} record{'s' if len(self.records) > 1 else ''}"
-        free = [item for item in self.estimates if item.free and item.name in ("E_star", "w0")]
-        return [
-            brief(free, self.settings.level),
-            f"  {records}, {rows} rows; {law_words(self.law)}; edge {speeds}",
-            *estimate_lines(self.estimates, self.settings.level),
-            f"  {'scatter':<12} {self.scatter:.3g} of the noise from row to row",
-        ]
 
-    def figure(self) -> Figure:
-        from .plots.forward import rate_fit_figure
+@SUMMARIES.register(RateFit)
+def rate_fit_summary(fit: RateFit) -> dict[str, Any]:
+    """The law, its parameters and the records."""
+    return identity("jkr-rate-fit", fit.body) | {
+        "law": fit.settings.law,
+        "free": list(fit.free),
+        "level": fit.settings.level,
+        "estimates": {item.name: estimate_summary(item) for item in fit.estimates},
+        "records": [
+            {"curve": record.curve.where, "rows": record.t.size, "device_speed_m_per_s": record.speed,
+             "stiffness_N_per_m": stiffness(record.stiffness),
+             "noise_P_N": record.noise["P"]} for record in fit.records
+        ],
+        "edge_speeds_m_per_s": list(fit.speeds),
+        "scatter": fit.scatter,
+        "degrees_of_freedom": fit.dof,
+        "neglected": NEGLECTED,
+        "warnings": list(fit.warnings),
+    }  # fmt: skip
 
-        return rate_fit_figure(self)
+
+@WORDS.register(RateFit)
+def rate_fit_words(fit: RateFit) -> list[str]:
+    """E* and w0, the law over the speeds of the edge, then each value."""
+    rows = sum(record.t.size for record in fit.records)
+    speeds = " to ".join(show(v, "speed", 3) for v in fit.speeds)
+    records = f"{len(fit.records)} record{'s' if len(fit.records) > 1 else ''}"
+    free = [item for item in fit.estimates if item.free and item.name in ("E_star", "w0")]
+    return [
+        brief(free, fit.settings.level),
+        f"  {records}, {rows} rows; {law_words(fit.law)}; edge {speeds}",
+        *estimate_lines(fit.estimates, fit.settings.level),
+        f"  {'scatter':<12} {fit.scatter:.3g} of the noise from row to row",
+    ]
+
+
+@FIGURES.register(RateFit)
+def draw_rate_fit(fit: RateFit) -> Figure:
+    """The picture of a law of w over the speed of the edge."""
+    from .plots.forward import rate_fit_figure
+
+    return rate_fit_figure(fit)
 
 
 # --------------------------------------------------------------------------------------------------
 # Fits of relaxation as a table, as a summary and in words.
 
 
-class _OfFits(Several):
-    """Results of ``fits`` of one law, each to a record, on a ``body``."""
+@dataclass(frozen=True, eq=False)
+class RelaxationFits(Several):
+    """Results of ``fits`` of one law, each to a record; ``body``: what was fitted, in words."""
 
     fits: Sequence[RelaxationFit]
     body: str
@@ -626,35 +630,21 @@ class _OfFits(Several):
 
     @property
     def parts(self) -> list[list[str]]:
-        return list(map(_words, self.fits))
+        return list(map(relaxation_fit_words, self.fits))
 
     def figure(self) -> Figure:
         from .plots.forward import relaxation_fit_figure
 
         return relaxation_fit_figure(self.fits)
 
-
-@dataclass(frozen=True, eq=False)
-class RelaxationFits(_OfFits):
-    """Fits of one law, each of a record; ``body``: what was fitted, in words."""
-
-    fits: Sequence[RelaxationFit]
-    body: str
-
     @property
     def warnings(self) -> list[str]:
         return [f"{fit.record.curve.where}: {line}" for fit in self.fits for line in fit.warnings]
 
 
-@dataclass(frozen=True, eq=False)
-class RelaxationFitted(RelaxationFit, _OfFits):
-    """A fit as a result; ``body``: what was fitted, in words."""
-
-    body: str = ""
-
-    @property
-    def fits(self) -> Sequence[RelaxationFit]:  # type: ignore[override]
-        return [self]
+TABLES.register(RelaxationFit)(lambda fit: RelaxationFits([fit], fit.body).columns)
+SUMMARIES.register(RelaxationFit)(lambda fit: RelaxationFits([fit], fit.body).summary())
+FIGURES.register(RelaxationFit)(lambda fit: RelaxationFits([fit], fit.body).figure())
 
 
 def _values(fit: RelaxationFit) -> dict[str, float | None]:
@@ -681,7 +671,8 @@ def _fit(fit: RelaxationFit) -> dict[str, Any]:
     }
 
 
-def _words(fit: RelaxationFit) -> list[str]:
+@WORDS.register(RelaxationFit)
+def relaxation_fit_words(fit: RelaxationFit) -> list[str]:
     """Lines for people."""
     record, level = fit.record, fit.settings.level
     control = "displacement of the tip" if record.control == "tip" else record.control

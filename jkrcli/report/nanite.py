@@ -16,10 +16,10 @@ from .. import __version__
 from ..adhesion.dem import DemLaw
 from ..base.errors import InputError
 from ..base.numerics import Array
+from ..base.result import Result
 from ..base.units import show
 from ..bodies.indenters import Paraboloid
 from ..resolve.analysis import Analysis
-from .result import Result
 
 CODE = Template(resources.files(__package__).joinpath("nanite.txt").read_text(encoding="utf-8"))
 NANITE_ROWS = 129  # tuned on halfspace, gel and coating: the file meets the curve within 5e-6

@@ -21,13 +21,14 @@ from ..adhesion.relaxing_adhesion import AdhesiveHistory, RelaxingAdhesion
 from ..adhesion.validity import NEGLECTED, Zone, strain_words, zone
 from ..base.errors import Estimate, InputError, SolveError, Unknown, known
 from ..base.numerics import NOTICEABLE, ROWS, SAME, UNSEEN, Array
+from ..base.result import Result
 from ..base.units import show
 from ..bodies.materials import RELAXATIONS, Relaxation
 from ..fitting.rate import LawAlongRecords
 from ..resolve.analysis import Analysis
 from ..resolve.histories import checked_histories, relaxed_specimen
 from ..series import Solution
-from .result import Figure, Result, Several, as_result
+from .result import Figure, Several
 from .tables import cycle_title, device, energies, format_state, speed_words, timed, timed_jump, with_unit
 
 RATE_REACH = 1.3  # choice: of the largest contact, to which the relaxed specimen is known for a law w(v)
@@ -72,7 +73,7 @@ class CycledAtSpeed(History, Result):
             raise InputError(f"{body.path}: {error}") from None
         if history.out_of_series is not None:
             raise InputError(f"{body.path}: {history.out_of_series}")
-        return as_result(cls, history, body=body, program=program, **more)
+        return cls(**vars(history), body=body, program=program, **more)
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]
@@ -218,7 +219,7 @@ class CycledRelaxing(RelaxedHistory, Result):
         """What happens to ``contact`` under ``program``."""
         try:
             history = contact.history(program)
-            whole = as_result(cls, history, file=file, points=points)
+            whole = cls(**vars(history), file=file, points=points)
             whole.summary()  # may find that the contact is loaded again
         except InputError as error:
             raise InputError([f"{file}: {line}" for line in error.lines]) from None
@@ -293,7 +294,7 @@ class CycledAdhering(AdhesiveHistory, Result):
             history = contact.history(program)
         except InputError as error:
             raise InputError([f"{file}: {line}" for line in error.lines]) from None
-        return as_result(cls, history, file=file, limits=limits, points=points, relaxed=relaxed)
+        return cls(**vars(history), file=file, limits=limits, points=points, relaxed=relaxed)
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]

@@ -1,67 +1,24 @@
-"""What a result says of itself, once for the command line and for Python; and the files of a result: a table, a summary
-and pictures under one name, checked before any work and written together."""
+"""Several results in one; and the files of a result: a table, a summary and pictures under one name, checked before any
+work and written together."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ..base.errors import InputError, installs
+from ..base.errors import InputError
 from ..base.files import as_json, check_target, make_folder, real_path, together, write_csv, write_text
+from ..base.result import Result
 
 if TYPE_CHECKING:
-    from pandas import DataFrame
-
     from . import plots
 
 Figure: TypeAlias = "plots.Figure"  # by its name: matplotlib is imported when something is drawn
-AnyResult = TypeVar("AnyResult", bound="Result")
 Check: TypeAlias = Callable[[Path, bool, Iterable[Path]], None]
 PICTURES = (".png", ".svg")
 SHOWN = 10  # curves that are printed line by line, and drawn
-
-
-class Result:
-    """One object per result: ``columns`` (of its CSV), ``summary`` (its JSON), ``words`` (what is printed, also by
-    ``print``), ``warnings``, and the ``figure``. What a result has not is empty."""
-
-    columns: Mapping[str, Any]
-    first_lines: ClassVar[int] = 12  # choice: that are printed without -v
-
-    def summary(self) -> dict[str, Any]:
-        """What the command prints with --json."""
-        raise NotImplementedError
-
-    def words(self) -> Sequence[str]:
-        """Lines of text."""
-        raise NotImplementedError
-
-    @property
-    def parts(self) -> Sequence[Sequence[str]]:
-        """The lines of each of several results in one; the first line of each is its verdict."""
-        return [self.words()]
-
-    @property
-    def warnings(self) -> Sequence[str]:
-        """What a reader of the numbers should know."""
-        return ()
-
-    def figure(self) -> Figure:
-        """The picture."""
-        raise NotImplementedError(f"a {type(self).__name__} has no picture")
-
-    def to_pandas(self) -> DataFrame:
-        """The columns as a data frame (needs the optional package pandas)."""
-        try:
-            from pandas import DataFrame
-        except ModuleNotFoundError:
-            raise InputError(f"to_pandas needs the optional package pandas: {installs('pandas')}") from None
-        return DataFrame(dict(self.columns))
-
-    def __str__(self) -> str:
-        return "\n".join(self.words())
 
 
 class Several(Result):
@@ -85,11 +42,6 @@ class Results(Several):
     @property
     def parts(self) -> Sequence[Sequence[str]]:
         return [words for one in self.results if (words := one.words())]
-
-
-def as_result(kind: type[AnyResult], data: Any, **more: Any) -> AnyResult:
-    """The ``data``, a dataclass, as a result of the ``kind`` that extends its class with what is ``more``."""
-    return kind(**{item.name: getattr(data, item.name) for item in fields(data)}, **more)
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,14 @@ import numpy as np
 from ..adhesion.validity import end_of_body, judge, sizes
 from ..base.errors import Estimate, Unknown, accuracy
 from ..base.numerics import Array
+from ..base.result import Result
 from ..base.units import reached, show
 from ..bodies.materials import relaxing
 from ..methods.fem.mesh import Grid
 from ..methods.protocol import Choice
 from ..resolve.comparison import StickingEffect, effect_as_json, sticking_warnings
 from ..series import COLUMNS, Series, Solution
-from .result import Figure, Result
+from .result import Figure
 
 
 def end_of(series: Series) -> dict[str, Any]:

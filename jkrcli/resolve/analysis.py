@@ -44,12 +44,13 @@ from ..adhesion.validity import (
     with_large_strains,
 )
 from ..base.errors import Estimate, InputError, Refusal, Unknown, known
+from ..base.result import Reported
 from ..base.units import LARGEST_SI
 from ..bodies.materials import INCOMPRESSIBLE, relaxing
 from ..bodies.problem import Problem
 from ..methods.protocol import Forecast
 from ..series import ErrorBudget, Series, Solution, is_series
-from .comparison import Comparison, compare_half_space, effect_of_range
+from .comparison import Comparison, StickingEffect, compare_half_space, effect_of_range, effect_on
 from .node_radii import Compared, compared
 from .refine_pull_off import seconds_of_points, solved, solved_below, solver_of
 
@@ -61,10 +62,11 @@ Lost: TypeAlias = tuple[Stability, Errors | Unknown | None]  # read off under on
 
 
 @dataclass(frozen=True, eq=False)
-class Analysis:
+class Analysis(Reported):
     """One adhesive curve with its critical points, error budget, validity and, where it exists, the exact solution.
 
-    ``law``: of adhesion of finite range; None for JKR.
+    ``law``: of adhesion of finite range, None for JKR; ``effect``: what it matters whether the surfaces stick, where
+    that is known for several curves of one body at once.
     """
 
     solution: Solution
@@ -72,6 +74,7 @@ class Analysis:
     budget: ErrorBudget
     modulus_factor: float = 1.0
     law: Range | None = None
+    effect: StickingEffect | Unknown | None = None
 
     def __repr__(self) -> str:
         return f"<Analysis of {self.path}: w = {self.w:g} J/m^2, {len(self.curve.series)} points>"
@@ -153,6 +156,11 @@ class Analysis:
         if not half_space or not isinstance(self.curve, AdhesiveCurve):
             return None
         return compare_half_space(self.curve, self.problem)
+
+    @cached_property
+    def sticking(self) -> StickingEffect | Unknown:
+        """What it matters whether the surfaces stick."""
+        return effect_on(self.solution, [self.w]) if self.effect is None else self.effect
 
     @cached_property
     def effect_of_range(self) -> Estimate:

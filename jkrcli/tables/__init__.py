@@ -86,6 +86,7 @@ _FAILED = re.compile(r"(?:\*{2,}|#{2,}|#(?:[A-ZÀ-Ü]+(?:/\d)?[!?]|N/?[AV]\b|GET
 _FAILED_FIRST = re.compile(r'\s*"?(?:\*{2,}|#{2,}|#(?:[A-ZÀ-Ü]+(?:/\d)?[!?]|N/?[AV]\b|GETTING_DATA))"?\s*[\s;,]')
 _NO_WORDS = re.compile(r"(?:nan|inf|[eEdD](?=[-+\d])|[^A-Za-zÀ-ÿ])*\Z", re.IGNORECASE)
 _LETTER = re.compile(r"[^\W\d]")
+_NUMBERS = re.compile(r"\d{1,9}")
 _DIGIT = re.compile(r"\d")
 _WORD = re.compile(r"[^\W\d]|\d{1,2}:\d\d(?!\d)")  # a time of day is none of the numbers of a table
 _ROW = re.compile(r"""\s*["']?[+-]?[.,]?\d""")  # a line that begins with a number
@@ -306,6 +307,7 @@ def _table(
             again = n not in rows and (is_note(line) or (again and line in known))
             if again or (n not in rows and _is_comment(line)):
                 notes[n] = line
+        notes |= _interval_heads(header, [(n, line) for n, line in body if n not in notes], rows, dialect)
         # Lines behind the `last` row, all of which begin with a word, as no row does, and none of the header's.
         last = int(lines[-1])
         behind = {n: line for n, line in body if n > last and not _is_comment(line) and any(dialect.cells(line))}
@@ -323,6 +325,30 @@ def _table(
     text = {i: tuple(row[i] if i < len(row) else "" for row in cells) for i in dialect.text}  # "" at the end of a line
     more_of = frozenset(failed), contradicted
     return TextTable(path, names, values, lines, dialect, text, tuple(header), notes, remarks, *more_of)
+
+
+def _interval_heads(header: list[str], body: Lines, rows: set[int], dialect: Dialect) -> dict[int, str]:
+    """The lines of words between the rows that are the head of a further interval, as rheometers write it before each
+    of a test: all lines of the ``header`` but for their numbers, and the first number of one of them, 1 there, counts
+    the intervals. Curves one behind the other have no such number."""
+    first = {_NUMBERS.sub("0", line): _NUMBERS.search(line) for line in header}
+    heads, interval, run = dict[int, str](), 1, list[Line]()
+    for n, line in body:
+        if n not in rows:
+            run += [(n, line)] if any(dialect.cells(line)) else []
+            continue
+        if run:
+            interval += 1
+            shapes = [(_NUMBERS.sub("0", words), _NUMBERS.search(words)) for _, words in run]
+            counts = (
+                own is not None and at is not None and (int(own[0]), int(at[0])) == (1, interval)
+                for own, at in ((first.get(shape), at) for shape, at in shapes)
+            )
+            if not all(shape in first for shape, _ in shapes) or not any(counts):
+                return {}
+            heads.update(run)
+            run = []
+    return heads
 
 
 def _from(content: Lines, first: int) -> Lines:
@@ -510,6 +536,8 @@ def _data(content: Iterable[Line], dialect: Dialect, gaps: bool = False) -> Iter
         wide = gaps and width > 0
         row = dialect.numbers(line, width, wide) if dialect.divides(line) and not _is_comment(line) else None
         fits = row is not None and len(row) == (width or len(row))
+        if wide and row is not None and all(map(math.isnan, row)):  # of units, above a further interval?
+            fits = fits and not (_LETTER.search(line) and all(map(_is_unit, dialect.cells(line))))
         if row is not None and fits and (wide or len(row) - sum(map(math.isnan, row)) >= dialect.least):
             width = len(row)
             yield n, row
@@ -558,7 +586,7 @@ def _names(header: list[str], dialect: Dialect, width: int, more: bool) -> tuple
     if more and not any(len(cells) == width for cells in lines):
         lines = [cells[:width] if len(cells) == width + 1 else cells for cells in lines]
     headed = {cells[0].lower(): cells[1:] for cells in lines if cells and cells[0].lower() in HEADINGS}
-    titles = [cells for cells in lines if len(cells) == width]
+    titles = [cells for cells in lines if len(cells) == width and any(cells)]
     titles = [cells for key in HEADINGS if len(cells := headed.get(key, [])) == width] or titles
     if not titles:
         return ("",) * width, {}

@@ -158,7 +158,6 @@ def test_every_fault_of_three_works_is_told_as_it_is(
     """With pictures that are no pictures, and what is computed kept from one try to the next."""
     from jkrcli.cli import curve_verbs
     from jkrcli.report import plots
-    from jkrcli.report.forward import Transformed
 
     def save(_: object, paths: Iterable[Path]) -> None:
         for path in paths:
@@ -166,8 +165,8 @@ def test_every_fault_of_three_works_is_told_as_it_is(
 
     curves = curve_verbs.analyse(curve_verbs.read_series(Path("s.h5")), tuple(map(float, WORKS)))
     monkeypatch.setattr(plots, "save", save)
-    monkeypatch.setattr(Transformed, "figure", lambda _: "a picture")
-    monkeypatch.setattr(Transformed, "summary", lambda one: {"w_J_per_m2": one.w})
+    monkeypatch.setattr(curve_verbs, "draw_curve", lambda *_: "a picture")
+    monkeypatch.setattr(curve_verbs, "curve_summary", lambda one, _: {"w_J_per_m2": one.w})
     monkeypatch.setattr(curve_verbs, "analyse", lambda *_: curves)
     every_fault(three, jkr, where, error)
 

@@ -529,3 +529,33 @@ def test_mistakes_are_told_in_one_line(tmp_path: Path, mistake: str, tuned) -> N
     with pytest.raises(InputError) as caught:
         measured.read(path)
     assert str(caught.value) == expected.format(path=path)
+
+
+def test_columns_of_zeros_are_no_measurement(tmp_path: Path) -> None:
+    zeros = np.zeros(Z.size)
+    text = table(("Weg (m)", Z), ("Kraft (N)", LOAD), ("Contact Area (um^2)", zeros), ("Time (s)", zeros))
+    curve = one(written(tmp_path, text))
+    assert curve.measured == ("delta", "P")
+    assert sum("zeros alone" in flag for flag in curve.flags) == 2
+
+
+def intervals(counts: tuple[int, ...]) -> str:
+    """A rheometer's export, a head before each of its intervals."""
+    lines, t = ["Project:,Own,,,", ",,,,"], 0.0
+    for count, (start, end) in zip(counts, ((1.0, -0.3), (-0.3, -0.3), (-0.3, 1.0)), strict=True):
+        lines += [f"Interval and data points:,{count},50,,", "Interval data:,Point No.,Normal Force,Gap,Time", ",,,,",
+                  ",,[N],[mm],[s]"]  # fmt: skip
+        for i, gap in enumerate(np.linspace(start, end, 50)):
+            t += 0.05
+            lines.append(f",{i + 1},{0.1 * max(-gap, 0) ** 1.5:.6f},{gap:.5f},{t:.3f}")
+        lines.append(",,,,")
+    return "\n".join(lines)
+
+
+def test_heads_of_further_intervals_are_no_rows(tmp_path: Path) -> None:
+    curve = one(written(tmp_path, intervals((1, 2, 3))))
+    assert len(curve) == 150
+    assert curve.depth[0] == pytest.approx(-1e-3)
+    assert not any("without a number" in flag for flag in curve.flags)
+    with pytest.raises(InputError, match="line 58 must hold 5 numbers"):  # no intervals that are counted
+        one(written(tmp_path, intervals((1, 1, 1))))

@@ -325,3 +325,32 @@ def test_the_step_of_readings_is_that_of_their_converter() -> None:
     assert resolution(rng.normal(size=500)) == 0
     assert resolution(np.append(np.zeros(400), rng.normal(size=100))) == 0
     assert resolution(np.zeros(10)) == 0
+
+
+def dented(rest: float, hold: int) -> Curve:
+    """A load-controlled test whose unloading leaves a share ``rest`` of the depth, 160 nm under 3 mN."""
+    share, rng = np.linspace(0, 1, 600), np.random.default_rng(1)
+    depth, free = 1.6e-7, np.linspace(-2e-8, 0, 150)
+    out = depth * (rest + (1 - rest) * share[::-1] ** (2 / 3))
+    delta = np.concatenate([free, depth * share ** (2 / 3), np.full(hold, depth), out])
+    P = 3e-3 * np.concatenate([0 * free, share, np.ones(hold), share[::-1]]) + 1e-7 * rng.normal(size=delta.size)
+    return Curve("dented", delta=delta + 4e-10 * rng.normal(size=delta.size), P=P, t=0.005 * np.arange(delta.size))
+
+
+@pytest.mark.parametrize("hold", [0, 200])
+def test_parts_follow_the_load_where_unloading_leaves_a_dent(hold: int) -> None:
+    found = segment_force_curve(dented(0.84, hold))
+    kinds = [part.kind for part in found.segments]
+    assert kinds == ["approach", *(["pause"] if hold else []), "retract"]
+    assert len(found.segments[-1]) == pytest.approx(600, abs=12)
+    assert "dent of 13" in found.flags["permanent set"]
+
+
+def test_a_dwell_in_which_the_load_relaxes_is_a_dwell() -> None:
+    plain = dented(0.0, 200)
+    P, rows = plain.load.copy(), np.arange(200)
+    P[750:950] *= 0.3 + 0.7 * np.exp(-rows / 30)
+    P[950:] *= 0.3
+    found = segment_force_curve(replace(plain, P=P))
+    assert [part.kind for part in found.segments] == ["approach", "pause", "retract"]
+    assert [len(part) for part in found.segments] == pytest.approx([750, 200, 600], abs=25)

@@ -19,8 +19,7 @@ from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.curve import Curve
 from jkrcli.fitting.surface_tension import tension_fit
 from jkrcli.methods.layered.solver import Layered
-from jkrcli.report.inverse import TensionFitted
-from jkrcli.report.result import as_result
+from jkrcli.report.inverse import tension_words
 
 E_STAR, TENSION, W = 4e3 / (1 - 0.49**2), 0.02, 5e-4
 SMALL, LARGE = 3e-6, 30e-6
@@ -80,7 +79,7 @@ def test_one_radius_does_not_and_it_is_said_from_what():
     found = tension_fit(START, [record(LARGE, 0.01, 1)], [LARGE], {})
     assert found.estimate("surface_tension").low is None
     assert "do not separate surface_tension from E*" in found.warnings[0]
-    first, *_ = as_result(TensionFitted, found).words()
+    first, *_ = tension_words(found)
     assert first.endswith(f"; one radius does not separate the tension from {' and '.join(found.mixed)}")
     assert next(iter(found.mixed)) == "E*"
     known = tension_fit(START, [record(LARGE, 0.01, 1)], [LARGE], {"surface_tension": TENSION})

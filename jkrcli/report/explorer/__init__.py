@@ -22,12 +22,12 @@ from ...adhesion.interpolation import Nonadhesive
 from ...adhesion.validity import LIMITS, regime, strains_are_known
 from ...base.errors import InputError, Unknown, installs
 from ...base.numerics import DRAWN, Array
+from ...base.result import Result
 from ...base.units import SI, UNITS, decades, scale
 from ...data.curve import Curve
 from ...formulas import MEASURED, strained_pull_off
 from ...resolve import analysis
 from ...resolve.analysis import Analysis, nonadhesive
-from ..result import Result
 
 # --------------------------------------------------------------------------------------------------
 # What the page is given: the knots of the curve's own evaluation rule, so that its numbers are the command line's.

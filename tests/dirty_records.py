@@ -1,0 +1,457 @@
+"""Force curves with the dirt of real instruments, in 24 kinds, written as the text files that instruments write.
+
+The mechanics are closed forms of their own: a paraboloid on a half-space (Johnson, Kendall and Roberts), the contact
+line pinned after the reversal until G has come to w, jumps at the folds of a cantilever, attraction before contact
+with the deflection that it makes. Shares no code with what reads them, nor with the other generators.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+Array = np.ndarray
+Rng = np.random.Generator
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A random specimen, tip and cantilever [SI]; ``noise`` [N] of a row, ``rows`` of a direction, ``far``: the free
+    way over the way in contact."""
+
+    E: float
+    R: float
+    w: float
+    w_in: float
+    k: float
+    top: float
+    noise: float
+    rows: int
+    far: float
+
+    @classmethod
+    def of(cls, rng: Rng, noise: tuple[float, float] = (-3.0, -2.0)) -> Drawn:
+        R, E = 10 ** rng.uniform(-6.5, -4.5), 10 ** rng.uniform(2.5, 6.5)
+        radius = R * rng.uniform(0.04, 0.15)  # at pull-off under load
+        w = 8 * E * radius**3 / (9 * math.pi * R**2)
+        force = 1.5 * math.pi * w * R
+        w_in = w * 10 ** rng.uniform(-1.3, 0)
+        k = 2 * E * radius * 10 ** rng.uniform(-0.7, 1)
+        rows = int(rng.integers(500, 2500))
+        return cls(E, R, w, w_in, k, force * rng.uniform(1.5, 6), force * 10 ** rng.uniform(*noise), rows,
+                   rng.uniform(0.6, 2.5))  # fmt: skip
+
+    @property
+    def force(self) -> float:
+        return 1.5 * math.pi * self.w * self.R
+
+    @property
+    def truth(self) -> dict[str, float]:
+        return {"E_star": self.E, "w": self.w, "w_approach": self.w_in}
+
+    def jkr(self, a: Array | float, w: float) -> tuple[Array, Array]:
+        """Displacement [m] and load [N] at contact radii."""
+        a = np.asarray(a)
+        delta = a**2 / self.R - np.sqrt(2 * math.pi * w * a / self.E)
+        return delta, 4 * self.E * a**3 / (3 * self.R) - np.sqrt(8 * math.pi * w * self.E * a**3)
+
+
+@dataclass(frozen=True)
+class Attracted:
+    """An attraction of ``size`` [N] at contact over ``reach`` [m], exponential or by a power of the distance."""
+
+    size: float = 0.0
+    reach: float = 1.0
+    power: bool = False
+
+    def __call__(self, gap: Array) -> Array:
+        x = np.maximum(gap, 0.0) / self.reach
+        return -self.size * ((1 + x) ** -2 if self.power else np.exp(-x))
+
+
+@dataclass(eq=False)
+class Ramp:
+    """Positions ``z`` [m] of the cantilever's base over the rows of both directions, in time, with loads ``P`` [N];
+    ``into``: rows of the approach; ``lost``: the first row after pull-off; ``joined``: the first in contact."""
+
+    z: Array
+    P: Array
+    into: int
+    joined: int
+    lost: int
+
+    @property
+    def free(self) -> Array:
+        rows = np.arange(self.z.size)
+        return (rows < self.joined) | (rows >= self.lost)
+
+
+def branches(at: Drawn, drawn: Attracted) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Position and load on the way in, and on the way out, of a contact to the load ``top``: each from its fold on."""
+    a = np.geomspace(1e-3, 1, 30000) * (
+        3 * at.R * (at.top + 4 * at.force + 2 * math.sqrt(at.top * at.force)) / 4 / at.E
+    ) ** (1 / 3)
+    delta, P = at.jkr(a, at.w_in)
+    end = int(np.searchsorted(P, at.top))
+    delta, P, a_turn = delta[:end], P[:end], a[end - 1]
+    z = delta + (P - drawn.size) / at.k
+    fold = int(np.argmin(z))
+    into = z[fold:], (P - drawn.size)[fold:]
+
+    # Pinned: a constant, a straight line in delta until the punch's G = E (delta_H - delta)^2/(2 pi a) is w.
+    S, release = 2 * at.E * a_turn, at.jkr(a_turn, at.w)[0]
+    pinned = np.linspace(float(delta[-1]), min(float(release), float(delta[-1])), 2000)
+    loads = P[-1] + S * (pinned - delta[-1])
+    less = a[a <= a_turn]
+    back, tension = at.jkr(less, at.w)
+    delta = np.concatenate([back, pinned[::-1]])
+    P = np.concatenate([tension, loads[::-1]]) - drawn.size
+    z = delta + P / at.k
+    fold = int(np.argmin(z))
+    return into, (z[fold:], P[fold:])
+
+
+def free_loads(at: Drawn, drawn: Attracted, z: Array) -> tuple[Array, float]:
+    """Loads at positions before contact, deflected by the attraction, and the position at which it draws the tip in."""
+    if drawn.size == 0:
+        return np.zeros(z.size), 0.0
+    gap = np.concatenate([np.linspace(0, 5, 20000), np.geomspace(5.001, 1e5, 4000)]) * drawn.reach
+    P = drawn(gap)
+    position = -gap + P / at.k
+    # stable from the fold outwards: the position rises as the gap closes
+    fold = int(np.argmax(position))
+    outward, loads = position[fold:], P[fold:]
+    return np.interp(z, outward[::-1], loads[::-1]), float(position[fold])
+
+
+def path(at: Drawn, drawn: Attracted = Attracted()) -> Ramp:
+    """A whole record without noise: evenly in, and evenly out."""
+    into, out = branches(at, drawn)
+    turn = float(into[0][-1])
+    first = min(float(into[0][0]), float(out[0][0]))
+    start = first - at.far * (turn - first) - 3 * drawn.size / at.k
+    way = np.linspace(start, turn, at.rows)
+    free, touch = free_loads(at, drawn, way)
+    contact = way >= touch
+    P_in = np.where(contact, np.interp(way, *into), free)
+    held = way >= out[0][0]
+    P_out = np.where(held, np.interp(way, *out), free)
+    lost = at.rows + int(np.count_nonzero(held))
+    return Ramp(np.concatenate([way, way[::-1]]), np.concatenate([P_in, P_out[::-1]]), at.rows,
+                int(np.argmax(contact)), lost)  # fmt: skip
+
+
+@dataclass(eq=False)
+class Dirty:
+    """A record as it is written: ``header`` lines, ``columns`` by their title, what the reader is told (``R``, k in the
+    header), the ``truth`` of what it determines, and ``reasons``: words of which one is right where it is not
+    "fitted"; ``options`` of the fit. ``rigid``: a device whose depth is measured; ``determined``: whether E* and w
+    are, without further options."""
+
+    at: Drawn
+    columns: dict[str, Array]
+    truth: dict[str, float]
+    header: list[str]
+    reasons: tuple[str, ...] = ()
+    options: dict[str, object] = field(default_factory=dict)
+    rigid: bool = False
+    determined: bool = True
+
+    def write(self, file: Path) -> None:
+        rows = zip(*self.columns.values(), strict=True)
+        lines = [*self.header, "\t".join(self.columns), *("\t".join(f"{value:.9g}" for value in row) for row in rows)]
+        file.write_text("\n".join(lines) + "\n")
+
+
+def recorded(rng: Rng, at: Drawn, way: Ramp, P: Array, z: Array | None = None, **more: object) -> Dirty:
+    """The record of loads ``P`` with offset, tilt and white noise, at positions ``z`` as they are read."""
+    z = way.z if z is None else z
+    span = float(np.ptp(z))
+    P = P + at.force * (rng.uniform(-3, 3) + rng.uniform(-0.1, 0.1) * z / span) + at.noise * rng.normal(size=z.size)
+    return written(at, z, P, **more)
+
+
+def written(at: Drawn, z: Array, P: Array, truth: dict[str, float] | None = None, **more: object) -> Dirty:
+    t = np.arange(z.size) / at.rows
+    columns = {"Time (s)": t, "Z Piezo (nm)": 1e9 * z + 2345.6, "Deflection (nm)": 1e9 * P / at.k}
+    header = ["# instrument: Force Microscope", f"# spring constant: {at.k:.9g} N/m"]
+    return Dirty(at, columns, at.truth if truth is None else truth, header, **more)  # type: ignore[arg-type]
+
+
+# ---------------------------------------------------------------------- the kinds
+def plain(rng: Rng) -> Dirty:
+    at = Drawn.of(rng)
+    way = path(at)
+    return recorded(rng, at, way, way.P)
+
+
+def _levelled(rng: Rng, count: int) -> Dirty:
+    """Levels that hold after pull-off and let go at once, each of 1 to 20 % of the pull-off force."""
+    at = Drawn.of(rng)
+    way = path(at)
+    P, free = way.P.copy(), way.z.size - way.lost
+    for share in rng.uniform(0.1, 0.9, count):
+        P[way.lost : way.lost + round(share * free)] -= at.force * 10 ** rng.uniform(-2, math.log10(0.2)) / count
+    return recorded(rng, at, way, P, reasons=("level", "tether", "several contacts", "step"))
+
+
+def tether(rng: Rng) -> Dirty:
+    return _levelled(rng, 1)
+
+
+def tethers(rng: Rng) -> Dirty:
+    return _levelled(rng, 2)
+
+
+def _attracted(rng: Rng, power: bool) -> Dirty:
+    """2 to 30 % of the pull-off force over 0.05 to 0.5 of the free way."""
+    at = Drawn.of(rng)
+    bare = path(at)
+    free = abs(float(bare.z[bare.joined] - bare.z[0]))
+    drawn = Attracted(
+        at.force * 10 ** rng.uniform(math.log10(0.02), math.log10(0.3)), free * rng.uniform(0.05, 0.5), power
+    )
+    way = path(at, drawn)
+    return recorded(rng, at, way, way.P, reasons=("attraction", "before contact", "base line"))
+
+
+def attraction(rng: Rng) -> Dirty:
+    return _attracted(rng, False)
+
+
+def van_der_waals(rng: Rng) -> Dirty:
+    return _attracted(rng, True)
+
+
+def saturated(rng: Rng) -> Dirty:
+    """A detector's limit in the uppermost 1 to 60 % of the depth."""
+    at = Drawn.of(rng)
+    way = path(at)
+    share = 10 ** rng.uniform(-2, math.log10(0.6))
+    depth = (1 - share) * way.z.max() + share * way.z[way.joined]
+    dirty = recorded(rng, at, way, way.P, reasons=("saturated",), determined=False)
+    limit = float(np.interp(depth, way.z[: way.into], dirty.columns["Deflection (nm)"][: way.into]))
+    dirty.columns["Deflection (nm)"] = np.minimum(dirty.columns["Deflection (nm)"], limit)
+    return dirty
+
+
+def saturated_tension(rng: Rng) -> Dirty:
+    """A detector's limit in the tension: of 10 to 70 % of it."""
+    at = Drawn.of(rng)
+    way = path(at)
+    dirty = recorded(rng, at, way, way.P, reasons=("saturated",), determined=False)
+    read = dirty.columns["Deflection (nm)"]
+    base = float(np.median(read[-20:]))
+    dirty.columns["Deflection (nm)"] = np.maximum(read, base + rng.uniform(0.3, 0.9) * (read.min() - base))
+    return dirty
+
+
+def permanent_set(rng: Rng) -> Dirty:
+    """Unloading to a dent of 10 to 40 % of the depth: no elastic model, in load control of an indenter."""
+    at = Drawn.of(rng)
+    depth = (3 * at.top / (4 * at.E * math.sqrt(at.R))) ** (2 / 3)
+    rest, n = depth * rng.uniform(0.1, 0.4), at.rows
+    share = np.linspace(0, 1, n)
+    into, out = depth * share ** (2 / 3), rest + (depth - rest) * share[::-1] ** (2 / 3)
+    free = np.linspace(-0.5 * depth, 0, n // 3)
+    delta = np.concatenate([free, into, np.full(n // 10, depth), out, rest + free[::-1]])
+    P = at.top * np.concatenate([0 * free, share, np.ones(n // 10), share[::-1], 0 * free])
+    t = np.arange(P.size) / n
+    P = P + at.top * 1e-3 * rng.normal(size=P.size)
+    delta = delta + depth * 3e-4 * rng.normal(size=P.size)
+    columns = {"Depth (nm)": 1e9 * delta, "Load (uN)": 1e6 * P, "Time (s)": t}
+    reasons = ("directions differ", "rejected", "permanent", "dent", "misfit", "plastic")
+    return Dirty(at, columns, {"E_star": math.nan}, [], reasons, rigid=True, determined=False)
+
+
+def ringing(rng: Rng) -> Dirty:
+    """The cantilever rings after its jumps, by the jump itself at first, over 10 to 80 rows."""
+    at = Drawn.of(rng)
+    way = path(at)
+    P, rows = way.P.copy(), np.arange(way.z.size)
+    for row in (way.joined, way.lost):
+        jump, quality, period = P[row - 1] - P[row], rng.uniform(10, 80), rng.uniform(3, 12)
+        later = rows[row:] - row
+        P[row:] += rng.uniform(0.2, 0.9) * jump * np.exp(-later / quality) * np.cos(2 * math.pi * later / period)
+    return recorded(rng, at, way, P, reasons=("ring", "noisy"))
+
+
+def converter(rng: Rng) -> Dirty:
+    """A converter of 20 to 300 steps over the pull-off force."""
+    at = Drawn.of(rng)
+    way = path(at)
+    dirty = recorded(rng, at, way, way.P)
+    step = 1e9 * at.force / at.k / 10 ** rng.uniform(math.log10(20), math.log10(300))
+    dirty.columns["Deflection (nm)"] = np.round(dirty.columns["Deflection (nm)"] / step) * step
+    return dirty
+
+
+def hysteresis(rng: Rng) -> Dirty:
+    """A piezo without a sensor: its way out bulges by 0.5 to 4 % of the travel, skewed."""
+    at = Drawn.of(rng)
+    way = path(at)
+    travel = float(np.ptp(way.z))
+    share = (way.z - way.z.min()) / travel
+    bulge, skew = rng.uniform(0.005, 0.04), rng.uniform(0.6, 1.8)
+    out = np.arange(way.z.size) >= way.into
+    z = way.z - np.where(out, bulge * travel * 4 * share**skew * (1 - share**skew), 0.0)
+    reasons = ("directions differ", "rejected", "hysteresis", "misfit")
+    return recorded(rng, at, way, way.P, z, reasons=reasons, determined=False)
+
+
+def creep(rng: Rng) -> Dirty:
+    """The piezo creeps after the reversal by 0.2 to 2 % of the travel a decade."""
+    at = Drawn.of(rng)
+    way = path(at)
+    later = np.maximum(np.arange(way.z.size) - way.into, 0) / way.into
+    z = way.z + np.ptp(way.z) * rng.uniform(0.002, 0.02) * np.log10(1 + later / 0.05)
+    reasons = ("directions differ", "rejected", "creep", "misfit")
+    return recorded(rng, at, way, way.P, z, reasons=reasons, determined=False)
+
+
+def drift(rng: Rng) -> Dirty:
+    """The specimen drifts by 0.05 to 1 % of the travel."""
+    at = Drawn.of(rng)
+    way = path(at)
+    t = np.arange(way.z.size) / way.z.size
+    z = way.z + np.ptp(way.z) * rng.choice([-1, 1]) * 10 ** rng.uniform(-3.3, -2) * t
+    return recorded(rng, at, way, way.P, z, reasons=("drift", "differ", "rejected"), determined=False)
+
+
+def wave(rng: Rng) -> Dirty:
+    """Interference of the laser: a sine of 1 to 15 % of the pull-off force, 2 to 8 periods over the travel."""
+    at = Drawn.of(rng)
+    way = path(at)
+    phase = 2 * math.pi * (rng.uniform(2, 8) * way.z / np.ptp(way.z) + rng.random())
+    P = way.P + at.force * 10 ** rng.uniform(-2, math.log10(0.15)) * np.sin(phase)
+    return recorded(rng, at, way, P, reasons=("wavy", "wave", "autocorrelated", "base line"))
+
+
+def pink(rng: Rng) -> Dirty:
+    """1/f noise of 0.3 to 3 % of the pull-off force."""
+    at = Drawn.of(rng)
+    way = path(at)
+    spectrum = np.fft.rfft(rng.normal(size=way.z.size)) / np.sqrt(np.maximum(np.arange(way.z.size // 2 + 1), 1))
+    slow = np.fft.irfft(spectrum, way.z.size)
+    size = at.force * 10 ** rng.uniform(-2.5, -1.5)
+    return recorded(rng, at, way, way.P + size * slow / np.std(slow), reasons=("wavy", "noisy", "autocorrelated"))
+
+
+def second_contact(rng: Rng) -> Dirty:
+    """A weak second contact, by a spring that is stretched on after pull-off and then lets go."""
+    at = Drawn.of(rng)
+    way = path(at)
+    rows = np.arange(way.z.size) - way.lost
+    length = rng.uniform(0.1, 0.6) * (way.z.size - way.lost)
+    size = at.force * 10 ** rng.uniform(math.log10(0.02), math.log10(0.3))
+    P = way.P - np.where((rows >= 0) & (rows < length), size * (0.3 + 0.7 * rows / length), 0.0)
+    return recorded(rng, at, way, P, reasons=("several contacts", "step", "level", "tether", "second contact"))
+
+
+def header_words(rng: Rng) -> Dirty:
+    """Loads and heights under the words that other programs use, with the height growing away from the specimen."""
+    at = Drawn.of(rng)
+    way = path(at)
+    dirty = recorded(rng, at, way, way.P)
+    z, P = dirty.columns["Z Piezo (nm)"] * 1e-9, dirty.columns["Deflection (nm)"] * 1e-9 * at.k
+    height, load, factors = [
+        ("Height (um)", "vDeflection (nN)", (-1e6, 1e9)), ("Raw Height Sensor [nm]", "Force [pN]", (-1e9, 1e12)),
+        ("height (measured) / um", "Vertical deflection / nN", (-1e6, 1e9)), ("ZSnsr (m)", "Force (N)", (-1.0, 1.0)),
+    ][int(rng.integers(4))]  # fmt: skip
+    dirty.columns = {height: factors[0] * z, load: factors[1] * P}
+    return replace(dirty, reasons=("--flip", "sign"))
+
+
+def zero_columns(rng: Rng) -> Dirty:
+    """Columns that an instrument writes and never fills."""
+    dirty = plain(rng)
+    zeros = np.zeros(dirty.at.rows * 2)
+    dirty.columns = {**dirty.columns, "Contact Area (um^2)": zeros, "Stiffness (N/m)": zeros}
+    return dirty
+
+
+def phase_column(rng: Rng) -> Dirty:
+    dirty = plain(rng)
+    dirty.columns["Phase (deg)"] = np.round(
+        rng.uniform(20, 80) + rng.normal(size=2 * dirty.at.rows), int(rng.integers(3))
+    )
+    return dirty
+
+
+def sparse(rng: Rng) -> Dirty:
+    """60 to 200 rows a direction: jumps between two of them."""
+    at = replace(Drawn.of(rng), rows=int(rng.integers(60, 200)))
+    way = path(at)
+    return recorded(rng, at, way, way.P)
+
+
+def approach_alone(rng: Rng) -> Dirty:
+    at = Drawn.of(rng)
+    way = path(at)
+    dirty = recorded(
+        rng, at, way, way.P, truth={"E_star": at.E, "w_approach": at.w_in}, options={"segment": "approach"}
+    )
+    dirty.columns = {name: values[: way.into] for name, values in dirty.columns.items()}
+    return dirty
+
+
+def retraction_alone(rng: Rng) -> Dirty:
+    at = Drawn.of(rng)
+    way = path(at)
+    truth = {"E_star": at.E, "w": at.w}
+    dirty = recorded(rng, at, way, way.P, truth=truth, options={"segment": "retract"})
+    dirty.columns = {name: values[way.into :] for name, values in dirty.columns.items()}
+    return dirty
+
+
+def noisy(rng: Rng) -> Dirty:
+    """Noise of 10 to 30 % of the pull-off force."""
+    at = Drawn.of(rng, noise=(-1.0, -0.5))
+    way = path(at)
+    return recorded(rng, at, way, way.P, reasons=("noisy", "vague"))
+
+
+def load_control(rng: Rng) -> Dirty:
+    """An indenter that drives the load: the depth jumps where the contact comes, and runs away where it is lost."""
+    at = Drawn.of(rng)
+    stiff = replace(at, k=1e9 * at.E * at.R)
+    (z, P), (back, tension) = branches(stiff, Attracted())
+    low = int(np.argmin(tension))
+    n = at.rows
+    loads_in, loads_out = np.linspace(0, at.top, n), np.linspace(at.top, float(tension.min()), n)
+    rise = int(np.argmin(P))
+    into = np.interp(loads_in, P[rise:], z[rise:])
+    out = np.interp(loads_out, tension[low:], back[low:])
+    depth = float(np.ptp(out))
+    free = np.linspace(-0.6 * depth, 0, n // 2)
+    gone = np.linspace(out[-1] - 0.3 * depth, out[-1] - depth, n // 2)
+    delta = np.concatenate([free, into, out, gone])
+    P = np.concatenate([0 * free, loads_in, loads_out, 0 * gone])
+    P = P + at.noise * rng.normal(size=P.size) + at.force * rng.uniform(-0.5, 0.5)
+    columns = {"Depth (nm)": 1e9 * delta, "Load (nN)": 1e9 * P, "Time (s)": np.arange(P.size) / n}
+    return Dirty(at, columns, at.truth, [], rigid=True)
+
+
+def dwell(rng: Rng) -> Dirty:
+    """Friction of the piezo's lever and a dwell at the largest load."""
+    at = Drawn.of(rng)
+    way = path(at)
+    P = way.P + at.force * rng.uniform(0.02, 0.2) * np.where(np.arange(way.z.size) < way.into, 1, -1)
+    count = way.into // int(rng.integers(4, 12))
+    z, P = (np.concatenate([v[: way.into], np.full(count, v[way.into - 1]), v[way.into :]]) for v in (way.z, P))
+    return recorded(rng, at, way, P, z)
+
+
+KINDS: dict[str, Callable[[Rng], Dirty]] = {
+    "tether": tether, "two tethers": tethers, "attraction": attraction, "van der Waals tail": van_der_waals,
+    "saturated": saturated, "saturated tension": saturated_tension, "permanent set": permanent_set,
+    "ringing": ringing, "coarse converter": converter, "piezo hysteresis": hysteresis, "piezo creep": creep,
+    "drift": drift, "interference": wave, "1/f noise": pink, "second contact": second_contact,
+    "other header words": header_words, "columns of zeros": zero_columns, "phase column": phase_column,
+    "sparse": sparse, "approach alone": approach_alone, "retraction alone": retraction_alone, "large noise": noisy,
+    "load control": load_control, "dwell and friction": dwell,
+}  # fmt: skip

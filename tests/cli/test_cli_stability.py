@@ -73,7 +73,7 @@ def test_pull_off_in_words(jkr, body: Path) -> None:
         f"    energy lost         {show(7.0922 * unit, 'energy')} (error < 0.01 %)",
         lines[-1],
     ]
-    assert lines[-1].startswith("    work of separation  1.12")
+    assert lines[-1].startswith("    work of separation  11.2")
 
 
 def test_pull_off_as_json(jkr, body: Path) -> None:

@@ -19,6 +19,7 @@ from jkrcli.data import measured
 from jkrcli.fitting.forward_model import body_of
 from jkrcli.fitting.procedure import fit_all
 from jkrcli.fitting.settings import settings_of
+from jkrcli.report import plots
 from jkrcli.report.map import IMAGES
 
 R, E_STAR, K = 5e-6, 20e3, 0.05
@@ -146,6 +147,9 @@ def test_curves_without_a_grid_are_drawn_over_their_numbers(tmp_path: Path) -> N
     curves = measured.read(scan(tmp_path / "scan.h5", ("grid index x", *POSITIONS)))
     with executor(1) as pool:
         outcomes = fit_all(body, curves, settings_of(body, (), ()), pool)
+    figure = curves_figure([*outcomes[:3], *outcomes[:1]])  # none unusable
+    plots.save(figure, [tmp_path / "curves.png"])
+    assert all(axes.get_position().height > 0.25 for axes in figure.axes)
     modulus, work = curves_figure(outcomes).axes
     for axes, size in ((modulus, E_STAR / 1e3), (work, 5e-5 / 1e-6)):
         fitted, doubtful, unusable = (np.array(line.get_xydata()) for line in axes.lines)

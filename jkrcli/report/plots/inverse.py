@@ -229,16 +229,18 @@ def curves_figure(outcomes: Sequence[Fit | Failure]) -> Figure:
                 at = status == word
                 if word == UNUSABLE:
                     axes.plot(numbers[at], np.zeros(at.sum()), mark, color=color, label=word, clip_on=False,
-                              transform=axes.get_xaxis_transform())  # fmt: skip
+                              transform=axes.get_xaxis_transform(), in_layout=False)  # fmt: skip
                     continue
                 axes.vlines(numbers[at], low[at] / factor, high[at] / factor, color=color, lw=0.8)
                 axes.plot(numbers[at], value[at] / factor, mark, color=color, label=word, ms=3)
             least, most = np.nanmin(value) / factor, np.nanmax(value) / factor
-            room = 0.1 * (most - least) or 0.1 * abs(most) or 1.0
-            axes.set_ylim(least - room, most + room)  # a long interval does not flatten the rest
-            axes.set_ylabel(f"{LABELS[name]} ({unit})")
+            usual = float(np.nanmedian(high - low)) / factor  # a long interval does not flatten the rest
+            room = max(0.1 * (most - least), usual) or 0.1 * abs(most) or 1.0
+            axes.set_ylim(least - room, most + room)
+            axes.ticklabel_format(axis="y", useOffset=False)
+            axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+            axes.set_ylabel(f"{'$w$' if name == 'w' else LABELS[name]} ({unit})")
         panels[-1].set_xlabel("curve")
-        panels[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
         return figure
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Sphere
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.hybrid.kernel import HYBRID_NO_CLAIM, AdaptiveKernel
+from jkrcli.methods.hybrid.kernel import HYBRID_NO_CLAIM, AdaptiveKernel, _falls
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.protocol import Method
@@ -140,6 +142,27 @@ def test_errors_fall_less_at_half_of_the_radius_than_at_the_largest(tolerance: f
     radii = tuple(np.linspace(0.5, 1, 11) * a)
     problem = Problem(PowerLaw(0.1 * a ** (1 - d) / d, d), ROLLERS, Loading.given("radius", radii))
     assert max(ratios(problem, Hybrid(1e-7), Hybrid(tolerance)).values()) <= 1.0
+
+
+def test_an_error_that_falls_slowly_at_small_radii_is_not_stated_by_the_largest() -> None:
+    """A step divided the change by 5 at the small radius, by 101 at the large one: 4 and 100 of the error are left;
+    one that falls faster at the small radius counts as at the large one."""
+    slow_first = _falls(np.full((4, 2), [[5.0, 101.0]]), np.ones((4, 2)), 1e3)
+    assert slow_first == pytest.approx([4.0, 100.0])
+    fast_first = _falls(np.full((4, 2), [[50.0, 50.0]]), np.full((4, 2), [[0.1, 1.0]]), 1e3)
+    assert fast_first == pytest.approx([49.0, 49.0])
+
+
+def test_points_where_two_degrees_agree_by_accident_have_an_error() -> None:
+    """With the lower degree in place of its finer one the last step shows nothing; the step before it does."""
+    cylinder = Specimen((Layer(Elastic(7.6e7, 0.3), 3.48),), Rigid(), 3.0, "free")
+    _, errors, _, _ = AdaptiveKernel(Paraboloid(18.0), cylinder, 1e-5).accurate(0.8)
+    modes = errors.companions
+    assert modes is not None
+    blind = replace(modes, kernels=(modes.contact.kernel, *modes.kernels[1:]))
+    last, before, *_ = np.abs(blind(np.array([0.3, 0.6])))
+    assert last.max() == 0
+    assert (before > 0).all()
 
 
 def test_rounding_in_a_slender_rod_is_far_below_the_kernel() -> None:

@@ -18,7 +18,7 @@ from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Quantity, Rigid, 
 from jkrcli.formulas import adhesive_half_space, thin_incompressible_layer, thin_layer
 from jkrcli.methods.integral import fredholm
 from jkrcli.methods.integral.fredholm import EquationResult, Quadrature, response
-from jkrcli.methods.layered.contact import LayeredContact
+from jkrcli.methods.layered.contact import LayeredContact, _errors
 from jkrcli.methods.layered.solver import Layered, largest_radius
 from jkrcli.methods.radii import Response
 from jkrcli.series import Solution
@@ -380,6 +380,16 @@ def test_tolerance_is_met_and_costs(tolerance: float) -> None:
     fine, found = Layered(1e-12)(problem), Layered(tolerance)(problem)
     true = np.max(np.abs(columns(found) / columns(fine) - 1))
     assert true <= float(found.budget.discretisation) <= tolerance
+
+
+def test_a_second_quadrature_that_is_only_a_quarter_better_is_covered() -> None:
+    """Errors of 1e-6 and 0.75e-6 differ by a quarter of the larger."""
+    solved = LayeredContact(PowerLaw(0.01, 1.5), bonded(0.45)).refined(np.linspace(0.2, 1, 5), 1e-8)[0]
+    main, other = (
+        replace(solved, **{name: getattr(solved, name) * (1 + error) for name in ("delta", "P", "S", "dS")})
+        for error in (1e-6, 0.75e-6)
+    )
+    assert (_errors(main, other, np.arange(5)) >= (1 - 1e-5) * 1e-6).all()
 
 
 layers = st.builds(

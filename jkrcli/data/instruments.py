@@ -50,8 +50,10 @@ POSITIONS = tuple(Position(**entry) for entry in WORDS["positions"])
 
 
 def plain(title: str) -> str:
-    """The name in a header cell, lower case, its words parted by single blanks."""
-    return re.sub(r"[\s_.-]+", " ", split_name(title)[0].lower()).strip()
+    """The name in a header cell, lower case, its words parted by single blanks, without a word on how it was made
+    before them, "Raw Height Sensor" or "calibrated height"."""
+    name = re.sub(r"[\s_.-]+", " ", split_name(title)[0].lower()).strip()
+    return re.sub(r"\A(?:raw|calibrated|smoothed|filtered|corrected)\s(?=\w)", "", name)
 
 
 def position_of(title: str) -> Position | None:

@@ -60,8 +60,11 @@ def _standing_still(P: Array, z: Array, end: float) -> bool:
         return False
     if held.min() < z.min() + SATURATION_FREE * np.ptp(z):
         return False
-    near = P[max(first[i] - count, 0) : last[i] + count]
-    return float(np.ptp(near)) > SATURATION_LEVELS * float(levels.min())
+    # A load that turns there by itself leaves it slowly: by a parabola that rests within a level for so many rows
+    # changes by 4.5 levels in as many more, on the side of no jump.
+    sides = P[max(first[i] - count, 0) : first[i] + 1], P[last[i] - 1 : last[i] + count]
+    left = min(float(np.ptp(side)) for side in sides if side.size > count // 2 + 1)
+    return left > SATURATION_LEVELS * float(levels.min())
 
 
 PAUSE, PERMANENT_SET = "pause", "permanent set"
@@ -87,6 +90,8 @@ RECORD_TETHER = 0.05
 RECORD_STRAIGHT = 1.3  # choice: of the noise, what the line through them leaves at most
 # tuned on records, by `make constants`: just below the half of a step in speed that smoothing leaves at its place
 RECORD_STILL = 0.45
+RECORD_RING = 12  # choice: rows of a window in which a device is seen to ring after a jump
+RECORD_RUNG = 2.0  # theory: of the usual size, five standard deviations of that of a window of normal noise
 RECORD_SMOOTH = 4  # choice: degree of a polynomial that follows the end of a contact and no kink
 RECORD_WAVY = 0.03  # choice: of the range of the load, waviness of a base line that is flagged
 # choice: what a tilt may make of the largest load over the depth of contact, and the largest load or tension at
@@ -158,7 +163,8 @@ class Direction:
     in contact for sure: after a jump, else where tension is largest, as what lets go slowly beyond is no contact of
     an elastic body. ``way, depth``: how far the device moves in all, and beyond touch [m]. ``free``: how many rows from
     the far end on may be free, up to the largest ``jump`` [N] to tension, 0 without one. ``jumps``: to tension, seen
-    from the far end inwards; ``steps``: all other sudden changes of the load.
+    from the far end inwards; ``steps``: all other sudden changes of the load; ``ringing``: rows after the jump in which
+    the device still rings, which belong to no side.
     """
 
     segment: Segment
@@ -175,6 +181,7 @@ class Direction:
     depth: float
     free: int
     jump: float
+    ringing: int = 0
 
     @property
     def begins_free(self) -> bool:
@@ -261,8 +268,8 @@ def segment_force_curve(curve: Curve) -> ForceCurve:
     if directions and not touched:
         flags.append(("no contact", "the load never leaves its base line"))
     dent = _permanent_set(curve, directions) if by_load else ()
-    flags += [*(dent or _on_base_lines(curve, touched)), *_on_jumps(touched), *_on_signs(curve, directions)]
     limits = np.flatnonzero(np.any([np.zeros(len(curve), dtype=bool), *saturation(curve).values()], axis=0))
+    flags += [*(dent or _on_base_lines(curve, touched)), *_on_jumps(touched, limits), *_on_signs(curve, directions)]
     flags += [("saturated", f"{sentence}: they are left out") for sentence in saturation_words(curve)]
     return ForceCurve(whole, tuple(parts), directions, dict(flags), spikes, limits, held, plain)
 
@@ -372,21 +379,59 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
     falls, others = _jumps(off, base)
     main = min(falls, key=lambda fall: off[fall[1]] - off[fall[0]], default=None)
     jump = 0.0 if main is None else float(off[main[1]] - off[main[0]])
-    falls += _end_of_tether(off, base, falls)
+    ringing = 0
+    if main is not None:  # a lever rings after its jump, in time: inwards on the way in, outwards on the way out
+        first = min(falls)
+        if order > 0 and first != main and _ringing(y[first[1] :]):
+            main, jump = first, float(off[first[1]] - off[first[0]])
+        ringing = _ringing(y[main[1] :] if order > 0 else y[main[0] :: -1])
+        rung = range(main[0], main[1] + ringing + 1) if order > 0 else range(main[0] - ringing, main[1] + 1)
+        falls = [main, *(fall for fall in falls if fall[0] not in rung and fall[1] not in rung)]
+        others = [step for step in others if step[0] not in rung and step[1] not in rung]
+    falls = sorted(falls + _end_of_tether(off, base, falls))
     turn = x.max() - RECORD_SMALL * np.ptp(x)  # beyond, a change of drag is no event
-    others = [(first, last) for first, last in others if x[last] < turn]
+    others = [(first, last) for first, last in others if x[last] < turn and not _by_motion(x, off, first, last)]
     jumps, steps = (
         tuple(ForceJump(rows[(i + j) // 2], float(x[(i + j) // 2]), float(off[j] - off[i])) for i, j in pairs)
         for pairs in (falls, others)
     )
     inner = falls[-1][1] if falls else row if isinstance(tension, Unknown) else max(lowest, row)
     border = min([row - 1, *(first for first, _ in falls)]), inner
+    if main is not None and ringing:
+        border = (border[0], max(inner, main[1] + ringing)) if order > 0 else (min(border[0], main[0] - ringing), inner)
     depth = float(x.max() - x[min(row, x.size - 1)])
     loads = float(off.max()), tension, float(x[lowest])
     free = main[0] + 1 if main is not None else _before_least(off) if order > 0 else border[0] + 1
+    free -= 0 if order > 0 else ringing
     return Direction(
-        segment, base, touch, error, *loads, jumps, steps, border, float(np.ptp(x)), depth, max(free, 0), jump
+        segment, base, touch, error, *loads, jumps, steps, border, float(np.ptp(x)), depth, max(free, 0), jump, ringing
     )
+
+
+def _ringing(y: Array) -> int:
+    """How many rows after a jump, in time, the load still swings to and fro, by second differences of windows of rows
+    beside those of all that follow; 0 where it does not swing, or does not die away."""
+    width = RECORD_RING
+    bends = np.diff(y[1:], 2)
+    count = bends.size // width
+    if count < 4:
+        return 0
+    windows = bends[: count * width].reshape(count, width)
+    size = np.sqrt(np.mean(windows**2, axis=1))
+    loud = size > RECORD_RUNG * float(np.median(size))
+    last = int(np.argmin(loud))  # windows that are loud without a gap
+    swings = last > 0 and np.count_nonzero(np.diff(np.sign(bends[: last * width]))) >= last
+    dies_away = loud.sum() < RECORD_HALF * count and size[0] >= size[max(last - 1, 0)]
+    if not (swings and dies_away):
+        return 0
+    # Beyond, what a parabola leaves of wider windows shows swings that bend the load less than noise does.
+    noise, wide = float(np.median(size)) / math.sqrt(6), 2 * width
+    parabola = np.linalg.qr(np.vander(np.arange(wide), 3))[0]
+    parts = y[1 : 1 + (y.size - 1) // wide * wide].reshape(-1, wide)
+    left = np.sqrt(np.mean((parts - parts @ parabola @ parabola.T) ** 2, axis=1))
+    quiet = np.flatnonzero(left[last // 2 :] < RECORD_STRAIGHT * noise)
+    rows = (last // 2 + int(quiet[0]) + 1) * wide if quiet.size else y.size
+    return int(min(max(rows, (last + 1) * width), RECORD_HALF * y.size))
 
 
 def _before_least(off: Array) -> int:
@@ -530,6 +575,17 @@ def _jumps(off: Array, base: BaseLine) -> tuple[list[tuple[int, int]], list[tupl
     return _runs(jump | within, width), _runs(fall & (tension[width:] < RECORD_HALF) | rise & ~within, width)
 
 
+def _by_motion(x: Array, y: Array, first: int, last: int) -> bool:
+    """Whether the load changes between two rows by no more than the way between them makes of it, by the slopes on both
+    sides: rows that lie far apart, or unevenly, step by themselves."""
+    rows, slopes = FEWEST_ROWS, [0.0]
+    for side in (slice(max(first - rows, 0), first + 1), slice(last, last + rows + 1)):
+        way = float(np.ptp(x[side]))
+        if way > 0:
+            slopes.append(abs(float(np.polyfit(x[side] / way, y[side], 1)[0])) / way)
+    return abs(float(y[last] - y[first])) <= 2 * max(slopes) * abs(float(x[last] - x[first]))
+
+
 def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     """Rows before and after which the load leaves a level tension inside of the only one of the ``falls``, which a
     tether or a second contact holds there, however little happens where the first one ends; none without one."""
@@ -629,14 +685,19 @@ def _permanent_set(curve: Curve, directions: Sequence[Direction]) -> tuple[tuple
     return ((PERMANENT_SET if dent > RECORD_HALF * depth else f"some {PERMANENT_SET}", sentence),)
 
 
-def _on_jumps(touched: Sequence[Direction]) -> Iterator[tuple[str, str]]:
-    """Flags of contacts beside the one, and of steps where there should be none."""
+def _on_jumps(touched: Sequence[Direction], limits: Array) -> Iterator[tuple[str, str]]:
+    """Flags of contacts beside the one, and of steps where there should be none, but where the rows of a detector at
+    its limit, ``limits``, begin and end."""
     for item in touched:
-        name = item.segment.kind
-        if len(item.jumps) > 1:
-            yield "several contacts", f"{len(item.jumps)} jumps under tension in the {name}"
-        if item.steps:
-            step = max(item.steps, key=lambda step: abs(step.step))
+        name, near = item.segment.kind, 2 * _block(len(item.segment))
+        jumps, steps = (
+            [one for one in events if not limits.size or np.abs(limits - one.row).min() > near]
+            for events in (item.jumps, item.steps)
+        )
+        if len(jumps) > 1:
+            yield "several contacts", f"{len(jumps)} jumps under tension in the {name}"
+        if steps:
+            step = max(steps, key=lambda step: abs(step.step))
             sentence = (
                 f"the load of the {name} steps by {show(step.step, 'load', 3)} at row {step.row + 1}: "
                 "base line, second contact, or slip"

@@ -508,10 +508,12 @@ def _line(best: ForceCurveFit) -> dict[str, Array]:
 def _left_out(record: ForceCurve, used: int) -> tuple[str, ...]:
     spikes, limits = record.spikes.size, record.saturated.size
     rest = len(record.curve) - used - spikes - limits
+    ringing = sum(side.ringing for side in record.directions)
     return (
         *[f"{rest} rows of other segments, next to the turning point or in jumps"] * (rest > 0),
         *[f"{spikes} {'isolated outliers' if spikes > 1 else 'isolated outlier'}"] * (spikes > 0),
         *[f"{limits} saturated"] * (limits > 0),
+        *[f"among them {ringing} in which the device rings after a jump"] * (ringing > 0),
     )
 
 

@@ -170,7 +170,7 @@ def test_a_slopes_rule_of_ones_own(tmp_path: Path) -> None:
     transform = ("transform", series, "--slopes", "differences", "-o", out, "--no-plots")
     run, done = jkr("differences", ("run", tmp_path / "my.toml", "-o", series), transform)
     assert (run.code, done.code) == (0, 0), done.err
-    assert "slopes differences (asked for)" in done.out
+    assert "slopes differences (requested)" in done.out
     with next(out.glob("*.csv")).open() as file:
         rows = list(csv.DictReader(file))
     S, a = (np.array([float(row[name]) for row in rows]) for name in ("S_N_per_m", "a_m"))

@@ -96,7 +96,7 @@ def test_a_cycle_at_speed_is_that_of_the_command_line(jkr: Callable) -> None:
         ({"speed": 1e-6, "to_load": "1 N", "to_depth": "1 um"}, "cycle: give the reversal as a load or as a depth"),
         (
             {"speed": 1e-6, "law_approach": {"v0": 1e-6, "n": 1}},
-            "cycle: an edge that advances by a law needs",
+            "cycle: a contact line that closes by a law needs",
         ),
         ({"law": {"v0": 1e-6, "n": -1}, "speed": 1e-6}, "law: n: must be > 0"),
     ],

@@ -123,7 +123,7 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
     "check": (("check", CASES / "gel.toml"), lambda: python.check(CASES / "gel.toml"), ""),
     "look": (("look", RECORD, "--no-plots"), lambda: python.look(RECORD), "files"),
     "pull-off": (("pull-off", "gel.h5", "--w", "40 mJ/m^2"), lambda: python.pull_off("gel.h5", "40 mJ/m^2"), "results"),
-    "pull-off by a device": (
+    "pull-off by an instrument": (
         ("pull-off", "gel.h5", "--w", "0.04", "--stiffness", "2 kN/m"),
         lambda: python.pull_off("gel.h5", 0.04, stiffness=["2 kN/m"]),
         "results",
@@ -195,7 +195,7 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
         lambda: python.identify(str(CASES / "gel.toml"), PROBE),
         "",
     ),
-    "fit of a record": (
+    "fit of a force curve": (
         ("fit", "gel.h5", RECORD, "--no-plots", "--force"),
         lambda: python.identify("gel.h5", RECORD),
         "",
@@ -241,7 +241,7 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
         lambda: python.identify_tension("ball.toml", ["one.csv"], fix={"surface_tension": "1 mN/m"}),
         "",
     ),
-    "fit of records together": (
+    "fit of force curves together": (
         ("fit", "ball.toml", "one.csv", "two.csv", "--shared", "E_star,w", "--no-plots", "--force"),
         lambda: python.identify_joint("ball.toml", ["one.csv", "two.csv"]),
         "",
@@ -280,7 +280,8 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
 
 
 SLOW = {
-    "bench", "fields", "fit of a law", "fit of records together", "fit of relaxation", "fit of surface tension", "mesh",
+    "bench", "fields", "fit of a law", "fit of force curves together", "fit of relaxation", "fit of surface "
+    "tension", "mesh",
     "mesh convergence",
 }  # fmt: skip
 TIMES = "cpu_s", "time_exponent", "min_s", "median_s", "findings"  # no two solves take the same, or find as much memory

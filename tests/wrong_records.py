@@ -100,13 +100,13 @@ def right(at: Drawn) -> Wrong:
 def layer(at: Drawn) -> Wrong:
     h = at.radius * np.random.default_rng(at.seed + 1).uniform(0.7, 3)
     return Wrong(record(at.E, R, at.w, at.w, at.device, at.seed, BondedLayer(h, 0.5)), at.k, at.truth,
-                 families=("layer or base",))  # fmt: skip
+                 families=("layer or substrate",))  # fmt: skip
 
 
 def nu_of_layer(at: Drawn) -> Wrong:
     h = at.radius * 0.7
     return Wrong(record(at.E, R, at.w, at.w, at.device, at.seed, BondedLayer(h, 0.3)), at.k, at.truth, h=h,
-                 families=("layer or base",))  # fmt: skip
+                 families=("layer or substrate",))  # fmt: skip
 
 
 def cone(at: Drawn) -> Wrong:
@@ -131,7 +131,9 @@ def tension(at: Drawn) -> Wrong:
         x, log = kappa / (math.pi * np.maximum(a, 3 * kappa)), np.log(2 * np.maximum(a, 3 * kappa) / kappa) + 0.5772
         return delta * (1 + 2 * x * (log - 1)), P * (1 + 3 * x * log), S * (1 + x * (log + 1)), dS * (1 + x)
 
-    return Wrong(record(at.E, R, at.w, at.w, at.device, at.seed, body), at.k, at.truth, families=("layer or base",))
+    return Wrong(
+        record(at.E, R, at.w, at.w, at.device, at.seed, body), at.k, at.truth, families=("layer or substrate",)
+    )
 
 
 def dmt(at: Drawn) -> Wrong:
@@ -190,7 +192,9 @@ def strains(at: Drawn) -> Wrong:
     delta = np.append(0.0, a * np.arctanh(a / R))
     P = np.append(0.0, at.E * ((R**2 + a**2) * np.arctanh(a / R) - a * R))
     over = np.interp(np.append(0, a) / R, (0, 0.2, 0.3, 0.5, 0.7, 0.8), (0, 0.01, 0.016, 0.029, 0.047, 0.061))
-    return _elastic(at, delta, P / (1 + over), ("layer or base", "shape of the tip"), louder=(top / at.radius) ** 3)
+    return _elastic(
+        at, delta, P / (1 + over), ("layer or substrate", "shape of the tip"), louder=(top / at.radius) ** 3
+    )
 
 
 def _elastic(at: Drawn, delta: np.ndarray, P: np.ndarray, families: tuple[str, ...], louder: float = 1.0) -> Wrong:
@@ -251,7 +255,7 @@ def plastic(at: Drawn) -> Wrong:
 
 
 def stiffness(at: Drawn) -> Wrong:
-    return Wrong(right(at).columns, 1.1 * at.k, at.truth, families=("device", "layer or base"))
+    return Wrong(right(at).columns, 1.1 * at.k, at.truth, families=("device", "layer or substrate"))
 
 
 def radius(at: Drawn) -> Wrong:

@@ -329,7 +329,7 @@ class EquilibriumCurve(ABC):
         if position_of(best) > 0:
             return Unknown(
                 f"contact shrinks at P = {best.P:.4g} N, delta = {best.delta:.4g} m below the smallest radius of the "
-                f"series, a = {self.places[0]:.4g} m, where some must remain: the series would have to begin at a "
+                f"solution, a = {self.places[0]:.4g} m, where some must remain: the solution would have to begin at a "
                 "smaller radius"
             )
         return best
@@ -372,7 +372,7 @@ class EquilibriumCurve(ABC):
     def beyond_words(self, place: float) -> str:
         """The message about a place outside the curve."""
         low, high = self.places[[0, -1]]
-        return f"adhesive curve: contact radius {place:g} m lies outside the series, {low:g} to {high:g} m"
+        return f"adhesive curve: contact radius {place:g} m lies outside the solution, {low:g} to {high:g} m"
 
     def _inside(self, places: Array) -> Array:
         places = np.asarray(places, dtype=float)
@@ -600,7 +600,7 @@ class AdhesiveCurve(EquilibriumCurve):
     def _outside(self, stiffness: float, end: str, lowest: Equilibrium) -> str:
         """Why pull-off lies outside the series."""
         remedy = (
-            'ask for smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest '
+            'use smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest '
             "(or contact shrinks to a point before it is lost)"
             if end == "smallest"
             else "increase [loading] radius"
@@ -609,7 +609,8 @@ class AdhesiveCurve(EquilibriumCurve):
             rim = show(self.series.a0, "length")
             remedy += f"; contact is lost at the rim of the flat end at the latest, a = {rim}"
         return (
-            f"the {controlled(stiffness)} is lowest at the {end} radius of the series, a = {show(lowest.a, 'length')} "
+            f"the {controlled(stiffness)} is lowest at the {end} radius of the solution, a = "
+            f"{show(lowest.a, 'length')} "
             f"(P = {show(lowest.P, 'load')}, delta = {show(lowest.delta, 'length')}): pull-off lies outside it; "
             f"{remedy}"
         )

@@ -59,7 +59,7 @@ class DemLaw:
             if error <= DEM_ERROR:
                 break
         else:
-            raise InputError(f"{rows} rows meet the law within {error:.1g} only: give a series of more radii")
+            raise InputError(f"{rows} rows meet the law within {error:.1g} only: give a solution of more radii")
         chosen = np.linspace(0, between.size - 1, 12).round().astype(int)
         return cls(delta, P, a, stiff.pull_off, load, stiff.jump_in, error, np.column_stack(exact)[chosen])
 

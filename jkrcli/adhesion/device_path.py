@@ -588,12 +588,12 @@ class EdgeRule:
                 return Unknown(f"the surfaces jump to contact radii below {show(smallest, 'length')}, where "
                                "the curve begins")  # fmt: skip
             return Unknown(
-                "contact at delta = 0 is in equilibrium below the smallest radius of the series, a = "
+                "contact at delta = 0 is in equilibrium below the smallest radius of the solution, a = "
                 f"{show(smallest, 'length')}: begin at smaller radii"
             )
         where = f"delta = {curve.onset:.4g}{' m' if curve.onset else ''}"
         return self.settled(0.0, self.free) or Unknown(
-            f"contact at {where} spreads beyond the largest radius of the series, a = "
+            f"contact at {where} spreads beyond the largest radius of the solution, a = "
             f"{show(largest, 'length')}: increase [loading] radius"
         )
 
@@ -759,11 +759,13 @@ class Path:
             return None
         if self.pieces[-1].phase == RECEDE:
             return (
-                "the contact shrinks below the smallest radius of the series, a = "
-                f"{show(self.pieces[-1].last[1], 'length')}, while pressed: ask for smaller radii, "
+                "the contact shrinks below the smallest radius of the solution, a = "
+                f"{show(self.pieces[-1].last[1], 'length')}, while pressed: use smaller radii, "
                 'loading.spacing = "log"'
             )
-        return "the contact grows beyond the largest radius of the series: increase [loading] radius, or reverse before"
+        return (
+            "the contact grows beyond the largest radius of the solution: increase [loading] radius, or reverse before"
+        )
 
     def holds(self, place: float) -> bool:
         """Whether equilibrium at the ``place`` [m] is passed through."""
@@ -775,7 +777,7 @@ class Path:
             if isinstance(piece, Follow) and piece.holds(place):
                 return replace(self, pieces=(*self.pieces[:i], replace(piece, end=place, ends="ramp")), ends="program")
         raise InputError(
-            f"cycle: the reversal at a = {show(place, 'length')} is not passed by stable contact on approach"
+            f"cycle: the reversal at a = {show(place, 'length')} is not reached by stable contact on approach"
         )
 
     @cached_property
@@ -850,7 +852,7 @@ def path(contact: Contact, program: Program, start: float = 0.0, stands: bool = 
         now = Now(0.0, _after(ramp, pieces[-1]).place, 0.0)
     if not pieces:
         raise InputError(
-            "program: the contact grows beyond the largest radius of the series: increase [loading] radius"
+            "program: the contact grows beyond the largest radius of the solution: increase [loading] radius"
         )
     return Path(contact, tuple(pieces), ends)
 

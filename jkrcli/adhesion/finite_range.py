@@ -418,7 +418,7 @@ class FiniteRangeCurve(EquilibriumCurve):
             )
         return (
             f"the {quantity} is lowest at the largest radius, a = {show(lowest.a, 'length')}: pull-off lies outside "
-            "the curve; the series would have to reach a larger radius: increase [loading] radius"
+            "the curve; the solution would have to reach a larger radius: increase [loading] radius"
         )
 
 

@@ -83,7 +83,7 @@ class Rest:
             return replace(state, P=self.load) if self.depth is None else replace(state, delta=self.depth)
         if self.ends_too_soon(relaxed):
             return Unknown(
-                f"at rest at {self.words} the relaxed contact is larger than the largest radius of the series, a = "
+                f"at rest at {self.words} the relaxed contact is larger than the largest radius of the solution, a = "
                 f"{show(float(relaxed.a[-1]), 'length')}: increase [loading] radius"
             )
         lost = relaxed.pull_off(held)
@@ -258,7 +258,7 @@ def histories(law: Relaxation, rest: Rest) -> tuple[LoadingHistory, ...] | Unkno
     return (
         fast,
         LoadingHistory(SLOW, f"very slow cycle, the moduli times {ratio:.4g}", moduli=ratio),
-        LoadingHistory(FROM_REST, f"at rest at {rest.words}, then pulled at once", profile=ratio, rest=rest),
+        LoadingHistory(FROM_REST, f"at rest at {rest.words}, then pulled instantly", profile=ratio, rest=rest),
         LoadingHistory(AT_MOST, "any other history", profile=ratio),
     )
 

@@ -361,7 +361,7 @@ class Nonadhesive:
         if self.further is not None:
             return self.knots.logs
         if len(self.series) < 2:
-            raise InputError("adhesive curve: a series of one point has no values between points")
+            raise InputError("adhesive curve: a solution of one point has no values between points")
         rows = Rows(self.a, self.series.a0, *self.points[:4], self._known_rates, self.bends, self.slopes.derived)
         return energy_consistent_interpolant(rows) if self.together else rows.logs
 

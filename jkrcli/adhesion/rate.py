@@ -369,7 +369,8 @@ def move(rule: ByLaw, ramp: Ramp, t: float, a: float) -> Motion:
 
 def _unfollowed(a: float) -> SolveError:
     return SolveError(
-        f"the edge's motion could not be integrated beyond a = {a:.4g} m: look at v0 and n; an instrument that is very "
+        f"the motion of the contact line could not be integrated beyond a = {a:.4g} m: look at v0 and n; an "
+        "instrument that is very "
         "slow against v0 makes the cycle without --rate"
     )
 
@@ -461,11 +462,11 @@ class RateContact(Contact):
         positive("J/m^2", w0=self.w0)
         if not 0 <= self.w_advance <= self.w0:
             raise InputError(
-                f"the work of adhesion of the receding edge must be >= that of the advancing one, got "
+                f"the work of adhesion of the opening contact line must be >= that of the closing one, got "
                 f"{show(self.w0, 'work')} after {show(self.w_advance, 'work')}"
             )
         if self.law_advance is not None and self.w_advance == 0:
-            raise InputError("a law of advance needs a work of adhesion > 0 on approach, got 0 J/m^2")
+            raise InputError("a law of closing needs a work of adhesion > 0 on approach, got 0 J/m^2")
 
     @cached_property
     def edge(self) -> Edge:
@@ -512,14 +513,14 @@ class RateContact(Contact):
             return self.advance.position(place)
         quantity, value = ("P", load) if depth is None else ("delta", depth)
         if value is None:
-            raise InputError("cycle: an edge that advances by a law needs a reversal: --to-load or --to-depth")
+            raise InputError("cycle: a contact line that closes by a law needs a reversal: --to-load or --to-depth")
         try:
             x = self.once(Program.on(self.least, speed)).position_where(quantity, value)
         except SolveError as error:
             raise InputError(f"cycle: {error}") from None
         if x is None:
             turn = f"{quantity} = {show(value, 'load' if quantity == 'P' else 'length')}"
-            raise InputError(f"cycle: the reversal at {turn} is not passed on approach within the series")
+            raise InputError(f"cycle: the reversal at {turn} is not reached on approach within the solution")
         return x
 
     def within(self, _: Callable[[float], Program], x: float) -> float:

@@ -737,7 +737,7 @@ class RelaxingContact:
         if path.deepest > most * (1 + SAME):
             raise InputError(
                 f"program: the contact comes {show(path.deepest - most, 'length')} beyond the largest depth of the "
-                f"series, {show(most, 'length')}: reverse before, or increase [loading] radius"
+                f"solution, {show(most, 'length')}: reverse before, or increase [loading] radius"
             )
         return RelaxedHistory(self, program, path)
 
@@ -748,7 +748,7 @@ class RelaxingContact:
             if beyond <= 1 + SAME:
                 return x
             x *= (1 - NOTICEABLE) / beyond  # theory: the depth grows no faster than the position
-        raise InputError("cycle: no reversal keeps the contact within the series: give it, --to-depth")
+        raise InputError("cycle: no reversal keeps the contact within the solution: give it, --to-depth")
 
     def _path(self, program: Program) -> RelaxedPath:
         t, x = _in_contact(*_ended(program), self.stiffness == LOAD_CONTROL)
@@ -779,8 +779,9 @@ class RelaxingContact:
         met = np.flatnonzero(reached(places) >= 0)[:1]
         if not met.size or met[0] == 0:
             raise InputError(
-                f"cycle: the reversal at {name} = {show(wanted or 0.0, unit)} is not passed on approach, which in this "
-                f"series ends at {show(float(reached(places[-1:])[0]) + (wanted or 0.0), unit)}"
+                f"cycle: the reversal at {name} = {show(wanted or 0.0, unit)} is not reached on approach, which in "
+                "this "
+                f"solution ends at {show(float(reached(places[-1:])[0]) + (wanted or 0.0), unit)}"
             )
         return speed * float(path.load.times(zeros_between(reached, places[met - 1], places[met], 0.0))[0])
 
@@ -797,7 +798,7 @@ class RelaxingContact:
             if grown is not None:
                 return grown
             lasting *= 2
-        raise InputError("cycle: the approach does not come to the end of the series")
+        raise InputError("cycle: the approach does not come to the end of the solution")
 
 
 def _ended(program: Program) -> tuple[Array, Array]:

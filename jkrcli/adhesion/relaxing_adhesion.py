@@ -547,7 +547,7 @@ def _jump(now: Now, inwards: bool) -> tuple[Now, Jump]:
     most = max(abs(energy) for row in (start, end) for energy in row[5:8])
     if lost < -CLOSE * most and not (body.loaded and found is None):
         raise Refusal(
-            f"cycle: the edge of the contact is lost sight of at t = {show(start.t, 'time')}: a jump there would "
+            f"cycle: the contact edge cannot be followed beyond t = {show(start.t, 'time')}: a jump there would "
             "win energy; give a smaller --stress"
         )
     end = end._replace(radiated=start.radiated + lost)
@@ -633,7 +633,7 @@ class RelaxingAdhesion:
         if math.isinf(self.stiffness) and load is None:
             return self.end[1] if depth is None else depth
         if load is None and depth is None:
-            raise InputError("cycle: give the reversal, --to-load or --to-depth: adhesion draws it beyond the series")
+            raise InputError("cycle: give the reversal, --to-load or --to-depth: adhesion draws it beyond the solution")
         wanted, column = (load, 4) if load is not None else (depth, 3)
         assert wanted is not None
         x, unit = (max(self.law.length, self.end[1]), "length") if column == 3 else (self.law.length, "load")
@@ -652,7 +652,7 @@ class RelaxingAdhesion:
                 then = rows[max(i - 1, 0), 0] + part * (rows[i, 0] - rows[max(i - 1, 0), 0])
                 return self.least + speed * float(then)
             x = self.least + 2 * (x - self.least)
-        raise InputError(f"cycle: the reversal at {show(wanted, unit)} is not passed on approach")
+        raise InputError(f"cycle: the reversal at {show(wanted, unit)} is not reached on approach")
 
     def within(self, program: Callable[[float], Program], x: float) -> float:
         """The turn ``x``: adhesion is followed beyond the series."""

@@ -118,7 +118,7 @@ def _no_energy(retraction: Path) -> Unknown | None:
     if retraction.ends != "lost":
         first = retraction.stretches[-1].curve.point(retraction.last)
         where = f"c = {show(first.place, 'length')}" if first.a == 0 else f"a = {show(first.a, 'length')}"
-        return Unknown(f"contact is not lost within the series, which begins at {where}")
+        return Unknown(f"contact is not lost within the solution, which begins at {where}")
     return None
 
 
@@ -210,7 +210,8 @@ def turning_radius(
         first, last = first_contact(inwards), curve.point(inwards.last)
         name, unit = ("P", "load") if depth is None else ("delta", "length")
         raise InputError(
-            f"cycle: the reversal at {name} = {show(value, unit)} is not passed on approach, which in this series goes "
+            f"cycle: the reversal at {name} = {show(value, unit)} is not reached on approach, which in this solution "
+            "goes "
             f"from {show(getattr(first, name), unit)} to {show(getattr(last, name), unit)}"
         )
     return met[0]
@@ -259,7 +260,7 @@ def stable_radius(curve: EquilibriumCurve, load: float) -> float:
     if not stable:
         P = curve.at(curve.places)[1]
         raise InputError(
-            f"load: {show(load, 'load')} is not carried by a stable contact of this series, whose loads go from "
+            f"load: {show(load, 'load')} is not carried by a stable contact of this solution, whose loads go from "
             f"{show(float(P.min()), 'load')} to {show(float(P.max()), 'load')}"
         )
     return stable[-1]
@@ -311,7 +312,7 @@ def work_from_pull_off(
     def force(log_w: float) -> float:
         tear_off = point(math.exp(log_w))
         if isinstance(tear_off, Unknown):
-            raise SolveError(f"load: the search for w left the series: {tear_off.reason}")
+            raise SolveError(f"load: the search for w left the solution: {tear_off.reason}")
         return -tear_off.P
 
     def excess(log_w: float) -> float:
@@ -322,7 +323,7 @@ def work_from_pull_off(
         for w in works:
             if isinstance(point(float(w)), CriticalPoint):
                 return math.log(w)
-        raise InputError("load: this series holds no pull-off for any work of adhesion: increase [loading] radius")
+        raise InputError("load: this solution holds no pull-off for any work of adhesion: increase [loading] radius")
 
     def widened(log_w: float, step: float) -> float:
         """``log_w`` moved step by step: beyond the last stationary radius the pull-off may lie between two points."""
@@ -342,9 +343,9 @@ def work_from_pull_off(
     low, high = widened(inside(works), -STEP), widened(inside(works[::-1]), STEP)
     if not excess(low) <= 0 <= excess(high):
         least, greatest = force(low), force(high)
-        remedy = "increase [loading] radius" if load > greatest else "begin the series at a smaller radius"
+        remedy = "increase [loading] radius" if load > greatest else "begin the solution at a smaller radius"
         raise InputError(
-            f"load: a pull-off force of {show(load, 'load')} lies outside the series, which can tell forces from "
+            f"load: a pull-off force of {show(load, 'load')} lies outside the solution, which can tell forces from "
             f"{show(least, 'load')} to {show(greatest, 'load')}: {remedy}"
         )
     if low < high:
@@ -414,7 +415,7 @@ def _error(
     thinned = [_tried(again, lambda one, half=half: one.halves[half]) for half in (0, 1)]  # type: ignore[misc]
     between = [abs(other - energy) for other in thinned if not isinstance(other, Unknown)]
     if not between:
-        return Unknown("unknown: with every second row left out contact is not lost in the series")
+        return Unknown("unknown: with every second row left out contact is not lost in the solution")
     by_mesh = _by_mesh(energy, curve, again)
     of_points = by_points if by_mesh is None else by_mesh
     if isinstance(of_points, Unknown):

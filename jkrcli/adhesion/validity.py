@@ -316,7 +316,7 @@ def unresolved(indenter: Indenter, a: np.ndarray) -> tuple[str, ...]:
     if a.size >= LIMITS.seen * bends:
         return ()
     return (
-        f"the {indenter.noun} bends at {bends} radii within the contact and the series has {a.size} points: slopes "
+        f"the {indenter.noun} bends at {bends} radii within the contact and the solution has {a.size} points: slopes "
         "fitted through them miss what lies between; give more points, or take a method with exact slopes",
     )
 

@@ -213,7 +213,7 @@ def check_series_target(path: Path, force: bool = False, inputs: Iterable[Path] 
     """Refuse a target as ``check_target`` does, and for a series a name that promises another format."""
     check_target(path, force, inputs)
     if path.suffix.lower() not in SERIES_ENDINGS:
-        raise InputError(f"{path}: a series is written as HDF5, its name must end in .h5")
+        raise InputError(f"{path}: a solution is written as HDF5, its name must end in .h5")
 
 
 def real_path(path: Path) -> Path:

@@ -669,6 +669,7 @@ def relaxing(law: Relaxation | None) -> list[str]:
     if not law.relaxed > 0:
         return [f"{fast}; {over_time}"]
     return [
-        f"{fast}, and no bound: pulled at once from rest, contact holds up to {1 / law.relaxed:.3g} times as much; jkr "
+        f"{fast}, and no bound: pulled instantly from rest, contact holds up to {1 / law.relaxed:.3g} times as much; "
+        "jkr "
         f"pull-off and jkr cycle give the force by the history; {over_time}"
     ]

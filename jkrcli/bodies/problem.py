@@ -79,7 +79,7 @@ class Specimen:
         if not (math.isfinite(self.surface_tension) and self.surface_tension >= 0):
             raise InputError(f"specimen.surface_tension: must be finite and >= 0, got {self.surface_tension:g} N/m")
         if not self.layers and isinstance(self.base, Rigid):
-            raise InputError("specimen: a rigid base needs at least one layer on it")
+            raise InputError("specimen: a rigid substrate needs at least one layer on it")
         if self.radius is not None:
             positive("m", **{"specimen.radius": self.radius})
         if self.pieces > MOST_PIECES:
@@ -168,7 +168,7 @@ class Specimen:
             case HalfSpace(material=material):
                 return f"an elastic half-space ({material.words})"
             case Rigid(bonded=bonded):
-                return "a rigid base" if bonded else "a rigid frictionless base"
+                return "a rigid substrate" if bonded else "a rigid frictionless base"
 
     def scaled(self, factor: float) -> Specimen:
         """The same specimen with every modulus, and the surface tension, multiplied by ``factor``: the same

@@ -493,7 +493,7 @@ class SpecimenTable(Table):
         if not keys.get("layers") and "half_space" not in keys:
             return "is empty: give [specimen.half_space] with E and nu, or [[specimen.layers]]"
         if "half_space" in keys and ("radius" in keys or "side" in keys):
-            return "a cylinder (radius and side) stands on a rigid base: leave out half_space"
+            return "a cylinder (radius and side) stands on a rigid substrate: leave out half_space"
         if ("radius" in keys) != ("side" in keys):
             return "a cylinder needs both radius and side (free, roller or clamped), leave both out for a wide body"
         return None

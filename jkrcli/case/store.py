@@ -74,7 +74,7 @@ TOUCHES = "touches"  # group of the series at the moments at which increments re
 ELEMENT = "element"  # of the increments: distance of a node to the next
 PACKAGES = {"numpy": "numpy", "scipy": "scipy", "gmsh": "gmsh", "scikit-fem": "skfem", "h5py": "h5py"}  # modules
 NO_DIGEST = (
-    "the series file is of format 1, which has no digest: damage to its case or words may go unnoticed; run the case "
+    "the solution file is of format 1, which has no digest: damage to its case or words may go unnoticed; run the case "
     "again for full protection"
 )
 
@@ -183,7 +183,7 @@ def read_solution(path: str | Path, problem: Problem | None = None, with_pressur
     ``problem``: what the file is known to be of, else that of its case; ``with_pressure``: the contact pressures too.
     """
     path = path if isinstance(path, Path) else Path(path)
-    content = read_bytes(path, "series file")
+    content = read_bytes(path, "solution file")
     if not content.startswith(hdf5.SIGNATURE):
         of_case, of_table = ", jkr run makes one from a case", "; a table of measurements is for jkr look and jkr fit"
         remedy = {".toml": of_case, ".h5": ""}.get(path.suffix, of_table)
@@ -225,7 +225,7 @@ class _Reader:
     def solution(self, problem: Problem | None) -> Solution:
         attributes, record = self.root.attributes, Record(path=self.path)
         if problem is not None and attributes.get("problem_key") != problem.key:
-            raise InputError(f"{self.path}: is a series of another problem")
+            raise InputError(f"{self.path}: is a solution of another problem")
         if problem is None:
             source = f"{self.path}: case"
             text = _as_written(self.case(), source)

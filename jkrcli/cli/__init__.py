@@ -26,7 +26,7 @@ MOST_WORDS = 100_000  # choice: of a command line; more take seconds to take apa
 INTERRUPTED = 130  # 128 + SIGINT, as shells count
 LITTLE = 1 << 29  # choice: bytes of address space; NumPy, SciPy and matplotlib take 0.4 GB to load
 NO_ROOM = ("failed to map segment", "cannot allocate memory", "bad_alloc")  # of libraries that do not load
-OUT_OF_MEMORY = "out of memory: ask for fewer points, larger elements or a cheaper method"
+OUT_OF_MEMORY = "out of memory: use fewer points, larger elements or a cheaper method"
 
 # What numpy warns of where a result would be no number: an error here, because nothing good can follow.
 ARITHMETIC = "(overflow|divide by zero|invalid value) encountered"

@@ -43,7 +43,7 @@ from .verb import FileType, as_one, verb
 
 
 @verb("case")
-@into_file("Series file [default: <case>.h5 here].")
+@into_file("Solution file [default: <case>.h5 here].")
 @click.option("--method", type=click.Choice(["auto", *METHODS]), help="Method, instead of the case's.")
 @click.option("--tolerance", type=float,
               help="Relative error asked of the load at given depth, of any method, instead of the case's."
@@ -134,7 +134,7 @@ reading_options = as_one(
 
 
 @verb("table", "import")
-@into_file("Series file [default: <table>.h5 here].")
+@into_file("Solution file [default: <table>.h5 here].")
 @click.option("--case", type=FileType(), help="Case with indenter and specimen; it needs no loading.")
 @body_options
 @reading_options

@@ -181,7 +181,7 @@ SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of 
 @click.option("--uncertain", multiple=True, type=NAMED,
               help="With --load: standard deviation of load, R, E, h, nu or E:LAYER, such as load=5%, h=1um."
 )  # fmt: skip
-@click.option("--rest-load", type=LOAD, help="Viscoelastic specimens: at rest under this load, then pulled at once "
+@click.option("--rest-load", type=LOAD, help="Viscoelastic specimens: at rest under this load, then pulled instantly "
               "[default: at rest at P = 0].")  # fmt: skip
 @click.option("--rest-depth", type=LENGTH, help="The same at this displacement delta.")
 @curve_options
@@ -216,7 +216,9 @@ def pull_off(
     elif files:
         _, solutions = read_files("pull-off", files)
     else:
-        raise InputError("pull-off: give FILES, a case or a series, or the specimen from options: --radius, --E, --nu")
+        raise InputError(
+            "pull-off: give FILES, a case or a solution, or the specimen from options: --radius, --E, --nu"
+        )
     if force is not None:
         give(_means(solutions, abs(force), stiffnesses, uncertain, rest, how, limits), as_json)
         return
@@ -271,7 +273,7 @@ def _by_flags(
     """The body by flags, solved as far as the question needs; no file is written."""
     from ..resolve.pull_off_range import solved_for, solved_for_force
 
-    problem = case_of("pull-off", flags, "a case or series file", loading={"radius": 1.0}).model.problem()
+    problem = case_of("pull-off", flags, "a case or solution file", loading={"radius": 1.0}).model.problem()
     if force is not None:
         solution = solved_for_force(problem, abs(force), stiffnesses, how.slopes, how.modulus_factor)
     elif works and not (w := max(works)) > 0:
@@ -295,10 +297,10 @@ def _by_flags(
 @into_folder()
 @output_options(json="Print the summary as JSON.")
 def profile(file: Path, state: State, attraction: RangeOptions, limits: Limits, output: Output) -> None:
-    """Pressure p(r) inside and surface displacement and gap around the contact of FILE, a case or a series, at one
+    """Pressure p(r) inside and surface displacement and gap around the contact of FILE, a case or a solution, at one
     state.
 
-    The state is solved on the body of the file's case, whatever method wrote the series; the surface of a cylinder is
+    The state is solved on the body of the file's case, whatever method wrote the solution; the surface of a cylinder is
     shown to half-way to its side. Without slip it is solved by finite elements, with a column for the shear. With
     --stress or --range the surfaces attract each other around the contact.
     Writes <stem>-profile.csv, .png and .svg.
@@ -333,11 +335,11 @@ def profile(file: Path, state: State, attraction: RangeOptions, limits: Limits, 
 @into_folder()
 @output_options(plots="Write .vtu and .csv only.", json="Print the summary as JSON.")
 def fields(file: Path, state: State, component: str, output: Output) -> None:
-    """Displacement and stress in the body of FILE, a case or a series, at one state of adhesive contact, by finite
+    """Displacement and stress in the body of FILE, a case or a solution, at one state of adhesive contact, by finite
     elements.
 
     The field of the nonadhesive contact and of the flat punch of the same radius, superposed, on a mesh graded towards
-    the contact's edge, whatever method wrote the series. Writes <stem>-fields.vtu (ParaView), .csv (tractions on the
+    the contact's edge, whatever method wrote the solution. Writes <stem>-fields.vtu (ParaView), .csv (tractions on the
     surface, every interface and the base, with their estimated error), .png and .svg.
 
     \b
@@ -375,7 +377,7 @@ def fields(file: Path, state: State, component: str, output: Output) -> None:
 def export(
     file: Path, dem: bool, nanite: bool, work: float | None, slopes: str, limits: Limits, output: Output
 ) -> None:
-    """Write the adhesive contact of FILE, a case or a series, as a law that another program can use.
+    """Write the adhesive contact of FILE, a case or a solution, as a law that another program can use.
 
     With --dem: force and contact radius over the overlap of two particles on the stable branch, the state after first
     touch, and where contact is lost under displacement and under load control. Writes <stem>-dem.h (C99: table,
@@ -424,8 +426,8 @@ def explore(
     file: Path, data: tuple[Path, ...], work: float | None, slopes: str, reading: Reading, limits: Limits,
     output: Output,
 ) -> None:  # fmt: skip
-    """Make one self-contained page with sliders from FILE, a case or a series, with measured DATA (CSV) drawn over the
-    curve.
+    """Make one self-contained page with sliders from FILE, a case or a solution, with measured DATA (CSV) drawn over
+    the curve.
 
     It works from disk without a network: sliders and number fields for the work of adhesion, a factor to all moduli,
     the machine's stiffness and the data's contact point; stable and unstable branches, pull-off, the commands that give

@@ -69,7 +69,7 @@ class RateOptions:
     """What the command line says the device does, as text where it depends on the control; None: not given."""
 
     to_load: float | None = typed(
-        LOAD, "Reverse at this load [default: at the end of the series, later creep included]."
+        LOAD, "Reverse at this load [default: at the end of the solution, later creep included]."
     )
     to_depth: float | None = typed(LENGTH, "Reverse at this displacement delta.")
     rate: Mapping[str, str] | None = typed(
@@ -203,7 +203,7 @@ def read_program(path: Path, stiffness: float) -> Program:
 @click.option("--stiffness", type=CONTROL, default="rigid", show_default=True,
               help='"0.2 N/m", "rigid" or "load".')  # fmt: skip
 @rate_options
-@click.option("--rest-load", type=LOAD, help="Viscoelastic specimens: at rest under this load, then pulled at once, "
+@click.option("--rest-load", type=LOAD, help="Viscoelastic specimens: at rest under this load, then pulled instantly, "
               "with --stress at --speed [default: at the reversal of --to-load or --to-depth, or P = 0].")  # fmt: skip
 @click.option("--rest-depth", type=LENGTH, help="The same at this displacement delta.")
 @click.option("--compare-rate", is_flag=True, help="Viscoelastic specimens, with --stress and --speed: what a law "
@@ -225,7 +225,7 @@ def cycle(
     0. With --stress or --range the surfaces attract each other before contact (Maugis-Dugdale). With --rate and --speed
     w depends on the speed of the contact line (--stress is then the cohesive stress of the dissipating zone). A
     viscoelastic specimen needs --speed, and with adhesion --stress or --range; without --speed its limits are computed:
-    very fast, very slow, and pulled at once from rest. Writes <stem>-cycle.csv, .png and .svg, the given options in
+    very fast, very slow, and pulled instantly from rest. Writes <stem>-cycle.csv, .png and .svg, the given options in
     the name in SI, as in <stem>-cycle-w-retract0.045-to-load0.0005.csv.
 
     \b

@@ -269,7 +269,7 @@ def fit_curves(
             each.append(fit_all(one, curves, settings, pool))
     outcomes = [item for items in each for item in items]
     if request.options.rivals and not any(isinstance(item, Fit) and item.verdict for item in outcomes):
-        raise InputError("fit: --rivals is for raw records, which none of these was fitted as: leave it out")
+        raise InputError("fit: --rivals is for raw force curves, which none of these was fitted as: leave it out")
     if request.options.plan:
         outcomes = [planned(one, item) if isinstance(item, Fit) else item
                  for one, items in zip(bodies, each, strict=True) for item in items]  # fmt: skip
@@ -390,31 +390,31 @@ ASKED = as_one(
     click.option("--segment", type=click.Choice(["approach", "retract", "both"]),
                  help="Rows to fit [default: both, of --law retract]."),
     click.option("--base-line", type=click.Choice(["straight", "sine"]), default="straight", show_default=True,
-                 help="Of a raw record; sine: with optical interference."),
+                 help="Of a raw force curve; sine: with optical interference."),
     click.option("--branch", type=click.Choice(["all", "compressive"]), default="all", show_default=True,
                  help="compressive: rows under compression only."),
     click.option("--noise", multiple=True, type=options.SCALE,
-                 help='Standard deviation of the readings, P="2 nN" [default: from the record].'),
+                 help='Standard deviation of the readings, P="2 nN" [default: from the force curve].'),
     click.option("--loss", type=click.Choice(["linear", "soft_l1", "huber", "cauchy"]), default="linear",
                  show_default=True, help="Anything but linear is robust against outliers."),
     click.option("--confidence", type=click.Choice(["covariance", "profile", "bootstrap"]), default="covariance",
                  show_default=True, help="How the intervals are found."),
     click.option("--model", type=click.Choice(["jkr", "auto"]), default="jkr", show_default=True,
-                 help="Of a raw record; auto: the best other models too, where its data favour one."),
-    click.option("--rivals", is_flag=True, help="Print what the data of a raw record say of each other model."),
+                 help="Of a raw force curve; auto: the best other models too, where its data favour one."),
+    click.option("--rivals", is_flag=True, help="Print what the data of a raw force curve say of each other model."),
     click.option("--plan", is_flag=True, help="Print which further measurement would narrow E* and w most."),
     click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals."),
     click.option("--samples", type=click.IntRange(20, 100_000), default=200, show_default=True,
                  help="Number of bootstrap resamples."),
     click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the resamples."),
     click.option("--shared", multiple=True, type=NamesType(),
-                 help="Fit all records together: parameters that they share, E_star,w."),
+                 help="Fit all force curves together: parameters that they share, E_star,w."),
     click.option("--own", multiple=True, type=NamesType(),
-                 help="With --shared: those of each record, delta0,P0 [default: all other free ones]."),
+                 help="With --shared: those of each force curve, delta0,P0 [default: all other free ones]."),
     click.option("--tip-radius", multiple=True, type=options.LENGTH_ABOVE_0,
                  help="With --shared or surface_tension: of each file, or of all [default: BODY's]."),
     click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
-                 help="Of the body, instead of its own; both: under either, and what the data prefer."),
+                 help="Of the body, instead of its own; both: under either, and what the data favour."),
     click.option("--uncertain", multiple=True, type=options.NAMED,
                  help="Standard deviation of an input, carried on: radius=3%, stiffness=10%, thickness=5%."),
 )  # fmt: skip

@@ -23,7 +23,7 @@ from .verb import verb
 @click.option("--case", "case_only", is_flag=True, help="Print the resolved case alone: a case file that runs again.")
 @json_option
 def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
-    """Print what each series FILE holds: method, range, error budget, mesh and solver facts, timings, versions.
+    """Print what each solution FILE holds: method, range, error budget, mesh and solver facts, timings, versions.
 
     Archives of fits and tables of sweeps (.h5) are shown too, checked against the digest they were written under.
 

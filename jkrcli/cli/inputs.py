@@ -153,7 +153,7 @@ def body_and_measured(
     """What describes the body, a file or the flags, and the measured files: by flags every file is one."""
     by_case = not by_flags("fit", flags, [body_file] if _is_body(body_file) else [])
     if by_case and not measured:
-        raise InputError("fit: give MEASURED files behind BODY, or the specimen from options: --radius, --nu")
+        raise InputError("fit: needs --radius and --nu (specimen from options), or a case: jkr fit CASE MEASURED")
     return (body_file, measured) if by_case else (flags, (body_file, *measured))
 
 
@@ -173,7 +173,7 @@ def fitted_body(source: Path | Flags, slopes: str, limits: Limits) -> FittedBody
 
     if isinstance(source, Path):
         return body_of(source if source.suffix == ".toml" else read_series(source), slopes, limits)
-    of_flags = partial(case_of, "fit", source, "a case or series file", "1 MPa")
+    of_flags = partial(case_of, "fit", source, "a case or solution file", "1 MPa")
     radius = of_flags(loading={"radius": 1.0}).model.problem().indenter.tip_radius
     method = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
     radius = radius or 5e-6  # choice: [m], of a tip that has none
@@ -200,7 +200,7 @@ def series_file(path: Path) -> Path:
     check_series_target(target, False, [path])
     existing = _solved(target, case)
     if existing is not None:
-        note(f"{path}: {target} holds its series already (method {existing.method})")
+        note(f"{path}: {target} holds its solution already (method {existing.method})")
         if _adhesion(existing.record) != _adhesion(record_of(case)):
             write_solution(target, replace(existing, record=record_of(case)), existing.record.command_line)
         return target
@@ -231,7 +231,7 @@ def _solved(target: Path, case: Case) -> Solution | None:
     if there == wanted and solution.record.versions.get("jkr") == __version__:
         return solution
     if solution.record.command_line.startswith(IMPORTED):
-        raise InputError(f"{target}: is an imported series of another case: name it itself, or move it away")
+        raise InputError(f"{target}: is an imported solution of another case: name it itself, or move it away")
     return None
 
 
@@ -361,7 +361,8 @@ reading_options = as_one(
                  help='Reading at the zero point, subtracted after the flip: delta="1.2 um".'),
     click.option("--contact", type=click.Choice(["auto", "fitted", "as-is", "estimate"]), default="auto",
                  show_default=True, help="Contact point and force offset: fitted together (with baseline, tilt; "
-                 "auto: of raw records), as-is, or estimated before from the free part of the approach; of raw records "
+                 "auto: of raw force curves), as-is, or estimated before from the free part of the approach; of raw "
+                 "force curves "
                  "the same as fitted."),
     click.option("--stiffness", type=options.STIFFNESS,
                  help='The displacement is that of an instrument (piezo) of this stiffness: P/stiffness is subtracted; '

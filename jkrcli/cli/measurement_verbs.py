@@ -70,7 +70,7 @@ def look(files: tuple[Path, ...], flags: Flags, reading: Reading, output: Output
 
 @verb("series measured...")
 @click.option("--use", type=click.Choice(["a,P", "a,delta", "delta,P"]),
-              help="What w follows from [default: the first of these that was measured].")  # fmt: skip
+              help="Columns from which w is computed [default: the first of these that were measured].")  # fmt: skip
 @click.option("--segment", help='Rows of this segment only, "retract".')
 @click.option("--noise", multiple=True, type=SCALE, help='Standard deviation of a measured quantity, P="2 nN".')
 @click.option("--window", type=int, default=11, show_default=True, help="Rows for the speed da/dt: an odd number.")
@@ -87,7 +87,7 @@ def work(
     """The work of adhesion along each MEASURED file, on the body of the SERIES file.
 
     At each measured point w = S' (delta_H - delta)^2/(4 pi a), the energy release rate of the contact's edge: from a
-    and P (needs no zero of the displacement), a and delta, or delta and P. Of raw records base line and contact
+    and P (needs no zero of the displacement), a and delta, or delta and P. Of raw force curves base line and contact
     point are fitted first, and the rows on which the edge moves are taken. With a time column also the speed da/dt of
     the edge: rate-dependent adhesion, and w0 (1 + (v/v0)^n) through the rows whose crack opens. Tables name their
     columns and units, "a_um, P_mN, t_s"; files of force microscopes (.jpk-force, .jpk-force-map, .ibw, .h5, .tab) are

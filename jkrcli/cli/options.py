@@ -236,7 +236,7 @@ slopes_option = click.option("--slopes", type=click.Choice(["auto", *RULES]), de
                              help="How S and S' are found.")  # fmt: skip
 modulus_factor_option = click.option(
     "--modulus-factor", type=FACTOR, default="1", show_default=True,
-    help="All moduli, and a surface tension, this many times the case's; nothing is solved anew.",
+    help="Multiply all moduli, and a surface tension, by this factor; no new solution is needed.",
 )  # fmt: skip
 
 

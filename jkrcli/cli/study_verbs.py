@@ -208,7 +208,7 @@ def compare(
     ctx: click.Context, first: Path, second: Path, rtol: float, columns: tuple[str, ...], overlap: float,
     plot: Path | None, output: Output,
 ) -> None:  # fmt: skip
-    """Compare two series files (P and a at equal displacement, S and S' at equal radius), or two CSV curves.
+    """Compare two solution files (P and a at equal displacement, S and S' at equal radius), or two CSV curves.
 
     Exit code 1 where a column that counts differs by more than --rtol (CSV curves: every shared column counts).
 

@@ -29,7 +29,7 @@ GROUPS = {
         "start", "bound", "branch", "base-line", "noise", "loss", "confidence", "level", "samples", "seed", "uncertain",
         "window",
     ),
-    "Several records": ("shared", "own", "tip-radius"),
+    "Several force curves": ("shared", "own", "tip-radius"),
     "Speed and time": (
         "law", "relaxation", "terms", "rate", "rate-advance", "speed", "speed-approach", "hold", "dwell", "dwell-time",
         "program",

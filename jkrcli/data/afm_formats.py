@@ -156,7 +156,7 @@ class File:
         for key, size, unit in (("stiffness", 1.0, "N/m"), ("sensitivity", 1e-9, "nm/V")):
             of_user, there = getattr(reading, key), f"{of_file[key] / size:g} {unit}"
             if of_user is not None:
-                value, flag = of_user, f"{key} {of_user / size:g} {unit} as told, the file says {there}"
+                value, flag = of_user, f"{key} {of_user / size:g} {unit} as specified, the file says {there}"
             elif _is_size(of_file[key]):
                 value, flag = of_file[key], f"{key} {there} of the file"
             elif reading.incomplete:
@@ -373,7 +373,7 @@ def _wave(path: Path, content: bytes) -> None:
     if order is None or len(content) < HEAD:
         raise InputError(f"{path}: is no binary wave of version 5, or cut off: {INTACT_AGAIN}")
     if sum(struct.unpack(f"{order}{HEAD // 2}h", content[:HEAD])) & 0xFFFF:
-        raise InputError(f"{path}: is damaged (the checksum of its head is wrong): {INTACT_AGAIN}")
+        raise InputError(f"{path}: is damaged (the checksum of its header is wrong): {INTACT_AGAIN}")
     sizes = struct.unpack_from(f"{order}15l", content, 4)
     if min(sizes) < 0 or WAVE + sum(sizes) > len(content):
         raise InputError(f"{path}: is cut off: holds {len(content):,} bytes of {WAVE + sum(sizes):,}: {INTACT_AGAIN}")

@@ -36,8 +36,8 @@ AS_DEPTH = (
     "the displacement is taken as the depth of the tip: give --stiffness if it is that of the instrument"  # another
 )
 ARBITRARY = "arbitrary units until it is given by"  # in a flag
-TURNED = ", its sign turned"  # in a flag of a displacement: by name or load, or as told; --factor delta=-1 undoes it
-OVERRULED = " as told, the header of the file says "  # in a flag, between two stiffnesses
+TURNED = ", sign changed"  # in a flag of a displacement: by name or load, or as told; --factor delta=-1 undoes it
+OVERRULED = " as specified, the header of the file says "  # in a flag, between two stiffnesses
 
 
 @dataclass(frozen=True, eq=False)

@@ -138,7 +138,7 @@ def overruled(table: TextTable, index: int, unit: str) -> list[str]:
     header_unit = split_name(table.names[index])[1]
     if header_unit in ("", unit):
         return []
-    return [f"{table.titled(index)} read in {unit} as told, its header says {header_unit}"]
+    return [f"{table.titled(index)} read in {unit} as specified, its header says {header_unit}"]
 
 
 def check_chosen(table: TextTable, chosen: Mapping[str, int]) -> None:

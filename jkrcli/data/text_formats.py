@@ -88,7 +88,7 @@ def one_under_the_other(table: TextTable, quantity: QuantityOf) -> tuple[TextTab
 
 def _words(sets: Sets) -> str:
     words = ", ".join(sets.columns) if len(sets.columns) < 10 else f"{len(sets.columns)} of them"
-    what = "segments of one record" if sets.key == "segment" else "curves"
+    what = "segments of one force curve" if sets.key == "segment" else "curves"
     return f"{what} beside each other, put one under the other: {words}"
 
 
@@ -579,7 +579,7 @@ class Columns:
                 sign = 1 if instruments.presses_outward(-curve.delta, P) else -1
             turned = f"{TURNED}: {reason}" if sign < 0 else ", sign unchanged"
             if "delta" in reading.flip:
-                sign, turned = 1, f"{TURNED} as told"
+                sign, turned = 1, f"{TURNED} as specified"
             flags = (f"displacement from {self.table.titled(self.chosen['delta'])}{turned}", *flags)
         return replace(curve, delta=sign * curve.delta * reading.factors.get("delta", 1.0), flags=flags)
 

@@ -691,7 +691,7 @@ def _roughly(record: FittedRecord, fresh: ForceCurveModel, change: Perturbation,
         with contextlib.suppress(JkrError):  # others may come to an end
             searches.append(rough(model, min(group, key=partial(misfit_at, model)), FULL_STEPS))
     if not searches:
-        raise SolveError("no curve with this change resembles the record")
+        raise SolveError("no curve with this change resembles the force curve")
     return min(searches, key=lambda one: one[0])
 
 

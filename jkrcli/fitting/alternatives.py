@@ -1166,7 +1166,7 @@ ALTERNATIVE_SHAPE = 0.003  # choice: exponent of the profile within which a tip 
 
 
 BODY, TIP, ADHESION, DEVICE, MEMORY = (
-    "layer or base",
+    "layer or substrate",
     "shape of the tip",
     "adhesion",
     "instrument",
@@ -1223,7 +1223,7 @@ RIVALS: tuple[AlternativeModel, ...] = (
         "w over the speed of the edge", ADHESION, "relative rise per factor e of the speed", work_over_speed),
     RANGE,
     LONG,
-    AlternativeModel("a rigid base below", BODY, "contact radius over depth", layer_below),
+    AlternativeModel("a rigid substrate below", BODY, "contact radius over depth", layer_below),
     AlternativeModel("thickness of the layer", BODY, "relative change", thickness),
     AlternativeModel("nu of the layer", BODY, "relative change", poisson),
     AlternativeModel("moduli that change with the contact radius", BODY, "relative rise", graded),
@@ -1259,7 +1259,7 @@ RIVALS: tuple[AlternativeModel, ...] = (
           misplaced_back(lambda _, part: part.travel * hysteresis(part.way), "hysteresis"), of_directions=True),
     AlternativeModel("scale of the position", DEVICE, "retraction against approach",
           misplaced_back(lambda record, part: record.reach * part.way), of_directions=True),
-    AlternativeModel("drift of the depth", DEVICE, "of the depth over the record", drift, of_directions=True),
+    AlternativeModel("drift of the depth", DEVICE, "of the depth over the force curve", drift, of_directions=True),
 )  # fmt: skip
 
 

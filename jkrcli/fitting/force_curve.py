@@ -650,7 +650,7 @@ def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tup
         if factors[at] > 0 and costs[at] < best[0]:
             best = (float(costs[at]), float(factors[at]), float(zeros[at]), float(r))
     if best[1] == 0:
-        raise SolveError("no curve of this body resembles the record")
+        raise SolveError("no curve of this body resembles the force curve")
     return best[1:]
 
 
@@ -1010,7 +1010,7 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear", near: Array | None = 
             fitted = fit(model, near, True, loss)
             if fitted.ended and _explains(fitted, model, FIT_EXPLAINED):
                 return fitted
-    best: ForceCurveFit | SolveError = SolveError("no curve of this body resembles the record")
+    best: ForceCurveFit | SolveError = SolveError("no curve of this body resembles the force curve")
     for close, x in itertools.chain(((False, x) for x in starts_of(model)), ((True, x) for x in _of_each(model, loss))):
         try:
             fitted = fit(model, x, close, loss)

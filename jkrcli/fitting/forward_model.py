@@ -951,7 +951,7 @@ class FittedBody:
             return self
         if self.problem.specimen.radius is not None:
             raise InputError(
-                "fit: --surface: a finite cylinder is not solved anew: give the series of a case with the other "
+                "fit: --surface: a finite cylinder is not solved anew: give the solution of a case with the other "
                 "specimen.surface"
             )
         other = self._reaching(float(self.series.a[-1]), sticks=surface == "sticking")

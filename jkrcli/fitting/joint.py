@@ -119,7 +119,7 @@ def _noise(stated: Array | None, least: Least) -> float:
     """The variance of residuals that a stated covariance rests on, by that of unit variance."""
     plain = covariance(least.state.jacobian, 1.0)
     if stated is None or plain is None:
-        raise InputError("a record does not determine its own unknowns: fix one of them (--fix)")
+        raise InputError("a force curve does not determine its own unknowns: fix one of them (--fix)")
     return float(np.median(np.diag(stated) / np.diag(plain)))
 
 
@@ -195,7 +195,7 @@ class JointFit(Answer):
     @property
     def flags(self) -> tuple[str, ...]:
         """Why the shared values are doubtful: records that do not share them, and flags of the records with these."""
-        apart = ["records do not share it"] * (self.chance <= STATISTICS_IMPROBABLE)
+        apart = ["force curves do not share it"] * (self.chance <= STATISTICS_IMPROBABLE)
         return tuple(dict.fromkeys([*apart, *(flag for one in self.fits for flag in one.flags)]))
 
 
@@ -205,7 +205,7 @@ def joint_fit(
     """The fit of all ``curves``, each on its body, that share unknowns; InputError where one does not determine
     them."""
     if len(curves) < 2:
-        raise InputError(f"fit: --shared: needs two records or more, got {len(curves)}")
+        raise InputError(f"fit: --shared: needs two force curves or more, got {len(curves)}")
     parts = tuple(part_of(body, curve, settings) for body, curve in zip(bodies, curves, strict=True))
     least = Joint(parts, tuple(shared)).search()
     m, E_star = len(shared), bodies[0].problem.E_star
@@ -213,7 +213,9 @@ def joint_fit(
     following = E_star if "modulus" in shared else None
     intervals = Intervals.of(common, least, settings.level, settings.confidence, following, 1.0)
     if intervals.covariance is None or not least.ended:
-        raise InputError(f"fit: the records together do not determine {', '.join(shared)}: fix one of them (--fix)")
+        raise InputError(
+            f"fit: the force curves together do not determine {', '.join(shared)}: fix one of them (--fix)"
+        )
     estimates = intervals.estimates()
     known = {item.name: item.value for item in estimates}
     fixed = tuple(Parameter(p.name, False, known[p.name]) if p.name in known else p for p in settings.parameters)
@@ -231,7 +233,7 @@ def joint_fit(
     if chance <= STATISTICS_IMPROBABLE:
         names = " and ".join("E*" if item.name == "E_star" else item.name for item in estimates
                              if item.name != "modulus")  # fmt: skip
-        differ = f"the records differ by more than their noise (p = {chance:.1g}): they do not share {names}"
+        differ = f"the force curves differ by more than their noise (p = {chance:.1g}): they do not share {names}"
         warnings.insert(0, f"{differ}; see what each says alone")
     return JointFit(
         estimates=estimates, free=tuple(shared), covariance=intervals.covariance[:m, :m], dof=least.dof,

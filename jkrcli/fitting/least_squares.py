@@ -212,7 +212,7 @@ class LeastSquares:
 
         start = np.clip(start, *self.bounds)
         if not np.isfinite(at(start).residuals).all():
-            raise SolveError("no curve of this body resembles the record")
+            raise SolveError("no curve of this body resembles the force curve")
         if self.loss == "linear":
             return self._of_squares(start, at(start))
         solution = optimize.least_squares(

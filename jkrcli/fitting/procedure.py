@@ -368,7 +368,7 @@ def with_inputs(fitted: Fit, body: FittedBody, stiffness: float | None) -> Fit:
         for item in fitted.estimates
     )  # fmt: skip
     sentence = (
-        f"too stiff: at the largest load the contact is {ratio:.0f} times stiffer than the instrument, the specimen is "
+        f"too stiff: at the largest load the contact is {ratio:.0f} times stiffer than the cantilever, the specimen is "
         f"stiffer than E* = {show(factor * modulus.value, 'modulus', 2)}: take a stiffer instrument or a blunter tip"
     )
     return replace(
@@ -456,7 +456,7 @@ def with_other_profile(fitted: Fit, body: FittedBody, curve: Curve, settings: Se
         return fitted
     others = [two for _, two in reversed(pairs)]
     values = ", ".join(f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension)}" for item in others)
-    words = f"by the {name} of the same radius {values} (a/R up to {largest / R:.2g}); say --shape for the tip you have"
+    words = f"by the {name} of the same radius {values} (a/R up to {largest / R:.2g}); set --shape to your tip"
     return replace(fitted, tip="; ".join(filter(None, (fitted.tip, words))))
 
 
@@ -486,7 +486,7 @@ def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | F
             f"{curve.where}: --uncertain {idle[0]} is for raw force curves of an instrument, it has no effect here"
         )
     if settings.tension_at_most:
-        raise InputError(f"{curve.where}: --bound {TENSION} is for raw records, it has no effect here")
+        raise InputError(f"{curve.where}: --bound {TENSION} is for raw force curves, it has no effect here")
     curve = with_zero_points(curve) if settings.contact == "estimate" else curve
     curve, zero = parted(curve, settings), settings.known("P0")
     level = 0.0 if curve is not original and zero.free else None if zero.free else zero.value
@@ -615,7 +615,9 @@ def _determined_by(settings: Settings, points: Points) -> tuple[Settings, tuple[
 
 
 # --------------------------------------------------------------------------------------------------
-# Whether the surfaces slid or stuck: what it means for a fit, and what the data prefer.
+# Whether the surfaces slid or stuck: what it means for a fit, and what the data favour.
+
+NAMES_OF_SURFACES = {"sliding": "frictionless contact", "sticking": "no slip"}
 
 # When data prefer one assumption.
 # Difference of Akaike's criterion, whose parameters are as many on both sides:
@@ -634,7 +636,8 @@ def preferences(results: Sequence[Fit | Failure]) -> Iterator[str]:
 
 
 def _values(item: Fit) -> str:
-    return f"{item.surface}: E* = {show(item.value('E_star'), 'modulus')}, w = {show(item.value('w'), 'work')}"
+    values = f"E* = {show(item.value('E_star'), 'modulus')}, w = {show(item.value('w'), 'work')}"
+    return f"{NAMES_OF_SURFACES[item.surface]}: {values}"
 
 
 def _verdict(sliding: Fit, sticking: Fit) -> str:
@@ -651,7 +654,8 @@ def _verdict(sliding: Fit, sticking: Fit) -> str:
     difference = 2 * better.dof * (1 - lag) / (1 + lag) * math.log(first / second)
     if abs(difference) < PREFERENCE_CLEAR or abs(first / second - 1) < PREFERENCE_LEAST:
         return f"the data do not decide ({scatter})"
-    return f"the data prefer {better.surface} ({scatter}; Akaike's criterion lower by {abs(difference):.0f})"
+    name = NAMES_OF_SURFACES[better.surface]
+    return f"the data favour {name} ({scatter}; Akaike's criterion lower by {abs(difference):.0f})"
 
 
 def _spread(item: Fit) -> float:

@@ -222,7 +222,7 @@ def _moved(inverse: _Inverse, name: str, value: float) -> _Inverse:
     method = method_behind(solution)
     if method is None:
         raise InputError(
-            f"pull-off: {name} cannot be uncertain: the series was not solved here, only its load and E can"
+            f"pull-off: {name} cannot be uncertain: the solution was not solved here, only its load and E can"
         )
     moved = changed(solution.problem, {RADIUS if name == TIP else name: value})
     again = method(replace(moved, loading=_radii(solution)))

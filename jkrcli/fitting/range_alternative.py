@@ -245,7 +245,7 @@ ALTERNATIVE_TOUCHING = 0.05  # choice: of the largest contact radius, below whic
 
 # What changes along the record, how it is called, and where on the record the fitted value is meant to hold: 0 at the
 # smallest contact radius (w there decides pull-off), 1/2 in the middle.
-RIVALS = {"w": ("a change of w along the record", 0.0), "modulus": ("a change of E* along the record", 0.5)}
+RIVALS = {"w": ("a change of w along the curve", 0.0), "modulus": ("a change of E* along the curve", 0.5)}
 RANGE = "a range of adhesion"
 
 
@@ -289,7 +289,7 @@ class Rivals:
             for rival in self.members
         ]  # fmt: skip
         return (
-            f"a change by {ALTERNATIVE_UNIT:.0%} along the record {', '.join(parts)}" if self.untested and parts else ""
+            f"a change by {ALTERNATIVE_UNIT:.0%} along the curve {', '.join(parts)}" if self.untested and parts else ""
         )
 
     def warnings(self) -> Iterator[str]:

@@ -807,7 +807,7 @@ def _warnings(fit: RateFit) -> list[str]:
     lines += fit.vague([name for name in fit.free if name not in ("delta0", "P0")])
     if fit.scatter > SEARCH_MISFIT:
         lines.append(
-            f"the loads scatter {fit.scatter:.2g} times as far about the prediction as from row to row: the law, the "
+            f"residuals of the load are {fit.scatter:.2g} times the scatter from row to row: the law, the "
             "body or the instrument's stiffness is not what the data show; intervals are too narrow"
         )
     return lines

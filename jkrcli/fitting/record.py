@@ -107,7 +107,7 @@ FLAG_SURE = 3.0  # choice: standard errors of w below 0, or of a drift, that are
 FLAG_EXCESS = 4.0  # choice: of the standard errors, what misfit would add to them where its flag is raised
 
 
-RESTS = "w: the edge of the contact rests in all rows of the retraction, w is at least what the last holds"
+RESTS = "w: the contact line is pinned in all rows of the retraction: a lower limit, from the last row"
 NAMES = {APPROACH: APPROACH, RETRACT: "retraction"}
 
 GIVEN_UP = "the search stopped after {} steps, the rows do not determine the unknowns: fix one (--fix w=...)"
@@ -216,7 +216,7 @@ def as_raw_force_curve(curve: Curve, settings: Settings) -> ForceCurve | None:
     if prepared or curve.a is not None or curve.delta is None or curve.P is None:
         if required:
             what = next(iter(only), "--contact fitted")
-            raise InputError(f"{what} is for raw records of displacement and load, with --contact fitted or auto")
+            raise InputError(f"{what} is for raw force curves of displacement and load, with --contact fitted or auto")
         return None
     try:
         record = segment_force_curve(curve)
@@ -236,7 +236,9 @@ def as_raw_force_curve(curve: Curve, settings: Settings) -> ForceCurve | None:
         return record
     idle = [name for name in settings.uncertain if name in CALIBRATED and curve.stiffness in (None, math.inf)]
     if idle:
-        raise InputError(f"{curve.where}: --uncertain {idle[0]}: the record has no stiffness, so it has no effect here")
+        raise InputError(
+            f"{curve.where}: --uncertain {idle[0]}: the force curve has no stiffness, so it has no effect here"
+        )
     _refuse_wrong_way(record)
     _check_positions(curve, settings)
     return record
@@ -259,7 +261,7 @@ def _check_positions(curve: Curve, settings: Settings) -> None:
             raise InputError(f"{curve.where}: {name} needs a column of time, there is none: leave {name} out")
         if beyond_the_record(settings):
             raise InputError(
-                f"{curve.where}: {name} is told by a whole record, which knows no range, stress, compliance, "
+                f"{curve.where}: {name} is told by a whole force curve, which knows no range, stress, compliance, "
                 "layers' own parameters, --branch, --noise, --start and --bound: leave these or it out"
             )
 
@@ -320,7 +322,7 @@ def reason_not(record: ForceCurve, kind: str) -> str:
     """Why a direction cannot be fitted."""
     side = record.direction(kind)
     if side is None:
-        return "not in the record"
+        return "not in the force curve"
     return side.touch.reason if isinstance(side.touch, Unknown) else "it has no base line"
 
 
@@ -510,10 +512,10 @@ def _left_out(record: ForceCurve, used: int) -> tuple[str, ...]:
     rest = len(record.curve) - used - spikes - limits
     ringing = sum(side.ringing for side in record.directions)
     return (
-        *[f"{rest} rows of other segments, next to the turning point or in jumps"] * (rest > 0),
+        *[f"{rest} rows of other segments, next to the reversal or in jumps"] * (rest > 0),
         *[f"{spikes} {'isolated outliers' if spikes > 1 else 'isolated outlier'}"] * (spikes > 0),
         *[f"{limits} saturated"] * (limits > 0),
-        *[f"among them {ringing} in which the device rings after a jump"] * (ringing > 0),
+        *[f"among them {ringing} in which the cantilever rings after a jump"] * (ringing > 0),
     )
 
 
@@ -588,7 +590,8 @@ def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
     slope = float(np.polyfit(part.z[top] - part.z[top].mean(), part.P[top], 1)[0]) if np.ptp(part.z[top]) > 0 else 0.0
     if math.isfinite(model.k) and slope > (1 - RECORD_RIGID) * model.k:
         reason = (
-            f"for an instrument of {show(model.k, 'stiffness')} the specimen is rigid: check --stiffness and the units"
+            f"compared with a cantilever of {show(model.k, 'stiffness')} the specimen is nearly rigid: check "
+            "--stiffness and units"
         )
     raise InputError(f"{curve.where}: E* is not determined, its standard error is {times} times itself: {reason}")
 
@@ -660,7 +663,8 @@ def contact_rows(body: FittedBody, record: ForceCurve, settings: Settings) -> tu
     stiff = 0.0 if "compliance" in chosen else 1 / best.model.k
     delta = curve.depth - (1 / best.model.k - stiff) * curve.load + shift["delta0"]
     note = (
-        f"the rows in contact alone are fitted, less the base lines of the whole record and from its zero, delta0 = "
+        "only rows in contact are fitted; base lines and contact point are from the whole force curve, "
+        "delta0 = "
         f"{show(outcome['delta0'], 'length', 5)} and P0 = {show(outcome['P0'], 'load', 5)}"
     )
     placed = RECORD_PLACED_ROWS * best.sigma * float(np.ptp(delta) / np.ptp(curve.load))

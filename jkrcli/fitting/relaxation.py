@@ -234,7 +234,7 @@ FIT_COARSER = 3  # choice: steps joined in the histories of a spring or a load, 
 FIT_GROWS = 0.02  # choice: of the depth, by which a contact may grow again: corners have the noise of readings
 
 
-MISFIT = "the law or the body is not what the record shows"
+MISFIT = "the law or the body is not what the force curve shows"
 RANGE = "the numbers leave the range of arithmetic"
 AS_READ = (
     "neither instrument nor load moved at constant rates: the displacement of the tip is used as read, its noise is "
@@ -613,7 +613,7 @@ class _Problem:
             candidates.append((float(np.sum(thin.residuals(theta) ** 2)), theta[: len(self.unknowns.free)], values))
         if not candidates:
             raise InputError(
-                f"{self.record.curve.where}: no history of this body resembles the record{reason}: it must press, "
+                f"{self.record.curve.where}: no history of this body resembles the force curve{reason}: it must press, "
                 "wait and retract once; check the units and the tip's radius, or fix delta0"
             )
         _, own, values = min(candidates, key=lambda item: item[0])
@@ -696,7 +696,9 @@ def _warnings(fit: RelaxationFit, program: Program) -> list[str]:
     """Warnings, each with its number."""
     lines = list(fit.record.flags)
     if fit.covariance is None:
-        lines.append(f"the record does not determine {', '.join(fit.free)} together: fix one of them, such as delta0")
+        lines.append(
+            f"the force curve does not determine {', '.join(fit.free)} together: fix one of them, such as delta0"
+        )
     lines += fit.vague([name for name in fit.free if name not in ZEROS])
     times = [item.value for item in fit.estimates if item.name.startswith("time")]
     rises = np.diff(program.t)[np.diff(program.x) > 0]
@@ -707,7 +709,6 @@ def _warnings(fit: RelaxationFit, program: Program) -> list[str]:
         )
     if fit.scatter > SEARCH_MISFIT:
         lines.append(
-            f"the readings scatter {fit.scatter:.2g} times as far about the model as from row to row: {MISFIT}; "
-            "intervals are too narrow"
+            f"residuals are {fit.scatter:.2g} times the scatter from row to row: {MISFIT}; intervals are too narrow"
         )
     return lines

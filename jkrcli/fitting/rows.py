@@ -780,7 +780,7 @@ def starts(family: Family, points: Points, known: Mapping[str, float], beyond: b
         candidates += curve.match(delta, P - P0, {**known, "P0": P0})
     candidates.sort(key=lambda start: start.cost)
     if not candidates:
-        raise InputError("no curve of the series resembles the data: check signs, units and the indenter")
+        raise InputError("no curve of the solution resembles the data: check signs, units and the indenter")
     return candidates[:SEARCH_ALTERNATIVES]
 
 
@@ -1061,7 +1061,7 @@ def _check_reach(body: FittedBody, least: float, reach: float) -> None:
         return
     end, remedy = (high, "increase [loading] radius") if above else (low, "begin at smaller radii")
     raise InputError(
-        f"the data reach contact radii of {show(least, 'length')} to {show(reach, 'length')}, the series ends at "
+        f"the data reach contact radii of {show(least, 'length')} to {show(reach, 'length')}, the solution ends at "
         f"{show(end, 'length')}: {remedy}, or fit with the case file; or units or signs are wrong"
     )
 

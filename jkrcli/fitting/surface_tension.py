@@ -244,7 +244,7 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
     several, unknowns = len(set(radii)) > 1, model.unknowns
     intervals = Intervals.of(unknowns, best, level)
     if (spread := intervals.covariance) is None:
-        raise SolveError("fit of surface tension: the records do not determine the unknowns: --fix one of them")
+        raise SolveError("fit of surface tension: the force curves do not determine the unknowns: --fix one of them")
     estimates = [_work(intervals, item) if item.name == "w" and item.free else item for item in intervals.estimates()]
     estimates[0] = replace(estimates[0], name=ALIAS)
     if TENSION in unknowns.names and not several:
@@ -289,8 +289,9 @@ def _not_separated(fit: TensionFit, mixed: Mapping[str, float], errors: Array) -
     if mixed:
         worst = " and ".join(f"{name} ({c:.3f})" for name, c in mixed.items())
         yield (
-            f"records of one radius do not separate surface_tension from {worst} (correlation; "
-            f"standard error {errors[fit.free.index(TENSION)]:.0%} if the model were exact): give records of another "
+            f"force curves of one radius do not separate surface_tension from {worst} (correlation; "
+            f"standard error {errors[fit.free.index(TENSION)]:.0%} if the model were exact): add force curves of "
+            "another "
             "radius (--tip-radius), or --fix one of them"
         )
 

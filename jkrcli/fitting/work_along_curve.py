@@ -34,7 +34,7 @@ from .settings import Settings, settings_of
 
 PAIRS = (("a", "P"), ("a", "delta"), ("delta", "P"))  # the first needs no zero of the displacement
 # What a measured row is: usable, or why it is not.
-OK, NONE, BELOW, ABOVE = "ok", "no adhesion", "below the series", "above the series"
+OK, NONE, BELOW, ABOVE = "ok", "no adhesion", "below the solution", "above the solution"
 
 # Limits of the search for contact radii, and of speeds.
 WORK_LEAST_WINDOW = 5  # theory: rows, a parabola and two more for its error
@@ -197,14 +197,15 @@ def _refuse_none(body: Nonadhesive, curve: Curve, state: Array) -> None:
     ends = [show(float(a), "length") for a in body.a[[0, -1]]]
     why = {
         NONE: "at or above the nonadhesive load",
-        BELOW: f"at contact radii below {ends[0]}, where the series begins",
+        BELOW: f"at contact radii below {ends[0]}, the smallest of the solution",
         ABOVE: f"at contact radii above {ends[1]}, where it ends",
     }
     counts = [f"{count} {why[word]}" for word in why if (count := int((state == word).sum()))]
     if not len(curve):
         raise InputError(
-            f"{curve.where}: on the body of the series the contact's edge moves on none of its rows: does the modulus "
-            "belong to the record? jkr fit finds E* (--modulus-factor)"
+            f"{curve.where}: on the body of the solution the contact's edge moves on none of its rows: does the "
+            "modulus "
+            "belong to the force curve? jkr fit finds E* (--modulus-factor)"
         )
     raise InputError(
         f"{curve.where}: none of its {len(curve)} rows gives a work of adhesion: {', '.join(counts)}; are contact "

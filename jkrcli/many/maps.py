@@ -285,8 +285,8 @@ def _adhesion_figure(columns: Columns) -> Figure:
 
 ADHESION_MAP = Map(
     "adhesion",
-    """Map which model of adhesion holds for a paraboloid on a layer on a rigid base: Hertz, JKR, DMT, rigid bodies, or
-    the transition that needs a finite range.
+    """Map which model of adhesion holds for a paraboloid on a layer on a rigid substrate: Hertz, JKR, DMT, rigid
+    bodies, or the transition that needs a finite range.
 
     After Johnson and Greenwood: 5 % is little, 20 times the range is far. Writes adhesion-map.csv, .png and .svg.
 
@@ -304,7 +304,7 @@ ADHESION_MAP = Map(
     },
     _adhesion_work,
     lambda values: ZONE_PER_MU * len(values["mu"]),
-    "{base} layer on a rigid base, paraboloid, nu = {nu:g}, w R^2/(E* h^3) = {q:g}: what holds",
+    "{base} layer on a rigid substrate, paraboloid, nu = {nu:g}, w R^2/(E* h^3) = {q:g}: what holds",
     _shown,
     _adhesion_figure,
     order="load_over_pi_w_R",
@@ -372,7 +372,7 @@ def _pull_off(nu: float, q: float, curve: AdhesiveCurve) -> tuple[float, float, 
 def _pull_off_figure(columns: Columns) -> Figure:
     from ..report.plots.studies import MapPanel, lines_figure
 
-    title = f"layer on a rigid base, {columns['base'][0]}"
+    title = f"layer on a rigid substrate, {columns['base'][0]}"
     families = {"nu": r"$\nu$ = {:g}".format}
     if columns["beta"].any():
         families["beta"] = r"$\beta$ = {:g}".format
@@ -382,7 +382,7 @@ def _pull_off_figure(columns: Columns) -> Figure:
 
 PULL_OFF_MAP = Map(
     "pull-off",
-    """Map the pull-off force of a paraboloid on a layer on a rigid base, in pi w R, over w R^2/(E* h^3).
+    """Map the pull-off force of a paraboloid on a layer on a rigid substrate, in pi w R, over w R^2/(E* h^3).
 
     Exact slopes throughout. Writes pull-off-map.csv, .png and .svg.
 
@@ -409,7 +409,7 @@ PULL_OFF_MAP = Map(
         len(values["nu"])
         * sum(MAP_PER_NU + (MAP_PER_TENSE if beta else MAP_PER_POINT) * len(values["q"]) for beta in values["beta"])
     ),
-    "{base} layer on a rigid base, paraboloid: pull-off force in pi w R",
+    "{base} layer on a rigid substrate, paraboloid: pull-off force in pi w R",
     [SHOWN_NU, ("beta", "beta", "6g"), SHOWN_Q, ("minus_P_over_pi_w_R", "force", "8.4f"), ("a_over_h", "a/h", "9.4g")],
     _pull_off_figure,
 )
@@ -508,7 +508,7 @@ RATE_MAP = Map(
             several=False,
             read=lambda keys: rate_law_of({"v0": 1.0} | keys, "--rate"),
         ),
-        "thickness": Axis((0.3,), "Of a bonded layer on a rigid base, in R; repeatable.", POSITIVE, family=True),
+        "thickness": Axis((0.3,), "Of a bonded layer on a rigid substrate, in R; repeatable.", POSITIVE, family=True),
         "nu": Axis(0.3, "Poisson's ratio of the layers.", POISSON, several=False),
         "stiffness": Axis(
             ("rigid", "1"), 'Of the machine, in E* R; "rigid"; repeatable.', family=True, read=_stiffness
@@ -579,7 +579,7 @@ def _sticking_work(values: Values) -> Work:
 
 STICKING_MAP = Map(
     "sticking",
-    """Map what no slip changes under a paraboloid on a layer that is bonded to a rigid base, over a/h.
+    """Map what no slip changes under a paraboloid on a layer that is bonded to a rigid substrate, over a/h.
 
     S at equal contact radius, and the load at the depth where the frictionless contact has that radius; no slip
     over frictionless. Writes sticking-map.csv, .png and .svg.
@@ -656,7 +656,7 @@ def _transition_figure(columns: Columns) -> Figure:
 
     if is_filled(columns):
         return filled_figure(columns)
-    title = f"layer on a rigid base, {columns['base'][0]}; dashed: JKR, dotted: long range"
+    title = f"layer on a rigid substrate, {columns['base'][0]}; dashed: JKR, dotted: long range"
     panel = MapPanel(
         "minus_P_over_pi_w_R", r"pull-off force / $\pi w R$", title, {2.0: ""}, dashed="jkr_minus_P_over_pi_w_R"
     )
@@ -666,7 +666,7 @@ def _transition_figure(columns: Columns) -> Figure:
 
 TRANSITION_MAP = Map(
     "transition",
-    """Map the pull-off force of a paraboloid on a layer on a rigid base, in pi w R, over the range of adhesion.
+    """Map the pull-off force of a paraboloid on a layer on a rigid substrate, in pi w R, over the range of adhesion.
 
     mu is the Tabor number of that range; the limits are JKR's force on the same layer, and 2 of a long range. Writes
     transition-map.csv, .png and .svg: filled over both axes where there are four values or more of each, else as lines.
@@ -684,7 +684,7 @@ TRANSITION_MAP = Map(
     },
     _transition_work,
     lambda values: TRANSITION_PER_POINT * math.prod(len(values[name]) for name in ("nu", "q", "mu")),
-    "{base} layer on a rigid base, paraboloid: pull-off force in pi w R",
+    "{base} layer on a rigid substrate, paraboloid: pull-off force in pi w R",
     [SHOWN_NU, SHOWN_Q, ("mu", "mu", "6g"), ("minus_P_over_pi_w_R", "force", "8.4f"),
      ("jkr_minus_P_over_pi_w_R", "JKR", "8.4f"), ("a_over_h", "a/h", "9.4g"), ("c_over_h", "c/h", "9.4g")],
     _transition_figure,

@@ -166,7 +166,7 @@ def check_cost(what: str, forecast: Forecast, limits: Limits, less: str = LESS) 
     memory, hours = forecast.memory_mib / 1024, forecast.seconds / 3600
     most = free_memory() * SHARE / 1024 if limits.memory is None else limits.memory
     needs = f"{what} would need about {memory:.3g} GiB of memory and {duration(forecast.seconds)} of CPU time"
-    remedy = f"ask for {less}, or raise the limit by"
+    remedy = f"use {less}, or raise the limit by"
     if not memory <= most:
         raise Refusal(
             f"{needs}, the limit is {most:.3g} GiB: {remedy} --limit-memory {_raised(memory)}"

@@ -152,7 +152,7 @@ def check_radius(indenter: Indenter, a: float) -> None:
             return
     raise Refusal(
         f"loading: a contact radius of {show(a, 'length')} lies beyond the profile, which ends at "
-        f"r = {show(end, 'length')}; ask for less, or give a larger profile"
+        f"r = {show(end, 'length')}; use less, or give a larger profile"
     )
 
 
@@ -187,7 +187,7 @@ def radius_for(response: Response, target: float, indenter: Indenter, start: flo
         raise SolveError(f"no contact radius was found in {MOST_STEPS} steps, last a = {v:g} m; is the value right?")
     raise Refusal(
         f"it needs a contact radius beyond the profile, which ends at r = {show(indenter.r_max, 'length')}; "
-        "ask for less, or give a larger profile"
+        "use less, or give a larger profile"
     )
 
 

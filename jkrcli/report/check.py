@@ -98,7 +98,7 @@ class Check(Result):
 
     def _relaxes(self) -> Iterator[str]:
         if (law := self.problem.specimen.relaxation) is not None:
-            yield f"  relaxes   {law}; loads here are those of {'t = 0' if law.relaxed is not None else 'its own time'}"
+            yield f"  moduli    {law}; loads here are those at {'t = 0' if law.relaxed is not None else 'its own time'}"
 
     def _reaches(self) -> Iterator[str]:
         expected, range_ = self.expected, self.range_
@@ -110,7 +110,8 @@ class Check(Result):
             beside = f" (a half-space formula: {show(expected.P / (1 + expected.half_space_error), 'load')})"
         yield f"  reaches   {reached(expected.a, expected.delta, expected.P)}{beside}"
         if expected.profile_error:
-            yield f"  profile   known at points only: adds {expected.profile_error:.2g} to the error of any method"
+            error = f"{expected.profile_error:.2g}"
+            yield f"  profile   interpolation between its points adds {error} to the relative error of any method"
         for w, point, judged in expected.adhesion:
             regime = f": {judged.regime}" if not isinstance(judged.tabor, Unknown) else ""
             regime = regime if range_ == "" else "" if isinstance(range_, Unknown) else f"; {range_}"
@@ -129,7 +130,7 @@ def _range(model: CaseModel, method: str) -> str | Unknown:
     if not (adhesion.range or adhesion.stress or adhesion.capillary):
         return ""
     reason = unable(model.problem(), method)
-    return Unknown(reason) if reason else "its range will be solved; the force here is that of JKR"
+    return Unknown(reason) if reason else "jkr transform includes its range; the force here is that of JKR"
 
 
 def _expected(model: CaseModel) -> EffectsPreview | Unknown:

@@ -102,20 +102,20 @@ def _of_curve(result: Analysis) -> Iterator[str]:
                 f"a = {show(point.a, 'length')}{between}"
             )
         elif result.w > 0:
-            yield f"{name + ' control':<21} not in the series (see the warning)"
+            yield f"{name + ' control':<21} not in the solution (see the warning)"
     tabor = result.validity.tabor
     if not isinstance(tabor, Unknown):
         yield f"Tabor number {tabor:.3g}: {result.validity.regime}"
     yield from _comparison(result)
     budget, slopes = result.budget, result.curve.slopes
     yield (
-        f"curve: {accuracy(budget.total)} (series {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)}); "
+        f"curve: {accuracy(budget.total)} (solution {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)}); "
         f"interpolation error up to {_estimate(result.curve.interpolation_error)}"
     )
     below = result.solution.facts.get("rows_below", 0)
     more = f", {below} of them solved below its own for pull-off" if below else ""
     yield (
-        f"series: {len(result.curve.series)} points kept{more}, {result.dropped} dropped; "
+        f"solution: {len(result.curve.series)} points kept{more}, {result.dropped} dropped; "
         f"slopes {slopes.method} ({slopes.reason})"
     )
 
@@ -147,7 +147,7 @@ def _estimate(value: Estimate) -> str:
 
 SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L",
          "theta": "edge_angle"}  # fmt: skip
-OF_INPUTS = "load and body taken as exact: --uncertain load=5% and others give w its standard error"
+OF_INPUTS = "errors of load, tip and specimen not included: --uncertain load=5%, R=3%, E=10%"
 ABOVE = "Tabor", "at the range"  # how the warnings begin that say again what the line of the Tabor number says
 
 
@@ -425,7 +425,7 @@ def _control(result: Analysis, behaviour: Stability, error: Errors | Unknown | N
         lines.append(f"    its error           {error}")
     others = [other for other in behaviour.critical if other != point]
     if not behaviour.critical and not isinstance(point, Unknown):
-        lines.append("    critical points     none in the series")
+        lines.append("    critical points     none in the solution")
     lines += [f"    other {other.kind:<14}{_point(other)}" for other in others]
     lines += [
         f"    jumps back          {_point(jump.start)}  to  {_point(jump.end)}"
@@ -558,7 +558,7 @@ class Cycled(Result):
         cycle, inwards, outwards = self.cycle, self.cycle.contact.advancing, self.cycle.contact.receding
         begin, onset = cycle.begin, inwards.onset
         jump_in = f"jump-in at delta = {show(onset, 'length') if onset else 0} to"
-        start = jump_in if inwards.w > 0 else "contact grows from a point; first of the series:"
+        start = jump_in if inwards.w > 0 else "contact grows from a point; first of the solution:"
         # Each energy [J] by its name, with its half-width; those of one reason why there are none together
         known = [one for one in self._energies if not isinstance(one[1], Unknown)]
         parts = [f"{name} {tables.energy_words(energy, error)}" for name, energy, error in known]
@@ -574,7 +574,7 @@ class Cycled(Result):
             *(f"  {_jump(jump)}" for jump in (*cycle.approach.jumps, *cycle.retraction.jumps)),
         ]
         if cycle.retraction.ends != "lost":
-            lines.append("  contact is not lost within the series: the trace ends at its smallest radius")
+            lines.append("  contact is not lost within the solution: the trace ends at its smallest radius")
         else:
             lines += _strain_lines(self.large_strains)
         return lines
@@ -831,7 +831,7 @@ class Fields(Result):
         state, summary = self.state, self.summary()
         return [
             f"{format_state(state, 'P a delta')}, w = {show(self.curve.w, 'work')}: {self.curve.path}",
-            f"  load         of the series {show(self.P, 'load')}: {summary['difference']:.0e} of the forces in the "
+            f"  load         of the solution {show(self.P, 'load')}: {summary['difference']:.0e} of the forces in the "
             f"contact apart; {summary['elements']} elements",
             *(
                 f"  {name:<12} carries {show(line['load_N'], 'load'):<10} (balance within {abs(line['imbalance']):.0e})"

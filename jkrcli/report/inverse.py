@@ -483,7 +483,7 @@ def joint_words(joint: JointFit) -> list[str]:
     shared = [item for item in joint.shared if item.name != "modulus"]
     lines = [
         brief(shared, joint.level) + (f"; {DOUBTFUL}: {', '.join(joint.flags)}" if joint.flags else ""),
-        f"  {len(joint.fits)} records together (p = {joint.chance:.2g} that such records differ as much)",
+        f"  {len(joint.fits)} force curves together (p = {joint.chance:.2g} for differences as large as theirs)",
     ]
     lines += estimate_lines(shared, joint.level, {})
     dimensions = {item.name: item.dimension for item in joint.shared}
@@ -528,7 +528,7 @@ def tension_summary(tension: TensionFit) -> dict[str, Any]:
 def tension_words(tension: TensionFit) -> list[str]:
     """What was found of all records together, then each value."""
     rows = sum(map(len, tension.records))
-    together = "1 record" if len(tension.records) == 1 else f"{len(tension.records)} records together"
+    together = "1 force curve" if len(tension.records) == 1 else f"{len(tension.records)} force curves together"
     free = [item for item in tension.estimates if item.free]
     mixed = f"; one radius does not separate the tension from {' and '.join(tension.mixed)}" if tension.mixed else ""
     lines = [
@@ -842,7 +842,7 @@ def flags(item: WorkAlong) -> list[str]:
     """What a reader of the numbers should know about one curve."""
     size = len(item.curve)
     lines = list(saturation_words(item.curve))
-    ends = {BELOW: "begin the series at smaller radii", ABOVE: "increase [loading] radius"}
+    ends = {BELOW: "begin the solution at smaller radii", ABOVE: "increase [loading] radius"}
     for word, remedy in ends.items():
         if (count := int((item.state == word).sum())) > MANY * size:
             lines.append(f"{count} of {size} rows lie {word}: they have no w; {remedy}, or they are not in contact")

@@ -65,7 +65,7 @@ class NaniteModel(Result):
         if made.error > NANITE_ERROR:
             raise InputError(
                 f"{result.path}: a table of {NANITE_ROWS} rows meets the curve within {made.error:.1g} of the largest "
-                f"force only ({NANITE_ERROR:g} is needed): give a series of more radii"
+                f"force only ({NANITE_ERROR:g} is needed): give a solution of more radii"
             )
         return made
 

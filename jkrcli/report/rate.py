@@ -134,7 +134,7 @@ class CycledAtSpeed(History, Result):
         """What a reader should know, each with its number."""
         worst = max(value for name in ("P", "t", "lost") if (value := known(self.error[name])) is not None)
         inexact = [f"the integration errs by about {worst:.1g}"] if worst > SAME else []
-        balance = f"the energies balance to {self.balance:.1g} only: the series' P_H, S and S' contradict each other"
+        balance = f"the energies balance to {self.balance:.1g} only: the P_H, S and S' contradict each other"
         return [*inexact, *[balance] * (self.balance > UNSEEN), *self.zone.warnings]
 
     def words(self) -> list[str]:
@@ -142,7 +142,7 @@ class CycledAtSpeed(History, Result):
         works = show(contact.w_advance, "work"), show(contact.w0, "work")
         lines = [
             f"pull-off force {show(-pulled.P, 'load')} at {format_state(pulled, 't delta a')}; "
-            f"edge up to {show(self.fastest, 'speed')}: {self.body.path}",
+            f"contact line up to {show(self.fastest, 'speed')}: {self.body.path}",
             f"  {self.control}, w = {works[0]} on approach, from {works[1]} on retraction; {law_words(contact.law)}",
             *(f"  contact jumps at t = {show(jump.t, 'time')} from {format_state(jump.start, 'a')} to "
               f"{format_state(jump.end, 'a P')}" for jump in self.jumps if jump.end is not None),
@@ -264,7 +264,7 @@ class CycledRelaxing(RelaxedHistory, Result):
             if isinstance(self.energy_lost, Unknown)
             else f"; energy lost per cycle {show(self.energy_lost, 'energy')}"
         )
-        grown = f"it stopped growing at t = {show(self.turn, 'time')}{', at the end of the series' * self.whole}"
+        grown = f"it stopped growing at t = {show(self.turn, 'time')}{', at the end of the solution' * self.whole}"
         return [*lines, f"  {ends}; {grown}{energy}"]
 
     @property
@@ -416,18 +416,18 @@ def effective_words(rate: RateLawCourse | Unknown) -> list[str]:
     """The same as a table of both courses."""
     if isinstance(rate, Unknown):
         return [f"  the law w(v) of the same material is not followed: {rate.reason}"]
-    rows: list[tuple[str, AdhesiveHistory | History]] = [("this course", rate.course), ("the law w(v)", rate.history)]
+    rows: list[tuple[str, AdhesiveHistory | History]] = [("full solution", rate.course), ("the law w(v)", rate.history)]
     table = [
         f"    {name:<14}{show(-one.pull_off.P, 'load'):>12}  at {format_state(one.pull_off, 't delta a')}"
         + ("" if one.lost is None else f"; lost at t = {show(one.lost.t, 'time')}")
         for name, one in rows
     ]
-    verdict = "a rate law will do" if rate.enough else "no rate law will do"
+    verdict = "a rate law is sufficient" if rate.enough else "a rate law does not apply"
     return [
-        "  as if the bulk were relaxed and only the crack lost energy, by the law w(v) of the same material:",
+        "  compared with a relaxed bulk and the rate law w(v) of the same material at the crack tip:",
         *table,
         f"    force {100 * rate.force_difference:+.2g} %, displacement at pull-off off by "
-        f"{show(abs(rate.depth_difference), 'length')} of a way of {show(rate.stroke, 'length')}: {verdict}",
+        f"{show(abs(rate.depth_difference), 'length')} of a retraction of {show(rate.stroke, 'length')}: {verdict}",
     ]
 
 

@@ -126,7 +126,7 @@ def missed(tolerance: float | None, error: Estimate) -> list[str]:
     if tolerance is None or (not isinstance(error, Unknown) and error <= tolerance):
         return []
     words = error.reason if isinstance(error, Unknown) else f"{error:.1e}"
-    return [f"--tolerance: {tolerance:g} was asked for, and the error is {words}"]
+    return [f"--tolerance: {tolerance:g} was requested, and the error is {words}"]
 
 
 def _geometry(solution: Solution) -> list[str]:

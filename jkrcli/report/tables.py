@@ -222,7 +222,7 @@ def format_pull_off(
         f"{f' ± {percent(errors[name])}' if noticed and name in errors else ''} ({name})"
         for name, at in ((name.removesuffix(" control"), at) for name, (at, _) in there.items())
     )
-    verdict = f"pull-off force {forces}" if there else "no pull-off in the series"
+    verdict = f"pull-off force {forces}" if there else "no pull-off in the solution"
     R, loaded = result.problem.indenter.tip_radius, there.get("load control")
     if R is not None and loaded is not None:
         classical = 1.5 * math.pi * result.w * R
@@ -421,7 +421,8 @@ def scales_of(problem: Problem, w: float, name: str) -> Scales:
     material = layers[0].material if len(layers) == 1 and isinstance(base, Rigid) and base.bonded else None
     if not isinstance(material, Elastic) or material.nu >= 0.5:
         raise InputError(
-            "--dimensionless thin-layer: needs one homogeneous isotropic layer with nu < 0.5, bonded to a rigid base "
+            "--dimensionless thin-layer: needs one homogeneous isotropic layer with nu < 0.5, bonded to a rigid "
+            "substrate "
             "(Eq. 22)"
         )
     K = foundation_modulus(material.E, material.nu, layers[0].thickness)

@@ -41,8 +41,8 @@ STICKING_EFFECT_BEYOND = 1.1
 STICKING_EFFECT_NOTICEABLE = 0.05  # relative change from which a reader is warned; choice: as for Tabor numbers
 
 
-OUTSIDE = Unknown("pull-off lies outside the series")
-NOT_KEPT = Unknown("series files do not keep it")
+OUTSIDE = Unknown("pull-off lies outside the solution")
+NOT_KEPT = Unknown("solution files do not keep it")
 
 
 @dataclass(frozen=True)

@@ -215,7 +215,7 @@ def _neighbours(neighbours: Neighbours, sides: bool) -> Iterator[NeglectedEffect
         yield neighbours.with_(f"elastic indenter, {glass}", "indenter.E and nu", indenter=elastic)
     if isinstance(specimen.base, Rigid) and specimen.base.bonded and not sides:
         based = replace(specimen, base=HalfSpace(GLASS))
-        yield neighbours.with_(f"elastic base, {glass}", "specimen.half_space", specimen=based)
+        yield neighbours.with_(f"elastic substrate, {glass}", "specimen.half_space", specimen=based)
     if not specimen.surface_tension:
         yield _tension(neighbours)
 

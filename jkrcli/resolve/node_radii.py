@@ -91,7 +91,7 @@ class Loads:
     def words(self) -> str:
         """The factor with its error."""
         number = f"{self.factor:#.4g}".rstrip(".")
-        return f"{number} ± {self.factor * self.error:.1g} times those of these bodies at equal displacement"
+        return f"{number} ± {self.factor * self.error:.1g} times the exact loads of these bodies at equal displacement"
 
     def doubts(self, problem: Problem) -> tuple[str, ...]:
         """What is likely to be wrong, if anything is, as one warning that begins with the loads."""
@@ -107,7 +107,9 @@ class Loads:
             )
         elif abs(math.log(self.stretch)) > math.log(AHEAD_LOADS):
             fitting = "" if R is None else f" (R = {show(R / self.stretch, 'length')} fits)"
-            there = f"at equal contact radii the displacements are {self.stretch:.3g} times those of these bodies"
+            there = (
+                f"at equal contact radii the displacements are {self.stretch:.3g} times the exact ones of these bodies"
+            )
             parts.append(f"{there}{fitting}: is R right, and the unit of radius and displacement?")
         return ("; ".join(parts),) if parts else ()
 
@@ -146,7 +148,7 @@ class Compared:
         if self.nodes is None:
             return ""
         c, error, source = self.ahead
-        spacing = f"those of nodes {show(self.nodes.spacing, 'length')} apart"
+        spacing = f"radii of nodes, spacing {show(self.nodes.spacing, 'length')}"
         if source == "assumed":
             return f"{spacing}; where the edge is between them is not known: {c:+.2f} ± {error:.2f} elements taken"
         how = {"body": "corrected", "tip": "corrected by the tip alone"}[source]

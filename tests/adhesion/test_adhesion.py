@@ -119,8 +119,8 @@ def test_thin_layers(law: str, exponent: int, factor: float) -> None:
         assert point.delta == pytest.approx(0, abs=1e-7 * delta_unit)
         outside = curve(series, w).pull_off(math.inf)  # delta falls down to a = 0
         assert isinstance(outside, Unknown)
-        assert f"smallest radius of the series, a = {a[0] / 1e-9:.4g} nm (P = " in outside.reason
-        assert 'ask for smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest (or' in outside.reason
+        assert f"smallest radius of the solution, a = {a[0] / 1e-9:.4g} nm (P = " in outside.reason
+        assert 'use smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest (or' in outside.reason
 
 
 def test_several_or_no_critical_points_are_reported_as_such() -> None:
@@ -128,7 +128,7 @@ def test_several_or_no_critical_points_are_reported_as_such() -> None:
     assert small.critical(0.0) == ()
     reason = small.pull_off(0.0).reason
     assert (
-        "the load is lowest at the largest radius of the series, a = 4 um (P = -16.8 mN, delta = -299.5 nm)" in reason
+        "the load is lowest at the largest radius of the solution, a = 4 um (P = -16.8 mN, delta = -299.5 nm)" in reason
     )
     assert "increase [loading] radius" in reason
     a = np.linspace(0, 1.73e-5, 301)[1:]
@@ -258,8 +258,11 @@ def test_interpolation_error_of_power_laws_is_round_off_and_unknown_for_few_poin
         (lambda: curve(half_space(10), -1.0), "w: must be >= 0 J/m\\^2, got -1"),
         (lambda: curve(half_space(10), math.nan), "w: must be >= 0"),
         (lambda: curve(half_space(10)).critical(-2.0), "stiffness: must be >= 0 N/m .*got -2"),
-        (lambda: curve(half_space(10)).at(np.array([1.0])), "contact radius 1 m lies outside the series, 1.73e-06 to"),
-        (lambda: curve(half_space(1)).at(np.array([1.73e-5])), "a series of one point has no values between points"),
+        (
+            lambda: curve(half_space(10)).at(np.array([1.0])),
+            "contact radius 1 m lies outside the solution, 1.73e-06 to",
+        ),
+        (lambda: curve(half_space(1)).at(np.array([1.73e-5])), "a solution of one point has no values between points"),
     ],
 )
 def test_wrong_requests_are_refused(call, message: str) -> None:

@@ -187,7 +187,7 @@ def test_pull_off_names_each_history(jkr_: Callable, relaxing_gel: jkr.Solution)
     verdict = done.out.split(":")[0]
     for part in ("188.8 uN (very fast)", "189.4 uN (very slow)", "545.4 uN (from rest)", "at most 545.4 uN"):
         assert part in " ".join(verdict.split())
-    assert "at rest at P = 0, then pulled at once" in done.out
+    assert "at rest at P = 0, then pulled instantly" in done.out
     other = json.loads(jkr_("pull-off", "gel.h5", "--w", 0.02, "--rest-depth", 0, "--json").out)["results"][0]
     rest = {one["history"]: one for one in other["histories"]}[FROM_REST]
     assert rest["controls"][0]["pull_off"]["P_N"] == pytest.approx(-499.8e-6, abs=6e-8)

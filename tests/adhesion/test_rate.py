@@ -341,11 +341,12 @@ def test_a_trace_of_ten_thousand_rows_is_quick() -> None:
         (lambda: there_and_back(1.0, 1.0, 1.0).dwelling(-2.0, 0.0), "program: the dwell must last > 0 s, got 0"),
         (
             lambda: RateContact(half_space(), PowerRate(1.0, 0.5), 1.0, 2.0),
-            "the work of adhesion of the receding edge must be >= that of the advancing one, got 1 J/m^2 after 2 J/m^2",
+            "the work of adhesion of the opening contact line must be >= that of the closing one, got 1 J/m^2 after "
+            "2 J/m^2",
         ),
         (
             lambda: RateContact(half_space(), PowerRate(1.0, 0.5), 1.0, 0.0, law_advance=PowerRate(1.0, 0.5)),
-            "a law of advance needs a work of adhesion > 0 on approach, got 0 J/m^2",
+            "a law of closing needs a work of adhesion > 0 on approach, got 0 J/m^2",
         ),
     ],
 )

@@ -199,7 +199,7 @@ def test_a_loading_after_contact_was_lost_is_refused() -> None:
 def test_a_depth_beyond_the_series_is_refused(stiffness: float) -> None:
     with pytest.raises(
         InputError,
-        match=r"beyond the largest depth of the series, 1.5 m: reverse before, or increase",
+        match=r"beyond the largest depth of the solution, 1.5 m: reverse before, or increase",
     ):
         RelaxingContact(depths().body, SOLID, stiffness).history(Program(TRIANGLE[0], 4 * TRIANGLE[1]))
 

@@ -28,7 +28,7 @@ def test_exact_slopes_are_those_of_the_series() -> None:
     series = half_space(10, exact=True)
     found = slopes(series)
     assert found.method == "exact"
-    assert found.reason == "the series carries exact slopes"
+    assert found.reason == "the solution carries exact slopes"
     assert np.array_equal(found.S, series.S)
     assert np.array_equal(found.dS, series.dS)
     with pytest.raises(Refusal, match="carries no exact S and dS/da; use the slopes 'integral' or 'loocv'"):
@@ -147,7 +147,7 @@ def test_auto_takes_the_smaller_estimate_and_says_so() -> None:
     for data in (series, noisy):
         found = slopes(data)
         assert found.method == "integral"
-        assert found.reason.startswith("the series carries no exact slopes; estimated error")
+        assert found.reason.startswith("the solution carries no exact slopes; estimated error")
         assert "by 'loocv'" in found.reason
 
 

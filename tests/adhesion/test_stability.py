@@ -221,7 +221,7 @@ def test_a_thin_compressible_layer_is_not_lost_under_displacement_control() -> N
     found = stability_under(thin("compressible"), RIGID)
     assert found.critical == ()
     assert isinstance(found.pull_off, Unknown)
-    assert "the displacement is lowest at the smallest radius of the series, a = 283.3 nm" in found.pull_off.reason
+    assert "the displacement is lowest at the smallest radius of the solution, a = 283.3 nm" in found.pull_off.reason
     assert found.energy_lost == found.separation == found.pull_off
     assert found.jump_in.delta == 0
     assert shrink(QuasiStatic(thin("compressible"), thin("compressible"), RIGID), 1.7e-5).ends == "series"
@@ -232,10 +232,11 @@ def test_a_series_that_ends_too_early_says_so() -> None:
     for stiffness in (0.0, RIGID):
         found = stability_under(short, stiffness)
         assert found.jump_in == Unknown(
-            "contact at delta = 0 spreads beyond the largest radius of the series, a = 4 um: increase [loading] radius"
+            "contact at delta = 0 spreads beyond the largest radius of the solution, a = 4 um: increase [loading] "
+            "radius"
         )
     assert stability_under(short, 0.0).critical == ()
-    assert "the load is lowest at the largest radius of the series" in stability_under(short, 0.0).pull_off.reason
+    assert "the load is lowest at the largest radius of the solution" in stability_under(short, 0.0).pull_off.reason
     assert isinstance(stability_under(short, RIGID).pull_off, CriticalPoint)  # that one lies inside
     assert largest_stable(short, 0.0) is None
 
@@ -246,7 +247,7 @@ def test_a_series_that_begins_too_late_says_so() -> None:
     late = curve(Series(a, delta, P, 2 * E_STAR * a, np.full(30, 2 * E_STAR)))
     found = stability_under(late, RIGID)
     assert found.jump_in == Unknown(
-        "contact at delta = 0 is in equilibrium below the smallest radius of the series, a = 9 um: begin at smaller "
+        "contact at delta = 0 is in equilibrium below the smallest radius of the solution, a = 9 um: begin at smaller "
         "radii"
     )
     assert isinstance(found.pull_off, Unknown)
@@ -317,7 +318,8 @@ def test_a_contact_pressed_together_is_not_lost_but_leaves_the_series() -> None:
     assert found.pull_off == ours.pull_off(RIGID)  # one rule, whoever asks
     assert isinstance(found.pull_off, Unknown)
     assert found.pull_off.reason.endswith(
-        "below the smallest radius of the series, a = 8e-06 m, where some must remain: the series would have to begin "
+        "below the smallest radius of the solution, a = 8e-06 m, where some must remain: the solution would have to "
+        "begin "
         "at a smaller radius"
     )
     path = shrink(QuasiStatic(ours, ours, RIGID), float(ours.a[-1]))

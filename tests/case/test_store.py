@@ -258,7 +258,7 @@ def test_foreign_truncated_missing(path: Path) -> None:
             store.read_solution(path)
         assert caught.value.lines == (f"{path}: {line}",)
     path.unlink()
-    with pytest.raises(InputError, match="series file not found"):
+    with pytest.raises(InputError, match="solution file not found"):
         store.read_solution(path)
 
 

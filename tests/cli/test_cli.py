@@ -163,13 +163,13 @@ REFUSALS = [
     (("run",), "missing argument 'CASE'; see jkr run --help"),
     (("run", "no.toml"), "no.toml: case file not found"),
     (("run", HALFSPACE, "-o", "no/x.h5"), "no/x.h5: the folder no does not exist"),
-    (("run", HALFSPACE, "-o", "x.csv"), "x.csv: a series is written as HDF5, its name must end in .h5"),
+    (("run", HALFSPACE, "-o", "x.csv"), "x.csv: a solution is written as HDF5, its name must end in .h5"),
     (("run", HALFSPACE, "-o", "."), ".: is a folder, cannot be written as a file"),
     (
         ("run", CASES / "gel.toml", "--method", "closed-form"),
         "method closed-form: the thin-layer formula gives up to 48 times",
     ),
-    (("transform", "no.h5"), "no.h5: series file not found"),
+    (("transform", "no.h5"), "no.h5: solution file not found"),
     (("transform", "x.h5", "--w", "-1"), "invalid value for '--w': must be finite and >= 0, got -1"),
     (("transform", "x.h5", "--w", "5 kg"), "invalid value for '--w': must be a work of adhesion, got \"5 kg\""),
     (("transform", "x.h5", "x.h5"), "x-w50.csv: would be written twice"),
@@ -178,7 +178,7 @@ REFUSALS = [
         ("transform", "x.h5", "--dimensionless", "thin-layer"),
         "--dimensionless thin-layer: needs one homogeneous isotropic layer",
     ),
-    (("compare", "x.h5", "no.h5"), "no.h5: series file not found"),
+    (("compare", "x.h5", "no.h5"), "no.h5: solution file not found"),
     (("compare", "x.csv", "x.csv"), "x.csv: curve not found"),
 ]
 
@@ -219,7 +219,7 @@ def test_pull_off_outside_the_series_is_said(jkr, tmp_path: Path) -> None:
     (tmp_path / "shallow.toml").write_text(HALFSPACE.read_text().replace('"3 um"', '"0.1 um"'))
     jkr("run", "shallow.toml", "--method", "closed-form")
     outcome = jkr("transform", "shallow.h5", "--no-plots")
-    assert "pull-off under load control: the load is lowest at the largest radius of the series" in outcome.err
+    assert "pull-off under load control: the load is lowest at the largest radius of the solution" in outcome.err
     assert json.loads((tmp_path / "shallow-w50.json").read_text())["pull_off"]["load"]["P_N"] is None
 
 

@@ -106,7 +106,7 @@ def test_the_work_of_adhesion_behind_a_measured_pull_off(jkr, body: Path) -> Non
         first, *lines = outcome.out.splitlines()
         assert first == "w = 25.46 J/m^2: the pull-off force 12 mN of p.h5 (load control, a = 5.327 um)"
         assert lines == [
-            "  load and body taken as exact: --uncertain load=5% and others give w its standard error",
+            "  errors of load, tip and specimen not included: --uncertain load=5%, R=3%, E=10%",
             "  numerical error below 1e-14 (90 % confidence)",
             "  1.5 pi w R of a half-space would have given 25.46 J/m^2, 1 times that of this specimen",
             lines[3],
@@ -197,7 +197,7 @@ def test_cycle_defaults_to_the_case_and_a_rigid_device(jkr, body: Path) -> None:
 def test_study_writes_the_map(jkr, tmp_path: Path) -> None:
     words = ("study", "pull-off-map", "--nu", "0.3", "--q", "1", "--q", "0.1", "-o", "map")
     assert jkr(*words).out.splitlines() == [
-        "bonded layer on a rigid base, paraboloid: pull-off force in pi w R",
+        "bonded layer on a rigid substrate, paraboloid: pull-off force in pi w R",
         "      nu   beta  w R^2/(E* h^3)    force       a/h",
         "     0.3      0             0.1   1.6267    0.7181",
         "     0.3      0               1   1.7936     1.439",
@@ -220,12 +220,13 @@ REFUSALS = [
     (("pull-off", "p.h5", "--load", "0 N"), "pull-off: --load must not be 0; give the measured pull-off force"),
     (
         ("pull-off", "p.h5", "--load", "1 N"),
-        "p.h5: load: a pull-off force of 1 N lies outside the series, which can tell forces from 1.902 uN to 410.9 mN: "
+        "p.h5: load: a pull-off force of 1 N lies outside the solution, which can tell forces from 1.902 uN to 410.9 "
+        "mN: "
         "increase [loading] radius",
     ),
     (
         ("pull-off", "p.h5", "--load", "1e20 N"),  # once "from 0 N to 0 N": rounded at its own size
-        "p.h5: load: a pull-off force of 1e+17 kN lies outside the series, which can tell forces from 1.902 uN to "
+        "p.h5: load: a pull-off force of 1e+17 kN lies outside the solution, which can tell forces from 1.902 uN to "
         "410.9 mN: increase [loading] radius",
     ),
     (
@@ -242,7 +243,7 @@ REFUSALS = [
         'invalid value for \'--stiffness\': must be > 0, or "load" for load control, or "rigid", got 0; '
         "see jkr pull-off --help",
     ),
-    (("pull-off", "no.h5"), 'no.h5: series file not found, did you mean "p.h5"?'),
+    (("pull-off", "no.h5"), 'no.h5: solution file not found, did you mean "p.h5"?'),
     (
         ("cycle", "p.h5", "--w-retract", "10 J/m^2"),
         "cycle: the work of adhesion on retraction must be >= that on approach, got 10 J/m^2 after 50 J/m^2",
@@ -253,12 +254,12 @@ REFUSALS = [
     ),
     (
         ("cycle", "p.h5", "--to-load", "1 N"),
-        "cycle: the reversal at P = 1 N is not passed on approach, which in this series goes from "
+        "cycle: the reversal at P = 1 N is not reached on approach, which in this solution goes from "
         "-20.94 mN to 214.1 mN",
     ),
     (
         ("cycle", "p.h5", "--w-approach", "5000 J/m^2"),
-        "p.h5: contact at delta = 0 spreads beyond the largest radius of the series, a = 17.3 um: increase [loading] "
+        "p.h5: contact at delta = 0 spreads beyond the largest radius of the solution, a = 17.3 um: increase [loading] "
         "radius",
     ),
     (("study", "pull-off-map", "--nu", "0.6"), "pull-off map: nu must be > -1 and <= 0.5, got 0.6"),

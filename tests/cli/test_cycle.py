@@ -185,7 +185,7 @@ def test_a_thin_layer_is_traced_to_the_end_of_its_series() -> None:
     assert (
         found.energy_lost
         == found.separation
-        == Unknown("contact is not lost within the series, which begins at a = 283.3 nm")
+        == Unknown("contact is not lost within the solution, which begins at a = 283.3 nm")
     )
     columns = trace(found, 30)
     assert columns["a_m"][-1] == a[0]
@@ -211,21 +211,22 @@ def test_turns_that_are_not_passed_are_refused_with_the_range() -> None:
     """From -4/3 pi w R up to 4 E* a^3/(3 R) - sqrt(8 pi w E* a^3) = (410.9 - 196.8) mN at a = 17.3 um."""
     curve = half_space(50.0)
     assert refused(lambda: turning_radius(curve, RIGID, load=-0.022)) == (
-        "cycle: the reversal at P = -22 mN is not passed on approach, which in this series goes from "
+        "cycle: the reversal at P = -22 mN is not reached on approach, which in this solution goes from "
         "-20.94 mN to 214.1 mN"
     )
     assert refused(lambda: turning_radius(curve, RIGID, depth=5e-6)) == (
-        "cycle: the reversal at delta = 5 um is not passed on approach, which in this series goes from 0 m to 2.037 um"
+        "cycle: the reversal at delta = 5 um is not reached on approach, which in this solution goes from 0 m to "
+        "2.037 um"
     )
     assert refused(lambda: turning_radius(half_space(50.0, last=4e-6), RIGID, load=1.0)).startswith(
-        "cycle: contact at delta = 0 spreads beyond the largest radius of the series, a = 4 um"
+        "cycle: contact at delta = 0 spreads beyond the largest radius of the solution, a = 4 um"
     )
 
 
 def test_a_turn_that_is_not_on_the_path_is_refused() -> None:
     curve = half_space(50.0)
     assert refused(lambda: cycle(curve, curve, RIGID, turn=1e-6)) == (
-        "cycle: the reversal at a = 1 um is not passed by stable contact on approach"
+        "cycle: the reversal at a = 1 um is not reached by stable contact on approach"
     )
 
 
@@ -239,7 +240,7 @@ def test_no_cycle_where_first_contact_lies_outside_the_series() -> None:
     late = half_space(50.0, first=9e-6)
     found = cycle(late, late, RIGID)
     assert isinstance(found, Unknown)
-    assert "is in equilibrium below the smallest radius of the series, a = 9 um" in found.reason
+    assert "is in equilibrium below the smallest radius of the solution, a = 9 um" in found.reason
 
 
 @pytest.mark.parametrize(("length", "force"), [(1e6, 1.0), (1e-3, 1e7)])
@@ -267,7 +268,7 @@ def test_energies_say_why_there_are_none(jkr: Callable) -> None:
     assert jkr("run", CASES / "gel.toml", "-o", "gel.h5", "-q").code == 0
     done = jkr("cycle", "gel.h5", "--w-approach", "0", "--no-plots")
     none = "energy lost per cycle and work of separation: none"
-    lost = f"{none}, contact is not lost within the series, which begins at a = 12 um: gel.h5"
+    lost = f"{none}, contact is not lost within the solution, which begins at a = 12 um: gel.h5"
     assert done.out.splitlines()[0] == lost
     done = jkr("cycle", "gel.h5", "--stiffness", "load", "--no-plots", "--force")
     assert done.out.splitlines()[0] == f"{none}, not defined under load control: gel.h5"

@@ -111,7 +111,8 @@ def test_a_table_says_what_the_device_does(jkr: Callable, series: Path) -> None:
         ((*RATE, "--program", "bad.csv"), "program: time must not fall, got t = 1 s after 2 s in row 3"),
         ((*RATE, "--program", "units.csv"), 'units.csv: column 2 is to be a length, got the unit "mN"'),
         ((*RATE, "--speed", "1", "--w-approach", "2 J/m^2", "--w-retract", "1 J/m^2"),
-         "the work of adhesion of the receding edge must be >= that of the advancing one, got 1 J/m^2 after 2 J/m^2"),
+         "the work of adhesion of the opening contact line must be >= that of the closing one, got 1 J/m^2 after 2 "
+         "J/m^2"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_one_line(jkr: Callable, series: Path, words: tuple[str, ...], said: str) -> None:
@@ -133,7 +134,10 @@ adhesion = { w = "50 mJ/m^2" }
 """)
     done = jkr("cycle", "l.toml", "--rate", "law=log,v0=1e-30,b=1", "--speed", "1e30", "--no-plots")
     assert done.code == 2
-    assert "jkr: error: l.h5: the edge's motion could not be integrated beyond a = 0.0001 m: look at v0" in done.err
+    assert (
+        "jkr: error: l.h5: the motion of the contact line could not be integrated beyond a = 0.0001 m: look at v0"
+        in done.err
+    )
 
 
 def test_runs_of_cycle_that_differ_in_an_option_have_files_of_their_own(jkr: Callable, series: Path) -> None:

@@ -102,7 +102,7 @@ def test_a_turn_after_which_it_creeps_keeps_it_within_the_series(
     speed = "1 mN/s" if stiffness == "load" else "1 um/s"
     done = jkr("cycle", "gel.h5", "--speed", speed, "--stiffness", stiffness, "--hold", f"{hold} s", "--no-plots")
     assert done.code == 0, done.err
-    assert ", at the end of the series; energy lost" in done.out
+    assert ", at the end of the solution; energy lost" in done.out
     (table,) = Path().glob("gel-cycle-*.csv")
     deepest = float(np.max(np.genfromtxt(table, delimiter=",", names=True, dtype=None)["delta_m"]))
     assert 0.998e-4 < deepest < 1.0000001e-4
@@ -150,7 +150,7 @@ def test_limits_where_surfaces_adhere(jkr: Callable, series: Path) -> None:
     assert rated["limits"]["very slow"]["moduli"] == 0.25
     done = jkr("cycle", series, *work, "--no-plots")
     assert "very slow cycle, the moduli times 0.25:" in done.out
-    assert "at rest at P = 0, then pulled at once:" in done.out
+    assert "at rest at P = 0, then pulled instantly:" in done.out
     assert "written" in done.out
     assert (series.parent / "gel-cycle-w-approach0.01-very-slow.csv").exists()
     assert (series.parent / "gel-cycle-w-approach0.01-from-rest.csv").exists()
@@ -191,12 +191,12 @@ REFUSED = {
     ),
     "too deep": (
         ("--speed", "1", "--to-depth", "2 m"),
-        "gel.h5: program: the contact comes 1 m beyond the largest depth of the series, 1 m: reverse before, or "
+        "gel.h5: program: the contact comes 1 m beyond the largest depth of the solution, 1 m: reverse before, or "
         "increase [loading] radius",
     ),
     "too strong": (
         ("--speed", "1", "--to-load", "5 N"),
-        "cycle: the reversal at P = 5 N is not passed on approach, which in this series ends at 1.026 N",
+        "cycle: the reversal at P = 5 N is not reached on approach, which in this solution ends at 1.026 N",
     ),
     "again": (
         ("--speed", "1", "--dwell", "0.8", "--dwell-time", "1 s"),
@@ -277,7 +277,7 @@ def test_the_shipped_case_comes_to_rest(jkr: Callable) -> None:
 
 def test_check_says_that_a_specimen_relaxes(jkr: Callable, series: Path) -> None:
     done = jkr("check", series.with_suffix(".toml"))
-    assert "  relaxes   standard linear solid, ratio = 0.25, time = 1 s; loads here are those of t = 0" in done.out
+    assert "  moduli    standard linear solid, ratio = 0.25, time = 1 s; loads here are those at t = 0" in done.out
 
 
 def test_the_pictures_of_limits_say_which(series: Path) -> None:

@@ -352,7 +352,7 @@ def test_a_load_finds_its_radius(jkr: Callable, solved: Path) -> None:
     assert (outcome.code, outcome.err) == (0, "")
     lines = outcome.out.splitlines()
     assert re.fullmatch(
-        r"  load         of the series -2 uN: \de-0[678] of the forces in the contact apart; \d+ elements",
+        r"  load         of the solution -2 uN: \de-0[678] of the forces in the contact apart; \d+ elements",
         lines[1],
     )
     assert lines[-1] == "  written      gel-fields{.vtu,.csv}"
@@ -364,7 +364,7 @@ def test_a_load_finds_its_radius(jkr: Callable, solved: Path) -> None:
     [
         ([], "fields: give exactly one of --a and --load"),
         (["--a", "1 um", "--load", "1 uN"], "fields: give exactly one of --a and --load"),
-        (["--a", "20 um"], "adhesive curve: contact radius 2e-05 m lies outside the series, 3.75e-07 to 1.5e-05 m"),
+        (["--a", "20 um"], "adhesive curve: contact radius 2e-05 m lies outside the solution, 3.75e-07 to 1.5e-05 m"),
     ],
 )
 def test_wrong_input_is_one_line(jkr: Callable, solved: Path, words: list[str], line: str) -> None:

@@ -274,7 +274,7 @@ def test_check_says_what_transform_will_refuse(jkr, case: str, says: str) -> Non
     assert found.code == 0
     assert "JKR holds" not in found.out
     assert says in found.err
-    assert ("its range will be solved" in found.out) == (not says)
+    assert ("jkr transform includes its range" in found.out) == (not says)
 
 
 def test_a_range_between_those_that_are_tried_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

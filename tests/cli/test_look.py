@@ -134,7 +134,7 @@ def test_unit_and_factor_overrule_the_file(jkr: Callable[..., Outcome], table: P
     options = ("--unit", "P=pN", "--factor", "P=1000")
     done, plain = (jkr("look", str(table), *told, "--json", "--no-plots") for told in (options, ()))
     one, other = (json.loads(item.out)["files"][0]["curves"][0] for item in (done, plain))
-    assert one["read"] == ['column 3 "P_nN" read in pN as told, its header says nN']
+    assert one["read"] == ['column 3 "P_nN" read in pN as specified, its header says nN']
     assert one["retract"]["largest_load_N"] == pytest.approx(other["retract"]["largest_load_N"], rel=1e-9)
 
 
@@ -173,11 +173,11 @@ def test_a_drift_is_told_in_every_form(jkr: Callable[..., Outcome], table: Path)
 def test_a_body_by_flags_says_what_is_missing(jkr: Callable[..., Outcome], table: Path) -> None:
     done = jkr("fit", "--radius", "5 um", str(table))
     assert (done.code, done.err) == (
-        2, "jkr: error: fit: needs a case or series file, or the specimen from options: --nu missing\n"
+        2, "jkr: error: fit: needs a case or solution file, or the specimen from options: --nu missing\n"
     )  # fmt: skip
     done = jkr("fit", str(table))
     assert (done.code, done.err) == (
-        2, "jkr: error: fit: give MEASURED files behind BODY, or the specimen from options: --radius, --nu\n"
+        2, "jkr: error: fit: needs --radius and --nu (specimen from options), or a case: jkr fit CASE MEASURED\n"
     )  # fmt: skip
 
 
@@ -220,7 +220,7 @@ def test_what_is_no_measurement_is_said_to_be_none(jkr: Callable[..., Outcome], 
     for words, line in {
         ("look", "gel.toml"): "gel.toml: is a case file, no measurement",
         ("fit", "gel.toml", "gel.h5"): "gel.h5: was written by jkr (jkr-series), is no measurement",
-        ("run", "gel.h5", "-o", "other.h5"): "gel.h5: is not a text file (byte 0 is not UTF-8); of a series file the "
+        ("run", "gel.h5", "-o", "other.h5"): "gel.h5: is not a text file (byte 0 is not UTF-8); of a solution file the "
         "case is what jkr show --case prints",
     }.items():
         done = jkr(*words)

@@ -113,9 +113,9 @@ def test_a_layer_far_too_thin_for_the_finest_tolerance(jkr: Run) -> None:
 
 
 MISTAKES = {
-    "nothing": ((), "give FILES, a case or a series, or the specimen from options: --radius, --E, --nu"),
+    "nothing": ((), "give FILES, a case or a solution, or the specimen from options: --radius, --E, --nu"),
     "a part": (("--radius", "5 um", "--w", "1"),
-               "needs a case or series file, or the specimen from options: --E, --nu missing"),
+               "needs a case or solution file, or the specimen from options: --E, --nu missing"),
     "both": (("my.toml", *TIP),
              "give a body file or the specimen from options, not both: my.toml and --shape, --radius, --E, --nu"),
     "no question": (TIP, "give --w, or --load with a measured pull-off force"),

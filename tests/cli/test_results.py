@@ -155,7 +155,7 @@ def test_states_lie_on_the_curve_and_the_stable_one_is_the_larger() -> None:
     assert stable_radius(curve, 0.5 * lowest) == radii[1]
     np.testing.assert_allclose(curve.at(np.array(curve.radii(delta=0.0)))[0], 0, atol=1e-18)
     assert curve.radii(P=2 * lowest) == ()
-    with pytest.raises(InputError, match=r"load: -47.04 mN is not carried by a stable contact of this series"):
+    with pytest.raises(InputError, match=r"load: -47.04 mN is not carried by a stable contact of this solution"):
         stable_radius(curve, 2 * lowest)
 
 

@@ -113,7 +113,7 @@ def test_a_fit_under_both_assumptions_finds_which_one_made_the_data(jkr, folder)
     assert E == pytest.approx(1, abs=0.02)
     assert wrong > 1.2
     assert second["estimates"]["w"]["value"] == pytest.approx(0.04, rel=0.03)
-    assert "the data prefer sticking" in outcome.err
+    assert "the data favour no slip" in outcome.err
     assert len(list(folder.glob("*-sticking.svg"))) == len(list(folder.glob("*-sliding.svg"))) == 1
 
 

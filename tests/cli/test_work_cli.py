@@ -101,7 +101,7 @@ def test_rows_without_w_have_empty_cells(jkr: Run, measured: Path) -> None:
     measured.write_text("\n".join(rows) + "\n")
     assert jkr("work", "gel.h5", measured, "--no-plots").code == 0
     found = table("m-work.csv")
-    assert found["state"][19] == "above the series"
+    assert found["state"][19] == "above the solution"
     assert (found["w_J_per_m2"][19], found["speed_m_per_s"][19], found["a_m"][19]) == ("", "", "0.0004")
     assert "nan" not in Path("m-work.csv").read_text()
 

@@ -49,7 +49,7 @@ def test_directions_beside_each_other_are_two_segments_of_one_record(tmp_path: P
     assert curve.segment.tolist() == ["approach"] * 4 + ["retract"] * 4
     np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
     np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
-    assert "segments of one record beside each other, put one under the other: approach, retract" in curve.flags
+    assert "segments of one force curve beside each other, put one under the other: approach, retract" in curve.flags
 
 
 def test_loads_of_both_directions_over_one_position(tmp_path: Path) -> None:
@@ -59,7 +59,7 @@ def test_loads_of_both_directions_over_one_position(tmp_path: Path) -> None:
     np.testing.assert_allclose(curve.delta, np.append(z, z[::-1]) / 1e3, rtol=1e-12)
     np.testing.assert_allclose(curve.P, np.append(there, back[::-1]), rtol=1e-12)
     assert curve.flags[1:3] == (
-        "segments of one record beside each other, put one under the other: approach, retract",
+        "segments of one force curve beside each other, put one under the other: approach, retract",
         "the rows of the retraction turned: they stand in the order of the position",
     )
 

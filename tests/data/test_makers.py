@@ -64,7 +64,7 @@ def test_a_capture_of_peak_force_moves_as_a_sine(tmp_path: Path) -> None:
 def test_what_is_told_takes_the_place_of_the_head(tmp_path: Path) -> None:
     curve = read_one(vendors.nanoscope(tmp_path / "x.000"), stiffness=2 * K, sensitivity=1.2e-7, factors={"P": 3.0})
     np.testing.assert_allclose(curve.P, 12 * FORCE, atol=12 * 0.51 * COUNT * K, rtol=0)
-    assert "stiffness 0.1 N/m as told, the file says 0.05 N/m" in curve.flags
+    assert "stiffness 0.1 N/m as specified, the file says 0.05 N/m" in curve.flags
     lame = vendors.nanoscope(tmp_path / "y.000", **{"Spring Constant": "0"})
     assert (
         "the file lacks its stiffness: arbitrary units until it is given by --stiffness"

@@ -53,7 +53,7 @@ GUISES = {
         .replace(",-", ",\u2212").replace("e-", "e\u2212"),
         Reading(),
     ),
-    "signs turned, zero points elsewhere, a device that gives way": (
+    "signs turned, zero points elsewhere, an instrument that gives way": (
         "t (s),height (um),P (N),a (m),segment\n" + rows(T, -(DELTA + P / 5.0 + 7e-6) * 1e6, -P + 1e-3, A, WORDS),
         Reading(columns={"delta": "height"}, flip=frozenset({"P", "delta"}), zero={"delta": 7e-6, "P": -1e-3},
                 stiffness=5.0),

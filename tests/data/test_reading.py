@@ -69,9 +69,11 @@ def test_nothing_is_subtracted_where_the_device_is_rigid(tmp_path: Path) -> None
     )
     np.testing.assert_array_equal(told.delta, Z)
     np.testing.assert_allclose(found.delta, Z - LOAD / 0.3, rtol=1e-12)
-    assert told.flags[1] == "stiffness rigid as told, the header of the file says 0.3 N/m"
+    assert told.flags[1] == "stiffness rigid as specified, the header of the file says 0.3 N/m"
     bent = written(tmp_path, table(("Height (um)", Z), ("Deflection_nm", LOAD)))
-    with pytest.raises(InputError, match=r"is a deflection in nm, and a rigid device has none: give its stiffness$"):
+    with pytest.raises(
+        InputError, match=r"is a deflection in nm, and a rigid instrument has none: give its stiffness$"
+    ):
         measured.read(bent, Reading(stiffness=math.inf))
 
 
@@ -133,7 +135,7 @@ def test_positions_come_with_the_sign_of_their_name(tmp_path: Path, title: str) 
     curve = one(written(tmp_path, table((title, sign * Z * 1e9), ("Force (nN)", LOAD * 1e9))), Reading(stiffness=0.1))
     assert curve.stiffness == (0.1 if device else None)
     np.testing.assert_allclose(curve.device, Z, rtol=1e-12, atol=1e-20)
-    assert ("turned" in curve.flags[0]) == (sign < 0)
+    assert ("sign changed" in curve.flags[0]) == (sign < 0)
 
 
 def test_the_data_tell_the_sign_of_a_z_and_the_user_overrules_it(tmp_path: Path) -> None:
@@ -141,7 +143,7 @@ def test_the_data_tell_the_sign_of_a_z_and_the_user_overrules_it(tmp_path: Path)
     curve = one(path)
     np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
     assert curve.flags[0] == (
-        'displacement from column 1 "Z (nm)", its sign turned: a position of the piezo, at whose lower end the load '
+        'displacement from column 1 "Z (nm)", sign changed: a position of the piezo, at whose lower end the load '
         "is largest"
     )
     np.testing.assert_allclose(one(path, Reading(factors={"delta": -1.0})).delta, -Z, rtol=1e-12)
@@ -180,7 +182,7 @@ def test_the_spring_constant_stands_in_the_head(tmp_path: Path, line: str) -> No
     path = written(tmp_path, line + "\n" + table(("Height (nm)", -Z * 1e9), ("Force (nN)", LOAD * 1e9)))
     assert one(path).stiffness == 0.05
     assert one(path, Reading(stiffness=0.2)).flags[-1] == (
-        "stiffness 0.2 N/m as told, the header of the file says 0.05 N/m"
+        "stiffness 0.2 N/m as specified, the header of the file says 0.05 N/m"
     )
 
 
@@ -324,7 +326,7 @@ def test_unit_and_factor_overrule_the_header(tmp_path: Path) -> None:
     curve = one(path, Reading(units={"P": "uN"}, factors={"P": 2.0, "delta": 0.5}))
     np.testing.assert_allclose(curve.P, 2e3 * LOAD, rtol=1e-12)
     np.testing.assert_allclose(curve.delta, Z / 2, rtol=1e-12)
-    assert curve.flags == ('column 2 "P_nN" read in uN as told, its header says nN',)
+    assert curve.flags == ('column 2 "P_nN" read in uN as specified, its header says nN',)
 
 
 @pytest.mark.parametrize("names", [("piezo", "deflection"), ("1", "2"), ("delta", "P")])
@@ -348,7 +350,7 @@ def test_a_unit_told_of_a_column_overrules_its_header(tmp_path: Path) -> None:
     path = written(tmp_path, table(("delta_nm", Z * 1e9), ("P_nN", LOAD * 1e9)))
     curve = one(path, Reading(units={"2": "uN"}))
     np.testing.assert_allclose(curve.P, 1e3 * LOAD, rtol=1e-12)
-    assert curve.flags == ('column 2 "P_nN" read in uN as told, its header says nN',)
+    assert curve.flags == ('column 2 "P_nN" read in uN as specified, its header says nN',)
 
 
 SPELT = ("Weg in mm;Kraft in N", "Weg mm;Kraft N", "Weg (Millimeter);Kraft (Newton)", "Déplacement [mm];Effort [N]",

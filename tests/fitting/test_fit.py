@@ -136,7 +136,7 @@ def test_radii_far_beyond_the_case_are_solved_for() -> None:
     curve = Curve("optical", a=made.a[20:], delta=made.delta[20:], P=made.P[20:])
     check(fit(replace(body_of(small), extensible=True), curve, usual()), w=0.04)
     with pytest.raises(
-        InputError, match=r"the data reach contact radii of .*, the series ends at .*: increase \[loading\] radius"
+        InputError, match=r"the data reach contact radii of .*, the solution ends at .*: increase \[loading\] radius"
     ):
         fit(body_of(small), curve, usual())
 

@@ -128,7 +128,7 @@ def test_an_edge_that_rests_throughout_tells_the_least_w() -> None:
     assert item.error is None
     assert item.high is None
     assert made.truth["w_approach"] < item.low < 1.05 * made.truth["w"]
-    assert any(line.startswith("w: the edge of the contact rests in all rows") for line in found.warnings)
+    assert any(line.startswith("w: the contact line is pinned in all rows") for line in found.warnings)
 
 
 def test_directions_that_no_modulus_describes_stand_side_by_side() -> None:

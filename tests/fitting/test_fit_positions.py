@@ -143,8 +143,13 @@ def test_records_of_one_device_share_it() -> None:
         ("hysteresis", {}, {"segment": "retract"}, "needs approach and retraction together: leave --segment out"),
         ("creep", {"t": None}, {}, "needs a column of time, there is none: leave creep out"),
         ("creep", {"t": np.zeros(2 * ROWS)}, {}, "needs a column of time, there is none: leave creep out"),
-        ("creep", {}, {"branch": "compressive"}, "is told by a whole record, which knows no range, .*"),
-        ("hysteresis", {}, {"free": ["hysteresis", "range"]}, "is told by a whole record, which knows no range, .*"),
+        ("creep", {}, {"branch": "compressive"}, "is told by a whole force curve, which knows no range, .*"),
+        (
+            "hysteresis",
+            {},
+            {"free": ["hysteresis", "range"]},
+            "is told by a whole force curve, which knows no range, .*",
+        ),
     ],
 )
 def test_what_does_not_tell_an_error_of_positions_is_refused(
@@ -158,7 +163,7 @@ def test_one_direction_or_prepared_readings_do_not_tell_it() -> None:
     curve = made(bowed(0.0))
     with pytest.raises(InputError, match=r"^made: hysteresis needs approach and retraction together, only one can be"):
         fit(BODY, curve.rows(np.arange(ROWS)), usual(free=["hysteresis"], contact="fitted"))
-    with pytest.raises(InputError, match="hysteresis is for raw records of displacement and load"):
+    with pytest.raises(InputError, match="hysteresis is for raw force curves of displacement and load"):
         fit(BODY, curve, usual(free=["hysteresis"], contact="as-is"))
 
 

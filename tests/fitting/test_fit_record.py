@@ -214,8 +214,9 @@ def test_a_record_beside_whose_device_the_specimen_is_rigid_determines_no_modulu
     with pytest.raises(InputError) as error:
         fit(BODY, Curve("made", delta=z - P / 0.1, P=P, stiffness=0.1), usual())
     assert str(error.value) == (
-        "made: E* is not determined, its standard error is more than 1000 times itself: for an instrument of 100 mN/m "
-        "the specimen is rigid: check --stiffness and the units"
+        "made: E* is not determined, its standard error is more than 1000 times itself: compared with a cantilever "
+        "of 100 mN/m "
+        "the specimen is nearly rigid: check --stiffness and units"
     )
 
 
@@ -281,7 +282,9 @@ def test_a_drift_needs_both_directions_and_their_time() -> None:
     ):
         with pytest.raises(InputError, match=f"^{told}{reason}$"):
             fit(BODY, held, usual(free=["drift"], **options))
-    with pytest.raises(InputError, match=r"^drift is for raw records of displacement and load, with --contact fitted"):
+    with pytest.raises(
+        InputError, match=r"^drift is for raw force curves of displacement and load, with --contact fitted"
+    ):
         as_raw_force_curve(curve, usual(free=["drift"], contact="as-is"))
 
 
@@ -333,7 +336,7 @@ def test_what_there_is_of_a_record_is_fitted(chosen: Callable[[np.ndarray, np.nd
     if w.error is None:
         assert w.low is not None
         assert 0.7e-4 < w.low < 1e-4
-        assert any("the edge of the contact rests in all rows" in line for line in found.warnings)
+        assert any("the contact line is pinned in all rows" in line for line in found.warnings)
     else:
         assert abs(w.value - 1e-4) < 4.5 * w.error < 0.05e-4
     assert "no base line" in found.flags
@@ -380,7 +383,7 @@ def test_what_the_model_of_a_record_does_not_know_is_fitted_to_its_rows(asked: d
     found = fit(BODY, curve, usual(**asked))
     assert abs(found.value("E_star") - E_star) < 3.5 * (found.estimate("E_star").error or 0)
     assert found.rows.size < 0.9 * len(curve)
-    assert "the rows in contact alone are fitted" in " ".join(found.warnings)
+    assert "only rows in contact are fitted" in " ".join(found.warnings)
 
 
 def test_estimated_zeros_are_those_of_the_whole_record() -> None:
@@ -476,7 +479,7 @@ def test_a_sine_that_is_not_there_is_not_fitted() -> None:
     found = fit(BODY, curve, usual(base_line="sine"))
     assert found.value("E_star") == fit(BODY, curve, usual()).value("E_star")
     assert "base line: no sine beyond its noise, a straight line is used" in found.warnings
-    with pytest.raises(InputError, match="--base-line sine is for raw records"):
+    with pytest.raises(InputError, match="--base-line sine is for raw force curves"):
         fit(BODY, curve, usual(base_line="sine", contact="as-is"))
 
 
@@ -548,8 +551,16 @@ def test_calibration_is_told_as_a_part_of_its_own() -> None:
 @pytest.mark.parametrize(
     ("stiffness", "options", "said"),
     [
-        (None, {"contact": "fitted"}, "--uncertain stiffness: the record has no stiffness, so it has no effect here"),
-        (0.05, {"contact": "as-is"}, "--uncertain stiffness is for raw records of a device, it has no effect here"),
+        (
+            None,
+            {"contact": "fitted"},
+            "--uncertain stiffness: the force curve has no stiffness, so it has no effect here",
+        ),
+        (
+            0.05,
+            {"contact": "as-is"},
+            "--uncertain stiffness is for raw force curves of an instrument, it has no effect here",
+        ),
     ],
 )
 def test_an_uncertain_input_without_effect_is_refused(

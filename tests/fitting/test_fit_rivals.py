@@ -212,9 +212,9 @@ def test_rungs_are_near_the_fits_with_their_range() -> None:
 
 
 def test_a_change_that_the_first_order_does_not_know_is_no_number() -> None:
-    assert AddedTerm("w", 0.3, {}).words == "a change of w along the record by +30%"
-    assert AddedTerm("w", -53.5, {}).words == "a change of w along the record by more than -70%"
-    assert AddedTerm("modulus", 9.0, {}).words == "a change of E* along the record by more than +120%"
+    assert AddedTerm("w", 0.3, {}).words == "a change of w along the curve by +30%"
+    assert AddedTerm("w", -53.5, {}).words == "a change of w along the curve by more than -70%"
+    assert AddedTerm("modulus", 9.0, {}).words == "a change of E* along the curve by more than +120%"
 
 
 # ---------------------------------------------------------------------- the compressive part alone (Borodich, Galanov)
@@ -228,7 +228,7 @@ def test_the_compressive_part_alone_has_a_model_part_of_what_it_tests() -> None:
     assert math.sqrt(sum(part**2 for part in (modulus.model or {}).values())) < 2 * (modulus.error or 0.0)
     assert set(found.estimate("w").model or {}) <= {RANGE}
     (told,) = [text for text in found.warnings if "no pull-off in the data" in text]
-    assert "not in the errors: a change by 1% along the record of w moves w by" in told
+    assert "not in the errors: a change by 1% along the curve of w moves w by" in told
 
 
 def test_a_sensitivity_to_changes_is_that_of_data_with_such_a_change() -> None:

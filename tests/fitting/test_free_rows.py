@@ -167,7 +167,7 @@ def test_a_rigid_specimen_is_called_so() -> None:
     out = np.where(z > -5e-9, 0.995 * k * z, 0.0)
     P = np.concatenate([into, out[::-1]]) + 1e-11 * rng.normal(size=2 * z.size)
     z = np.concatenate([z, z[::-1]])
-    with pytest.raises(InputError, match=r"for an instrument of .* the specimen is rigid"):
+    with pytest.raises(InputError, match=r"compared with a cantilever of .* the specimen is nearly rigid"):
         fit(body(1e9, 1e-8), Curve("rigid", delta=z - P / k, P=P, stiffness=k), usual())
 
 
@@ -180,7 +180,7 @@ def test_a_contact_much_stiffer_than_its_device_has_a_least_modulus() -> None:
     assert item.high is None
     assert item.low is not None
     assert item.low < E_STAR
-    assert any("times stiffer than the instrument" in line for line in found.warnings)
+    assert any("times stiffer than the cantilever" in line for line in found.warnings)
     assert estimate_words(item, 0.95).startswith("more than ")
 
 

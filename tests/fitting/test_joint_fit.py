@@ -94,7 +94,7 @@ def test_joint_errors_are_those_of_many_records(body: FittedBody) -> None:
 def test_records_of_two_specimens_do_not_share(body: FittedBody) -> None:
     found = together(body, raw(RADII[0], 0), raw(RADII[1], 1, 1.2 * E_STAR))
     assert found.chance < 1e-6
-    assert found.flags[0] == "records do not share it"
+    assert found.flags[0] == "force curves do not share it"
     assert "they do not share E* and w" in found.warnings[0] or "they do not share w and E*" in found.warnings[0]
     assert [round(one["E_star"] / E_STAR, 1) for one in found.alone] == [1.0, 1.2]
 

@@ -251,7 +251,7 @@ def test_the_command_prints_the_table(jkr: Callable[..., Outcome], tmp_path: Pat
                "--stiffness", "1 N/m", "--no-plots", "-o", tmp_path)  # fmt: skip
     assert said.code == 0, said.err
     assert "rejected for" in said.out
-    assert "a rigid base below" in said.out
+    assert "a rigid substrate below" in said.out
     told = json.loads((tmp_path / "curve-fit.json").read_text())["curves"][0]
     assert "relaxation or flow" in told["verdict"]["families"]
     assert len(told["verdict"]["rivals"]) == len(rivals_table(answer("right"))) - 1
@@ -311,7 +311,7 @@ def test_misfit_that_passes_for_slow_noise_makes_no_model_better() -> None:
     drawn = Drawn.of(np.random.default_rng((167, 15, 1)), 1.0)
     found = fit(BODY, curve(wrong_records.layer(drawn)), usual(model="auto"))
     assert found.verdict is not None
-    assert [one.name for one in found.verdict.tied] == ["a rigid base below"]
+    assert [one.name for one in found.verdict.tied] == ["a rigid substrate below"]
     for name, true in drawn.truth.items():
         item = found.estimate(name)
         assert item.error is not None
@@ -450,4 +450,4 @@ def test_a_bound_of_surface_tension_is_for_raw_records(jkr: Callable) -> None:
     Path("table.csv").write_text("delta_m,P_N\n" + "".join(f"{i}e-8,{i**1.5}e-9\n" for i in range(1, 40)))
     done = jkr("fit", "--radius", "5 um", "--nu", "0.5", "table.csv", "--bound", "surface_tension=..30 mN/m")
     assert done.code == 2
-    assert "--bound surface_tension is for raw records, it has no effect here" in done.err
+    assert "--bound surface_tension is for raw force curves, it has no effect here" in done.err

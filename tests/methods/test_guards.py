@@ -38,7 +38,7 @@ spacing = {spacing}
 """
 
 
-REMEDY = "ask for fewer points, larger elements or a cheaper method, or raise the limit by"
+REMEDY = "use fewer points, larger elements or a cheaper method, or raise the limit by"
 
 
 @pytest.mark.parametrize(
@@ -161,7 +161,7 @@ def test_layered_refuses_more_nodes_than_it_takes_before_it_begins(jkr: Callable
     Path("m.csv").write_text("delta_m,P_N\n" + "1e-6,1e-6\n" * 9, encoding="utf-8")
     done = jkr(*words)
     assert done.code == 2, done.err
-    assert done.err.endswith("nodes for 100 radii (limit 4000); ask for a smaller contact\n")
+    assert done.err.endswith("nodes for 100 radii (limit 4000); use a smaller contact\n")
     assert done.err.count("\n") == 1
 
 

@@ -95,18 +95,18 @@ BELOW = (
     " mesh.element_size), or larger values"
 )
 UNREACHED = (
-    "mesh.tolerance: {} is not reached: with {} unknowns the estimated error is {}; ask for a larger one, leave out "
+    "mesh.tolerance: {} is not reached: with {} unknowns the estimated error is {}; use a larger one, leave out "
     "mesh.depth and mesh.width, or use the method layered where it represents the body"
 )
 COST = (
     "{}hybrid: contact radii up to {} need elements of degree {} with about {} unknowns for {} right-hand sides, {} "
-    "and {} MiB (limits {} s, {} MiB): the contact is large against the nearest interface or side ({} away); ask for a"
+    "and {} MiB (limits {} s, {} MiB): the contact is large against the nearest interface or side ({} away); use a"
     " smaller contact or a larger hybrid.tolerance, or use method "
 )
 AXIS = "method hybrid: the exact part needs an isotropic material at the contact: use method "
 ROWS = (
     "{}hybrid: the contact or body is so large against the nearest interface that elements would lie in {} rows (limit"
-    " {}); ask for a smaller contact, or use the method "
+    " {}); use a smaller contact, or use the method "
 )
 UNSURE = "hybrid: the estimated relative error is {} with elements of degree {}, above the tolerance {}; "
 SIDE = (
@@ -114,21 +114,20 @@ SIDE = (
     " less, or use method fem"
 )
 BEYOND = (
-    "loading: a contact radius of {} lies beyond the profile, which ends at r = {}; ask for less, or give a larger "
-    "profile"
+    "loading: a contact radius of {} lies beyond the profile, which ends at r = {}; use less, or give a larger profile"
 )
 REACH = (
-    "loading: a {} of {} cannot be reached: it needs a contact radius beyond the profile, which ends at r = {}; ask "
-    "for less, or give a larger profile"
+    "loading: a {} of {} cannot be reached: it needs a contact radius beyond the profile, which ends at r = {}; use "
+    "less, or give a larger profile"
 )
 FEM_RIGID = "fem (with a rigid indenter)"
 FALLS = (
     "the displacement falls beyond the contact radius {}: a coating so much stiffer than what lies below it is no "
-    "longer touched in a disc that grows; ask for a smaller radius"
+    "longer touched in a disc that grows; use a smaller radius"
 )
 MUCH = (
     "layered: a = {} m is {} times the length over which the layers act ({} m) and needs {} nodes for {} radii (limit "
-    "{}); ask for a smaller contact"
+    "{}); use a smaller contact"
 )
 FORMULAE = (
     "method closed-form: solves homogeneous half-spaces and thin single isotropic layers only: use method {} (or fem)"
@@ -170,7 +169,7 @@ KINDS = {
         {"mesh": {"growth": 0.5}}, near=0.05, jkrcli__methods__fem__mesh__LAYOUT_MOST_CELLS=2100),
     "fem: zones": kind("method fem: " + TOO_MANY + "take a larger mesh.element_size, or a larger mesh.growth",
         {"method": "fem", "mesh": {**ZONES, "element_size": 1e-12}}, {"mesh": {"element_size": "1 um"}}),
-    "fem: a tolerance of too many": kind("method fem: " + TOO_MANY + "ask for a larger mesh.tolerance, or use the "
+    "fem: a tolerance of too many": kind("method fem: " + TOO_MANY + "use a larger mesh.tolerance, or use the "
         "method layered where it represents the body",
         {"method": "fem", "specimen": HALF_SPACE, "mesh": {"tolerance": 1e-6}}, {"mesh": {"tolerance": 1e-3}}),
     "fem: refined zone": kind(ZONE, fem({"contact_radius": "3 um"}),
@@ -188,7 +187,8 @@ KINDS = {
         "method fem: mesh.depth: {} m leaves too little of the half-space below contact and layers; give more than {} "
         "m or leave it out", fem({"depth": "15 um"}, specimen=HALF_SPACE),
         lambda said: {"mesh": {"depth": 1.001 * float(said[1])}}, {"mesh": {"depth": None}}, near=None),
-    "fem: depth on a base": kind("method fem: mesh.depth: the specimen ends at its rigid base, {} m deep: leave it out",
+    "fem: depth on a base": kind("method fem: mesh.depth: the specimen ends at its rigid substrate, {} m deep: leave "
+    "it out",
         fem({"depth": "20 um"}), {"mesh": {"depth": None}}),
     "fem: width of a cylinder": kind("method fem: mesh.width: the specimen ends at its radius, {} m: leave it out",
         fem({"width": "60 um"}, specimen=cylinder("60 um")), {"mesh": {"width": None}}),
@@ -254,10 +254,10 @@ KINDS = {
         {**HYBRID, "specimen": {"layers": [layer("1 um")]}, "loading": {"radius": "20 um"}},
         LAYERED, fem(), {"loading": {"radius": "2 um"}}, jkrcli__methods__hybrid__correction__LINE_MOST=15),
     "hybrid: accuracy": kind(
-        UNSURE + "set hybrid.tolerance to {}, or ask for a smaller contact radius or use method fem",
+        UNSURE + "set hybrid.tolerance to {}, or use a smaller contact radius or use method fem",
         {**HYBRID, "specimen": ROD, "loading": {"radius": "0.5 um"}},
         lambda said: {"hybrid": {"tolerance": float(said[3])}}, {"loading": {"radius": "20 nm"}}, fem(), near=None),
-    "hybrid: no such tolerance": kind(UNSURE + "ask for a smaller contact radius or use method fem",
+    "hybrid: no such tolerance": kind(UNSURE + "use a smaller contact radius or use method fem",
         {**HYBRID, "specimen": ROD, "loading": {"radius": "1 um"}},
         {"loading": {"radius": "20 nm"}}, fem(), near=None),
     "hybrid: no radius found": kind("hybrid: no largest contact radius was found within {} kernels, the last up to {}: "
@@ -284,14 +284,14 @@ KINDS = {
         {**LAYERED, "loading": {"radius": "100 um", "points": 1}}, {"loading": {"radius": "10 um"}},
         jkrcli__methods__layered__contact__LAYERED_MOST_NODES=35),
     "layered: accuracy": kind("layered: the estimated relative error is {} with {} nodes, above the tolerance {}; set "
-        "layered.tolerance to {}, or ask for a smaller contact radius",
+        "layered.tolerance to {}, or use a smaller contact radius",
         {**LAYERED, "specimen": THIN, "loading": {"radius": "100 um"}},
         lambda said: {"layered": {"tolerance": float(said[3])}}, {"loading": {"radius": "10 um"}}),
     "layered: no such tolerance": kind("layered: the estimated relative error is {} with {} nodes, above the tolerance "
-        "{}; ask for a smaller contact radius",
+        "{}; use a smaller contact radius",
         {**LAYERED, "specimen": RUBBER, "loading": {"radius": "50 um", "points": 1}},
         {"loading": {"radius": "2 um"}}, jkrcli__methods__integral__fredholm__QUADRATURE_FREQUENCY=0.1),
-    "layered: kernel not resolved": kind("layered: {} nodes do not resolve the kernel, the error is not known; ask for "
+    "layered: kernel not resolved": kind("layered: {} nodes do not resolve the kernel, the error is not known; use "
         "more points or a smaller contact radius",
         {**LAYERED, "specimen": RUBBER, "loading": {"radius": "200 um", "points": 1}},
         {"loading": {"points": 100}}, {"loading": {"radius": "2 um"}}, near=None,

@@ -85,8 +85,7 @@ def test_a_fit_beyond_its_time_is_refused_before_its_tables_are_read(jkr, tmp_pa
     done = jkr("fit", "s.toml", "long.csv", "--limit-time", "0.01")
     assert done.code == 2
     assert (
-        "the limit is 0.01 h: ask for fewer rows, curves or samples, or raise the limit by --limit-time 0.019"
-        in done.err
+        "the limit is 0.01 h: use fewer rows, curves or samples, or raise the limit by --limit-time 0.019" in done.err
     )
 
 
@@ -134,7 +133,7 @@ def test_intervals_are_announced_and_refused_before_anything_is_read(
     assert told in jkr("fit", "s.toml", "x.csv", *words).err
     done = jkr("fit", "s.toml", "x.csv", *words, "--limit-time", "1e-4")
     assert done.code == 2
-    assert "ask for fewer rows, curves or samples, or raise the limit by --limit-time" in done.err
+    assert "use fewer rows, curves or samples, or raise the limit by --limit-time" in done.err
 
 
 def test_intervals_of_many_curves_are_refused_when_these_are_known(jkr) -> None:
@@ -167,7 +166,7 @@ def test_devices_count_in_what_is_announced_and_refused(jkr, monkeypatch: pytest
     assert "pull-off of 100 rows for 1 works of adhesion under 2,000 controls needs about 0.108 GiB" in jkr(*words).err
     done = jkr(*words, "--limit-time", "1e-3")
     assert done.code == 2
-    assert "ask for fewer rows, files, controls or works of adhesion, or leave out the plots, or raise" in done.err
+    assert "use fewer rows, files, controls or works of adhesion, or leave out the plots, or raise" in done.err
 
 
 SWEEP = """
@@ -185,7 +184,7 @@ count = {}
     ("radii", "cases", "said"),
     [
         (250_000, 2, "x.toml: is larger than 2 MiB"),
-        (2_000, 2, "make 12,000 columns, at most 10,000 are written; ask for fewer"),
+        (2_000, 2, "make 12,000 columns, at most 10,000 are written; use fewer"),
         (1_000, 20_000, "20,000 cases of 6,023 columns, 120,460,000 cells, at most 100,000,000 are written"),
     ],
 )
@@ -211,7 +210,7 @@ def test_the_curve_of_a_case_is_read_off_at_all_radii_together(jkr, monkeypatch:
     assert row.status == "ok"
     assert max(calls) == 91  # those within the series
     assert len(calls) < 30
-    assert row.reason.count("lies outside the series") == 9
+    assert row.reason.count("lies outside the solution") == 9
     wanted = Wanted(plan.recipe.wanted.names)
     fewer = replace(plan, recipe=replace(plan.recipe, wanted=wanted))
     assert forecast(plan, groups) - forecast(fewer, groups) == pytest.approx(600 * (6e-4 + 2 * 5e-6), rel=0.2)

@@ -154,7 +154,7 @@ def test_what_igor_declares_is_compared_with_what_is_there(jkr: Run) -> None:
     Path("x.ibw").write_bytes(whole[:-1])
     refused(jkr("look", "x.ibw", "--no-plots"), f"is cut off: holds {len(whole) - 1:,} bytes of {len(whole):,}")
     Path("x.ibw").write_bytes(whole[:80] + b"\1" + whole[81:])
-    refused(jkr("look", "x.ibw", "--no-plots"), "the checksum of its head is wrong")
+    refused(jkr("look", "x.ibw", "--no-plots"), "the checksum of its header is wrong")
 
 
 @pytest.mark.usefixtures("afm")

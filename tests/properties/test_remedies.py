@@ -111,13 +111,14 @@ def agrees(tables: Tree, found: Tree, near: float) -> None:
 # ---------------------------------------------------------------------- refusals by other ways than jkr run
 OTHERS = {
     "fields": "fields: under an elastic indenter the displacement of the body's surface must be given",
-    "memory": "{} would need about {} GiB of memory and {} of CPU time, the limit is {} GiB: ask for fewer points, "
+    "memory": "{} would need about {} GiB of memory and {} of CPU time, the limit is {} GiB: use fewer points, "
     "larger elements or a cheaper method, or raise the limit by --limit-memory {}",
     "memory of the machine": "--limit-memory {} if the machine has that much",
-    "time": "{} would need about {} GiB of memory and {} of CPU time, the limit is {} h: ask for fewer points, larger "
+    "time": "{} would need about {} GiB of memory and {} of CPU time, the limit is {} h: use fewer points, larger "
     "elements or a cheaper method, or raise the limit by --limit-time {}",
-    "half-space of finite radius": "a body of finite radius needs a rigid base: give the depth as a layer's thickness",
-    "exact slopes": "slopes: this series carries no exact S and dS/da; use the slopes 'integral' or 'loocv', or a "
+    "half-space of finite radius": "a body of finite radius needs a rigid substrate: give the depth as a layer's "
+    "thickness",
+    "exact slopes": "slopes: this solution carries no exact S and dS/da; use the slopes 'integral' or 'loocv', or a "
     "method that gives them (closed-form, layered, hybrid; fem with edge correction and error estimate)",
     "loocv": "slopes 'loocv': needs at least 5 points with different contact radii, got {}; give more increments, or "
     "refine the mesh where radii repeat",
@@ -252,7 +253,7 @@ def test_a_profile_that_is_not_accurate_enough(jkr) -> None:
     words = ("profile", "x.h5", "--w", "0", "--a")
     refused = jkr(*words, "100 um")
     assert refused.code == 2
-    assert "ask for a smaller contact radius" in refused.err
+    assert "use a smaller contact radius" in refused.err
     assert "layered.tolerance" not in refused.err
     assert jkr(*words, "10 um").code == 0
 
@@ -306,7 +307,7 @@ BY_OTHER_VERBS = (  # refused to transform, or at sizes that take long: tests of
     # and tests of adhesion on bodies that relax
     "cycle: the edge of the contact takes more than {} steps, as its cohesive zone is ",
     "narrow: give a smaller --stress (a longer --range)",
-    "cycle: the edge of the contact is lost sight of at t = {}: a jump there would ",
+    "cycle: the contact edge cannot be followed beyond t = {}: a jump there would ",
     "win energy; give a smaller --stress",
     "cycle: the surfaces attract each other ever farther out",
 )

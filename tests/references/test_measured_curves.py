@@ -63,4 +63,4 @@ def test_a_stiffness_against_that_of_the_file_is_warned_of(jkr: Callable[..., Ou
     body = ("--radius", "5 um", "--nu", "0.5", "--segment", "approach", "--fix", "w=0", "--stiffness", "rigid")
     done = jkr("fit", *body, str(TABLES / "spot.csv"), "--no-plots", "-o", "found")
     assert done.code == 0
-    assert "stiffness rigid as told, the header of the file says 0.0434937 N/m" in done.err
+    assert "stiffness rigid as specified, the header of the file says 0.0434937 N/m" in done.err

@@ -257,7 +257,7 @@ WRONG = {
     "misspelt": ('"roller"', '"rolled"', 'specimen.side: must be one of free, roller, clamped, got "rolled", '
                  'did you mean "roller"?'),
     "half-space": ('base = "frictionless"', "half_space = { E = 1, nu = 0.3 }",
-                   "specimen: a cylinder (radius and side) stands on a rigid base: leave out half_space"),
+                   "specimen: a cylinder (radius and side) stands on a rigid substrate: leave out half_space"),
 }  # fmt: skip
 
 

@@ -93,7 +93,7 @@ def test_slip_is_the_other_way_round() -> None:
 
 def test_a_base_of_the_layers_own_material_is_the_half_space() -> None:
     rows = found(layer(a, GLASS), 1.0)
-    base, formula = rows["elastic base"], rows["half-space formula"]
+    base, formula = rows["elastic substrate"], rows["half-space formula"]
     assert formula.included
     assert formula.key == ""
     assert base.load == pytest.approx(formula.load, rel=1e-4)
@@ -104,7 +104,7 @@ def test_a_base_of_the_layers_own_material_is_the_half_space() -> None:
 def test_layers_far_thicker_than_the_contact_matter_as_little_as_their_base() -> None:
     rows = found(layer(1e3 * a))
     assert rows["half-space formula"].load == pytest.approx(0, abs=2e-3)
-    assert rows["elastic base"].load == pytest.approx(0, abs=1e-5)
+    assert rows["elastic substrate"].load == pytest.approx(0, abs=1e-5)
 
 
 def test_large_strains_are_those_of_rubber() -> None:

@@ -172,7 +172,7 @@ def test_a_displacement_that_falls_is_refused_with_the_radius_that_works() -> No
     """A cone on a coating 700 times stiffer than its substrate."""
     specimen = Specimen((Layer(Elastic(1.0, 0.141), 1.0),), HalfSpace(Elastic(0.0013937, 0.3)))
     problem = Problem(PowerLaw(0.1, 1.0), specimen, Loading("radius", 2.0, 60))
-    with pytest.raises(Refusal, match=r"falls beyond the contact radius 1 m: .*; ask for a smaller radius"):
+    with pytest.raises(Refusal, match=r"falls beyond the contact radius 1 m: .*; use a smaller radius"):
         Layered()(problem)
     assert len(Layered()(replace(problem, loading=Loading("radius", 0.99, 60))).series) == 60
 

@@ -63,7 +63,7 @@ def slopes_function(name: str) -> Rule:
 
 
 register(
-    Rule("exact", "The slopes that the series carries; nothing is smoothed.", "jkrcli.adhesion.slopes.result:exact")
+    Rule("exact", "The slopes that the solution carries; nothing is smoothed.", "jkrcli.adhesion.slopes.result:exact")
 )
 SENTENCE = "S' and d(delta_H)/da fitted through their integrals; nothing is differentiated."
 register(Rule("integral", SENTENCE, "jkrcli.adhesion.slopes.integral:integral"))

@@ -35,7 +35,7 @@ def slopes(series: Series, name: str = "auto", against: tuple[Series, Slopes] | 
                 S, dS = (np.exp(np.interp(x, known, np.log(values))) for values in (fitted.S, fitted.dS))
                 fitted = replace(fitted, S=S, dS=dS)
             by_rule = replace(_measured_against(by_rule, fitted), against=against)
-        return replace(by_rule, reason=f"asked for; {by_rule.reason}" if by_rule.reason else "asked for")
+        return replace(by_rule, reason=f"requested; {by_rule.reason}" if by_rule.reason else "requested")
     if series.S is not None and series.dS is not None:
         return _carried(series)
     return _surer(series)
@@ -47,7 +47,7 @@ def _carried(series: Series) -> Slopes:
     bends it errs more."""
     exact = slopes_function("exact")(series)
     if isinstance(exact.error, Unknown) or exact.error <= UNSEEN or "dS" not in series.errors:
-        return replace(exact, reason="the series carries exact slopes")
+        return replace(exact, reason="the solution carries exact slopes")
     if series.a0 > 0:
         reason = "a smooth fit errs at the edge of the flat end"
     elif any(series.a[0] < bend < series.a[-1] for bend in series.bends):
@@ -57,9 +57,9 @@ def _carried(series: Series) -> Slopes:
     elif (beyond := np.mean(np.abs(fitted.dS - exact.dS) > series.errors["dS"])) > CHOICE_FEW:
         reason = f"'integral' leaves their stated error at {beyond:.0%} of the radii"
     else:
-        reason = f"smoother than the slopes that the series carries, within their stated error ({exact.error:.1g})"
+        reason = f"smoother than the slopes that the solution carries, within their stated error ({exact.error:.1g})"
         return replace(fitted, reason=reason)
-    return replace(exact, reason=f"the series carries slopes, and {reason}")
+    return replace(exact, reason=f"the solution carries slopes, and {reason}")
 
 
 def smoothed(
@@ -111,16 +111,16 @@ def _surer(series: Series) -> Slopes:
     """The slopes of "integral" or "loocv", those with the smaller estimate of their error."""
     fitted = slopes_function("integral")(series)
     if fitted.correlation is not None:
-        reason = f"the series is noisy and carries no exact slopes{_towards(series.own)}{_unseen(fitted)}"
+        reason = f"the solution is noisy and carries no exact slopes{_towards(series.own)}{_unseen(fitted)}"
         return replace(fitted, reason=reason)
     try:
         paper = _measured_against(slopes_function("loocv")(series), fitted)
     except InputError:
-        return replace(fitted, reason="the series carries no exact slopes, and those of 'loocv' are not positive")
+        return replace(fitted, reason="the solution carries no exact slopes, and those of 'loocv' are not positive")
     if _number(paper) < _number(fitted):
         fitted, paper = paper, fitted
     others = f"by {paper.method!r} {_words(paper)}"
-    return replace(fitted, reason=f"the series carries no exact slopes; estimated error {_words(fitted)}, {others}")
+    return replace(fitted, reason=f"the solution carries no exact slopes; estimated error {_words(fitted)}, {others}")
 
 
 def _number(fitted: Slopes) -> float:

@@ -120,7 +120,8 @@ def exact(series: Series) -> Slopes:
     """S and S' of the series as they are; refused where the method that made it does not know them."""
     if series.S is None or series.dS is None:
         raise Refusal(
-            "slopes: this series carries no exact S and dS/da; use the slopes 'integral' or 'loocv', or a method that "
+            "slopes: this solution carries no exact S and dS/da; use the slopes 'integral' or 'loocv', or a method "
+            "that "
             "gives them (closed-form, layered, hybrid; fem with edge correction and error estimate)"
         )
     covariance = covariance_from_errors(series.a, series.errors, series.dS)

@@ -549,7 +549,7 @@ def load_plan(path: Path) -> Plan:
     axes, first = resolve(model, tables, folder, source)
     if wanted.needs_w and not any(first.adhesion.w):
         raise InputError(
-            f"{source}: the quantities asked for need a work of adhesion: vary adhesion.w, or set it in the base case"
+            f"{source}: the requested quantities need a work of adhesion: vary adhesion.w, or set it in the base case"
         )
     # The base case with a profile's points in place of the name of their file, so that workers need no file
     indenter = tables.get("indenter", {})
@@ -565,7 +565,7 @@ def load_plan(path: Path) -> Plan:
     if (cells := plan.count * len(wanted.columns)) > MOST_CELLS:
         raise InputError(
             f"{source}: makes {plan.count:,} cases of {len(wanted.columns):,} columns, {cells:,} cells, at most "
-            f"{MOST_CELLS:,} are written; ask for fewer cases, quantities, radii or devices"
+            f"{MOST_CELLS:,} are written; use fewer cases, quantities, radii or devices"
         )
     return plan
 
@@ -576,7 +576,7 @@ def _wanted(model: SweepModel, source: str) -> Wanted:
     if columns > MOST_COLUMNS:
         raise InputError(
             f"{source}: outputs.radii and outputs.stiffness make {columns:,} columns, at most {MOST_COLUMNS:,} are "
-            "written; ask for fewer"
+            "written; use fewer"
         )
     rule = checked_rule(outputs.slopes, f"{source}: outputs.slopes")
     names = names_of(outputs.quantities, source)

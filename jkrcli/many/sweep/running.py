@@ -428,7 +428,7 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say, picture
             most, least = (
                 left * (_beside(plan, plan.count) + count * each) for count in (plan.count, plan.least_solves)
             )
-            say(f"all cases: at most about {duration(most)} of CPU time, were each solved on its own as the first")
+            say(f"all cases: at most about {duration(most)} of CPU time, if each is solved separately like the first")
             so_many = f"{plan.count:,} cases with at least {plan.least_solves:,} solves"
             _guard(so_many, least, means.hours, ", as the first case does")
         groups = _left(plan, journal, say)
@@ -506,7 +506,7 @@ def _guard(what: str, seconds: float, hours: float, likewise: str = "") -> None:
     if seconds > 3600 * hours:
         raise InputError(
             f"--hours: {what} would take about {seconds / 3600:.3g} core hours{likewise}, more than the limit of "
-            f"{hours:g}; raise it by --hours {math.ceil(1.5 * seconds / 3600)}, or ask for fewer cases, fewer points "
+            f"{hours:g}; raise it by --hours {math.ceil(1.5 * seconds / 3600)}, or use fewer cases, fewer points "
             "or a cheaper method"
         )
 

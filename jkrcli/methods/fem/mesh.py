@@ -449,7 +449,7 @@ def truncate(problem: Problem, reach: float, depth: float | None, width: float |
         bonded, far = base.bonded, reach + (CUT_BONDED if base.bonded else CUT_SLIDING) * decay
         if depth is not None:
             raise Refusal(
-                f"mesh.depth: the specimen ends at its rigid base, {specimen.thickness:g} m deep: leave it out"
+                f"mesh.depth: the specimen ends at its rigid substrate, {specimen.thickness:g} m deep: leave it out"
             )
     cut_below, cut_beside = isinstance(base, HalfSpace), specimen.radius is None
     completed = cut_below and depth is None and width is None
@@ -902,7 +902,7 @@ def layout_for(options: FEMOptions, problem: Problem, reach: float) -> Layout:
     if (cells := layout.expected_cells()) > LAYOUT_MOST_CELLS:
         # Remedy for too many cells
         if options.tolerance is not None:
-            remedy = "ask for a larger mesh.tolerance, or use the method layered where it represents the body"
+            remedy = "use a larger mesh.tolerance, or use the method layered where it represents the body"
         else:
             size = "mesh.element_size" if options.layout == "zones" else "mesh.spacing or mesh.smallest"
             quads = options.element == "quadrilateral"

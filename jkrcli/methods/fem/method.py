@@ -173,7 +173,7 @@ def _unreached(tolerance: float, reached: Estimate, solved: Run) -> Refusal:
     error = reached if isinstance(reached, Unknown) else f"the estimated error is {reached:.1e}"
     unknowns = solved.level.model.system.free.size
     return Refusal(
-        f"mesh.tolerance: {tolerance:g} is not reached: with {unknowns} unknowns {error}; ask for a larger one, leave "
+        f"mesh.tolerance: {tolerance:g} is not reached: with {unknowns} unknowns {error}; use a larger one, leave "
         "out mesh.depth and mesh.width, or use the method layered where it represents the body"
     )
 
@@ -224,7 +224,7 @@ class FEM(FEMOptions):
                 f"use method {other}, or a rigid indenter"
             )
         if specimen.radius is not None and isinstance(specimen.base, HalfSpace):
-            return "a body of finite radius needs a rigid base: give the depth as a layer's thickness"
+            return "a body of finite radius needs a rigid substrate: give the depth as a layer's thickness"
         if any(material.surface.nu == 0.5 for material in specimen.materials):
             if self.order == 1:
                 return "nu = 0.5 needs second-order elements: set mesh.order = 2"

@@ -1000,6 +1000,6 @@ def _warnings(options: FEMOptions, run: Run) -> Iterator[str]:
     if run.dropped and (problem.loading.spacing in ("given", "log") or 2 * run.dropped > len(increments)):
         yield (
             f"{run.dropped} of {len(increments)} requested values share a node with another or lie below the first "
-            "node and are not in the series: take a finer mesh (mesh.spacing, mesh.smallest, mesh.element_size), or "
+            "node and are not in the solution: take a finer mesh (mesh.spacing, mesh.smallest, mesh.element_size), or "
             "fewer values"
         )

@@ -509,7 +509,7 @@ class AdaptiveKernel:
                 f"{cost.unknowns} unknowns for {levels.count} right-hand sides, {duration(cost.seconds)} and "
                 f"{cost.memory_mib:.0f} MiB (limits {HYBRID_MOST_SECONDS:g} s, {HYBRID_MOST_MIB:g} MiB): the contact "
                 f"is large against the nearest interface or side ({away} away); "
-                "ask for a smaller contact or a larger hybrid.tolerance, or use method "
+                "use a smaller contact or a larger hybrid.tolerance, or use method "
                 f"{instead(self.indenter, self.specimen)}"
             )
 
@@ -588,7 +588,7 @@ class AdaptiveKernel:
         remedy = tolerance_remedy("hybrid", float(errors.total.max()))
         raise Refusal(
             f"hybrid: the estimated relative error is {errors.total.max():.1e} with elements of degree {tried.degree}, "
-            f"above the tolerance {self.tolerance:.1e}; {remedy}ask for a smaller contact radius or use method "
+            f"above the tolerance {self.tolerance:.1e}; {remedy}use a smaller contact radius or use method "
             f"{instead(self.indenter, self.specimen)}"
         )
 

@@ -81,7 +81,7 @@ class Hybrid(HybridOptions):
         of_equation = 8 * 6 * nodes**2 / 2**20
         if kept := self._kept(problem):
             seconds = 0.02 + (0.8 if kept.of_side else 0.0) + (1 + len(kept.weights)) * equation
-            return Forecast(seconds, 20 + of_equation, self.tolerance, "with the kernel of the series")
+            return Forecast(seconds, 20 + of_equation, self.tolerance, "with the kernel of the solution")
         levels = body.levels(_expected_radius(problem, body))
         solves, last = body.expected_cost(levels)
         seconds = 0.02 + solves
@@ -203,7 +203,7 @@ def _unable(problem: Problem) -> str | None:
     if specimen.is_half_space:
         return "a homogeneous half-space needs no correction: use method closed-form or layered"
     if specimen.radius is not None and isinstance(specimen.base, HalfSpace):
-        return "a body of finite radius needs a rigid base: give the depth as a layer's thickness"
+        return "a body of finite radius needs a rigid substrate: give the depth as a layer's thickness"
     if isinstance(specimen.base, HalfSpace) and isinstance(specimen.base.material, TransverselyIsotropic):
         return "the far field of a transversely isotropic half-space is not known here: use method layered or fem"
     if isinstance(specimen.materials[0], Graded) and specimen.radius is None:

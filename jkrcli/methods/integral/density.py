@@ -171,7 +171,7 @@ def refuse_shrinking(a: Array, delta: Array) -> None:
     if falls.size:
         raise Refusal(
             f"the displacement falls beyond the contact radius {show(float(a[falls[0]]), 'length')}: a coating so "
-            "much stiffer than what lies below it is no longer touched in a disc that grows; ask for a smaller radius"
+            "much stiffer than what lies below it is no longer touched in a disc that grows; use a smaller radius"
         )
 
 
@@ -198,7 +198,8 @@ def disc_warnings(
         if words := _broken(phi.anchored(), contact.E_star / 2, P, end):
             return (
                 f"at the contact radius {show(phi.a, 'length')} {words}: the contact without adhesion is not a full "
-                "disc there, the adhesive curve is right only where adhesion holds it together; load less, or see "
+                "disc there, the adhesive curve is right only where adhesion holds it together; use a smaller load, "
+                "or see "
                 "jkr profile",
             )
     return ()

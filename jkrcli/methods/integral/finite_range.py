@@ -370,7 +370,7 @@ def panels_for(reach: float, a0: float, scale: float, tolerance: float, crowding
         raise Refusal(
             f"adhesion of finite range: it reaches out to {show(reach, 'length')}, {reach / scale:.3g} times the "
             f"length over which the body acts, and needs {plan.nodes} polynomials (limit {ATTRACTION_MOST_NODES}); "
-            "ask for a smaller contact, or a larger stress (a shorter range)"
+            "use a smaller contact, or a larger stress (a shorter range)"
         )
     return Panels.through(end, plan, a0)
 

@@ -256,7 +256,7 @@ class IndenterOnLayers(ABC):
         if math.isinf(best):
             raise self.unresolved(plan, failure)
         missed = f"layered: the estimated relative error{self.what} is {best:.1e} with {plan.nodes} {self.rows}, above "
-        missed, smaller = f"{missed}the tolerance {tolerance:.1e}; ", "ask for a smaller contact radius"
+        missed, smaller = f"{missed}the tolerance {tolerance:.1e}; ", "use a smaller contact radius"
         raise InaccurateError(f"{missed}{tolerance_remedy('layered', best)}{smaller}", f"{missed}{smaller}", best)
 
 
@@ -306,7 +306,7 @@ class LayeredContact(IndenterOnLayers):
             raise Refusal(
                 f"layered: a = {radii[-1]:g} m is {radii[-1] / self.spectrum.scale:.4g} times the length over which "
                 f"the layers act ({self.spectrum.scale:.3g} m) and needs {plan.nodes} nodes for {radii.size} radii "
-                f"(limit {LAYERED_MOST_NODES}); ask for a smaller contact{fewer}"
+                f"(limit {LAYERED_MOST_NODES}); use a smaller contact{fewer}"
             )
 
     def solved(self, radii: Array, plan: Quadrature) -> ContactResult:
@@ -355,7 +355,7 @@ class LayeredContact(IndenterOnLayers):
         return plan.finer() if self.spectrum.tail is None else plan.narrower()
 
     def unresolved(self, plan: Quadrature, failure: SolveError) -> InaccurateError:
-        missed = f"layered: {plan.nodes} nodes do not resolve the kernel, the error is not known; ask for "
+        missed = f"layered: {plan.nodes} nodes do not resolve the kernel, the error is not known; use "
         less = "a smaller contact radius"
         return InaccurateError(f"{missed}more points or {less}", f"{missed}{less}")
 

@@ -320,7 +320,7 @@ class SurfaceTensionSolver(IndenterOnLayers):
             raise Refusal(
                 f"layered: a = {radii[-1]:g} m is {radii[-1] / self.scale:.4g} times the length over which the layers "
                 f"act and needs {plan.nodes} nodes under surface tension for {radii.size} radii, {flops:.1e} operations"
-                f" (limits {LAYERED_MOST_NODES} and {LAYERED_MOST_FLOPS:.0e}); ask for a smaller contact or fewer "
+                f" (limits {LAYERED_MOST_NODES} and {LAYERED_MOST_FLOPS:.0e}); use a smaller contact or fewer "
                 "points, or use method fem"
             )
 

@@ -262,7 +262,7 @@ def test_an_elastic_indenter_acts_through_the_reduced_modulus():
         (
             Problem(Sphere(1.0), Specimen((Layer(Elastic(1, 0.3), 1.0),), Rigid()), Loading("depth", 1e-3)),
             {"depth": 3.0},
-            "mesh.depth: the specimen ends at its rigid base, 1 m deep: leave it out",
+            "mesh.depth: the specimen ends at its rigid substrate, 1 m deep: leave it out",
         ),
         (
             Problem(Sphere(1.0), Specimen((), HalfSpace(Elastic(1, 0.3))), Loading("radius", 0.1)),

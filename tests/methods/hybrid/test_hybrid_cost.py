@@ -55,7 +55,7 @@ def test_a_contact_beyond_the_limits_is_refused_before_it_is_begun() -> None:
     assert reason is not None
     assert reason.startswith("contact radii up to 1 km need elements of degree ")
     assert reason.endswith(
-        "(limits 60 s, 4096 MiB): the contact is large against the nearest interface or side (1 m away); ask for a "
+        "(limits 60 s, 4096 MiB): the contact is large against the nearest interface or side (1 m away); use a "
         "smaller contact or a larger hybrid.tolerance, or use method fem"
     )
     with pytest.raises(Refusal):
@@ -142,4 +142,4 @@ def test_a_contact_of_a_billion_thicknesses_is_refused_without_its_elements() ->
     problem = Problem(Paraboloid(1e3), specimen, Loading("radius", 1.0))
     reason = Hybrid().refusal(problem)
     assert reason is not None
-    assert "ask for a smaller contact" in reason
+    assert "use a smaller contact" in reason

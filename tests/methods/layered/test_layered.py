@@ -470,9 +470,9 @@ def test_few_radii_on_a_steeply_graded_layer(points: int) -> None:
 @pytest.mark.parametrize(
     ("frequency", "radius", "message"),
     [
-        (0.1, 20.0, "13 nodes do not resolve the kernel, the error is not known; ask for more points or a smaller"),
-        (0.1, 5.0, "above the tolerance 1.0e-08; ask for a smaller contact radius"),
-        (0.5, 5.0, "above the tolerance 1.0e-08; set layered.tolerance to {}, or ask for a smaller contact radius"),
+        (0.1, 20.0, "13 nodes do not resolve the kernel, the error is not known; use more points or a smaller"),
+        (0.1, 5.0, "above the tolerance 1.0e-08; use a smaller contact radius"),
+        (0.5, 5.0, "above the tolerance 1.0e-08; set layered.tolerance to {}, or use a smaller contact radius"),
     ],
 )
 def test_a_remedy_is_a_tolerance_above_the_one_missed_and_allowed(
@@ -500,4 +500,4 @@ def test_rounding_is_no_error_where_the_check_fails(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(LayeredContact, "solved", failing)
     with pytest.raises(Refusal) as caught:
         at(bonded(0.5), Paraboloid(1000.0), 1.0)
-    assert "do not resolve the kernel, the error is not known; ask for more points" in str(caught.value)
+    assert "do not resolve the kernel, the error is not known; use more points" in str(caught.value)

@@ -26,6 +26,8 @@ FREE_WIDEST = 5  # theory: of the free rows, one part: two windows on each side 
 FREE_MOST = 4  # choice: steps of one direction
 FREE_EVEN = 1.6  # choice: of the noise, what the levels beside an edge leave at most: more is ringing
 FREE_LEVEL = 0.35  # choice: of the jump of the contact, the largest level that is a tether's and no second contact's
+FREE_EVEN_LEVEL = 0.5  # theory: of a step of a converter, by which neighbours differ where they are the same
+FREE_RESTS = 0.7  # theory: share of equal neighbours; noise of half a step, which rounding averages over, leaves 0.4
 FREE_CODES = 1.5  # theory: steps of a converter, above which a level is none of them
 # When a bend towards contact is an attraction.
 FREE_BLOCKS = 150  # choice: means of rows that a bend is looked for in
@@ -47,7 +49,7 @@ LAWS: dict[str, Callable[[Array], Array]] = {"exponential": lambda x: np.exp(-x)
 class Side:
     """The free ``rows`` of a direction ``kind``, from the far end inwards, with positions ``x`` [m] and loads ``y``
     [N]; ``contact``: its other rows; ``jump`` [N]: the fall of the load where they meet; ``code`` [N]: the step of the
-    converter."""
+    converter; ``deep``: positions of the other rows [m]."""
 
     kind: str
     rows: Array
@@ -56,6 +58,7 @@ class Side:
     contact: Array
     jump: float
     code: float
+    deep: Array
 
     @property
     def noise(self) -> float:
@@ -104,7 +107,8 @@ class Attraction:
 @dataclass(frozen=True, eq=False)
 class FreeRows:
     """What was taken off the loads of a record: ``taken`` [N] of each row, 0 where nothing is; ``spoilt``: rows within
-    an edge; ``raised``: one standard error of each level [N], by rows. ``bent``: the attraction at other sizes."""
+    an edge; ``raised``: one standard error of each level [N], by rows. ``bent``: the attraction at other sizes;
+    ``rounding`` [N]: what a converter leaves of the offset, where noise does not move it between levels."""
 
     levels: tuple[Level, ...]
     attraction: Attraction | None
@@ -112,9 +116,12 @@ class FreeRows:
     spoilt: Array
     raised: tuple[Array, ...]
     bent: Bent | None
+    rounding: float = 0.0
 
     @property
     def words(self) -> Iterator[str]:
+        if self.rounding:
+            yield f"they rest on levels of a converter: the force offset is known to {show(self.rounding, 'load', 2)}"
         yield from (level.words for level in self.levels)
         if self.attraction is not None:
             yield self.attraction.words
@@ -155,13 +162,29 @@ def free_rows(sides: Sequence[Side], size: int, stiffness: float) -> FreeRows | 
             spoilt.append(side.rows[max(edge - 1, 0) : edge + 2])
         level_free.append(replace(side, y=y))
     bent = _bent(level_free, size, stiffness)
-    if not levels and bent is None:
+    # Rows that rest on one level of a converter, with noise below it, know their load to its share of a level only.
+    rest = [
+        side
+        for side in sides
+        if side.code
+        and side.y.size >= FREE_FEWEST
+        and np.mean(np.abs(np.diff(side.y)) < FREE_EVEN_LEVEL * side.code) > FREE_RESTS
+    ]
+    rounding = max((side.code for side in rest), default=0.0) / math.sqrt(12)
+    if rounding:
+        for power in (0, 1):  # of the offset, and of the tilt over the free way
+            own = np.zeros(size)
+            for side in sides:
+                way = float(np.ptp(side.x)) / 2 or 1.0
+                own[side.contact] = rounding * (side.deep - side.x.mean() if side.x.size else 0.0) ** power / way**power
+            raised.append(own)
+    if not raised and bent is None:
         return None
     attraction = None
     if bent is not None:
         taken += bent.over_rows(bent.best)
         attraction = Attraction(bent.best.sizes[0], bent.error, bent.best.range, bent.best.law)
-    return FreeRows(tuple(levels), attraction, taken, np.concatenate(spoilt), tuple(raised), bent)
+    return FreeRows(tuple(levels), attraction, taken, np.concatenate(spoilt), tuple(raised), bent, rounding)
 
 
 def row_noise(y: Array) -> float:

@@ -63,7 +63,7 @@ def _standing_still(P: Array, z: Array, end: float) -> bool:
     # A load that turns there by itself leaves it slowly: by a parabola that rests within a level for so many rows
     # changes by 4.5 levels in as many more, on the side of no jump.
     sides = P[max(first[i] - count, 0) : first[i] + 1], P[last[i] - 1 : last[i] + count]
-    left = min(float(np.ptp(side)) for side in sides if side.size > count // 2 + 1)
+    left = min((float(np.ptp(side)) for side in sides if side.size > count // 2 + 1), default=float(np.ptp(P)))
     return left > SATURATION_LEVELS * float(levels.min())
 
 
@@ -257,7 +257,7 @@ def segment_force_curve(curve: Curve) -> ForceCurve:
     parts, by_load = _segments_by_motion(curve.device, P) if curve.segment is None else (_named_segments(curve), False)
     sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= FEWEST_ROWS]
     directions = tuple(_direction(curve.device, P, part) for part in sides)
-    held = _free_rows(curve, directions)
+    held = _free_rows(curve, directions, resolution(whole.load))
     plain = ForceCurve(whole, tuple(parts), directions, {}, spikes, spikes[:0]) if held is not None else None
     if held is not None:  # the tip stays at its depth
         curve, whole = (replace(one, P=one.load - held.taken) for one in (curve, whole))
@@ -274,8 +274,9 @@ def segment_force_curve(curve: Curve) -> ForceCurve:
     return ForceCurve(whole, tuple(parts), directions, dict(flags), spikes, limits, held, plain)
 
 
-def _free_rows(curve: Curve, directions: Sequence[Direction]) -> FreeRows | None:
-    """What the free rows of the first approach and the first retraction hold beside a base line."""
+def _free_rows(curve: Curve, directions: Sequence[Direction], code: float) -> FreeRows | None:
+    """What the free rows of the first approach and the first retraction hold beside a base line; ``code`` [N]: the step
+    of the converter."""
     sides, z, P = [], curve.device, curve.load
     for kind in (APPROACH, RETRACT):
         item = next((item for item in directions if item.segment.kind == kind), None)
@@ -283,7 +284,7 @@ def _free_rows(curve: Curve, directions: Sequence[Direction]) -> FreeRows | None
             continue
         rows = np.arange(item.segment.first, item.segment.last + 1)[:: 1 if kind == APPROACH else -1]
         free, contact = rows[: item.free], rows[item.free :]
-        sides.append(Side(kind, free, z[free], P[free], contact, item.jump, resolution(P)))
+        sides.append(Side(kind, free, z[free], P[free], contact, item.jump, code, z[contact]))
     return free_rows(sides, len(curve), math.inf if curve.stiffness is None else curve.stiffness)
 
 

@@ -111,7 +111,7 @@ def _least(cost_of: Callable[[float], tuple[float, ForceCurveFit]]) -> tuple[flo
 
 def _left_in(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[str, ...]:
     """A sentence on what E* and w are where it is left in the loads."""
-    if record.plain is None:
+    if record.plain is None or record.held is None or not (record.held.levels or record.held.attraction):
         return ()
     try:
         best = whole_fit(body, record.plain, settings)

@@ -32,7 +32,9 @@ from .result import Fit
 REJECTED, DIFFER = "model rejected", "directions differ"
 
 # When rivals leave nothing determined.
-VERDICT_LARGE = 0.3  # choice: share of E* or w that rivals may move it by, above which it is flagged
+# choice: share of E* and of w that rivals may move it by, above which it is flagged: half of w, of which an approach
+# tells no more where adhesion may have a range
+VERDICT_LARGE = (0.3, 0.5)
 VERDICT_TENFOLD = 9.0  # theory: relative change of a quantity that becomes ten times as large
 
 
@@ -117,9 +119,10 @@ def _flags(rivals: RecordRivals, fit: ForceCurveFit) -> Iterator[tuple[str, str]
         amounts = ", ".join(f"{one.name} {one.amount:+.1%} ± {one.error:.1%} ({one.amount_is})" for one in compared)
         yield DIFFER, f"approach and retraction ask for {amounts}; {', '.join(rivals.families)} would explain it"
     work = "w_approach" if fit.model.stretches[-1].kind == APPROACH else "w"
-    for quantity, symbol, error in zip(("E_star", "w"), ("E*", work), relative_errors(fit), strict=True):
+    names = zip(("E_star", "w"), ("E*", work), relative_errors(fit), VERDICT_LARGE, strict=True)
+    for quantity, symbol, error, most in names:
         worst = rivals.worst(quantity)
-        if worst is not None and worst[1] > max(VERDICT_LARGE, SCORE_NORMAL * error):
+        if worst is not None and worst[1] > max(most, SCORE_NORMAL * error):
             yield f"{symbol} not determined", f"{worst[0]} may change it by {worst[1]:.0%}"
 
 

@@ -94,6 +94,17 @@ def test_an_attraction_is_told_with_size_and_range(share: float) -> None:
     assert found.attraction.range == pytest.approx(reach, rel=0.5)
 
 
+@pytest.mark.parametrize(("levels", "rests"), [(0.05, True), (0.008, False)])
+def test_an_offset_is_known_to_a_share_of_a_level_where_noise_moves_none(levels: float, rests: bool) -> None:
+    parts, step = made(), levels * PULL_OFF  # noise of 0.08 and 0.5 of a level
+    held = segment_force_curve(curve_of(parts, np.round(parts["P"] / step) * step)).held
+    assert (held is not None) == rests
+    if held is not None:
+        assert held.rounding == pytest.approx(step / np.sqrt(12), rel=1e-6)
+        assert len(held.raised) == 2
+        assert any("converter" in words for words in held.words)
+
+
 def within(found: Fit, name: str, true: float) -> bool:
     """Whether an estimate lies as near to the truth as its interval and its model part say."""
     item = found.estimate(name)

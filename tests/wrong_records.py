@@ -287,7 +287,7 @@ def _misplaced(at: Drawn, error: Callable[[np.ndarray, float], np.ndarray]) -> W
     travel = np.ptp(way)
     moved = position[-1] * error((way[-1] - way) / travel, float(position[-1] / travel))
     columns = read(at, way, touched(at, way, delta, P), behind(at, way, delta, P), moved)
-    return Wrong(columns, at.k, at.truth, families=("device",))
+    return Wrong(columns, at.k, at.truth, families=("instrument",))
 
 
 WRONG: dict[str, Callable[[Drawn], Wrong]] = {

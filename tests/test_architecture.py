@@ -173,10 +173,15 @@ def test_help_imports_no_heavy_module() -> None:
     assert done.stdout.splitlines()[-1] == "HEAVY []"
 
 
-def test_a_layered_run_needs_nothing_of_scipy(tmp_path: Path) -> None:
-    case = PACKAGE.parent / "cases" / "gel.toml"
+def test_what_needs_no_fit_imports_nothing_of_scipy(tmp_path: Path) -> None:
+    """A run by layers, its curves with pull-off, and a check of a half-space: SciPy takes as long as all of them."""
+    cases, series = PACKAGE.parent / "cases", str(tmp_path / "gel.h5")
+    commands = [
+        ["run", str(cases / "gel.toml"), "-o", series], ["check", str(cases / "halfspace.toml")],
+        ["transform", series, "--no-plots", "-o", str(tmp_path)], ["pull-off", series],
+    ]  # fmt: skip
     code = (
-        f"import sys\nfrom jkrcli.cli import call\ncall(['run', {str(case)!r}, '-o', {str(tmp_path / 'gel.h5')!r}])\n"
+        f"import sys\nfrom jkrcli.cli import call\nassert not any(map(call, {commands!r}))\n"
         "heavy = {f'scipy.{name}' for name in ('linalg', 'special', 'optimize', 'interpolate', 'sparse')}\n"
         "print('HEAVY', sorted(heavy & set(sys.modules)))"
     )

@@ -82,7 +82,7 @@ class PiecewisePolynomial:
         """Value (``order`` 0) or derivative of that order at ``x`` of any shape."""
         x = np.asarray(x, dtype=float)
         at = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, self.x.size - 2)
-        s = (x - self.x[at]).reshape(*x.shape, *[1] * (self.c.ndim - 2))
+        s = (x - self.x[at]).reshape((*x.shape, *[1] * (self.c.ndim - 2)))
         degree, value = self.c.shape[0] - 1, np.zeros(())
         for i, c in enumerate(self.c[: degree + 1 - order]):
             value = value * s + math.perm(degree - i, order) * c[at]
@@ -158,6 +158,12 @@ def spline_slopes(x: Array, y: Array) -> Array:
     first = (ends[0] - (h[0] + h[1]) * middle[0]) / h[1]
     last = (ends[1] - (h[-1] + h[-2]) * middle[-1]) / h[-2]
     return np.concatenate([[first], middle, [last]])
+
+
+def cubic_spline(x: Array, y: Array) -> PiecewiseCubic:
+    """The cubic spline through ``y`` (n,) at increasing ``x``, not-a-knot at both ends: SciPy's, whose import takes
+    longer than most of what is computed with it."""
+    return PiecewiseCubic(x, y, spline_slopes(x, y))
 
 
 def _end(h: Array, secant: Array) -> float:

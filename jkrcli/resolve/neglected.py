@@ -19,6 +19,7 @@ from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, mask_be
 from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.validity import Validity, judge, large_strains, refuse_wetting, sizes, with_large_strains
 from ..base.errors import Estimate, JkrError, Refusal, Unknown
+from ..base.numerics import cubic_spline
 from ..base.process import PATIENCE
 from ..base.units import show
 from ..bodies.indenters import Paraboloid, Sphere
@@ -40,6 +41,8 @@ LEFT_OUT_ACCURACY = 1e-5
 # choice: kappa over the largest radius, below which a tension is that, in proportion; the second where the first
 # would take long
 LEFT_OUT_SLIGHT = (1e-3, 1e-2)
+# theory: the same on a half-space, where first order in kappa l/a is a formula, good to (kappa l/a)^2 at every radius
+LEFT_OUT_SLIGHTEST = 1e-6
 # of the largest radius, the least at which a tension is solved for; tuned on bodies, by `make constants`: half of
 # it moves what S changes by, by half a per cent
 LEFT_OUT_SMALLEST = 0.02
@@ -193,12 +196,10 @@ class Neighbours:
 
 def _at(series: Series, depth: float) -> tuple[float, float]:
     """P [N] and S [N/m] of a series at a depth [m] that it reaches."""
-    from scipy.interpolate import CubicSpline
-
     assert series.S is not None
-    logs = CubicSpline(np.log(series.delta), np.log(np.stack([series.P, series.S])), axis=1)
-    load, stiffness = np.exp(logs(np.log(depth)))
-    return float(load), float(stiffness)
+    z = np.log(series.delta)
+    load, stiffness = (math.exp(cubic_spline(z, np.log(y))(np.log(depth))) for y in (series.P, series.S))
+    return load, stiffness
 
 
 def _neighbours(neighbours: Neighbours, sides: bool) -> Iterator[NeglectedEffect]:
@@ -242,7 +243,8 @@ def _tension(neighbours: Neighbours) -> NeglectedEffect:
     name, key = f"surface tension {show(Ups, 'tension')}", f'specimen.surface_tension = "{show(Ups, "tension")}"'
     rigid = replace(body, indenter=replace(body.indenter, material=None), sticks=False)  # type: ignore[type-var]
     failed = Unknown("")
-    for slight in LEFT_OUT_SLIGHT:
+    slightest = () if rigid.layers else (LEFT_OUT_SLIGHTEST,)
+    for slight in (*slightest, *LEFT_OUT_SLIGHT):
         trial = max(Ups, slight * neighbours.expected.a * rigid.E_star / 2)
         try:
             # The series up to the expected radius [m] without and with a trial [N/m]
@@ -299,8 +301,6 @@ def _range(body: Problem, expected: EffectsPreview, z0: float | None) -> Iterato
 
 def _load_at_range(body: Problem, expected: EffectsPreview, z0: float, pulls: Mapping[float, Estimate]) -> Estimate:
     """Change of the adhesive load, over the load without adhesion, for the w whose pull-off changes most."""
-    from scipy.interpolate import CubicSpline
-
     known = {w: value for w, value in pulls.items() if not isinstance(value, Unknown)}
     if not any(known.values()):
         return 0.0 if known else next(iter(pulls.values()))
@@ -310,8 +310,8 @@ def _load_at_range(body: Problem, expected: EffectsPreview, z0: float, pulls: Ma
     except JkrError as error:
         return Unknown(str(error))
     last = int(np.flatnonzero(np.diff(curve.delta) <= 0).max(initial=-1)) + 1  # contact grows with depth from there on
-    there = CubicSpline(curve.delta[last:], curve.P[last:])(plain.delta[-1])
-    return float(there - plain.P[-1]) / expected.P
+    there = float(cubic_spline(curve.delta[last:], curve.P[last:])(plain.delta[-1]))
+    return (there - float(plain.P[-1])) / expected.P
 
 
 def _faces(body: Problem, expected: EffectsPreview) -> Iterator[NeglectedEffect]:

@@ -19,7 +19,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..adhesion.slopes.integral import estimate, whitener
 from ..adhesion.slopes.node_radii import AS_THEY_ARE, Ahead, NodeRadii, evenly_spaced, node_radii
 from ..adhesion.slopes.result import TWO_SIDED_90
 from ..base.numerics import ROUNDED, Array
@@ -486,6 +485,8 @@ def _smooth(gap: Array, rates: Array, x: Array) -> tuple[Array, Array] | None:
     The modulus is free: a constant in the gap of the load is no departure.
     """
     from scipy.special import fdtrc
+
+    from ..adhesion.slopes.integral import estimate, whitener
 
     n = x.size
     t = np.linspace(-1, 1, n)

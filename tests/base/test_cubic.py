@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline
 from scipy.optimize import brentq
 
-from jkrcli.base.numerics import Array, PiecewiseCubic, PiecewiseQuintic, spline_slopes, zeros_between
+from jkrcli.base.numerics import Array, PiecewiseCubic, PiecewiseQuintic, cubic_spline, spline_slopes, zeros_between
 
 steps = st.lists(st.floats(0.02, 50.0), min_size=1, max_size=30)
 
@@ -23,6 +23,16 @@ def test_slopes_are_those_of_a_not_a_knot_spline(step: list[float], seed: int) -
     y = np.random.default_rng(seed).normal(size=x.size)
     expected = CubicSpline(x, y)(x, 1)
     assert spline_slopes(x, y) == pytest.approx(expected, rel=1e-9, abs=1e-11 * np.max(np.abs(expected)))
+
+
+@given(steps, st.integers(0, 2**32 - 1))
+def test_the_cubic_spline_is_that_of_scipy(step: list[float], seed: int) -> None:
+    x = np.cumsum([0.0, *step])
+    y = np.random.default_rng(seed).normal(size=x.size)
+    at, theirs = np.linspace(x[0], x[-1], 7), CubicSpline(x, y)
+    ours = cubic_spline(x, y)
+    assert ours(at) == pytest.approx(theirs(at), rel=1e-9, abs=1e-9 * np.max(np.abs(theirs(at))))
+    assert float(ours(at[3])) == ours(at)[3]  # at one place, too
 
 
 def test_a_cubic_is_reproduced() -> None:

@@ -28,7 +28,7 @@ import numpy as np
 
 from ... import formulas
 from ...base.errors import Refusal
-from ...base.numerics import Array, EvenCubic
+from ...base.numerics import Array, EvenCubic, cubic_spline
 from ...base.units import show
 from ...bodies.materials import AnyGraded
 from ...bodies.problem import Specimen
@@ -246,11 +246,9 @@ class TenseSpectrum(LayeredSpectrum):
 
     def tabulated(self, smallest: float, largest: float) -> Function:
         """Splines in place of ``singular`` and its s d/ds (2, ...) between these s [m]."""
-        from scipy.interpolate import CubicSpline
-
         ln_s = logarithms(smallest, largest)
-        plain = CubicSpline(ln_s, self.singular(np.exp(ln_s)))
-        both = EvenCubic(ln_s[0], ln_s[1] - ln_s[0], np.stack([plain.c, CubicSpline(ln_s, plain(ln_s, 1)).c], axis=1))
+        plain = cubic_spline(ln_s, self.singular(np.exp(ln_s)))
+        both = EvenCubic(ln_s[0], ln_s[1] - ln_s[0], np.stack([plain.c, cubic_spline(ln_s, plain(ln_s, 1)).c], axis=1))
         return lambda s: both(np.log(s))
 
     def smooth(self, reach: float, order: int) -> Function:

@@ -150,9 +150,24 @@ AnyResult = TypeVar("AnyResult", bound=Result)
 
 
 def parse_case(text: str, folder: str | Path = ".") -> Case:
-    """A case from TOML text; ``folder`` is where names of profile tables are looked up.
+    """Parse a case from TOML text.
 
-    Raises InputError (exit code 2 of the command line) with a line per mistake.
+    Parameters
+    ----------
+    text : str
+        A case as a file holds it.
+    folder : path, optional
+        Where names of profile tables are looked up.
+
+    Returns
+    -------
+    Case
+        To be solved by `solve`, or checked by `check`.
+
+    Raises
+    ------
+    InputError
+        With a line per mistake (exit code 2 of the command line).
     """
     return _parse_case(text.encode(), "case", Path(folder))
 
@@ -160,23 +175,78 @@ def parse_case(text: str, folder: str | Path = ".") -> Case:
 def solve(
     problem: Case | Problem | str | Path, method: str | Method | None = None, limits: Limits | None = None
 ) -> Solution:
-    """The nonadhesive series of a problem, a case or the case file at a path, as its series file gives it back.
+    """Solve a body without adhesion at increasing contact radii.
 
-    ``method``: a name or a configured method, FEM(tolerance=1e-3), instead of the case's own; ``limits``: most memory
-    and time to begin with, Limits(memory=8, hours=2). Raises InputError where the case is wrong, no method can
-    represent it, or it would cost too much.
+    Parameters
+    ----------
+    problem : Case, Problem or path
+        A case, its file, or a problem in objects.
+    method : str or Method, optional
+        A name ("closed-form", "layered", "fem", "hybrid") or a configured method, ``FEM(tolerance=1e-3)``; default: the
+        case's own, else the cheapest that is exact enough.
+    limits : Limits, optional
+        Most memory and time to begin with, ``Limits(memory=8, hours=2)``: GiB and hours.
+
+    Returns
+    -------
+    Solution
+        Its ``series`` holds a [m], delta [m], P [N], S = dP/d(delta) [N/m] and dS/da [N/m^2], each of shape (n,), with
+        relative errors; ``increments``: those of the method.
+
+    Raises
+    ------
+    InputError
+        Where the case is wrong.
+    Refusal
+        Where no method can represent it, or it would cost more than the limits.
     """
     _, solution = _solve(load_case(problem) if isinstance(problem, str | Path) else problem, method, limits)
     return solution
 
 
 def read(path: str | Path) -> Solution:
-    """What the series file (HDF5) at ``path`` holds, contact pressures included."""
+    """Read a solution file (HDF5) of ``jkr run``, contact pressures included.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Returns
+    -------
+    Solution
+        What `solve` gave.
+
+    Raises
+    ------
+    InputError
+        Where the file is damaged or none of ours.
+    """
     return read_solution(path, with_pressure=True)
 
 
 def save(solved: Solution, path: str | Path, force: bool = False) -> Path:
-    """Write a series file, whole or not at all; a file that jkr did not write is replaced only with ``force``."""
+    """Write a solution file (HDF5), whole or not at all.
+
+    Parameters
+    ----------
+    solved : Solution
+        What `solve` gave.
+    path : path
+        Its name ends in ``.h5``.
+    force : bool, optional
+        Replace a file that jkr did not write, too.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        Where the file cannot, or may not, be written.
+    """
     target = Path(path)
     check_series_target(target, force)
     write_solution(target, solved, "import jkrcli")
@@ -188,12 +258,41 @@ def transform(
     solved: Body, w: Number, slopes: str = "auto", modulus_factor: float = 1.0, method: str | Method | None = None, *,
     stress: Number | None = None, length: Number | None = None,
 ) -> Analysis:  # fmt: skip
-    """The adhesive curve for the work of adhesion ``w`` [J/m^2], with pull-off, errors, validity and warnings.
+    """Transform a nonadhesive solution to the adhesive curve for one work of adhesion.
 
-    ``solved``: a solution or its file; a case, its file or a problem is solved first, by ``method``. ``w``: a number,
-    or text with a unit, "40 mJ/m^2"; ``slopes``: "auto", "exact", "integral", "loocv", "gcv" or, with S of the cubic
-    spline kept, "loocv-kept" and "gcv-kept"; ``modulus_factor``: all moduli times this. ``stress`` [Pa] or ``length``
-    [m]: adhesion of finite range by its tension or its range, else what the case says.
+    Parameters
+    ----------
+    solved : Solution, Case, Problem or path
+        A solution or its file; a case, its file or a problem is solved first, by ``method``.
+    w : float or str
+        Work of adhesion [J/m^2], or text with a unit, "40 mJ/m^2".
+    slopes : str, optional
+        How dS/da is found: "auto", "exact", "integral", "loocv", "gcv" or, with S of the cubic spline kept,
+        "loocv-kept" and "gcv-kept".
+    modulus_factor : float, optional
+        All moduli times this; nothing is solved again.
+    method : str or Method, optional
+        Of what is not solved yet.
+    stress : float or str, optional
+        Cohesive stress [Pa] of adhesion of finite range (Maugis-Dugdale); default: what the case says.
+    length : float or str, optional
+        Range [m] of such adhesion, instead of ``stress``.
+
+    Returns
+    -------
+    Analysis
+        ``pull_off["load"]`` and ``["displacement"]`` with ``pull_off_errors`` (90 % half-widths), ``validity``,
+        ``budget`` of errors, ``warnings``; ``columns``: arrays (n,) by name and unit; ``figure()``, ``summary()``,
+        ``print(curve)``.
+
+    Raises
+    ------
+    InputError
+        Where w, slopes or the range cannot be used on this body.
+
+    Notes
+    -----
+    delta = delta_H - sqrt(w) t, P = P_H - sqrt(w) S t with t = sqrt(4 pi a/S'), S' = dS/da (Eq. 13 of the paper).
     """
     solution = _solution(solved, method)
     ranged = _range(solution, stress, length)
@@ -207,14 +306,38 @@ def cycle(
     slopes: str = "auto", modulus_factor: float = 1.0, stress: Number | None = None, length: Number | None = None,
     rest_load: Number | None = None, rest_depth: Number | None = None,
 ) -> Cycled | CycledByProgram | CycledInLimits:  # fmt: skip
-    """What a device records that presses the bodies together and pulls them apart, however slowly.
+    """Follow a device that presses the bodies together and pulls them apart, however slowly.
 
-    ``w`` on retraction [J/m^2], not smaller than ``w_approach`` (default: ``w``). The device of ``stiffness`` [N/m] (0:
-    load control, infinite, the default: a rigid one) turns at ``to_load`` or ``to_depth``, default: the end of the
-    series; or it does what a ``program`` says, with turns anywhere. ``stress`` [Pa] or ``length`` [m]: adhesion of
-    finite range, else what the case says. A specimen that relaxes is traced after each history that is known: very fast
-    and very slow cycles, and at rest under ``rest_load`` or at ``rest_depth`` (default: at the turn, else at P = 0),
-    then pulled at once.
+    Parameters
+    ----------
+    solved : Solution, Case, Problem or path
+        As of `transform`.
+    w : float or str
+        Work of adhesion on retraction [J/m^2].
+    program : Program, optional
+        Positions of the device, with turns anywhere; instead of ``to_load`` and ``to_depth``.
+    w_approach : float or str, optional
+        On approach, not larger than ``w``, the default.
+    to_load, to_depth : float or str, optional
+        Where the device turns [N] or [m]; default: the end of the series.
+    stiffness : float or str, optional
+        Of the device [N/m]: 0 is load control, infinite (default) a rigid one.
+    slopes, modulus_factor, stress, length
+        As of `transform`.
+    rest_load, rest_depth : float or str, optional
+        Of a viscoelastic specimen: where it is at rest before it is pulled [N] or [m]; default: at the turn, else P =
+        0.
+
+    Returns
+    -------
+    Cycled, CycledByProgram or CycledInLimits
+        Jumps, pull-off, and the energy that is lost; of a viscoelastic specimen after each history that is known: very
+        fast and very slow cycles, and at rest, then pulled at once.
+
+    Raises
+    ------
+    InputError
+        Where the contact leaves the series.
     """
     from .resolve.histories import curves_from_rest
 
@@ -263,18 +386,50 @@ def cycle_at_speed(
     speed_approach: Number | None = None, to_load: Number | None = None, to_depth: Number | None = None,
     hold: Number = 0.0, stiffness: Number = DISPLACEMENT_CONTROL, slopes: str = "auto", stress: Number | None = None,
 ) -> CycledAtSpeed | CycledInLimits:  # fmt: skip
-    """What a device records over time while the work of adhesion depends on the speed of the contact's edge.
+    """Follow a device over time while the work of adhesion depends on the speed of the contact line.
 
-    ``w`` at rest on retraction [J/m^2] and its ``law``: PowerRate(v0=1e-6, n=0.6), LogRate, or their keys as of ``jkr
-    cycle --rate``, {"v0": "1 um/s", "n": 0.6}. The device presses at ``speed_approach`` (default: ``speed``) to
-    ``to_load`` or ``to_depth`` (default: the end of the series), waits for the time ``hold`` and goes back at
-    ``speed``; or it does what a ``program`` says. Its speeds are in m/s, under load control in N/s. ``w_approach``:
-    default ``w``; ``law_approach``: else an advancing edge follows at once. ``stiffness`` [N/m]: 0 is load control,
-    infinite (default) a rigid device; ``stress`` [Pa] in the zone at the edge. Numbers are SI, text carries its unit.
+    Parameters
+    ----------
+    solved : Solution, Case, Problem or path
+        As of `transform`.
+    w : float or str
+        Work of adhesion at rest, on retraction [J/m^2].
+    law : PowerRate, LogRate or mapping
+        w over the speed of the edge: ``PowerRate(v0=1e-6, n=0.6)``, or its keys as of ``jkr cycle --rate``.
+    speed : float or str, optional
+        Of the device on retraction [m/s], under load control [N/s].
+    program : Program, optional
+        Positions over time, instead of speeds and turns.
+    w_approach : float or str, optional
+        At rest, on approach; default: ``w``.
+    law_approach : PowerRate, LogRate or mapping, optional
+        Of an advancing edge; without it that follows at once.
+    speed_approach : float or str, optional
+        On approach; default: ``speed``.
+    to_load, to_depth : float or str, optional
+        Where the device turns [N] or [m]; default: the end of the series.
+    hold : float or str, optional
+        Dwell at the turn [s].
+    stiffness : float or str, optional
+        Of the device [N/m]: 0 is load control, infinite (default) a rigid one.
+    slopes : str, optional
+        As of `transform`.
+    stress : float or str, optional
+        Cohesive stress [Pa] in the zone at the edge, for its width.
 
-    The result's ``pull_off``, ``jumps``, ``lost``, ``energy_lost`` and ``error`` tell what happened, ``table(points)``
-    gives its columns. A specimen that relaxes is traced for very fast and very slow cycles. Raises InputError where the
-    contact leaves the series.
+    Returns
+    -------
+    CycledAtSpeed or CycledInLimits
+        ``pull_off``, ``jumps``, ``lost``, ``energy_lost`` and ``error`` tell what happened; ``table(points)``: columns.
+
+    Raises
+    ------
+    InputError
+        Where the contact leaves the series.
+
+    Notes
+    -----
+    G(a, delta) = w0 (1 + f(v)) at an edge that recedes with v = -da/dt (Gent and Schultz); f: the law.
     """
     from .adhesion.rate import RateContact
 
@@ -302,17 +457,47 @@ def cycle_relaxing(
     to_load: Number | None = None, to_depth: Number | None = None, hold: Number = 0.0,
     stiffness: Number = DISPLACEMENT_CONTROL, slopes: str = "auto", compare_rate: bool = False,
 ) -> CycledRelaxing | CycledAdhering:  # fmt: skip
-    """What a device records over time while the moduli of the specimen relax.
+    """Follow a device over time while the moduli of the specimen relax.
 
-    ``relaxation``: StandardSolid(ratio=0.25, time=1.0), PowerRelaxation (without adhesion), Prony; default: that of the
-    specimen. The device presses, waits and goes back as in ``cycle_at_speed``, or does what a ``program`` says. With a
-    work of adhesion ``w`` [J/m^2] the surfaces attract each other by a cohesive ``stress`` [Pa], or up to a ``length``
-    [m], default: what the case says. With ``rest_load`` or ``rest_depth`` the contact is at rest there, and is pulled
-    at ``speed``. ``compare_rate``: what a law w(v) of the same material says, as if the bulk were relaxed, is ``rate``.
+    Parameters
+    ----------
+    solved : Solution, Case, Problem or path
+        As of `transform`.
+    relaxation : StandardSolid, PowerRelaxation or Prony, optional
+        ``StandardSolid(ratio=0.25, time=1.0)``; PowerRelaxation without adhesion only. Default: that of the specimen.
+    speed : float or str, optional
+        Of the device on retraction [m/s], under load control [N/s].
+    w : float or str, optional
+        Work of adhesion [J/m^2]; default: none.
+    stress, length : float or str, optional
+        Cohesive stress [Pa] or range [m] of the adhesion; default: what the case says.
+    rest_load, rest_depth : float or str, optional
+        The contact is at rest there [N] or [m] at the begin, and is pulled at ``speed``.
+    program : Program, optional
+        Positions over time, instead of speeds and turns.
+    speed_approach : float or str, optional
+        On approach; default: ``speed``.
+    to_load, to_depth : float or str, optional
+        Where the device turns [N] or [m]; default: the end of the series.
+    hold : float or str, optional
+        Dwell at the turn [s].
+    stiffness : float or str, optional
+        Of the device [N/m]: 0 is load control, infinite (default) a rigid one.
+    slopes : str, optional
+        As of `transform`.
+    compare_rate : bool, optional
+        With what a law w(v) of the same material says, as if the bulk were relaxed: ``rate``.
 
-    The result's ``peak``, ``corners``, ``turn``, ``lost`` and ``error`` tell what happened, with adhesion ``pull_off``,
-    ``jumps`` and ``limits``, too; ``table(points)`` gives its columns. Raises InputError where the contact leaves the
-    series, or, without adhesion, is loaded again onto its dent.
+    Returns
+    -------
+    CycledRelaxing or CycledAdhering
+        ``peak``, ``corners``, ``turn``, ``lost`` and ``error`` tell what happened, with adhesion ``pull_off``,
+        ``jumps`` and ``limits``, too; ``table(points)``: columns.
+
+    Raises
+    ------
+    InputError
+        Where the contact leaves the series or, without adhesion, is loaded again onto its dent.
     """
     from .adhesion.relaxation import RelaxingContact
     from .adhesion.relaxing_adhesion import RelaxingAdhesion
@@ -405,13 +590,37 @@ def identify(
     fix: Known = None, slopes: str = "auto", *, reading: Reading | None = None,
     a: Any = None, delta: Any = None, P: Any = None, t: Any = None, **options: Any,
 ) -> Fit:  # fmt: skip
-    """E*, w and the zero points that bring the adhesive curve of ``body`` nearest to one ``measured`` curve: of a file,
-    a data frame with columns named as in a table ("delta_um", "P (nN)"), or arrays of ``a, delta, P, t`` [SI]. In these
-    ``reading``, Reading(units={"P": "nN"}), tells units, signs and the device.
+    """Fit E*, w and the zero points to one measured curve; ``fit`` is the same function.
 
-    ``body``: a case or problem (solved to the radii that the data ask for), a solved series, or the file of either.
-    ``free``: more parameters ("P0", "E:film"); ``fix``: known ones, {"w": "50 mJ/m^2", "E_star": 2e6}; ``options``: see
-    jkrcli.fitting.Settings. Raises InputError where the data cannot be fitted.
+    Parameters
+    ----------
+    body : Case, Problem, Solution or path
+        What was measured on: a case or problem (solved to the radii that the data ask for), a solution, or its file.
+    measured : Curve, path, DataFrame or mapping, optional
+        A file, or columns named as in a table ("delta_um", "P (nN)").
+    free : iterable of str, optional
+        More parameters: "P0", "E:film".
+    fix : mapping, optional
+        Known ones, ``{"w": "50 mJ/m^2", "E_star": 2e6}``.
+    slopes : str, optional
+        As of `transform`.
+    reading : Reading, optional
+        Units, signs and device of columns: ``Reading(units={"P": "nN"})``.
+    a, delta, P, t : array, shape (n,), optional
+        Instead of ``measured``: contact radius [m], displacement [m], load [N], time [s].
+    **options
+        Fields of `jkrcli.fitting.settings.Settings`: confidence, level, loss and others.
+
+    Returns
+    -------
+    Fit
+        ``value("E_star")``, ``estimate("w")`` with error and interval, ``verdict``, ``warnings``; ``figure()``,
+        ``summary()``, ``print(fit)``.
+
+    Raises
+    ------
+    InputError
+        Where the data cannot be fitted.
     """
     arrays = {"a": a, "delta": delta, "P": P, "t": t}
     named = {name: values for name, values in arrays.items() if values is not None}
@@ -433,10 +642,33 @@ def identify_joint(
     body: Body, measured: Sequence[OneCurve], shared: Iterable[str] = ("E_star", "w"), own: Iterable[str] = (),
     tip_radii: Sequence[Number] = (), free: Iterable[str] = (), fix: Known = None, slopes: str = "auto", **options: Any,
 ) -> JointFit:  # fmt: skip
-    """E*, w or whatever else all records ``measured`` share, from all of them together; the rest is each record's own.
+    """Fit what several measured curves share, E* and w by default, to all of them together.
 
-    ``tip_radii`` [m]: of each, or one of all (default: the body's); ``free``, ``fix``, ``options`` as of ``identify``.
-    Raises InputError where a record cannot be used, or the records do not tell what they share.
+    Parameters
+    ----------
+    body : Case, Problem, Solution or path
+        As of `identify`.
+    measured : sequence of Curve or path
+        One curve each.
+    shared : iterable of str, optional
+        Parameters that all curves have in common.
+    own : iterable of str, optional
+        Parameters that each curve has for itself, beside its zero points.
+    tip_radii : sequence of float or str, optional
+        Radius [m] of each tip, or one of all; default: the body's.
+    free, fix, slopes, **options
+        As of `identify`.
+
+    Returns
+    -------
+    JointFit
+        ``shared`` estimates, ``fits`` of the curves with these, what each says ``alone``, and the ``chance`` that
+        curves which share them differ as much.
+
+    Raises
+    ------
+    InputError
+        Where a curve cannot be used, or the curves do not tell what they share.
     """
     source = body_of(body, slopes)
     curves = [_curve_of(item, None) for item in measured]
@@ -447,8 +679,28 @@ def identify_joint(
 
 
 def plan(body: Body, found: Fit, slopes: str = "auto") -> tuple[Further, ...]:
-    """Which further measurement would narrow E* and w of a fit most: relative standard errors now and with the same
-    measurement again, other largest loads, tip radii, thicknesses. InputError where the data do not tell both."""
+    """Compare what further measurements would leave of the errors of E* and w.
+
+    Parameters
+    ----------
+    body : Case, Problem, Solution or path
+        What was fitted.
+    found : Fit
+        What `identify` gave.
+    slopes : str, optional
+        As of `transform`.
+
+    Returns
+    -------
+    tuple of Further
+        In ``words``: now, the same again, other largest loads, tip radii, thicknesses; each with the relative standard
+        errors of ``E_star`` and ``w``.
+
+    Raises
+    ------
+    InputError
+        Where the data do not tell both.
+    """
 
     return one_thread()(further)(body_of(body, slopes), found)
 
@@ -457,11 +709,34 @@ def identify_law(
     body: Body, measured: Iterable[OneCurve], law: str = "power", free: Iterable[str] = (), fix: Known = None,
     slopes: str = "auto", **options: Any,
 ) -> RateFit:  # fmt: skip
-    """w0, the parameters of a ``law`` over the edge's speed, E* and the zero point, from records with time together.
+    """Fit w0, the parameters of a law of w over the speed of the edge, E* and the zero point.
 
-    ``measured``: curves of retractions at one or several speeds, or their files; ``free``: more parameters ("P0");
-    ``fix``: known ones, {"n": "0.5"}; ``options``: start, level, confidence, segment as of ``jkr fit --law``. Raises
-    InputError where the records cannot be fitted.
+    Parameters
+    ----------
+    body : Case, Problem, Solution or path
+        As of `identify`.
+    measured : iterable of Curve or path
+        Retractions with time at one or several speeds, fitted together.
+    law : str, optional
+        "power" or "log".
+    free : iterable of str, optional
+        More parameters: "P0".
+    fix : mapping, optional
+        Known ones, ``{"n": "0.5"}``.
+    slopes : str, optional
+        As of `transform`.
+    **options
+        start, level, confidence, segment as of ``jkr fit --law``.
+
+    Returns
+    -------
+    RateFit
+        ``estimates``, the ``law``, and its ``band(v)`` over speeds [m/s].
+
+    Raises
+    ------
+    InputError
+        Where the curves cannot be fitted.
     """
     from .fitting.rate import rate_fit, rate_settings
 
@@ -475,10 +750,32 @@ def identify_law(
 def identify_relaxation(
     body: Body, measured: OneCurve, law: str = "sls", fix: Known = None, slopes: str = "auto", **options: Any,
 ) -> RelaxationFit:  # fmt: skip
-    """The modulus, the parameters of a ``law`` of relaxation and the zero point, from a record with time.
+    """Fit the modulus, the parameters of a law of relaxation and the zero point to a curve with time.
 
-    ``measured``: one curve of t, delta, P, or its file; ``fix``: known ones, {"ratio": "0.3"}; ``options``: level,
-    confidence, terms as of ``jkr fit --relaxation``. Raises InputError where the record cannot be fitted.
+    Parameters
+    ----------
+    body : Case, Problem, Solution or path
+        As of `identify`.
+    measured : Curve or path
+        One curve of t, delta, P.
+    law : str, optional
+        "sls", "power" or "prony".
+    fix : mapping, optional
+        Known values, ``{"ratio": "0.3"}``.
+    slopes : str, optional
+        As of `transform`.
+    **options
+        level, confidence, terms as of ``jkr fit --relaxation``.
+
+    Returns
+    -------
+    RelaxationFit
+        ``estimates``, the law as ``relaxation``, and the modelled ``response``.
+
+    Raises
+    ------
+    InputError
+        Where the curve cannot be fitted.
     """
     from .fitting.relaxation import relaxation_fit, relaxation_settings
 
@@ -492,10 +789,30 @@ def identify_tension(
     body: Body, measured: Sequence[OneCurve], tip_radii: Sequence[Number] = (), fix: Known = None,
     level: float = 0.95,
 ) -> TensionFit:  # fmt: skip
-    """Surface tension, E*, w and the zero points from records by tips of one or more radii on the same body, together.
+    """Fit surface tension, E*, w and the zero points to curves by tips of one or more radii.
 
-    ``measured``: curves or their files; ``tip_radii`` [m]: of each, or one of all (default: the body's); ``fix``: known
-    values, {"w": "1 mJ/m^2"}. Raises InputError where a record cannot be used.
+    Parameters
+    ----------
+    body : Case, Problem, Solution or path
+        As of `identify`.
+    measured : sequence of Curve or path
+        One curve each, all of the same specimen.
+    tip_radii : sequence of float or str, optional
+        Radius [m] of each tip, or one of all; default: the body's.
+    fix : mapping, optional
+        Known values, ``{"w": "1 mJ/m^2"}``.
+    level : float, optional
+        Of the intervals.
+
+    Returns
+    -------
+    TensionFit
+        ``estimates``; ``mixed``: what tips of one radius do not separate from the tension.
+
+    Raises
+    ------
+    InputError
+        Where a curve cannot be used.
     """
     from .fitting.surface_tension import TENSION, known_values, radii_of, tension_fit
 
@@ -528,20 +845,72 @@ def _curve_of(measured: Any, reading: Reading | None) -> Curve:
 
 
 def measured_curves(path: str | Path, **reading: Any) -> list[Curve]:
-    """The measured curves in a file; ``reading``: how to read it, see jkrcli.data.measured.Reading."""
+    """Read the measured curves in a file.
+
+    Parameters
+    ----------
+    path : path
+        A table, an instrument's file, or a folder or archive of them.
+    **reading
+        Fields of `Reading`: ``units={"P": "nN"}``.
+
+    Returns
+    -------
+    list of Curve
+        In SI, compression and indentation positive.
+
+    Raises
+    ------
+    InputError
+        Where the file cannot be read.
+    """
     return read_curves(Path(path), Reading(**reading))
 
 
 def check(case: Case | str | Path) -> Check:
-    """Which method a case needs, what each would cost, and what to expect, as ``jkr check`` says it; nothing is
-    solved."""
+    """Tell which method a case needs, what each costs and what to expect; nothing is solved at full accuracy.
+
+    Parameters
+    ----------
+    case : Case or path
+        The case, or its file.
+
+    Returns
+    -------
+    Check
+        The choice of the method, costs and errors of all, ``expected`` sizes, and neglected effects with their size.
+
+    Raises
+    ------
+    InputError
+        Where the case is wrong.
+    """
     loaded = load_case(case) if isinstance(case, str | Path) else case
     return one_thread()(Check.of)(Path(case) if isinstance(case, str | Path) else Path("case"), loaded)
 
 
 def look(path: str | Path, tip: Indenter | None = None, **reading: Any) -> Look:
-    """What a measured file holds, as ``jkr look`` says it: segments, base line, contact, jumps, adhesion; no body is
-    needed. With a ``tip``, Sphere(5e-6), a rough modulus too. ``reading``: see jkrcli.data.measured.Reading."""
+    """Tell what a measured file holds: segments, base line, contact, jumps, adhesion force; no body is needed.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    tip : indenter, optional
+        ``Sphere(5e-6)``: with a rough modulus, too.
+    **reading
+        Fields of `Reading`.
+
+    Returns
+    -------
+    Look
+        ``records``, and why others are ``unusable``; ``figure()``.
+
+    Raises
+    ------
+    InputError
+        Where a field of the reading is wrong.
+    """
     return one_thread()(Look.at)(Path(path), Reading(**reading), tip)
 
 
@@ -550,8 +919,31 @@ def profile(
     solved: Body, a: Number | None = None, load: Number | None = None, w: Number = 0.0, *,
     stress: Number | None = None, length: Number | None = None,
 ) -> Profile:  # fmt: skip
-    """Pressure, displacement and gap around one contact, of radius ``a`` [m] or under a ``load`` [N], with the work of
-    adhesion ``w`` [J/m^2] (default: none); ``stress`` and ``length`` as of ``transform``."""
+    """Compute pressure, displacement and gap around one contact.
+
+    Parameters
+    ----------
+    solved : Solution, Case, Problem or path
+        As of `transform`.
+    a : float or str, optional
+        Contact radius [m]; give either this or ``load``.
+    load : float or str, optional
+        Load [N] under which the radius is found.
+    w : float or str, optional
+        Work of adhesion [J/m^2]; default: none.
+    stress, length : float or str, optional
+        As of `transform`.
+
+    Returns
+    -------
+    Profile
+        ``columns``: radius [m], pressure [Pa], displacement and gap [m], each of shape (n,).
+
+    Raises
+    ------
+    InputError
+        Where the contact is not one of the series.
+    """
     from .resolve.profile import profile_columns, radius_under
 
     if (a is None) == (load is None):
@@ -572,11 +964,34 @@ def pull_off(
     slopes: str = "auto", modulus_factor: float = 1.0, *, stress: Number | None = None, length: Number | None = None,
     uncertain: Known = None, rest_load: Number | None = None, rest_depth: Number | None = None,
 ) -> PullOff | MeasuredPullOff | MeasuredByHistory:  # fmt: skip
-    """Where contact is lost with the work of adhesion ``w`` [J/m^2] under load and displacement control or by devices
-    of a ``stiffness`` [N/m]; or which w a measured pull-off ``load`` [N] means, its inputs ``uncertain``: {"R": "2%"}.
+    """Find where contact is lost, or which w a measured pull-off force means.
 
-    A specimen that relaxes has several of both, by its history: very fast and very slow cycles, at rest under
-    ``rest_load`` or at ``rest_depth`` (default: at P = 0) and then pulled at once, and the largest of any other.
+    Parameters
+    ----------
+    solved : Solution, Case, Problem or path
+        As of `transform`.
+    w : float or str, optional
+        Work of adhesion [J/m^2]; give either this or ``load``.
+    load : float or str, optional
+        Measured pull-off force [N]: which w does it mean?
+    stiffness : sequence of float or str, optional
+        Of devices [N/m]; default: load and displacement control.
+    slopes, modulus_factor, stress, length
+        As of `transform`.
+    uncertain : mapping, optional
+        Standard deviations of what w follows from, ``{"load": "5%", "R": "2%"}``.
+    rest_load, rest_depth : float or str, optional
+        Of a viscoelastic specimen: at rest there [N] or [m], then pulled at once; default: at P = 0.
+
+    Returns
+    -------
+    PullOff, MeasuredPullOff or MeasuredByHistory
+        Under each control, of a viscoelastic specimen after each history.
+
+    Raises
+    ------
+    InputError
+        Where contact is not lost within the series, or the force is none of this body.
     """
     from .fitting.pull_off_work import measured_work, works_by_history
     from .resolve.analysis import where_lost
@@ -605,8 +1020,31 @@ def work(
     solved: Body, measured: str | Path, slopes: str = "auto", modulus_factor: float = 1.0, *,
     reading: Reading | None = None, **options: Any,
 ) -> Work:  # fmt: skip
-    """The work of adhesion along the curves of a ``measured`` file, as ``jkr work`` says it; ``options``: use ("a,P"),
-    segment, noise {"P": 2e-9}, window."""
+    """Compute the work of adhesion along measured curves, row by row.
+
+    Parameters
+    ----------
+    solved : Solution, Case, Problem or path
+        As of `transform`.
+    measured : path
+        The file of the curves.
+    slopes, modulus_factor
+        As of `transform`.
+    reading : Reading, optional
+        How the file is read.
+    **options
+        use ("a,P"), segment, noise ``{"P": 2e-9}``, window, as of ``jkr work``.
+
+    Returns
+    -------
+    Work
+        ``curves`` with w [J/m^2] and its error by rows, over the speed of the edge where time was recorded.
+
+    Raises
+    ------
+    InputError
+        Where the file cannot be read or has too few columns.
+    """
     from .base.executors import executor
     from .fitting.work_along_curve import along_file, evaluation_of
 
@@ -620,35 +1058,111 @@ def work(
 def compare(
     first: Body, second: Body, rtol: float = 1e-3, columns: Iterable[str] = (), overlap: float = 0.9,
 ) -> Compared:  # fmt: skip
-    """How far two results of the same problem lie apart: series ("P" and "a" at equal displacement, "S" and "dS" at
-    equal radius), or the CSV files of curves; they ``agree`` where no column that counts (default: P, of curves all)
-    differs by more than ``rtol``. Raises InputError where less than ``overlap`` of their range is common."""
+    """Compare two results of the same problem.
+
+    Parameters
+    ----------
+    first, second : Solution, Case, Problem or path
+        Solutions ("P" and "a" at equal displacement, "S" and "dS" at equal radius), or the CSV files of curves.
+    rtol : float, optional
+        Relative difference up to which they agree.
+    columns : iterable of str, optional
+        Those that count; default: P, of curves all.
+    overlap : float, optional
+        Least share of their range that is common.
+
+    Returns
+    -------
+    Compared
+        Whether they ``agree``, and the difference of each column.
+
+    Raises
+    ------
+    InputError
+        Where less is common.
+    """
     one, two = (Path(item) if isinstance(item, str | Path) else Path("solved") for item in (first, second))
     both = (first, second)
     return Compared.of((one, two), lambda: [_solution(item, None) for item in both], rtol, columns, overlap)
 
 
 def study_map(name: str, **axes: Any) -> MapResult:
-    """The map called ``name`` ("pull-off", "sticking", "transition", "adhesion", "rate") over its ``axes``, as of ``jkr
-    study <name>-map``: study_map("pull-off", nu=[0.3], q=[0.1, 1]); its ``columns``, ``summary()`` and ``figure()``."""
+    """Compute a map of results over parameters, as ``jkr study <name>-map`` does.
+
+    Parameters
+    ----------
+    name : str
+        "pull-off", "sticking", "transition", "adhesion" or "rate".
+    **axes
+        Values of its parameters: ``study_map("pull-off", nu=[0.3], q=[0.1, 1])``.
+
+    Returns
+    -------
+    MapResult
+        ``columns``, ``summary()`` and ``figure()``.
+
+    Raises
+    ------
+    InputError
+        Where an axis is unknown, or a value is out of its range.
+    """
     from .many.maps import map_of
 
     return one_thread()(map_of(name).over)(**axes)
 
 
 def table(curve: Result) -> Mapping[str, Any]:
-    """The columns of a result's CSV file: names with units, one value per contact radius of a curve."""
+    """Return the columns of a result's CSV file.
+
+    Parameters
+    ----------
+    curve : Result
+        Of any function here.
+
+    Returns
+    -------
+    mapping
+        Arrays by names with units, of a curve one value per contact radius.
+    """
     return curve.columns
 
 
 def to_pandas(curve: Result) -> DataFrame:
-    """The columns as a data frame (needs the optional package pandas)."""
+    """Return the columns of a result as a data frame (needs pandas).
+
+    Parameters
+    ----------
+    curve : Result
+        Of any function here.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A column each.
+
+    Raises
+    ------
+    InputError
+        Where pandas is not installed.
+    """
     return curve.to_pandas()
 
 
 def plot(curve: Result, path: str | Path | None = None) -> Figure:
-    """The picture of a result, of a curve load over displacement and contact radius over load; also written to ``path``
-    (.png, .svg, .pdf) where given."""
+    """Draw a result.
+
+    Parameters
+    ----------
+    curve : Result
+        Of any function here; a curve is drawn as load over displacement and contact radius over load.
+    path : path, optional
+        Also written there: .png, .svg or .pdf.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        To draw on.
+    """
     from .report import plots
 
     figure = curve.figure()
@@ -658,5 +1172,16 @@ def plot(curve: Result, path: str | Path | None = None) -> Figure:
 
 
 def summary(curve: Result) -> dict[str, Any]:
-    """What the result's JSON file says."""
+    """Return what a result's JSON file says.
+
+    Parameters
+    ----------
+    curve : Result
+        Of any function here.
+
+    Returns
+    -------
+    dict
+        Plain values, SI; names with units.
+    """
     return curve.summary()

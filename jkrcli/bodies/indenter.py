@@ -21,9 +21,29 @@ shape = SHAPES.register  # decorator: the shape by which the table [indenter] of
 
 
 class Indenter(ABC):
-    """Base of all indenters: frozen dataclasses with a field ``material``, None where rigid.
+    """Describe a convex axisymmetric profile f(r); base of the frozen dataclasses of ``bodies/indenters``.
 
-    Functions take arrays of radii [m] and return arrays of lengths [m], slopes arrays of numbers.
+    A shape has a field ``material``, None where rigid, and a ``noun`` for messages; the table [indenter] of a case file
+    calls it by the name of its decorator ``@shape("name")``, its other fields are the keys.
+
+    Methods
+    -------
+    f(r)
+        Profile [m] at radii r (n,) [m]: f(0) = 0, infinite beyond ``r_max``.
+    slope(r)
+        Slope f'(r) (n,) [-].
+    abel(x)
+        Abel image F(x) = x int_0^x f'(r)/sqrt(x^2 - r^2) dr (n,) [m].
+    abel_slope(x)
+        F'(x) (n,) [-], x > 0.
+    words
+        Property: the shape for a sentence, "sphere R = 100 um".
+
+    Notes
+    -----
+    On a half-space delta_H(a) = F(a) and P_H = 2 E* int_0^a (F(a) - F(x)) dx (Sneddon, Int. J. Eng. Sci. 3 (1965) 47);
+    ``half_space`` gives both where they have a closed form. ``a0``, ``tip_radius``, ``kinks`` and ``joints`` have
+    defaults of a smooth tip without a radius.
     """
 
     material: Solid | None

@@ -92,7 +92,23 @@ class Case:
 
 
 def load_case(path: str | Path) -> Case:
-    """Read and validate a case file; InputError names file, key, value and what is allowed, a line per mistake."""
+    """Load and check a case file.
+
+    Parameters
+    ----------
+    path : path
+        The TOML file.
+
+    Returns
+    -------
+    Case
+        To be solved by `solve`, or checked by `check`.
+
+    Raises
+    ------
+    InputError
+        With a line per mistake: file, line, value and what is allowed.
+    """
     path = path if isinstance(path, Path) else Path(path)
     return parse_case(read_bytes(path, "case file"), str(path), path.parent)
 

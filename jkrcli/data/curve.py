@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from ..base.errors import InputError
+from ..base.errors import InputError, did_you_mean
 from ..base.numerics import Array
 from ..base.units import parse
 
@@ -171,23 +171,53 @@ def place(origin: Path, name: str) -> str:
     return str(origin) if name == origin.stem else f'{origin}: curve "{name}"'
 
 
+READING_WORDS = {
+    "flip": ("delta", "P"), "zero": ("delta", "P"), "contact": ("auto", "fitted", "as-is", "estimate"),
+    "format": ("auto", "text", "afm"), "decimal": (".", ","),
+}  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Reading:
-    """Conventions of a measurement; by default those of the project: SI, indentation and compression positive.
+    """State the conventions of a measurement; by default SI, indentation and compression positive.
 
-    ``columns``: names or numbers (from 1) where the header names none, by the keys of ``text.NAMES``; "area" is the
-    projected contact area, "diameter" that of the contact. ``units``: where the header names none or a wrong one.
-    ``factors``: on top of the units.
-    ``flip``: of "delta" and "P", those that are to change the sign they have in the file, whatever the name of their
-    column says: a height or separation grows away from the specimen, some instruments count adhesive forces positive.
-    ``stiffness`` [N/m]: the displacement is the device's, its deflection P/stiffness is subtracted; of a microscope's
-    file its spring constant, where the file lacks it. ``sensitivity`` [m/V]: likewise.
-    ``zero``: displacement [m] and load [N] at the zero points, subtracted after the change of sign.
-    ``contact``: "estimate": zero points by ``contact.with_zero_points``; else as they are, a fit may find them.
-    ``format``: "text", "afm" (a microscope's) or "auto", by the content and the ending of the name.
-    ``incomplete``: read a microscope's file that lacks spring constant or sensitivity all the same, with 1 for each.
-    ``rows``: the first and the last row of each curve that are read, from 1. ``where``: only rows of the segment (key
-    "segment"), the curve ("curve"), or the content of a column of a table, by its name or number.
+    Parameters
+    ----------
+    columns : mapping, optional
+        Names or numbers (from 1) where the header names none, by the keys of ``tables/words.toml``; "area" is the
+        projected contact area, "diameter" that of the contact.
+    units : mapping, optional
+        Where the header names none or a wrong one: ``{"P": "nN"}``.
+    factors : mapping, optional
+        On top of the units.
+    flip : "delta", "P" or both, optional
+        Those that are to change the sign they have in the file, whatever the name of their column says: a height or
+        separation grows away from the specimen, some instruments count adhesive forces positive.
+    stiffness : float or str, optional
+        Of the device [N/m]: the displacement is the device's, its deflection P/stiffness is subtracted; of a
+        microscope's file its spring constant, where the file lacks it. "rigid": nothing is subtracted.
+    sensitivity : float or str, optional
+        [m/V] of a microscope, where its file lacks it.
+    zero : mapping, optional
+        Displacement [m] and load [N] at the zero points, subtracted after the change of sign.
+    contact : {"auto", "fitted", "as-is", "estimate"}, optional
+        "estimate": zero points by ``contact.with_zero_points``; else as they are, a fit may find them.
+    format : {"auto", "text", "afm"}, optional
+        "afm": a microscope's; "auto": by the content and the ending of the name.
+    separator, decimal : str, optional
+        Between columns, a name such as "comma"; "." or ",". Default: detected.
+    incomplete : bool, optional
+        Read a microscope's file that lacks spring constant or sensitivity all the same, with 1 for each.
+    rows : (int, int), optional
+        The first and the last row of each curve that are read, from 1.
+    where : mapping, optional
+        Only rows of the segment (key "segment"), the curve ("curve"), or the content of a column of a table, by its
+        name or number.
+
+    Raises
+    ------
+    InputError
+        Names the field, the value and what is allowed.
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)
@@ -206,7 +236,28 @@ class Reading:
     where: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Take texts with units for numbers, "0.6 N/m"; InputError where one is no such number."""
+        """Take texts with units for numbers, "0.6 N/m"; InputError where one is no such number, or a word none of its
+        field's."""
+        flip = [self.flip] if isinstance(self.flip, str) else list(self.flip)
+        words = [("flip", word) for word in flip] + [(name, getattr(self, name)) for name in ("contact", "format")]
+        words += [("decimal", self.decimal)] * (self.decimal is not None)
+        words += [("zero", key) for key in self.zero]
+        for name, word in words:
+            if word not in READING_WORDS[name]:
+                allowed = ", ".join(READING_WORDS[name])
+                hint = did_you_mean(word, READING_WORDS[name])
+                raise InputError(f"{name}: must be one of {allowed}, got {word!r}{hint}")
+        for name in ("columns", "units", "factors", "where"):
+            if not isinstance(getattr(self, name), Mapping):
+                raise InputError(f'{name}: must be a mapping, {{"P": ...}}, got {getattr(self, name)!r}')
+        if self.rows is not None:
+            pair = tuple(self.rows) if isinstance(self.rows, tuple | list) else ()
+            if (
+                len(pair) != 2
+                or not all(isinstance(row, int | np.integer) for row in pair)
+                or not 1 <= pair[0] <= pair[1]
+            ):
+                raise InputError(f"rows: must be the first and the last row, from 1, (100, 900), got {self.rows!r}")
         for name in ("stiffness", "sensitivity"):
             value = getattr(self, name)
             if value is None:
@@ -220,7 +271,7 @@ class Reading:
         factors = {key: quantity(f"factors: {key}", value, "number") for key, value in self.factors.items()}
         object.__setattr__(self, "zero", zero)
         object.__setattr__(self, "factors", factors)
-        object.__setattr__(self, "flip", frozenset([self.flip] if isinstance(self.flip, str) else self.flip))
+        object.__setattr__(self, "flip", frozenset(flip))
 
     def wants(self, name: str) -> bool:
         """Whether the curve of this name is read."""

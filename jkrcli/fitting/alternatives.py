@@ -1182,13 +1182,27 @@ OF_RIVALS = {
 
 @dataclass(frozen=True)
 class AlternativeModel:
-    """One thing that the model leaves out. ``family``: what cannot be distinguished from it as a rule; ``amount``: what
-    a column is the derivative by, in words; ``effect``: what a fit makes of it: a change, which can be fitted in full,
-    or a column alone, of first order; None where the rival has no meaning for this record.
+    """Name one thing that the fitted model leaves out: an entry of ``RIVALS``.
 
-    ``likely``: amount in either direction that is expected unless the user or the data say otherwise: 0 of what the
-    description of the body rules out; ``limits``: least and largest amounts that any body, tip or device has.
-    ``of_directions``: whether it sets one direction against the other.
+    Parameters
+    ----------
+    name : str
+        As the table of alternatives shows it.
+    family : str
+        What cannot be distinguished from it as a rule.
+    amount : str
+        What a column is the derivative by, in words.
+    effect : callable
+        Of a FittedRecord: a Perturbation of the model, which can be fitted in full; or a column (n,) [N], the
+        derivative of the loads by the amount, of first order; None where the alternative has no meaning for this
+        record.
+    likely : float or callable, optional
+        Amount in either direction that is expected unless the user or the data say otherwise: 0 of what the description
+        of the body rules out.
+    limits : (float, float), optional
+        Least and largest amounts that any body, tip or device has.
+    of_directions : bool, optional
+        Whether it sets one direction against the other.
     """
 
     name: str

@@ -27,7 +27,20 @@ class Forecast:
 
 
 class Method(Protocol):
-    """Fields are the options, the docstring states the validity; methods share the result type, not a base class."""
+    """Solve a problem without adhesion: a frozen dataclass whose fields are the options.
+
+    Its docstring states where it is valid; methods share the result type, not a base class. A ``Descriptor`` in
+    ``methods/options.py`` makes it known.
+
+    Methods
+    -------
+    __call__(problem)
+        Return the Solution: series a, delta, P, S, dS/da, each (n,) in SI, with its error budget.
+    refusal(problem)
+        Why this method cannot represent the problem, with the remedy; None where it can.
+    forecast(problem)
+        CPU seconds, memory [MiB] and relative error to be expected.
+    """
 
     def __call__(self, problem: Problem) -> Solution: ...
 

@@ -42,7 +42,7 @@ LEFT_OUT_ACCURACY = 1e-5
 # would take long
 LEFT_OUT_SLIGHT = (1e-3, 1e-2)
 # theory: the same on a half-space, where first order in kappa l/a is a formula, good to (kappa l/a)^2 at every radius
-LEFT_OUT_SLIGHTEST = 1e-6
+LEFT_OUT_SLIGHTEST = 1e-7
 # of the largest radius, the least at which a tension is solved for; tuned on bodies, by `make constants`: half of
 # it moves what S changes by, by half a per cent
 LEFT_OUT_SMALLEST = 0.02

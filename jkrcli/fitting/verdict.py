@@ -119,8 +119,9 @@ def _flags(rivals: RecordRivals, fit: ForceCurveFit) -> Iterator[tuple[str, str]
         amounts = ", ".join(f"{one.name} {one.amount:+.1%} ± {one.error:.1%} ({one.amount_is})" for one in compared)
         yield DIFFER, f"approach and retraction ask for {amounts}; {', '.join(rivals.families)} would explain it"
     work = "w_approach" if fit.model.stretches[-1].kind == APPROACH else "w"
-    names = zip(("E_star", "w"), ("E*", work), relative_errors(fit), VERDICT_LARGE, strict=True)
-    for quantity, symbol, error, most in names:
+    for quantity, symbol, error, most in zip(
+        ("E_star", "w"), ("E*", work), relative_errors(fit), VERDICT_LARGE, strict=True
+    ):
         worst = rivals.worst(quantity)
         if worst is not None and worst[1] > max(most, SCORE_NORMAL * error):
             yield f"{symbol} not determined", f"{worst[0]} may change it by {worst[1]:.0%}"

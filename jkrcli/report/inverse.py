@@ -1009,9 +1009,18 @@ def look_words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
         forces["largest load"] = max(item.largest, forces.get("largest load", item.largest))
     words = [f"{name} {show(forces[name], 'load', 3)}" for name in ("adhesion force", "largest load") if name in forces]
     look_verdict = ", ".join(words) or "no force without a base line"
+    head = [f"{look_verdict}: {curve.where}", f"  {len(curve)} rows of {columns}; {parts}"]
+    if curve.a is not None and not words:  # readings of a contact, of which none need be free: no base line is sought
+        ranges = [
+            f"{text_formats.NAMES.meaning(name)} {show(float(values.min()), kind, 4)} to "
+            f"{show(float(values.max()), kind, 4)}"
+            for name, kind in (("a", "length"), ("delta", "length"), ("P", "load"))
+            if (values := getattr(curve, name)) is not None
+        ]
+        head[0] = f"a loading-unloading table of a contact, no force curve: {curve.where}"
+        return [*head, f"  {', '.join(ranges)}", *(f"  {flag}" for flag in curve.flags)]
     return [
-        f"{look_verdict}: {curve.where}",
-        f"  {len(curve)} rows of {columns}; {parts}",
+        *head,
         *([] if tip is None else [_glance(record, tip)]),
         *(f"  {name}: {sentence}" for name, sentence in record.flags.items()),
         *(f"  {item.segment.kind:8}  {line}" for item in record.directions for line in _direction_words(item)),

@@ -257,3 +257,14 @@ def test_a_file_that_is_missing_among_good_ones_is_an_exit_code(
     assert "missing.txt" in done.err
     assert "2.38" in done.out or json_flag
     assert "probe" in done.out
+
+
+def test_a_table_of_contact_radii_is_called_one(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
+    a = np.concatenate([np.linspace(3e-4, 7e-4, 30), np.linspace(7e-4, 3e-4, 30)])
+    rows = [f"{1e6 * r:.3f},{1e6 * r**2 / 1e-2:.4f},{1e3 * 2e9 * r**3:.6f}" for r in a]
+    file = tmp_path / "lens.csv"
+    file.write_text("\n".join(["contact radius (um),displacement (um),load (mN)", *rows]))
+    printed = jkr("look", str(file), "--no-plots").out
+    assert "loading-unloading table" in printed
+    assert "contact radius 300 um to 700 um" in printed
+    assert "base line of" not in printed

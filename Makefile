@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help study setup run test test-all test-minimal test-nanite test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures bounds point-bounds node-study range-bounds stack-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
+.PHONY: help study setup run test test-all test-minimal test-nanite test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench paper noise noise-study chart chart-peers failures bounds point-bounds node-study range-bounds stack-bounds record-bounds relaxation-bounds adhesion-bounds tension-bounds record-rivals guards golden mutants tuning constants sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -173,6 +173,9 @@ record-bounds: $(READY) #: whether 95 % intervals of raw records hold E*, w and 
 
 relaxation-bounds: $(READY) #: whether 95 % intervals of records that relax hold E*, ratio and time, on 1,000 made records (half an hour)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.relaxation_bounds $(call QUOTE,$(SEED)) 1000
+
+adhesion-bounds: $(READY) #: whether 95 % intervals of adhesive cycles on relaxing bodies hold E*, ratio, time and w, on 200 made records (an hour)
+	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.adhesion_bounds $(call QUOTE,$(SEED)) 0 200
 
 tension-bounds: $(READY) #: whether 95 % intervals of E*, surface tension and w from two tip radii hold, on 1,000 made pairs (an hour)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.tension_bounds $(call QUOTE,$(SEED)) 1000

@@ -748,7 +748,8 @@ def identify_law(
 
 
 def identify_relaxation(
-    body: Body, measured: OneCurve, law: str = "sls", fix: Known = None, slopes: str = "auto", **options: Any,
+    body: Body, measured: OneCurve, law: str = "sls", fix: Known = None, slopes: str = "auto",
+    free: Sequence[str] = (), **options: Any,
 ) -> RelaxationFit:  # fmt: skip
     """Fit the modulus, the parameters of a law of relaxation and the zero point to a curve with time.
 
@@ -764,6 +765,8 @@ def identify_relaxation(
         Known values, ``{"ratio": "0.3"}``.
     slopes : str, optional
         As of `transform`.
+    free : sequence of str, optional
+        More parameters: ``["w"]`` for a retraction with adhesion, with ``fix`` ``{"stress": "300 Pa"}`` or "range".
     **options
         level, confidence, terms as of ``jkr fit --relaxation``.
 
@@ -781,7 +784,8 @@ def identify_relaxation(
 
     source = body_of(body, slopes)
     curve = _curve_of(measured, None)
-    result = one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, _texts(fix), **options))
+    names = (law, _texts(fix), free, source.problem.E_star, source.range_of_case)
+    result = one_thread()(relaxation_fit)(source, curve, relaxation_settings(*names, **options))
     return replace(result, body=_named(body, source))
 
 

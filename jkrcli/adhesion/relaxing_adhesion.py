@@ -438,6 +438,18 @@ class Course:
         """The jump by which contact was lost for good; None where it is not."""
         return self.jumps[-1] if self.jumps and self.jumps[-1].end is None else None
 
+    def states(self, t: Array, over: float = 0.0) -> tuple[Array, Array, Array]:
+        """a [m], delta [m], P [N] at the rising times ``t`` [s] of the program, jumps spread ``over`` a time [s]; out
+        of contact a = P = 0, and the tip is where the device is."""
+        rows = np.array([(row.t, row.a, row.delta, row.P) for row in self.rows])
+        falls = np.diff(rows, axis=0) * (np.diff(rows[:, :1], axis=0) == 0)
+        smooth = rows - np.concatenate([np.zeros((1, 4)), np.cumsum(falls, axis=0)])
+        values = np.stack([np.interp(t, rows[:, 0], column) for column in smooth[:, 1:].T])
+        for i in np.flatnonzero(falls.any(axis=1)):
+            since = t - rows[i, 0]
+            values += falls[i, 1:, None] * (np.clip(since / over + 0.5, 0, 1) if over else since >= 0)
+        return values[0], values[1], values[2]
+
 
 def march(body: Body, program: Program, tolerance: float, rests: bool = False) -> Course:
     """Follow a ``program`` of the device step by step, to the loss of contact where it goes on; steps by their
@@ -592,8 +604,8 @@ def _state(row: Row) -> TimedState:
 @dataclass(frozen=True, eq=False)
 class RelaxingAdhesion:
     """A contact with adhesion by ``law`` of bodies whose moduli relax by ``relaxation``, in a device of ``stiffness``
-    [N/m]; ``end``: the radius and the displacement [m] at the end of their series; ``tolerance`` of steps, ``rests``:
-    whether they are relaxed where the program begins."""
+    [N/m]; ``end``: the radius and the displacement [m] at the end of their series; ``tolerance`` of steps,
+    ``zone_points``: on the narrowest zone; ``rests``: whether they are relaxed where the program begins."""
 
     problem: Problem
     attracted: AttractedBody
@@ -602,6 +614,7 @@ class RelaxingAdhesion:
     end: tuple[float, float]
     stiffness: float = DISPLACEMENT_CONTROL
     tolerance: float = STEP_TOLERANCE
+    zone_points: int = ZONE_POINTS
     rests: bool = False
 
     def __post_init__(self) -> None:
@@ -640,7 +653,7 @@ class RelaxingAdhesion:
         for _ in range(MOST_STEPS):
             t = (x - self.least) / speed
             try:
-                course = self._run(
+                course = self.course(
                     Program(np.array([0.0, t]), np.array([self.least, x])), self.tolerance * STEP_COARSER
                 )
             except (InputError, Refusal):
@@ -679,11 +692,11 @@ class RelaxingAdhesion:
 
     def history(self, program: Program) -> AdhesiveHistory:
         """What happens under ``program`` of positions [m], of loads [N] under load control."""
-        course = self._run(program, self.tolerance)
-        again = self._run(program, self.tolerance * STEP_COARSER, course.body.attraction.reach)
+        course = self.course(program, self.tolerance)
+        again = self.course(program, self.tolerance * STEP_COARSER, course.body.attraction.reach)
         return AdhesiveHistory(self, program, course, again)
 
-    def _run(self, program: Program, tolerance: float, reach: float = 0.0) -> Course:
+    def course(self, program: Program, tolerance: float, reach: float = 0.0) -> Course:
         """The ``program`` followed, on a body that is known as far as it needs to be, or to ``reach`` [m]."""
         left = self._left(program)
         self._spacing(left, self.end[0])  # refused before anything is solved
@@ -738,7 +751,8 @@ class RelaxingAdhesion:
                 f"cycle: the cohesive zone of {show(zone, 'length')} is too narrow beside {show(reach, 'length')} "
                 f"to be followed: give a smaller --stress, about {show(stress, 'modulus', 2)}"
             )
-        return min(max(zone / ZONE_POINTS, reach / MOST_POINTS), reach / FIRST_POINTS)
+        whole = FIRST_POINTS * self.zone_points / ZONE_POINTS
+        return min(max(zone / self.zone_points, reach / MOST_POINTS), reach / whole)
 
 
 @dataclass(frozen=True, eq=False)

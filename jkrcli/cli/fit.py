@@ -220,7 +220,8 @@ def fit_relaxation(request: FitRequest) -> None:
     terms = {} if asked.terms is None else {"terms": asked.terms}
     how = {"level": asked.level, "confidence": asked.confidence} | terms
     assert asked.relaxation is not None
-    settings = relaxation_settings(asked.relaxation, asked.fix, request.names, body.problem.E_star, **how)
+    names = (asked.relaxation, asked.fix, request.names, body.problem.E_star, body.range_of_case)
+    settings = relaxation_settings(*names, **how)
     curves, skipped = usable(request.measured, request.reading)
     done = []
     for curve in curves:
@@ -385,7 +386,8 @@ ASKED = as_one(
                  help="Adhesion depends on the speed of the edge: w0 and the law's v0, n (or v0, b) are free too, all "
                  "records are fitted together; needs t, delta, P."),
     click.option("--relaxation", type=click.Choice(list(RELAXATIONS)), help="The body relaxes: its modulus, the law's "
-                 "parameters and delta0 from t, delta, P of pressing, waiting and retracting, no adhesion."),
+                 "parameters and delta0 from t, delta, P of pressing, waiting and retracting; with --free w and "
+                 "--fix stress=... or range=... the retraction adheres."),
     click.option("--terms", type=click.IntRange(1, 4), help="Of --relaxation prony [default: 2]."),
     click.option("--segment", type=click.Choice(["approach", "retract", "both"]),
                  help="Rows to fit [default: both, of --law retract]."),
@@ -471,7 +473,8 @@ def fit(
     per_row, per_file = TABLE_FIT_PER_ROW + refits * TABLE_REFIT_PER_ROW, refits * TABLE_REFIT
     begin_reading("fit", paths, limits, FEWER, per_row=len(surfaces) * per_row, per_file=len(surfaces) * per_file)
     fitted = fitted_body(source, slopes, limits)
-    if kind in (LAW, RELAXATION) and fitted.range_of_case:
+    adheres = "w" in _flat(asked.free) or "w" in dict(asked.fix)
+    if fitted.range_of_case and (kind == LAW or (kind == RELAXATION and not adheres)):
         raise InputError(f"fit: {kind} {NO_RANGE}")
     words = str(source) if isinstance(source, Path) else fitted.problem.words
     # The parameters that are free beside the usual ones, those that records share or have each among them.

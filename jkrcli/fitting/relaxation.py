@@ -2,11 +2,12 @@
 
 What moved in straight pieces between corners, the device, its tip, or the load, is fitted with the rest. So its noise
 has its part in the intervals. Where a lever is between, the readings of tip and load share noise: they are weighed by
-their covariance.
+their covariance. Where w is asked for, the whole record is fitted, with its retraction (``adhesive_march.py``).
 """
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
@@ -17,6 +18,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from ..adhesion.device_path import Program
+from ..adhesion.finite_range import RangeRequest
 from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.relaxation import RelaxingContact
 from ..base.errors import InputError, JkrError, SolveError
@@ -24,9 +26,10 @@ from ..base.numerics import FEWEST_ROWS, MOST_STEPS, ROWS, SAME, TINY, Array, ev
 from ..base.units import Ranged, ranges_of, show
 from ..bodies.materials import RELAXATIONS, Relaxation
 from ..data.curve import Curve
+from .adhesive_march import ADHESION, MARCH_APART, AdhesiveMarch, ElasticLimits, Secants
 from .forward_model import FittedBody
 from .least_squares import SEARCH_MISFIT, SEARCH_REACH, Followed, Intervals, Least, LeastSquares, State, by_differences
-from .parameters import MODULUS, Answer, Nameable, Parameter, Unknowns, check_law, parameters_of, word
+from .parameters import ALIAS, MODULUS, Answer, Nameable, Parameter, Unknowns, check_law, parameters_of, word
 from .rows import noise_from_third_differences
 
 # --------------------------------------------------------------------------------------------------
@@ -193,7 +196,8 @@ def without_adhesion(curve: Curve) -> tuple[Curve, tuple[str, ...]]:
     if pulls < ROWS_APART * noise_of(curve.load) or later.all():
         return curve, ()
     flag = (
-        f"the retraction adheres, it pulls with {show(pulls, 'load')}: fitted without it, up to {show(begin, 'time')}"
+        f"the retraction adheres, it pulls with {show(pulls, 'load')}: fitted without it, up to "
+        f"{show(begin, 'time')}; with it: --free w"
     )
     return curve.rows(~later), (flag,)
 
@@ -230,6 +234,15 @@ FIT_SHOWN = 0.01  # choice: of the range of the load, that does too; a tilted ba
 FIT_APART = 2.5  # theory: rows between two corners, within which no row shows when a step was
 FIT_STEP = 1e-6  # theory: of the unknowns, for derivatives: the root of what the histories err by
 FIT_CONVERGED = 1e-6  # theory: relative, of the sum of squares; a change of 1e-3 standard errors in 1e3 rows
+FIT_MARCHED = 0.02  # choice: of the unknowns, for differences of marches, which err by a hundredth of what these change
+FIT_MARCHED_SHARE = 0.005  # choice: the same of shares and of zeros, places and times over their ranges
+FIT_MARCHED_END = 3e-4  # choice: of the sum of squares, a change of a third of a standard error at most in 300 rows
+FIT_SPREAD = 3.0  # choice: over which jumps are spread first, so that the loads tell where they are
+FIT_HELD = 0.05  # choice: of the way, within which the device is at its turn
+FIT_MARCHED_FIRST = 0.1  # choice: the same in the first search, which another follows
+FIT_LAST = 4  # choice: marches that are not coarse, at most
+FIT_EXACT = 0.1  # choice: of the noise of loads, over the ranges of both; a device less noisy did what was read
+FIT_RANGES = (0.5, 2.0)  # choice: of a stress that is not known, those by which its influence is stated
 FIT_COARSER = 3  # choice: steps joined in the histories of a spring or a load, 1e-4 of the loads
 FIT_GROWS = 0.02  # choice: of the depth, by which a contact may grow again: corners have the noise of readings
 
@@ -249,7 +262,8 @@ WEIGHT, TIME = Ranged("number", above=0, most=1), Ranged("time", above=0)
 @dataclass(frozen=True)
 class RelaxationSettings:
     """A request: the ``law`` by name, of ``terms`` where it is "prony", the names of the ``zeros`` that are free, the
-    ``fixed`` values, SI, the ``level`` of the intervals, and by what ``confidence`` they are computed."""
+    ``fixed`` values, SI, the ``level`` of the intervals, and by what ``confidence`` they are computed;
+    ``adhesion``: of w, stress and range, those that are free."""
 
     law: str
     zeros: tuple[str, ...]
@@ -257,12 +271,24 @@ class RelaxationSettings:
     terms: int = 2
     level: float = 0.95
     confidence: Followed = "covariance"
+    adhesion: tuple[str, ...] = ()
+
+    @property
+    def adheres(self) -> bool:
+        """Whether w is asked for, or known."""
+        return "w" in self.adhesion or "w" in self.fixed
+
+    @property
+    def ranged(self) -> bool:
+        """Whether the range of adhesion is known, or asked for."""
+        return bool({"stress", "range"} & {*self.adhesion, *self.fixed})
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """The modulus, those of the law, and zeros."""
         known = {**dict.fromkeys(ZEROS.keys() - set(self.zeros), 0.0), **self.fixed}
-        ranges = MODULUS | _of_law(self.law, self.terms) | ZEROS
+        adhesion = {name: ADHESION[name] for name in ADHESION if name in self.adhesion or name in known}
+        ranges = MODULUS | _of_law(self.law, self.terms) | adhesion | ZEROS
         return parameters_of(ranges, ranges.keys() - known.keys(), known)
 
     def relaxation(self, values: Mapping[str, float]) -> Relaxation:
@@ -284,17 +310,32 @@ def _of_law(law: str, terms: int) -> dict[str, Ranged]:
 
 
 def relaxation_settings(
-    law: str, fix: Iterable[tuple[str, str]] = (), free: Iterable[str] = (), E_star: float = 1.0, **options: Any
-) -> RelaxationSettings:
+    law: str, fix: Iterable[tuple[str, str]] = (), free: Iterable[str] = (), E_star: float = 1.0,
+    ranged: RangeRequest | None = None, **options: Any,
+) -> RelaxationSettings:  # fmt: skip
     """Settings from what a user types: free are the modulus, the law's parameters and delta0, but for what ``fix``
-    names, and what ``free`` adds (P0, and tilt of the base line [N/m]); of a power law, whose modulus is that at its
-    time, the time is fixed, 1 s by default. ``E_star`` of the body [Pa]."""
+    names, and what ``free`` adds: P0, and tilt of the base line [N/m]; w, and the stress or range of adhesion, which
+    is else that of the case, ``ranged``, if it has one. Of a power law, whose modulus is that at its time, the time is
+    fixed, 1 s by default. ``E_star`` of the body [Pa]."""
     check_law(law, RELAXATIONS)
     own = _of_law(law, options.get("terms", 2))
-    named = Nameable("--relaxation", MODULUS | own | ZEROS, E_star)
+    named = Nameable("--relaxation", MODULUS | own | ADHESION | ZEROS, E_star)
     fixed = ({"time": 1.0} if law == "power" else {}) | named.known(fix)
     wanted = ["delta0", *(named.own(name) for name in free if name != "relaxation")]
-    return RelaxationSettings(law, tuple(name for name in wanted if name in ZEROS), fixed, **options)
+    wanted = [name for name in wanted if name not in fixed]
+    adhesion = tuple(name for name in ADHESION if name in wanted)
+    zeros = tuple(name for name in wanted if name in ZEROS)
+    asked = [name for name in ADHESION if name in adhesion or name in fixed]
+    if asked and "w" not in asked:
+        raise InputError(f"fit: {asked[0]}: of a relaxing body it goes with w: give --free w, or leave it out")
+    if asked and law == "power":
+        raise InputError("fit: a power law has no instant modulus, by which a contact jumps: with w give "
+                         "--relaxation sls or prony")  # fmt: skip
+    if {"stress", "range"} <= set(asked):
+        raise InputError("fit: stress and range are one parameter with w: give one of them")
+    if asked == ["w"] and ranged:
+        fixed |= {"range": ranged.length} if ranged.stress is None else {"stress": ranged.stress}  # type: ignore[dict-item]
+    return RelaxationSettings(law, zeros, fixed, adhesion=adhesion, **options)
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,7 +344,8 @@ class TimedRecord:
     [m], or the load [N]) and the ``response`` (the load, or the displacement); standard deviations of both from row to
     row, ``noise``, and those by which they are weighed, ``sigma``: of the imposed, and of what is left of the response
     less ``shared`` times the noise of the imposed (per row). ``read``: nothing moved in straight pieces; then the
-    displacement of the tip is imposed, as it was read. ``flags``: how rows were chosen."""
+    displacement of the tip is imposed, as it was read. ``flags``: how rows were chosen; ``left_out``: mask of rows
+    whose response says nothing, beside jumps of the contact."""
 
     curve: Curve
     t: Array
@@ -317,6 +359,7 @@ class TimedRecord:
     shared: float = 0.0
     read: bool = False
     flags: tuple[str, ...] = ()
+    left_out: Array | None = None
 
     @property
     def loaded(self) -> bool:
@@ -369,7 +412,13 @@ class TimedRecord:
     def weighed(self, off: tuple[Array, Array]) -> tuple[Array, Array]:
         """What readings are ``off`` a model, imposed and response, in standard deviations, independent of each
         other."""
-        return off[0] / self.sigma[0], (off[1] - self.shared * off[0]) / self.sigma[1]
+        alone = (off[1] - self.shared * off[0]) / self.sigma[1]
+        return off[0] / self.sigma[0], alone if self.left_out is None else np.where(self.left_out, 0.0, alone)
+
+    def beside(self, jumps: Array) -> Array:
+        """The mask of rows beside ``jumps`` [s]: which side of a jump a row is on says more than its load."""
+        near = np.abs(self.t[:, None] - jumps) < MARCH_APART * float(np.median(np.diff(self.t)))
+        return np.asarray(near.any(axis=1))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -395,13 +444,16 @@ class RelaxationFit(Answer):
         return doubts + ([MISFIT] if self.scatter > SEARCH_MISFIT else [])
 
 
-def timed_record(curve: Curve) -> TimedRecord:
-    """The readings of ``curve`` over time; InputError where a column is missing."""
+def timed_record(curve: Curve, adheres: bool = False) -> TimedRecord:
+    """The readings of ``curve`` over time, of a retraction that ``adheres`` too; InputError where a column is
+    missing."""
     check_over_time(curve, "a fit of relaxation")
     if len(curve) < FEWEST_ROWS:
         raise InputError(f"{curve.where}: {len(curve)} rows, at least {FEWEST_ROWS} are needed")
     check_rising(curve.where, curve.time, np.arange(len(curve)))
-    curve, flags = without_adhesion(averaged(curve))
+    curve, flags = averaged(curve), tuple[str, ...]()
+    if not adheres:
+        curve, flags = without_adhesion(curve)
     t, load = curve.time, curve.load
     moved = _straight(curve)
     if moved is not None and moved[0] == "load" and np.ptp(moved[1][1]) < ROWS_APART * noise_of(load):
@@ -471,14 +523,65 @@ def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings)
 def _fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> RelaxationFit:
     if body.problem.indenter.material is not None or body.problem.sticks:
         raise InputError("fit: --relaxation needs a rigid indenter and frictionless contact")
-    record = timed_record(curve)
+    record = timed_record(curve, settings.adheres)
     settings = _with_base_line(record, settings)
     body = body.to_depth(FIT_DEEPER * record.depth)
+    if settings.adheres:
+        return _fit_adhering(body, record, settings)
     problem = _Problem(body.nonadhesive, record, settings)
     least = problem.minimise(problem.start())
     problem = replace(problem, record=problem.reweighed(least))
     fit = problem.result(problem.minimise(least.x), body.problem.E_star)
     return replace(fit, warnings=(*fit.warnings, *_fewer(body, fit)))
+
+
+def _fit_adhering(body: FittedBody, record: TimedRecord, settings: RelaxationSettings) -> RelaxationFit:
+    """The fit of a record with its retraction, w among the unknowns, from the best of the elastic limits on."""
+    # What is seen: where contact shows, its pull-off force, begin and end of the hold.
+    load, tip, noise = record.response, record.imposed, record.noise[1]
+    if record.loaded:
+        load, tip, noise = tip, load, record.noise[0]
+    base = float(np.median(load[:ROWS_BEFORE]))
+    load = load - base
+    if -load.min() < ROWS_APART * noise:
+        raise InputError(f"{record.curve.where}: w: no adhesion shows, no load lies below that before contact; leave w "
+                         "out")  # fmt: skip
+    if 0 < record.stiffness < math.inf:
+        tip = tip - load / record.stiffness
+    times, places = record.knots
+    top = int(np.argmax(places > places.max() - FIT_HELD * np.ptp(places)))
+    turn = float(times[top]), float(times[top + 1 if top + 2 < times.size else top])
+    shows = float(tip[int(np.argmax(np.abs(load) > ROWS_APART * noise))])
+
+    # Where to begin, and the stress of a zone a part of the contact wide where no range is known.
+    fixed, known = settings.fixed, settings.ranged
+    march = AdhesiveMarch.of(body, 2 * float(np.median(np.diff(record.t))))
+
+    def ranged(w: float) -> float:
+        return fixed.get("range", w / fixed["stress"] if "stress" in fixed else 0.0)
+
+    found = ElasticLimits(body.nonadhesive).starts(record.t, tip, load, turn, shows, ranged)
+    radius = float(np.interp(record.depth, body.series.delta, body.series.a))
+    stress = march.stress(found[1]["w"], found[1]["modulus"] * body.problem.E_star, radius)
+    settings = settings if known else replace(settings, fixed={**fixed, "stress": stress})
+    more = {"stress": stress, "P0": 0.0 if record.loaded else base, "tilt": 0.0}
+    starts = [{**more, "range": one["w"] / stress, **_of_start(settings, one), **settings.fixed} for one in found]
+
+    # Coarse marches, what the device did as it was read, the zero where contact shows; then all unknowns, on rows away
+    # from jumps; then with the noise that is left and marches that are not coarse.
+    tied = settings if "delta0" in settings.fixed else replace(settings, fixed={**settings.fixed, "delta0": 0.0})
+    first = _Problem(body.nonadhesive, record, tied, replace(march, over=FIT_SPREAD * march.over), True,
+                     None if "delta0" in settings.fixed else shows)  # fmt: skip
+    least = first.minimise(min((first.unknowns.at(one) for one in starts), key=first.cost), FIT_MARCHED_FIRST)
+    exact = np.ptp(record.response) * record.noise[0] < FIT_EXACT * np.ptp(record.imposed) * record.noise[1]
+    whole = _Problem(body.nonadhesive, record, settings, march, bool(exact))
+    theta = whole.extended(whole.unknowns.at(first.zeroed(first.unknowns.values(least.x))))
+    whole = replace(whole, record=replace(record, left_out=record.beside(whole.jumps(theta))))
+    least = whole.minimise(theta, FIT_MARCHED_END)
+    whole = replace(whole, record=whole.reweighed(least), march=march.full())
+    least = whole.minimise(least.x, FIT_MARCHED_END, FIT_LAST)
+    fit = whole.result(least, body.problem.E_star)
+    return fit if known else whole.ranged(fit, least)
 
 
 def _fewer(body: FittedBody, fit: RelaxationFit) -> Iterator[str]:
@@ -493,22 +596,46 @@ def _fewer(body: FittedBody, fit: RelaxationFit) -> Iterator[str]:
         yield f"{terms} terms fit as well as {terms + 1} (BIC better by {rise:.2g}): take --terms {terms}"
 
 
+def _of_start(settings: RelaxationSettings, start: Mapping[str, float]) -> dict[str, float]:
+    """The values of a ``start`` with the law's parameters."""
+    if settings.law != "prony":
+        return dict(start)
+    n = settings.terms
+    weights = {f"weight{i + 1}": (1 - start["ratio"]) / n for i in range(n)}
+    return dict(start) | weights | {f"time{i + 1}": start["time"] * 8.0 ** (i - (n - 1) / 2) for i in range(n)}
+
+
 def _with_base_line(record: TimedRecord, settings: RelaxationSettings) -> RelaxationSettings:
     """Free too, unless fixed, is what the loads before contact show of their base line."""
     if record.loaded:
         return settings
-    before = slice(0, record.shows // 2)  # contact begins before it shows
+    shows = record.shows
+    if settings.adheres:
+        load = record.response - np.median(record.response[:3])
+        shows = int(np.argmax(np.abs(load) > ROWS_APART * record.noise[1]))
+    before = slice(0, shows // 2)  # contact begins before it shows
     shown = base_line(record.response[before], record.imposed[before], record.noise[1])
     return replace(settings, zeros=(*settings.zeros, *shown))
 
 
 @dataclass(frozen=True, eq=False)
 class _Problem:
-    """Residuals as a function of the unknowns: the free parameters, then places and times of the corners."""
+    """Residuals as a function of the unknowns: the free parameters, then places and times of the corners. ``march``:
+    the model with adhesion, None without; ``pinned``: whether the corners stay where they were read; ``shows``: place
+    [m] at which the surfaces come within the range, to which the zero is tied; ``secants``: derivatives of marches."""
 
     body: Nonadhesive
     record: TimedRecord
     settings: RelaxationSettings
+    march: AdhesiveMarch | None = None
+    pinned: bool = False
+    shows: float | None = None
+    secants: Secants = field(default_factory=Secants)
+
+    @property
+    def still(self) -> bool:
+        """Whether what was imposed is known as it was read."""
+        return self.pinned or self.record.read
 
     # ------------------------------------------------------------------ unknowns
     @cached_property
@@ -521,7 +648,7 @@ class _Problem:
     @cached_property
     def moving(self) -> Array:
         """Which corners may move in time: not the ends, and not those of a step between two rows."""
-        if self.record.read:
+        if self.still:
             return np.array([], dtype=int)
         gaps = np.diff(self.record.knots[0]) > FIT_APART * float(np.median(np.diff(self.record.curve.time)))
         return np.flatnonzero(np.concatenate([[False], gaps[:-1] & gaps[1:], [False]]))
@@ -529,7 +656,7 @@ class _Problem:
     def program(self, theta: Array) -> Program:
         """What the device did, as it was read."""
         n, (t, x) = len(self.unknowns.free), self.record.knots
-        if self.record.read:
+        if self.still:
             return Program(t, x)
         t = t.copy()
         t[self.moving] += theta[n + x.size :] * (t[-1] - t[0])
@@ -540,17 +667,38 @@ class _Problem:
         """What is imposed and the response, at the rows, as readings."""
         return self._readings(theta)[:2]
 
-    def _readings(self, theta: Array) -> tuple[Array, Array, Array]:
-        """The same, and which rows are in contact."""
-        values, record, program = self.unknowns.values(theta), self.record, self.program(theta)
+    def zeroed(self, values: dict[str, float]) -> dict[str, float]:
+        """The ``values`` with the zero that is tied."""
+        if self.shows is None:
+            return values
+        return values | {"delta0": self.shows + values.get("range", values["w"] / values.get("stress", math.inf))}
+
+    def columns(self, theta: Array) -> Array:
+        """The same one after the other, in units of the noise from row to row; SolveError where there is no such
+        history."""
+        try:
+            return np.concatenate([one / unit for one, unit in zip(self.model(theta), self.record.noise, strict=True)])
+        except FAILURES as error:
+            raise SolveError(f"no history of this body resembles the record ({error})") from None
+
+    def jumps(self, theta: Array) -> Array:
+        """The times [s] at which the contact jumps."""
+        return self._readings(theta)[3]
+
+    def _readings(self, theta: Array) -> tuple[Array, Array, Array, Array]:
+        """The same, which rows are in contact, and the times of jumps."""
+        values, record, program = self.zeroed(self.unknowns.values(theta)), self.record, self.program(theta)
         zero, other = ("P0", "delta0") if record.loaded else ("delta0", "P0")
         imposed = np.interp(record.t, program.t, program.x)
         x, modulus = program.x - values[zero], values["modulus"]
-        contact = self._contact(self.settings.relaxation(values), record.stiffness / modulus)  # loads over the modulus
-        history = contact.history(Program(program.t, x / modulus if record.loaded else x))
-        a, delta, P = history.states(record.t)
+        law, stiffness = self.settings.relaxation(values), record.stiffness / modulus  # loads over the modulus
+        program = Program(program.t, x / modulus if record.loaded else x)
+        if self.march is None:
+            (a, delta, P), jumps = self._contact(law, stiffness).history(program).states(record.t), np.empty(0)
+        else:
+            a, delta, P, jumps = self.march.states(law, values, stiffness, program, record.t)
         response = delta if record.loaded else modulus * P
-        return imposed, response + values[other] + values["tilt"] * (imposed - imposed[0]), a > 0
+        return imposed, response + values[other] + values["tilt"] * (imposed - imposed[0]), a > 0, jumps
 
     def _contact(self, law: Relaxation, stiffness: float) -> RelaxingContact:
         coarser = 1 if math.isinf(stiffness) else FIT_COARSER
@@ -563,29 +711,97 @@ class _Problem:
             imposed, response = self.model(theta)
         except FAILURES:
             imposed, response = record.imposed + np.ptp(record.imposed), record.response + np.ptp(record.response)
-        first, rest = record.weighed((imposed - record.imposed, response - record.response))
-        return rest if record.read else np.concatenate([first, rest])
+        return self.weighed(np.concatenate([imposed - record.imposed, response - record.response]))
+
+    def weighed(self, off: Array) -> Array:
+        """What both readings, one after the other, are ``off`` in standard deviations."""
+        n = self.record.t.size
+        first, rest = self.record.weighed((off[:n], off[n:]))
+        return rest if self.still else np.concatenate([first, rest])
 
     def reweighed(self, least: Least) -> TimedRecord:
         """The record with standard deviations as the readings scatter about the model: of the response those of the
         rows in contact, whose noise is another than that of a free lever, and of all others apart."""
         record, n = self.record, self.record.t.size
-        imposed, response, touches = self._readings(least.x)
+        imposed, response, touches, _ = self._readings(least.x)
         off = imposed - record.imposed, response - record.response
         left = 1 - np.sum(np.linalg.qr(least.state.jacobian)[0] ** 2, axis=1)  # of each square, by its leverage
         shared = record.shared if record.shared == 0 else float(off[0] @ off[1]) / max(float(off[0] @ off[0]), TINY)
-        first = record.sigma[0] if record.read else _scatter(off[0], left[:n], record.imposed)
+        first = record.sigma[0] if self.still else _scatter(off[0], left[:n], record.imposed)
         alone, second = off[1] - shared * off[0], np.empty(n)
-        parts = [touches, ~touches] if FEWEST_ROWS <= int(touches.sum()) <= n - FEWEST_ROWS else [np.full(n, True)]
+        used = np.full(n, True) if record.left_out is None else ~record.left_out
+        parts = [touches & used, ~touches & used]
+        if min(int(part.sum()) for part in parts) < FEWEST_ROWS:
+            parts = [used]
+        second[:] = record.sigma[1]
         for part in parts:
             second[part] = _scatter(alone[part], left[-n:][part], record.response)
         return replace(record, sigma=(first, second), shared=shared)
 
-    def minimise(self, start: Array) -> Least:
-        return LeastSquares(self.state, self._bounds(start), FIT_CONVERGED).least(start)
+    def minimise(self, start: Array, cost: float = 0.0, evaluations: int | None = None) -> Least:
+        return LeastSquares(self.state, self._bounds(start), FIT_CONVERGED, cost, evaluations).least(start)
+
+    def cost(self, theta: Array) -> float:
+        """The sum of squares; infinite where there is no history."""
+        with contextlib.suppress(SolveError):
+            return float(np.sum(self._with(theta, self.columns(theta)).residuals ** 2))
+        return math.inf
+
+    def _with(self, theta: Array, here: Array) -> State:
+        """The residuals of ``columns`` that are ``here``, with derivatives by secants."""
+        n, record = self.record.t.size, self.record
+        units = np.repeat(record.noise, n)
+
+        def rates() -> Array:
+            J = self.secants.rates(self.columns, theta, here, self.steps(theta), len(self.unknowns.free))
+            return np.stack([self.weighed(units * column) for column in J.T], axis=1)
+
+        return State(self.weighed(units * here - np.concatenate([record.imposed, record.response])), rates)
+
+    def steps(self, theta: Array) -> Array:
+        """Of the unknowns, for differences of marches: logs, and shares of 1 or of ranges, towards the middle."""
+        steps = np.full(theta.size, FIT_MARCHED_SHARE)
+        for i, parameter in enumerate(self.unknowns.free):
+            if parameter.kind == "log":
+                steps[i] = FIT_MARCHED
+            elif parameter.high < 1 and theta[i] > FIT_SHARES[-1]:
+                steps[i] = -FIT_MARCHED_SHARE
+        return steps
+
+    def extended(self, own: Array) -> Array:
+        """All unknowns from those of the parameters."""
+        if self.still:
+            return own
+        places = self.record.knots[1] / np.ptp(self.record.knots[1])
+        return np.concatenate([own, places, np.zeros(self.moving.size)])
+
+    def ranged(self, fit: RelaxationFit, least: Least) -> RelaxationFit:
+        """The ``fit`` with the influence of a cohesive stress that is not known, by one step of Gauss and Newton from
+        half and twice of it, as the model's part of errors."""
+        stress, moves = self.settings.fixed["stress"], []
+        for factor in FIT_RANGES:
+            fixed = {**self.settings.fixed, "stress": factor * stress}
+            other = replace(self, settings=replace(self.settings, fixed=fixed)).state(least.x)
+            off = other.residuals - least.state.residuals
+            moves.append(np.linalg.lstsq(least.state.jacobian, -off, rcond=None)[0])
+        parts = dict(zip(fit.free, np.max(np.abs(moves), axis=0).tolist(), strict=False))
+        logs = {one.name for one in self.unknowns.free if one.kind == "log"}
+        parts[ALIAS] = parts.get("modulus", 0.0)
+        estimates = []
+        for item in fit.estimates:
+            unit = item.value if item.name == ALIAS or item.name in logs else self.unknowns.units.get(item.name, 1.0)
+            part = {"range": parts[item.name] * unit} if parts.get(item.name) else None
+            estimates.append(replace(item, model=part))
+        warning = (
+            f"the cohesive stress is not known, {show(stress, 'modulus')} is taken: half or twice of it changes w by "
+            f"{parts.get('w', 0.0):.0%}; give --fix stress or range, or --free stress"
+        )
+        return replace(fit, estimates=tuple(estimates), warnings=(*fit.warnings, warning))
 
     def state(self, theta: Array) -> State:
         """The residuals with their derivatives, backwards where an unknown is a share."""
+        if self.march is not None:
+            return self._with(theta, self.columns(theta))
         shares = np.array([parameter.high < 1 for parameter in self.unknowns.free], dtype=bool)
         steps = np.full(theta.size, FIT_STEP)
         steps[: len(shares)] *= np.where(shares & (theta[: len(shares)] > FIT_STEP), -1.0, 1.0)
@@ -644,7 +860,7 @@ class _Problem:
         return [float(record.imposed[record.shows]) - share * record.unseen for share in FIT_DEPTHS]
 
     def _from(self, values: Mapping[str, float]) -> Array:
-        x = self.record.knots[1] if not self.record.read else np.array([])
+        x = self.record.knots[1] if not self.still else np.array([])
         places = x / np.ptp(self.record.knots[1])
         return np.concatenate([self.unknowns.at(values), places, np.zeros(self.moving.size)])
 
@@ -675,7 +891,8 @@ class _Problem:
         settings, record, unknowns = self.settings, self.record, self.unknowns
         intervals = Intervals.of(unknowns, least, settings.level, settings.confidence, E_star, 1.0)
         imposed, response = self.model(least.x)
-        squares = np.sum(((response - record.response) / record.noise[1]) ** 2)
+        off = (response - record.response) / record.noise[1]
+        squares = np.sum((off if record.left_out is None else off[~record.left_out]) ** 2)
         fit = RelaxationFit(
             estimates=intervals.estimates(), free=unknowns.names, dof=least.dof,
             covariance=unknowns.covariance(intervals.covariance),

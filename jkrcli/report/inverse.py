@@ -38,7 +38,14 @@ from ..series import Solution
 from ..tables import some
 from . import archive
 from .map import DOUBTFUL, FITTED, LEAST_CURVES, UNUSABLE, status_of
-from .rate import RELAXATION_NEGLECTED, law_words, relaxation_law_summary, through_summary, through_words
+from .rate import (
+    ADHESION_NEGLECTED,
+    RELAXATION_NEGLECTED,
+    law_words,
+    relaxation_law_summary,
+    through_summary,
+    through_words,
+)
 from .result import SHOWN, Figure, Several
 from .tables import DIMENSIONS, quantities, stacked, stiffness, transpose_rows, with_unit
 
@@ -625,7 +632,7 @@ class RelaxationFits(Several):
         return identity("jkr-relaxation-fit", self.body) | {
             "level": level,
             "fits": fits,
-            "neglected": RELAXATION_NEGLECTED,
+            "neglected": ADHESION_NEGLECTED if self.fits[0].settings.adheres else RELAXATION_NEGLECTED,
         }
 
     @property
@@ -681,9 +688,11 @@ def relaxation_fit_words(fit: RelaxationFit) -> list[str]:
     motion = "as it was read" if record.read else straight
     own = [fit.estimate(name) for name in ("E_star", *fit.free) if name not in ("modulus", *ZERO_POINTS)]
     doubts = f"; doubtful: {', '.join(fit.doubts)}" if fit.doubts else ""
+    fixed = [fit.estimate(name) for name in ("w", "stress", "range") if name in fit.settings.fixed]
+    known = "".join(f", {item.name} = {show(item.value, item.dimension)} (fixed)" for item in fixed)
     return [
         brief(own, level) + doubts,
-        f"  {record.curve.where}: {fit.relaxation}; {record.t.size} rows, the {control} {motion}",
+        f"  {record.curve.where}: {fit.relaxation}{known}; {record.t.size} rows, the {control} {motion}",
         *estimate_lines(fit.estimates, level, {"E_star": "E*" if fit.settings.law == "power" else "E* instant"}),
         f"  {'scatter':<12} {fit.scatter:.3g} of the noise from row to row",
     ]

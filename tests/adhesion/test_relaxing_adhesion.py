@@ -41,7 +41,7 @@ def sphere(lam: float, law: Relaxation = SOLID, stiffness: float = DISPLACEMENT_
 
 def pulled(contact: RelaxingAdhesion, speed: float, depth: float = 0.0, tolerance: float = 4e-3) -> Course:
     """From rest at ``depth`` at a speed."""
-    return replace(contact, rests=True)._run(Program.on(depth, -speed), tolerance)
+    return replace(contact, rests=True).course(Program.on(depth, -speed), tolerance)
 
 
 def force(course: Course) -> float:
@@ -113,7 +113,7 @@ def maugis_force(E_star: float, stress: float) -> float:
 def test_very_fast_and_very_slow_cycles(speed: float, E_star: float) -> None:
     """Maugis' forces of the instant and of the relaxed modulus."""
     contact = sphere(3.0)
-    course = contact._run(Program(np.array([0.0, 0.1 / speed]), np.array([contact.least, 0.05]), -speed), 1e-3)
+    course = contact.course(Program(np.array([0.0, 0.1 / speed]), np.array([contact.least, 0.05]), -speed), 1e-3)
     turn = max(range(len(course.rows)), key=lambda i: course.rows[i].a)
     found = -min(row.P for row in course.rows[turn:]) / (math.pi * W)
     assert found == pytest.approx(maugis_force(E_star, contact.law.stress), rel=1e-4)
@@ -127,7 +127,7 @@ def test_energies_balance(law: Relaxation, stiffness: float) -> None:
     back with a wait between them."""
     contact = sphere(2.0, law, stiffness)
     t, x = np.array([0.0, 0.3, 1.0, 1.2, 2.0]), np.array([contact.least, 0.1, 0.1, 0.02, 0.02])
-    course = contact._run(Program(t, x, -0.3), 1e-3)
+    course = contact.course(Program(t, x, -0.3), 1e-3)
     last = course.rows[-1]
     assert last.c == 0
     assert last.work == pytest.approx(last.body + last.radiated, rel=1e-3)
@@ -153,7 +153,7 @@ def test_what_does_not_relax_follows_the_elastic_curve() -> None:
     solution, law = solved(1.0, True, 20.0), Range.of(0.0025, stress=0.05)
     contact = RelaxingAdhesion.of(solution, law, StandardSolid(1 - 1e-9, 1.0), DISPLACEMENT_CONTROL)
     contact = replace(contact, rests=True)
-    rows = np.array(contact._run(Program.on(0.04, -1.0), 1e-2).rows)
+    rows = np.array(contact.course(Program.on(0.04, -1.0), 1e-2).rows)
     curve = FiniteRangeBody.of(solution).curve(law)
     there = rows[(rows[:, 1] > 0.2) & (rows[:, 1] < 0.99 * curve.touching.a[-1])]
     places = curve.touching.c[0] + there[:, 1]
@@ -172,7 +172,7 @@ def test_unilateral_rings(layered: bool) -> None:
     contact = RelaxingAdhesion.of(solution, Range.of(w, stress=stress), law, DISPLACEMENT_CONTROL)
     far, end, rings, steps = (0.12, 2.75, 320, 80) if layered else (0.2, 3.0, 480, 160)
     program = Program(np.array([0.0, 0.0, 1.0]), np.array([contact.least, 0.05, 0.05]), -0.1)
-    rows = np.array(contact._run(program, 2e-3).rows)[1:]
+    rows = np.array(contact.course(program, 2e-3).rows)[1:]
     t = np.append(np.linspace(0, 1, 20), 1 + np.linspace(0, 10 * far, steps)[1:])
     delta = np.append(np.full(20, 0.05), 0.05 - np.linspace(0, far, steps)[1:])
     P = withdrawn(R, stress, w / stress, 0.3, t, delta, end, rings, 0.3 if layered else None)
@@ -219,7 +219,7 @@ def test_contact_is_made_again_where_the_dent_has_recovered() -> None:
     again = 60.0 + 0.55 / speed
     t = np.array([0.0, 0.1, 0.2, 60.0, again])
     x = np.array([contact.least, 0.05, -0.5, -0.5, 0.05])
-    course = contact._run(Program(t, x), 1e-2)
+    course = contact.course(Program(t, x), 1e-2)
     assert [jump.end is None for jump in course.jumps] == [False, True, False]
     first = next(row for row in course.rows if row.t == 0.1)
     assert course.rows[-1].P == pytest.approx(first.P, rel=5e-3)
@@ -230,7 +230,7 @@ def test_a_second_press_onto_the_dent_that_is_left_holds_more() -> None:
     speed = (0.05 - contact.least) / 0.1
     t = np.array([0.0, 0.1, 8.1, 8.2, 8.2 + 0.55 / speed])
     x = np.array([contact.least, 0.05, 0.05, -0.5, 0.05])
-    course = contact._run(Program(t, x), 1e-2)
+    course = contact.course(Program(t, x), 1e-2)
     first = next(row for row in course.rows if row.t == 0.1)
     assert course.rows[-1].a > 1.2 * first.a
     assert course.rows[-1].work == pytest.approx(sum(course.rows[-1][6:9]), rel=5e-3)
@@ -241,7 +241,7 @@ def test_a_cone_is_drawn_in_and_let_go_without_a_jump() -> None:
     half_space = jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(1.0, 0.0)))
     solution = jkr.solve(jkr.Problem(jkr.PowerLaw(1.0, 1.0), half_space, jkr.Loading("depth", 1.0)))
     contact = RelaxingAdhesion.of(solution, Range.of(0.05, stress=0.1), StandardSolid(0.3, 1.0), DISPLACEMENT_CONTROL)
-    course = contact._run(Program(np.array([0.0, 1.0]), np.array([contact.least, 0.3]), -1.0), 2e-2)
+    course = contact.course(Program(np.array([0.0, 1.0]), np.array([contact.least, 0.3]), -1.0), 2e-2)
     last = course.rows[-1]
     assert last.c == 0
     assert abs(last.radiated) < 1e-4 * last.work
@@ -267,7 +267,7 @@ def test_pull_off_of_any_convex_tip_is_that_of_its_relaxed_curve(tip: str) -> No
     solution = jkr.solve(jkr.Problem(indenter, specimen, jkr.Loading("depth", 1.5 * depth)))
     contact = RelaxingAdhesion.of(solution, Range.of(w, stress=stress), StandardSolid(1 / 3, 1e-6), math.inf)
     t, x = np.array([0.0, 1.0, 2.0]), np.array([contact.least, depth, depth])
-    course = contact._run(Program(t, x, -depth), 4e-3)
+    course = contact.course(Program(t, x, -depth), 4e-3)
     expected = FiniteRangeBody.of(solution.scaled(1 / 3)).curve(Range.of(w, stress=stress)).pull_off(LOAD_CONTROL)
     assert isinstance(expected, CriticalPoint)
     assert course.pull_off.P == pytest.approx(expected.P, rel=2e-3)

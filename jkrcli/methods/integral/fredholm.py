@@ -454,14 +454,19 @@ class LegendrePanels:
         once = legendre.legvander(nodes, self.order - 1).T * weights * np.sqrt(np.arange(self.order) + 0.5)[:, None]
         return np.kron(np.diag(np.sqrt(np.diff(self.panels.edges) / 2)), once)
 
+    @cached_property
+    def widths(self) -> Array:
+        """Widths [m] of the panels."""
+        return np.diff(self.panels.edges)
+
     def panel_of(self, x: Array) -> Array:
         """Number of the panel that holds each x; the upper one at an edge, the last one at the end."""
-        return np.clip(np.searchsorted(self.panels.edges, x, side="right") - 1, 0, self.count - 1)
+        return np.minimum(np.maximum(self.panels.edges.searchsorted(x, side="right") - 1, 0), self.count - 1)
 
     def local(self, x: Array, panel: Array) -> Array:
         """Values of the polynomials of each point's ``panel``, (..., order)."""
-        lo, width = self.panels.edges[panel], np.diff(self.panels.edges)[panel]
-        angles = np.arccos(np.clip(2 * (x - lo) / width - 1, -1.0, 1.0))[..., None]
+        lo, width = self.panels.edges[panel], self.widths[panel]
+        angles = np.arccos(np.minimum(np.maximum(2 * (x - lo) / width - 1, -1.0), 1.0))[..., None]
         return np.cos(np.arange(self.order) * angles) @ in_chebyshev(self.order)[0] / np.sqrt(width[..., None])
 
     def at(self, x: Array) -> Array:
@@ -472,7 +477,7 @@ class LegendrePanels:
     def slopes_at(self, x: Array) -> Array:
         """Derivatives of all polynomials at the points ``x``, (x.size, size)."""
         panel = self.panel_of(x)
-        width = np.diff(self.panels.edges)[panel]
+        width = self.widths[panel]
         by_y = self.local(x, panel) @ in_chebyshev(self.order)[1]
         return self.scattered(np.arange(x.size), panel, by_y * 2 / width[:, None], x.size)
 

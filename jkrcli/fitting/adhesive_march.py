@@ -8,6 +8,7 @@ secants as long as they foretell what a step changes (Broyden, Math. Comp. 19 (1
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -38,6 +39,8 @@ MARCH_TRIED = 60  # choice: of them, between which their logs are interpolated
 MARCH_MEAN = 3  # choice: rows to either side, of whose loads means are taken
 MARCH_RATIOS = (0.15, 0.45)  # choice: with which a search begins
 MARCH_SHARES = (0.0, 0.5, 1.0)  # choice: of the way from very fast to from rest, in the log of w, of starts
+MARCH_TIMES = (0.1, 0.4)  # choice: the same, over the time in contact
+MARCH_SEEN = 4.0  # theory: part of the pull-off force, beyond noise
 MARCH_ROUNDS = 3  # choice: modulus and zero in turn, good to a tenth
 SECANT_FORETOLD = 0.4  # choice: of a change, what secants may miss of it
 SECANT_NOISE = 0.1  # choice: of the noise, what they may miss of any change
@@ -123,32 +126,31 @@ class ElasticLimits:
         return beyond
 
     def starts(
-        self, t: Array, x: Array, P: Array, turn: tuple[float, float], shows: float, ranged: Callable[[float], float]
+        self, t: Array, x: Array, P: Array, turn: float, shows: float, ranged: Callable[[float], float]
     ) -> list[dict[str, float]]:
         """Values to begin with for loads ``P`` [N] over a base line at places ``x`` [m] of the tip, where contact
-        ``shows``: "modulus", "ratio", "time", "w", "delta0". With each of some ratios the pull-off force tells w in a
-        very fast cycle, where it is elastic, from rest, where it is the ratio times that of the relaxed modulus
-        (``adhesion/from_rest.py``), and between; the load at the begin of the hold, the times ``turn``, the modulus.
-        ``ranged``: the range [m] of a w, from which on the contact shows."""
+        ``shows``: "modulus", "ratio", "time", "w", "delta0". With each of some ratios and times the pull-off force
+        tells w in a very fast cycle, where it is elastic, from rest, where it is the ratio times that of the relaxed
+        modulus (``adhesion/from_rest.py``), and between; the load at the ``turn`` [s] tells the modulus. ``ranged``:
+        the range [m] of a w, from which on the contact shows."""
         many = 2 * MARCH_MEAN + 1
         smooth = np.convolve(np.pad(P, MARCH_MEAN, mode="edge"), np.full(many, 1 / many), "valid")
-        place, force = float(np.interp(turn[0], t, x)), -min(float(np.min(smooth)), float(np.min(P)) / 2)
-        held = np.interp(turn, t, smooth).tolist()
-        later = t[(t > turn[0]) & (smooth < held[1] + (held[0] - held[1]) * math.exp(-1))]
-        time = max(float(later[0] if later.size else turn[1]) - turn[0], float(np.median(np.diff(t))))
+        place, force = float(np.interp(turn, t, x)), -min(float(np.min(smooth)), float(np.min(P)) / 2)
+        load = float(np.interp(turn, t, smooth))
+        lasts = float(np.ptp(t[np.abs(P) > force / MARCH_SEEN]))
 
-        def start(ratio: float, share: float) -> dict[str, float]:
+        def start(ratio: float, time: float, share: float) -> dict[str, float]:
             def work(modulus: float) -> float:
                 fast, rest = self.work(modulus, force), ratio * self.work(ratio * modulus, force)
                 return float(fast ** (1 - share) * rest**share)
 
             zero = shows
             for _ in range(MARCH_ROUNDS):
-                modulus = self.modulus(place - zero, held[0], work)
+                modulus = self.modulus(place - zero, load, work)
                 zero = shows + ranged(work(modulus))
-            return {"modulus": modulus, "ratio": ratio, "time": time, "w": work(modulus), "delta0": zero}
+            return {"modulus": modulus, "ratio": ratio, "time": time * lasts, "w": work(modulus), "delta0": zero}
 
-        return [start(ratio, share) for ratio in MARCH_RATIOS for share in MARCH_SHARES]
+        return list(itertools.starmap(start, itertools.product(MARCH_RATIOS, MARCH_TIMES, MARCH_SHARES)))
 
 
 @dataclass(eq=False)

@@ -240,6 +240,8 @@ FIT_MARCHED_END = 3e-4  # choice: of the sum of squares, a change of a third of 
 FIT_SPREAD = 3.0  # choice: over which jumps are spread first, so that the loads tell where they are
 FIT_HELD = 0.05  # choice: of the way, within which the device is at its turn
 FIT_MARCHED_FIRST = 0.1  # choice: the same in the first search, which another follows
+FIT_STARTS = 3  # choice: from which a first search begins, at most
+FIT_FOUND = 8.0  # choice: mean square of its residuals over the noise, which jumps that are spread leave, too
 FIT_LAST = 4  # choice: marches that are not coarse, at most
 FIT_EXACT = 0.1  # choice: of the noise of loads, over the ranges of both; a device less noisy did what was read
 FIT_RANGES = (0.5, 2.0)  # choice: of a stress that is not known, those by which its influence is stated
@@ -537,7 +539,7 @@ def _fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> Relaxa
 
 def _fit_adhering(body: FittedBody, record: TimedRecord, settings: RelaxationSettings) -> RelaxationFit:
     """The fit of a record with its retraction, w among the unknowns, from the best of the elastic limits on."""
-    # What is seen: where contact shows, its pull-off force, begin and end of the hold.
+    # What is seen: where contact shows, its pull-off force, the turn.
     load, tip, noise = record.response, record.imposed, record.noise[1]
     if record.loaded:
         load, tip, noise = tip, load, record.noise[0]
@@ -550,7 +552,7 @@ def _fit_adhering(body: FittedBody, record: TimedRecord, settings: RelaxationSet
         tip = tip - load / record.stiffness
     times, places = record.knots
     top = int(np.argmax(places > places.max() - FIT_HELD * np.ptp(places)))
-    turn = float(times[top]), float(times[top + 1 if top + 2 < times.size else top])
+    turn = float(times[top])
     shows = float(tip[int(np.argmax(np.abs(load) > ROWS_APART * noise))])
 
     # Where to begin, and the stress of a zone a part of the contact wide where no range is known.
@@ -572,7 +574,13 @@ def _fit_adhering(body: FittedBody, record: TimedRecord, settings: RelaxationSet
     tied = settings if "delta0" in settings.fixed else replace(settings, fixed={**settings.fixed, "delta0": 0.0})
     first = _Problem(body.nonadhesive, record, tied, replace(march, over=FIT_SPREAD * march.over), True,
                      None if "delta0" in settings.fixed else shows)  # fmt: skip
-    least = first.minimise(min((first.unknowns.at(one) for one in starts), key=first.cost), FIT_MARCHED_FIRST)
+    least = None
+    for theta in sorted(map(first.unknowns.at, starts), key=first.cost)[:FIT_STARTS]:
+        there = first.minimise(theta, FIT_MARCHED_FIRST)
+        least = there if least is None or there.cost < least.cost else least
+        if least.cost < FIT_FOUND * record.t.size / 2:
+            break
+    assert least is not None
     exact = np.ptp(record.response) * record.noise[0] < FIT_EXACT * np.ptp(record.imposed) * record.noise[1]
     whole = _Problem(body.nonadhesive, record, settings, march, bool(exact))
     theta = whole.extended(whole.unknowns.at(first.zeroed(first.unknowns.values(least.x))))

@@ -57,6 +57,24 @@ def test_withdrawal_from_rest(speed: float, expected: float, tolerance: float) -
     assert found == pytest.approx(expected, rel=1e-3)
 
 
+# Tolerance of steps, points on the zone: force over pi w R, depth over a0^2/R, at V tau/R = 1 from rest; the table of
+# docs/theory/relaxation.md.
+WITHDRAWN = {
+    (1.6e-2, 100): (7.8800, -0.8074), (4e-3, 100): (7.8771, -0.8026), (1e-3, 20): (7.8780, -0.8074),
+    (1e-3, 100): (7.8801, -0.8078), (1e-3, 400): (7.8802, -0.8078), (2.5e-4, 100): (7.8801, -0.8073),
+}  # fmt: skip
+
+
+@pytest.mark.first(1)
+@pytest.mark.parametrize(("tolerance", "points"), WITHDRAWN)
+def test_convergence_with_steps_and_points(tolerance: float, points: int) -> None:
+    course = pulled(replace(sphere(3.0), zone_points=points), 1.0, tolerance=tolerance)
+    P, delta = WITHDRAWN[tolerance, points]
+    assert force(course) == pytest.approx(P, abs=2e-4)
+    assert course.pull_off.delta / A0**2 == pytest.approx(delta, abs=2e-4)
+    assert force(course) == pytest.approx(7.8801, rel=5e-4)
+
+
 @pytest.mark.slow
 def test_the_errors_that_are_stated_hold_and_fall_with_the_steps() -> None:
     contact, exact = replace(sphere(3.0), rests=True), 3.4297  # of steps a thousandth of the zone wide

@@ -218,10 +218,11 @@ def fit_relaxation(request: FitRequest) -> None:
 
     body, asked = request.body, request.options
     terms = {} if asked.terms is None else {"terms": asked.terms}
-    how = {"level": asked.level, "confidence": asked.confidence} | terms
+    how: dict[str, Any] = {"level": asked.level, "confidence": asked.confidence} | terms
     assert asked.relaxation is not None
-    names = (asked.relaxation, asked.fix, request.names, body.problem.E_star, body.range_of_case)
-    settings = relaxation_settings(*names, **how)
+    settings = relaxation_settings(
+        asked.relaxation, asked.fix, request.names, body.problem.E_star, body.range_of_case, **how
+    )
     curves, skipped = usable(request.measured, request.reading)
     done = []
     for curve in curves:

@@ -385,8 +385,9 @@ def begin_reading(
     """Say what it takes to read measured files, and to do what a ``verb`` does with each row and file [CPU s], where
     that is much; Refusal beyond the ``limits``, with the advice to ask for ``less``."""
     from ..data.afm_formats import estimate_rows
+    from ..data.measured import files_in
 
-    rows = sum(map(estimate_rows, paths))
+    rows = sum(estimate_rows(file) for path in paths for file in (files_in(path) if path.is_dir() else [path]))
     seconds = (TABLE_PER_ROW + per_row) * rows + per_file * len(paths)
     cost = Forecast(seconds, (TABLE_MIB_PER_ROW + mib_per_row) * rows, 0.0)
     options.begin(f"{verb} of about {float(f'{rows:.1g}'):,.0f} rows", cost, limits, less)

@@ -695,8 +695,6 @@ def estimate_rows(path: Path) -> float:
     0 where it cannot be read, which its reader says, and of pipes, which would be waited for.
     """
     try:
-        if path.is_dir():
-            return sum(estimate_rows(item) for item in path.iterdir() if item.is_file())
         if not path.is_file():
             return 0.0
         if path.suffix.lower() == ".zip":

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from ..base.errors import Estimate, InputError, Unknown, known
-from ..base.numerics import FEWEST_ROWS, NOTICEABLE, SAME, Array
+from ..base.numerics import FEWEST_ROWS, NOTICEABLE, ROUNDED, SAME, Array
 from ..base.units import show
 from .curve import APPROACH, AS_DEPTH, NOT_SUBTRACTED, RETRACT, Curve
 from .free_rows import FreeRows, Side, free_rows
@@ -543,14 +543,19 @@ def _left(x: Array, y: Array, degree: int) -> float:
 
 def _polynomial(x: Array, y: Array, degree: int) -> np.polynomial.Polynomial:
     """The polynomial of ``degree`` through rows; their mean where the device stands still."""
-    moved = np.ptp(x) > 0
-    return np.polynomial.Polynomial.fit(x, y, degree) if moved else np.polynomial.Polynomial([y.mean()])
+    if np.ptp(x) == 0:
+        return np.polynomial.Polynomial([y.mean()])
+    if degree > 1:
+        return np.polynomial.Polynomial.fit(x, y, degree)
+    middle = x.mean()
+    tilt = (x - middle) @ y / ((x - middle) @ (x - middle))
+    return np.polynomial.Polynomial([y.mean() - tilt * middle, tilt])
 
 
 def _touch(x: Array, off: Array, base: BaseLine, end: int) -> tuple[int, float]:
     """The row from which on the load is off the base line for good, and how far about that its position may be
-    wrong: a block of rows; all rows where it never is."""
-    if end >= x.size:
+    wrong: a block of rows; all rows where it never is, by more than round-off."""
+    if end >= x.size or np.ptp(off) <= ROUNDED * abs(base.offset):
         return x.size, math.inf
     size = _block(x.size)
     limit = 2 * math.hypot(base.noise / math.sqrt(size), base.waviness)

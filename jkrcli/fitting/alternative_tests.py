@@ -34,7 +34,6 @@ from .alternatives import (
     RivalModel,
     amount_of_range,
     amount_of_tension,
-    columns,
     neck,
 )
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
@@ -172,7 +171,7 @@ class Verdict:
 
 def rivals_of_record(record: FittedRecord) -> RecordRivals:
     """The scores of all rivals of a fit."""
-    by_rival, rows, J = columns(record), regular_rows(record), record.jacobian
+    by_rival, rows, J = record.columns, regular_rows(record), record.jacobian
     table = np.column_stack([record.residuals, J, *by_rival.values()])
     weighted, loose = _weighted(record, table, rows)
     own, c = weighted[:, 1 : 1 + J.shape[1]], weighted[:, 1 + J.shape[1] :]
@@ -344,6 +343,12 @@ class Linearised:
         along = self.Q.T @ r
         return self.inverse @ along / self.scale, float(r @ r - along @ along)
 
+    def falls(self, column: Array, amount: float) -> float:
+        """By how much chi^2 falls at most with amounts above 0 of a change of the loads by ``column``, by a parabola
+        through those at this ``amount``."""
+        more, less = (self.step(self.record.residuals + one * column)[1] - self.left for one in (amount, -amount))
+        return (more - less) ** 2 / (8 * (more + less)) if more < less and more + less > 0 else 0.0
+
     def size(self, step: Array) -> float:
         """The size of a step, in standard errors of white noise."""
         return float(np.linalg.norm(self.triangle @ (self.scale * step)))
@@ -418,6 +423,9 @@ FULL_RANGES = (32.0, 8.0, 4.0, 2.83, 2.0, 1.41, 1.0, 0.71)
 FULL_SKINS = (0.1, 0.05, 0.025, 0.0125, 0.006, 0.003, 0.0015)
 FULL_LEANING = 1.0  # theory: fall of chi^2 by a number that means nothing, from which on one that nobody
 # described counts
+FULL_CLOSE = 0.95  # choice: of the rise of chi^2 at the end of an interval, from which on an amount is its end
+FULL_NEARLY = 0.8  # choice: the same, where amounts beyond it count by the chord to the end
+FULL_HARDLY = 0.25  # choice: of such a fall, what one step finds at least where there may be as much
 FULL_HALVES = 2  # choice: bisections between the largest amount that the data leave and the next one
 # choice: standard errors by one step, up to the shortest of these, from which on none is; of 85 made
 # records that were left one, of Tabor numbers 0.15 to 1, the most was 3.5
@@ -458,18 +466,22 @@ def profile_bounds(record: FittedRecord, rivals: RecordRivals) -> RecordRivals:
     is possible does: one step trusts no row next to a fold. ``record``: the fit without."""
     if rivals.named:
         return rivals
-    scores = [_bounded(record, score) for score in rivals.scores]
+    near, off = Linearised.of(record), Linearised.of(record, off_folds(record))
+    scores = [_bounded(off if score.name in (RANGE.name, TENSION.name) else near, score) for score in rivals.scores]
     named = next((_with_alike(one, scores) for one in scores if one.word == DETECTED), ())
     return replace(rivals, scores=tuple(scores), named=named)
 
 
-def _bounded(record: FittedRecord, score: Score) -> Score:
-    change = _effect(record, score) if score.most > 0 or score.name in (RANGE.name, TENSION.name) else None
+def _bounded(near: Linearised, score: Score) -> Score:
+    followed = score.name in (RANGE.name, TENSION.name)
+    rival = next(rival for rival in RIVALS if rival.name == score.name)
+    change = rival.effect(near.record) if score.most > 0 or followed else None
     if not isinstance(change, Perturbation):
         return score
-    if score.name not in (RANGE.name, TENSION.name):
-        return _at_most(Linearised.of(record), change, score)
-    tried = _Amounts(Linearised.of(record, off_folds(record)), change)
+    ahead = -near.step(near.record.columns[rival])[0]
+    if not followed:
+        return _at_most(near, change, ahead, score)
+    tried = _Amounts(near, change, ahead)
     return _of_ranges(tried, score) if score.name == RANGE.name else _of_tension(tried, score)
 
 
@@ -484,9 +496,10 @@ def _effect(record: FittedRecord, score: Score) -> Perturbation | Array | None:
     return next(rival for rival in RIVALS if rival.name == score.name).effect(record)
 
 
-def _at_most(near: Linearised, change: Perturbation, score: Score) -> Score:
-    """The score with the moves at the largest amount that is possible."""
-    end = _followed(near, _with_amount(near.record, change, score.most))
+def _at_most(near: Linearised, change: Perturbation, ahead: Array, score: Score) -> Score:
+    """The score with the moves at the largest amount that is possible, about ``ahead`` per amount."""
+    begin = near.x + score.most * ahead
+    end = _followed(near, _with_amount(near.record, change, score.most), still=FULL_ABOUT, begin=begin)
     E, w = (math.nan, math.nan) if end is None else _moves(near, end[1])
     return replace(score, E_star=E / score.most, w=w / score.most) if math.isfinite(E + w) else score
 
@@ -495,10 +508,11 @@ def _at_most(near: Linearised, change: Perturbation, score: Score) -> Score:
 class _Amounts:
     """What the data say of those amounts of a ``change`` that were tried, ``near`` the fit without: by how much chi^2
     and the logs of E* and w rise, None where the data exclude it for certain, by three standard errors, or where steps
-    do not settle; ``ends``: the unknowns of those that are left."""
+    do not settle; ``ends``: the unknowns of those that are left, which move by ``ahead`` per amount at first."""
 
     near: Linearised
     change: Perturbation
+    ahead: Array
     moves: dict[float, Moves | None] = field(default_factory=dict)
     ends: dict[float, Array] = field(default_factory=dict)
 
@@ -518,26 +532,43 @@ class _Amounts:
         return self.moves[amount]
 
     def _begin(self, amount: float) -> Array:
-        """Unknowns at an amount on the straight line through the two below; as without, where none is left next to it:
-        another valley may begin there."""
-        points = [(0.0, self.near.x)]
+        """Unknowns at an amount on the straight line through those next to it, or the two below, or as they begin to
+        move; as without, where none is left next to it: another valley may begin there."""
+        if amount < min(self.moves, default=math.inf):
+            return self.near.x + amount * self.ahead
+        points, more = [(0.0, self.near.x)], min((more for more in self.moves if more > amount), default=0.0)
         for less in sorted(less for less in self.moves if less < amount):
             points = [*points, (less, self.ends[less])] if less in self.ends else points[:1]
+        points += [(more, self.ends[more])] if more in self.ends else []
         (first, x), (last, y) = points[-2:][0], points[-1]
         return y + (y - x) * ((amount - last) / (last - first)) if last > first else y
 
 
 def _of_ranges(tried: _Amounts, score: Score) -> Score:
-    """The score with the moves at ranges up to the longest that there may be."""
-    for amount in sorted({*_ranges(tried.near.record, score)}):
-        tried.at(amount)
+    """The score with the moves at ranges up to the longest that there may be, or where one step excludes for certain
+    all that are long, up to the end of the interval, from where that step has it on."""
+    record, within, unsure = tried.near.record, score.quantile**2, score.quantile * score.error
+    certain = max(score.amount, 0.0) + FULL_EXCLUDED * score.error
+    if amount_of_range(record, FULL_RANGES[-1] * neck(record)) <= certain:
+        for amount in sorted({*_ranges(record, score)}):
+            tried.at(amount)
+        return _of_amounts(tried, score)
+    most = min(score.known, certain)
+    amount = min(most, score.amount if score.amount > unsure else max(score.most, score.error))
+    for _ in range(MOST_STEPS):
+        moves = tried.at(amount)
+        if moves is None or moves[0] > FULL_CLOSE * within or amount == most:
+            break
+        amount = min(most, amount * min(2.0, score.quantile / math.sqrt(FULL_CLOSE * max(moves[0], TINY))))
     return _of_amounts(tried, score)
 
 
 def _of_tension(tried: _Amounts, score: Score) -> Score:
     """The same of surface tensions up to the largest that is known, or the usual one where the data lean to any: by
-    more than can be chance."""
+    more than can be chance, as one step has it about, too."""
     record, known = tried.near.record, tried.near.record.known.tension
+    if not known and tried.near.falls(record.columns[TENSION], score.error) < FULL_HARDLY * FULL_LEANING:
+        return score
     most, least, leans = amount_of_tension(record, known or GEL_TENSION), 0.0, False
     for amount in sorted({min(most, FULL_SKINS[0]), *(amount for amount in FULL_SKINS if amount < most)}):
         moves = tried.at(amount)
@@ -556,18 +587,21 @@ def _by_chance(record: FittedRecord, taken: float) -> bool:
 
 def _of_amounts(tried: _Amounts, score: Score) -> Score:
     """The score with the largest moves at those amounts ``tried`` that the data leave, where they leave none, at
-    smaller ones, each half of the last; it is detected where one takes enough of the misfit. Those beyond the interval
-    count by the chord to it, as moves may grow steeply there."""
+    smaller ones; it is detected where one takes enough of the misfit. Those beyond the interval count by the chord to
+    it, as moves may grow steeply there."""
     within, least = score.quantile**2, min(tried.moves)
     for _ in range(MOST_STEPS):
         if any(moves[0] < within for moves in tried.left.values()):
             break
-        tried.at(least := least / 2)
+        moves = tried.moves[least]  # chi^2 rises with the square of the amount
+        tried.at(least := least * (0.5 if moves is None else math.sqrt(FULL_CLOSE * within / moves[0])))
     else:
         return score
     end = max(amount for amount, moves in tried.left.items() if moves[0] < within)
     beyond = min((amount for amount in tried.moves if amount > end), default=0.0)
     for _ in range(FULL_HALVES * (beyond > 0)):
+        if tried.left[end][0] > FULL_NEARLY * within:
+            break
         middle = math.sqrt(end * beyond)
         moves = tried.at(middle)
         end, beyond = (end, middle) if moves is None or moves[0] > within else (middle, beyond)
@@ -584,13 +618,9 @@ def _of_amounts(tried: _Amounts, score: Score) -> Score:
 
 
 def _ranges(record: FittedRecord, score: Score) -> list[float]:
-    """Amounts of ranges to try, from the longest that there may be down to the one that is likely before the data;
-    where one step excludes all that are longer, up to what it leaves for certain."""
-    longest, deep, shortest = record.known.range, neck(record), FULL_RANGES[-1] * neck(record)
-    certain = max(score.amount, 0.0) + FULL_EXCLUDED * score.error
-    if amount_of_range(record, shortest) > certain:
-        return [min(score.known, certain)]
-    known = [longest] * (shortest < longest < ADHESION_ENDLESS * deep)
+    """Amounts of ranges to try, from the longest that there may be down to the one that is likely before the data."""
+    longest, deep = record.known.range, neck(record)
+    known = [longest] * (FULL_RANGES[-1] * deep < longest < ADHESION_ENDLESS * deep)
     ranges = [*known, *(r * deep for r in (ADHESION_ENDLESS, *FULL_RANGES) if r * deep < longest)]
     amounts = [amount_of_range(record, z0) for z0 in ranges]
     return [*amounts, *[score.known] * (score.known < min(amounts, default=math.inf))]

@@ -40,7 +40,6 @@ from .force_curve import (
 )
 from .forward_model import (
     FAMILY_BELOW_LIMIT,
-    Changes,
     DeviceBranch,
     Family,
     FittedBody,
@@ -127,11 +126,6 @@ def changed_family(family: Family, changes: Array) -> Family:
     return ChangedFamily(family.logs, family.low, family.high, None, family, changes)
 
 
-def interpolated(u: Array, changes: Array) -> Changes:
-    """``changes`` (4, n) at logs ``u`` of the radius as a function of it; constant beyond the ends."""
-    return lambda at: np.stack([np.interp(at, u, row) for row in changes])
-
-
 def perturbed_logs(family: Family, D: Array, S: Array) -> Array:
     """Changes of the logs of D, T, H, V (4, n) on the grid of a body whose logs of displacement and stiffness change by
     ``D`` and ``S`` there: P_H = int S d(delta_H), and adhesion follows from S'."""
@@ -174,7 +168,8 @@ class Perturbation:
     as functions of the stretch and of the values of all unknowns. ``starts``: values of the unknowns ``names`` to begin
     a search with; ``limits``: their least and largest; ``quantities``: what they mean, SI, by name. ``coupled``:
     whether the change depends on the other unknowns too. ``recentred``: the change about a fit that it led to, where it
-    is made about one. ``column``: the derivative of all loads [N] by the amount, where it is not that at 0.
+    is made about one. The derivative of all loads [N] by the amount, where it is not that at 0: ``column``, or
+    that by ``per_amount``, changes of the logs of the body (4, n) for one of it.
     """
 
     starts: tuple[tuple[float, ...], ...] = ((0.0,),)
@@ -189,6 +184,7 @@ class Perturbation:
     quantities: Callable[[Values], dict[str, float]] = lambda values: {AMOUNT: values[AMOUNT]}
     recentred: Callable[[ForceCurveFit], Perturbation] | None = None
     column: Array | None = None
+    per_amount: Array | None = None
 
     def followed(self, plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
         """The model that a stretch follows in place of the ``plain`` one."""
@@ -432,26 +428,24 @@ class FittedRecord:
         """1 - P'/k: a change of load at fixed position over that at fixed displacement."""
         return 1 - self.by_position / self.model.k
 
-    def by_changes(self, changes: Array) -> Array:
-        """Derivative of the loads [N] by an amount of ``changes`` (4, n) of the logs of D, T, H, V on the grid."""
-        each = interpolated(grid(self.model.family), changes)
-        return self.model.by_body(self.fit.x, [each] * len(self.model.stretches))
+    @cached_property
+    def columns(self) -> dict[AlternativeModel, Array]:
+        """The columns of all rivals that mean anything for it, by rival."""
+        return columns(self)
 
-    def towards(self, other: Family, amount: float) -> Array:
-        """Derivative of the loads by an amount, ``amount`` of which makes the body that of the ``other`` family."""
-        return self.by_changes(log_ratio(other, self.model.family) / amount)
-
-    def column(self, change: Perturbation) -> Array:
-        """Derivative of the loads by the amount of a change, at 0 unless the change has a column of its own."""
+    def column(self, change: Perturbation) -> Array | Sequence[Array | None]:
+        """Derivative of the loads [N] by the amount of a change, at 0 unless the change has a column of its own; of one
+        of the body the changes of its logs (4, n) per amount, in each stretch."""
         if change.column is not None:
             return change.column
+        if change.per_amount is not None:
+            return [change.per_amount] * len(self.model.stretches)
         model = RivalModel.of(self.model, change)
         x = np.concatenate([self.fit.x, [LITTLE, *change.starts[0][1:]]])
         if change.log_changes is None:
             return (model.off(x, 0.0) - self.residuals) / LITTLE
-        u, values = grid(self.model.family), model.values(x)
-        each = [change.log_changes(model, part, values) for part in model.stretches]
-        return self.model.by_body(self.fit.x, [None if g is None else interpolated(u, g / LITTLE) for g in each])
+        each, values = change.log_changes, model.values(x)
+        return [None if (g := each(model, part, values)) is None else g / LITTLE for part in model.stretches]
 
     @cached_property
     def reach(self) -> float:
@@ -482,6 +476,7 @@ class FittedRecord:
         return np.abs(part.rows - part.rows[-1]) / sum(float(np.ptp(one.rows)) for one in self.model.stretches)
 
 
+@lru_cache(maxsize=REMEMBERED)
 def log_ratio(other: Family, family: Family) -> Array:
     """Logs (4, n) of D, T, H, V of an ``other`` body over a ``family``'s, on its grid; constant where one ends."""
     inside = np.clip(grid(family), max(family.low, other.low), min(family.high, other.high))
@@ -725,8 +720,8 @@ def layer_below(record: FittedRecord) -> Perturbation | None:
     if specimen.layers or specimen.radius is not None or not isinstance(specimen.base, HalfSpace):
         return None
     h = 10 ** (round(math.log10(BODY_THICK * a_max) * BODY_DECADES) / BODY_DECADES)
-    column = record.towards(_on_rigid(record.body, h, BODY_UNDER[1]), a_max / h)
-    return replace(_on_base(record.body, a_max, a_max), column=column)
+    changes = log_ratio(_on_rigid(record.body, h, BODY_UNDER[1]), record.model.family) * h / a_max
+    return replace(_on_base(record.body, a_max, a_max), per_amount=changes)
 
 
 def _on_rigid(body: FittedBody, h: float, most: float) -> Family:
@@ -795,7 +790,7 @@ def _of_layer(record: FittedRecord, symbol: str, quantity: str) -> Perturbation 
     return replace(
         body_perturbation(changes, (1 / (1 + CHANGE_LARGEST) - 1, most)),
         quantities=lambda values: {quantity: nominal * (1 + values[AMOUNT])},
-        column=record.towards(at_node(-1), -step),
+        per_amount=log_ratio(at_node(-1), record.model.family) / -step,
     )
 
 
@@ -893,11 +888,11 @@ def tension(record: FittedRecord) -> Perturbation | None:
         D, H, S, dS = changes
         return np.stack([D, -dS / 2, H, S - dS / 2])
 
-    column = record.by_changes(functions(relative(record.model.family, CHANGE_SMALL)) / CHANGE_SMALL)
+    small = functions(relative(record.model.family, CHANGE_SMALL)) / CHANGE_SMALL
     change = body_perturbation(lambda family, amount: functions(np.log1p(relative(family, amount))), (0.0, 1.0))
     unit = record.body.problem.E_star * a_max / 2
     quantities = lambda values: {"surface_tension": unit * math.exp(values["ln_s"]) * values[AMOUNT]}  # noqa: E731
-    return replace(change, starts=((CHANGE_SMALL,),), quantities=quantities, column=column)
+    return replace(change, starts=((CHANGE_SMALL,),), quantities=quantities, per_amount=small)
 
 
 def amount_of_tension(record: FittedRecord, tension: float) -> float:
@@ -1278,14 +1273,22 @@ RIVALS: tuple[AlternativeModel, ...] = (
 
 
 def columns(record: FittedRecord, rivals: Sequence[AlternativeModel] = RIVALS) -> dict[AlternativeModel, Array]:
-    """The columns of all rivals that mean anything for a record, by rival."""
-    by_rival = {}
+    """The columns of all rivals that mean anything for a record, by rival; those of changed bodies are taken together,
+    by one look at where the rows lie on their branches."""
+    by_rival, bodies = dict[AlternativeModel, Array | None](), dict[AlternativeModel, Sequence[Array | None]]()
     for rival in rivals:
         try:
             effect = rival.effect(record)
             column = record.column(effect) if isinstance(effect, Perturbation) else effect
         except (JkrError, FloatingPointError):
             continue  # a neighbouring body that cannot be solved is no rival, and takes no fit with it
-        if column is not None and np.isfinite(column).all() and column.any():
-            by_rival[rival] = column
-    return by_rival
+        by_rival[rival] = column if isinstance(column, np.ndarray) else None
+        if column is not None and not isinstance(column, np.ndarray):
+            bodies[rival] = column
+    if bodies:
+        by_rival |= dict(zip(bodies, record.model.by_body(record.fit.x, [*bodies.values()]), strict=True))
+    return {
+        rival: column
+        for rival, column in by_rival.items()
+        if column is not None and np.isfinite(column).all() and column.any()
+    }

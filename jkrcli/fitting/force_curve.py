@@ -28,7 +28,7 @@ from ..base.errors import SolveError, known
 from ..base.numerics import FEWEST_ROWS, MOST_SOLVES, MOST_STEPS, REMEMBERED, ROWS, SAME, SETTLED, Array
 from ..data.curve import APPROACH, Curve
 from ..data.segmentation import BaseLine, Direction, ForceCurve, segment_force_curve
-from .forward_model import Changes, DeviceBranch, Family, Rest, branch, on_grid, rest
+from .forward_model import DeviceBranch, Family, Rest, branch, grid, on_grid, rest
 from .least_squares import (
     TURNS,
     Least,
@@ -529,20 +529,18 @@ class ForceCurveModel:
             own: by_q,
         } | more
 
-    def by_body(self, x: Array, changes: Sequence[Changes | None]) -> Array:
-        """Derivative of the loads of all rows by an amount of ``changes`` of the body, those of each stretch."""
-        values, columns = self.values(x), []
-        for part, change in zip(self.stretches, changes, strict=True):
-            columns.append(column := np.zeros(part.z.size))
-            if change is None:
-                continue
-            moving, resting, depth = self.branch(part, values), self.rest(part, values), self.depth(part, values)
-            moves = self.touching(part, values, moving.fold)
+    def by_body(self, x: Array, changes: Sequence[Sequence[Array | None]]) -> Array:
+        """Derivatives of the loads of all rows, (changes, rows), by an amount of each of the ``changes`` of the body:
+        of its logs of D, T, H, V on its grid (4, nodes), in each stretch, None for none."""
+        values, columns, none = self.values(x), [], np.zeros((4, grid(self.family).size))
+        for part, *each in zip(self.stretches, *changes, strict=True):
+            bodies = np.stack([none if one is None else one for one in each])
+            columns.append(column := np.zeros((len(each), part.z.size)))
+            moving, resting, depth, rows, still = self._edges(part, values)
+            column[:, rows] = moving.by_body(depth[rows], part.spacing / 2, bodies)
             if resting is not None:
-                still = moves & (depth > resting.end)
-                column[still], moves = resting.by_body(depth[still], change), moves & ~still
-            column[moves] = moving.by_body(depth[moves], part.spacing / 2, change)
-        return np.concatenate(columns)
+                column[:, still] = resting.by_body(depth[still], moving.nodes.u, bodies)
+        return np.concatenate(columns, axis=1)
 
 
 def _by_advance(
@@ -698,7 +696,6 @@ FIT_CONVERGED = 1e-11  # choice: relative change of parameters
 FIT_FELL = 1e-8  # theory: of chi^2 of 1e4 rows, its rise a hundredth of a standard error from the minimum
 FIT_UNSURE = 0.1  # choice: of the way in contact, the most that the place of a fold is taken to be uncertain by
 FIT_NARROWER = 2.0  # choice: factor between two estimates of it, below which they agree
-FIT_CORRECTED = 2  # choice: times that a neighbour's moduli are corrected, by a factor of e at most each
 FIT_NEAR = 0.1  # choice: of chi^2, the fall still to be had a third of a standard error from its minimum
 FIT_EVALUATIONS = 80  # choice: steps after which the search gives up
 
@@ -912,7 +909,8 @@ def _rests_throughout(model: ForceCurveModel, x: Array, own: str, most: float, w
     """Whether an edge that never recedes, as of a w above ``most``, describes the rows as well, in units of noise."""
     never = np.where(np.array(model.names) == own, min(FIT_ABOVE * most, model.most), x)
     with contextlib.suppress(SolveError):  # no contact bears that
-        recedes, rests = (float(np.sum(model.whitened(model.residuals(at, 0.0)[0], weight) ** 2)) for at in (x, never))
+        each = model.residuals(x, 0.0)[0], model.off(never, 0.0)
+        recedes, rests = (float(np.sum(model.whitened(off, weight) ** 2)) for off in each)
         return (rests / recedes - 1) * sum(part.P.size for part in model.stretches) < FIT_RECEDES
     return False
 
@@ -953,63 +951,10 @@ def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
     return np.maximum(lowest, least), np.minimum(highest, most)
 
 
-class Neighbour:
-    """Where the search of one record ended, for that of the next one of a map."""
-
-    def __init__(self) -> None:
-        self.last: ForceCurveFit | None = None
-
-    def start(self, model: ForceCurveModel) -> Array | None:
-        """Unknowns of a ``model`` about as the last record's were: w in proportion to the tension, the contact lost at
-        the outermost row that is in contact for sure, moduli as the deepest one asks for; None where it has others."""
-        last = self.last
-        if last is None or last.names != model.names or model.positions or any(one.wave for one in model.stretches):
-            return None
-        outermost, part, before = _outermost(model), model.stretches[-1], last.model.stretches[-1]
-        if outermost is None:
-            return None
-        values = {**last.model.values(last.x), **by_base_lines(model)}
-        values = _times_q(values, part.tension / before.tension if before.tension > 0 else 1.0)
-        with contextlib.suppress(SolveError):  # no contact bears that
-            for _ in range(FIT_CORRECTED):
-                values["z0"] = outermost - model.branch(part, values).fold - part.spacing / 2
-                rise = _by_deepest_row(model, values) if "ln_s" in model.names else 0.0
-                values = {**_times_q(values, math.exp(-rise)), "ln_s": values["ln_s"] + rise}
-            return model.unknowns(values)
-        return None
-
-
-def _times_q(values: Mapping[str, float], factor: float) -> dict[str, float]:
-    """The unknowns with q of all stretches times a factor, and its roots."""
-    powers = {"q": 1.0, "r": 0.5}
-    return {name: value * factor ** powers.get(name.partition(":")[0], 0.0) for name, value in values.items()}
-
-
-def _by_deepest_row(model: ForceCurveModel, values: Mapping[str, float]) -> float:
-    """By how much ln s is to rise at equal w, so that the deepest row of the first direction is met, to first order."""
-    part, q = model.stretches[0], values[f"q:{model.stretches[0].kind}"]
-    deepest = int(np.argmax(part.z))
-    P, (by_s, by_q, _) = model.branch(part, values).at(part.z[[deepest]] - values["z0"], part.spacing / 2)
-    rate = float(by_s[0] - q * by_q[0])
-    rise = float(part.P[deepest] - part.line(part.z[deepest]) - P[0]) / rate if rate > 0 else 0.0
-    return min(max(rise, -1.0), 1.0)
-
-
-def _outermost(model: ForceCurveModel) -> float | None:
-    """The position [m] of the outermost row of the last direction that is in contact for sure."""
-    part = model.stretches[-1]
-    return float(part.z[part.touching].min()) if part.jumped else None
-
-
-def nearest(model: ForceCurveModel, loss: Loss = "linear", near: Array | None = None) -> ForceCurveFit:
-    """The unknowns that leave least, from several starts until one leaves no more than noise, ``near`` being the first
-    one; SolveError where no search converges. Of a retraction alone all are tried: only its shape shows how far its
+def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:
+    """The unknowns that leave least, from several starts until one leaves no more than noise, none of them of another
+    record; SolveError where no search converges. Of a retraction alone all are tried: only its shape shows how far its
     edge rests."""
-    if near is not None and "turn" not in model.names:
-        with contextlib.suppress(SolveError):
-            fitted = fit(model, near, True, loss)
-            if fitted.ended and _explains(fitted, model, FIT_EXPLAINED):
-                return fitted
     best: ForceCurveFit | SolveError = SolveError("no curve of this body resembles the force curve")
     for close, x in itertools.chain(((False, x) for x in starts_of(model)), ((True, x) for x in _of_each(model, loss))):
         try:

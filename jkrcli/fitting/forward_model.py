@@ -561,8 +561,6 @@ DEVICE_PATH_BELOW = 4.0  # choice: of log a below the series, where its limit by
 DEVICE_PATH_BEYOND = 0.5  # choice: of log a above the series, tried while starting values are sought; no step is longer
 
 
-Changes = Callable[[Array], Array]  # of the logs of D, T, H, V over u, (4, n), per amount of what differs
-
 # Quintics through values and two derivatives at 0 and at 1 (rows), by powers of x (columns):
 HERMITE = np.array([[1, 0, 0, -10, 15, -6], [0, 1, 0, -6, 8, -3], [0, 0, 0.5, -1.5, 1.5, -0.5],
                     [0, 0, 0, 10, -15, 6], [0, 0, 0, -4, 7, -3], [0, 0, 0, 0.5, -1, 0.5]])  # fmt: skip
@@ -711,12 +709,18 @@ class DeviceBranch:
         a: Array = np.interp(np.sqrt(np.maximum(z - self.fold, 0.0)), self.zeta, np.exp(self.u))
         return a
 
-    def by_body(self, z: Array, blunt: float, changes: Changes) -> Array:
-        """Derivative of the load at positions ``z`` [m] by an amount of ``changes`` of the body."""
-        zeta = np.sqrt(np.maximum(z - self.fold, blunt))
-        D, T, H, V = changes(self.u) * self.parts
+    def by_body(self, z: Array, blunt: float, changes: Array) -> Array:
+        """Derivatives of the load at positions ``z`` [m], (changes, rows), by an amount of each of the ``changes`` of
+        the logs of D, T, H, V of the body (changes, 4, nodes)."""
+        place = np.clip((self.u - self.nodes.u[0]) / (self.nodes.u[1] - self.nodes.u[0]), 0, self.nodes.u.size - 1)
+        i = np.minimum(place.astype(int), self.nodes.u.size - 2)
+        here = changes[..., i]
+        D, T, H, V = ((here + (place - i) * (changes[..., i + 1] - here)) * self.parts).transpose(1, 0, 2)
         rate = self.zeta * (H - V) - self.slope / 2 * (D - T + (H - V) / self.k)
-        dP: Array = np.interp(zeta, self.zeta, rate) / zeta
+        zeta = np.sqrt(np.maximum(z - self.fold, blunt))
+        i = np.clip(self.zeta.searchsorted(zeta) - 1, 0, self.zeta.size - 2)
+        x = np.minimum((zeta - self.zeta[i]) * self.cubics[1, i], 1.0)
+        dP: Array = (rate[:, i] + (rate[:, i + 1] - rate[:, i]) * x) / zeta
         return dP
 
 
@@ -800,9 +804,10 @@ class Rest:
         by_s, by_root, by_turn = (of_u * rate for rate in self.by_u)
         return P, np.stack([P * yields + by_s, by_root, np.full_like(P, self.S * yields), by_turn])
 
-    def by_body(self, z: Array, changes: Changes) -> Array:
-        """Derivative of the load at positions ``z`` [m] by an amount of ``changes`` of the body."""
-        D, T, H, V = (float(rate) for rate in changes(np.array([self.u]))[:, 0])
+    def by_body(self, z: Array, u: Array, changes: Array) -> Array:
+        """Derivatives of the load at positions ``z`` [m], (changes, rows), by an amount of each of the ``changes`` of
+        the logs of D, T, H, V of the body (changes, 4, nodes) at the nodes ``u``."""
+        D, T, H, V = np.array([[np.interp(self.u, u, row) for row in one] for one in changes]).T[..., None]
         P, (_, _, _, by_turn) = self.at(z)
         turns = D * self.D - T * self.shift + (H * self.P_H - V * self.S * self.shift) / self.k
         off = (V - T) * (self.D - z + P / self.k) + D * self.D

@@ -241,9 +241,11 @@ class LeastSquares:
                 new = x.copy()
                 new[inner] -= ball.step(radius) / length[inner]
                 new = np.clip(new, low, high)
-                there, steps = self._if_any(new), steps + 1
                 change, moved = state.jacobian @ (new - x), float(np.linalg.norm((new - x) * length))
                 predicted = -float(change @ (state.residuals + change / 2))
+                if 0 <= predicted < self.cost * cost and SEARCH_LONGER * moved < radius:
+                    return self._ended(x, state, steps, True)  # the step to the least is not worth taking
+                there, steps = self._if_any(new), steps + 1
                 reduction = -math.inf if there is None else cost - there.cost
                 ratio = reduction / predicted if predicted > 0 else 0.0
                 close = float(np.linalg.norm(new - x)) < self.converged * (self.converged + float(np.linalg.norm(x)))

@@ -26,7 +26,6 @@ from ..data.tables import NO_UNIT
 from ..methods.radii import ROOM
 from ..resolve.comparison import sticking_effect, sticking_warnings
 from .checks import warnings_of
-from .force_curve import Neighbour
 from .forward_model import ADVANCING, RECEDING, RESTING, FittedBody, RestingMember, check_parameters
 from .least_squares import (
     Intervals,
@@ -281,8 +280,8 @@ def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool:
     one the pool works on the samples of its bootstrap."""
     fits: dict[int, Fit | Failure] = {}
     with nullcontext(pool) if len(curves) > 1 else executor(1) as outer:
-        work = partial(_next, body, settings, None if outer is pool else pool, Neighbour())
-        for index, result in completed(outer, work, list(enumerate(curves)), "fitting", chunk=TOGETHER):
+        work = partial(fit, body, settings=settings, pool=None if outer is pool else pool)
+        for index, result in completed(outer, work, curves, "fitting", chunk=TOGETHER):
             if isinstance(result, JkrError):
                 lines = result.lines if isinstance(result, InputError) else (str(result),)
                 fits[index] = Failure(curves[index], lines)
@@ -293,27 +292,14 @@ def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool:
     return [fits[index] for index in sorted(fits)]
 
 
-def _next(
-    body: FittedBody, settings: Settings, pool: Pool | None, before: Neighbour, numbered: tuple[int, Curve]
-) -> Fit:
-    """The fit of a numbered curve, its search begun where that of the one ``before`` it in its task ended: the same
-    however many work on tasks."""
-    number, curve = numbered
-    if number % TOGETHER == 0:
-        before.last = None
-    return fit(body, curve, settings, pool, before)
-
-
-def fit(
-    body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None = None, before: Neighbour | None = None
-) -> Fit:
+def fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None = None) -> Fit:
     """The parameters of ``settings`` that bring the curves of ``body`` nearest to a measured ``curve``; ``pool``: for
-    the samples of its bootstrap; ``before``: where the search of a raw record before it in a map ended.
+    the samples of its bootstrap.
 
     Raises InputError where the data do not allow it, SolveError where it does not converge; both name the curve.
     """
     try:
-        fitted = _fit(body, curve, settings, pool, before)
+        fitted = _fit(body, curve, settings, pool)
         flags = [
             WARNED.get(flag, "") + flag
             for flag in curve.flags
@@ -501,12 +487,12 @@ def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | F
     return Prepared(curve, points, settings, requested, (*curve.flags[len(original.flags) :], *words))
 
 
-def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None, before: Neighbour | None = None) -> Fit:
+def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) -> Fit:
     ready = prepared(body, curve, settings)
     if isinstance(ready, ForceCurve):
         nuisance = settled(body, ready, settings)
         record = ready if nuisance is None else nuisance.record
-        return with_nuisance(fit_record(body, record, settings, pool, before), nuisance)
+        return with_nuisance(fit_record(body, record, settings, pool), nuisance)
     curve, points, settings, words = ready.curve, ready.points, ready.settings, ready.words
     edges, zero = set() if points.edges is None else set(points.edges), settings.known("P0")
     minimum = robust(search(body, points, settings), settings.loss)

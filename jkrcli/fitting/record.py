@@ -24,7 +24,6 @@ from .force_curve import (
     DirectionReadings,
     ForceCurveFit,
     ForceCurveModel,
-    Neighbour,
     Wave,
     base_line,
     fit,
@@ -544,15 +543,12 @@ RECORD_RIGID = 0.02  # theory: of the device's stiffness, what its line lacks be
 RECORD_DIFFERS = 0.01  # choice: of a modulus, a difference that is none
 
 
-def fit_record(
-    body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None, before: Neighbour | None = None
-) -> Fit:
+def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None) -> Fit:
     """Modulus, w, contact point and base lines of a whole record; InputError where it holds no contact.
 
     Where one modulus does not describe both directions, the retraction's answer with that of the approach beside it.
-    ``pool``: for the samples of its bootstrap; ``before``: the record from whose end its search begins.
+    ``pool``: for the samples of its bootstrap.
     """
-    before = before or Neighbour()
     if (reason := record.flags.get("no contact")) is not None:
         raise InputError(f"{record.curve.where}: no contact: {reason}")
     curve = record.curve
@@ -561,7 +557,7 @@ def fit_record(
     kinds = directions_of(record, settings)
 
     def of(*kinds: str) -> tuple[FittedBody, ForceCurveFit]:
-        return _fitted(body, _model(body, record, settings, waves, kinds), settings, before)
+        return _fitted(body, _model(body, record, settings, waves, kinds), settings)
 
     def result_of(body: FittedBody, best: ForceCurveFit) -> Fit:
         return as_fit(body, record, curve, settings, best, pool)
@@ -570,7 +566,6 @@ def fit_record(
     if not joint.ended:
         return result_of(whole, joint)
     _refuse_undetermined(curve, joint)
-    before.last = joint
     plain = attach_verdict(_of_directions(of, result_of, whole, joint), whole, joint)
     if settings.model != AUTO:
         return plain
@@ -676,9 +671,7 @@ def contact_rows(body: FittedBody, record: ForceCurve, settings: Settings) -> tu
     return curve, replace(settings, parameters=parameters, noise=noise, contact="as-is", base_line="straight")
 
 
-def _fitted(
-    body: FittedBody, model: ForceCurveModel, settings: Settings, before: Neighbour | None = None
-) -> tuple[FittedBody, ForceCurveFit]:
+def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> tuple[FittedBody, ForceCurveFit]:
     """The model that fits best, and the body solved as far as it reaches."""
     for part in model.stretches:
         if part.z.size == 0:
@@ -688,8 +681,7 @@ def _fitted(
     body, best = _deep_enough(body, model), None
     for _ in range(MOST_SOLVES):
         model = replace(model, family=body.family)
-        near = None if before is None else before.start(model)
-        best = nearest(model, settings.loss, near) if best is None else _again(best, model, settings)
+        best = nearest(model, settings.loss) if best is None else _again(best, model, settings)
         reach = contact_radii(best).max()
         if not body.extensible or reach <= body.series.a[-1]:
             break

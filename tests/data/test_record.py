@@ -118,6 +118,8 @@ def test_what_is_wrong_is_named() -> None:
     free = replace(DEVICE, largest=1e-6 * PULL_OFF, drag=0.0)
     assert set(examined(free, w_retract=0.0).flags) == {"no contact"}
     whole = curve_of(DEVICE)
+    for load in (0.0, 1.5e-9):  # of which lines leave but round-off
+        assert set(segment_force_curve(replace(whole, P=np.full(len(whole), load))).flags) == {"no contact"}
     assert set(segment_force_curve(whole.rows(np.arange(DEVICE.rows))).flags) == {"no retract"}
     assert set(segment_force_curve(whole.rows(np.arange(DEVICE.rows + 200, len(whole)))).flags) == {"no approach"}
     assert whole.P is not None

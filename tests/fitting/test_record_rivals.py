@@ -398,7 +398,7 @@ def test_ranges_beyond_the_interval_count_by_the_chord() -> None:
     score = next(one for one in rivals_of_record(at).scores if one.name == rival.name)
     effect = rival.effect(at)
     assert isinstance(effect, Perturbation)
-    tried = _Amounts(Linearised.of(at), effect)
+    tried = _Amounts(Linearised.of(at), effect, np.zeros_like(at.fit.x))
     tried.moves.update({4.0: (0.0, 0.01, -0.02), 2.0: (6.0, 0.3, 0.1), 1.0: (7.0, 0.2, -0.4)})
     found = _of_amounts(tried, score)
     assert found.known == 4

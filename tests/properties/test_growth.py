@@ -17,12 +17,13 @@ from jkrcli.base.errors import InputError
 from jkrcli.base.process import SILENCE
 from jkrcli.case.reading import parse_case
 from jkrcli.cli import MOST_WORDS
-from jkrcli.cli.inputs import TABLE_PER_ROW
+from jkrcli.cli.inputs import TABLE_PER_ROW, begin_reading
 from jkrcli.data import foreign, instruments, measured
 from jkrcli.data.afm_formats import estimate_rows
 from jkrcli.many.sweep.plan import Wanted, load_plan, solve_group
 from jkrcli.many.sweep.running import forecast
 from jkrcli.methods.fem.method import FEM
+from jkrcli.methods.protocol import Limits
 from jkrcli.report.tables import read_curve
 from jkrcli.series import RawSeries
 from jkrcli.tables import MOST_COLUMNS, Dialect, read_table
@@ -214,6 +215,14 @@ def test_the_curve_of_a_case_is_read_off_at_all_radii_together(jkr, monkeypatch:
     wanted = Wanted(plan.recipe.wanted.names)
     fewer = replace(plan, recipe=replace(plan.recipe, wanted=wanted))
     assert forecast(plan, groups) - forecast(fewer, groups) == pytest.approx(600 * (6e-4 + 2 * 5e-6), rel=0.2)
+
+
+def test_files_of_a_folder_that_hold_no_curve_are_not_counted(tmp_path: Path) -> None:
+    """A picture beside the tables was forecast as rows of one."""
+    (tmp_path / "x.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 100)
+    with (tmp_path / "x.png").open("wb") as picture:
+        picture.truncate(10**12)
+    begin_reading("look", [tmp_path], Limits(memory=1.0, hours=0.01))
 
 
 def test_rows_are_told_from_size_and_first_lines(tmp_path: Path) -> None:

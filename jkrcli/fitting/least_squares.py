@@ -736,7 +736,7 @@ def covariance_coloured(off: Array, J: Array, free: Sequence[Array], weight: Spe
     """The covariance of unknowns from residuals ``off`` and their derivatives ``J``, in the order of time, that were
     fitted with the ``weight`` of such noise; very large where the data do not determine an unknown. ``free``:
     residuals of runs of rows out of contact; ``rounding``: variance of readings in steps of a converter, the least."""
-    f = frequencies(off.size)
+    f, free = frequencies(off.size), [run for run in free if run.size > 2]  # of fewer a line leaves nothing
     own = weight(f)
     rows = waves(np.column_stack([J, off])) / np.sqrt(own)[:, None]
     scale = np.linalg.norm(rows[:, :-1], axis=0)

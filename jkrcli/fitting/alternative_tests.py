@@ -466,8 +466,8 @@ def profile_bounds(record: FittedRecord, rivals: RecordRivals) -> RecordRivals:
     is possible does: one step trusts no row next to a fold. ``record``: the fit without."""
     if rivals.named:
         return rivals
-    near = Linearised.of(record, off_folds(record))
-    scores = [_bounded(near, score) for score in rivals.scores]
+    near, off = Linearised.of(record), Linearised.of(record, off_folds(record))
+    scores = [_bounded(off if score.name in (RANGE.name, TENSION.name) else near, score) for score in rivals.scores]
     named = next((_with_alike(one, scores) for one in scores if one.word == DETECTED), ())
     return replace(rivals, scores=tuple(scores), named=named)
 

@@ -371,9 +371,10 @@ class CycledAdhering(AdhesiveHistory, Result):
             lines.append(f"  limits: {', '.join(forces)}")
         ends = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost.t, 'time')}"
         law = [] if self.rate is None else effective_words(self.rate)
-        if isinstance(self.energy_lost, Unknown) or isinstance(self.in_body, Unknown):
+        spent = self.at_edge
+        if isinstance(self.energy_lost, Unknown) or isinstance(self.in_body, Unknown) or isinstance(spent, Unknown):
             return [*lines, f"  {ends}", *law]
-        parts = f"{show(self.in_body, 'energy')} in the body, {show(self.at_edge, 'energy')} in jumps"
+        parts = f"{show(self.in_body, 'energy')} in the body, {show(spent, 'energy')} in jumps"
         return [*lines, f"  {ends}; energy lost {show(self.energy_lost, 'energy')}, {parts}", *law]
 
     @property

@@ -197,7 +197,7 @@ def test_wrong_units_of_a_measurement_are_asked_about(jkr: Callable) -> None:
 
 def test_the_position_of_a_device_without_its_stiffness_is_no_depth(jkr: Callable) -> None:
     table = measured("z.csv", "Piezo (nm),Force (nN)", (1e9, 1e9))
-    said = "E* is that of contact and device in series: the deflection of the cantilever is not subtracted"
+    said = "E* is that of contact and instrument in series: the deflection of the cantilever is not subtracted"
     assert said in jkr("fit", table, *BY_FLAGS).err
     assert said not in jkr("fit", table, *BY_FLAGS, "--stiffness", "1 kN/m", "--force").err
 

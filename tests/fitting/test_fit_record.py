@@ -654,7 +654,8 @@ def test_an_edge_that_seems_to_rest_throughout_is_compared_with_one_that_recedes
 
 
 def test_the_steps_of_a_converter_are_noise() -> None:
-    """Coarser than the noise: a base line that does not scatter left errors of 1e-12 beside a misfit of 1e10."""
+    """Coarser than the noise: a base line that does not scatter left errors of 1e-12 beside a misfit of 1e10; one that
+    rests on a level knows the offset to a part of the level, 1.4 % of w here, which is 1.5 % off."""
     E_star, w, step = 20e3, 2.5e-4, 2e-10
     device = Instrument(0.05, 800, far=1e-6, largest=8e-9, noise=1e-12, offset=-3.4 * step)
     columns = record(E_star, R, w, w, device, 3)
@@ -664,7 +665,7 @@ def test_the_steps_of_a_converter_are_noise() -> None:
     for name, true in (("E_star", E_star), ("w", w)):
         item = found.estimate(name)
         assert item.error is not None
-        assert 1e-5 < item.error / item.value < 1e-2
+        assert 1e-5 < item.error / item.value < 2e-2
         assert item.value == pytest.approx(true, abs=4 * math.hypot(item.error, *(item.model or {}).values()))
     assert found.quality is not None
     assert "misfit" not in found.flags

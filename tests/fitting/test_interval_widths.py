@@ -261,7 +261,7 @@ def test_rows_that_follow_each_other_speak_less_for_an_assumption() -> None:
     order = replace(found.structure, lag1=0.5)
     one, other = (replace(found, surface=surface, structure=order) for surface in ("sliding", "sticking"))
     (said,) = preferences([replace(one, scatter=2 * other.scatter), other])
-    assert f"Akaike's criterion lower by {2 * 57 / 3 * math.log(2):.0f}); sliding: " in said
+    assert f"Akaike's criterion lower by {2 * 57 / 3 * math.log(2):.0f}); frictionless contact: " in said
 
 
 # ---------------------------------------------------------------------- laws over speed

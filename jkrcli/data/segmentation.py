@@ -67,7 +67,7 @@ def _standing_still(P: Array, z: Array, end: float) -> bool:
     return left > SATURATION_LEVELS * float(levels.min())
 
 
-PAUSE, PERMANENT_SET = "pause", "permanent set"
+DWELL, PERMANENT_SET = "dwell", "permanent set"
 
 # Where a departure counts; lengths are shares of the rows of a direction.
 RECORD_NORMAL = 1.4826  # theory: standard deviation over median deviation of normal noise
@@ -102,7 +102,7 @@ RECORD_WANDERING = 2.0  # theory: way over distance of a device that reverses on
 
 @dataclass(frozen=True)
 class Segment:
-    """A stretch of rows ``first`` to ``last`` (both included): "approach", "pause", "retract" or the file's word."""
+    """A stretch of rows ``first`` to ``last`` (both included): "approach", "dwell", "retract" or the file's word."""
 
     kind: str
     first: int
@@ -301,7 +301,7 @@ def _spikes(P: Array) -> Array:
 
 def _named_segments(curve: Curve) -> list[Segment]:
     """Stretches of rows with the same word. One that turns back in its middle holds both directions, whatever it is
-    called; rows of one direction at a standstill by the turn are a pause."""
+    called; rows of one direction at a standstill by the turn are a dwell."""
     words, delta, P = curve.segment, curve.device, curve.load
     assert words is not None
     ends = np.flatnonzero(words[1:] != words[:-1])
@@ -312,10 +312,10 @@ def _named_segments(curve: Curve) -> list[Segment]:
     parts: list[Segment] = []
     for part in stretches:
         inside = _segments_by_motion(delta[part.rows], P[part.rows])[0] if len(part) >= FEWEST_ROWS else []
-        moved = [item for item in inside if item.kind != PAUSE]
+        moved = [item for item in inside if item.kind != DWELL]
         ways = {item.kind: float(np.ptp(delta[part.rows][item.rows])) for item in inside}
         both = len(moved) > 1 and min(ways[item.kind] for item in moved) > RECORD_FAR * float(np.ptp(delta))
-        stood = len(moved) == 1 and ways.get(PAUSE, math.inf) < RECORD_SMALL * ways[moved[0].kind]
+        stood = len(moved) == 1 and ways.get(DWELL, math.inf) < RECORD_SMALL * ways[moved[0].kind]
         if both or (stood and moved[0].kind == part.kind):
             parts += [Segment(item.kind, part.first + item.first, part.first + item.last) for item in inside]
         else:
@@ -324,15 +324,15 @@ def _named_segments(curve: Curve) -> list[Segment]:
 
 
 def _segments_by_motion(delta: Array, P: Array) -> tuple[list[Segment], bool]:
-    """Approach, pause and retraction by the motion alone: up to the turning point, at rest there, and back. Under load
-    control the displacement follows little of an unloading that leaves a dent: where the load falls in a pause in which
+    """Approach, dwell and retraction by the motion alone: up to the turning point, at rest there, and back. Under load
+    control the displacement follows little of an unloading that leaves a dent: where the load falls in a dwell in which
     the displacement recovers, the load tells the parts; whether it does."""
     parts = _parts_of_way(delta)
-    pause = next((part for part in parts if part.kind == PAUSE), None)
-    if pause is None or len(pause) < FEWEST_ROWS:
+    dwell = next((part for part in parts if part.kind == DWELL), None)
+    if dwell is None or len(dwell) < FEWEST_ROWS:
         return parts, False
-    size = _block(len(pause))
-    moved, loads = (_blocks(v[pause.rows], size) for v in (delta, P))
+    size = _block(len(dwell))
+    moved, loads = (_blocks(v[dwell.rows], size) for v in (delta, P))
     least = max(RECORD_LEAST * float(np.ptp(delta)), RECORD_SIGMAS * _robust(np.diff(delta, 2)) / math.sqrt(6 * size))
     by_load = bool(loads[0] - loads[-1] > RECORD_FAR * np.ptp(P) and moved[0] - moved[-1] > least)
     return _parts_of_way(P) if by_load else parts, by_load
@@ -345,7 +345,7 @@ def _parts_of_way(delta: Array) -> list[Segment]:
     smooth = np.convolve(np.pad(delta, window, mode="edge"), np.ones(2 * window + 1) / (2 * window + 1), "valid")
     turn = int(np.argmax(smooth))
     speed = np.abs(np.gradient(smooth))
-    # The speed at which half of the way is covered or less: pauses have no part in it, however long they last.
+    # The speed at which half of the way is covered or less: dwells have no part in it, however long they last.
     ordered = np.sort(speed)
     way = np.cumsum(ordered)
     moving = speed >= RECORD_STILL * float(ordered[np.searchsorted(way, way[-1] / 2)])
@@ -356,7 +356,7 @@ def _parts_of_way(delta: Array) -> list[Segment]:
         first = last = turn
     if last == 0 and delta[0] == delta.max():  # retraction from the first row on
         first = last = -1
-    parts = [Segment(APPROACH, 0, first), Segment(PAUSE, first + 1, last), Segment(RETRACT, last + 1, n - 1)]
+    parts = [Segment(APPROACH, 0, first), Segment(DWELL, first + 1, last), Segment(RETRACT, last + 1, n - 1)]
     return [part for part in parts if len(part) > RECORD_SMALL * n]
 
 

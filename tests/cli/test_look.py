@@ -35,7 +35,7 @@ def test_a_table_is_told_and_drawn(jkr: Callable[..., Outcome], table: Path) -> 
     assert done.code == 0
     assert done.out.startswith("adhesion force 2.38 nN, largest load 9.43 nN: ")
     assert done.out.splitlines()[1].startswith("  2100 rows of displacement, load, time; approach 100")
-    assert ", pause " in done.out
+    assert ", dwell " in done.out
     assert "no jump into contact" in done.out
     assert "by one jump at -" in done.out
     assert {path.name for path in table.parent.iterdir()} == {"probe.csv", "probe-look.png", "probe-look.svg"}
@@ -61,7 +61,7 @@ def test_json_holds_what_was_found(jkr: Callable[..., Outcome], table: Path) -> 
     done = jkr("look", str(table), "--json", "--no-plots")
     curve = json.loads(done.out)["files"][0]["curves"][0]
     assert curve["flags"] == {}
-    assert [part["kind"] for part in curve["segments"]] == ["approach", "pause", "retract"]
+    assert [part["kind"] for part in curve["segments"]] == ["approach", "dwell", "retract"]
     assert curve["approach"]["base_line"]["noise_N"] == pytest.approx(0.01 * FORCE, rel=0.2)
     assert curve["retract"]["adhesion_force_N"] == pytest.approx(FORCE, rel=0.1)
     assert curve["approach"]["adhesion_force_N"] is None

@@ -239,4 +239,4 @@ def test_records_of_creep_and_relaxation_are_read_by_their_motion(
         (curve,) = measured.read(path)
         assert curve.segment is None
         assert curve.t is not None
-        assert [part.kind for part in segment_force_curve(curve).segments] == ["approach", "pause", "retract"]
+        assert [part.kind for part in segment_force_curve(curve).segments] == ["approach", "dwell", "retract"]

@@ -34,7 +34,11 @@ def examined(device: Instrument = DEVICE, **more: float) -> ForceCurve:
 @pytest.mark.parametrize("pause", [0, 200])
 def test_directions_are_found_without_a_column_as_with_one(told: bool, pause: int) -> None:
     found = segment_force_curve(curve_of(replace(DEVICE, pause=pause), told=told))
-    assert [part.kind for part in found.segments] == ["approach", *(["pause"] if pause else []), "retract"]
+    assert [part.kind for part in found.segments] == [
+        "approach",
+        *(["pause" if told else "dwell"] if pause else []),
+        "retract",
+    ]
     made = [DEVICE.rows, pause, DEVICE.rows] if pause else [DEVICE.rows, DEVICE.rows]
     assert [len(part) for part in found.segments] == pytest.approx(made, abs=0 if told else 5)
     assert found.segments[0].first == 0
@@ -47,7 +51,7 @@ def test_a_hold_longer_than_the_motion_is_a_pause() -> None:
     found = segment_force_curve(
         Curve("held", None, depth, 1e-3 * np.concatenate([depth[:80], np.geomspace(6e-5, 3e-5, 400)]), None)
     )
-    assert [(part.kind, len(part)) for part in found.segments] == [("approach", 80), ("pause", 400)]
+    assert [(part.kind, len(part)) for part in found.segments] == [("approach", 80), ("dwell", 400)]
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -101,7 +105,7 @@ def test_a_change_of_units_changes_nothing() -> None:
 def test_a_record_called_approach_that_turns_back_holds_both_directions() -> None:
     curve = curve_of(DEVICE)
     found = segment_force_curve(replace(curve, segment=np.full(len(curve), "approach")))
-    assert [part.kind for part in found.segments] == ["approach", "pause", "retract"]
+    assert [part.kind for part in found.segments] == ["approach", "dwell", "retract"]
 
 
 @pytest.mark.parametrize("kind", ["approach", "retract"])
@@ -110,7 +114,7 @@ def test_rows_at_a_standstill_are_a_pause_whatever_they_are_called(kind: str) ->
     curve = curve_of(DEVICE, told=True)
     assert curve.segment is not None
     found = segment_force_curve(replace(curve, segment=np.where(curve.segment == "pause", kind, curve.segment)))
-    assert [part.kind for part in found.segments] == ["approach", "pause", "retract"]
+    assert [part.kind for part in found.segments] == ["approach", "dwell", "retract"]
     assert [len(part) for part in found.segments] == pytest.approx([DEVICE.rows, DEVICE.pause, DEVICE.rows], abs=5)
 
 
@@ -343,7 +347,7 @@ def dented(rest: float, hold: int) -> Curve:
 def test_parts_follow_the_load_where_unloading_leaves_a_dent(hold: int) -> None:
     found = segment_force_curve(dented(0.84, hold))
     kinds = [part.kind for part in found.segments]
-    assert kinds == ["approach", *(["pause"] if hold else []), "retract"]
+    assert kinds == ["approach", *(["dwell"] if hold else []), "retract"]
     assert len(found.segments[-1]) == pytest.approx(600, abs=12)
     assert "dent of 13" in found.flags["permanent set"]
 
@@ -354,5 +358,5 @@ def test_a_dwell_in_which_the_load_relaxes_is_a_dwell() -> None:
     P[750:950] *= 0.3 + 0.7 * np.exp(-rows / 30)
     P[950:] *= 0.3
     found = segment_force_curve(replace(plain, P=P))
-    assert [part.kind for part in found.segments] == ["approach", "pause", "retract"]
+    assert [part.kind for part in found.segments] == ["approach", "dwell", "retract"]
     assert [len(part) for part in found.segments] == pytest.approx([750, 200, 600], abs=25)

@@ -34,6 +34,7 @@ MARCH_POINTS = ZONE_POINTS // 5  # choice: the same
 MARCH_ROOM = 1.1  # choice: of the reach of a march, that of the next, whose parameters are near
 MARCH_ZONE = 0.25  # choice: of the largest contact radius, the zone where no range is known; its influence is stated
 MARCH_APART = 1.5  # theory: rows from a jump, within which no row shows when it was
+MARCH_NEAR = 8.0  # choice: rows from a jump of the model, within which that of the record is sought
 MARCH_MODULI = 1e6  # choice: in those of the body, the moduli among which a search begins
 MARCH_TRIED = 60  # choice: of them, between which their logs are interpolated
 MARCH_MEAN = 3  # choice: rows to either side, of whose loads means are taken
@@ -165,7 +166,7 @@ class Secants:
         last ones foretold the change from there, by these with what they missed. All but the first, ``own`` ones are
         nearly known: theirs are renewed never."""
         J, renewed = None, x.size
-        if self.kept is not None and self.kept[0].size == x.size:
+        if self.kept is not None and self.kept[2].shape == (here.size, x.size):
             x0, before, J = self.kept
             moved, missed = x - x0, here - before - J @ (x - x0)
             weighed = moved * np.sum(J**2, axis=0)

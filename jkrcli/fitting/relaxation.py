@@ -26,7 +26,7 @@ from ..base.numerics import FEWEST_ROWS, MOST_STEPS, ROWS, SAME, TINY, Array, ev
 from ..base.units import Ranged, ranges_of, show
 from ..bodies.materials import RELAXATIONS, Relaxation
 from ..data.curve import Curve
-from .adhesive_march import ADHESION, MARCH_APART, AdhesiveMarch, ElasticLimits, Secants
+from .adhesive_march import ADHESION, MARCH_APART, MARCH_NEAR, AdhesiveMarch, ElasticLimits, Secants
 from .forward_model import FittedBody
 from .least_squares import SEARCH_MISFIT, SEARCH_REACH, Followed, Intervals, Least, LeastSquares, State, by_differences
 from .parameters import ALIAS, MODULUS, Answer, Nameable, Parameter, Unknowns, check_law, parameters_of, word
@@ -347,7 +347,8 @@ class TimedRecord:
     row, ``noise``, and those by which they are weighed, ``sigma``: of the imposed, and of what is left of the response
     less ``shared`` times the noise of the imposed (per row). ``read``: nothing moved in straight pieces; then the
     displacement of the tip is imposed, as it was read. ``flags``: how rows were chosen; ``left_out``: mask of rows
-    whose response says nothing, beside jumps of the contact."""
+    of which it is not known on which side of a jump of the contact they lie; ``jumps``: times of these jumps and their
+    standard deviations [s] (m, 2)."""
 
     curve: Curve
     t: Array
@@ -362,6 +363,7 @@ class TimedRecord:
     read: bool = False
     flags: tuple[str, ...] = ()
     left_out: Array | None = None
+    jumps: Array = field(default_factory=lambda: np.empty((0, 2)))
 
     @property
     def loaded(self) -> bool:
@@ -411,16 +413,47 @@ class TimedRecord:
         some = evenly(self.t.size, FIT_SOME)
         return replace(self, t=self.t[some], imposed=self.imposed[some], response=self.response[some])
 
+    @cached_property
+    def spacing(self) -> float:
+        """The time from row to row [s]."""
+        return float(np.median(np.diff(self.t)))
+
     def weighed(self, off: tuple[Array, Array]) -> tuple[Array, Array]:
         """What readings are ``off`` a model, imposed and response, in standard deviations, independent of each
         other."""
         alone = (off[1] - self.shared * off[0]) / self.sigma[1]
         return off[0] / self.sigma[0], alone if self.left_out is None else np.where(self.left_out, 0.0, alone)
 
-    def beside(self, jumps: Array) -> Array:
-        """The mask of rows beside ``jumps`` [s]: which side of a jump a row is on says more than its load."""
-        near = np.abs(self.t[:, None] - jumps) < MARCH_APART * float(np.median(np.diff(self.t)))
-        return np.asarray(near.any(axis=1))
+    def with_jumps(self, jumps: Array, model: Array) -> TimedRecord:
+        """The record with the times of its own jumps near those [s] of a ``model`` of the response.
+
+        Each jump lies between two rows; that it is those behind row k has the probability
+
+            p_k ~ exp(-sum_(j <= k) (y_j - y_before(t_j))^2/2 sigma^2 - sum_(j > k) (y_j - y_after(t_j))^2/2 sigma^2),
+
+        where the model's branches before and after are drawn straight on. Within a pair of rows the time is even.
+        """
+        t, y, h = self.t, self.response, self.spacing
+        found, left_out = [], np.zeros(t.size, dtype=bool)
+        for jump in jumps.tolist():
+            first, last = np.searchsorted(t, jump - h) - 1, np.searchsorted(t, jump + h, "right")
+            near = np.flatnonzero(np.abs(t - jump) < MARCH_NEAR * h)
+            if first < 1 or last > t.size - 2:
+                continue
+            # The branches of the model, drawn straight on from the last row before and the first behind its jump
+            back, on = np.abs(t[near] - t[first]) / h, np.abs(t[near] - t[last]) / h
+            before = np.where(near <= first, model[near], model[first] + (model[first] - model[first - 1]) * back)
+            after = np.where(near >= last, model[near], model[last] + (model[last] - model[last + 1]) * on)
+            off = [(y[near] - side) ** 2 / (2 * self.noise[1] ** 2) for side in (before, after)]
+            cost = np.cumsum(off[0])[:-1] + np.sum(off[1]) - np.cumsum(off[1])[:-1]
+            p = np.exp(cost.min() - cost)
+            p /= p.sum()
+            middle = (t[near[1:]] + t[near[:-1]]) / 2
+            mean = float(p @ middle)
+            spread = math.sqrt(float(p @ (middle - mean) ** 2) + h**2 / 12)
+            found.append((mean, spread))
+            left_out |= np.abs(t - mean) < MARCH_APART * h + 2 * spread
+        return replace(self, left_out=left_out, jumps=np.array(found).reshape(-1, 2))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -527,9 +560,9 @@ def _fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> Relaxa
         raise InputError("fit: --relaxation needs a rigid indenter and frictionless contact")
     record = timed_record(curve, settings.adheres)
     settings = _with_base_line(record, settings)
-    body = body.to_depth(FIT_DEEPER * record.depth)
     if settings.adheres:
         return _fit_adhering(body, record, settings)
+    body = body.to_depth(FIT_DEEPER * record.depth)
     problem = _Problem(body.nonadhesive, record, settings)
     least = problem.minimise(problem.start())
     problem = replace(problem, record=problem.reweighed(least))
@@ -554,6 +587,8 @@ def _fit_adhering(body: FittedBody, record: TimedRecord, settings: RelaxationSet
     top = int(np.argmax(places > places.max() - FIT_HELD * np.ptp(places)))
     turn = float(times[top])
     shows = float(tip[int(np.argmax(np.abs(load) > ROWS_APART * noise))])
+    depth = float(tip.max()) - shows
+    body = body.to_depth(FIT_DEEPER * depth)
 
     # Where to begin, and the stress of a zone a part of the contact wide where no range is known.
     fixed, known = settings.fixed, settings.ranged
@@ -563,7 +598,7 @@ def _fit_adhering(body: FittedBody, record: TimedRecord, settings: RelaxationSet
         return fixed.get("range", w / fixed["stress"] if "stress" in fixed else 0.0)
 
     found = ElasticLimits(body.nonadhesive).starts(record.t, tip, load, turn, shows, ranged)
-    radius = float(np.interp(record.depth, body.series.delta, body.series.a))
+    radius = float(np.interp(depth, body.series.delta, body.series.a))
     stress = march.stress(found[1]["w"], found[1]["modulus"] * body.problem.E_star, radius)
     settings = settings if known else replace(settings, fixed={**fixed, "stress": stress})
     more = {"stress": stress, "P0": 0.0 if record.loaded else base, "tilt": 0.0}
@@ -584,8 +619,9 @@ def _fit_adhering(body: FittedBody, record: TimedRecord, settings: RelaxationSet
     exact = np.ptp(record.response) * record.noise[0] < FIT_EXACT * np.ptp(record.imposed) * record.noise[1]
     whole = _Problem(body.nonadhesive, record, settings, march, bool(exact))
     theta = whole.extended(whole.unknowns.at(first.zeroed(first.unknowns.values(least.x))))
-    whole = replace(whole, record=replace(record, left_out=record.beside(whole.jumps(theta))))
+    whole = replace(whole, record=record.with_jumps(whole.jumps(theta), whole.model(theta)[1]))
     least = whole.minimise(theta, FIT_MARCHED_END)
+    whole = replace(whole, record=record.with_jumps(whole.jumps(least.x), whole.model(least.x)[1]))
     whole = replace(whole, record=whole.reweighed(least), march=march.full())
     least = whole.minimise(least.x, FIT_MARCHED_END, FIT_LAST)
     fit = whole.result(least, body.problem.E_star)
@@ -684,10 +720,18 @@ class _Problem:
     def columns(self, theta: Array) -> Array:
         """The same one after the other, in units of the noise from row to row; SolveError where there is no such
         history."""
+        record = self.record
         try:
-            return np.concatenate([one / unit for one, unit in zip(self.model(theta), self.record.noise, strict=True)])
+            *both, _, jumps = self._readings(theta)
         except FAILURES as error:
-            raise SolveError(f"no history of this body resembles the record ({error})") from None
+            raise SolveError(f"no history of this specimen resembles the data ({error})") from None
+        columns = [one / unit for one, unit in zip(both, record.noise, strict=True)]
+        if record.jumps.size:
+            if not jumps.size:
+                raise SolveError("no history of this specimen resembles the data (the contact does not jump)")
+            nearest = np.argmin(np.abs(jumps - record.jumps[:, :1]), axis=1)
+            columns.append(jumps[nearest] / record.spacing)
+        return np.concatenate(columns)
 
     def jumps(self, theta: Array) -> Array:
         """The times [s] at which the contact jumps."""
@@ -722,10 +766,10 @@ class _Problem:
         return self.weighed(np.concatenate([imposed - record.imposed, response - record.response]))
 
     def weighed(self, off: Array) -> Array:
-        """What both readings, one after the other, are ``off`` in standard deviations."""
+        """What both readings, one after the other, and times of jumps are ``off`` in standard deviations."""
         n = self.record.t.size
-        first, rest = self.record.weighed((off[:n], off[n:]))
-        return rest if self.still else np.concatenate([first, rest])
+        first, rest = self.record.weighed((off[:n], off[n : 2 * n]))
+        return np.concatenate([*([] if self.still else [first]), rest, off[2 * n :] / self.record.jumps[:, 1]])
 
     def reweighed(self, least: Least) -> TimedRecord:
         """The record with standard deviations as the readings scatter about the model: of the response those of the
@@ -734,6 +778,7 @@ class _Problem:
         imposed, response, touches, _ = self._readings(least.x)
         off = imposed - record.imposed, response - record.response
         left = 1 - np.sum(np.linalg.qr(least.state.jacobian)[0] ** 2, axis=1)  # of each square, by its leverage
+        left = left[: n if self.still else 2 * n]  # without those of jumps
         shared = record.shared if record.shared == 0 else float(off[0] @ off[1]) / max(float(off[0] @ off[0]), TINY)
         first = record.sigma[0] if self.still else _scatter(off[0], left[:n], record.imposed)
         alone, second = off[1] - shared * off[0], np.empty(n)
@@ -757,14 +802,15 @@ class _Problem:
 
     def _with(self, theta: Array, here: Array) -> State:
         """The residuals of ``columns`` that are ``here``, with derivatives by secants."""
-        n, record = self.record.t.size, self.record
-        units = np.repeat(record.noise, n)
+        record = self.record
+        units = np.concatenate([np.repeat(record.noise, record.t.size), np.full(len(record.jumps), record.spacing)])
 
         def rates() -> Array:
             J = self.secants.rates(self.columns, theta, here, self.steps(theta), len(self.unknowns.free))
             return np.stack([self.weighed(units * column) for column in J.T], axis=1)
 
-        return State(self.weighed(units * here - np.concatenate([record.imposed, record.response])), rates)
+        readings = np.concatenate([record.imposed, record.response, record.jumps[:, 0]])
+        return State(self.weighed(units * here - readings), rates)
 
     def steps(self, theta: Array) -> Array:
         """Of the unknowns, for differences of marches: logs, and shares of 1 or of ranges, towards the middle."""

@@ -657,7 +657,7 @@ FIGURES.register(RelaxationFit)(lambda fit: RelaxationFits([fit], fit.body).figu
 def _values(fit: RelaxationFit) -> dict[str, float | None]:
     """The free parameters with their standard errors."""
     free = [item for item in fit.estimates if item.free and item.name != "modulus"]
-    named = ((f"{item.name}_{SI[item.dimension]}".rstrip("_"), item) for item in free)
+    named = ((with_unit(item.name, item.dimension), item) for item in free)
     return {key: value for name, item in named for key, value in ((name, item.value), (f"{name}_error", item.error))}
 
 

@@ -19,7 +19,7 @@ from jkrcli.bodies.materials import StandardSolid
 from jkrcli.data.curve import Curve
 from jkrcli.fitting.adhesive_march import AdhesiveMarch, ElasticLimits, Secants
 from jkrcli.fitting.forward_model import FittedBody, body_of
-from jkrcli.fitting.relaxation import RelaxationFit, relaxation_fit, relaxation_settings
+from jkrcli.fitting.relaxation import RelaxationFit, TimedRecord, relaxation_fit, relaxation_settings
 
 W, STRESS, MODES = 0.01, 0.16, (0.3, (0.7,), (1.0,))
 CORNERS = ((0.0, -0.15), (0.5, 0.1), (1.5, 0.1), (2.5, -0.4))
@@ -113,6 +113,32 @@ def test_a_record_without_adhesion_is_refused(body: FittedBody) -> None:
     P = np.maximum(delta, 0) ** 1.5 + 1e-3 * np.random.default_rng(1).standard_normal(t.size)
     with pytest.raises(InputError, match="w: no adhesion shows"):
         relaxation_fit(body, Curve("made", t=t, delta=delta, P=P), relaxation_settings("sls", free=["w"]))
+
+
+@pytest.mark.parametrize(("size", "spread"), [(20.0, 0.003), (4.0, 0.03)])
+def test_a_jump_is_where_the_rows_show_it(size: float, spread: float) -> None:
+    """Of 20 times the noise between two rows, within which its time is even; of four times it, up to some rows beside.
+    The model jumps three rows later; its branches are as steep as a fifth of the noise a row."""
+    rng, t = np.random.default_rng(5), np.linspace(0, 1, 101)
+
+    def loads(jump: float) -> np.ndarray:
+        return np.where(t < jump, 0.0, 20 * (t - jump) - size)
+
+    offs = []
+    for _ in range(40):
+        noisy = loads(0.503) + rng.standard_normal(t.size)
+        one = TimedRecord(
+            Curve("made", t=t, delta=t, P=noisy), t, t, noisy, "displacement", np.inf, (t[[0, -1]], t[[0, -1]]),
+            (1.0, 1.0), (1.0, 1.0),
+        )  # fmt: skip
+        found = one.with_jumps(np.array([0.533]), loads(0.533))
+        ((place, error),) = found.jumps
+        offs.append((place - 0.503) / error)
+        assert 0.0028 < error < spread
+        assert found.left_out is not None
+        assert found.left_out[[49, 50, 51]].all()
+        assert found.left_out.sum() < 12
+    assert np.mean(np.square(offs)) < 2.0
 
 
 @pytest.mark.slow

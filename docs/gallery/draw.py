@@ -26,12 +26,14 @@ def main() -> None:
             print(commands, end="")
             subprocess.run(["bash", "-euc", commands], cwd=folder, check=True, env=os.environ | {"PATH": path})
         for picture in re.findall(r"!\[[^\]]*\]\(([^)/]+)\)", page):
-            keep(folder / picture)
+            keep(folder, Path(picture))
 
 
-def keep(picture: Path) -> None:
-    """Half the size and 256 colours, of which fewer gave lines those of others: a sixth of the bytes."""
-    with Image.open(picture) as full:
+def keep(folder: Path, picture: Path) -> None:
+    """Half the size and 256 colours, of which fewer gave lines those of others: a sixth of the bytes. Options in the
+    name of a file are left out here."""
+    drawn = min(folder.glob(f"{picture.stem}*{picture.suffix}"), key=lambda path: len(path.name))
+    with Image.open(drawn) as full:
         half = full.convert("RGB").resize((full.width // 2, full.height // 2))
         half.quantize(256).save(HERE / picture.name, optimize=True)
 

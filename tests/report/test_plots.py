@@ -384,3 +384,8 @@ def test_a_fitted_line_is_not_joined_from_branch_to_branch() -> None:
     a = np.array([0.0, 0.0, 2.0, 3.0, 4.0, 4.0, 1.0, 1.5])
     (line,) = _broken(a, [np.arange(8.0)])
     np.testing.assert_array_equal(line, [0, 1, np.nan, 2, 3, 4, 5, np.nan, 6, 7])
+
+
+def test_units_are_typeset_and_words_are_not() -> None:
+    words = "instrument of 3 uN/um, vacuum, w = 5 uJ/m^2 at 2 um/s"
+    assert looks.pretty(words) == "instrument of 3 µN/µm, vacuum, w = 5 µJ/m² at 2 µm/s"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import os
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -30,7 +31,7 @@ COLORS = (BLUE, ORANGE, GREEN, PURPLE, SKY, BLACK)
 
 def pretty(text: str) -> str:
     """Units as they are typeset."""
-    return text.replace("^2", "²").replace("um", "µm").replace("uN", "µN").replace("uJ", "µJ")
+    return re.sub(r"\bu(?=[mNJ]\b)", "µ", text.replace("^2", "²"))
 
 
 def unit_of(dimension: str, *values: Array | float) -> tuple[float, str]:

@@ -14,7 +14,8 @@ PHRASES = (
     "left out would change", "body by flags", "its sign as it is", "from the head of the file", "found out]",
     "of the data's size", "Hertz at the deepest row", "at the deepest row would", "between the rows up to",
     "made by another program", "times this body's", "edge advances", "edge rests", "edge recedes",
-    "specimens that relax",
+    "specimens that relax", "zero points", "series file", "tension of the zone", "body that relaxes",
+    "moduli that relax", "as told", "(model) is", "pull-off units", "unknown: made", "deepest row", "no turn ",
 )  # fmt: skip
 PAGES = [ROOT / "README.md", *(page for page in (ROOT / "docs").rglob("*.md") if page.parent.name != "project")]
 

@@ -652,8 +652,8 @@ def mask_below_atomic_spacing(
     if not small:
         return point
     return Unknown(
-        f"contact would shrink below the interatomic spacing, z0 = {show(z0, 'length')}, before it is lost, where "
-        'nothing is a continuum: give the radius that every real tip has (shape = "sphere", or a profile as "table"); '
+        f"contact would be lost at a radius below the interatomic spacing, z0 = {show(z0, 'length')}, where continuum "
+        'mechanics does not hold: give the radius that every real tip has (shape = "sphere", or a profile as "table"); '
         "of a tip so small that its Tabor number is below 0.1, forces of finite range pull off at about 2 pi w R"
     )
 

@@ -203,7 +203,7 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
             return Unknown("unknown: by the slopes 'integral' the point lies outside the solution")
         others.append((other, 1))
     if not others:
-        return Unknown("unknown: with every second row left out the point lies outside the solution")
+        return Unknown("not estimated: without every second row the point lies outside the solution")
     moved: Array = np.max([_distance(other, point) / factor for other, factor in others], axis=0)
     return moved + _scatter(curve, point, stiffness) if slopes.method == "exact" and not smooth else moved
 

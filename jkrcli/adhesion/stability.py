@@ -312,7 +312,7 @@ def work_from_pull_off(
     def force(log_w: float) -> float:
         tear_off = point(math.exp(log_w))
         if isinstance(tear_off, Unknown):
-            raise SolveError(f"load: the search for w left the solution: {tear_off.reason}")
+            raise SolveError(f"load: w lies beyond the range of the solution: {tear_off.reason}")
         return -tear_off.P
 
     def excess(log_w: float) -> float:
@@ -415,7 +415,7 @@ def _error(
     thinned = [_tried(again, lambda one, half=half: one.halves[half]) for half in (0, 1)]  # type: ignore[misc]
     between = [abs(other - energy) for other in thinned if not isinstance(other, Unknown)]
     if not between:
-        return Unknown("unknown: with every second row left out contact is not lost in the solution")
+        return Unknown("not estimated: without every second row contact is not lost in the solution")
     by_mesh = _by_mesh(energy, curve, again)
     of_points = by_points if by_mesh is None else by_mesh
     if isinstance(of_points, Unknown):

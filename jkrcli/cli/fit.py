@@ -271,7 +271,7 @@ def fit_curves(
             each.append(fit_all(one, curves, settings, pool))
     outcomes = [item for items in each for item in items]
     if request.options.rivals and not any(isinstance(item, Fit) and item.verdict for item in outcomes):
-        raise InputError("fit: --rivals is for raw force curves, which none of these was fitted as: leave it out")
+        raise InputError("fit: --rivals is for raw force curves, and none of these is one: leave it out")
     if request.options.plan:
         outcomes = [planned(one, item) if isinstance(item, Fit) else item
                  for one, items in zip(bodies, each, strict=True) for item in items]  # fmt: skip

@@ -358,7 +358,7 @@ reading_options = as_one(
     click.option("--flip", multiple=True, type=click.Choice(["delta", "P"]),
                  help="Turn the sign of the file, whatever its header says: of loads that count adhesion positive."),
     click.option("--zero", multiple=True, type=options.ScaleType(("delta", "P")),
-                 help='Reading at the zero point, subtracted after the flip: delta="1.2 um".'),
+                 help='Reading at the contact point, subtracted after the flip: delta="1.2 um".'),
     click.option("--contact", type=click.Choice(["auto", "fitted", "as-is", "estimate"]), default="auto",
                  show_default=True, help="Contact point and force offset: fitted together (with baseline, tilt; "
                  "auto: of raw force curves), as-is, or estimated before from the free part of the approach; of raw "

@@ -966,7 +966,7 @@ class FittedBody:
         """The same problem solved by ``layered`` up to contact radius ``a`` [m] or little more, with as many points."""
         if a >= (end := self.problem.indenter.r_max):
             raise InputError(
-                f"the data ask for a contact radius of {show(a, 'length')}, beyond the indenter, which ends at "
+                f"the data need a contact radius of {show(a, 'length')}, beyond the indenter, which ends at "
                 f"{show(end, 'length')}: check the units of displacement and load, and the size of the indenter"
             )
         rounded = 10 ** (math.ceil(math.log10(a) * RESOLVING_PER_DECADE) / RESOLVING_PER_DECADE)

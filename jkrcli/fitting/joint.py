@@ -39,7 +39,7 @@ def shared_of(names: Iterable[str], own: Iterable[str], settings: Settings) -> t
             hint = did_you_mean(unknown[0], free)
             raise InputError(f"fit: --{option} {unknown[0]}: is not free{hint} (free: {', '.join(free)})")
     if both := set(shared) & set(unshared):
-        raise InputError(f"fit: {min(both)} cannot be shared and every record's own: leave one out")
+        raise InputError(f"fit: {min(both)} is both in --shared and in --own: leave it out of one")
     if left := [name for name in free if unshared and name not in (*shared, *unshared)]:
         raise InputError(f"fit: --own: {left[0]} is free too: name it in --shared or in --own")
     return tuple(dict.fromkeys(shared))

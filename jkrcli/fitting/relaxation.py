@@ -249,7 +249,7 @@ FIT_COARSER = 3  # choice: steps joined in the histories of a spring or a load, 
 FIT_GROWS = 0.02  # choice: of the depth, by which a contact may grow again: corners have the noise of readings
 
 
-MISFIT = "the law or the body is not what the force curve shows"
+MISFIT = "the relaxation law or the specimen does not describe the force curve"
 RANGE = "the numbers leave the range of arithmetic"
 AS_READ = (
     "neither instrument nor load moved at constant rates: the displacement of the tip is used as read, its noise is "
@@ -883,8 +883,8 @@ class _Problem:
             candidates.append((float(np.sum(thin.residuals(theta) ** 2)), theta[: len(self.unknowns.free)], values))
         if not candidates:
             raise InputError(
-                f"{self.record.curve.where}: no history of this body resembles the force curve{reason}: it must press, "
-                "wait and retract once; check the units and the tip's radius, or fix delta0"
+                f"{self.record.curve.where}: no history of this specimen resembles the force curve{reason}: it must "
+                "press, wait and retract once; check the units and the tip's radius, or fix delta0"
             )
         _, own, values = min(candidates, key=lambda item: item[0])
         return np.append(own, self._from(values)[own.size :])

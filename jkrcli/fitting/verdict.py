@@ -112,12 +112,12 @@ def _flags(rivals: RecordRivals, fit: ForceCurveFit) -> Iterator[tuple[str, str]
     itself."""
     if rivals.named:
         names = " or ".join(f"{one.name} (E* {_by(one.change(one.E_star))})" for one in rivals.named)
-        apart = ", which one step cannot tell apart" if len(rivals.named) > 1 else ""
-        yield REJECTED, f"p = {rivals.chance:.1g}, the residuals ask for {names}{apart}"
+        apart = ", which one step does not separate" if len(rivals.named) > 1 else ""
+        yield REJECTED, f"p = {rivals.chance:.1g}, the residuals favour {names}{apart}"
     if rivals.named and rivals.named[0].of_directions:
         compared = (one for one in rivals.scores if one.of_directions and one.family == MEMORY)
         amounts = ", ".join(f"{one.name} {one.amount:+.1%} ± {one.error:.1%} ({one.amount_is})" for one in compared)
-        yield DIFFER, f"approach and retraction ask for {amounts}; {', '.join(rivals.families)} would explain it"
+        yield DIFFER, f"approach and retraction favour {amounts}; {', '.join(rivals.families)} would explain it"
     work = "w_approach" if fit.model.stretches[-1].kind == APPROACH else "w"
     for quantity, symbol, error, most in zip(
         ("E_star", "w"), ("E*", work), relative_errors(fit), VERDICT_LARGE, strict=True

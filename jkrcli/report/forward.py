@@ -133,8 +133,8 @@ def _comparison(result: Analysis) -> Iterator[str]:
     yield f"against the closed form of the same indenter: {', '.join(parts)}"
     if comparison.parabola is not None:
         yield (
-            f"the sphere's own pull-off is {comparison.parabola:.2%} smaller than the paraboloid's -1.5 pi w R of "
-            "Eq. 18 (physics, not error)"
+            f"the pull-off force of a sphere is {comparison.parabola:.2%} smaller than 1.5 pi w R of the paraboloid "
+            "(Eq. 18): physics, no error"
         )
 
 

@@ -26,7 +26,9 @@ CURVES = 4  # theory: one for each history; choice: of a forecast
 FURTHER = 1.5  # choice: the next series over the one that ends too soon; what is solved in vain grows with it
 
 
-NEVER_AT_REST = Unknown("the relaxed modulus is zero: no contact is at rest, and no force is the largest")
+NEVER_AT_REST = Unknown(
+    "the relaxed modulus is zero: no contact is in equilibrium, the pull-off force has no upper limit"
+)
 
 
 @dataclass(frozen=True, eq=False)

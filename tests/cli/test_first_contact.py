@@ -186,7 +186,7 @@ BY_FLAGS = ("--radius", "5 um", "--nu", "0.5", "--no-plots")
 def test_wrong_units_of_a_measurement_are_asked_about(jkr: Callable) -> None:
     long = jkr("fit", measured("long.csv", "displacement (mm),force (nN)", (1e6, 1e9)), *BY_FLAGS)
     assert (long.code, long.out) == (2, "")
-    assert "the data ask for a contact radius of" in long.err
+    assert "the data need a contact radius of" in long.err
     assert "beyond the indenter, which ends at 5 um: check the units of displacement and load" in long.err
     strong = jkr("fit", measured("strong.csv", "displacement (um),force (mN)", (1e6, 1e9)), *BY_FLAGS)
     assert strong.code == 0

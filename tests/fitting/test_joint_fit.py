@@ -124,7 +124,7 @@ def test_the_command_and_python_say_the_same(jkr: Callable) -> None:
     [
         (("--own", "delta0"), "--own: goes with --shared"),
         (("--shared", "w0"), 'unknown parameter'),
-        (("--shared", "w", "--own", "w"), "w cannot be shared and every record's own"),
+        (("--shared", "w", "--own", "w"), "w is both in --shared and in --own"),
         (("--shared", "w", "--own", "delta0"), "modulus is free too"),
         (("--shared", "w", "--fix", "w=0"), "--shared w: is not free"),
         (("--shared", "w", "--confidence", "bootstrap"), "--shared does not take --confidence bootstrap"),

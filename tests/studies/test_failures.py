@@ -164,7 +164,7 @@ def test_a_contact_that_lifts_off_in_the_middle_is_said_so() -> None:
         assert (middle < 0) == pulls
         warnings = Layered()(lifting(a)).warnings
         assert len(warnings) == pulls
-    assert "the middle pulls with" in warnings[0]
+    assert "tension in the middle of the contact," in warnings[0]
     assert "not a full disc" in warnings[0]
 
 

@@ -216,7 +216,7 @@ def _broken(phi: Density, factor: float, P: float, end: float) -> str | None:
     inside, outside = phi.a * PLACES[PLACES < 1], phi.a * PLACES[PLACES > 1]
     pull = factor * float(phi.pressures(0.0, inside).min()) / (P / (math.pi * phi.a**2))
     if pull < -DISC_PULL:
-        return f"the middle pulls with {-pull:.2g} of the mean pressure"
+        return f"tension in the middle of the contact, {-pull:.2g} of the mean pressure"
     overlap = -float(phi.gaps(outside[outside <= end]).min(initial=0.0)) / phi.delta
     if overlap > DISC_OVERLAP:
         return f"the surfaces overlap by {overlap:.2g} of the displacement beyond the edge"

@@ -473,6 +473,8 @@ def _slopes(r: Array, f: Array, chord: Array, before: float | None, after: float
     for slopes in (gentle, spline):
         slopes[-1] = max(2 * chord[-1] - slopes[-2], chord[-1]) if slopes is gentle else slopes[-1]
         slopes[-1] = slopes[-1] if after is None else after
+    if chord.size == 1 and before is None and after is not None:
+        gentle[0] = 2 * chord[0] - after
     bends = np.minimum(3 * chord - 2 * spline[:-1] - spline[1:], spline[:-1] + 2 * spline[1:] - 3 * chord)
     rough = bends < -ROUNDED * chord[-1]
     beside = np.append(rough, False) | np.append(False, rough)

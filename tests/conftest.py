@@ -19,6 +19,8 @@ from jkrcli.base.errors import InputError
 from jkrcli.cli import call
 
 NO_FEM = not all(find_spec(module) for module in ("gmsh", "skfem", "meshio"))
+# What an error says of packages that are missing here:
+MISSING = [*["the extra fem"] * NO_FEM, *["the optional package plotly"] * (find_spec("plotly") is None)]
 CASES = Path(__file__).parent.parent / "cases"
 
 
@@ -35,19 +37,19 @@ def pytest_configure() -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.dont_write_bytecode = False
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-    if NO_FEM:
-        _skip_finite_elements()
+    if MISSING:
+        _skip_what_is_missing()
 
 
-def _skip_finite_elements() -> None:
-    """A test, or a module of tests that is read, ends as skipped where it is told that the extra fem is missing. Tests
-    that ask for it in other processes, or only find it in a list of methods, are marked ``fem``."""
+def _skip_what_is_missing() -> None:
+    """A test, or a module of tests that is read, ends as skipped where it is told that the extra fem, or plotly, is
+    missing. Tests that ask for fem in other processes, or only find it in a list of methods, are marked ``fem``."""
     plain = InputError.__init__
 
     def told(error: InputError, lines: str | Sequence[str]) -> None:
         plain(error, lines)
-        if "the extra fem" in str(error):
-            pytest.skip("needs the extra fem", allow_module_level=True)
+        if (missing := next((words for words in MISSING if words in str(error)), None)) is not None:
+            pytest.skip(f"needs {missing}", allow_module_level=True)
 
     InputError.__init__ = told
 

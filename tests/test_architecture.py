@@ -173,6 +173,7 @@ def test_help_imports_no_heavy_module() -> None:
     assert done.stdout.splitlines()[-1] == "HEAVY []"
 
 
+@pytest.mark.fem  # the method of the checked case
 def test_what_needs_no_fit_imports_nothing_of_scipy(tmp_path: Path) -> None:
     """A run by layers, its curves with pull-off, and a check of a half-space: SciPy takes as long as all of them."""
     cases, series = PACKAGE.parent / "cases", str(tmp_path / "gel.h5")

@@ -399,6 +399,7 @@ def test_a_formula_is_not_checked_by_a_long_solve(jkr: Callable, monkeypatch: py
     assert [problem.loading.maximum < 1e-5 for problem in solved] == [True]
 
 
+@pytest.mark.fem  # listed as a method
 @pytest.mark.parametrize("width", ["5e8 um", "1e20 m"])
 def test_a_mesh_of_more_points_than_fit_is_refused_and_other_methods_are_told(jkr: Callable, width: str) -> None:
     """The surface of a thin layer, on which sizes end to grow, was laid out to count its elements."""

@@ -8,6 +8,7 @@ from studies.bounds import summary
 from studies.point_bounds import judged
 
 
+@pytest.mark.fem  # a body of which it is told counts as refused
 @pytest.mark.first(1)
 @pytest.mark.parametrize("number", [101000019, 101000004, 101000010])
 def test_points_of_a_few_bodies_are_within_twice_what_is_stated(number: int) -> None:

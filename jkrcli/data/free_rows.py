@@ -27,7 +27,7 @@ FREE_MOST = 4  # choice: steps of one direction
 FREE_EVEN = 1.6  # choice: of the noise, what the levels beside an edge leave at most: more is ringing
 FREE_LEVEL = 0.35  # choice: of the jump of the contact, the largest level that is a tether's and no second contact's
 FREE_EVEN_LEVEL = 0.5  # theory: of a step of a converter, by which neighbours differ where they are the same
-FREE_RESTS = 0.7  # theory: share of equal neighbours; noise of half a step, which rounding averages over, leaves 0.4
+FREE_RESTS = 0.7  # theory: share of equal neighbours; noise of half a step, which rounding averages over, leaves half
 FREE_CODES = 1.5  # theory: steps of a converter, above which a level is none of them
 # When a bend towards contact is an attraction.
 FREE_BLOCKS = 150  # choice: means of rows that a bend is looked for in
@@ -175,8 +175,8 @@ def free_rows(sides: Sequence[Side], size: int, stiffness: float) -> FreeRows | 
         for power in (0, 1):  # of the offset, and of the tilt over the free way
             own = np.zeros(size)
             for side in sides:
-                way = float(np.ptp(side.x)) / 2 or 1.0
-                own[side.contact] = rounding * (side.deep - side.x.mean() if side.x.size else 0.0) ** power / way**power
+                way = (side.deep - side.x.mean()) / (np.ptp(side.x) / 2 or 1.0) if side.x.size else 0.0
+                own[side.contact] = rounding * way**power
             raised.append(own)
     if not raised and bent is None:
         return None

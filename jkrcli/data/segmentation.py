@@ -91,7 +91,8 @@ RECORD_STRAIGHT = 1.3  # choice: of the noise, what the line through them leaves
 # tuned on records, by `make constants`: just below the half of a step in speed that smoothing leaves at its place
 RECORD_STILL = 0.45
 RECORD_RING = 12  # choice: rows of a window in which a device is seen to ring after a jump
-RECORD_RUNG = 2.0  # theory: of the usual size, five standard deviations of that of a window of normal noise
+RECORD_RUNG = 2.0  # theory: of the usual size, 3.5 standard deviations of that of a window of normal noise
+RECORD_WINDOWS = 4  # choice: such windows at least, of which the usual size is the median
 RECORD_SMOOTH = 4  # choice: degree of a polynomial that follows the end of a contact and no kink
 RECORD_WAVY = 0.03  # choice: of the range of the load, waviness of a base line that is flagged
 # choice: what a tilt may make of the largest load over the depth of contact, and the largest load or tension at
@@ -415,7 +416,7 @@ def _ringing(y: Array) -> int:
     width = RECORD_RING
     bends = np.diff(y[1:], 2)
     count = bends.size // width
-    if count < 4:
+    if count < RECORD_WINDOWS:
         return 0
     windows = bends[: count * width].reshape(count, width)
     size = np.sqrt(np.mean(windows**2, axis=1))

@@ -474,7 +474,7 @@ def profile_bounds(record: FittedRecord, rivals: RecordRivals) -> RecordRivals:
 
 def _bounded(near: Linearised, score: Score) -> Score:
     followed = score.name in (RANGE.name, TENSION.name)
-    rival = next(rival for rival in RIVALS if rival.name == score.name)
+    rival = _rival(score)
     change = rival.effect(near.record) if score.most > 0 or followed else None
     if not isinstance(change, Perturbation):
         return score
@@ -492,8 +492,8 @@ def _with_alike(best: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
     return (best, *(one for one in others if limits[one.name][0] <= one.amount <= limits[one.name][1]))
 
 
-def _effect(record: FittedRecord, score: Score) -> Perturbation | Array | None:
-    return next(rival for rival in RIVALS if rival.name == score.name).effect(record)
+def _rival(score: Score) -> AlternativeModel:
+    return next(rival for rival in RIVALS if rival.name == score.name)
 
 
 def _at_most(near: Linearised, change: Perturbation, ahead: Array, score: Score) -> Score:
@@ -681,7 +681,7 @@ def fit_alternatives(record: FittedRecord, fresh: ForceCurveModel, rivals: Recor
     fresh, begun = replace(fresh, family=record.model.family), []
     for score in _likeliest(rivals):
         with contextlib.suppress(JkrError):  # what cannot be solved is not taken
-            if isinstance(change := _effect(record, score), Perturbation):
+            if isinstance(change := _rival(score).effect(record), Perturbation):
                 begun.append((*_roughly(record, fresh, change, score.amount), change, score))
     most = FULL_PROMISING * min((cost for cost, *_ in begun), default=0.0)
     fits = []

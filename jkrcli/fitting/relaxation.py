@@ -26,7 +26,7 @@ from ..base.numerics import FEWEST_ROWS, MOST_STEPS, ROWS, SAME, TINY, Array, ev
 from ..base.units import Ranged, ranges_of, show
 from ..bodies.materials import RELAXATIONS, Relaxation
 from ..data.curve import Curve
-from .adhesive_march import ADHESION, MARCH_APART, MARCH_NEAR, AdhesiveMarch, ElasticLimits, Secants
+from .adhesive_march import ADHESION, MARCH_APART, MARCH_NEAR, MARCH_SHARES, AdhesiveMarch, ElasticLimits, Secants
 from .forward_model import FittedBody
 from .least_squares import SEARCH_MISFIT, SEARCH_REACH, Followed, Intervals, Least, LeastSquares, State, by_differences
 from .parameters import ALIAS, MODULUS, Answer, Nameable, Parameter, Unknowns, check_law, parameters_of, word
@@ -441,7 +441,7 @@ class TimedRecord:
             if first < 1 or last > t.size - 2:
                 continue
             # The branches of the model, drawn straight on from the last row before and the first behind its jump
-            back, on = np.abs(t[near] - t[first]) / h, np.abs(t[near] - t[last]) / h
+            back, on = ((t[near] - t[i]) / (t[i] - t[j]) for i, j in ((first, first - 1), (last, last + 1)))
             before = np.where(near <= first, model[near], model[first] + (model[first] - model[first - 1]) * back)
             after = np.where(near >= last, model[near], model[last] + (model[last] - model[last + 1]) * on)
             off = [(y[near] - side) ** 2 / (2 * self.noise[1] ** 2) for side in (before, after)]
@@ -450,7 +450,7 @@ class TimedRecord:
             p /= p.sum()
             middle = (t[near[1:]] + t[near[:-1]]) / 2
             mean = float(p @ middle)
-            spread = math.sqrt(float(p @ (middle - mean) ** 2) + h**2 / 12)
+            spread = math.sqrt(float(p @ ((middle - mean) ** 2 + np.diff(t[near]) ** 2 / 12)))
             found.append((mean, spread))
             left_out |= np.abs(t - mean) < MARCH_APART * h + 2 * spread
         return replace(self, left_out=left_out, jumps=np.array(found).reshape(-1, 2))
@@ -576,7 +576,7 @@ def _fit_adhering(body: FittedBody, record: TimedRecord, settings: RelaxationSet
     load, tip, noise = record.response, record.imposed, record.noise[1]
     if record.loaded:
         load, tip, noise = tip, load, record.noise[0]
-    base = float(np.median(load[:ROWS_BEFORE]))
+    base, seen = _contact_seen(load, noise)
     load = load - base
     if -load.min() < ROWS_APART * noise:
         raise InputError(f"{record.curve.where}: w: no adhesion shows, no load lies below that before contact; leave w "
@@ -586,7 +586,7 @@ def _fit_adhering(body: FittedBody, record: TimedRecord, settings: RelaxationSet
     times, places = record.knots
     top = int(np.argmax(places > places.max() - FIT_HELD * np.ptp(places)))
     turn = float(times[top])
-    shows = float(tip[int(np.argmax(np.abs(load) > ROWS_APART * noise))])
+    shows = float(tip[seen])
     depth = float(tip.max()) - shows
     body = body.to_depth(FIT_DEEPER * depth)
 
@@ -599,7 +599,8 @@ def _fit_adhering(body: FittedBody, record: TimedRecord, settings: RelaxationSet
 
     found = ElasticLimits(body.nonadhesive).starts(record.t, tip, load, turn, shows, ranged)
     radius = float(np.interp(depth, body.series.delta, body.series.a))
-    stress = march.stress(found[1]["w"], found[1]["modulus"] * body.problem.E_star, radius)
+    middle = found[len(MARCH_SHARES) // 2]  # between very fast and from rest
+    stress = march.stress(middle["w"], middle["modulus"] * body.problem.E_star, radius)
     settings = settings if known else replace(settings, fixed={**fixed, "stress": stress})
     more = {"stress": stress, "P0": 0.0 if record.loaded else base, "tilt": 0.0}
     starts = [{**more, "range": one["w"] / stress, **_of_start(settings, one), **settings.fixed} for one in found]
@@ -619,13 +620,19 @@ def _fit_adhering(body: FittedBody, record: TimedRecord, settings: RelaxationSet
     exact = np.ptp(record.response) * record.noise[0] < FIT_EXACT * np.ptp(record.imposed) * record.noise[1]
     whole = _Problem(body.nonadhesive, record, settings, march, bool(exact))
     theta = whole.extended(whole.unknowns.at(first.zeroed(first.unknowns.values(least.x))))
-    whole = replace(whole, record=record.with_jumps(whole.jumps(theta), whole.model(theta)[1]))
+    whole = whole.with_jumps(theta)
     least = whole.minimise(theta, FIT_MARCHED_END)
-    whole = replace(whole, record=record.with_jumps(whole.jumps(least.x), whole.model(least.x)[1]))
+    whole = whole.with_jumps(least.x)
     whole = replace(whole, record=whole.reweighed(least), march=march.full())
     least = whole.minimise(least.x, FIT_MARCHED_END, FIT_LAST)
     fit = whole.result(least, body.problem.E_star)
     return fit if known else whole.ranged(fit, least)
+
+
+def _contact_seen(load: Array, noise: float) -> tuple[float, int]:
+    """The level of the ``load`` before contact, and the first row that stands out from it, by attraction or contact."""
+    base = float(np.median(load[:ROWS_BEFORE]))
+    return base, int(np.argmax(np.abs(load - base) > ROWS_APART * noise))
 
 
 def _fewer(body: FittedBody, fit: RelaxationFit) -> Iterator[str]:
@@ -655,8 +662,7 @@ def _with_base_line(record: TimedRecord, settings: RelaxationSettings) -> Relaxa
         return settings
     shows = record.shows
     if settings.adheres:
-        load = record.response - np.median(record.response[:3])
-        shows = int(np.argmax(np.abs(load) > ROWS_APART * record.noise[1]))
+        shows = _contact_seen(record.response, record.noise[1])[1]
     before = slice(0, shows // 2)  # contact begins before it shows
     shown = base_line(record.response[before], record.imposed[before], record.noise[1])
     return replace(settings, zeros=(*settings.zeros, *shown))
@@ -733,9 +739,10 @@ class _Problem:
             columns.append(jumps[nearest] / record.spacing)
         return np.concatenate(columns)
 
-    def jumps(self, theta: Array) -> Array:
-        """The times [s] at which the contact jumps."""
-        return self._readings(theta)[3]
+    def with_jumps(self, theta: Array) -> _Problem:
+        """The same with the times of the record's own jumps near those of the model."""
+        _, response, _, jumps = self._readings(theta)
+        return replace(self, record=self.record.with_jumps(jumps, response))
 
     def _readings(self, theta: Array) -> tuple[Array, Array, Array, Array]:
         """The same, which rows are in contact, and the times of jumps."""
@@ -946,13 +953,13 @@ class _Problem:
         intervals = Intervals.of(unknowns, least, settings.level, settings.confidence, E_star, 1.0)
         imposed, response = self.model(least.x)
         off = (response - record.response) / record.noise[1]
-        squares = np.sum((off if record.left_out is None else off[~record.left_out]) ** 2)
+        off = off if record.left_out is None else off[~record.left_out]
         fit = RelaxationFit(
             estimates=intervals.estimates(), free=unknowns.names, dof=least.dof,
             covariance=unknowns.covariance(intervals.covariance),
             relaxation=settings.relaxation(unknowns.values(least.x)), record=record,
             imposed=imposed, response=response, settings=settings,
-            scatter=math.sqrt(float(squares) / max(record.t.size - len(unknowns.free), 1)),
+            scatter=math.sqrt(float(off @ off) / max(off.size - len(unknowns.free), 1)),
         )  # fmt: skip
         return replace(fit, warnings=tuple(_warnings(fit, self.program(least.x))))
 

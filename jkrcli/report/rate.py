@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -52,6 +52,11 @@ def law_summary(law: RateLaw | None) -> dict[str, Any] | None:
     return {"law": name} | {with_unit(key, ranges[key].dimension): value for key, value in values.items()}
 
 
+def _fields(history: Any) -> dict[str, Any]:
+    """The fields of a dataclass by their names, without what it has cached."""
+    return {item.name: getattr(history, item.name) for item in fields(history)}
+
+
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class CycledAtSpeed(History, Result):
     """A history as a result; ``body``: the curve of retraction, ``stress`` [Pa] in the zone at the edge,
@@ -73,7 +78,7 @@ class CycledAtSpeed(History, Result):
             raise InputError(f"{body.path}: {error}") from None
         if history.out_of_series is not None:
             raise InputError(f"{body.path}: {history.out_of_series}")
-        return cls(**vars(history), body=body, program=program, **more)
+        return cls(**_fields(history), body=body, program=program, **more)
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]
@@ -219,7 +224,7 @@ class CycledRelaxing(RelaxedHistory, Result):
         """What happens to ``contact`` under ``program``."""
         try:
             history = contact.history(program)
-            whole = cls(**vars(history), file=file, points=points)
+            whole = cls(**_fields(history), file=file, points=points)
             whole.summary()  # may find that the contact is loaded again
         except InputError as error:
             raise InputError([f"{file}: {line}" for line in error.lines]) from None
@@ -294,7 +299,7 @@ class CycledAdhering(AdhesiveHistory, Result):
             history = contact.history(program)
         except InputError as error:
             raise InputError([f"{file}: {line}" for line in error.lines]) from None
-        return cls(**vars(history), file=file, limits=limits, points=points, relaxed=relaxed)
+        return cls(**_fields(history), file=file, limits=limits, points=points, relaxed=relaxed)
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]

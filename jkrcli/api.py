@@ -306,7 +306,7 @@ def cycle(
     slopes: str = "auto", modulus_factor: float = 1.0, stress: Number | None = None, length: Number | None = None,
     rest_load: Number | None = None, rest_depth: Number | None = None,
 ) -> Cycled | CycledByProgram | CycledInLimits:  # fmt: skip
-    """Follow a device that presses the bodies together and pulls them apart, however slowly.
+    """Compute the quasi-static cycle of approach and retraction.
 
     Parameters
     ----------
@@ -315,17 +315,17 @@ def cycle(
     w : float or str
         Work of adhesion on retraction [J/m^2].
     program : Program, optional
-        Positions of the device, with turns anywhere; instead of ``to_load`` and ``to_depth``.
+        Positions of the instrument, with reversals anywhere; instead of ``to_load`` and ``to_depth``.
     w_approach : float or str, optional
         On approach, not larger than ``w``, the default.
     to_load, to_depth : float or str, optional
-        Where the device turns [N] or [m]; default: the end of the series.
+        Where the instrument reverses [N] or [m]; default: the end of the solution.
     stiffness : float or str, optional
-        Of the device [N/m]: 0 is load control, infinite (default) a rigid one.
+        Of the instrument [N/m]: 0 is load control, infinite (default) a rigid one.
     slopes, modulus_factor, stress, length
         As of `transform`.
     rest_load, rest_depth : float or str, optional
-        Of a viscoelastic specimen: where it is at rest before it is pulled [N] or [m]; default: at the turn, else P =
+        Of a viscoelastic specimen: where it is at rest before it is pulled [N] or [m]; default: at the reversal, or P =
         0.
 
     Returns
@@ -386,7 +386,7 @@ def cycle_at_speed(
     speed_approach: Number | None = None, to_load: Number | None = None, to_depth: Number | None = None,
     hold: Number = 0.0, stiffness: Number = DISPLACEMENT_CONTROL, slopes: str = "auto", stress: Number | None = None,
 ) -> CycledAtSpeed | CycledInLimits:  # fmt: skip
-    """Follow a device over time while the work of adhesion depends on the speed of the contact line.
+    """Compute a cycle over time whose work of adhesion depends on the speed of the contact line.
 
     Parameters
     ----------
@@ -397,25 +397,25 @@ def cycle_at_speed(
     law : PowerRate, LogRate or mapping
         w over the speed of the edge: ``PowerRate(v0=1e-6, n=0.6)``, or its keys as of ``jkr cycle --rate``.
     speed : float or str, optional
-        Of the device on retraction [m/s], under load control [N/s].
+        Of the instrument on retraction [m/s], under load control [N/s].
     program : Program, optional
-        Positions over time, instead of speeds and turns.
+        Positions over time, instead of speeds and reversals.
     w_approach : float or str, optional
         At rest, on approach; default: ``w``.
     law_approach : PowerRate, LogRate or mapping, optional
-        Of an advancing edge; without it that follows at once.
+        On approach; default: w does not depend on speed there.
     speed_approach : float or str, optional
         On approach; default: ``speed``.
     to_load, to_depth : float or str, optional
-        Where the device turns [N] or [m]; default: the end of the series.
+        Where the instrument reverses [N] or [m]; default: the end of the solution.
     hold : float or str, optional
-        Dwell at the turn [s].
+        Dwell at the reversal [s].
     stiffness : float or str, optional
-        Of the device [N/m]: 0 is load control, infinite (default) a rigid one.
+        Of the instrument [N/m]: 0 is load control, infinite (default) a rigid one.
     slopes : str, optional
         As of `transform`.
     stress : float or str, optional
-        Cohesive stress [Pa] in the zone at the edge, for its width.
+        Cohesive stress [Pa] of the dissipating zone, for its width.
 
     Returns
     -------
@@ -457,7 +457,7 @@ def cycle_relaxing(
     to_load: Number | None = None, to_depth: Number | None = None, hold: Number = 0.0,
     stiffness: Number = DISPLACEMENT_CONTROL, slopes: str = "auto", compare_rate: bool = False,
 ) -> CycledRelaxing | CycledAdhering:  # fmt: skip
-    """Follow a device over time while the moduli of the specimen relax.
+    """Compute a cycle over time on a viscoelastic specimen.
 
     Parameters
     ----------
@@ -466,25 +466,15 @@ def cycle_relaxing(
     relaxation : StandardSolid, PowerRelaxation or Prony, optional
         ``StandardSolid(ratio=0.25, time=1.0)``; PowerRelaxation without adhesion only. Default: that of the specimen.
     speed : float or str, optional
-        Of the device on retraction [m/s], under load control [N/s].
+        Of the instrument on retraction [m/s], under load control [N/s].
     w : float or str, optional
         Work of adhesion [J/m^2]; default: none.
     stress, length : float or str, optional
         Cohesive stress [Pa] or range [m] of the adhesion; default: what the case says.
     rest_load, rest_depth : float or str, optional
         The contact is at rest there [N] or [m] at the begin, and is pulled at ``speed``.
-    program : Program, optional
-        Positions over time, instead of speeds and turns.
-    speed_approach : float or str, optional
-        On approach; default: ``speed``.
-    to_load, to_depth : float or str, optional
-        Where the device turns [N] or [m]; default: the end of the series.
-    hold : float or str, optional
-        Dwell at the turn [s].
-    stiffness : float or str, optional
-        Of the device [N/m]: 0 is load control, infinite (default) a rigid one.
-    slopes : str, optional
-        As of `transform`.
+    program, speed_approach, to_load, to_depth, hold, stiffness, slopes : optional
+        As of `cycle_at_speed`.
     compare_rate : bool, optional
         With what a law w(v) of the same material says, as if the bulk were relaxed: ``rate``.
 
@@ -590,7 +580,7 @@ def identify(
     fix: Known = None, slopes: str = "auto", *, reading: Reading | None = None,
     a: Any = None, delta: Any = None, P: Any = None, t: Any = None, **options: Any,
 ) -> Fit:  # fmt: skip
-    """Fit E*, w and the zero points to one measured curve; ``fit`` is the same function.
+    """Fit E*, w, contact point and force offset to one measured curve; ``fit`` is the same function.
 
     Parameters
     ----------
@@ -605,7 +595,7 @@ def identify(
     slopes : str, optional
         As of `transform`.
     reading : Reading, optional
-        Units, signs and device of columns: ``Reading(units={"P": "nN"})``.
+        Units, signs and instrument of columns: ``Reading(units={"P": "nN"})``.
     a, delta, P, t : array, shape (n,), optional
         Instead of ``measured``: contact radius [m], displacement [m], load [N], time [s].
     **options
@@ -709,7 +699,7 @@ def identify_law(
     body: Body, measured: Iterable[OneCurve], law: str = "power", free: Iterable[str] = (), fix: Known = None,
     slopes: str = "auto", **options: Any,
 ) -> RateFit:  # fmt: skip
-    """Fit w0, the parameters of a law of w over the speed of the edge, E* and the zero point.
+    """Fit w0, the parameters of a law of w over the speed of the edge, E* and the contact point.
 
     Parameters
     ----------
@@ -751,7 +741,7 @@ def identify_relaxation(
     body: Body, measured: OneCurve, law: str = "sls", fix: Known = None, slopes: str = "auto",
     free: Sequence[str] = (), **options: Any,
 ) -> RelaxationFit:  # fmt: skip
-    """Fit the modulus, the parameters of a law of relaxation and the zero point to a curve with time.
+    """Fit the modulus, the parameters of a law of relaxation and the contact point to a curve with time.
 
     Parameters
     ----------
@@ -793,7 +783,7 @@ def identify_tension(
     body: Body, measured: Sequence[OneCurve], tip_radii: Sequence[Number] = (), fix: Known = None,
     level: float = 0.95,
 ) -> TensionFit:  # fmt: skip
-    """Fit surface tension, E*, w and the zero points to curves by tips of one or more radii.
+    """Fit surface tension, E*, w and the contact points to curves by tips of one or more radii.
 
     Parameters
     ----------
@@ -979,7 +969,7 @@ def pull_off(
     load : float or str, optional
         Measured pull-off force [N]: which w does it mean?
     stiffness : sequence of float or str, optional
-        Of devices [N/m]; default: load and displacement control.
+        Of instruments [N/m]; default: load and displacement control.
     slopes, modulus_factor, stress, length
         As of `transform`.
     uncertain : mapping, optional

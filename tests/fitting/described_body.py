@@ -1,7 +1,8 @@
-"""The half-space that raw records are fitted as, as a case file: its E is not that of the records."""
+"""Half-spaces that records are fitted as, as case files."""
 
 from __future__ import annotations
 
+# Its E is not that of raw records.
 CASE = """
 [indenter]
 shape = "{shape}"
@@ -12,5 +13,19 @@ nu = 0.5
 [loading]
 radius = "1 um"
 points = 60
+spacing = "log"
+"""
+
+# E* = R = 1
+UNIT = """
+[indenter]
+shape = "paraboloid"
+radius = 1.0
+[specimen.half_space]
+E = 1.0
+nu = 0.0
+[loading]
+depth = {depth}
+points = 40
 spacing = "log"
 """

@@ -7,6 +7,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+import described_body
 import numpy as np
 import pytest
 from adhesive_records import clean, record
@@ -23,18 +24,7 @@ from jkrcli.fitting.relaxation import RelaxationFit, TimedRecord, relaxation_fit
 
 W, STRESS, MODES = 0.01, 0.16, (0.3, (0.7,), (1.0,))
 CORNERS = ((0.0, -0.15), (0.5, 0.1), (1.5, 0.1), (2.5, -0.4))
-CASE = """
-[indenter]
-shape = "paraboloid"
-radius = 1.0
-[specimen.half_space]
-E = 1.0
-nu = 0.0
-[loading]
-depth = 0.15
-points = 40
-spacing = "log"
-"""
+CASE = described_body.UNIT.format(depth=0.15)
 
 
 @pytest.fixture(scope="module", name="body")

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+import described_body
 import numpy as np
 import pytest
 from relaxation_records import record
@@ -24,18 +25,7 @@ from jkrcli.report.inverse import RelaxationFits
 
 SOLID = 0.25, (0.75,), (1.0,)
 HELD = np.array([0.0, 0.3, 4.0, 5.0]), np.array([0.0, 1.0, 1.0, 0.0])
-CASE = """
-[indenter]
-shape = "paraboloid"
-radius = 1.0
-[specimen.half_space]
-E = 1.0
-nu = 0.0
-[loading]
-depth = 1.5
-points = 40
-spacing = "log"
-"""
+CASE = described_body.UNIT.format(depth=1.5)
 
 
 @pytest.fixture(scope="module", name="body")

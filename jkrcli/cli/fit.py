@@ -375,7 +375,7 @@ ASKED = as_one(
     FitOptions,
     click.option("--free", multiple=True, type=NamesType(),
                  help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (of adhesion), drift, "
-                 "hysteresis, creep (of a raw record's positions), surface_tension."),
+                 "hysteresis, creep (of the piezo), surface_tension."),
     click.option("--fix", multiple=True, type=options.NAMED,
                  help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'),
     click.option("--start", multiple=True, type=options.NAMED,
@@ -384,11 +384,11 @@ ASKED = as_one(
                  help='Bounds, w="10 mJ/m^2..1 J/m^2"; one may be left out. '
                  'Of what is not fitted what is known: range="..10 nm", surface_tension="..30 mN/m".'),
     click.option("--law", type=click.Choice(list(RATE_LAWS)),
-                 help="Adhesion depends on the speed of the edge: w0 and the law's v0, n (or v0, b) are free too, all "
-                 "records are fitted together; needs t, delta, P."),
-    click.option("--relaxation", type=click.Choice(list(RELAXATIONS)), help="The body relaxes: its modulus, the law's "
-                 "parameters and delta0 from t, delta, P of pressing, waiting and retracting; with --free w and "
-                 "--fix stress=... or range=... the retraction adheres."),
+                 help="w depends on the speed of the contact line: w0 and the law's v0, n (or v0, b) are free too, all "
+                 "force curves are fitted together; needs t, delta, P."),
+    click.option("--relaxation", type=click.Choice(list(RELAXATIONS)), help="Viscoelastic specimen: modulus, "
+                 "law and contact point from t, delta, P of indentation, dwell and retraction; with --free w and "
+                 "--fix stress=... or range=... of adhesive cycles."),
     click.option("--terms", type=click.IntRange(1, 4), help="Of --relaxation prony [default: 2]."),
     click.option("--segment", type=click.Choice(["approach", "retract", "both"]),
                  help="Rows to fit [default: both, of --law retract]."),

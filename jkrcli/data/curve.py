@@ -32,9 +32,8 @@ class Pixel:
 
 NOT_SUBTRACTED = "the deflection of the cantilever is not subtracted: give --stiffness"  # a flag of a curve
 GAPS = " without a number left out"  # in a flag
-AS_DEPTH = (
-    "the displacement is taken as the depth of the tip: give --stiffness if it is that of the instrument"  # another
-)
+# Another:
+AS_DEPTH = "the displacement is taken as the depth of the tip: give --stiffness if it is that of the instrument"
 ARBITRARY = "arbitrary units until it is given by"  # in a flag
 TURNED = ", sign changed"  # in a flag of a displacement: by name or load, or as told; --factor delta=-1 undoes it
 OVERRULED = " as specified, the header of the file says "  # in a flag, between two stiffnesses
@@ -194,14 +193,14 @@ class Reading:
         Those that are to change the sign they have in the file, whatever the name of their column says: a height or
         separation grows away from the specimen, some instruments count adhesive forces positive.
     stiffness : float or str, optional
-        Of the device [N/m]: the displacement is the device's, its deflection P/stiffness is subtracted; of a
+        Of the instrument [N/m]: the displacement is that of its base, its deflection P/stiffness is subtracted; of a
         microscope's file its spring constant, where the file lacks it. "rigid": nothing is subtracted.
     sensitivity : float or str, optional
         [m/V] of a microscope, where its file lacks it.
     zero : mapping, optional
-        Displacement [m] and load [N] at the zero points, subtracted after the change of sign.
+        Displacement [m] and load [N] at the contact point, subtracted after the change of sign.
     contact : {"auto", "fitted", "as-is", "estimate"}, optional
-        "estimate": zero points by ``contact.with_zero_points``; else as they are, a fit may find them.
+        "estimate": contact point by ``contact.with_zero_points``; else as it is, a fit may find it.
     format : {"auto", "text", "afm"}, optional
         "afm": a microscope's; "auto": by the content and the ending of the name.
     separator, decimal : str, optional

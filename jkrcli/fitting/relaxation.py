@@ -572,10 +572,13 @@ def _fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> Relaxa
 
 def _fit_adhering(body: FittedBody, record: TimedRecord, settings: RelaxationSettings) -> RelaxationFit:
     """The fit of a record with its retraction, w among the unknowns, from the best of the elastic limits on."""
-    # What is seen: where contact shows, its pull-off force, the turn.
-    load, tip, noise = record.response, record.imposed, record.noise[1]
     if record.loaded:
-        load, tip, noise = tip, load, record.noise[0]
+        raise InputError(
+            f"{record.curve.where}: w: adhesive cycles are fitted under a prescribed displacement, here the load is "
+            "prescribed: leave w out"
+        )
+    # What is seen: where contact shows, its pull-off force, the reversal.
+    load, tip, noise = record.response, record.imposed, record.noise[1]
     base, seen = _contact_seen(load, noise)
     load = load - base
     if -load.min() < ROWS_APART * noise:
@@ -602,7 +605,7 @@ def _fit_adhering(body: FittedBody, record: TimedRecord, settings: RelaxationSet
     middle = found[len(MARCH_SHARES) // 2]  # between very fast and from rest
     stress = march.stress(middle["w"], middle["modulus"] * body.problem.E_star, radius)
     settings = settings if known else replace(settings, fixed={**fixed, "stress": stress})
-    more = {"stress": stress, "P0": 0.0 if record.loaded else base, "tilt": 0.0}
+    more = {"stress": stress, "P0": base, "tilt": 0.0}
     starts = [{**more, "range": one["w"] / stress, **_of_start(settings, one), **settings.fixed} for one in found]
 
     # Coarse marches, what the device did as it was read, the zero where contact shows; then all unknowns, on rows away

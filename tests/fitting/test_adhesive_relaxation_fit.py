@@ -105,6 +105,14 @@ def test_a_record_without_adhesion_is_refused(body: FittedBody) -> None:
         relaxation_fit(body, Curve("made", t=t, delta=delta, P=P), relaxation_settings("sls", free=["w"]))
 
 
+def test_a_prescribed_load_is_refused(body: FittedBody) -> None:
+    t = np.linspace(0, 3, 120)
+    P = np.interp(t, [0, 1, 3], [0, 0.05, -0.02])
+    delta = 0.1 * np.sin(t) + 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+    with pytest.raises(InputError, match="here the load is prescribed"):
+        relaxation_fit(body, Curve("made", t=t, delta=delta, P=P), relaxation_settings("sls", free=["w"]))
+
+
 @pytest.mark.parametrize(("size", "spread", "uneven"), [(20.0, 0.003, 0.0), (4.0, 0.03, 0.0), (20.0, 0.006, 0.4)])
 def test_a_jump_is_where_the_rows_show_it(size: float, spread: float, uneven: float) -> None:
     """Of 20 times the noise between two rows, within which its time is even; of four times it, up to some rows beside.

@@ -59,7 +59,7 @@ from .adhesion.rate import LogRate, PowerRate
 from .base.errors import InputError, JkrError, Refusal, Unknown
 from .base.files import check_series_target
 from .base.process import one_thread
-from .base.result import Result
+from .base.registry import Result
 from .base.units import parse
 from .bodies.indenters import Paraboloid, PowerLaw, Pyramid, RoundedCone, RoundedFlat, Sphere, TableProfile
 from .bodies.materials import (
@@ -987,7 +987,7 @@ def pull_off(
     InputError
         Where contact is not lost within the series, or the force is none of this body.
     """
-    from .fitting.pull_off_work import measured_work, works_by_history
+    from .fitting.work import measured_work, works_by_history
     from .resolve.analysis import where_lost
     from .resolve.histories import lost_by_history
 
@@ -1040,7 +1040,7 @@ def work(
         Where the file cannot be read or has too few columns.
     """
     from .base.executors import executor
-    from .fitting.work_along_curve import along_file, evaluation_of
+    from .fitting.work import along_file, evaluation_of
 
     solution, path, reading = _solution(solved, None), Path(measured), reading or Reading()
     unit = nonadhesive(solution, slopes)

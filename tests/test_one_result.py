@@ -11,22 +11,21 @@ import numpy as np
 import pytest
 
 import jkrcli as python
+from jkrcli.base.registry import Result
 from jkrcli.case import store
 from jkrcli.case.models import fem_of, method_of
 from jkrcli.case.store import solve
 from jkrcli.cli import VERBS
 from jkrcli.cli.study_verbs import STUDIES
 from jkrcli.data.foreign import SeriesReading, read_series
-from jkrcli.many.bench import Bench
-from jkrcli.many.convergence import Convergence, converge
+from jkrcli.many.studies import Bench, Convergence, converge
 from jkrcli.many.sweep.plan import load_plan
 from jkrcli.many.sweep.running import Means, alone, sweep
 from jkrcli.report.archive import Shown
-from jkrcli.report.dem import Exported
-from jkrcli.report.doctor import Machine
+from jkrcli.report.check import Machine
 from jkrcli.report.explorer import Explored, page, payload
+from jkrcli.report.export import Exported
 from jkrcli.report.forward import Fields
-from jkrcli.report.result import Result
 from jkrcli.report.solved import Imported, Meshed, Solved
 from jkrcli.resolve.comparison import sticking_effect
 from jkrcli.series import Solution

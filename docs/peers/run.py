@@ -33,7 +33,7 @@ from jkrcli.base.files import as_json, check_target, write_text
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.many.bench import Cost, process_cost
+from jkrcli.many.studies import Cost, process_cost
 from jkrcli.series import RawSeries
 from studies.chart_measure import machine, yardstick
 from studies.chart_reference import Errors, reference_of

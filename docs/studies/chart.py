@@ -17,8 +17,21 @@ from jkrcli.base.errors import InputError, known
 from jkrcli.base.files import as_json
 from jkrcli.case.reading import Case, load_case
 from jkrcli.methods.protocol import METHODS
-from jkrcli.report.plots import Axes, Figure, drawing, legend_below, log_ends, log_ticks
-from jkrcli.report.plots.looks import BLACK, BLUE, GREEN, ORANGE, PURPLE, WIDE, pretty
+from jkrcli.report.plots import (
+    BLACK,
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    WIDE,
+    Axes,
+    Figure,
+    drawing,
+    legend_below,
+    log_ends,
+    log_ticks,
+    pretty,
+)
 from jkrcli.report.result import PICTURES
 
 from .chart_measure import machine, yardstick

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.sparse import diags_array, eye_array, kron
 from scipy.sparse.linalg import splu
 
-from jkrcli.many.bench import Cost
+from jkrcli.many.studies import Cost
 
 T = TypeVar("T")
 

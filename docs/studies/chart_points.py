@@ -17,7 +17,7 @@ from jkrcli.bodies.problem import Problem
 from jkrcli.case import store
 from jkrcli.case.models import CaseModel, fem_of, method_of
 from jkrcli.case.reading import Case
-from jkrcli.many.bench import Cost, process_cost
+from jkrcli.many.studies import Cost, process_cost
 from jkrcli.methods.layered.solver import largest_radius
 from jkrcli.methods.protocol import METHODS, choose_method, method_class
 from jkrcli.resolve.analysis import Analysis, analyse

@@ -21,7 +21,7 @@ from jkrcli.bodies.indenters import TableProfile
 from jkrcli.data.curve import Curve
 from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.methods.protocol import method_class
-from jkrcli.report.dem import Exported
+from jkrcli.report.export import Exported
 from jkrcli.series import Solution
 
 METHODS: tuple[tuple[str, dict[str, float]], ...] = (

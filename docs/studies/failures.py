@@ -16,8 +16,7 @@ import numpy as np
 
 from jkrcli.base.files import as_json
 from jkrcli.methods.protocol import METHODS
-from jkrcli.report.plots import Axes, Figure, drawing
-from jkrcli.report.plots.looks import BLACK, BLUE, GREEN, ORANGE, PURPLE, WIDE
+from jkrcli.report.plots import BLACK, BLUE, GREEN, ORANGE, PURPLE, WIDE, Axes, Figure, drawing
 from jkrcli.report.result import PICTURES
 
 from .command import call, output_of, parser_of, pool_of

@@ -12,8 +12,7 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from jkrcli.report.plots import Axes, Figure, drawing, legend_below
-from jkrcli.report.plots.looks import BLUE, GREEN, NARROW, ORANGE, WIDE
+from jkrcli.report.plots import BLUE, GREEN, NARROW, ORANGE, WIDE, Axes, Figure, drawing, legend_below
 from jkrcli.report.result import PICTURES
 
 from .command import call, output_of, parser_of, pool_of

@@ -25,11 +25,10 @@ from jkrcli.bodies.problem import Loading, Problem
 from jkrcli.case.models import method_of
 from jkrcli.case.reading import load_case
 from jkrcli.data.measured import read
-from jkrcli.many.convergence import COLORS, converge, curves_panel, radius_panel
+from jkrcli.many.studies import COLORS, converge, curves_panel, radius_panel
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.layered.solver import Layered
-from jkrcli.report.plots import Figure
-from jkrcli.report.plots.looks import BLACK, BLUE, GREEN, ORANGE, pretty
+from jkrcli.report.plots import BLACK, BLUE, GREEN, ORANGE, Figure, pretty
 from jkrcli.report.plots.studies import Line, Panel, panels_figure
 from jkrcli.report.result import PICTURES
 from jkrcli.report.tables import Scales, scales_of

@@ -18,8 +18,7 @@ from jkrcli.base.numerics import Array
 from jkrcli.data.curve import APPROACH
 from jkrcli.fitting.force_curve import ForceCurveFit
 from jkrcli.fitting.result import Fit
-from jkrcli.report.plots import Axes, Figure, drawing, few_ticks
-from jkrcli.report.plots.looks import BLUE, ORANGE, WIDE
+from jkrcli.report.plots import BLUE, ORANGE, WIDE, Axes, Figure, drawing, few_ticks
 from jkrcli.report.result import PICTURES
 
 from .command import call, output_of, parser_of

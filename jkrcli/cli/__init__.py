@@ -15,8 +15,7 @@ import click
 from .. import __version__
 from ..base.errors import InputError, JkrError, did_you_mean, printable
 from ..base.process import begin_with_one
-from .output import folded, give_up, tell, warn
-from .verb import LateGroup
+from .verb import LateGroup, folded, give_up, tell, warn
 
 begin_with_one()  # the same numbers everywhere, and faster at these sizes
 os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # nothing foreign reads along, and no search for it
@@ -68,14 +67,11 @@ GROUPS = {
 MODULES = {  # where each verb is
     verb: module
     for module, verbs in {
-        "case_verbs": ("new", "run", "import", "mesh"),
-        "check": ("check",),
-        "curve_verbs": ("transform", "pull-off", "profile", "fields", "export", "explore"),
+        "case_verbs": ("new", "check", "run", "import", "mesh"),
+        "curve_verbs": ("transform", "pull-off", "profile", "fields", "export", "explore", "look", "work"),
         "cycle": ("cycle",),
         "fit": ("fit",),
-        "measurement_verbs": ("look", "work"),
-        "study_verbs": ("compare", "sweep", "study", "bench"),
-        "help_verbs": ("show", "doctor", "completion"),
+        "study_verbs": ("compare", "sweep", "study", "bench", "show", "doctor", "completion"),
     }.items()
     for verb in verbs
 }

@@ -1,4 +1,4 @@
-"""Verbs of cases: ``new``, ``run`` and ``mesh``, and ``import`` of others' series."""
+"""Verbs of cases: ``new``, ``check``, ``run`` and ``mesh``, and ``import`` of others' series."""
 
 from __future__ import annotations
 
@@ -20,10 +20,12 @@ from ..case.reading import Case, load_case, parse_case
 from ..case.store import record_of, solve, write_solution
 from ..data.foreign import NAMES, SeriesReading, read_series
 from ..methods.fem.mesh import write_msh, write_vtu
-from ..methods.protocol import METHODS, Limits
+from ..methods.protocol import METHODS, Limits, long_look
+from ..report.check import Check
 from ..report.result import Output
 from ..report.solved import Imported, Meshed, Solved
 from ..resolve.comparison import effect_facts, sticking_effect
+from ..resolve.neglected import seconds_of_works
 from .inputs import SEPARATED, Flags, begin_reading, body_options, case_of, named_flags, reading_of
 from .options import (
     LENGTH,
@@ -35,11 +37,14 @@ from .options import (
     begin,
     into_file,
     into_folder,
+    json_option,
     limits_options,
     output_options,
 )
-from .output import command_line, detail, give, note, say
-from .verb import FileType, as_one, verb
+from .verb import FileType, announce, as_one, command_line, detail, give, note, say, verb
+
+# --------------------------------------------------------------------------------------------------
+# Verbs of cases: ``new``, ``run`` and ``mesh``, and ``import`` of others' series.
 
 
 @verb("case")
@@ -209,3 +214,27 @@ def mesh(case: Path, limits: Limits, output: Output) -> None:
                     file.write(MARKS[ending])
         targets.write(figure=result.figure())
     give(result, output.json, f"  written   {targets}")
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr check``: what a case needs and what to expect, without solving it.
+
+
+@verb("case")
+@json_option
+def check(case: Path, as_json: bool) -> None:
+    """Check CASE before it is solved: the method that it needs, what each would cost, the pull-off force to expect, and
+    how large the neglected effects are.
+
+    Computed from a coarse solution of the laterally unbounded specimen; nothing is written.
+
+    \b
+    jkr check cases/thin-layer.toml
+    jkr check my.toml -v                    all neglected effects, all methods
+    """
+    loaded = load_case(case)
+    if words := long_look(loaded.model.problem()):
+        note(words)
+    works = loaded.model.adhesion.w
+    announce(f"check for {len(works):,} works of adhesion", seconds_of_works(works))
+    give(Check.of(case, loaded), as_json)

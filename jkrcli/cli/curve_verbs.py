@@ -1,11 +1,13 @@
-"""Verbs of series: ``transform``, ``pull-off``, ``profile``, ``fields``, ``export``, ``explore``."""
+"""Verbs of curves, computed (``transform``, ``pull-off``, ``profile``, ``fields``, ``export``, ``explore``) and
+measured (``look``, ``work``).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import click
 
@@ -14,7 +16,7 @@ from ..adhesion.finite_range import RangeRequest
 from ..adhesion.from_rest import Rest
 from ..base.errors import InputError
 from ..base.files import atomic, together, write_text
-from ..base.result import Result
+from ..base.registry import Result
 from ..bodies.materials import relaxing
 from ..case.reading import Case
 from ..data import measured
@@ -43,6 +45,7 @@ from ..resolve.profile import profile_columns, radius_under
 from ..series import Solution
 from .case_verbs import MARKS
 from .inputs import (
+    TABLE_WORK_PER_ROW,
     Flags,
     begin_curves,
     begin_reading,
@@ -54,6 +57,8 @@ from .inputs import (
     read_series,
     reading_options,
     series_file,
+    tip_of,
+    tip_options,
     warn_of_constant_moduli,
     without_range,
     works_of,
@@ -66,6 +71,7 @@ from .options import (
     ONE_FILE,
     SCALE,
     WORK,
+    WORKERS,
     CurveOptions,
     RangeOptions,
     State,
@@ -74,13 +80,16 @@ from .options import (
     into_folder,
     json_option,
     limits_options,
+    modulus_factor_option,
     output_options,
     range_options,
     slopes_option,
     state_options,
 )
-from .output import answer, give, present, warn
-from .verb import verb
+from .verb import answer, give, present, progress, verb, warn
+
+# --------------------------------------------------------------------------------------------------
+# Verbs of series: ``transform``, ``pull-off``, ``profile``, ``fields``, ``export``, ``explore``.
 
 
 @verb("files...")
@@ -240,7 +249,7 @@ def _means(
     rest: Rest | None, how: CurveOptions, limits: Limits,
 ) -> Results:  # fmt: skip
     """The work of adhesion that a measured ``force`` [N] means on each body under each control."""
-    from ..fitting.pull_off_work import measured_work, seconds_of_inputs, works_by_history
+    from ..fitting.work import measured_work, seconds_of_inputs, works_by_history
 
     controls, names = stiffnesses or (LOAD_CONTROL,), [name for name, _ in uncertain]
     for solution in solutions:
@@ -271,7 +280,7 @@ def _by_flags(
     flags: Flags, works: Sequence[float], force: float | None, stiffnesses: Sequence[float], how: CurveOptions
 ) -> Solution:  # fmt: skip
     """The body by flags, solved as far as the question needs; no file is written."""
-    from ..resolve.pull_off_range import solved_for, solved_for_force
+    from ..resolve.histories import solved_for, solved_for_force
 
     problem = case_of("pull-off", flags, "a case or solution file", loading={"radius": 1.0}).model.problem()
     if force is not None:
@@ -395,8 +404,7 @@ def export(
     file, solution, w = body_and_work("export", file, work)
     if w == 0:
         raise InputError(f"{file}: a contact without adhesion needs no table of what holds it: give --w")
-    from ..report.dem import Exported
-    from ..report.nanite import NaniteModel, model_name
+    from ..report.export import Exported, NaniteModel, model_name
 
     folder, name = output.folder(file.parent), model_name(file.stem)
     stem, endings = (f"{file.stem}-dem", (".h", ".csv")) if dem else (f"model_{name}", (".py",))
@@ -456,3 +464,118 @@ def explore(
     text = page(payload(result, curves, slopes))
     write_text(target, text)
     give(Explored(file, target, result.w, len(result.curve.series), len(curves), sum(map(len, curves))), output.json)
+
+
+# --------------------------------------------------------------------------------------------------
+# Verbs of measured files: ``look``, before any body is thought of, and ``work`` along a curve.
+
+
+@verb("files...")
+@tip_options
+@reading_options
+@into_folder()
+@output_options(plots="Draw nothing.", json="Print everything as JSON.")
+def look(files: tuple[Path, ...], flags: Flags, reading: Reading, output: Output) -> None:
+    """Show what measured FILES hold: the first thing to do with a force curve; no specimen is needed.
+
+    Prints how columns and units were read; of each curve its segments, base line and noise, contact point, jumps,
+    adhesion force, and what is wrong with it. With --radius a rough E* and w. Draws <stem>-look.png and .svg;
+    of several curves also a page to click through them, <stem>-look.html, of several files curves-look.html.
+
+    \b
+    jkr look curve.jpk-force --radius "5 um"
+    jkr look probe.csv --flip delta --unit P=nN
+    """
+    from ..report.inverse import Look
+
+    tip = tip_of("look", flags)
+    targets = output.each([output.beside(path, "-look") for path in files], PICTURES, files)
+    begin_reading("look", files)
+    several = files[0] if len(files) == 1 else files[0].with_name("curves")
+    curves = output.files(output.beside(several, "-look"), (".html",) if output.plots else (), files)
+    results, pictures = [], list[str]()
+    with together():
+        for path, target in zip(files, targets, strict=True):
+            result = Look.at(path, reading, tip)
+            results.append(result)
+            if result.records and output.plots:
+                target.write(figure=result.figure())
+                pictures.append(str(target))
+        records = [record for result in results for record in result.records]
+        if output.plots and len(records) > 1:
+            from ..report.curve_page import page
+
+            write_text(curves[".html"], page(records, f"{len(records):,} curves: {', '.join(map(str, files[:3]))}"))
+            pictures.append(str(curves))
+    whole = Results(results, [line for result in results for line in result.warnings], "files")
+    if not any(result.records for result in results):
+        if output.json:
+            answer(whole.summary())
+        raise InputError(whole.warnings)
+    give(whole, output.json, f"  drawn in {', '.join(pictures)}" if pictures else "")
+    if not all(result.records for result in results):  # what could be read is shown, and a script still learns of it
+        click.get_current_context().exit(InputError.exit_code)
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr work``: the work of adhesion along measured curves.
+
+
+@verb("series measured...")
+@click.option("--use", type=click.Choice(["a,P", "a,delta", "delta,P"]),
+              help="Columns from which w is computed [default: the first of these that were measured].")  # fmt: skip
+@click.option("--segment", help='Rows of this segment only, "retract".')
+@click.option("--noise", multiple=True, type=SCALE, help='Standard deviation of a measured quantity, P="2 nN".')
+@click.option("--window", type=int, default=11, show_default=True, help="Rows for the speed da/dt: an odd number.")
+@modulus_factor_option
+@slopes_option
+@reading_options
+@into_folder()
+@click.option("--workers", type=WORKERS, default=1, show_default=True, help="Local processes.")
+@output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
+def work(
+    series: Path, measured: tuple[Path, ...], modulus_factor: float, slopes: str, reading: Reading, workers: int,
+    output: Output, **options: Any,
+) -> None:  # fmt: skip
+    """The work of adhesion along each MEASURED file, on the body of the SERIES file.
+
+    At each measured point w = S' (delta_H - delta)^2/(4 pi a), the energy release rate of the contact's edge: from a
+    and P (needs no zero of the displacement), a and delta, or delta and P. Of raw force curves base line and contact
+    point are fitted first, and the rows on which the edge moves are taken. With a time column also the speed da/dt of
+    the edge: rate-dependent adhesion, and w0 (1 + (v/v0)^n) through the rows whose crack opens. Tables name their
+    columns and units, "a_um, P_mN, t_s"; files of force microscopes (.jpk-force, .jpk-force-map, .ibw, .h5, .tab) are
+    read by the optional package afmformats.
+    Writes <stem>-work.csv, .json, .png and .svg.
+
+    \b
+    jkr work gel.h5 microscope.csv --noise a="2 um" --noise P="5 uN"
+    jkr work gel.h5 probe.csv --unit P=mN --flip delta --stiffness "2 kN/m"
+    jkr work data.h5 map.jpk-force-map --contact estimate --segment retract
+    """
+    from ..base.executors import executor
+    from ..fitting.work import along_file, evaluation_of
+    from ..report.inverse import Work
+    from ..resolve.analysis import nonadhesive
+    from .inputs import read_series, series_file, warn_of_constant_moduli, without_range
+
+    targets = output.each(
+        [output.beside(path, "-work") for path in measured], (".csv", ".json", *PICTURES), (series, *measured)
+    )
+    series = series_file(series)
+    begin_reading("work", measured, per_row=TABLE_WORK_PER_ROW)
+    solution = read_series(series)
+    warn_of_constant_moduli(solution)
+    without_range(solution.record, "work")
+    unit = nonadhesive(solution, slopes)
+    options["noise"] = dict(options["noise"])
+    evaluation = evaluation_of(solution, unit, reading, modulus_factor, **options)
+    results = []
+    with together():
+        for path, target in zip(measured, targets, strict=True):
+            with executor(workers, progress=progress) as pool:
+                curves, skipped = along_file(path, reading, evaluation, pool)
+            result = Work.of(path, curves, skipped, solution, unit, modulus_factor)
+            results.append(result)
+            target.write(result.columns, result.summary(), target.draw(result.figure))
+    warnings = [text for result in results for text in result.warnings]
+    give(Results(results, warnings), output.json, f"  written {', '.join(map(str, targets))}")

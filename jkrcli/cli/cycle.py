@@ -16,7 +16,7 @@ from ..adhesion.relaxation import RelaxingContact
 from ..adhesion.relaxing_adhesion import RelaxingAdhesion
 from ..base.errors import InputError
 from ..base.files import together
-from ..base.result import Result
+from ..base.registry import Result
 from ..base.units import show
 from ..bodies.materials import Relaxation
 from ..methods.protocol import Limits
@@ -55,8 +55,7 @@ from .options import (
     limits_options,
     output_options,
 )
-from .output import give
-from .verb import FileType, as_one, flag, typed, verb
+from .verb import FileType, as_one, flag, give, typed, verb
 
 # --------------------------------------------------------------------------------------------------
 # ``jkr cycle`` over time: what the device does, while adhesion depends on the edge's speed or the body relaxes.

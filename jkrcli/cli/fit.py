@@ -17,7 +17,7 @@ from ..base.errors import InputError, SolveError
 from ..base.executors import executor
 from ..base.files import beside, together, write_text
 from ..base.process import one_thread
-from ..base.result import Result
+from ..base.registry import Result
 from ..bodies.materials import RELAXATIONS
 from ..data import measured
 from ..data.curve import Curve, Reading
@@ -49,8 +49,7 @@ from .inputs import (
     reading_options,
 )
 from .options import Parallel, begin
-from .output import give, note, progress, say, warn
-from .verb import as_one, flag, several, verb
+from .verb import as_one, flag, give, note, progress, say, several, verb, warn
 
 # --------------------------------------------------------------------------------------------------
 # Which options have an effect on which kind of fit: one table; whatever is given besides is refused.
@@ -297,7 +296,7 @@ def _write(request: FitRequest, result: Fits, reasons: list[str], pictures: Pict
     """Write table, summary, archive and pictures; what is said of the page of curves and the map. InputError, when all
     that can be written is, where no curve could be used."""
     from ..report import archive
-    from ..report.map import LEAST_CURVES, map_of
+    from ..report.archive import LEAST_CURVES, map_of
 
     if not result.outcomes:
         raise InputError(some(reasons))

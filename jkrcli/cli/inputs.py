@@ -29,8 +29,7 @@ from ..series import Record, Solution
 from ..tables import SEPARATORS
 from . import options
 from .options import begin
-from .output import announce, command_line, note, warn
-from .verb import as_one
+from .verb import announce, as_one, command_line, note, warn
 from .verb import flag as option
 
 if TYPE_CHECKING:

@@ -19,8 +19,7 @@ from ..base.units import LARGEST_SI, doubtful_work, parse
 from ..methods.protocol import LESS, Forecast, Limits, check_cost
 from ..report.result import Output
 from ..series import Solution
-from .output import forewarn, warn
-from .verb import Options, as_one, typed
+from .verb import Options, as_one, forewarn, typed, warn
 
 if TYPE_CHECKING:
     ParamType = click.ParamType[Any, Any]

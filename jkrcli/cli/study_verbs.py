@@ -1,4 +1,6 @@
-"""Verbs of many problems: ``study`` (maps and meshes), ``sweep``, ``compare``, ``bench``."""
+"""Verbs of many problems (``compare``, ``sweep``, ``study``, ``bench``), and of files and the installation (``show``,
+``doctor``, ``completion``).
+"""
 
 from __future__ import annotations
 
@@ -7,19 +9,24 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import click
+from click.shell_completion import get_completion_class
 
 from ..base.errors import InputError
 from ..base.executors import executor
 from ..case.reading import load_case, plain_toml
 from ..case.store import solve
-from ..many.bench import FEW, Bench
 from ..many.maps import MAPS
+from ..many.studies import FEW, Bench
 from ..many.sweep import plan as plans
 from ..many.sweep import running
 from ..methods.protocol import METHODS, Limits
+from ..report import archive
+from ..report import archive as shown
+from ..report.check import Machine
 from ..report.forward import Compared
 from ..report.result import PICTURES, Output
-from .inputs import begin_reading, read_files
+from ..series import Solution
+from .inputs import announce_files, begin_reading, read_files, read_series, series_file
 from .options import (
     PAIRS,
     WORK,
@@ -31,13 +38,15 @@ from .options import (
     output_options,
     parallel_options,
 )
-from .output import announce, answer, give, note, progress
-from .verb import LateGroup, Verb, several, verb
+from .verb import LateGroup, Verb, announce, answer, give, note, progress, several, verb, warn
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from ..many import maps
 
+
+# --------------------------------------------------------------------------------------------------
+# Verbs of many problems: ``study`` (maps and meshes), ``sweep``, ``compare``, ``bench``.
 
 STUDIES = {f"{name}-map": words for name, words in MAPS.items()} | {
     "converge": "The same case on a sequence of meshes."
@@ -124,7 +133,7 @@ def study_converge(
     """
     from ..case.models import method_of
     from ..case.reading import load_case
-    from ..many import convergence
+    from ..many import studies as convergence
     from ..methods.fem.method import FEM
 
     loaded = load_case(case)
@@ -252,3 +261,76 @@ def bench(case: Path, method: str | None, repeat: int, limits: Limits, as_json: 
     choice, solution = solve(loaded, method, limits, note)
     announce(f"bench of {repeat} runs", (repeat + min(repeat, FEW)) * sum(solution.timings.values()))
     give(Bench.of(case, loaded, choice.name, type(choice.method).__module__, repeat), as_json)
+
+
+# --------------------------------------------------------------------------------------------------
+# Verbs about files and the installation: ``show``, ``doctor``, ``completion``.
+
+
+@verb("files...")
+@click.option("--case", "case_only", is_flag=True, help="Print the resolved case alone: a case file that runs again.")
+@json_option
+def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
+    """Print what each solution FILE holds: method, range, error budget, mesh and solver facts, timings, versions.
+
+    Archives of fits and tables of sweeps (.h5) are shown too, checked against the digest they were written under.
+
+    \b
+    jkr show data.h5
+    jkr show --case data.h5 > again.toml
+    """
+    announce_files("show", files)
+    items = [_content(path, case_only) for path in files]
+    if case_only and not as_json:
+        click.echo("\n".join(plain_toml(item.record.toml).rstrip() for item in items if isinstance(item, Solution)))
+        return
+    give(shown.Shown(items), as_json)
+
+
+def _content(path: Path, case_only: bool) -> Solution | dict[str, Any]:
+    """The series in a file, or the summary of an archive, which has no case."""
+    if case_only or not archive.is_archive(path):
+        return read_series(series_file(path))
+    file = archive.read(path)
+    if not file.is_protected:
+        warn(f"{path}: {archive.DOUBT}")
+    return archive.archive_summary(file)
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr doctor``: what of jkr works on this machine.
+
+
+@verb()
+@json_option
+def doctor(as_json: bool) -> int:
+    """Look at versions, the mesher's system libraries, optional parts, threads, memory and temporary files.
+
+    Exit code 0 where everything required works, 1 where something is missing; each line says what to type.
+
+    \b
+    jkr doctor
+    """
+    machine = Machine.examined()
+    give(machine, as_json)
+    return int(not machine.is_sound)
+
+
+# --------------------------------------------------------------------------------------------------
+# ``jkr completion``: the script that completes verbs, options and files in a shell.
+
+
+@verb()
+@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
+@click.pass_context
+def completion(ctx: click.Context, shell: str) -> None:
+    """Print the completion script of SHELL.
+
+    \b
+    jkr completion bash >> ~/.bashrc
+    jkr completion zsh >> ~/.zshrc
+    jkr completion fish > ~/.config/fish/completions/jkr.fish
+    """
+    kind = get_completion_class(shell)
+    assert kind is not None
+    click.echo(kind(ctx.find_root().command, {}, "jkr", "_JKR_COMPLETE").source())

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..base.errors import InputError, did_you_mean
 from ..base.numerics import SAME, Array
-from ..base.result import Reported
+from ..base.registry import Reported
 from ..base.units import Ranged
 
 # --------------------------------------------------------------------------------------------------

@@ -42,7 +42,7 @@ from .procedure import fit
 from .relaxation import check_over_time, check_rising, noise_about, noise_of, through
 from .rows import noise_from_third_differences
 from .settings import Settings
-from .work_along_curve import WorkAlong, work_along
+from .work import WorkAlong, work_along
 
 # --------------------------------------------------------------------------------------------------
 # Records of retraction over time: which rows are fitted, and what the device did.

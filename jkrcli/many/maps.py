@@ -21,7 +21,7 @@ from ..base.errors import InputError, JkrError, SolveError, Unknown, known
 from ..base.executors import Pool, in_order
 from ..base.files import lists
 from ..base.numerics import MOST_STEPS, Array
-from ..base.result import Result
+from ..base.registry import Result
 from ..base.units import Ranged
 from ..bodies.indenters import Paraboloid
 from ..bodies.materials import Elastic, Layer

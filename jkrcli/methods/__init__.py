@@ -1,10 +1,10 @@
 """Methods behind one interface: each is a frozen dataclass that is called with a problem and returns a solution.
 
 A method makes itself known by a ``Descriptor``, from which the names, the order of "auto" and the tables of a case file
-follow; its solver is imported when it is used. ``options.py`` registers the four methods and is light; a method of
+follow; its solver is imported when it is used. ``protocol.py`` registers the four methods and is light; a method of
 one's own may register itself in any module that has been imported.
 """
 
 from __future__ import annotations
 
-from . import options as _options  # registers the four methods
+from . import protocol as _protocol  # registers the four methods

@@ -23,7 +23,7 @@ from ..series import KeptKernel
 from .integral.finite_range import Attraction
 from .layered.contact import GRADED, LayeredContact
 from .layered.spectrum import spectrum_seconds
-from .options import HybridOptions
+from .protocol import HybridOptions
 
 if TYPE_CHECKING:
     from .hybrid.kernel import AdaptiveKernel, ErrorEstimates, KernelContact  # finite elements: of cylinders alone

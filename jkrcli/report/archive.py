@@ -1,4 +1,4 @@
-"""Archives (HDF5) of fits and of the tables of sweeps: written under one digest, checked when they are read back."""
+"""Maps as images over their pixels; archives (HDF5) of fits and of the tables of sweeps, checked when they are read."""
 
 from __future__ import annotations
 
@@ -16,12 +16,89 @@ from ..base.errors import InputError, accuracy
 from ..base.files import as_json, read_bytes, write_bytes
 from ..base.hdf5 import Dataset, Group, unit_column
 from ..base.numerics import Array
-from ..base.units import show
+from ..base.units import SI, show
 from ..fitting.procedure import Failure
 from ..fitting.result import Fit
 from ..series import COLUMNS, Solution
-from .map import images_of, map_of
 from .result import SHOWN, Several
+
+IMAGES = {  # name: dimension
+    "E_star": "modulus",
+    "w": "work",
+    "contact_point": "length",
+    "adhesion_force": "load",
+    "quality": "number",
+    "status": "number",
+}
+FITTED, DOUBTFUL, UNUSABLE = "fitted", "doubtful", "unusable"
+STATUSES = (UNUSABLE, DOUBTFUL, FITTED)  # by their numbers in an image
+LEAST_CURVES = 3  # choice: from which on curves without a grid are drawn together, as they are summed up in a line
+
+
+def status_of(item: Fit | Failure) -> str:
+    """Whether a curve was fitted, and is to be believed."""
+    return UNUSABLE if isinstance(item, Failure) else DOUBTFUL if item.flags else FITTED
+
+
+@dataclass(frozen=True, eq=False)
+class Map:
+    """``images`` (rows, columns) by their names in ``IMAGES``, SI, NaN where nothing was found; ``x, y`` [m] of their
+    columns and rows, the rows and columns that hold no curve left out; their numbers where no ``positions`` are
+    known."""
+
+    x: Array
+    y: Array
+    images: Mapping[str, Array]
+    positions: bool = True
+
+
+def map_of(outcomes: Sequence[Fit | Failure]) -> Map | None:
+    """The map that the curves make; None where they were not taken on a grid, or several share a pixel."""
+    pixels = [item.pixel for item in outcomes if item.pixel is not None]
+    if len(pixels) < 2 or len(pixels) != len(outcomes) or len({(at.column, at.row) for at in pixels}) != len(outcomes):
+        return None
+    columns, column = np.unique([at.column for at in pixels], return_inverse=True)
+    rows, row = np.unique([at.row for at in pixels], return_inverse=True)
+    placed = all(at.x is not None and at.y is not None for at in pixels)
+    x, y = np.array([(at.x, at.y) if placed else (at.column, at.row) for at in pixels], dtype=float).T
+    images = {name: np.full((rows.size, columns.size), np.nan) for name in IMAGES}
+    values = [_values(item) for item in outcomes]
+    for name, image in images.items():
+        image[row, column] = [value[name] for value in values]
+    return Map(
+        np.array([np.mean(x[column == i]) for i in range(columns.size)]),
+        np.array([np.mean(y[row == i]) for i in range(rows.size)]),
+        images,
+        placed,
+    )
+
+
+def _values(item: Fit | Failure) -> dict[str, float]:
+    """The pixel of one curve in each image."""
+    if isinstance(item, Failure):
+        return dict.fromkeys(IMAGES, np.nan) | {"quality": 0.0, "status": 0.0}
+    estimates = {estimate.name: estimate.value for estimate in item.estimates}
+    return {
+        "E_star": estimates.get("E_star", np.nan),
+        "w": estimates.get("w", np.nan),
+        "contact_point": estimates.get("delta0", np.nan),
+        "adhesion_force": np.nan if item.adhesion is None else item.adhesion,
+        "quality": np.nan if item.quality is None else item.quality["quality"],
+        "status": float(STATUSES.index(status_of(item))),
+    }
+
+
+def images_of(scan: Map) -> Group:
+    """A map in HDF5: each image with its unit, and the positions of columns and rows."""
+    status = ", ".join(f"{number} {word}" for number, word in enumerate(STATUSES))
+    images = {name: unit_column(image, SI[IMAGES[name]], status if name == "status" else "")
+              for name, image in scan.images.items()}  # fmt: skip
+    length = "m" if scan.positions else "1"
+    return Group({}, {"x": unit_column(scan.x, length), "y": unit_column(scan.y, length), **images})
+
+
+# --------------------------------------------------------------------------------------------------
+# Archives (HDF5) of fits and of the tables of sweeps: written under one digest, checked when they are read back.
 
 FITS, SWEEP_TABLE = FORMATS = ("jkr-fit", "jkr-sweep-table")
 ARCHIVE_VERSION = 3  # of the file
@@ -83,12 +160,12 @@ def archive_summary(archive: Archive) -> dict[str, Any]:
         if archive.format == FITS:
             curves = _group(archive.root, "curves").members
             if "summary" in curves:
-                summaries = _values(curves["summary"])
+                summaries = _stored_values(curves["summary"])
             else:  # of versions 1 and 2, a group for each curve
                 summaries = [curve.attributes["summary"] for curve in curves.values()]
             contents = {"body": archive.root.attributes["body"], "curves": [json.loads(one) for one in summaries]}
         else:
-            columns = {name: _values(member) for name, member in _group(archive.root, "table").members.items()}
+            columns = {name: _stored_values(member) for name, member in _group(archive.root, "table").members.items()}
             rows = {len(values) for values in columns.values()}
             if len(rows) != 1:
                 raise ValueError("columns of several lengths")
@@ -107,7 +184,7 @@ def _group(root: hdf5.Group, name: str) -> hdf5.Group:
     return member
 
 
-def _values(member: hdf5.Group | hdf5.Dataset) -> Array | list[str]:
+def _stored_values(member: hdf5.Group | hdf5.Dataset) -> Array | list[str]:
     if not isinstance(member, hdf5.Dataset):
         raise TypeError("a group in place of a column")
     return member.values if isinstance(member.values, np.ndarray) else list(member.values or ())

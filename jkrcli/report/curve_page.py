@@ -20,7 +20,7 @@ from ..data.segmentation import ForceCurve, segment_force_curve
 from ..fitting.procedure import Failure
 from ..fitting.result import Fit
 from . import inverse
-from .map import UNUSABLE, status_of
+from .archive import UNUSABLE, status_of
 
 PAGE = Template(resources.files(__package__).joinpath("curve_page.html").read_text(encoding="utf-8"))
 PAGE_POINTS = 800_000  # choice: points of all curves together; 4,000 curves with their words make 9 MB

@@ -37,13 +37,13 @@ from ..adhesion.validity import Strains, faces, strain_words
 from ..base.errors import Estimate, InputError, Unknown, accuracy, known
 from ..base.files import lists
 from ..base.numerics import ROWS, Array
-from ..base.result import FIGURES, SUMMARIES, TABLES, WORDS, Result
+from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS, Result
 from ..base.units import implausible_work, show
 from ..bodies.materials import relaxing
 from ..resolve.analysis import Analysis, Lost, analyse
 from ..resolve.comparison import effect_as_json
 from ..resolve.histories import LostByHistory, strains_after
-from ..resolve.refine_pull_off import is_refined
+from ..resolve.resolve import is_refined
 from ..series import Difference, Solution, curve_differences, series_differences
 from . import tables
 from .result import Figure
@@ -51,7 +51,7 @@ from .tables import Scales, format_state, quantities, read_curve, transpose_rows
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from ..fitting.pull_off_work import MeasuredWork
+    from ..fitting.work import MeasuredWork
     from ..methods.fem.fields import ContactState
     from ..methods.fem.method import FEM
 

@@ -17,7 +17,7 @@ from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.validity import NEGLECTED
 from ..base.errors import InputError, Unknown
 from ..base.numerics import Array
-from ..base.result import FIGURES, SUMMARIES, TABLES, WORDS, Result
+from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS, Result
 from ..base.units import SI, scale, show
 from ..bodies.indenters import Indenter
 from ..data import measured, text_formats
@@ -31,13 +31,13 @@ from ..fitting.rate import LawAlongRecords, RateFit, law_along
 from ..fitting.relaxation import RelaxationFit
 from ..fitting.result import Fit, JKRBeside
 from ..fitting.surface_tension import TensionFit
-from ..fitting.work_along_curve import ABOVE, BELOW, NONE, OK, WorkAlong, typical
+from ..fitting.work import ABOVE, BELOW, NONE, OK, WorkAlong, typical
 from ..resolve.analysis import Analysis, adhesive
-from ..resolve.pull_off_range import Rough, rough
+from ..resolve.histories import Rough, rough
 from ..series import Solution
 from ..tables import some
 from . import archive
-from .map import DOUBTFUL, FITTED, LEAST_CURVES, UNUSABLE, status_of
+from .archive import DOUBTFUL, FITTED, LEAST_CURVES, UNUSABLE, status_of
 from .rate import (
     ADHESION_NEGLECTED,
     RELAXATION_NEGLECTED,

@@ -15,13 +15,12 @@ from ..adhesion.device_path import Program
 from ..adhesion.from_rest import AT_MOST, FROM_REST, LoadingHistory, Rest
 from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.rate import History, RateContact, RateLaw, parameters_of, rate_parameters
-from ..adhesion.rate_of_relaxation import RateLawCourse, follow_crack_law
 from ..adhesion.relaxation import RelaxedHistory, RelaxingContact
-from ..adhesion.relaxing_adhesion import AdhesiveHistory, RelaxingAdhesion
+from ..adhesion.relaxing_adhesion import AdhesiveHistory, RateLawCourse, RelaxingAdhesion, follow_crack_law
 from ..adhesion.validity import NEGLECTED, Zone, strain_words, zone
 from ..base.errors import Estimate, InputError, SolveError, Unknown, known
 from ..base.numerics import NOTICEABLE, ROWS, SAME, UNSEEN, Array
-from ..base.result import Result
+from ..base.registry import Result
 from ..base.units import show
 from ..bodies.materials import RELAXATIONS, Relaxation
 from ..fitting.rate import LawAlongRecords

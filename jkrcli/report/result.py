@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..base.errors import InputError
 from ..base.files import as_json, check_target, make_folder, real_path, together, write_csv, write_text
-from ..base.result import Result
+from ..base.registry import Result
 
 if TYPE_CHECKING:
     from . import plots

@@ -12,7 +12,7 @@ import numpy as np
 from ..adhesion.validity import end_of_body, judge, sizes
 from ..base.errors import Estimate, Unknown, accuracy
 from ..base.numerics import Array
-from ..base.result import Result
+from ..base.registry import Result
 from ..base.units import reached, show
 from ..bodies.materials import relaxing
 from ..methods.fem.mesh import Grid

@@ -44,7 +44,7 @@ from ..adhesion.validity import (
     with_large_strains,
 )
 from ..base.errors import Estimate, InputError, Refusal, Unknown, known
-from ..base.result import Reported
+from ..base.registry import Reported
 from ..base.units import LARGEST_SI
 from ..bodies.materials import INCOMPRESSIBLE, relaxing
 from ..bodies.problem import Problem
@@ -52,7 +52,7 @@ from ..methods.protocol import Forecast
 from ..series import ErrorBudget, Series, Solution, is_series
 from .comparison import Comparison, StickingEffect, compare_half_space, effect_of_range, effect_on
 from .node_radii import Compared, compared
-from .refine_pull_off import seconds_of_points, solved, solved_below, solver_of
+from .resolve import seconds_of_points, solved, solved_below, solver_of
 
 SURE = 2.0  # theory: 90 % half-widths of a normal error that one in a thousand exceeds
 JKR: RangeRequest = RangeRequest()

@@ -1,26 +1,141 @@
-"""Where a viscoelastic specimen lets go, by its history: the curves of ``adhesion/from_rest.py``, solved as far as they
-reach and at their pull-off points."""
+"""How far a body has to be solved for its pull-off, and where a viscoelastic specimen lets go, by its history."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, mask_below_atomic_spacing
 from ..adhesion.finite_range import RangeRequest
 from ..adhesion.from_rest import FAST, FROM_REST, SLOW, FromRest, LoadingHistory, Rest, histories, history_error
 from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.pull_off_error import Errors
+from ..adhesion.stability import work_from_pull_off
 from ..adhesion.validity import LIMITS, Strains, large_strains
-from ..base.errors import InputError, JkrError, Refusal, Unknown
-from ..base.numerics import MOST_STEPS
+from ..base.errors import Estimate, InputError, JkrError, Refusal, Unknown
+from ..base.numerics import MOST_STEPS, ROWS, Array
 from ..base.process import PATIENCE
+from ..bodies.indenters import Indenter
 from ..bodies.problem import Loading, Problem
+from ..formulas import adhesive_half_space
+from ..methods.radii import ROOM
 from ..series import Solution
 from .analysis import Analysis, analyse, forecast, nonadhesive
-from .pull_off_range import REACH_INSIDE
-from .refine_pull_off import refined, solver_of
-from .resolve import method_behind, resolve_with
+from .neglected import COARSE
+from .resolve import method_behind, refined, resolve_with, solver_of
+
+# Radii at which a half-space is looked at, and those of a body whose w is known.
+REACH_RADII = (1e-13, 1e3)  # choice: [m], from below atoms to beyond every body
+
+REACH_INSIDE = 0.99  # choice: of the radius at which the indenter ends
+REACH_FURTHER = 3.0  # choice: times the thickness of layers, then the radius of the contact before: the next one's
+REACH_OF_DEVICES = 1e3  # choice: w of a force under displacement control over that under load control; a cone's: 3
+
+
+def solved_for(problem: Problem, works: Sequence[float], slopes: str = "auto", modulus_factor: float = 1.0) -> Solution:
+    """The ``problem``, whatever its loading, solved as far as its pull-off asks with any of the ``works`` [J/m^2]
+    > 0: to little more than the largest contact radius without load; coarsely where thin layers leave no more."""
+    w, largest = max(works), 0.0
+    for wider in _wider(problem, w, modulus_factor):
+        body = nonadhesive(wider, slopes).scaled(modulus_factor)
+        P = AdhesiveCurve(body, w).P
+        largest = float(body.a[P <= 0].max(initial=body.a[0]))
+        if P[-1] > 0:
+            break
+    try:
+        return resolve_with(_to(problem, largest))
+    except JkrError:
+        return resolve_with(_to(problem, largest), method=COARSE)
+
+
+def solved_for_force(
+    problem: Problem, load: float, stiffnesses: Sequence[float], slopes: str = "auto", modulus_factor: float = 1.0
+) -> Solution:
+    """The same for the pull-off force ``load`` [N, > 0] measured by devices of the ``stiffnesses`` [N/m] (default: load
+    control), whose w is sought on series that reach farther and farther."""
+    w = work_on_half_space(problem.indenter, modulus_factor * problem.E_star, load)
+    for wider in _wider(problem, w * REACH_OF_DEVICES if stiffnesses else w, modulus_factor):
+        body = nonadhesive(wider, slopes).scaled(modulus_factor)
+        try:
+            works = [work_from_pull_off(body, load, stiffness).w for stiffness in stiffnesses or (LOAD_CONTROL,)]
+        except InputError as error:  # the force may lie beyond this series
+            failed = error
+        else:
+            return solved_for(problem, works, slopes, modulus_factor)
+    raise failed
+
+
+def work_on_half_space(indenter: Indenter, E_star: float, load: float) -> float:
+    """The w [J/m^2] of which a half-space lets go at the pull-off force ``load`` [N, > 0] under load control: over all
+    radii the least w = (P_H + load)^2/(8 pi E* a^3) that holds it."""
+    a, _, P_H = half_space_radii(indenter, E_star)
+    return float(np.min((P_H + load) ** 2 / (8 * math.pi * E_star * a**3)))
+
+
+def _wider(problem: Problem, w: float, modulus_factor: float) -> Iterator[Solution]:
+    """The problem solved to wider and wider contacts, coarsely, at last to the radius that its half-space keeps without
+    load: on a layer over a rigid base, which is stiffer, adhesion holds a smaller one, on thin ones far smaller."""
+    E_star = modulus_factor * problem.E_star
+    a, delta_H, P_H = half_space_radii(problem.indenter, E_star)
+    _, P = adhesive_half_space(a, delta_H, P_H, E_star, w)
+    widest = float(a[P <= 0].max(initial=a[0]))
+    layers = problem.layers
+    reach = min(REACH_FURTHER * sum(layer.thickness for layer in layers), widest) if layers else widest
+    while True:
+        far = _to(problem, reach)
+        yield resolve_with(far, method=COARSE) if layers else resolve_with(far)
+        if reach == widest:
+            return
+        reach = min(REACH_FURTHER * reach, widest)
+
+
+def _to(problem: Problem, a: float) -> Problem:
+    """The problem to little more than the contact radius ``a`` [m], by rows that crowd towards first touch."""
+    end = min(ROOM * a, REACH_INSIDE * problem.indenter.r_max)
+    return replace(problem, loading=Loading("radius", end, ROWS, "log"))
+
+
+def half_space_radii(indenter: Indenter, E_star: float) -> tuple[Array, Array, Array]:
+    """Contact radii from atoms to the end of the indenter [m], ``ROWS`` per decade, with delta_H [m] and P_H [N] on a
+    half-space."""
+    least, most = REACH_RADII
+    end = min(most, REACH_INSIDE * indenter.r_max)
+    a = indenter.a0 + np.geomspace(least, end - indenter.a0, round(ROWS * math.log10(most / least)))
+    columns = indenter.half_space(a, E_star)
+    if columns is None:
+        raise InputError(f"{indenter.words} has no closed form on a half-space: describe the bodies in a case file")
+    return a, *columns
+
+
+@dataclass(frozen=True)
+class Rough:
+    """``E_star`` [Pa] by the formula without adhesion at the largest load, its contact radius ``a`` [m], and ``w``
+    [J/m^2] by the pull-off force of JKR with that modulus: of a half-space, without an error."""
+
+    E_star: float
+    a: float
+    w: Estimate
+
+
+def rough(tip: Indenter, load: float, depth: float, adhesion: Estimate) -> Rough | Unknown:
+    """A glance at the ``load`` [N] that holds the ``tip`` at a ``depth`` [m], and at the force of ``adhesion`` [N]."""
+    if not (load > 0 and depth > 0):
+        return Unknown("the largest load or its depth is not positive")
+    a, delta, P = half_space_radii(tip, 1.0)
+    if not delta[0] < depth < delta[-1]:
+        return Unknown("the depth lies beyond the indenter")
+    radius, unit = (float(np.exp(np.interp(np.log(depth), np.log(delta), np.log(column)))) for column in (a, P))
+    E_star = load / unit
+    w = adhesion if isinstance(adhesion, Unknown) else work_on_half_space(tip, E_star, adhesion)
+    return Rough(E_star, radius, w)
+
+
+# --------------------------------------------------------------------------------------------------
+# Where a viscoelastic specimen lets go, by its history: the curves of ``adhesion/from_rest.py``, solved as far as
+# they reach and at their pull-off points.
 
 CURVES = 4  # theory: one for each history; choice: of a forecast
 FURTHER = 1.5  # choice: the next series over the one that ends too soon; what is solved in vain grows with it

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import jkrcli as jkr
-from jkrcli.adhesion.rate_of_relaxation import CrackRate, RateLawCourse, creep
+from jkrcli.adhesion.relaxing_adhesion import CrackRate, RateLawCourse, creep
 from jkrcli.bodies.materials import Prony, StandardSolid
 
 PRONY = Prony((0.4, 0.3), (0.2, 3.0))

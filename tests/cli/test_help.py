@@ -22,7 +22,7 @@ from jkrcli.cli import jkr as root
 from jkrcli.cli.study_verbs import STUDIES
 from jkrcli.cli.verb import DESCRIBED, LINES
 from jkrcli.cli.verb import GROUPS as OPTIONS
-from jkrcli.report import doctor
+from jkrcli.report import check as doctor
 
 BIN = Path(sys.executable).parent
 

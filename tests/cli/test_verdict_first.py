@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from jkrcli.cli import VERBS, output
+from jkrcli.cli import VERBS
+from jkrcli.cli import verb as output
 
 CASES = Path(__file__).parents[2] / "cases"
 GEL, RECORD, PROBE = (

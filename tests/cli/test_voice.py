@@ -9,7 +9,7 @@ import click
 import pytest
 
 from jkrcli.base.process import SILENCE
-from jkrcli.cli.output import announce, progress
+from jkrcli.cli.verb import announce, progress
 
 
 class Terminal(io.StringIO):

@@ -30,7 +30,7 @@ from jkrcli.fitting.rate import (
     rate_record,
     rate_settings,
 )
-from jkrcli.fitting.work_along_curve import work_along
+from jkrcli.fitting.work import work_along
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.report.rate import through_words
 

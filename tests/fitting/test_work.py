@@ -19,7 +19,7 @@ from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.data.curve import Curve
-from jkrcli.fitting.work_along_curve import ABOVE, BELOW, NONE, OK, PAIRS, rate, runs, work_along
+from jkrcli.fitting.work import ABOVE, BELOW, NONE, OK, PAIRS, rate, runs, work_along
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.series import RawSeries, Series
 

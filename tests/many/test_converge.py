@@ -16,7 +16,7 @@ from jkrcli.base.errors import InputError, Unknown
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
-from jkrcli.many.convergence import coarser, converge, edge_size, richardson
+from jkrcli.many.studies import coarser, converge, edge_size, richardson
 from jkrcli.methods.fem.method import FEM
 
 MATERIAL = Elastic(1.0, 0.3)

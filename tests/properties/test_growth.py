@@ -66,7 +66,7 @@ def test_long_tables_are_announced_before_they_are_read(
     def reading(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("jkrcli.fitting.work_along_curve.each", reading)  # first: what it imports is no patch
+    monkeypatch.setattr("jkrcli.fitting.work.each", reading)  # first: what it imports is no patch
     monkeypatch.setattr("jkrcli.data.measured.each", reading)
     monkeypatch.setattr("jkrcli.report.forward.read_curve", reading)
     monkeypatch.setattr("jkrcli.cli.fit.fitted_body", reading)

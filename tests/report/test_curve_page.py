@@ -17,8 +17,8 @@ import pytest
 from jkrcli.base.files import is_ours
 from jkrcli.data import measured
 from jkrcli.data.segmentation import segment_force_curve
+from jkrcli.report.archive import UNUSABLE
 from jkrcli.report.curve_page import page
-from jkrcli.report.map import UNUSABLE
 
 RAW = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")

@@ -20,7 +20,7 @@ from jkrcli.fitting.forward_model import body_of
 from jkrcli.fitting.procedure import fit_all
 from jkrcli.fitting.settings import settings_of
 from jkrcli.report import plots
-from jkrcli.report.map import IMAGES
+from jkrcli.report.archive import IMAGES
 
 R, E_STAR, K = 5e-6, 20e3, 0.05
 W = {(0, 0): 5e-5, (3, 0): 1e-4, (0, 2): 2e-4, (3, 2): None}  # by column and row; None: no contact there

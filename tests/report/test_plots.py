@@ -26,10 +26,10 @@ from matplotlib.transforms import Bbox
 
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.case import store
-from jkrcli.many.bench import Cost
+from jkrcli.many.studies import Cost
 from jkrcli.report import plots
-from jkrcli.report.map import Map
-from jkrcli.report.plots import looks
+from jkrcli.report import plots as looks
+from jkrcli.report.archive import Map
 from jkrcli.report.plots.forward import curve_figure, physical_units
 from jkrcli.report.plots.inverse import _broken, map_figure
 from jkrcli.report.plots.studies import differences_figure

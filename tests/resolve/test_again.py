@@ -7,7 +7,7 @@ import pytest
 
 import jkrcli as jkr
 from jkrcli.methods.protocol import METHODS
-from jkrcli.resolve.resolve import exact, resolve_with
+from jkrcli.resolve.resolve import exact_methods, resolve_with
 
 GEL = jkr.Specimen((jkr.Layer(jkr.Elastic(1e4, 0.4), 1e-3),), jkr.Rigid())
 ON_GEL = jkr.Problem(jkr.Paraboloid(1e-3), GEL, jkr.Loading("radius", 1e-4, 20))
@@ -15,7 +15,7 @@ RADII = np.array([1e-4, 2e-4])
 
 
 def test_methods_say_themselves_what_they_can() -> None:
-    assert [type(method).__name__ for method in exact()] == ["ClosedForm", "Layered"]
+    assert [type(method).__name__ for method in exact_methods()] == ["ClosedForm", "Layered"]
     assert [name for name, method in METHODS.items() if method.kernel] == ["closed-form", "layered", "hybrid"]
 
 

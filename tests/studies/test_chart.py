@@ -20,7 +20,7 @@ from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.case.models import method_of
 from jkrcli.case.reading import load_case
-from jkrcli.many.bench import Cost, process_cost
+from jkrcli.many.studies import Cost, process_cost
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.protocol import choose_method
 from studies.chart_measure import typical

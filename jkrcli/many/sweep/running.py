@@ -28,10 +28,11 @@ from ...base.files import atomic, check_target, make_folder, remove_file, togeth
 from ...base.hdf5 import Dataset, Group
 from ...base.numerics import Array
 from ...base.process import SILENCE, duration
-from ...base.result import Result
+from ...base.registry import Result
 from ...base.units import scale, show
 from ...report import archive
-from ...report.plots import Figure, looks, studies
+from ...report import plots as looks
+from ...report.plots import Figure, studies
 from ...report.result import Files
 from .plan import FAILED, OK, STRAINS, Cases, Plan, Row, at_unit_modulus, cheapest_method, failed, solve_group
 

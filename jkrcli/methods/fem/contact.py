@@ -23,7 +23,7 @@ from scipy.sparse.linalg import splu
 from ...base.errors import InputError, SolveError, installs
 from ...base.numerics import MOST_STEPS, RESIDUAL_LIMIT, ROUNDED, Array
 from ...base.process import one_thread
-from ..options import Solver
+from ..protocol import Solver
 from .elasticity import ElasticSystem
 
 # --------------------------------------------------------------------------------------------------

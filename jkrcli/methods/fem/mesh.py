@@ -23,7 +23,7 @@ from ...bodies.materials import AnyGraded, AnyTransverse, Elastic, Material, Tra
 from ...bodies.problem import HalfSpace, Problem, Side, Specimen
 from ..layered.no_slip import half_space_compliances
 from ..layered.solver import largest_radius
-from ..options import FEMOptions
+from ..protocol import FEMOptions
 
 # --------------------------------------------------------------------------------------------------
 # Where a mesh is fine: one law of element size over the body, and graded points along a line.

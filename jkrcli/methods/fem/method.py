@@ -13,8 +13,7 @@ from ...base.numerics import MOST_SOLVES
 from ...base.process import StageClock, one_thread
 from ...bodies.problem import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
-from ..options import DOUBLED, FEMOptions
-from ..protocol import Forecast, without_coating
+from ..protocol import DOUBLED, FEMOptions, Forecast, without_coating
 from .mesh import (
     BUDGET_JUDGED_DEPTH,
     Grid,

@@ -25,7 +25,7 @@ from ..integral.no_slip import coulomb_series, ring_transforms
 from ..layered.no_slip import half_space_compliances
 from ..layered.solver import largest_radius
 from ..layered.surface_tension import SurfaceTensionSolver
-from ..options import FEMOptions, Solver
+from ..protocol import FEMOptions, Solver
 from ..radii import DENSE, ROOM, graded_radii
 from .contact import (
     Events,

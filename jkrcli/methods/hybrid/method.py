@@ -17,8 +17,7 @@ from ...series import ErrorBudget, KeptKernel, Solution
 from ..integral.density import disc_warnings, refuse_shrinking
 from ..integral.fredholm import FLOPS_PER_SECOND, first_stiffness, search, series_of
 from ..layered.solver import expected_radius
-from ..options import HybridOptions
-from ..protocol import Forecast, without_coating, without_tension
+from ..protocol import Forecast, HybridOptions, without_coating, without_tension
 from ..radii import check_radius
 from .kernel import (
     HYBRID_EDGE,

@@ -29,8 +29,7 @@ from ...base.numerics import MOST_STEPS, ROUNDED, SAME, SETTLED, Array
 from ...base.units import show
 from ...bodies.indenters import Indenter
 from ...formulas import shift
-from .density import DENSITY_PIECE, Density, panel_pieces
-from .dent import DentedProfile
+from .density import DENSITY_PIECE, Density, DentedProfile, panel_pieces
 from .fredholm import AbelMoments, LegendrePanels, Panels, Quadrature, angle, gauss, rule, tension_moments, to_legendre
 
 # How the edge of the attracted annulus is found.

@@ -17,8 +17,7 @@ from ...formulas import shift
 from ...series import ErrorBudget, Solution
 from ..integral.density import Density, disc_warnings, nonsmooth_part, refuse_shrinking
 from ..integral.fredholm import FLOPS_PER_SECOND, InaccurateError, first_stiffness, search, series_of
-from ..options import LayeredOptions
-from ..protocol import Forecast
+from ..protocol import Forecast, LayeredOptions
 from .contact import GRADED, LAYERED_MARGIN, LayeredContact, checked
 from .no_slip import StuckLayeredContact, why_unsupported
 from .spectrum import spectrum_seconds

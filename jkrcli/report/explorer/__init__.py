@@ -22,7 +22,7 @@ from ...adhesion.interpolation import Nonadhesive
 from ...adhesion.validity import LIMITS, regime, strains_are_known
 from ...base.errors import InputError, Unknown, installs
 from ...base.numerics import DRAWN, Array
-from ...base.result import Result
+from ...base.registry import Result
 from ...base.units import SI, UNITS, decades, scale
 from ...data.curve import Curve
 from ...formulas import MEASURED, strained_pull_off

@@ -23,8 +23,31 @@ from ...fitting.rate import RateFit
 from ...fitting.relaxation import RelaxationFit
 from ...resolve.analysis import Analysis
 from ..tables import Scales
-from . import Axes, Box, Figure, colors, drawing, ends, inset, legend_below, log_ticks, pair, panelled, zero_lines
-from .looks import BLACK, BLUE, COLORS, GREEN, LABELS, ORANGE, SKY, WIDE, axis_of, pretty, unit_of
+from . import (
+    BLACK,
+    BLUE,
+    COLORS,
+    GREEN,
+    LABELS,
+    ORANGE,
+    SKY,
+    WIDE,
+    Axes,
+    Box,
+    Figure,
+    axis_of,
+    colors,
+    drawing,
+    ends,
+    inset,
+    legend_below,
+    log_ticks,
+    pair,
+    panelled,
+    pretty,
+    unit_of,
+    zero_lines,
+)
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

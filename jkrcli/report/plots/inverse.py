@@ -19,10 +19,9 @@ from ...fitting.least_squares import chi2_increase
 from ...fitting.procedure import Failure
 from ...fitting.rate import LawAlongRecords
 from ...fitting.result import Fit
-from ...fitting.work_along_curve import WorkAlong, typical
-from ..map import DOUBTFUL, FITTED, IMAGES, STATUSES, UNUSABLE, Map, status_of
-from . import Axes, Figure, enlarged, log_ends, log_ticks, panelled
-from .looks import (
+from ...fitting.work import WorkAlong, typical
+from ..archive import DOUBTFUL, FITTED, IMAGES, STATUSES, UNUSABLE, Map, status_of
+from . import (
     BLACK,
     BLUE,
     COLORS,
@@ -35,7 +34,13 @@ from .looks import (
     PURPLE,
     SKY,
     WIDE,
+    Axes,
+    Figure,
     axis_of,
+    enlarged,
+    log_ends,
+    log_ticks,
+    panelled,
     pretty,
     unit_of,
 )

@@ -14,8 +14,7 @@ from matplotlib.patheffects import withStroke
 
 from ...base.numerics import Array
 from ...series import Difference
-from . import Axes, Figure, drawing, legend_below, log_ticks, panelled, zero_lines
-from .looks import COLORS, MIDDLE, NARROW, WIDE
+from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below, log_ticks, panelled, zero_lines
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.materials import Elastic, Layer
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.case.store import read_solution, write_solution
-from jkrcli.many.convergence import converge
+from jkrcli.many.studies import converge
 from jkrcli.methods.fem.mesh import Layout, Strip, homogenised_half_space, layout_for
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.model import Discretisation, _in_step

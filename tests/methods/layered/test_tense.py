@@ -15,7 +15,7 @@ from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.layered.contact import lagrange
 from jkrcli.methods.layered.solver import Layered
 from jkrcli.methods.layered.surface_tension import Angles, SurfaceTensionSolver
-from jkrcli.resolve.refine_pull_off import solved, solver_of
+from jkrcli.resolve.resolve import solved, solver_of
 
 UNIT = Paraboloid(1.0)
 SOFT, STIFF = Elastic(1.0, 0.4), Elastic(10.0, 0.25)

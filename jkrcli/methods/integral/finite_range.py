@@ -101,14 +101,6 @@ class Discs:
             result[rows] = whole - cut @ M[block]
         return result
 
-    def _applied_to(self, vectors: Array) -> Array:
-        """M of the only disc times several vectors (n, size)."""
-        p, order = int(self.panel[0]), self.basis.order
-        M, block = self.schur[p], slice(p * order, (p + 1) * order)
-        whole = vectors @ M
-        applied: Array = whole - (whole[:, block] @ self.partial[0].T) @ M[block]
-        return applied
-
     @cached_property
     def _applied(self) -> tuple[Array, Array]:
         return self.applied(self.beta), self.applied(self.phi_F)
@@ -160,7 +152,11 @@ class Discs:
         root, theta = zone.root, math.atan2(zone.root, a)
         (rho, _), (kappa, further) = tension_moments(self.basis, np.array([a, a]), np.array([b, b + e]))
         ends, beta = self.ends[0], self.beta[0]
-        M_beta, M_F, M_rho, M_kappa = self._applied_to(np.stack([beta, self.phi_F[0], rho, kappa]))
+        # M of the only disc times four vectors
+        p, order = int(self.panel[0]), self.basis.order
+        M, block = self.schur[p], slice(p * order, (p + 1) * order)
+        whole = np.stack([beta, self.phi_F[0], rho, kappa]) @ M
+        M_beta, M_F, M_rho, M_kappa = whole - (whole[:, block] @ self.partial[0].T) @ M[block]
         edge, S = 1 - float(ends @ M_beta), a - float(beta @ M_beta)
         z, Q = zone.F - float(ends @ M_F), float(self.abel.inside(self.a)[0] - beta @ M_F)
         # (pi/2) phi = delta - F - b smooth within a, -s sqrt(c^2 - x^2) beyond, and continuous at a

@@ -30,11 +30,14 @@ from ...resolve import analysis
 from ...resolve.analysis import Analysis, nonadhesive
 
 # --------------------------------------------------------------------------------------------------
-# What the page is given: the knots of the curve's own evaluation rule, so that its numbers are the command line's.
+# What the page is given: the nonadhesive curve at close radii, from which Eq. 13 gives what the command line says.
 #
 # With all moduli times s, the curve for w is that of unit modulus for w/s, its loads times s (Eq. 13): delta =
 # delta_H - q t, P = s (P_H - q S t), t = sqrt(4 pi a/S'), q = sqrt(w/s). The page needs nothing else.
 
+EVERY = 16  # choice: entries of the table per interval of the series
+# tuned on the shipped cases: what cubics between entries change of a pull-off force, relative
+TABULATED = 1e-8
 WORKS = 9  # works of adhesion at which the page knows the errors of its pull-off points
 
 
@@ -82,7 +85,8 @@ def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "a
         "error": result.budget.total,
         "point_errors": _point_errors(replace(curve, nonadhesive=nonadhesive(result.solution, slopes_option)), tension),
         "notes": [*result.solution.warnings, *curve.slopes.flags],
-        "knots": _knots(curve.nonadhesive),
+        "table": _table(curve.nonadhesive),
+        "every": EVERY,
         "columns": _columns(curve.nonadhesive),
         "band": _band(curve.nonadhesive),
         "tabor": _tabor(result),
@@ -121,7 +125,11 @@ def _point_errors(curve: AdhesiveCurve, tension: float) -> dict[str, list[float 
 def _point_error(curve: AdhesiveCurve, stiffness: float) -> float | None:
     point = curve.pull_off(stiffness)
     errors = analysis.error_of_point(curve, point, stiffness) if isinstance(point, CriticalPoint) else Unknown("")
-    return None if isinstance(errors, Unknown) or not isinstance(point, CriticalPoint) else errors["P"] / abs(point.P)
+    return (
+        None
+        if isinstance(errors, Unknown) or not isinstance(point, CriticalPoint)
+        else max(errors["P"] / abs(point.P), TABULATED)
+    )
 
 
 def start_work(body: Nonadhesive) -> float:
@@ -130,17 +138,18 @@ def start_work(body: Nonadhesive) -> float:
     return float(f"{(rate.P_H / (rate.S * here.t + here.S * rate.t)) ** 2:.1e}")
 
 
-def _knots(body: Nonadhesive) -> dict[str, Any]:
-    """The evaluation rule: logs of radii x (z: of a - a0), and between them the coefficients of the cubics of the logs
-    of delta_H and P_H over z, of S and S' over x."""
-    columns, slopes = body.logs
-    functions = zip(("delta", "P", "S", "dS"), [*columns.c.T, *slopes.c.T], strict=True)
-    return {
-        "a0": body.series.a0,
-        "x": slopes.x.tolist(),
-        "z": columns.x.tolist(),
-        **{name: coefficients.tolist() for name, coefficients in functions},
-    }
+def _table(body: Nonadhesive) -> dict[str, list[float]]:
+    """delta_H, P_H, S and the shift t of w = 1 with their derivatives by the radius, at the rows of the series and at
+    radii between them, even in the logarithm of a - a0."""
+    a0, rows = body.series.a0, body.series.a
+    position = np.arange(EVERY * (len(rows) - 1) + 1) / EVERY
+    a = a0 + np.exp(np.interp(position, np.arange(len(rows)), np.log(rows - a0)))
+    a[::EVERY] = rows
+    here, rates = body.with_rates(a)
+    names = {"delta": "delta_H", "P": "P_H", "S": "S", "t": "t"}
+    columns = {key: getattr(here, name) for key, name in names.items()}
+    by_a = {f"d{key}": getattr(rates, name) for key, name in names.items()}
+    return {name: values.tolist() for name, values in ({"a": a} | columns | by_a).items()}
 
 
 def _columns(body: Nonadhesive) -> dict[str, list[float]]:

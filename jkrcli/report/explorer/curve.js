@@ -1,61 +1,27 @@
 "use strict";
-/* The adhesive curve, evaluated from the knots that jkr wrote, by the rule of its own: cubics in the logarithm
-   of the radius. Nothing is solved here. SI units. */
+/* The adhesive curve by Eq. 13 from the table that jkr wrote: columns and their derivatives at close radii, cubics
+   through both between them. Nothing is solved here. SI units. */
 
-const SAMPLES = 8; // per interval, where critical points are looked for
 const STABLE = "stable", GRIPPED = "displacement-control", UNSTABLE = "unstable";
 
-/* Value and slope of the cubic in interval i of the knots x; c: its coefficients, highest power first. */
-function cubic(c, x, i, at) {
-  const s = at - x[i], [c3, c2, c1, c0] = c[i];
-  return [((c3 * s + c2) * s + c1) * s + c0, (3 * c3 * s + 2 * c2) * s + c1];
-}
-
-/* Nonadhesive series at unit modulus, with the shift t = sqrt(4 pi a/S') of w = 1. */
+/* Nonadhesive series at unit modulus, with the shift t = sqrt(4 pi a/S') of w = 1; "every" entry is a row of it. */
 class Table {
-  constructor({ knots, columns, band }) {
-    Object.assign(this, { knots, columns, band });
-    this.first = columns.a[0];
-    this.last = columns.a[columns.a.length - 1];
-    this.samples = this.sampled().map((x) => this.at(x));
+  constructor({ table, every, columns, band }) {
+    Object.assign(this, { every, columns, band });
+    this.samples = table.a.map((_, i) => Object.fromEntries(Object.keys(table).map((name) => [name, table[name][i]])));
   }
 
-  /* Logarithms of the radii at which the curve is looked at. */
-  sampled() {
-    const x = this.columns.a.map(Math.log), found = [];
-    for (let i = 0; i + 1 < x.length; i++) {
-      for (let j = 0; j < SAMPLES; j++) found.push(x[i] + ((x[i + 1] - x[i]) * j) / SAMPLES);
+  /* The entry at the part s of the way from entry i to the next. */
+  between(i, s) {
+    const low = this.samples[i], high = this.samples[i + 1], h = high.a - low.a, at = { a: low.a + s * h };
+    for (const name of ["delta", "P", "S", "t"]) {
+      const f = low[name], rise = high[name] - f, m = h * low[`d${name}`], n = h * high[`d${name}`];
+      const cubic = m + n - 2 * rise, square = 3 * rise - 2 * m - n;
+      at[name] = ((cubic * s + square) * s + m) * s + f;
+      at[`d${name}`] = ((3 * cubic * s + 2 * square) * s + m) / h;
     }
-    return [...found, x[x.length - 1]];
+    return at;
   }
-
-  /* Everything at the radius whose logarithm is x: values and derivatives by the radius. */
-  at(x) {
-    const { knots } = this, a = Math.min(Math.max(Math.exp(x), this.first), this.last), beyond = a - knots.a0;
-    const y = Math.log(a), z = Math.log(beyond), i = interval(knots.x, y);
-    const [delta, P] = [knots.delta, knots.P].map((c) => grown(cubic(c, knots.z, i, z), beyond));
-    const [S, bend] = [knots.S, knots.dS].map((c) => grown(cubic(c, knots.x, i, y), a));
-    const t = Math.sqrt((4 * Math.PI * a) / bend.value);
-    return {
-      x, a, t, delta: delta.value, P: P.value, S: S.value, ddelta: delta.slope, dP: P.slope, dS: S.slope,
-      dt: (t / 2) * (1 / a - bend.slope / bend.value),
-    };
-  }
-}
-
-/* A function and its derivative by the radius, from its logarithm and that one's slope over the log of a radius. */
-function grown([log, rate], radius) {
-  const value = Math.exp(log);
-  return { value, slope: (value * rate) / radius };
-}
-
-function interval(x, at) {
-  let low = 0, high = x.length - 1;
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (x[middle] <= at) low = middle; else high = middle;
-  }
-  return low;
 }
 
 /* What a device of a stiffness [N/m] controls: P itself (0), else delta + P/stiffness (infinite: delta). */
@@ -96,19 +62,19 @@ class AdhesiveCurve {
     for (let i = 0; i + 1 < samples.length; i++) {
       const last = i + 2 >= samples.length;
       if (signs[i] * signs[i + 1] > 0 || (signs[i + 1] === 0 && !last)) continue;
-      found.push({ at: this.bisect(f, samples[i].x, samples[i + 1].x, signs[i]), rising: signs[i + 1] > signs[i] });
+      found.push({ at: this.bisect(f, i, signs[i]), rising: signs[i + 1] > signs[i] });
     }
     return found;
   }
 
-  bisect(f, low, high, sign) {
-    if (sign === 0) return this.table.at(low);
-    for (let step = 0; step < 200; step++) {
+  bisect(f, i, sign) {
+    if (sign === 0) return this.table.samples[i];
+    let low = 0, high = 1;
+    while (high - low > 1e-12) {
       const middle = (low + high) / 2;
-      if (middle <= low || middle >= high) break;
-      if (Math.sign(f(this.table.at(middle))) === sign) low = middle; else high = middle;
+      if (Math.sign(f(this.table.between(i, middle))) === sign) low = middle; else high = middle;
     }
-    return this.table.at(high);
+    return this.table.between(i, high);
   }
 
   /* The last stable point on retraction, or {reason}. */
@@ -137,7 +103,7 @@ class AdhesiveCurve {
   /* The curve in parts of one stability under the device; neighbours share a point. */
   parts(stiffness) {
     const turns = this.zeros((at) => this.rate(at, stiffness)).map(({ at }) => at), { samples } = this.table;
-    const all = [...samples, ...turns].sort((one, other) => one.x - other.x), parts = [];
+    const all = [...samples, ...turns].sort((one, other) => one.a - other.a), parts = [];
     let part = [];
     for (const at of all) {
       part.push(at);
@@ -173,7 +139,7 @@ class AdhesiveCurve {
       S_N_per_m: c.S.map((value) => factor * value),
       dS_da_N_per_m2: c.dS.map((value) => factor * value),
       ...(errors && { P_err_N: errors.P, delta_err_m: errors.delta }),
-      branch: c.a.map((a) => this.branch(this.table.at(Math.log(a)))),
+      branch: c.a.map((_, i) => this.branch(this.table.samples[i * this.table.every])),
     };
   }
 

@@ -508,7 +508,9 @@ def cycle_relaxing(
         free = RelaxingContact(nonadhesive(solution, slopes), law, k)
         return CycledRelaxing.of(free, _driven("cycle_relaxing", free, *does), solution.record.path)
     if not ranged:
-        raise InputError("cycle_relaxing: adhesion is followed over time by a cohesive stress: give stress or length")
+        raise InputError(
+            "cycle_relaxing: adhesion at a given speed needs its cohesive stress or range: give stress or length"
+        )
     contact = RelaxingAdhesion.of(solution, ranged.law(work), law, k)
     turn = _maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length")
     at_rest = [one for one in traced_histories(solution, rest, *turn) if one.rest is not None]

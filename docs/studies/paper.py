@@ -157,7 +157,7 @@ def mesh_figure(cases: Sequence[Path]) -> Figure:
         assert isinstance(method, FEM)
         studies.append(converge(model.problem(), method, model.adhesion.w[0], 5, "loocv"))
     panels = [panel for study in studies for panel in (radius_panel(study), curves_panel(study))]
-    titles = [case.stem for case in cases for _ in range(2)]
+    titles = [case.stem.replace("thin-layer", "thin layer") for case in cases for _ in range(2)]
     return panels_figure([replace(panel, title=title) for panel, title in zip(panels, titles, strict=True)])
 
 
@@ -246,13 +246,13 @@ def numbers(solved: Mapping[str, Solved]) -> list[tuple[str, str, str]]:
 def words_of(rows: Sequence[Row]) -> Iterator[str]:
     """The table as lines: a case and a w each, with the error of every rule, and the stated one of the default."""
     yield (
-        f"{'case':<24}{'w':>12}{'rows':>9}{'exact':>11}"
+        f"{'case':<24}{'w':>12}{'radii':>9}{'exact':>11}"
         + "".join(f"{rule:>13}" for rule in RULES_SHOWN)
         + f"{'stated':>9}"
     )
     for (case, w), group in itertools.groupby(rows, lambda row: (row.case, row.w)):
         each = list(group)
-        shown = "".join(f"{'none' if row.error is None else f'{row.error:+.2%}':>13}" for row in each)
+        shown = "".join(f"{'none' if row.error is None else f'{round(row.error, 4) + 0.0:+.2%}':>13}" for row in each)
         stated = next((f"{row.stated:.2%}" for row in each if row.rule == DEFAULT and row.stated is not None), "-")
         kept = f"{each[0].kept}/{each[0].increments}"
         yield f"{case:<24}{show(w, 'work'):>12}{kept:>9}{show(each[0].exact, 'load'):>11}{shown}{stated:>9}"

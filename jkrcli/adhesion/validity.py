@@ -53,7 +53,7 @@ Strains: TypeAlias = "tuple[float, float] | Unknown | None"  # least and largest
 LARGEST, EDGE = "at the largest contact radius", "rad at the edge"
 STEEP = "theta = sqrt(2 w/Ups)"
 SMALL = 0.1  # choice: of what theories take as small: strains, zones at the edge, the contact in its mesh
-NO_TIP_RADIUS = Unknown("the indenter has no tip radius (pointed, flat or blunter than a parabola)")
+NO_TIP_RADIUS = Unknown("the tip has no radius of curvature: pointed or flat")
 NO_TENSION = Unknown("no surface tension")
 # P of small strains over that of a neo-Hookean half-space pressed as deep by a rigid sphere without friction, less 1,
 # over a/R: finite elements, nu = 0.49
@@ -117,10 +117,10 @@ class Validity:
         if isinstance(self.strained, Unknown) or isinstance(self.sphere, Unknown):
             strains = "small-strain theory becomes inaccurate"
         else:
-            better = f'; the exact sphere errs by {self.sphere:.1%}: take indenter.shape = "sphere"'
+            better = f', with indenter.shape = "sphere" {self.sphere:.1%}'
             strains = (
-                f"P at this depth is about {self.strained:.1%} too large against a rubber at large strains "
-                f"(neo-Hookean half-space){better if self.sphere < self.strained else ''}"
+                f"small strains make P about {self.strained:.1%} too large at this depth (of rubber, neo-Hookean)"
+                f"{better if self.sphere < self.strained else ''}"
             )
         return [
             *_above(self.a_over_R, LIMITS.a_over_R, "a/R", strains),
@@ -184,7 +184,7 @@ def with_large_strains(judged: Validity, change: Strains) -> Validity:
     regime = judged.regime
     if strain_size(change) > LIMITS.effect:
         small = regime.startswith("JKR holds")
-        regime = f"JKR is doubtful: {strain_words(change)}" if small else f"{regime}; {strain_words(change)}"
+        regime = f"short-range adhesion, but {strain_words(change)}" if small else f"{regime}; {strain_words(change)}"
     return replace(judged, regime=regime, large_strains=change)
 
 

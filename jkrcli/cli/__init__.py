@@ -6,6 +6,7 @@ import importlib
 import io
 import keyword
 import os
+import re
 import sys
 import warnings
 from collections.abc import Sequence
@@ -143,6 +144,7 @@ def call(arguments: Sequence[str] | None = None) -> int:
         return 0
     except click.ClickException as error:
         message = " ".join(line.strip() for line in error.format_message().splitlines()).strip().rstrip(".")
+        message = re.sub(r"\. Did you mean (.*)\?$", r", did you mean \1?", message)
         if isinstance(error, click.UsageError) and error.ctx is not None:
             message += f"; see {error.ctx.command_path} --help"
         return _fail([message[:1].lower() + message[1:]], 2)

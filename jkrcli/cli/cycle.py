@@ -117,9 +117,9 @@ class RateOptions:
         """InputError where they say what a body does over time that relaxes and adheres, but not all of it."""
         if self.rate is None and self.named and not (ranged and self.timed):
             raise InputError(
-                f"cycle: {flag(self.named[0])}: adhesion on a viscoelastic specimen is followed over time by a "
-                "cohesive stress: give --stress or --range, and --speed or --program; or none of them, for very fast "
-                "and very slow cycles and one from rest; or --w-approach 0"
+                f"cycle: {flag(self.named[0])}: adhesion of a viscoelastic specimen at a given speed needs a cohesive "
+                "stress or range: add --stress or --range; without --speed the limits are computed (very fast, very "
+                "slow, from rest); without adhesion: --w-approach 0"
             )
 
     def program_of(self, contact: RateContact | RelaxingContact | RelaxingAdhesion) -> Program:

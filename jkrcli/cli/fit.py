@@ -283,7 +283,7 @@ def fit_curves(
     for line in some(reasons):
         warn(f"skipped: {line}")
     drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
-    more = f" ({len(result.fits) - SHOWN:,} more curves)" if len(result.fits) > SHOWN else ""
+    more = f"; the table has all {len(result.outcomes):,} curves" if len(result.fits) > SHOWN else ""
     give(result, output.json, f"  written {request.targets}{drawn}{more_files}{more}")
     for item in result.fits[:SHOWN] if not output.json else []:
         if lines := [*(rivals_table(item) if request.options.rivals else []), *plan_table(item)]:

@@ -53,7 +53,7 @@ OPTIONS = (
     click.option("--half-angle", help='Of a cone, of a pyramid to a face: "35 deg".'),
     click.option("--cap", help="Rounded cone: parabola [default: sphere]."),
     click.option("--E", "modulus", help='Young\'s modulus of the specimen, "5 GPa".'),
-    click.option("--nu", help="Its Poisson's ratio."),
+    click.option("--nu", help="Poisson's ratio of the specimen."),
     click.option("--thickness", help="A layer of this thickness [default: a half-space]."),
     click.option("--base", help="Under the layer: bonded or frictionless [default: bonded]."),
 )  # fmt: skip
@@ -353,27 +353,25 @@ reading_options = as_one(
                  help=f"Unit, whatever the header says, P=nN; keys {', '.join(NAMES.numbers)}, or the name or number "
                  "of a column, deflection=nm."),
     click.option("--factor", "factors", multiple=True, type=options.KeyNumberType(NAMES.numbers),
-                 help="Factor of a quantity, on top of its unit and sign, P=1000."),
+                 help="Multiply a quantity, in addition to its unit, P=1000."),
     click.option("--flip", multiple=True, type=click.Choice(["delta", "P"]),
-                 help="Turn the sign of the file, whatever its header says: of loads that count adhesion positive."),
+                 help="Reverse the sign of a column, such as of loads that count adhesion positive."),
     click.option("--zero", multiple=True, type=options.ScaleType(("delta", "P")),
-                 help='Reading at the contact point, subtracted after the flip: delta="1.2 um".'),
+                 help='Known contact point or force offset, subtracted (after --flip): delta="1.2 um".'),
     click.option("--contact", type=click.Choice(["auto", "fitted", "as-is", "estimate"]), default="auto",
-                 show_default=True, help="Contact point and force offset: fitted together (with baseline, tilt; "
-                 "auto: of raw force curves), as-is, or estimated before from the free part of the approach; of raw "
-                 "force curves "
-                 "the same as fitted."),
+                 show_default=True, help="Contact point and force offset: fitted, as-is (those of the file), or "
+                 "estimate (from the approach before contact). auto and estimate fit them to raw force curves."),
     click.option("--stiffness", type=options.STIFFNESS,
-                 help='The displacement is that of an instrument (piezo) of this stiffness: P/stiffness is subtracted; '
-                 'it makes a force of a deflection. "rigid": nothing is to be subtracted.'),
+                 help='Of the cantilever or machine, "0.2 N/m": a column of deflections times it is the load, and '
+                 'P/stiffness is subtracted from piezo positions. "rigid": nothing is subtracted.'),
     click.option("--sensitivity", type=options.SENSITIVITY,
-                 help='Of a force microscope, "45 nm/V", where its file lacks it: makes a deflection of volts.'),
+                 help='Of a force microscope, "45 nm/V", where the file lacks it: deflection over volts.'),
     click.option("--format", type=click.Choice(["auto", "text", "afm"]), default="auto", show_default=True,
                  help="auto: by content and ending; afm: .csv and .txt of microscopes (needs afmformats)."),
     *SEPARATED,
     click.option("--rows", type=options.ROWS, help="Only these rows of each curve, from 1: 100..900."),
     click.option("--where", multiple=True, type=options.NAMED,
-                 help="Only rows of a segment, of a curve or of one content of a column: segment=retract."),
+                 help="Only rows with this segment, curve number or value of a column: segment=retract."),
 )  # fmt: skip
 
 

@@ -34,7 +34,7 @@ NOT_SUBTRACTED = "the deflection of the cantilever is not subtracted: give --sti
 GAPS = " without a number left out"  # in a flag
 # Another:
 AS_DEPTH = "the displacement is taken as the depth of the tip: give --stiffness if it is that of the instrument"
-ARBITRARY = "arbitrary units until it is given by"  # in a flag
+ARBITRARY = "arbitrary units, give"  # in a flag
 TURNED = ", sign changed"  # in a flag of a displacement: by name or load, or as told; --factor delta=-1 undoes it
 OVERRULED = " as specified, the header of the file says "  # in a flag, between two stiffnesses
 

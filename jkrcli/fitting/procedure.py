@@ -331,18 +331,18 @@ def with_inputs(fitted: Fit, body: FittedBody, stiffness: float | None) -> Fit:
         return fitted
     missing = [] if RADIUS in fitted.settings.uncertain or body.problem.indenter.tip_radius is None else ["radius"]
     if missing and not body.problem.layers:
-        missing = ["radius (E* ~ R^-1/2, w ~ 1/R)"]
+        missing = ["tip radius (E* ~ R^-1/2, w ~ 1/R)"]
     ratio = None if stiffness is None or math.isinf(stiffness) else _stiffness_of_contact(fitted) / stiffness
     if ratio is not None and math.isinf(ratio):  # the fitted line holds no two depths in contact
         ratio = None
     if ratio is not None:
-        of_error = f" (1 % of it is {round(1 + ratio, 1 if ratio < STIFFEST / 5 else None)} % of E*)"
+        of_error = f" (1 % changes E* by {round(1 + ratio, 1 if ratio < STIFFEST / 5 else None)} %)"
         missing += [
             words
             for name, words in (("stiffness", "spring constant"), ("sensitivity", f"sensitivity{of_error}"))
             if name not in fitted.settings.uncertain
         ]
-    words = f"{', '.join(missing)}: --uncertain gives their errors" if missing else ""
+    words = f"{', '.join(missing)}: --uncertain adds their errors" if missing else ""
     fitted = replace(fitted, not_included=words)
     modulus = next((item for item in fitted.estimates if item.name == "E_star"), None)
     if ratio is None or ratio <= STIFFEST or modulus is None or not modulus.free:
@@ -442,7 +442,7 @@ def with_other_profile(fitted: Fit, body: FittedBody, curve: Curve, settings: Se
         return fitted
     others = [two for _, two in reversed(pairs)]
     values = ", ".join(f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension)}" for item in others)
-    words = f"by the {name} of the same radius {values} (a/R up to {largest / R:.2g}); set --shape to your tip"
+    words = f"by the {name} of the same radius {values} (a/R up to {largest / R:.2g}): choose --shape"
     return replace(fitted, tip="; ".join(filter(None, (fitted.tip, words))))
 
 

@@ -260,8 +260,8 @@ def _check_positions(curve: Curve, settings: Settings) -> None:
             raise InputError(f"{curve.where}: {name} needs a column of time, there is none: leave {name} out")
         if beyond_the_record(settings):
             raise InputError(
-                f"{curve.where}: {name} is told by a whole force curve, which knows no range, stress, compliance, "
-                "layers' own parameters, --branch, --noise, --start and --bound: leave these or it out"
+                f"{curve.where}: {name} is fitted to whole force curves only, without range, stress, compliance, "
+                "parameters of single layers, --branch, --noise, --start and --bound: leave out these or {name}"
             )
 
 

@@ -112,7 +112,7 @@ def _flags(rivals: RecordRivals, fit: ForceCurveFit) -> Iterator[tuple[str, str]
     itself."""
     if rivals.named:
         names = " or ".join(f"{one.name} (E* {_by(one.change(one.E_star))})" for one in rivals.named)
-        apart = ", which one step does not separate" if len(rivals.named) > 1 else ""
+        apart = ", not distinguishable by this test" if len(rivals.named) > 1 else ""
         yield REJECTED, f"p = {rivals.chance:.1g}, the residuals favour {names}{apart}"
     if rivals.named and rivals.named[0].of_directions:
         compared = (one for one in rivals.scores if one.of_directions and one.family == MEMORY)

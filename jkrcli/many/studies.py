@@ -339,7 +339,7 @@ def curves_panel(study: Convergence) -> Panel:
     finest = curves[-1][1]
     (delta_unit, delta_label), (P_unit, P_label) = axis_of("delta", finest.delta), axis_of("P", finest.P)
     lines = [
-        Line(curve.delta / delta_unit, curve.P / P_unit, f"{level.unknowns} unknowns", "o", color)
+        Line(curve.delta / delta_unit, curve.P / P_unit, f"{level.unknowns:,} unknowns", "o", color)
         for (level, curve), color in zip(curves, COLORS * len(curves), strict=False)
     ]
     if study.exact is not None and not isinstance(study.exact.curve, Unknown):

@@ -95,7 +95,7 @@ class Check(Result):
             *["  S: punch stiffness dP/d(delta) at fixed contact radius; load and S at equal depth"] * bool(first),
             "  methods   cost and numerical error of each:",
             *options,
-            *_table(rest, "smaller effects, and those included"),
+            *_table(rest, "smaller effects, and what the case includes"),
         ]
 
     @property
@@ -119,8 +119,8 @@ class Check(Result):
             beside = f" (a half-space formula: {show(expected.P / (1 + expected.half_space_error), 'load')})"
         yield f"  reaches   {reached(expected.a, expected.delta, expected.P)}{beside}"
         if expected.profile_error:
-            error = f"{expected.profile_error:.2g}"
-            yield f"  profile   interpolation between its points adds {error} to the relative error of any method"
+            error = tables.percent(expected.profile_error)
+            yield f"  profile   {error} of the load is uncertain by the points of its table, whatever the method"
         for w, point, judged in expected.adhesion:
             regime = f": {judged.regime}" if not isinstance(judged.tabor, Unknown) else ""
             regime = regime if range_ == "" else "" if isinstance(range_, Unknown) else f"; {range_}"

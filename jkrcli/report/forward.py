@@ -139,7 +139,7 @@ def _comparison(result: Analysis) -> Iterator[str]:
 
 
 def _estimate(value: Estimate) -> str:
-    return str(value) if isinstance(value, Unknown) else f"{value:.1e}"
+    return str(value) if isinstance(value, Unknown) else "above 100 %" if value > 1 else f"{value:.1e}"
 
 
 # --------------------------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -21,7 +22,7 @@ from ..base.registry import FIGURES, SUMMARIES, TABLES, WORDS, Result
 from ..base.units import SI, scale, show
 from ..bodies.indenters import Indenter
 from ..data import measured, text_formats
-from ..data.curve import ARBITRARY
+from ..data.curve import ARBITRARY, NOT_SUBTRACTED
 from ..data.segmentation import Direction, ForceCurve, saturation_words, segment_force_curve
 from ..fitting import alternative_tests, alternatives, range_alternative
 from ..fitting.joint import JointFit
@@ -51,6 +52,7 @@ from .tables import DIMENSIONS, quantities, stacked, stiffness, transpose_rows, 
 
 ALWAYS = ("file", "curve", "status", "reason", "points")
 SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
+NUMBER = re.compile(r"[-+]?\d[\d.,e+-]*")  # in a line of text
 ZERO_POINTS = ("delta0", "P0", "tilt")  # told last
 REASONS_SHOWN, LONGEST_REASON = 6, 60  # choice: of a line; letters of one
 LOPSIDED = 0.05  # choice: of an interval, by which its middle may miss the value before its ends are printed
@@ -111,8 +113,15 @@ class Fits(Several):
     @property
     def warnings(self) -> list[str]:
         both = len(_surfaces(self.fits)) > 1
-        named = [(f"{item.where}{f', {item.surface}' if both else ''}", item.warnings) for item in self.fits[:SHOWN]]
-        return [*(f"{where}: {line}" for where, lines in named for line in lines), *self.remarks]
+        alike: dict[str, list[str]] = {}  # by what is left without the numbers, in a map; else each for itself
+        for item in self.fits:
+            where = f"{item.where}{f', {item.surface}' if both else ''}"
+            for line in item.warnings:
+                kind = NUMBER.sub("", line) if len(self.fits) >= LEAST_CURVES else f"{where}: {line}"
+                alike.setdefault(kind, []).append(f"{where}: {line}")
+        each = [lines[0] + f" ({len(lines) - 1:,} more curves with this warning)" * (len(lines) > 1)
+                for lines in alike.values()]  # fmt: skip
+        return [*each, *self.remarks]
 
 
 @TABLES.register(Fit)
@@ -300,7 +309,7 @@ def verdict_words(item: Fit) -> list[str]:
         change = by / item.value("E_star") - 1
         formula = [f"{item.verdict.formula} fit at maximum load would give {show(by, 'modulus', 3)} ({change:+.0%})"]
     others = item.verdict.rivals
-    rejected = f"; rejected for {' or '.join(others.families)}" if others.named else ""
+    rejected = f"; likely cause: {' or '.join(others.families)}" if others.named else ""
     judged = [] if others.named else ["no alternative model is favoured"]
     if tied := item.verdict.tied:
         rejected = f"; by {tied[0].name} ({parameter_words(tied[0])})"
@@ -335,14 +344,14 @@ def _value(item: FittedValue, parts: Mapping[str, float], named: bool) -> str:
 
 
 def with_errors(item: FittedValue, parts: Mapping[str, float], named: bool) -> str:
-    """A value with half-widths, by their kinds where ``named``, in one unit: to the second digit of the whole error, or
-    the first of the smallest part."""
+    """A value with half-widths, by their kinds where ``named``, in one unit: to the second digit of the whole error; a
+    part that is smaller than that to its first."""
     factor, unit = scale(item.value, item.dimension)
     if not parts or not all(0 < size < math.inf for size in parts.values()):
         return show(item.value, item.dimension, 4)
-    whole, least = math.hypot(*parts.values()) / factor, min(parts.values()) / factor
-    places = max(1 - math.floor(math.log10(whole)), -math.floor(math.log10(least)), 0)
-    errors = (f"± {size / factor:.{places}f}" + f" ({kind})" * named for kind, size in parts.items())
+    places = max(1 - math.floor(math.log10(math.hypot(*parts.values()) / factor)), 0)
+    errors = (f"± {size / factor:.{max(places, -math.floor(math.log10(size / factor)))}f}" + f" ({kind})" * named
+              for kind, size in parts.items())  # fmt: skip
     return " ".join([f"{item.value / factor:.{places}f}", *errors, unit]).strip()
 
 
@@ -1017,7 +1026,10 @@ def look_words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
             forces["adhesion force"] = item.adhesion
         forces["largest load"] = max(item.largest, forces.get("largest load", item.largest))
     words = [f"{name} {show(forces[name], 'load', 3)}" for name in ("adhesion force", "largest load") if name in forces]
-    look_verdict = ", ".join(words) or "no force without a base line"
+    look_verdict = ", ".join(words) or "adhesion force unknown, no base line"
+    doubts = [flag for flag in curve.flags if ARBITRARY in flag or flag == NOT_SUBTRACTED]  # of units, told first
+    if any(ARBITRARY in flag for flag in doubts):
+        look_verdict = "adhesion force unknown, loads in arbitrary units"
     head = [f"{look_verdict}: {curve.where}", f"  {len(curve)} rows of {columns}; {parts}"]
     if curve.a is not None and not words:  # readings of a contact, of which none need be free: no base line is sought
         ranges = [
@@ -1030,10 +1042,11 @@ def look_words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
         return [*head, f"  {', '.join(ranges)}", *(f"  {flag}" for flag in curve.flags)]
     return [
         *head,
+        *(f"  {flag}" for flag in doubts),
         *([] if tip is None else [_glance(record, tip)]),
         *(f"  {name}: {sentence}" for name, sentence in record.flags.items()),
         *(f"  {item.segment.kind:8}  {line}" for item in record.directions for line in _direction_words(item)),
-        *(f"  {flag}" for flag in curve.flags),
+        *(f"  {flag}" for flag in curve.flags if flag not in doubts),
     ]
 
 
@@ -1061,4 +1074,4 @@ def _direction_words(item: Direction) -> list[str]:
         return [f"contact from {touch} on, up to {show(item.largest, 'load', 3)}, {jump}", line]
     places = ", ".join(show(jump.position, "length") for jump in item.jumps)
     jumps = {0: "without a jump", 1: f"by one jump at {places}"}.get(count, f"by {count} jumps at {places}")
-    return [f"adhesion force {tension}; free from {touch} on, {jumps}", line]
+    return [f"adhesion force {tension}; out of contact from {touch} on, {jumps}", line]

@@ -369,7 +369,7 @@ class CycledAdhering(AdhesiveHistory, Result):
             *(f"  at {format_state(one, 't')} {format_state(one)}" for one in self.corners if one.t < pulled.t),
         ]
         found = {name: point for name, point in self.limits.items() if not isinstance(point, Unknown)}
-        ranged = {FROM_REST: f"{FROM_REST}, without a range"}
+        ranged = {FROM_REST: f"{FROM_REST}, JKR"}
         forces = [f"{show(-point.P, 'load')} ({ranged.get(name, name)})" for name, point in found.items()]
         if forces:
             lines.append(f"  limits: {', '.join(forces)}")

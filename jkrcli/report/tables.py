@@ -228,6 +228,7 @@ def format_pull_off(
         classical = 1.5 * math.pi * result.w * R
         difference = -classical / loaded[0].P - 1
         words = f"{100 * difference:+.2g} %" if abs(difference) > PRINTED else "the same"
+        words = f"{1 + difference:.2g} times as large" if difference > 1 else words
         beside = f"; 1.5 pi w R = {show(classical, 'load')} ({words})"
     else:
         beside = ""

@@ -65,10 +65,13 @@ class StickingEffect:
 
     @property
     def words(self) -> str:
-        """``1.63 times the load at equal depth, 1.7 times S, 0.956 times the pull-off force``."""
-        pulls = [f"{value:.3g}" for value in self.pull_off.values() if not isinstance(value, Unknown)]
-        parts = [f"{self.load:.3g} times the load at equal depth", f"{self.stiffness:.3g} times S"]
-        return ", ".join(parts + ([f"{' and '.join(dict.fromkeys(pulls))} times the pull-off force"] if pulls else []))
+        """``1.63 times the load at equal depth, 1.7 times S at equal radius, 0.956 times the pull-off force``, the last
+        with each w where they differ."""
+        pulls = {w: f"{value:.3g}" for w, value in self.pull_off.items() if not isinstance(value, Unknown)}
+        alike = len(set(pulls.values())) < 2
+        each = dict.fromkeys(value if alike else f"{value} (w = {show(w, 'work')})" for w, value in pulls.items())
+        parts = [f"{self.load:.3g} times the load at equal depth", f"{self.stiffness:.3g} times S at equal radius"]
+        return ", ".join(parts + ([f"{' and '.join(each)} times the pull-off force"] if pulls else []))
 
     def as_dict(self) -> dict[str, Any]:
         """The radius [m] and the ratios [-] as they stand in JSON."""

@@ -151,8 +151,8 @@ class Compared:
         if source == "assumed":
             return f"{spacing}; where the edge is between them is not known: {c:+.2f} ± {error:.2f} elements taken"
         how = {"body": "corrected", "tip": "corrected by the tip alone"}[source]
-        where = f"{abs(c):.2f} ± {error:.2f} elements {'ahead' if c >= 0 else 'behind'}"
-        return f"{spacing}; the contact edge lies {where}: {how}"
+        where = f"{abs(c):.2f} ± {error:.2f} elements {'outside' if c >= 0 else 'inside'} the node"
+        return f"{spacing}; the contact edge is {where}: {how}"
 
     @property
     def unexplained(self) -> tuple[float, float]:

@@ -479,6 +479,8 @@ def _dialect(
             return dialect, sample
     sheet = path.suffix.lower() in SHEETS
     remedy = "save the sheet as CSV" if sheet else "give --separator and --decimal if they are unusual"
+    if not any(line.strip() for _, line in content):
+        raise InputError(f"{path}: is empty")
     raise InputError(f"{path}: holds no row of at least {least} numbers; {remedy}")
 
 

@@ -187,7 +187,7 @@ REFUSED = {
     ),
     "time in the limits": (
         ("--w-approach", "1 mJ/m^2", "--speed", "1"),
-        "is followed over time by a cohesive stress: give --stress or --range",
+        "needs a cohesive stress or range: add --stress or --range",
     ),
     "too deep": (
         ("--speed", "1", "--to-depth", "2 m"),

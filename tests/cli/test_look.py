@@ -54,6 +54,9 @@ def test_a_rough_w_is_that_of_the_adhesion_force(jkr: Callable[..., Outcome], ta
     done = jkr(*words, "--shape", "cone")
     assert (done.code, done.err) == (2, "jkr: error: look: --half-angle missing\n")
     volts = jkr("look", str(table), "--unit", "P=V", "--no-plots", "--radius", "5 um")
+    first, _, second, *_ = volts.out.splitlines()
+    assert first.startswith("adhesion force unknown, loads in arbitrary units: ")
+    assert second.endswith("loads in arbitrary units, give --sensitivity and --stiffness")
     assert "no rough modulus: loads are in arbitrary units" in volts.out
 
 

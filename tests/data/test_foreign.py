@@ -239,9 +239,7 @@ WRONG = {
     "no table": ("some words\n1 2\n", [
         "t.csv: holds no row of at least 3 numbers; give --separator and --decimal if they are unusual",
     ]),
-    "empty": ("", [
-        "t.csv: holds no row of at least 3 numbers; give --separator and --decimal if they are unusual",
-    ]),
+    "empty": ("\n \n", ["t.csv: is empty"]),
     "beyond the sphere": (table_of([*GOOD, (7e6, 49, 343)]), [
         "t.csv: line 8: contact radius 7 m lies beyond the end of the indenter's profile, 0.001 m; is the unit right?",
     ]),

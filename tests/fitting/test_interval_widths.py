@@ -42,6 +42,7 @@ from jkrcli.fitting.least_squares import (
 from jkrcli.fitting.parameters import ONE_SIDED, ROOT, FittedValue, Parameter
 from jkrcli.fitting.procedure import fit, preferences
 from jkrcli.fitting.rate import LawAlongRecords, law_along_records, rate_fit, rate_settings
+from jkrcli.report.inverse import with_errors
 
 
 # ---------------------------------------------------------------------- closed forms
@@ -77,6 +78,15 @@ def test_systematic_parts_count_as_standard_errors() -> None:
     item = wider(FittedValue("delta0", 1.0, True, "length", 3.0, -5.0, 7.0), {"nu": 4.0, "R": 12.0}, 2.0)
     assert item.error == 13.0
     assert (item.low, item.high) == pytest.approx((1 - 2 * 13.0, 1 + 2 * 13.0))
+
+
+@pytest.mark.parametrize(("parts", "words"), [
+    ((4e-6, 7.053e-3), "55.0 ± 0.004 ± 7.1 mJ/m^2"), ((1.42e-3, 11.4e-3), "55 ± 1 ± 11 mJ/m^2"),
+    ((0.56e-3, 0.15e-3), "55.00 ± 0.56 ± 0.15 mJ/m^2"),
+])  # fmt: skip
+def test_a_value_has_the_digits_that_its_whole_error_leaves(parts: tuple[float, float], words: str) -> None:
+    each = dict(zip(("statistical", "model"), parts, strict=True))
+    assert with_errors(FittedValue("w", 55.001e-3, True, "work"), each, named=False) == words
 
 
 def test_limit_of_a_root_that_a_curve_bends_in() -> None:

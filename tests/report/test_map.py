@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from jkrcli.fitting.procedure import fit_all
 from jkrcli.fitting.settings import settings_of
 from jkrcli.report import plots
 from jkrcli.report.archive import IMAGES
+from jkrcli.report.inverse import Fits
 
 R, E_STAR, K = 5e-6, 20e3, 0.05
 W = {(0, 0): 5e-5, (3, 0): 1e-4, (0, 2): 2e-4, (3, 2): None}  # by column and row; None: no contact there
@@ -147,6 +149,10 @@ def test_curves_without_a_grid_are_drawn_over_their_numbers(tmp_path: Path) -> N
     curves = measured.read(scan(tmp_path / "scan.h5", ("grid index x", *POSITIONS)))
     with executor(1) as pool:
         outcomes = fit_all(body, curves, settings_of(body, (), ()), pool)
+    warned = [replace(one, warnings=(f"a/R = 0.3{i} is above 0.3",)) for i, one in enumerate(outcomes[:3])]
+    (warning,) = Fits(warned, "").warnings  # one line for the same of many curves
+    assert warning.endswith("a/R = 0.30 is above 0.3 (2 more curves with this warning)")
+    assert len(Fits(warned[:2], "").warnings) == 2
     figure = curves_figure([*outcomes[:3], *outcomes[:1]])  # none unusable
     plots.save(figure, [tmp_path / "curves.png"])
     assert all(axes.get_position().height > 0.25 for axes in figure.axes)

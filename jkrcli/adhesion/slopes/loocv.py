@@ -25,6 +25,7 @@ from scipy.optimize import minimize_scalar
 
 from ...base.errors import InputError, Refusal
 from ...base.numerics import NOTICEABLE, Array
+from ...base.units import show
 from ...series import Series
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 
@@ -304,7 +305,7 @@ def loocv(series: Series, criterion: Criterion = "loocv", keep_S: bool = False) 
         reached = int(np.sum(np.abs(bias) / dS > NOTICEABLE))
         flags = (
             f"natural end of the smoothing spline: dS/da is off by about {100 * relative:.2g} % at the largest radius "
-            f"{series.a[-1]:.4g} m, by more than {100 * NOTICEABLE:g} % at the last {reached} points",
+            f"{show(float(series.a[-1]), 'length')}, by more than {100 * NOTICEABLE:g} % at the last {reached} points",
         )
     error = shift_error(dS, covariance, TWO_SIDED_90)
     bound = {

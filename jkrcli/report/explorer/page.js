@@ -161,7 +161,7 @@ function judge(curve, point, chosen) {
   if (tabor && curve.w > 0 && !wets(curve)) {
     const number = tabor.number * (curve.w / tabor.w / curve.factor) ** (2 / 3);
     const holds = tabor.limits.find(([limit]) => number > limit)[1], strains = strained(curve.w / curve.factor);
-    lines.push(`Tabor number ${plain(number, 3)}: ${strains && strains.size > 0.01 ? "JKR is doubtful" : holds}.`);
+    lines.push(`Tabor number ${plain(number, 3)}: ${strains && strains.size > 0.01 ? "short-range adhesion, but large strains" : holds}.`);
     if (strains) lines.push(`Large strains: ${strains.words}.`);
   }
   if (R && !point.reason) lines.push(`a/R at pull-off: ${plain(point.a / R, 3)}.`);

@@ -64,7 +64,7 @@ PHASES = {  # colour, width and words; the last drawn the thinnest
 }
 SPACING = 0.06  # between markers, of the diagonal of the axes
 PANELS: tuple[tuple[str, str, Box], ...] = (  # x, y, and where no curve passes: P(delta) is convex, a(P) concave
-    ("delta", "P", (0.13, 0.53, 0.42, 0.45)),
+    ("delta", "P", (0.17, 0.53, 0.38, 0.45)),
     ("P", "a", (0.55, 0.13, 0.43, 0.45)),
 )
 
@@ -107,6 +107,7 @@ def curves_figure(results: Sequence[Analysis], units: Scales) -> Figure:
                 point = result.pull_off["load"]
                 if isinstance(point, CriticalPoint):
                     axes.plot(*_xy(point, units, x, y), "o", color=color, ms=4)
+            axes.plot([], [], "o", color=BLACK, ms=4, label="pull-off (load control)")
             axes.set(xlabel=units.label(x), ylabel=units.label(y))
             if any(_dwarfed(result.curve) for result in results):
                 shown = [_xy(result.curve, units, x, y)[:, rows] for result, rows in zip(results, near, strict=True)]

@@ -168,7 +168,7 @@ def _region(axes: Axes, fit: Fit) -> None:
     x, y = radius * size[:, None] * (root @ np.stack([np.cos(angle), np.sin(angle)]))
     E, w = x, y
     E, w = (fit.value("modulus") + E) * factor, (fit.value("w") + w) / w_unit
-    axes.plot(E, w, "-", color=ORANGE, label=f"{fit.settings.level * 100:g} % region")
+    axes.plot(E, w, "-", color=ORANGE, label=f"{fit.settings.level * 100:g} % region (statistical)")
     axes.plot(fit.value("E_star") / E_unit, fit.value("w") / w_unit, "+", color=BLUE, ms=8)
     axes.set(xlabel=E_label, ylabel=w_label)
     axes.ticklabel_format(useOffset=False)

@@ -6,6 +6,7 @@ import csv
 import dataclasses
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -115,10 +116,8 @@ def test_keys_of_an_indenter_of_ones_own_are_checked(tmp_path: Path) -> None:
         f"jkr: error: {tmp_path}/my.toml: indenter.kk: unknown key, did you mean \"k\"? "
         "(allowed: E, nu, layers, shape, radius, k)\n"
     )  # fmt: skip
-    assert shape.err.endswith(
-        "indenter.shape: must be one of sphere, paraboloid, power, cone, flat, rounded-cone, pyramid, "
-        "three-sided-pyramid, table, aspheric, "
-        'got "asferic", did you mean "aspheric"?\n'
+    assert re.search(
+        r'one of sphere, .*, aspheric, got "asferic", did you mean "aspheric"\?$', shape.err
     )
 
 

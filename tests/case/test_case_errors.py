@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jkrcli.base.errors import InputError
+from jkrcli.bodies.indenters import SHAPES
 from jkrcli.case.reading import load_case, parse_case
 
 GOOD = """
@@ -71,9 +72,7 @@ ONE_CHANGE = {
     "unknown shape": (
         '"sphere"',
         '"spere"',
-        "indenter.shape: must be one of sphere, paraboloid, power, cone, flat, rounded-cone, "
-        "pyramid, three-sided-pyramid, table, "
-        'got "spere", did you mean "sphere"?',
+        f'indenter.shape: must be one of {", ".join(SHAPES)}, got "spere", did you mean "sphere"?',
     ),
     "missing shape": ('shape = "sphere"', "", "indenter.shape: is required"),
     "two goals": (

@@ -116,9 +116,7 @@ def test_keys_of_an_indenter_of_ones_own_are_checked(tmp_path: Path) -> None:
         f"jkr: error: {tmp_path}/my.toml: indenter.kk: unknown key, did you mean \"k\"? "
         "(allowed: E, nu, layers, shape, radius, k)\n"
     )  # fmt: skip
-    assert re.search(
-        r'one of sphere, .*, aspheric, got "asferic", did you mean "aspheric"\?$', shape.err
-    )
+    assert re.search(r'one of sphere, .*, aspheric, got "asferic", did you mean "aspheric"\?$', shape.err)
 
 
 def test_a_method_of_ones_own(tmp_path: Path) -> None:

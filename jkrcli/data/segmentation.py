@@ -470,7 +470,7 @@ def _end_of_free_part(x: Array, y: Array) -> int:
     end = max(_best_cut(x, y), 5)
     for _ in range(2):
         sure = max(round(RECORD_INSIDE * end), 5)
-        off = y - _polynomial(x[:sure], y[:sure], 1)(x)
+        off = y - _straight(x[:sure], y[:sure])(x)
         inner = _blocks(off[:sure], size)
         scatter = max(float(np.sqrt(np.mean(inner**2))), _robust(np.diff(y, 2)) / math.sqrt(6 * size))
         least = RECORD_LEAST * float(np.ptp(y[: 2 * end]))
@@ -506,7 +506,7 @@ def _misfits(x: Array, y: Array, degree: int, rows: Array) -> Array:
 def _base_line(x: Array, y: Array, end: int) -> BaseLine:
     """The straight line through the first ``end`` rows."""
     at = float(x[end - 1])
-    line = _polynomial(x[:end] - at, y[:end], 1)
+    line = _straight(x[:end] - at, y[:end])
     off = y[:end] - line(x[:end] - at)
     rounding = resolution(y) / math.sqrt(12)
     noise = max(_robust(np.diff(off, 2)) / math.sqrt(6) if end > 3 else 0.0, rounding)
@@ -539,15 +539,17 @@ def _is_curved(x: Array, y: Array, end: int) -> bool:
 
 def _left(x: Array, y: Array, degree: int) -> float:
     """Root mean square of what the polynomial of ``degree`` leaves."""
-    return float(np.std(y - _polynomial(x, y, degree)(x)))
+    way = float(np.ptp(x)) or 1.0
+    powers = np.vander((x - float(x.min())) / way * 2 - 1, degree + 1)
+    normal = powers.T @ powers
+    left: Array = y - powers @ np.linalg.lstsq(normal, powers.T @ y, rcond=None)[0]
+    return float(np.std(left))
 
 
-def _polynomial(x: Array, y: Array, degree: int) -> np.polynomial.Polynomial:
-    """The polynomial of ``degree`` through rows; their mean where the device stands still."""
+def _straight(x: Array, y: Array) -> np.polynomial.Polynomial:
+    """The straight line through rows; their mean where the device stands still."""
     if np.ptp(x) == 0:
         return np.polynomial.Polynomial([y.mean()])
-    if degree > 1:
-        return np.polynomial.Polynomial.fit(x, y, degree)
     middle = x.mean()
     tilt = (x - middle) @ y / ((x - middle) @ (x - middle))
     return np.polynomial.Polynomial([y.mean() - tilt * middle, tilt])

@@ -185,9 +185,10 @@ def rivals_of_record(record: FittedRecord) -> RecordRivals:
     dofs = _noise_dofs(record.fit, unit)
     evidence = zip(sizes.tolist(), along.tolist(), np.linalg.norm(c, axis=0).tolist(), dofs,
                    _chances(record, unit, rows, along**2, dofs).tolist(), strict=True)  # fmt: skip
+    rates, errors = (_by_moves(record.fit) @ moves).T.tolist(), relative_errors(record.fit)
     scores = [
-        _score(record, rival, _Evidence(*items, len(by_rival), misfit), _rates(record.fit, move))
-        for rival, items, move in zip(by_rival, evidence, moves.T, strict=True)
+        _score(record, rival, _Evidence(*items, len(by_rival), misfit), (E, w), errors)
+        for rival, items, (E, w) in zip(by_rival, evidence, rates, strict=True)
     ]
     return RecordRivals(tuple(scores), _named(scores, unit), misfit, dof, loose)
 
@@ -206,8 +207,11 @@ class _Evidence:
     misfit: float
 
 
-def _score(record: FittedRecord, rival: AlternativeModel, by: _Evidence, rates: tuple[float, float]) -> Score:
-    """The score of a rival that moves the logs of E* and w at these ``rates`` per amount."""
+def _score(
+    record: FittedRecord, rival: AlternativeModel, by: _Evidence, rates: tuple[float, float],
+    errors: tuple[float, float],
+) -> Score:  # fmt: skip
+    """The score of a rival that moves the logs of E* and w at these ``rates`` per amount; ``errors``: theirs."""
     most, quantile, (low, high) = rival.likely_in(record), record.known.quantile, rival.limits
     labels, likely = (rival.name, rival.family, rival.amount, rival.of_directions), (max(low, -most), most)
     if by.size <= UNSEEN * by.whole:
@@ -217,8 +221,7 @@ def _score(record: FittedRecord, rival: AlternativeModel, by: _Evidence, rates: 
     detected = (
         SCORE_OVER * low - room <= amount <= SCORE_OVER * high + room
         and by.chance * by.rivals < SCORE_CHANCE
-        and any(abs(rate * amount) > SCORE_MOVES * own
-                for rate, own in zip(rates, relative_errors(record.fit), strict=True))
+        and any(abs(rate * amount) > SCORE_MOVES * own for rate, own in zip(rates, errors, strict=True))
     )  # fmt: skip
     end = abs(amount) + t_quantile(0.95, round(by.dof)) * error
     excluded = max(map(abs, rates)) * end < SCORE_MATTERS
@@ -384,10 +387,10 @@ def least_taken(most: float) -> float:
     return min(most - SCORE_TIED, SCORE_NEAR * most)
 
 
-def _rates(fit: ForceCurveFit, moves: Array) -> tuple[float, float]:
-    """Changes of the logs of E* and w with ``moves`` of the unknowns."""
-    by = dict(zip(fit.names, moves, strict=True))
-    return float(by.get("ln_s", 0.0)), float(sum(rate * by.get(name, 0.0) for name, rate in _by_unknown(fit).items()))
+def _by_moves(fit: ForceCurveFit) -> Array:
+    """Changes of the logs of E* and w with moves of the unknowns, (2, unknowns)."""
+    by = _by_unknown(fit)
+    return np.array([[float(name == "ln_s") for name in fit.names], [by.get(name, 0.0) for name in fit.names]])
 
 
 def _by_unknown(fit: ForceCurveFit) -> dict[str, float]:
@@ -495,10 +498,10 @@ def _bounded(near: Linearised, score: Score) -> Score:
     certain = max(score.amount, 0.0) + FULL_EXCLUDED * score.error
     long = ranged and amount_of_range(record, FULL_RANGES[-1] * neck(record)) <= certain
     seen = replace(score, amount=best, error=error) if ranged else score
-    rates = _rates(record.fit, ahead)
-    if seen.most > 0 and not (long or tense) and max(map(abs, rates)) * seen.most < FULL_LINEAR * SCORE_MATTERS:
-        if not (ranged and _by_chance(record, falls)):
-            return replace(seen, E_star=rates[0], w=rates[1], word=EXCLUDED if ranged else score.word)
+    rates = _by_moves(record.fit) @ ahead
+    little = seen.most > 0 and float(np.abs(rates).max()) * seen.most < FULL_LINEAR * SCORE_MATTERS
+    if little and not (tense or long or (ranged and _by_chance(record, falls))):
+        return replace(seen, E_star=float(rates[0]), w=float(rates[1]), word=EXCLUDED if ranged else score.word)
     change = rival.effect(record)
     if not isinstance(change, Perturbation):
         return score

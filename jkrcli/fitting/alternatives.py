@@ -130,10 +130,11 @@ def perturbed_logs(family: Family, D: Array, S: Array) -> Array:
     """Changes of the logs of D, T, H, V (4, n) on the grid of a body whose logs of displacement and stiffness change by
     ``D`` and ``S`` there: P_H = int S d(delta_H), and adhesion follows from S'."""
     u = grid(family)
+    step = float(u[1] - u[0])
     (d, t, _, v), (dD, dT, _, dV), _ = on_grid(family)
     s, ds = v / t, v / t * (dV / v - dT / t)
-    dS = np.exp(S) * (ds + s * np.gradient(S, u, edge_order=2))
-    rate = s * np.exp(S + D) * (dD + d * np.gradient(D, u, edge_order=2))
+    dS = np.exp(S) * (ds + s * np.gradient(S, step, edge_order=2))
+    rate = s * np.exp(S + D) * (dD + d * np.gradient(D, step, edge_order=2))
     T = np.log(ds / dS) / 2
     return np.stack([D, T, np.log(_integral(u, rate) / _plain_integral(family)), S + T])
 
@@ -448,6 +449,19 @@ class FittedRecord:
         return [None if (g := each(model, part, values)) is None else g / LITTLE for part in model.stretches]
 
     @cached_property
+    def histories(self) -> list[_History]:
+        """The rows of each stretch in contact, in order of position; the base line is the mean of the free rows."""
+        (P_H, S), each = self.nonadhesive, []
+        for part, (a, _) in zip(self.model.stretches, self.radii, strict=True):
+            rows, touching = self.rows(part), a > 0
+            P = part.P + self.residuals[rows]
+            base = P[~touching].mean() if (~touching).any() else 0.0
+            t, delta = self.time(part), self.model.depth(part, self.values) - (P - base) / self.model.k
+            whole = _History(-t if part.kind == APPROACH else t, delta, a, P_H[rows], S[rows])
+            each.append(whole.ordered(touching))
+        return each
+
+    @cached_property
     def reach(self) -> float:
         """How far the device moves in contact [m]."""
         return max(part.reach for part in self.model.stretches)
@@ -589,7 +603,7 @@ def finite_range(record: FittedRecord) -> Perturbation | None:
     def log_changes(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> Array | None:
         s = math.exp(values["ln_s"])
         w, z0 = values[f"q:{part.kind}"] * s, range_of(record, values[AMOUNT])
-        return None if w <= 0 or z0 == 0 else _maugis(plain.family, s * E_star, w, z0)
+        return None if w <= 0 or z0 in (0, math.inf) else _maugis(plain.family, s * E_star, w, z0)
 
     starts = tuple((amount_of_range(record, neck(record) / mu),) for mu in ADHESION_TABOR)
     most = amount_of_range(record, ADHESION_ENDLESS * neck(record))
@@ -626,7 +640,8 @@ def amount_of_range(record: FittedRecord, z0: float) -> float:
 
 def range_of(record: FittedRecord, amount: float) -> float:
     """The range [m] of an amount."""
-    return narrow_range(record) * math.sqrt(amount / (1 - amount / (neck(record) / narrow_range(record)) ** 2))
+    least = (neck(record) / narrow_range(record)) ** 2  # of an endless range
+    return narrow_range(record) * math.sqrt(amount / (1 - amount / least)) if amount < least else math.inf
 
 
 def _maugis(family: Family, E: float, w: float, z0: float) -> Array:
@@ -1018,7 +1033,7 @@ RELAXATION_COARSER = 2  # choice: steps joined in histories, 1e-5 of the loads
 RELAXATION_GROWS = 0.02  # choice: of the depth, by which a contact may grow again: noise of the deflection
 RELAXATION_TIMES = 50  # choice: instants of each direction at which those loads are solved; splines between them
 RELAXATION_SMOOTH = 2 / 3  # theory: power of the load in which they are drawn, at first contact it is delta^1.5
-RELAXATION_INSTANTS = 100  # choice: at which hereditary integrals are taken
+RELAXATION_INSTANTS = 60  # choice: at which hereditary integrals are taken; 100 change columns by 1e-3
 
 
 TIME = "relaxation_time"
@@ -1071,35 +1086,32 @@ def _first_order(record: FittedRecord, memory: Memory) -> Array | None:
     touching = [a > 0 for a, _ in record.radii]
     if min(map(np.count_nonzero, touching)) < 4:
         return None
-    growing, shrinking = (_history(record, part) for part in record.model.stretches)
+    growing, shrinking = record.histories
     into, out = _ting(memory, growing, shrinking.ordered(slice(None, None, -1)))
     column = np.zeros(record.a.size)
     column[np.concatenate(touching)] = np.concatenate([into, out[::-1]])
     return column * record.at_fixed_position
 
 
-def _history(record: FittedRecord, part: DirectionReadings) -> _History:
-    """The rows of a stretch in contact, in order of position; the base line is the mean of the free rows."""
-    rows, (a, _) = record.rows(part), record.radii_of(part)
-    P, touching = part.P + record.residuals[rows], a > 0
-    base = P[~touching].mean() if (~touching).any() else 0.0
-    t, delta = record.time(part), record.model.depth(part, record.values) - (P - base) / record.model.k
-    P_H, S = (column[rows] for column in record.nonadhesive)
-    return _History(-t if part.kind == APPROACH else t, delta, a, P_H, S).ordered(touching)
-
-
 def _ting(memory: Memory, growing: _History, shrinking: _History) -> tuple[Array, Array]:
     """Changes of load per amount at the rows of both, in order of time."""
     into, out = growing.thinned, shrinking.thinned
     middle, dP = np.append(into.t[0], (into.t[1:] + into.t[:-1]) / 2), np.diff(into.P_H, prepend=0.0)
-    ages = into.t[:, None] - middle
-    grown = -np.where(ages >= 0, memory(np.maximum(ages, 0)), 0.0) @ dP
-    first = np.interp(out.a, np.maximum.accumulate(into.a), into.t)  # t1
-    before = np.where(middle <= first[:, None], memory(out.t[:, None] - middle), 0.0) @ dP
+
+    def remembered(t: Array, times: Array, counted: Array | bool, steps: Array) -> Array:
+        """The sum of the memory of what was ``counted`` of the ``steps`` at these ``times``, at instants ``t``."""
+        ages = t[:, None] - times
+        counted = counted & (ages >= 0)
+        each = np.zeros_like(ages)
+        each[counted] = memory(ages[counted])
+        return each @ steps
+
+    grown = -remembered(into.t, middle, True, dP)
+    first = np.interp(out.a, np.maximum.accumulate(into.a), into.t)[:, None]  # t1
+    before = remembered(out.t, middle, middle <= first, dP)
     times = np.concatenate([middle, (out.t + np.append(0.0, out.t[:-1])) / 2])
     steps = np.diff(np.concatenate([into.delta, out.delta]), prepend=into.delta[0])
-    ages = out.t[:, None] - times
-    since = np.where((times > first[:, None]) & (ages >= 0), memory(np.maximum(ages, 0)), 0.0) @ steps
+    since = remembered(out.t, times, times > first, steps)
     shrunk = -(before + out.S * since)
     return np.interp(growing.t, into.t, grown), np.interp(shrinking.t, out.t, shrunk)
 

@@ -185,6 +185,16 @@ class DirectionReadings:
         return float(np.median(steps)) or float(np.mean(steps))
 
     @cached_property
+    def along(self) -> Array:
+        """Way of the device from the first row on [m]."""
+        return self.z - self.z[0]
+
+    @cached_property
+    def contact(self) -> Array:
+        """The numbers of the rows in contact, where these are known."""
+        return np.flatnonzero(self.touching)
+
+    @cached_property
     def travel(self) -> float:
         """How far the device moves in all [m]."""
         return self.turn - float(self.z.min())
@@ -373,7 +383,7 @@ class ForceCurveModel:
     def depth(self, part: DirectionReadings, values: Mapping[str, float]) -> Array:
         """Position of the device beyond its zero [m], at all rows of a stretch."""
         depth: Array = part.z - values["z0"]
-        for name, by in self.misplaced(part).items():
+        for name, by in self.misplaced(part).items() if self.positions else ():
             depth += values[name] * by
         return depth
 
@@ -455,23 +465,32 @@ class ForceCurveModel:
 
     def evaluated(self, x: Array, blunt: float) -> tuple[Array, Array]:
         """The same anew."""
-        values, names = self.values(x), {name: i for i, name in enumerate(self.names)}
-        ends = np.cumsum([0] + [part.P.size for part in self.stretches])
-        off, rates = np.empty(ends[-1]), np.zeros((x.size, ends[-1]))
-        for part, first, last in zip(self.stretches, ends[:-1], ends[1:], strict=True):
+        values, place = self.values(x), self.places
+        off, rates = np.empty(self.ends[-1]), np.zeros((x.size, self.ends[-1]))
+        for part, first, last in zip(self.stretches, self.ends[:-1], self.ends[1:], strict=True):
             load, by = self._contact(part, values, blunt)
             line, by_line = base_line(part, values)
             off[first:last] = line + load - part.P
-            for name, column in {**by, **by_line}.items():
-                if name in names:
-                    rates[names[name], first:last] = column
+            for name, column in itertools.chain(by.items(), by_line.items()):
+                if name in place:
+                    rates[place[name], first:last] = column
         return off, rates.T
+
+    @cached_property
+    def places(self) -> dict[str, int]:
+        """The place of each unknown among all, by name."""
+        return {name: i for i, name in enumerate(self.names)}
+
+    @cached_property
+    def ends(self) -> list[int]:
+        """Where the rows of each stretch begin among all, and their number."""
+        return list(itertools.accumulate((part.P.size for part in self.stretches), initial=0))
 
     def off(self, x: Array, blunt: float) -> Array:
         """Model minus reading [N] of all rows."""
         values = self.values(x)
         parts = (base_line(part, values)[0] + self._load(part, values, blunt) - part.P for part in self.stretches)
-        return np.concatenate([*parts])
+        return np.concatenate(list(parts))
 
     def by_position(self, x: Array) -> Array:
         """Derivative of the loads of all rows by their positions [N/m], the turn and the base lines where they are."""
@@ -493,7 +512,7 @@ class ForceCurveModel:
         """The branch and the resting edge of a stretch, the depth [m] of all rows, and the numbers of those at which
         the edge moves, and of those at which it rests."""
         moving, resting, depth = self.branch(part, values), self.rest(part, values), self.depth(part, values)
-        rows = np.flatnonzero(self.touching(part, values, moving.fold))
+        rows = part.contact if part.jumped else self.touching(part, values, moving.fold).nonzero()[0]
         if resting is None:
             return moving, None, depth, rows, rows[:0]
         rests = depth[rows] > resting.end
@@ -505,29 +524,25 @@ class ForceCurveModel:
         """Load of the contact at all rows of a stretch, and its derivatives by name."""
         moving, resting, depth, rows, still = self._edges(part, values)
         own, q = f"q:{part.kind}", values[f"q:{part.kind}"]
-        P, by = np.zeros(depth.size), np.zeros((3, depth.size))  # by ln s, own q, z
-        P[rows], by[:, rows] = moving.at(depth[rows], blunt * part.reach if blunt else part.spacing / 2)
-        by_s, by_q, by_z = by
+        # The load, its derivatives by ln s, own q, z, and of the edge at rest by the root of q before and by the turn.
+        P, by_s, by_q, by_z, by_before, by_turn = columns = np.zeros((6, depth.size))
+        P[rows], columns[1:4, rows] = moving.at(depth[rows], blunt * part.reach if blunt else part.spacing / 2)
         more: dict[str, Array] = {}
         if resting is not None:
-            by_before, by_turn = np.zeros((2, depth.size))  # the root of q before, the turn
             P[still], (by_s[still], by_before[still], by_z[still], by_turn[still]) = resting.at(depth[still])
             root = math.sqrt(max(q, 1e-300))
-            by_q += by_before * (values.get("turn", 0.0) / (2 * root))
-            more = {"turn": by_before * root, **_by_advance(self.stretches[0], part, values, by_before)}
+            if "turn" in values:
+                by_q += by_before * (values["turn"] / (2 * root))
+                more["turn"] = by_before * root
+            more |= _by_advance(self.stretches[0], part, values, by_before)
         elif part is self.stretches[0] and (name := f"r:{part.kind}") in values:
             more = {name: 2 * abs(values[name]) * by_q}
-        by_z0 = -by_z if resting is None else -by_z - by_turn
-        for name, misplaced in self.misplaced(part).items():
+        for name, misplaced in self.misplaced(part).items() if self.positions else ():
             more[name] = by_z * misplaced
             if name == "creep" and resting is not None:
                 more[name] += by_turn * self.deepened(part, values)
-        return P, {
-            "ln_s": by_s - q * by_q if part.kind in self.works else by_s,
-            "z": by_z,
-            "z0": by_z0,
-            own: by_q,
-        } | more
+        by_modulus = by_s - q * by_q if part.kind in self.works else by_s
+        return P, {"ln_s": by_modulus, "z": by_z, "z0": -by_z - by_turn, own: by_q} | more
 
     def by_body(self, x: Array, changes: Sequence[Sequence[Array | None]]) -> Array:
         """Derivatives of the loads of all rows, (changes, rows), by an amount of each of the ``changes`` of the body:
@@ -556,19 +571,19 @@ def _by_advance(
     return {f"q:{first.kind}": by_before / (2 * math.sqrt(q))} if q > 0 else {}
 
 
-def base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Array, dict[str, Array]]:
+def base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Array, dict[str, Array | float]]:
     """Load of the base line of a stretch at all its rows, and its derivatives by name."""
-    along = part.z - part.z[0]
-    line = values[f"offset:{part.kind}"] + values[f"tilt:{part.kind}"] * along
-    by = {f"offset:{part.kind}": np.ones_like(along), f"tilt:{part.kind}": along}
+    along, offset, tilt = part.along, f"offset:{part.kind}", f"tilt:{part.kind}"
+    line = values[offset] + values[tilt] * along
+    by: dict[str, Array | float] = {offset: 1.0, tilt: along}
     if part.wave is None:
         return line, by
     way, period = part.z - part.wave.at, math.exp(values["ln_period"])
     c, s = values[f"cos:{part.kind}"], values[f"sin:{part.kind}"]
     cos, sin = parts(way, period).T
-    waves = {"ln_period": 2 * math.pi * way / period * (c * sin - s * cos), f"cos:{part.kind}": cos,
-             f"sin:{part.kind}": sin}  # fmt: skip
-    return line + c * cos + s * sin, by | waves
+    by |= {"ln_period": 2 * math.pi * way / period * (c * sin - s * cos), f"cos:{part.kind}": cos,
+           f"sin:{part.kind}": sin}  # fmt: skip
+    return line + c * cos + s * sin, by
 
 
 # --------------------------------------------------------------------------------------------------
@@ -632,18 +647,18 @@ def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tup
     modulus, work = model.known.get("ln_s"), model.works.get(part.kind)
     best = (math.inf, 0.0, 0.0, 0.0)
     points = _contact_points(part, delta, rows)
+    if part.jumped:  # the others are free
+        delta, net = delta[part.touching[rows]], net[part.touching[rows]]
     for r in _shapes(D, T) if part.jumped and work != 0 else (0.0,):
         path, load = D - r * T, H - r * V
         fold = int(np.argmin(path))
         zeros = points - float(path[fold]) if part.jumped else points
         basis = np.interp(delta - zeros[:, None], path[fold:], load[fold:], left=0.0 if not part.jumped else None)
-        if part.jumped:
-            basis = np.where(part.touching[rows], basis, 0.0)
-        size = np.sum(basis**2, axis=1)
-        factors = basis @ net / np.where(size > 0, size, np.inf)
+        size, along = np.einsum("ij,ij->i", basis, basis), basis @ net
+        factors = along / np.where(size > 0, size, np.inf)
         if modulus is not None or work:
             factors[:] = math.exp(modulus) if modulus is not None else (work or 0.0) / r**2 if r else 0.0
-        costs = np.sum((net - factors[:, None] * basis) ** 2, axis=1)
+        costs = float(net @ net) + factors * (factors * size - 2 * along)
         at = int(np.argmin(np.where(factors > 0, costs, np.inf)))
         if factors[at] > 0 and costs[at] < best[0]:
             best = (float(costs[at]), float(factors[at]), float(zeros[at]), float(r))

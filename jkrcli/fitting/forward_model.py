@@ -24,7 +24,7 @@ from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.slopes.choice import slopes
 from ..adhesion.slopes.result import Slopes
 from ..base.errors import InputError, JkrError, Refusal, SolveError
-from ..base.numerics import LOOKED_AT, MOST_STEPS, REMEMBERED, ROUNDED, ROWS, SAME, SETTLED, UNSEEN, Array
+from ..base.numerics import LOOKED_AT, MOST_STEPS, REMEMBERED, ROUNDED, ROWS, SAME, SETTLED, TINY, UNSEEN, Array
 from ..base.units import show
 from ..bodies.indenters import Indenter
 from ..bodies.problem import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal, without_side_walls
@@ -561,11 +561,6 @@ DEVICE_PATH_BELOW = 4.0  # choice: of log a below the series, where its limit by
 DEVICE_PATH_BEYOND = 0.5  # choice: of log a above the series, tried while starting values are sought; no step is longer
 
 
-# Quintics through values and two derivatives at 0 and at 1 (rows), by powers of x (columns):
-HERMITE = np.array([[1, 0, 0, -10, 15, -6], [0, 1, 0, -6, 8, -3], [0, 0, 0.5, -1.5, 1.5, -0.5],
-                    [0, 0, 0, 10, -15, 6], [0, 0, 0, -4, 7, -3], [0, 0, 0, 0.5, -1, 0.5]])  # fmt: skip
-
-
 def grid(family: Family) -> Array:
     """Logs of contact radii at which paths are tabulated; loads between them are good to 1e-7 of the largest."""
     return _between(family.low, family.high)
@@ -599,32 +594,35 @@ class Nodes:
         (T, dT, _), (V, dV, _) = functions[1], functions[3]
         return cls(family, grid(family), functions, dV * T - V * dT)
 
-    def at(self, u: float) -> Array:
-        """D, T, H, V and their derivatives at one place (3, 4), good to rounding."""
-        place = (u - float(self.u[0])) / float(self.u[1] - self.u[0])
-        i = math.floor(place)
+    @cached_property
+    def spacing(self) -> tuple[float, float]:
+        """Where the nodes begin, and how far they are apart."""
+        return float(self.u[0]), float(self.u[-1] - self.u[0]) / (self.u.size - 1)
+
+    def at(self, u: float) -> list[list[float]]:
+        """D, T, H, V and their derivatives at one place (4, 3), good to rounding: of their logs, quintics through
+        values and two derivatives at the nodes beside it."""
+        begin, h = self.spacing
+        i = math.floor((u - begin) / h)
         if not 0 <= i < self.u.size - 1:
-            return np.stack(self.family.at(np.array([u])))[..., 0]
-        x, per = place - i, (self.u.size - 1) / float(self.u[-1] - self.u[0])
-        value, first, second = self.functions[..., i : i + 2].transpose(1, 2, 0)
-        rate = first / value
-        logs = np.stack([np.log(value), rate / per, (second / value - rate**2) / per**2], axis=1)
-        x2, x3, per2 = x * x, x * x * x, per * per
-        powers = np.array([
-            [1, x, x2, x3, x2 * x2, x2 * x3], [0, per, 2 * x * per, 3 * x2 * per, 4 * x3 * per, 5 * x2 * x2 * per],
-            [0, 0, 2 * per2, 6 * x * per2, 12 * x2 * per2, 20 * x3 * per2],
-        ])  # fmt: skip
-        functions: Array = powers @ (HERMITE.T @ logs.reshape(6, 4))
-        functions[0] = np.exp(functions[0])
-        functions[2] += functions[1] ** 2
-        functions[1:] *= functions[0]
-        return functions
+            return [[float(one[j, 0]) for one in self.family.at(np.array([u]))] for j in range(FUNCTIONS)]
+        x, each = (u - begin) / h - i, []
+        for (v, v1), (d, d1), (b, b1) in self.functions[..., i : i + 2].tolist():
+            d, d1 = d / v * h, d1 / v1 * h
+            c, c1, log = (b / v * h * h - d * d) / 2, b1 / v1 * h * h - d1 * d1, math.log(v)
+            e, g, q = math.log(v1) - log - d - c, d1 - d - 2 * c, c1 / 2 - c
+            c3, c4, c5 = 10 * e - 4 * g + q, 7 * g - 15 * e - 2 * q, 6 * e - 3 * g + q
+            value = math.exp(log + x * (d + x * (c + x * (c3 + x * (c4 + x * c5)))))
+            first = (d + x * (2 * c + x * (3 * c3 + x * (4 * c4 + x * 5 * c5)))) / h
+            second = (2 * c + x * (6 * c3 + x * (12 * c4 + x * 20 * c5))) / (h * h)
+            each.append([value, value * first, value * (second + first * first)])
+        return each
 
 
 def _path(s: float, r: float, k: float, functions: Array) -> Array:
     """Position and load of an edge that moves, by ``functions`` D, T, H, V (4, ...)."""
-    of_four = np.array([[1.0, -r, s / k, -s * r / k], [0.0, 0.0, s, -s * r]])
-    path: Array = (of_four @ functions.reshape(4, -1)).reshape(2, *functions.shape[1:])
+    of_four = np.array([1.0, -r, s / k, -s * r / k, 0.0, 0.0, s, -s * r]).reshape(2, FUNCTIONS)
+    path: Array = (of_four @ functions.reshape(FUNCTIONS, -1)).reshape(2, *functions.shape[1:])
     return path
 
 
@@ -660,19 +658,24 @@ class DeviceBranch:
     @cached_property
     def cubics(self) -> Array:
         """Between nodes: where they begin, the inverse width, and the load's coefficients of a cubic (6, n - 1)."""
-        first, left, cubics = self.zeta[:-1], self.P[:-1], np.empty((6, self.zeta.size - 1))
+        cubics = np.empty((6, self.zeta.size - 1))
+        first, per, left, c1, c2, c3 = cubics
+        first[:], left[:] = self.zeta[:-1], self.P[:-1]
         width, rise = self.zeta[1:] - first, self.P[1:] - left
-        cubics[0], cubics[1], cubics[2], cubics[3] = first, 1 / width, left, self.slope[:-1] * width
-        cubics[5] = cubics[3] + self.slope[1:] * width - 2 * rise
-        cubics[4] = rise - cubics[3] - cubics[5]
+        np.divide(1.0, width, out=per)
+        np.multiply(self.slope[:-1], width, out=c1)
+        c3[:] = c1 + self.slope[1:] * width - 2 * rise
+        c2[:] = rise - c1 - c3
         return cubics
 
     @cached_property
     def rates(self) -> Array:
         """Derivatives of the load at fixed z by ln s and q = w/s, times zeta, between nodes: value and change (4, n -
         1)."""
-        by_s, by_q = self.zeta * self.P - self.slope * self.P / (2 * self.k), -self.s / 2 * self.released * self.steep
-        return np.stack([by_s[:-1], by_q[:-1], by_s[1:] - by_s[:-1], by_q[1:] - by_q[:-1]])
+        by = np.empty((2, self.zeta.size))
+        by[0] = (self.zeta - self.slope / (2 * self.k)) * self.P
+        by[1] = (-self.s / 2) * self.released * self.steep
+        return np.concatenate([by[:, :-1], by[:, 1:] - by[:, :-1]])
 
     def load(self, z: Array, blunt: float) -> Array:
         """Load at positions ``z`` [m], as ``at`` gives it."""
@@ -684,11 +687,11 @@ class DeviceBranch:
         """Load at positions ``z`` [m] and its derivative by them, for w = 0 where w is less; zeta there, the nodes
         before, and the place between two."""
         zeta = np.sqrt(np.maximum(z - self.fold, blunt))
-        i = np.minimum(np.maximum(self.zeta.searchsorted(zeta) - 1, 0), self.zeta.size - 2)
-        first, per, c0, c1, c2, c3 = self.cubics[:, i]
+        i = self.zeta[1:-1].searchsorted(zeta)
+        first, per, c0, c1, c2, c3 = self.cubics.take(i, axis=1)
         x = (zeta - first) * per
         by_z = (c1 + x * (2 * c2 + 3 * x * c3)) * per / (2 * zeta)
-        return c0 + x * (c1 + x * (c2 + x * c3)) + by_z * (z - self.fold - zeta**2), by_z, zeta, i, x
+        return c0 + x * (c1 + x * (c2 + x * c3)) + by_z * (z - self.fold - zeta * zeta), by_z, zeta, i, x
 
     def at(self, z: Array, blunt: float) -> tuple[Array, Array]:
         """Load at positions ``z`` [m], and its derivatives by ln s, q and z, (3, n).
@@ -697,12 +700,12 @@ class DeviceBranch:
         sees where the fold should be.
         """
         P, by_z, zeta, i, x = self._load(z, blunt)
-        s0, q0, s1, q1 = self.rates[:, i]
-        by_s, by_q = (s0 + s1 * x) / zeta, (q0 + q1 * x) / zeta
+        rates, by = self.rates.take(i, axis=1), np.empty((3, z.size))
+        by[:2], by[2] = (rates[:2] + rates[2:] * x) / zeta, by_z
         if self.below:
-            bent = (q1 * self.cubics[1, i] - by_q) / (2 * zeta**2)
-            P, by_s, by_z = P + self.below * by_q, by_s + self.below * by_q, by_z + self.below * bent
-        return P, np.stack([by_s, by_q, by_z])
+            bent = (rates[3] * self.cubics[1, i] - by[1]) / (2 * zeta**2)
+            P, by[0], by[2] = P + self.below * by[1], by[0] + self.below * by[1], by_z + self.below * bent
+        return P, by
 
     def radii(self, z: Array) -> Array:
         """Contact radii [m] at positions ``z`` [m], that of the fold before it."""
@@ -732,22 +735,23 @@ def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
     path = _path(s, r, k, nodes.functions)
     i, start = _fold(nodes.u, path[0, 1], path[0, 2])
     first = nodes.at(start)
-    path[..., i - 1] = _path(s, r, k, first.T)
+    path[..., i - 1] = _path(s, r, k, np.array(first))
     (z, dz, _), (P, dP, _) = path[..., i - 1 :]
     u, released = nodes.u[i - 1 :].copy(), nodes.released[i - 1 :].copy()
-    u[0], released[0] = start, first[1, 3] * first[0, 1] - first[0, 3] * first[1, 1]
+    (T, dT, _), (V, dV, _) = first[1], first[3]
+    u[0], released[0] = start, dV * T - V * dT
     zeta = np.sqrt(np.maximum.accumulate(z - z[0]))
-    steep = np.divide(zeta, dz, out=np.zeros_like(z), where=dz > 0)
+    steep = zeta * (dz > 0) / np.maximum(dz, TINY)
     bend = float(path[0, 2, i - 1])
     if i > 1 and bend > 0:
         steep[0] = 1 / math.sqrt(2 * bend)  # its limit at the fold, where z is a parabola of u
     slope, up = 2 * dP * steep, zeta[1:] > zeta[:-1]
-    if not up.any():
-        raise SolveError(
-            f"no contact is stable at this w up to a = {show(math.exp(u[-1]), 'length')}: take a smaller w, or check "
-            "the radius and the units"
-        )
     if not up.all():
+        if not up.any():
+            raise SolveError(
+                f"no contact is stable at this w up to a = {show(math.exp(u[-1]), 'length')}: take a smaller w, or "
+                "check the radius and the units"
+            )
         up = np.append(True, up)
         u, zeta, P, slope, steep, released = (one[up] for one in (u, zeta, P, slope, steep, released))
     return DeviceBranch(float(z[0]), u, zeta, P, slope, steep, released, min(q, 0.0), k, s, r, nodes)
@@ -756,11 +760,11 @@ def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
 def _fold(u: Array, rates: Array, bends: Array) -> tuple[int, float]:
     """Where the position, of derivatives ``rates`` and ``bends`` on ``u``, turns to rise for good: the first node that
     is well beyond, and the place, a root of the cubic through two nodes; the first u where it rises or falls on all."""
-    falling = np.flatnonzero(rates <= 0)
+    falling = (rates <= 0).nonzero()[0]
     if not falling.size or falling[-1] == u.size - 1:
         return 1, float(u[0])
     i, step = int(falling[-1]), float(u[1] - u[0])
-    left, right, dl, dr = (float(item) for item in (rates[i], rates[i + 1], step * bends[i], step * bends[i + 1]))
+    (left, right), (dl, dr) = rates[i : i + 2].tolist(), (step * bends[i : i + 2]).tolist()
     x, a, b = left / (left - right), 2 * (left - right) + dl + dr, 3 * (right - left) - 2 * dl - dr
     for _ in range(DEVICE_PATH_POLISHED):
         slope = dl + x * (2 * b + 3 * x * a)
@@ -802,7 +806,9 @@ class Rest:
         yields, P = 1 / (1 + self.S / self.k), self.load(z)
         of_u = -self.dS * (self.D - z + P / self.k) * yields
         by_s, by_root, by_turn = (of_u * rate for rate in self.by_u)
-        return P, np.stack([P * yields + by_s, by_root, np.full_like(P, self.S * yields), by_turn])
+        by = np.empty((4, *P.shape))
+        by[0], by[1], by[2], by[3] = P * yields + by_s, by_root, self.S * yields, by_turn
+        return P, by
 
     def by_body(self, z: Array, u: Array, changes: Array) -> Array:
         """Derivatives of the load at positions ``z`` [m], (changes, rows), by an amount of each of the ``changes`` of
@@ -820,11 +826,11 @@ def rest(family: Family, s: float, advanced: float, receding: float, k: float, t
     """The resting edge of a device that turns at position ``turn`` [m], after an advance with the root ``advanced`` of
     q, until it recedes with ``receding``. ``advanced`` < 0: a smaller contact than without adhesion."""
     nodes = Nodes.of(family)
-    z = _path(s, advanced, k, nodes.functions[:, 0])[0]
-    first = int(np.argmin(z))
+    z = np.array([1.0, -advanced, s / k, -s * advanced / k]) @ nodes.functions[:, 0]
+    first = int(z.argmin())
     near = float(np.interp(turn, z[first:], nodes.u[first:]))
     for _ in range(MOST_STEPS):
-        (d, t, h, v), (dD, dT, dH, dV), _ = nodes.at(near).tolist()
+        (d, dD, _), (t, dT, _), (h, dH, _), (v, dV, _) = nodes.at(near)
         dz = dD - advanced * dT + s * (dH - advanced * dV) / k
         off = turn - (d - advanced * t + s * (h - advanced * v) / k)
         step = min(max(off / max(dz, 1e-300), -DEVICE_PATH_BEYOND), DEVICE_PATH_BEYOND)

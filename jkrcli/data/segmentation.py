@@ -245,8 +245,8 @@ def segment_force_curve(curve: Curve) -> ForceCurve:
     if curve.delta is None or curve.P is None:
         left_out = [f"{curve.where}: {flag}" for flag in curve.flags if NO_UNIT in flag]
         raise InputError([
-            f"{curve.where}: a force curve needs displacement and load, it holds {', '.join(curve.measured)}"
-            + ("; jkr fit reads contact radius and load as they are" if curve.a is not None else ""), *left_out,
+            f"{curve.where}: a force curve needs displacement and load, the file has {', '.join(curve.measured)}"
+            + ("; jkr fit takes contact radius and load" if curve.a is not None else ""), *left_out,
         ])  # fmt: skip
     if len(curve) < FEWEST_ROWS:
         raise InputError(f"{curve.where}: holds {len(curve)} rows, at least {FEWEST_ROWS} are needed to look at")
@@ -670,7 +670,7 @@ def _on_base_lines(curve: Curve, touched: Sequence[Direction]) -> Iterator[tuple
             yield "no base line", f"the {name} {end} in contact, or has no straight part"
         elif waviness > RECORD_WAVY * span:
             sentence = (
-                f"the {name}'s base line is wavy by {show(waviness, 'load')}, {waviness / span:.0%} of "
+                f"the base line of the {name} is wavy by {show(waviness, 'load')}, {waviness / span:.0%} of "
                 "the range of the load (optical interference: fit --base-line sine)"
             )
             yield "wavy base line", sentence
@@ -690,7 +690,7 @@ def _permanent_set(curve: Curve, directions: Sequence[Direction]) -> tuple[tuple
     dent, depth = float(z[gone[0]]) - into.touch, float(curve.device.max()) - into.touch
     if dent < RECORD_FAR * depth + into.touch_err:
         return ()
-    sentence = f"unloading leaves a dent of {show(dent, 'length', 3)} of a depth of {show(depth, 'length', 3)}"
+    sentence = f"unloading leaves a dent of {show(dent, 'length', 3)} after a depth of {show(depth, 'length', 3)}"
     return ((PERMANENT_SET if dent > RECORD_HALF * depth else f"some {PERMANENT_SET}", sentence),)
 
 
@@ -728,15 +728,12 @@ def _on_signs(curve: Curve, directions: Sequence[Direction]) -> Iterator[tuple[s
         returns = min(first, last) - float(z.min())
         if max(-way, returns) > RECORD_HALF * float(np.ptp(z)):
             which = f" of the {name}" if len(directions) > 1 else ""  # of one that returns the last bits chose the name
-            sentence = f"the displacement{which} has the opposite sign: it is positive into the specimen (--flip delta)"
+            sentence = f"the displacement{which} has the opposite sign: indentation must be positive (--flip delta)"
             yield "wrong way", sentence
         elif len(directions) == 1 and presses_outward(curve.device[item.segment.rows], curve.load[item.segment.rows]):
             yield (
                 "wrong way",
-                (
-                    "the load rises as the displacement goes away from the specimen, into which it is positive "
-                    "(--flip delta)"
-                ),
+                ("the load rises while the displacement falls; indentation must be positive (--flip delta)"),
             )
         elif _pulls_deepest(curve, item):
             sentence = f"the load of the {name} is least where the instrument presses deepest"

@@ -95,7 +95,7 @@ class Check(Result):
             *["  S: punch stiffness dP/d(delta) at fixed contact radius; load and S at equal depth"] * bool(first),
             "  methods   cost and numerical error of each:",
             *options,
-            *_table(rest, "smaller effects, and what the case includes"),
+            *_table(rest, "other effects, and simpler formulas"),
         ]
 
     @property

@@ -205,7 +205,7 @@ def test_the_position_of_a_device_without_its_stiffness_is_no_depth(jkr: Callabl
 def test_files_of_another_kind_are_answered_with_where_they_belong(jkr: Callable) -> None:
     table = Path("probe.csv")
     table.write_text("load (mN),contact radius (um)\n" + "".join(f"{i},{10 * i}\n" for i in range(1, 30)))
-    assert "; jkr fit reads contact radius and load as they are" in jkr("look", table).err
+    assert "; jkr fit takes contact radius and load" in jkr("look", table).err
     assert "; a table of measurements is for jkr look and jkr fit" in jkr("pull-off", table).err
     Path("probe.xlsx").write_bytes(b"PK\x03\x04 no text")
     assert "; save the sheet as CSV" in jkr("fit", "probe.xlsx", *BY_FLAGS).err

@@ -143,9 +143,7 @@ def test_a_record_that_goes_back_and_in_again_counts_the_other_way() -> None:
     curve = curve_of(DEVICE)
     assert curve.delta is not None
     flags = segment_force_curve(replace(curve, delta=-curve.delta)).flags
-    assert flags["wrong way"] == (
-        "the displacement has the opposite sign: it is positive into the specimen (--flip delta)"
-    )
+    assert flags["wrong way"] == ("the displacement has the opposite sign: indentation must be positive (--flip delta)")
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-4, 1e-3])
@@ -257,9 +255,7 @@ def test_rows_that_stand_alone_off_the_others_count_for_nothing() -> None:
 def test_what_is_no_force_curve_is_refused_in_one_line() -> None:
     with pytest.raises(InputError) as caught:
         segment_force_curve(Curve("c", a=np.arange(30.0), P=np.arange(30.0)))
-    told = (
-        "c: a force curve needs displacement and load, it holds a, P; jkr fit reads contact radius and load as they are"
-    )
+    told = "c: a force curve needs displacement and load, the file has a, P; jkr fit takes contact radius and load"
     assert str(caught.value) == told
     with pytest.raises(InputError) as caught:
         segment_force_curve(Curve("c", delta=np.arange(5.0), P=np.arange(5.0)))
@@ -285,7 +281,7 @@ def test_a_displacement_against_its_segments_is_named_and_not_fitted() -> None:
     curve = curve_of(DEVICE, told=True)
     turned = segment_force_curve(replace(curve, delta=-curve.delta))
     assert turned.flags["wrong way"] == (
-        "the displacement of the retract has the opposite sign: it is positive into the specimen (--flip delta)"
+        "the displacement of the retract has the opposite sign: indentation must be positive (--flip delta)"
     )
     assert "wrong way" not in segment_force_curve(curve).flags
 

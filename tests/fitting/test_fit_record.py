@@ -123,7 +123,7 @@ def test_a_displacement_that_goes_against_its_segments_is_refused() -> None:
     with pytest.raises(InputError) as caught:
         as_raw_force_curve(replace(curve, delta=-curve.delta, segment=words, stiffness=None), usual(contact="fitted"))
     assert caught.value.lines == (
-        "made: the displacement of the retract has the opposite sign: it is positive into the specimen (--flip delta)",
+        "made: the displacement of the retract has the opposite sign: indentation must be positive (--flip delta)",
     )
 
 

@@ -695,8 +695,8 @@ class QuasiStatic(Contact):
     def __post_init__(self) -> None:
         if self.receding.w < self.advancing.w:
             raise InputError(
-                "cycle: the work of adhesion on retraction must be >= that on approach, got "
-                f"{show(self.receding.w, 'work')} after {show(self.advancing.w, 'work')}"
+                "cycle: w on retraction must be >= w on approach, got "
+                f"{show(self.receding.w, 'work')} and {show(self.advancing.w, 'work')}"
             )
 
     @cached_property

@@ -388,7 +388,7 @@ class FiniteRangeCurve(EquilibriumCurve):
                     "followed; take load control or a softer instrument, or another stress or range"
                 )
             first = float(self.touching.P[0]), float(self.touching.delta[0])
-            shrunk = f"contact is not lost in a jump: it shrinks to nothing at {_where(*first)}"
+            shrunk = f"contact is lost without a jump: its radius falls to zero at {_where(*first)}"
             # Where surfaces that attract each other without contact let go, below what the curve leaves out; None
             # where they do not
             if self.below.c.size <= FINITE_RANGE_DEGREE:
@@ -408,8 +408,8 @@ class FiniteRangeCurve(EquilibriumCurve):
             if (last := released) is None:
                 return f"{shrunk}, below which the states are not followed; give another stress or range"
             return (
-                f"{shrunk}; the surfaces attract each other on and let go at {_where(last.P, last.delta)} (between, "
-                "the middle may touch again, which the curve leaves out)"
+                f"{shrunk}; attraction without contact ends at {_where(last.P, last.delta)} (renewed contact in "
+                "between is not computed)"
             )
         if end == "smallest":
             return (

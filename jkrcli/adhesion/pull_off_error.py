@@ -200,7 +200,7 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
             return by_integral
         other = _pull_off(by_integral, curve, stiffness)
         if isinstance(other, Unknown):
-            return Unknown("unknown: by the slopes 'integral' the point lies outside the solution")
+            return Unknown("unknown: with the slopes 'integral' the point lies outside the solution")
         others.append((other, 1))
     if not others:
         return Unknown("not estimated: without every second row the point lies outside the solution")

@@ -63,7 +63,7 @@ EXCESS = {
     "paraboloid": np.array([0.0, 0.015, 0.026, 0.056, 0.108, 0.15]),
 }
 NO_EXCESS = Unknown("large strains are known of spheres on half-spaces and layers as thick, up to a/R = 0.8")
-NOT_SOLVED = Unknown("adhesion of the range z0 was not solved for")
+NOT_SOLVED = Unknown("the pull-off force at the range z0 was not computed")
 NO_LAYER = Unknown("no layer: the specimen is a half-space")
 NEGLECTED = (
     "the bulk is taken as elastic: all that is lost is lost at the edge; a bulk that relaxes as slowly as the contact "
@@ -125,7 +125,13 @@ class Validity:
         return [
             *_above(self.a_over_R, LIMITS.a_over_R, "a/R", strains),
             *_above(self.delta_over_h, SMALL, "delta/h", "small strains no longer hold in the layer"),
-            *_above(self.edge_angle, LIMITS.edge_angle, STEEP, "pull-off is one of small slopes of the surface", EDGE),
+            *_above(
+                self.edge_angle,
+                LIMITS.edge_angle,
+                STEEP,
+                "the pull-off force assumes small slopes of the surface",
+                EDGE,
+            ),
             *(_above(self.a_over_L, SMALL, "a/L", "the cut of the mesh affects the result") if self.end_is_cut else ()),
             *range_warning,
         ]

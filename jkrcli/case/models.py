@@ -226,7 +226,7 @@ def _any_law(laws: Registry, check: Callable[[Any], Any], tag_of: Callable[[Any]
 def _modulus(value: Any) -> Any:
     """A table that names no known law is refused before its other keys are checked."""
     if isinstance(value, dict) and not {"law", "depth"} & set(value):
-        raise wrong(f"needs a law, one of {', '.join(LAWS)}, got keys {', '.join(value) or 'none'}")
+        raise wrong(f"must name one law of {', '.join(LAWS)}, got keys {', '.join(value) or 'none'}")
     if isinstance(value, dict) and str(value.get("law", "table")) not in LAWS:
         hint = did_you_mean(value["law"], LAWS)
         raise wrong(f'law must be one of {", ".join(LAWS)}, got "{value["law"]}"{hint}')

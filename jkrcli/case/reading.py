@@ -45,8 +45,7 @@ KINDS = {  # what the file must hold, by pydantic's types of findings
 KeysAt = Callable[[tuple[str, ...]], list[str]]
 # Of keys that other tables have, which one of them means
 ELSEWHERE = {
-    "counter_radius": ', a spherical specimen goes with shape = "paraboloid" alone, whose radius it joins; for a '
-    "sphere on a flat specimen leave it out",
+    "counter_radius": ': the radius of a spherical specimen needs shape = "paraboloid"; omit it on a flat specimen',
 }
 
 

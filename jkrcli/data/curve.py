@@ -183,24 +183,24 @@ class Reading:
     Parameters
     ----------
     columns : mapping, optional
-        Names or numbers (from 1) where the header names none, by the keys of ``tables/words.toml``; "area" is the
-        projected contact area, "diameter" that of the contact.
+        Column names or numbers (from 1) where the header does not say, by "a", "delta", "P", "t", "area" (projected
+        contact area), "diameter" (of the contact), "segment", "curve".
     units : mapping, optional
-        Where the header names none or a wrong one: ``{"P": "nN"}``.
+        Units where the header has none or a wrong one: ``{"P": "nN"}``.
     factors : mapping, optional
-        On top of the units.
+        Multiply quantities, in addition to their units: ``{"P": 1000}``.
     flip : "delta", "P" or both, optional
-        Those that are to change the sign they have in the file, whatever the name of their column says: a height or
-        separation grows away from the specimen, some instruments count adhesive forces positive.
+        Columns whose sign is reversed: compression and indentation are positive in `jkr`.
     stiffness : float or str, optional
-        Of the instrument [N/m]: the displacement is that of its base, its deflection P/stiffness is subtracted; of a
-        microscope's file its spring constant, where the file lacks it. "rigid": nothing is subtracted.
+        Of the cantilever or machine [N/m]: P/stiffness is subtracted from piezo positions; of a microscope's file its
+        spring constant, where the file lacks it. "rigid": nothing is subtracted.
     sensitivity : float or str, optional
-        [m/V] of a microscope, where its file lacks it.
+        Deflection over volts [m/V] of a microscope, where its file lacks it.
     zero : mapping, optional
-        Displacement [m] and load [N] at the contact point, subtracted after the change of sign.
+        Known contact point [m] and force offset [N], subtracted after the change of sign.
     contact : {"auto", "fitted", "as-is", "estimate"}, optional
-        "estimate": contact point by ``contact.with_zero_points``; else as it is, a fit may find it.
+        Contact point and force offset: "estimate" from the approach before contact, "as-is" those of the file,
+        "fitted" by a fit.
     format : {"auto", "text", "afm"}, optional
         "afm": a microscope's; "auto": by the content and the ending of the name.
     separator, decimal : str, optional
@@ -208,7 +208,7 @@ class Reading:
     incomplete : bool, optional
         Read a microscope's file that lacks spring constant or sensitivity all the same, with 1 for each.
     rows : (int, int), optional
-        The first and the last row of each curve that are read, from 1.
+        First and last row of each curve, from 1.
     where : mapping, optional
         Only rows of the segment (key "segment"), the curve ("curve"), or the content of a column of a table, by its
         name or number.

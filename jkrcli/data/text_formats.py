@@ -427,7 +427,7 @@ def _in_time(rows: Array, t: Array | None, segments: Array | None) -> tuple[Arra
         return rows, ()
     words = ", ".join(dict.fromkeys(str(segments[run[0]]) for run, is_back in zip(runs, back, strict=True) if is_back))
     turned = np.concatenate([run[::-1] if is_back else run for run, is_back in zip(runs, back, strict=True)])
-    return turned, (f"the rows of the {words} turned: their time runs back",)
+    return turned, (f"the rows of the {words} are reversed: their time decreases",)
 
 
 def _starts_anew(t: Array | None, segment: Array) -> bool:

@@ -478,9 +478,7 @@ def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | F
     level = 0.0 if curve is not original and zero.free else None if zero.free else zero.value
     points = points_of(curve, settings.segment, settings.branch, len(settings.free), level)
     if unread := sorted(set(settings.noise) - set(points.values)):
-        raise InputError(
-            f"{curve.where}: --noise {unread[0]}: it was not measured, so this has no effect: leave it out"
-        )
+        raise InputError(f"{curve.where}: --noise {unread[0]}: the file has no {unread[0]}: leave it out")
     settings, words = _determined_by(settings, points)
     edges = set() if points.edges is None else set(points.edges)
     settings = settings.of_a_cycle(ADVANCING in edges) if RECEDING in edges else settings

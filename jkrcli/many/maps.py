@@ -288,7 +288,7 @@ ADHESION_MAP = Map(
     """Map which model of adhesion holds for a paraboloid on a layer on a rigid substrate: Hertz, JKR, DMT, rigid
     bodies, or the transition that needs a finite range.
 
-    After Johnson and Greenwood: 5 % is little, 20 times the range is far. Writes adhesion-map.csv, .png and .svg.
+    After Johnson and Greenwood; a model holds where it errs by less than 5 %. Writes adhesion-map.csv, .png and .svg.
 
     \b
     jkr study adhesion-map --nu 0.499 --q 100 -o map

@@ -831,11 +831,11 @@ class Fields(Result):
         state, summary = self.state, self.summary()
         return [
             f"{format_state(state, 'P a delta')}, w = {show(self.curve.w, 'work')}: {self.curve.path}",
-            f"  load         of the solution {show(self.P, 'load')}: {summary['difference']:.0e} of the forces in the "
-            f"contact apart; {summary['elements']} elements",
+            f"  load         of the solution {show(self.P, 'load')}: differs by {summary['difference']:.0e} of the "
+            f"contact forces; {summary['elements']} elements",
             *(
                 f"  {name:<12} carries {show(line['load_N'], 'load'):<10} (balance within {abs(line['imbalance']):.0e})"
-                f"; tractions good to {line['error']:.0e} on average"
+                f"; mean error of the tractions {line['error']:.0e}"
                 for name, line in summary["lines"].items()
             ),
         ]

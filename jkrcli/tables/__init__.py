@@ -233,7 +233,7 @@ class TextTable:
             rows = zip(self.lines, self.text[index], strict=True)
             line, word = next(((line, word) for line, word in rows if word), (self.lines[0], ""))
             where = f"{self.path}: {self.titled(index)}"
-            raise InputError(f'{where} holds words, no numbers: line {line} has "{word[:60]}"')
+            raise InputError(f'{where} holds text, not numbers: line {line} has "{word[:60]}"')
         values: Array = self.values[:, index]
         return values
 

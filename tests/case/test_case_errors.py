@@ -66,8 +66,8 @@ ONE_CHANGE = {
     "radius of the specimen under a sphere": (
         "radius =",
         "counter_radius = 1e-3\nradius =",
-        'indenter.counter_radius: unknown key, a spherical specimen goes with shape = "paraboloid" alone, whose radius '
-        "it joins; for a sphere on a flat specimen leave it out (allowed: E, nu, layers, shape, radius)",
+        'indenter.counter_radius: unknown key: the radius of a spherical specimen needs shape = "paraboloid"; omit it '
+        "on a flat specimen (allowed: E, nu, layers, shape, radius)",
     ),
     "unknown shape": (
         '"sphere"',

@@ -246,7 +246,7 @@ REFUSALS = [
     (("pull-off", "no.h5"), 'no.h5: solution file not found, did you mean "p.h5"?'),
     (
         ("cycle", "p.h5", "--w-retract", "10 J/m^2"),
-        "cycle: the work of adhesion on retraction must be >= that on approach, got 10 J/m^2 after 50 J/m^2",
+        "cycle: w on retraction must be >= w on approach, got 10 J/m^2 and 50 J/m^2",
     ),
     (
         ("cycle", "p.h5", "--to-load", "1 N", "--to-depth", "1 um"),

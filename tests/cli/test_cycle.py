@@ -232,7 +232,7 @@ def test_a_turn_that_is_not_on_the_path_is_refused() -> None:
 
 def test_adhesion_must_not_be_weaker_on_retraction() -> None:
     assert refused(lambda: cycle(half_space(50.0), half_space(0.02), RIGID)) == (
-        "cycle: the work of adhesion on retraction must be >= that on approach, got 20 mJ/m^2 after 50 J/m^2"
+        "cycle: w on retraction must be >= w on approach, got 20 mJ/m^2 and 50 J/m^2"
     )
 
 

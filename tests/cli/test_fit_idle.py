@@ -63,7 +63,7 @@ def test_noise_of_what_was_not_measured(jkr: Callable) -> None:
     Path("one.csv").write_text(f"delta (um),P (mN)\n{rows}\n")
     done = jkr("fit", GEL, "one.csv", "--noise", "a=1 um", "-o", ".")
     assert done.code == 2
-    assert "--noise a: it was not measured" in done.err
+    assert "--noise a: the file has no a" in done.err
     assert done.err.count("\n") == 1
 
 

@@ -173,7 +173,7 @@ WRONG = {
     ),
     "a load of words": (
         "delta_nm;P_nN;x\n" + "1;none;1\n" * 3, Reading(),
-        '{path}: column 2 "P_nN" holds words, no numbers: line 2 has "none"',
+        '{path}: column 2 "P_nN" holds text, not numbers: line 2 has "none"',
     ),
     "a line between rows that names no segment": (
         GOOD + "Block 2\n4,4\n", Reading(),
@@ -291,7 +291,7 @@ def test_baseline_tilt_and_first_touch_are_found(noise: float) -> None:
 
 def test_zero_points_need_a_free_approach() -> None:
     raw = recorded()
-    with pytest.raises(InputError, match=r"^c: a force curve needs displacement and load, it holds P$"):
+    with pytest.raises(InputError, match=r"^c: a force curve needs displacement and load, the file has P$"):
         with_zero_points(Curve("c", P=raw.P))
     with pytest.raises(
         InputError, match=r"^c: the load of the approach never leaves its baseline: no contact was made$"

@@ -42,7 +42,7 @@ REFUSALS = [
         "s.toml: axes[0]: must hold key and values, or key, from, to, count (and spacing), or zip alone, got key",
     ),
     (axis("adhesion.w", "values = []"), "s.toml: axes[0]: is empty"),
-    (AXIS + AXIS, "s.toml: specimen.half_space.nu: is varied twice; keys that go together stand in one zip"),
+    (AXIS + AXIS, "s.toml: specimen.half_space.nu: varies twice; put keys that vary together into one zip"),
     (
         '[[axes]]\nzip = { "adhesion.w" = [1], "adhesion.z0" = [1e-10, 2e-10] }',
         "s.toml: axes[0]: the lists of zip must have one length, got {'adhesion.w': 1, 'adhesion.z0': 2}",

@@ -53,9 +53,9 @@ def _carried(series: Series) -> Slopes:
     elif any(series.a[0] < bend < series.a[-1] for bend in series.bends):
         reason = "a smooth fit errs where the profile bends"
     elif (fitted := _integral_or_none(series)) is None or fitted.flags:
-        reason = "'integral' finds none that settle"
+        reason = "'integral' does not converge"
     elif (beyond := np.mean(np.abs(fitted.dS - exact.dS) > series.errors["dS"])) > CHOICE_FEW:
-        reason = f"'integral' leaves their stated error at {beyond:.0%} of the radii"
+        reason = f"'integral' deviates by more than their stated error at {beyond:.0%} of the radii"
     else:
         reason = f"smoother than the slopes that the solution carries, within their stated error ({exact.error:.1g})"
         return replace(fitted, reason=reason)

@@ -211,7 +211,7 @@ def _each_once(model: SweepModel, source: str) -> None:
     if not keys:
         raise InputError(f"{source}: nothing varies: give [[axes]] or [samples]")
     if twice := sorted({key for key in keys if keys.count(key) > 1}):
-        raise InputError(f"{source}: {twice[0]}: is varied twice; keys that go together stand in one zip")
+        raise InputError(f"{source}: {twice[0]}: varies twice; put keys that vary together into one zip")
     for key in keys:
         try:
             parse(key)

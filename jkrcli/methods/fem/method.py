@@ -242,7 +242,7 @@ class FEM(FEMOptions):
             other = "layered" if problem.specimen.radius is None else "a rigid indenter"
             return f"an elastic indenter without slip is not represented by a rigid profile: use {other}"
         if self.contact == "incremental":
-            return 'increments do not track which points stick: set contact.algorithm = "nested"'
+            return 'algorithm incremental does not follow which points stick: set contact.algorithm = "nested"'
         least = finest_spacing(problem.specimen.materials[0])
         if self.layout == "scaled" and self.tolerance is None and self.spacing < least:
             other = " or use method layered" if problem.specimen.radius is None else ""

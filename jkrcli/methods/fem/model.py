@@ -832,7 +832,7 @@ def _radius(levels: Sequence[Events], a: Array, delta: Array, caution: float) ->
     events, coarse = levels[:2]
     first, last = max(coarse.delta[0], events.delta[0]), min(coarse.delta[-1], events.delta[-1])
     if first >= last or delta[-1] < first:
-        return Unknown("no radius common to the mesh and its coarser companion")
+        return Unknown("the mesh and the coarser mesh have no contact radius in common")
     fine = power_interpolated(events.delta, events.a, delta)
     samples = np.unique(np.clip(np.concatenate([delta, coarse.delta, events.delta]), first, last))
     radii = [power_interpolated(level.delta, level.a, samples) for level in levels]
@@ -932,9 +932,7 @@ def _facts(options: FEMOptions, run: Run, judged_from: float | None) -> dict[str
     elif run.problem.loading.spacing == "given":
         radii = "at the given values, interpolated between the vertices' first touches"
     else:
-        radii = (
-            "nested contact has its own: first touches of vertices, and the loading's end; no use of points and spacing"
-        )
+        radii = "algorithm nested takes the first contact of each node: points and spacing have no effect"
     contact_reason = "as asked"
     if run.increments and options.contact == "nested":
         nested = run.level.touches.violation

@@ -361,7 +361,7 @@ def test_nested_ends_where_the_loading_ends(to, maximum, corrected):
     assert abs(a[-1]) < (1e-5 if corrected else 0.02)
     assert solution.pressure.p.shape[0] == len(series)
     assert solution.facts["events"] >= len(series)
-    assert "nested contact has its own" in solution.facts["radii"]
+    assert "nested takes the first contact of each node" in solution.facts["radii"]
 
 
 def test_nested_ends_exactly_on_a_flat_ended_indenter():

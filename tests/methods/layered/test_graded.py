@@ -489,7 +489,7 @@ WRONG_CASES = {
     ),
     "{law='linear', top=1, botom=2}": '.E.botom: unknown key, did you mean "bottom"? (allowed: law, top, bottom)',
     "{law='linear', top=0, bottom=2}": ".E.top: must be > 0, got 0 Pa",
-    "{top=1, bottom=2}": ".E: needs a law, one of linear, exponential, power, table, got keys top, bottom",
+    "{top=1, bottom=2}": ".E: must name one law of linear, exponential, power, table, got keys top, bottom",
     "{depth=[0, '4 um'], E=[1, 2]}": (
         ": the law of E ends at a depth of 4e-06 m, above the bottom of the layer (thickness 1e-05 m)"
     ),

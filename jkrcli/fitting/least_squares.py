@@ -493,7 +493,7 @@ class Intervals:
         if self.drawn:
             return self._of_samples(item, estimate)
         if not self.profiled:
-            return self._with_limit(estimate, item) if item.kind == "root" and estimate.low == 0 else estimate
+            return self.with_limit(estimate) if item.kind == "root" and estimate.low == 0 else estimate
         return self._shared(item, estimate, before) if item.follows else self._with_profile(item, estimate)
 
     def _sigma(self, item: Parameter) -> float | None:
@@ -509,10 +509,11 @@ class Intervals:
             low, high = 0.0, float(np.quantile(values, self.level))
         return replace(estimate, error=float(np.std(values, ddof=1)), low=low, high=high)
 
-    def _with_limit(self, estimate: FittedValue, item: Parameter) -> FittedValue:
-        """The estimate of a signed root that may be 0, as far as its profile goes: curves bend in it."""
+    def with_limit(self, estimate: FittedValue) -> FittedValue:
+        """The estimate of a quantity that may be 0, as far as its profile goes: curves bend in its root."""
+        item = next(one for one in self.quantities if one.name == estimate.name)
         high = max(self.end(item, ONE_SIDED * self.t) or 0.0, estimate.high or 0.0)
-        return replace(estimate, error=high / (2 * self.t), high=high)
+        return replace(estimate, error=max(high / (2 * self.t), estimate.error or 0.0), high=high)
 
     def _with_profile(self, item: Parameter, estimate: FittedValue) -> FittedValue:
         low, high = self.end(item, -self.t), self.end(item, self.t)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -373,7 +374,7 @@ def as_fit(
     fixed = {item.name for item in settings.parameters if not item.free and item.name in settings.named}
     intervals = _intervals(body, best, settings, values, fixed, t, pool)
     carried = _carried(body, best, settings, values)
-    plain = (_resting(item, best, t) for item in intervals.estimates())
+    plain = (_resting(item, best, t, intervals) for item in intervals.estimates())
     estimates = tuple(wider(item, {key: change[item.name] for key, change in carried.items()}, t) for item in plain)
     if not best.ended:
         estimates = tuple(replace(item, error=None, low=None, high=None) for item in estimates)
@@ -466,10 +467,14 @@ def _quantity(name: str, best: ForceCurveFit) -> Parameter:
     return Parameter(name, True, scale=scale, quantity=dimension, follows=dimension == "modulus")
 
 
-def _resting(item: FittedValue, best: ForceCurveFit, t: float) -> FittedValue:
+def _resting(item: FittedValue, best: ForceCurveFit, t: float, intervals: Intervals) -> FittedValue:
     """The estimate; w of an edge that rests throughout is a lower bound: what its last row holds, less ``t`` of its
-    standard errors."""
-    if item.name != WORKS[RETRACT] or f"q:{RETRACT}" not in best.model.known:
+    standard errors. Rows at rest go with the root of the w before: where that may be 0, its limit is by the profile."""
+    if f"q:{RETRACT}" not in best.model.known:
+        return item
+    if item.name == WORKS[APPROACH] and item.low == 0 and best.ended:
+        return intervals.with_limit(item)
+    if item.name != WORKS[RETRACT]:
         return item
     low = max(item.value - t * _error_of_held(best), 0.0)
     return FittedValue(item.name, item.value, True, item.dimension, None, low)
@@ -541,6 +546,9 @@ RECORD_UNDETERMINED = 1.0  # theory: of ln E*, a standard error with which 95 % 
 RECORD_HALF = 0.5  # choice: of the range of the load, from the largest on, over which a device's line is looked at
 RECORD_RIGID = 0.02  # theory: of the device's stiffness, what its line lacks beside a contact fifty times stiffer
 RECORD_DIFFERS = 0.01  # choice: of a modulus, a difference that is none
+# Where a search ends at rest in noise though the edge recedes: w of the retraction to begin anew with.
+RECORD_RECEDES = (1.05, 1.2, 1.6)  # tuned on curves of large noise, by `make dirt`: of what its last row holds
+RECORD_BEFORE = 0.4  # tuned on the same, by `make dirt`: of it, w of the approach
 
 
 def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None) -> Fit:
@@ -689,11 +697,28 @@ def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> tup
     assert best is not None
     if np.count_nonzero(contact_radii(best)) <= len(best.names):
         raise SolveError("the curve that fits best has next to no row in contact; --flip P, if compression is negative")
-    cut = windowed(best)
-    best = best if cut is best.model else _again(best, replace(cut, known=model.known), settings)
+    whole, best = best, _without_window(best, model, settings)
+    if len(model.stretches) > 1 and f"q:{RETRACT}" in best.model.known and f"q:{RETRACT}" not in model.known:
+        values = {
+            **whole.model.values(whole.x),
+            **best.model.known,
+        }  # noise hides where contact is lost: of each place one
+        for share in RECORD_RECEDES:
+            q = share * values[f"q:{RETRACT}"]
+            before = {f"q:{APPROACH}": RECORD_BEFORE * q, f"r:{APPROACH}": math.sqrt(RECORD_BEFORE * q)}
+            with contextlib.suppress(SolveError):
+                other = fit(model, model.unknowns(values | before | {f"q:{RETRACT}": q}), True, settings.loss)
+                whole = other if other.sigma < whole.sigma else whole
+        best = _without_window(whole, model, settings)
     model = best.model
     zero_works = {kind: 0.0 for part in model.stretches if _repels(best, kind := part.kind)}
     return body, nearest(replace(model, works={**model.works, **zero_works}), settings.loss) if zero_works else best
+
+
+def _without_window(best: ForceCurveFit, model: ForceCurveModel, settings: Settings) -> ForceCurveFit:
+    """The fit of the ``model`` without the rows about first touch."""
+    cut = windowed(best)
+    return best if cut is best.model else _again(best, replace(cut, known=model.known), settings)
 
 
 def _again(best: ForceCurveFit, model: ForceCurveModel, settings: Settings) -> ForceCurveFit:

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cycle_records import NOISES, drawn
+from dirty_records import KINDS
 from force_curves import Instrument, equilibrium, record
 from layer_contact import BondedLayer, half_space
 
@@ -651,6 +652,23 @@ def test_an_edge_that_seems_to_rest_throughout_is_compared_with_one_that_recedes
         item = found.estimate(name)
         assert item.error is not None
         assert item.value == pytest.approx(true, abs=3 * item.error)
+
+
+@pytest.mark.parametrize(("seed", "number"), [(7, 2), (17, 4), (17, 12)])
+def test_noise_that_hides_where_contact_is_lost_excludes_no_truth(tmp_path: Path, seed: int, number: int) -> None:
+    """Searches ended at rest: w_approach at most 5.5 of 13 uJ/m^2 (loads go with its root there), 8.4 half-widths of a
+    wrong minimum off, or a lower limit of w where the edge recedes."""
+    dirty = KINDS["large noise"](np.random.default_rng((seed, list(KINDS).index("large noise") + 1, number)))
+    dirty.write(file := tmp_path / "noisy.txt")
+    problem = Problem(Paraboloid(dirty.at.R), Specimen((), HalfSpace(Elastic(0.75e4, 0.5))),
+                      Loading("radius", 0.2 * dirty.at.R, 60))  # fmt: skip
+    series = ClosedForm()(problem).series
+    found = fit(FittedBody.of(problem, series, slopes(series), extensible=True), read(file, Reading())[0], usual())
+    assert number == 2 or "w" in found.free
+    for name, true in dirty.truth.items():
+        if (item := found.estimate(name)).high is not None:
+            model = math.hypot(*(item.model or {}).values())
+            assert (item.low or 0.0) - model <= true <= item.high + model
 
 
 def test_the_steps_of_a_converter_are_noise() -> None:

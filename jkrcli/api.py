@@ -518,7 +518,7 @@ def cycle_relaxing(
     if rest is None:
         driven = _driven("cycle_relaxing", contact, *does)
     elif speed is None:
-        raise InputError("cycle_relaxing: from rest it is pulled at a speed: give it")
+        raise InputError("cycle_relaxing: a retraction from rest needs its speed")
     else:
         contact = replace(contact, rests=True)
         driven = Program.on(contact.pulled_from(rest), -_number("speed", speed, "load rate" if k == 0 else "speed"))

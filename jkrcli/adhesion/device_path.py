@@ -760,7 +760,7 @@ class Path:
         if self.pieces[-1].phase == RECEDE:
             return (
                 "the contact shrinks below the smallest radius of the solution, a = "
-                f"{show(self.pieces[-1].last[1], 'length')}, while pressed: use smaller radii, "
+                f"{show(self.pieces[-1].last[1], 'length')}, under growing load: use smaller radii, "
                 'loading.spacing = "log"'
             )
         return (

@@ -460,7 +460,7 @@ def unable(problem: Problem, method: str) -> str | None:
     """Why a ``problem`` that a ``method`` solves has no curve of finite range, with the remedy; None where it may."""
     if problem.sticks:
         return (
-            "adhesion of finite range is implemented for frictionless contact alone: solve the case with "
+            "adhesion of finite range is implemented for frictionless contact only: solve the case with "
             'specimen.surface = "sliding", or leave range and stress out'
         )
     if problem.specimen.surface_tension:

@@ -345,7 +345,7 @@ def work_from_pull_off(
         least, greatest = force(low), force(high)
         remedy = "increase [loading] radius" if load > greatest else "begin the solution at a smaller radius"
         raise InputError(
-            f"load: a pull-off force of {show(load, 'load')} lies outside the solution, which can tell forces from "
+            f"load: a pull-off force of {show(load, 'load')} lies outside the solution, which covers forces from "
             f"{show(least, 'load')} to {show(greatest, 'load')}: {remedy}"
         )
     if low < high:

@@ -150,7 +150,7 @@ def large_strains(problem: Problem, w: float, point: Equilibrium, loaded: bool =
         wc = (w / (problem.E_star * R)) ** (1 / 3)
         found = strained_pull_off(wc, BY_LOAD if loaded else BY_DISPLACEMENT, problem.indenter.noun == "sphere")
         if found is None:
-            return Unknown(f"not estimated, large: (w/(E* R))^(1/3) = {wc:.3g} is above 0.3")
+            return Unknown(f"beyond the estimate: (w/(E* R))^(1/3) = {wc:.3g} is above 0.3")
         return found if strain_size(found) >= LIMITS.strains_said else None
     ratios = {"a/R": point.a / R, "|delta|/h": abs(point.delta) / specimen.yielding_depth}
     name = max(ratios, key=lambda each: ratios[each])

@@ -324,7 +324,7 @@ def _homogeneous(why: str) -> BeforeValidator:
 
 ModulusOfHalfSpace = Annotated[
     Modulus,
-    _homogeneous("a half-space is homogeneous: put a graded layer on it, so thick that the rest does not matter"),
+    _homogeneous("a half-space is homogeneous: put a graded layer on it, thick enough that the rest does not matter"),
 ]
 ModulusOfCoating = Annotated[
     Modulus, _homogeneous("a layer of the indenter is homogeneous: cut a graded one into several")

@@ -95,7 +95,7 @@ def new(file: Path, force: bool) -> None:
     jkr new my.toml && jkr check my.toml && jkr transform my.toml
     """
     if file.suffix != ".toml":
-        raise InputError(f"{file}: the name of a case ends in .toml")
+        raise InputError(f"{file}: the name of a case must end in .toml")
     if file.exists() and not force:
         raise InputError(f"{file}: exists; give --force to replace it, or another name")
     check_target(file, force)
@@ -126,7 +126,7 @@ reading_options = as_one(
                  help="Unit, whatever the header says, P=mN; of a quantity or of a column by name or number."),
     click.option("--factor", "factors", multiple=True, type=KeyNumberType(KEYS), help="Factor of a column, P=180."),
     click.option("--zero", multiple=True, type=ZeroType(("delta", "P")),
-                 help='Reading at first touch, subtracted: delta="1.2 um"; a length alone is a displacement.'),
+                 help='Contact point, subtracted: delta="1.2 um"; a length without a key is delta.'),
     click.option("--sign", type=click.Choice(["auto", "as-is"]), default="auto", show_default=True,
                  help="auto: a displacement or load that is negative in compression is turned."),
     click.option("--area", type=click.Choice(["surface", "projected"]), default="surface", show_default=True,

@@ -132,7 +132,7 @@ class RateOptions:
         """What the device does from rest at its position ``x`` on: back at once, to a dwell where there is one."""
         if turns := [name for name in ("to_load", "to_depth", "speed_approach", "hold", "program")
                      if getattr(self, name) is not None]:  # fmt: skip
-            raise InputError(f"cycle: from rest it is pulled at --speed: leave {flag(turns[0])} out")
+            raise InputError(f"cycle: a retraction from rest has its --speed only: leave {flag(turns[0])} out")
         moves = self._course.moves(stiffness == LOAD_CONTROL, flag)
         whole = Program.on(x, -moves.back)
         return whole if moves.dwell is None else whole.dwelling(moves.dwell, moves.dwell_time)

@@ -390,7 +390,7 @@ ASKED = as_one(
                  "--fix stress=... or range=... of adhesive cycles."),
     click.option("--terms", type=click.IntRange(1, 4), help="Of --relaxation prony [default: 2]."),
     click.option("--segment", type=click.Choice(["approach", "retract", "both"]),
-                 help="Rows to fit [default: both, of --law retract]."),
+                 help="Directions to fit [default: both; with --law retract]."),
     click.option("--base-line", type=click.Choice(["straight", "sine"]), default="straight", show_default=True,
                  help="Of a raw force curve; sine: with optical interference."),
     click.option("--branch", type=click.Choice(["all", "compressive"]), default="all", show_default=True,

@@ -298,7 +298,7 @@ class Folder(PathType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         folder = super().convert(value, param, ctx)
         if folder.suffix in ENDINGS and not folder.is_dir():
-            self.fail(f"{folder} is the name of a file, a folder is wanted: files are named by the input")
+            self.fail(f"must be a folder, got the file name {folder}: file names follow the input")
         return folder
 
 

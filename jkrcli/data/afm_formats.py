@@ -151,7 +151,9 @@ class File:
             "sensitivity": self._per_volt(section.get("z scale", "")),
         }
         if reading.stiffness == math.inf:
-            raise InputError(f"{self.path}: is of a force microscope, whose lever bends: give its stiffness, not rigid")
+            raise InputError(
+                f"{self.path}: is from a force microscope, whose cantilever bends: give its stiffness, not rigid"
+            )
         values, flags = [], []
         for key, size, unit in (("stiffness", 1.0, "N/m"), ("sensitivity", 1e-9, "nm/V")):
             of_user, there = getattr(reading, key), f"{of_file[key] / size:g} {unit}"
@@ -416,7 +418,9 @@ def curves(path: Path, reading: Reading) -> Iterator[AsRead]:
     """
     with _opened_sets(path, reading) as (data_sets, lacks):
         if reading.stiffness == math.inf:
-            raise InputError(f"{path}: is of a force microscope, whose lever bends: give its stiffness, not rigid")
+            raise InputError(
+                f"{path}: is from a force microscope, whose cantilever bends: give its stiffness, not rigid"
+            )
         reading.check_known_columns(path)
         for data in data_sets:
             name = path.stem if len(data_sets) == 1 else str(data.enum)

@@ -708,7 +708,7 @@ def _on_jumps(touched: Sequence[Direction], limits: Array) -> Iterator[tuple[str
         if steps:
             step = max(steps, key=lambda step: abs(step.step))
             sentence = (
-                f"the load of the {name} steps by {show(step.step, 'load', 3)} at row {step.row + 1}: "
+                f"the load of the {name} jumps by {show(step.step, 'load', 3)} at row {step.row + 1}: "
                 "base line, second contact, or slip"
             )
             yield "step", sentence

@@ -899,7 +899,7 @@ class FittedBody:
         """The adhesive curves of finite range; Refusal where the body has none."""
         if self.problem.sticks:
             raise Refusal(
-                "fit: adhesion of finite range is for frictionless contact alone: give --surface sliding, or leave "
+                "fit: adhesion of finite range is for frictionless contact only: give --surface sliding, or leave "
                 "range and stress out"
             )
         if self.no_range:

@@ -173,7 +173,7 @@ def archive_summary(archive: Archive) -> dict[str, Any]:
         listing = identity | contents | {"warnings": [] if archive.is_protected else [DOUBT]}
         archive_words(listing), as_json(listing)  # what cannot be told is none
     except (*hdf5.UNREADABLE, AttributeError, RecursionError):  # a number where a group belongs, and the like
-        raise InputError(f"{archive.path}: does not hold what an archive of format {archive.format} does") from None
+        raise InputError(f"{archive.path}: lacks parts of an archive of format {archive.format}") from None
     return listing
 
 

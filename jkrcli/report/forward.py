@@ -113,7 +113,7 @@ def _of_curve(result: Analysis) -> Iterator[str]:
         f"interpolation error up to {_estimate(result.curve.interpolation_error)}"
     )
     below = result.solution.facts.get("rows_below", 0)
-    more = f", {below} of them solved below its own for pull-off" if below else ""
+    more = f", {below} of them at smaller radii, for pull-off" if below else ""
     yield (
         f"solution: {len(result.curve.series)} points kept{more}, {result.dropped} dropped; "
         f"slopes {slopes.method} ({slopes.reason})"
@@ -558,7 +558,7 @@ class Cycled(Result):
         cycle, inwards, outwards = self.cycle, self.cycle.contact.advancing, self.cycle.contact.receding
         begin, onset = cycle.begin, inwards.onset
         jump_in = f"jump-in at delta = {show(onset, 'length') if onset else 0} to"
-        start = jump_in if inwards.w > 0 else "contact grows from a point; first of the solution:"
+        start = jump_in if inwards.w > 0 else "contact begins at a point; first computed state:"
         # Each energy [J] by its name, with its half-width; those of one reason why there are none together
         known = [one for one in self._energies if not isinstance(one[1], Unknown)]
         parts = [f"{name} {tables.energy_words(energy, error)}" for name, energy, error in known]

@@ -328,7 +328,7 @@ def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point
     ``series``: its radii are the ones solved for; ``w``: work of adhesion [J/m^2].
     """
     if problem.sticks:
-        return Unknown("adhesion of finite range is implemented for frictionless contact alone")
+        return Unknown("adhesion of finite range is implemented for frictionless contact only")
     if problem.specimen.surface_tension:
         return Unknown("adhesion of finite range is not derived with surface tension")
     h = min(point.a, problem.top_thickness)

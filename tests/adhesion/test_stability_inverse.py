@@ -110,11 +110,11 @@ def test_a_force_outside_the_series_is_refused_with_the_range() -> None:
     least, greatest = (4 * E_STAR * a**3 / (3 * R) for a in (half_space().a[0], half_space().a[-1]))
     assert (least, greatest) == pytest.approx((1.9024e-6, 0.41092), rel=1e-4)
     assert message(lambda: found(half_space(), 1.0)) == (
-        "load: a pull-off force of 1 N lies outside the solution, which can tell forces from 1.902 uN to 410.9 mN: "
+        "load: a pull-off force of 1 N lies outside the solution, which covers forces from 1.902 uN to 410.9 mN: "
         "increase [loading] radius"
     )
     assert message(lambda: found(half_space(), 1e-7)).endswith(
-        "lies outside the solution, which can tell forces from 1.902 uN to 410.9 mN: begin the solution at a smaller "
+        "lies outside the solution, which covers forces from 1.902 uN to 410.9 mN: begin the solution at a smaller "
         "radius"
     )
 

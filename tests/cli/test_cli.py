@@ -199,7 +199,7 @@ def test_new_writes_a_case_that_runs_and_never_replaces_one(jkr, tmp_path: Path)
     assert jkr("run", "my.toml").code == 0
     assert store.read_solution("my.h5").method == "layered"
     assert jkr("new", "my.toml").err == "jkr: error: my.toml: exists; give --force to replace it, or another name\n"
-    assert jkr("new", "my.case").err == "jkr: error: my.case: the name of a case ends in .toml\n"
+    assert jkr("new", "my.case").err == "jkr: error: my.case: the name of a case must end in .toml\n"
     assert files(tmp_path) == ["my.h5", "my.toml"]
 
 

@@ -220,13 +220,13 @@ REFUSALS = [
     (("pull-off", "p.h5", "--load", "0 N"), "pull-off: --load must not be 0; give the measured pull-off force"),
     (
         ("pull-off", "p.h5", "--load", "1 N"),
-        "p.h5: load: a pull-off force of 1 N lies outside the solution, which can tell forces from 1.902 uN to 410.9 "
+        "p.h5: load: a pull-off force of 1 N lies outside the solution, which covers forces from 1.902 uN to 410.9 "
         "mN: "
         "increase [loading] radius",
     ),
     (
         ("pull-off", "p.h5", "--load", "1e20 N"),  # once "from 0 N to 0 N": rounded at its own size
-        "p.h5: load: a pull-off force of 1e+17 kN lies outside the solution, which can tell forces from 1.902 uN to "
+        "p.h5: load: a pull-off force of 1e+17 kN lies outside the solution, which covers forces from 1.902 uN to "
         "410.9 mN: increase [loading] radius",
     ),
     (

@@ -347,7 +347,7 @@ def test_adhesion_over_time_turns_at_a_load_in_a_spring(jkr: Callable, series: P
 
 
 ADHERES_NOT = {
-    "rest": ((*WIDE, "--rest-depth", "0.1 m"), "from rest it is pulled at --speed: leave --to-depth out"),
+    "rest": ((*WIDE, "--rest-depth", "0.1 m"), "a retraction from rest has its --speed only: leave --to-depth out"),
     "narrow": (("--stress", "30 Pa", "--to-depth", "0.1 m"), "is too narrow beside"),
     "two works": ((*WIDE, "--w-retract", "60 mJ/m^2"), "give one work of adhesion"),
     "no turn": (("--stress", "1 Pa", "--stiffness", "1 N/m"), "give the reversal, --to-load or --to-depth"),

@@ -262,7 +262,7 @@ def test_verbs_that_know_no_range_refuse_it_by_name(
     ("case", "says"),
     [
         ('method = "fem"' + TIP, "jkr transform will refuse: adhesion of finite range needs the kernel"),
-        (STICKING, "jkr transform will refuse: adhesion of finite range is implemented for frictionless contact alone"),
+        (STICKING, "jkr transform will refuse: adhesion of finite range is implemented for frictionless contact only"),
         ('method = "layered"' + TIP, ""),
     ],
 )

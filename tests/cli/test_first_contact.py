@@ -151,7 +151,7 @@ def test_a_bare_w_that_no_surface_has_is_remarked_and_one_with_its_unit_is_meant
 def test_a_file_name_where_a_folder_is_meant_is_answered(jkr: Callable, tmp_path: Path) -> None:
     said = jkr("mesh", GEL, "-o", "x.msh")
     assert said.code == 2
-    assert "x.msh is the name of a file, a folder is wanted" in said.err
+    assert "must be a folder, got the file name x.msh" in said.err
     assert list(tmp_path.iterdir()) == []
     assert jkr("transform", GEL, "--no-plots", "-o", "v1.2").code == 0  # a folder may have a dot
 

@@ -146,7 +146,7 @@ WRONG: dict[str, tuple[Callable[[Path], Path], Reading, str]] = {
     ),
     "a lever that does not bend": (
         lambda path: written(path / "m.h5", data()), Reading(stiffness=math.inf),
-        "{path}: is of a force microscope, whose lever bends: give its stiffness, not rigid",
+        "{path}: is from a force microscope, whose cantilever bends: give its stiffness, not rigid",
     ),
     "columns of a file that knows its own": (
         lambda path: written(path / "m.h5", data(spring_constant=K)), Reading(columns={"P": "force"}),

@@ -206,5 +206,5 @@ def test_an_archive_that_lacks_its_part_is_refused(jkr, archives: dict[str, Path
     path = archives["table"]
     path.write_bytes(hdf5.image(hdf5.Group({"format": archive.SWEEP_TABLE, "version": 2, "jkr": "0"})))
     done = jkr("show", path)
-    line = f"jkr: error: {path}: does not hold what an archive of format jkr-sweep-table does\n"
+    line = f"jkr: error: {path}: lacks parts of an archive of format jkr-sweep-table\n"
     assert (done.code, done.err) == (2, line)

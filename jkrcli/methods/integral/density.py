@@ -231,7 +231,7 @@ def _broken(phi: Density, factor: float, P: float, end: float) -> str | None:
         return f"tension in the middle of the contact, {-pull:.2g} of the mean pressure"
     overlap = -float(phi.gaps(outside[outside <= end]).min(initial=0.0)) / phi.delta
     if overlap > DISC_OVERLAP:
-        return f"the surfaces overlap by {overlap:.2g} of the displacement beyond the edge"
+        return f"the surfaces overlap outside the contact, by {overlap:.2g} of the displacement"
     return None
 
 

@@ -364,7 +364,7 @@ def panels_for(reach: float, a0: float, scale: float, tolerance: float, crowding
     if plan.nodes > ATTRACTION_MOST_NODES:
         raise Refusal(
             f"adhesion of finite range: it reaches out to {show(reach, 'length')}, {reach / scale:.3g} times the "
-            f"length over which the body acts, and needs {plan.nodes} polynomials (limit {ATTRACTION_MOST_NODES}); "
+            f"length scale of the specimen, and needs {plan.nodes} polynomials (limit {ATTRACTION_MOST_NODES}); "
             "use a smaller contact, or a larger stress (a shorter range)"
         )
     return Panels.through(end, plan, a0)

@@ -562,7 +562,7 @@ def _jump(now: Now, inwards: bool) -> tuple[Now, Jump]:
     if lost < -CLOSE * most and not (body.loaded and found is None):
         raise Refusal(
             f"cycle: the contact edge cannot be followed beyond t = {show(start.t, 'time')}: a jump there would "
-            "win energy; give a smaller --stress"
+            "gain energy; give a smaller --stress"
         )
     end = end._replace(radiated=start.radiated + lost)
     return replace(there, row=end), Jump(_state(start), _state(end) if found else None, start.t)

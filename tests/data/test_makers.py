@@ -71,7 +71,7 @@ def test_what_is_told_takes_the_place_of_the_head(tmp_path: Path) -> None:
 
 WRONG = {
     "no spring constant": ({"Spring Constant": "0"}, {}, "names no stiffness: give --stiffness"),
-    "rigid": ({}, {"stiffness": np.inf}, "is from a force microscope, whose cantilever bends: give its stiffness, not rigid"),
+    "rigid": ({}, {"stiffness": np.inf}, "whose cantilever bends: give its stiffness, not rigid"),
     "columns": ({}, {"columns": {"P": "x"}}, "the columns of a microscope's file and their units are known"),
     "where": ({}, {"where": {"x": "1"}}, "of which --where takes segment or curve, not \"x\""),
     "length": ({"Data length": "319"}, {}, "319 bytes for 1 curves of 2 x 40 rows, 2 or 4 bytes each"),

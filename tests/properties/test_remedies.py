@@ -308,7 +308,7 @@ BY_OTHER_VERBS = (  # refused to transform, or at sizes that take long: tests of
     "cycle: the edge of the contact takes more than {} steps, as its cohesive zone is ",
     "narrow: give a smaller --stress (a longer --range)",
     "cycle: the contact edge cannot be followed beyond t = {}: a jump there would ",
-    "win energy; give a smaller --stress",
+    "gain energy; give a smaller --stress",
     "cycle: the surfaces attract each other ever farther out",
 )
 

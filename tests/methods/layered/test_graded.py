@@ -510,8 +510,8 @@ def test_a_half_space_is_homogeneous():
     with pytest.raises(InputError) as caught:
         parse_case(text, "my.toml")
     assert caught.value.lines == (
-        "my.toml: specimen.half_space.E: a half-space is homogeneous: put a graded layer on it, thick enough that the rest "
-        "does not matter",
+        "my.toml: specimen.half_space.E: a half-space is homogeneous: put a graded layer on it, thick enough that the "
+        "rest does not matter",
     )
 
 

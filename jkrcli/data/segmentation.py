@@ -91,6 +91,8 @@ RECORD_STRAIGHT = 1.3  # choice: of the noise, what the line through them leaves
 # tuned on records, by `make constants`: just below the half of a step in speed that smoothing leaves at its place
 RECORD_STILL = 0.45
 RECORD_RING = 12  # choice: rows of a window in which a device is seen to ring after a jump
+RECORD_BESIDE = (4, 8, 16, 32, 64, 128)  # choice: rows on either side that tell the largest tension
+RECORD_CHANCE = 3.0  # choice: standard deviations of chi^2, beyond which a parabola is none
 RECORD_RUNG = 2.0  # theory: of the usual size, 3.5 standard deviations of that of a window of normal noise
 RECORD_WINDOWS = 4  # choice: such windows at least, of which the usual size is the median
 RECORD_SMOOTH = 4  # choice: degree of a polynomial that follows the end of a contact and no kink
@@ -159,13 +161,13 @@ class Direction:
     """One segment in which the device moves one way, with its base line and its events.
 
     ``touch``: position of the device [m] where contact begins (approach) or has ended (retract), ``touch_err`` its
-    half-width; ``largest``: largest load over the base line [N]; ``adhesion``: largest tension below it [N], at
-    ``adhesion_at`` [m]. ``border``: from the far end inwards, the last row that is free for sure and the first that is
-    in contact for sure: after a jump, else where tension is largest, as what lets go slowly beyond is no contact of
-    an elastic body. ``way, depth``: how far the device moves in all, and beyond touch [m]. ``free``: how many rows from
-    the far end on may be free, up to the largest ``jump`` [N] to tension, 0 without one. ``jumps``: to tension, seen
-    from the far end inwards; ``steps``: all other sudden changes of the load; ``ringing``: rows after the jump in which
-    the device still rings, which belong to no side.
+    half-width; ``largest``: largest load over the base line [N]; ``adhesion``: largest tension below it [N], with its
+    standard error, at ``adhesion_at`` [m]. ``border``: from the far end inwards, the last row that is free for sure and
+    the first that is in contact for sure: after a jump, else where tension is largest, as what lets go slowly beyond is
+    no contact of an elastic body. ``way, depth``: how far the device moves in all, and beyond touch [m]. ``free``: how
+    many rows from the far end on may be free, up to the largest ``jump`` [N] to tension, 0 without one. ``jumps``: to
+    tension, seen from the far end inwards; ``steps``: all other sudden changes of the load; ``ringing``: rows after the
+    jump in which the device still rings, which belong to no side.
     """
 
     segment: Segment
@@ -174,6 +176,7 @@ class Direction:
     touch_err: float
     largest: float
     adhesion: Estimate
+    adhesion_err: float
     adhesion_at: float
     jumps: tuple[ForceJump, ...]
     steps: tuple[ForceJump, ...]
@@ -374,11 +377,9 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
     row, error = _touch(x, off, base, end)
     touch: Estimate = float(x[row]) if row < x.size else Unknown("the load never leaves its base line")
     lowest = int(np.argmin(off))
-    tension: Estimate = float(-off[lowest])
-    if -off[lowest] < base.least:
-        tension = Unknown("no tension beyond the noise")
     rows = range(segment.first, segment.last + 1)[::order]
     falls, others = _jumps(off, base)
+    tension, unsure = _largest_tension(x, off, base, lowest, falls)
     main = min(falls, key=lambda fall: off[fall[1]] - off[fall[0]], default=None)
     jump = 0.0 if main is None else float(off[main[1]] - off[main[0]])
     ringing = 0
@@ -402,12 +403,43 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
     if main is not None and ringing:
         border = (border[0], max(inner, main[1] + ringing)) if order > 0 else (min(border[0], main[0] - ringing), inner)
     depth = float(x.max() - x[min(row, x.size - 1)])
-    loads = float(off.max()), tension, float(x[lowest])
+    loads = float(off.max()), tension, unsure, float(x[lowest])
     free = main[0] + 1 if main is not None else _before_least(off) if order > 0 else border[0] + 1
     free -= 0 if order > 0 else ringing
     return Direction(
         segment, base, touch, error, *loads, jumps, steps, border, float(np.ptp(x)), depth, max(free, 0), jump, ringing
     )
+
+
+def _largest_tension(
+    x: Array, off: Array, base: BaseLine, lowest: int, falls: list[tuple[int, int]]
+) -> tuple[Estimate, float]:  # fmt: skip
+    """The largest tension [N] about the ``lowest`` row and its standard error: of the parabola through as many rows
+    beside it, on the contact's side of a jump, as agree with what fewer tell (Lepski 1991). The least of many noisy
+    rows alone would be too low. The base line errs there by what it is known to, and a jump lies between two rows."""
+    if -off[lowest] < base.least:
+        return Unknown("no tension beyond the noise"), base.noise
+    tension, error, wider, between = float(-off[lowest]), base.noise, base.noise, 0.0
+    begins = max((inner for outer, inner in falls if outer < lowest), default=0)
+    least_told, most_told = -math.inf, math.inf
+    for half in RECORD_BESIDE:
+        y = off[max(begins, lowest - half) : lowest + half + 1]
+        if (dof := y.size - 3) < half // 2:
+            continue
+        Q = np.linalg.qr(np.vander(np.linspace(-1, 1, y.size), 3))[0]
+        smooth = Q @ (Q.T @ y)
+        least = int(np.argmin(smooth))
+        told, unsure = float(-smooth[least]), base.noise * float(np.linalg.norm(Q[least]))
+        bends = float(np.sum((y - smooth) ** 2)) > base.noise**2 * (dof + RECORD_CHANCE * math.sqrt(2 * dof))
+        if bends or not least_told <= told <= most_told:
+            break
+        tension, error, wider = told, wider, unsure  # a parabola may be off by what half as many rows cannot tell
+        least_told, most_told = max(least_told, told - 2 * unsure), min(most_told, told + 2 * unsure)
+        between = float(smooth[1] - smooth[0]) / 2 if least == 0 else 0.0
+    free = x[: base.rows]
+    away = float(x[lowest] - free.mean()) / (float(np.ptp(free)) or 1.0)
+    line = base.noise * math.sqrt((1 + 12 * away**2) / base.rows)
+    return tension, math.hypot(error, line, base.waviness, between)
 
 
 def _ringing(y: Array) -> int:

@@ -982,6 +982,7 @@ def _direction(item: Direction) -> dict[str, Any]:
         "base_line": quantities(item.base, "offset tilt at rows noise waviness") if item.based else None,
         **_known("largest_load_N", item.largest if item.based else NO_BASE_LINE),
         **_known("adhesion_force_N", adhesion),
+        **({} if isinstance(adhesion, Unknown) else {"adhesion_force_err_N": item.adhesion_err}),
         "adhesion_at_m": None if isinstance(adhesion, Unknown) else item.adhesion_at,
         "jumps": [{"row": jump.row + 1} | quantities(jump, "position step") for jump in item.jumps],
     }
@@ -1066,7 +1067,8 @@ def _direction_words(item: Direction) -> list[str]:
     tension = (
         f"unknown, {item.adhesion.reason}"
         if isinstance(item.adhesion, Unknown)
-        else f"{show(item.adhesion, 'load', 3)} at {show(item.adhesion_at, 'length')}"
+        else f"{show(item.adhesion, 'load', 3)} ± {show(item.adhesion_err, 'load', 2)} "
+        f"at {show(item.adhesion_at, 'length')}"
     )
     count = len(item.jumps)
     if approach:

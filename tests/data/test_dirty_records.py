@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dirty_records import KINDS, Dirty
+from dirty_records import KINDS, Attracted, Dirty, branches
 
 from jkrcli.data.curve import Reading
 from jkrcli.data.measured import read
@@ -46,3 +46,18 @@ def test_a_lever_that_rings_is_told_from_steps(tmp_path: Path) -> None:
     found = examined(made, tmp_path / "record.txt")
     assert found.directions[1].ringing > 10
     assert not found.directions[1].steps
+
+
+def test_the_adhesion_force_is_no_extreme_of_noise(tmp_path: Path) -> None:
+    """Of noisy rows the least alone is two standard deviations too low in the mean."""
+    off, errors = [], []
+    for i in range(16):
+        made = KINDS["large noise"](np.random.default_rng((3, 22, i)))
+        retract = examined(made, tmp_path / "noisy.txt").direction("retract")
+        if retract is None or not isinstance(retract.adhesion, float):
+            continue
+        off.append((retract.adhesion + float(branches(made.at, Attracted())[1][1].min())) / made.at.noise)
+        errors.append(retract.adhesion_err / made.at.noise)
+    assert len(off) >= 10
+    assert abs(np.mean(off)) < 0.8
+    assert np.mean(np.abs(off) < 2 * np.array(errors)) >= 0.7

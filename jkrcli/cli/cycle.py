@@ -205,8 +205,8 @@ def read_program(path: Path, stiffness: float) -> Program:
 @click.option("--rest-load", type=LOAD, help="Viscoelastic specimens: at rest under this load, then pulled instantly, "
               "with --stress at --speed [default: at the reversal of --to-load or --to-depth, or P = 0].")  # fmt: skip
 @click.option("--rest-depth", type=LENGTH, help="The same at this displacement delta.")
-@click.option("--compare-rate", is_flag=True, help="Viscoelastic specimens, with --stress and --speed: what a law "
-              "w(v) of the same material says, as if the bulk were relaxed.")  # fmt: skip
+@click.option("--compare-rate", is_flag=True, help="Viscoelastic specimens, with --stress and --speed: result of a law "
+              "w(v) of the same material, with the relaxed modulus.")  # fmt: skip
 @click.option("--points", type=click.IntRange(2, 100_000), default=200, show_default=True, help="Rows per branch.")
 @curve_options
 @limits_options

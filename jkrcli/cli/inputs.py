@@ -78,7 +78,9 @@ def by_flags(verb: str, body: Flags, files: Sequence[Path]) -> bool:
     named = named_flags(body)
     if named and files:
         names = ", ".join(map(str, files))
-        raise InputError(f"{verb}: give a body file or the specimen from options, not both: {names} and {named}")
+        raise InputError(
+            f"{verb}: give a case or solution file or the specimen from options, not both: {names} and {named}"
+        )
     return bool(named)
 
 

@@ -234,7 +234,7 @@ def joint_fit(
         names = " and ".join("E*" if item.name == "E_star" else item.name for item in estimates
                              if item.name != "modulus")  # fmt: skip
         differ = f"the force curves differ by more than their noise (p = {chance:.1g}): they do not share {names}"
-        warnings.insert(0, f"{differ}; see what each says alone")
+        warnings.insert(0, f"{differ}; compare the separate fits")
     return JointFit(
         estimates=estimates, free=tuple(shared), covariance=intervals.covariance[:m, :m], dof=least.dof,
         warnings=tuple(warnings), fits=fits, alone=alone, chance=chance, level=settings.level,

@@ -203,7 +203,8 @@ def test_a_file_without_any_usable_curve_leaves_its_table_and_picture(
 def test_a_body_file_and_flags_are_not_both_taken(jkr: Callable[..., Outcome], table: Path) -> None:
     done = jkr("fit", "sphere.toml", str(table), "--radius", "5 um", "--nu", "0.5")
     assert (done.code, done.err) == (
-        2, "jkr: error: fit: give a body file or the specimen from options, not both: sphere.toml and --radius, --nu\n"
+        2, "jkr: error: fit: give a case or solution file or the specimen from options, not both: sphere.toml and "
+        "--radius, --nu\n"
     )  # fmt: skip
 
 
@@ -212,7 +213,7 @@ def test_a_series_file_and_flags_are_not_both_taken(jkr: Callable[..., Outcome],
     assert jkr("run", CASES / "soft-gel.toml", "-o", "gel.h5", "-q").code == 0
     done = jkr("fit", "gel.h5", str(table), "--radius", "5 um")
     assert (done.code, done.err) == (
-        2, "jkr: error: fit: give a body file or the specimen from options, not both: gel.h5 and --radius\n"
+        2, "jkr: error: fit: give a case or solution file or the specimen from options, not both: gel.h5 and --radius\n"
     )  # fmt: skip
 
 

@@ -117,7 +117,8 @@ MISTAKES = {
     "a part": (("--radius", "5 um", "--w", "1"),
                "needs a case or solution file, or the specimen from options: --E, --nu missing"),
     "both": (("my.toml", *TIP),
-             "give a body file or the specimen from options, not both: my.toml and --shape, --radius, --E, --nu"),
+             "give a case or solution file or the specimen from options, not both: my.toml and --shape, --radius, "
+             "--E, --nu"),
     "no question": (TIP, "give --w, or --load with a measured pull-off force"),
     "wrong values": (("--radius", "-5 um", "--E", "1 MPa", "--nu", "0.6", "--thickness", "0 m", "--w", "1"),
                      "--radius: must be > 0, got -5 um jkr: error: pull-off: --nu: must be > -1 and <= 0.5, got 0.6 "

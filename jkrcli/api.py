@@ -476,7 +476,7 @@ def cycle_relaxing(
     program, speed_approach, to_load, to_depth, hold, stiffness, slopes : optional
         As of `cycle_at_speed`.
     compare_rate : bool, optional
-        With what a law w(v) of the same material says, as if the bulk were relaxed: ``rate``.
+        Add what a law w(v) of the same material predicts with the relaxed moduli: ``rate``.
 
     Returns
     -------

@@ -807,7 +807,7 @@ def _warnings(fit: RateFit) -> list[str]:
     lines += fit.vague([name for name in fit.free if name not in ("delta0", "P0")])
     if fit.scatter > SEARCH_MISFIT:
         lines.append(
-            f"residuals of the load are {fit.scatter:.2g} times the scatter from row to row: the law, the "
-            "body or the instrument's stiffness is not what the data show; intervals are too narrow"
+            f"residuals of the load are {fit.scatter:.2g} times the scatter from row to row: the law, "
+            "the body or the instrument's stiffness does not describe the data; intervals are too narrow"
         )
     return lines

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import ClassVar, Self
@@ -564,7 +564,15 @@ class FiniteRangeBody:
         other = replace(pulled, panels=self.body.check(reach))
         errors, of_profile = self._errors(curve, other), self._of_profile(curve, pulled)
         errors = {name: error + of_profile.get(name, 0.0) for name, error in errors.items()}
-        points = list(_judged_points(curve, controls))
+        # The points at which contact is lost away from the end of the curve and from kinks
+        points, kinks = list[tuple[float, CriticalPoint]](), self.problem.indenter.kinks
+        for stiffness in controls:
+            point = curve.pull_off(stiffness)
+            if not isinstance(point, CriticalPoint) or not point.a < rims.a[-1] / (1 + FEWER_POINTS_NEAREST):
+                continue
+            radii = (point.a, _reach(point)) if point.a > 0 else (_reach(point),)
+            if not any(abs(kink / r - 1) < 2 * FEWER_POINTS_NEAREST for kink in kinks for r in radii):
+                points.append((stiffness, point))
         moved = self._moved(curve, pulled, other, points)
         by_points = self._by_points(curve, pulled, points) if of_profile else {}
         return replace(curve, half_widths=errors, of_profile=of_profile, moved=moved, by_points=by_points)
@@ -619,9 +627,19 @@ class FiniteRangeBody:
             below = pulled.states(rims.a[:first], np.maximum(rims.c[first], rims.a[:first]))
             rims = _joined(below, _some(rims, slice(first, None)))
         if self.problem.indenter.kinks:
+            # Contact radii [m] at which the curve has kinks: those of the profile, and where the surfaces attract each
+            # other up to one
+            kinks = np.array(self.problem.indenter.kinks)
+            beyond = np.sign(rims.c - kinks[:, None])
+            kink, row = np.nonzero(beyond[:, 1:] * beyond[:, :-1] < 0)
+            bends, reached, states = kinks[kinks < rims.a[-1]], kinks[kink], pulled.states
+            if reached.size:
+                ends = rims.a[row], rims.a[row + 1]
+                around = zeros_between(lambda a: states(a, reached).c / reached - 1, *ends, 0.0)
+                bends = np.concatenate([bends, around])
+            bends = np.unique(bends)
             # Contact radii [m] of the series, and in their place around each of bends the radius itself and
             # others at steps that shrink towards it on both sides, halfway to the next
-            bends = self._kinks(pulled, rims)
             a, steps = np.concatenate([[0.0], self.series.a]), np.geomspace(FINITE_RANGE_FIRST, 1, FINITE_RANGE_BESIDE)
             for before, bend, after in zip([0.0, *bends], bends, [*bends[1:], a[-1]], strict=False):
                 below, above = (min(FINITE_RANGE_AROUND * bend, abs(bend - other) / 2) for other in (before, after))
@@ -641,28 +659,6 @@ class FiniteRangeBody:
             more = PchipInterpolator(v, rims.a)(np.concatenate(inner))
             rims = _merged(rims, pulled.states(more, np.interp(more, rims.a, rims.c)))
         return rims
-
-    def _kinks(self, pulled: Pulled, first: Rims) -> Array:
-        """Contact radii [m] at which the curve has kinks: those of the profile, and where the surfaces attract each
-        other up to one; ``first``: states to begin with."""
-        kinks = np.array(self.problem.indenter.kinks)
-        beyond = np.sign(first.c - kinks[:, None])
-        kink, row = np.nonzero(beyond[:, 1:] * beyond[:, :-1] < 0)
-        reached = kinks[kink]
-
-        def off(a: Array) -> Array:
-            return pulled.states(a, reached).c / reached - 1
-
-        around = zeros_between(off, first.a[row], first.a[row + 1], 0.0) if reached.size else reached
-        return np.unique(np.concatenate([kinks[kinks < first.a[-1]], around]))
-
-    def _unresolved(self, a: Array, c: Array, S: Array) -> Array:
-        """Errors (2, n) of delta [m] and of its slope by a profile that is known at points only, at contact radii ``a``
-        and where the surfaces attract up to ``c`` [m]: those of F, more of what is softer than the surface."""
-        softer = np.divide(2 * self.problem.E_star * a, S, out=np.ones_like(a), where=S > 0)
-        resolution = self.problem.indenter.resolution
-        errors: Array = np.maximum(softer, 1.0) * np.maximum(resolution(a), resolution(c))
-        return errors
 
     def _errors(self, curve: FiniteRangeCurve, on_other: Pulled) -> dict[str, Array]:
         """Half-widths of delta and P: the change on other panels at some of the points, and what the kernel leaves."""
@@ -684,10 +680,14 @@ class FiniteRangeBody:
     def _of_profile(self, curve: FiniteRangeCurve, pulled: Pulled) -> dict[str, Array]:
         """Half-widths of delta and P by a profile that is known at points only; none where it is known everywhere."""
         rims, S = curve.touching, curve.parts.S
-        shift, slope = self._unresolved(rims.a, rims.c, S)
+        # Errors of delta [m] and of its slope at the contact radii: those of F up to the edges, more of what is softer
+        # than the surface
+        softer = np.divide(2 * self.problem.E_star * rims.a, S, out=np.ones_like(S), where=S > 0)
+        resolution = self.problem.indenter.resolution
+        shift, slope = np.maximum(softer, 1.0) * np.maximum(resolution(rims.a), resolution(rims.c))
         if not shift.any():
             return {}
-        apart, _ = self.problem.indenter.resolution(curve.apart.c)
+        apart, _ = resolution(curve.apart.c)
         gap = np.minimum(slope * (rims.c - rims.a), shift)
         # Derivatives (2, n) of delta [-] and P [N/m] by the separation at the edge of the attraction, at the same
         # contact radii, without their sign.
@@ -737,18 +737,6 @@ class FiniteRangeBody:
 def _columns(rims: Rims) -> Array:
     """delta and P, (2, n)."""
     return np.stack([rims.delta, rims.P])
-
-
-def _judged_points(curve: FiniteRangeCurve, controls: Sequence[float]) -> Iterator[tuple[float, CriticalPoint]]:
-    """The points at which contact is lost under ``controls`` away from the end of the curve and from kinks."""
-    kinks = np.array(curve.problem.indenter.kinks)
-    for stiffness in controls:
-        point = curve.pull_off(stiffness)
-        if not isinstance(point, CriticalPoint) or not point.a < curve.touching.a[-1] / (1 + FEWER_POINTS_NEAREST):
-            continue
-        radii = (point.a, _reach(point)) if point.a > 0 else (_reach(point),)
-        if not any(abs(kink / r - 1) < 2 * FEWER_POINTS_NEAREST for kink in kinks for r in radii):
-            yield stiffness, point
 
 
 def _around_critical(curve: FiniteRangeCurve, controls: tuple[float, ...]) -> tuple[Array, Array]:

@@ -209,14 +209,8 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
 
 
 def _scatter(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
-    """How far delta and P, (2,), lie off those of the ``point`` where a device may stand as low as there."""
-    there = np.stack(curve.at(_as_low(curve, point, stiffness)))
-    return np.abs(there - [[point.delta], [point.P]]).max(axis=1)
-
-
-def _as_low(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
-    """Radii [m] of the neighbouring rows at which the scatter of the rows does not tell whether a device stands lower
-    than at the ``point``, and that of the point."""
+    """How far delta and P, (2,), lie off those of the ``point`` where a device may stand as low as there: at the
+    neighbouring rows at which the scatter of the rows does not tell whether it stands lower."""
 
     def x(other: AdhesiveCurve, a: Array) -> Array:
         return np.asarray(position(*other.at(a), stiffness))
@@ -225,7 +219,8 @@ def _as_low(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Arr
     away, here = np.abs(rows - point.a), float(x(curve, np.array(point.a)))
     scatter = max(np.max(np.abs(x(half, rows) - x(curve, rows))[away <= np.sort(away)[min(4, rows.size - 1)]])
                   for half in _apart(curve).halves)  # fmt: skip
-    return np.append(rows[x(curve, rows) < here + 2 * scatter], point.a)
+    there = np.stack(curve.at(np.append(rows[x(curve, rows) < here + 2 * scatter], point.a)))
+    return np.abs(there - [[point.delta], [point.P]]).max(axis=1)
 
 
 def _pull_off(other: AdhesiveCurve, curve: AdhesiveCurve, stiffness: float) -> CriticalPoint | Unknown:
@@ -259,7 +254,12 @@ def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) ->
     others = () if coarser is None else larger_elements(curve.nonadhesive)
     if coarser is None or not others:
         return None
-    shift, slope = _by_profile(curve, point.a)
+    # Errors of delta and P, and of their slopes over log(a - a0), by a profile that is known at points only
+    shift = slope = np.zeros(2)
+    if series.unresolved is not None:
+        unit = np.array([1.0, float(curve.nonadhesive.parts(np.array(point.a)).S)])
+        of_value, of_slope = (np.interp(point.a, series.a, values) for values in series.unresolved)
+        shift, slope = of_value * unit, (point.a - series.a0) * of_slope * unit
     # nodes a step apart, the same at all radii
     spacing = np.diff(series.a)
     even = np.mean(np.abs(spacing / np.median(spacing) - 1) < SAME_STEP) >= MOST_STEPS_SAME
@@ -295,9 +295,9 @@ def error_by_mesh(curve: AdhesiveCurve, point: Equilibrium, stiffness: float) ->
     rates = np.gradient(np.asarray(position(changes[0], changes[1], stiffness)), x, axis=-1)
     moved = _mean(rates[:, around]) / abs(bend)
     fallen = ((point.a - series.a0) / (series.a[-1] - series.a0)) ** np.array(COARSER_POWERS)
-    of_value, of_place = np.array(COARSER_LEFT) / (coarser.ratio - 1) * fallen
+    of_values, of_place = np.array(COARSER_LEFT) / (coarser.ratio - 1) * fallen
     relative = np.array([_mean(change) for change in changes / _sizes(curve, a)[:, None]])
-    of_mesh = np.hypot(of_value * relative * _sizes(curve, np.array(point.a)), of_place * along * moved)
+    of_mesh = np.hypot(of_values * relative * _sizes(curve, np.array(point.a)), of_place * along * moved)
     return np.sqrt(of_mesh**2 + shift**2 + (along * float(position(slope[0], slope[1], stiffness)) / bend) ** 2)
 
 
@@ -314,17 +314,6 @@ def _lost_by_larger(curve: AdhesiveCurve, larger: Nonadhesive, point: Equilibriu
         return None
     size: Array = _sizes(curve, np.array(point.a))
     return size * np.sqrt(np.mean(np.square(moved), axis=0))
-
-
-def _by_profile(curve: AdhesiveCurve, a: float) -> tuple[Array, Array]:
-    """Errors of delta [m] and P [N] at the radius ``a`` [m], and of their slopes over log(a - a0), by a profile that is
-    known at points only."""
-    series = curve.series
-    if series.unresolved is None:
-        return np.zeros(2), np.zeros(2)
-    shift, slope = (np.interp(a, series.a, values) for values in series.unresolved)
-    unit = np.array([1.0, float(curve.nonadhesive.parts(np.array(a)).S)])
-    return shift * unit, (a - series.a0) * slope * unit
 
 
 def _sizes(curve: AdhesiveCurve, a: Array) -> Array:

@@ -48,25 +48,20 @@ def moments(x: Array, count: int) -> Array:
     if count == 1:
         return np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0)[None]
     values, least = np.empty((count, *x.shape)), -1.0
-    for most, terms in MOMENT_TERMS:
-        band = (x > least) & (x <= most)
-        values[:, band], least = _downwards(x[band], count, terms), most
+    for most, terms in MOMENT_TERMS:  # by the recursion downwards from so many terms beyond them
+        band, least = (x > least) & (x <= most), most
+        inner = x[band]
+        below = np.full_like(inner, 1.0 / (count + terms + 1))
+        for j in range(count + terms, 0, -1):
+            below = (1 - inner * below) / j
+            if j <= count:
+                values[j - 1, band] = below
     large = x > least
     beyond = x[large]
     above = -np.expm1(-beyond) / beyond
     for j in range(count):
         values[j, large] = above
         above = (1 - (j + 1) * above) / beyond
-    return values
-
-
-def _downwards(x: Array, count: int, terms: int) -> Array:
-    """The moments by the recursion from so many ``terms`` beyond them."""
-    values, below = np.empty((count, x.size)), np.full_like(x, 1.0 / (count + terms + 1))
-    for j in range(count + terms, 0, -1):
-        below = (1 - x * below) / j
-        if j <= count:
-            values[j - 1] = below
     return values
 
 
@@ -486,7 +481,10 @@ class Drive:
             run = self._grown(now, device)
             if run is None:
                 return None
-            left = self._rising(run.depth)
+            # What is positive while the depth rises, which may fall by round-off
+            rises = (np.diff(run.depth) > -DRIVEN_FALLS * run.depth.max(axis=1, keepdims=True)).all(axis=1)
+            slopes = run.depth @ POWERS * np.arange(DEGREE + 1)
+            left = np.where(rises[:, None], np.eye(1, DEGREE + 1), np.roll(slopes, -1, axis=1))
             beyond = run.depth[:, -1] > deepest
             left[beyond] = (deepest - run.depth[beyond]) @ POWERS
             return run, left
@@ -505,7 +503,12 @@ class Drive:
         """Take the steps through the piece ``i`` of the program, or up to where the contact turns or is lost; whether
         it does, and the state there. ``last``: ends of the steps, parts, in which the one is solved where it does."""
         count, since, begin = DRIVEN_TOGETHER, now.t, self._part(i, now.t)
-        ends = self._ends(begin, i)
+        # Ends of the steps, parts of the piece, closer to each other at first, and where a load comes to 0: the contact
+        # does as its power 2/3
+        parts = self._from_begin(DRIVEN_FIRST)
+        if self.stiffness == LOAD_CONTROL and self.x[i + 1] == 0:
+            parts = np.concatenate([parts / 2, (1 + self._to_end(DRIVEN_FIRST)) / 2])
+        ends = begin + (1 - begin) * parts if begin < 1 else parts[:0]
         while ends.size:
             solved = solver(now, self._device_steps(i, begin, ends[:count]))
             if solved is None:
@@ -548,7 +551,9 @@ class Drive:
                 raise _not_solved(now)
             run, left = solved
             low, high = (part, high) if left[-1].sum() > 0 else (low, part)
-            beyond = _beyond(left[-1]) * np.diff(last, prepend=0.0)[-1]  # in parts of all steps
+            # How far beyond the end of the last step, in parts of all steps, nothing is left if it goes on straight
+            rate = float(left[-1] @ np.arange(left.shape[1]))
+            beyond = 0.0 if rate == 0 else -float(left[-1].sum()) / rate * np.diff(last, prepend=0.0)[-1]
             if abs(beyond) < ROUNDED or high - low < ROUNDED * part:
                 break
             after = part * (1 + min(max(beyond, 1 / DRIVEN_FAR - 1), DRIVEN_FAR - 1))
@@ -576,14 +581,6 @@ class Drive:
             now = Now(t, depth, contact, load, of_depth, of_load)
         return now
 
-    def _ends(self, begin: float, i: int) -> Array:
-        """Ends of the steps from the part ``begin`` of piece ``i`` on, parts of it, closer to each other at first, and
-        where a load comes to 0: the contact does as its power 2/3."""
-        parts = self._from_begin(DRIVEN_FIRST)
-        if self.stiffness == LOAD_CONTROL and self.x[i + 1] == 0:
-            parts = np.concatenate([parts / 2, (1 + self._to_end(DRIVEN_FIRST)) / 2])
-        return np.asarray(begin + (1 - begin) * parts if begin < 1 else parts[:0])
-
     def _device_steps(self, i: int, begin: float, ends: Array) -> DeviceSteps:
         """Steps from the part ``begin`` of piece ``i`` to ``ends``."""
         h = np.diff(ends, prepend=begin)
@@ -595,7 +592,16 @@ class Drive:
         h, x = device
         kernel = Kernel(self.modes, h)
         seen, by = kernel.seen(now.of_load) + kernel.matrix[:, 0] * now.load, kernel.matrix[:, 1:]
-        log, loaded = self._guess(seen, by.sum(axis=1), x), self.stiffness == LOAD_CONTROL
+        stiff, loaded = by.sum(axis=1), self.stiffness == LOAD_CONTROL
+
+        def excess(log: Array) -> Array:
+            depth = np.exp(log)
+            return np.asarray(position(depth, seen + stiff * self.depths.loads(depth), self.stiffness) - x)
+
+        # log depths to begin with: of an elastic contact `stiff` times as stiff, loaded in one step
+        low, high = (np.full(x.size, math.log(edge)) for edge in (self.depths.least, self.depths.most))
+        low = np.where(excess(low) > 0, high, low)
+        log = zeros_between(excess, low, np.where(excess(high) > 0, high, low), DRIVEN_FAR)
         for _ in range(MOST_STEPS):
             depth = np.exp(log)
             load, S = self.depths.with_slopes(depth)
@@ -610,23 +616,6 @@ class Drive:
         depth = np.exp(log)
         whole = _places(now.depth, depth)
         return Run(now.t + np.cumsum(h), whole, whole, _places(now.load, self.depths.loads(depth)))
-
-    def _guess(self, seen: Array, stiff: Array, x: Array) -> Array:
-        """log depths to begin with: of an elastic contact ``stiff`` times as stiff, loaded in one step."""
-        low, high = (np.full(x.size, math.log(edge)) for edge in (self.depths.least, self.depths.most))
-
-        def excess(log: Array) -> Array:
-            depth = np.exp(log)
-            return np.asarray(position(depth, seen + stiff * self.depths.loads(depth), self.stiffness) - x)
-
-        low = np.where(excess(low) > 0, high, low)
-        return zeros_between(excess, low, np.where(excess(high) > 0, high, low), DRIVEN_FAR)
-
-    def _rising(self, depth: Array) -> Array:
-        """What is positive in steps while the depth rises; it may fall by round-off."""
-        rises = (np.diff(depth) > -DRIVEN_FALLS * depth.max(axis=1, keepdims=True)).all(axis=1)
-        slopes = depth @ POWERS * np.arange(DEGREE + 1)
-        return np.where(rises[:, None], np.eye(1, DEGREE + 1), np.roll(slopes, -1, axis=1))
 
 
 def _not_solved(now: Now) -> SolveError:
@@ -653,12 +642,6 @@ def _first_fall(left: Array) -> tuple[int, float]:
     return step, float(zeros_between(np.polynomial.Polynomial(left[step]), y[at - 1 : at], y[at : at + 1], 0.0)[0])
 
 
-def _beyond(left: Array) -> float:
-    """How far beyond the end of a step, in such steps, nothing is ``left`` (7), if it goes on straight."""
-    rate = float(left @ np.arange(left.size))
-    return 0.0 if rate == 0 else -float(left.sum()) / rate
-
-
 @dataclass(frozen=True, eq=False)
 class Falling:
     """A contact that shrinks after it grew as on the path ``grown``."""
@@ -675,7 +658,15 @@ class Falling:
         contact, least = np.full(x.size, now.contact), self.drive.depths.least if k == LOAD_CONTROL else -math.inf
         top = self.grown.deepest
         for _ in range(MOST_STEPS):
-            (depth, by_depth), (P, by_P) = self._integrals(contact, now.t + kernel.since)
+            # int r d(delta) [m] and int r dP_H [N] up to where the contact grew through these depths, and their slopes;
+            # below 0, where there is no contact, straight on
+            path, inside, t = self.grown, np.maximum(contact, 0.0), now.t + kernel.since
+            places = path.place_at(inside)
+            by_depth = path.depth.modes(t - path.depth.times(places))
+            view = path.depth.view(places, t)
+            depth, P = view.integral(path.depth) + by_depth * (contact - inside), view.integral(path.load)
+            S = self.drive.depths.with_slopes(np.maximum(contact, self.drive.depths.least))[1]
+            by_P = np.where(contact > 0, by_depth * S, 0.0)
             delta = inverse @ (depth - seen)
             rates = np.diag(by_P) if k == LOAD_CONTROL else inverse * by_depth + np.diag(by_P) / k
             missing = position(delta, P, k) - x
@@ -697,17 +688,6 @@ class Falling:
         again = there & (np.diff(contact) > self.drive.grows * self.grown.deepest).any(axis=1)
         if again.any():
             raise InputError(f"program: at t = {show(float(ends[again][0]), 'time')} the contact {AGAIN}")
-
-    def _integrals(self, contact: Array, now: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        """int r d(delta) [m] and int r dP_H [N] up to where the contact grew through depths ``contact``, seen from the
-        times ``now``, and their slopes; below 0, where there is no contact, straight on."""
-        path, inside = self.grown, np.maximum(contact, 0.0)
-        places = path.place_at(inside)
-        left = path.depth.modes(now - path.depth.times(places))
-        view = path.depth.view(places, now)
-        depth, P = view.integral(path.depth), view.integral(path.load)
-        S = self.drive.depths.with_slopes(np.maximum(contact, self.drive.depths.least))[1]
-        return (depth + left * (contact - inside), left), (P, np.where(contact > 0, left * S, 0.0))
 
 
 # --------------------------------------------------------------------------------------------------

@@ -285,7 +285,15 @@ class Step:
         rows = ends[ends > c] if inwards else ends[ends < c]
         if not rows.size:
             return None
-        a = self._contacts(rows)
+
+        def wide(log_b: Array) -> Array:
+            b = np.exp(log_b)
+            return np.log(np.maximum(self.rims(np.maximum(rows - b, 0.0), b).gap / self.body.law.length, TINY))
+
+        # Contact radii inside zones that end at these radii: the wider the zone, the larger the gap
+        widest = np.log(rows)
+        narrowest = np.where(wide(widest) > 0, np.log(SAME * rows), widest)  # else nothing touches
+        a = np.where(narrowest < widest, rows - np.exp(zeros_between(wide, narrowest, widest, CLOSE)), 0.0)
         off = self.excess(self.rims(a, rows - a), x)
         if math.isinf(c) and off[-1] < 0:
             raise TooFarError
@@ -302,18 +310,6 @@ class Step:
         if inwards:
             raise TooFarError
         return None
-
-    def _contacts(self, c: Array) -> Array:
-        """Contact radii inside zones that end at ``c`` [m]: the wider the zone, the larger the gap."""
-
-        def excess(log_b: Array) -> Array:
-            b = np.exp(log_b)
-            return np.log(np.maximum(self.rims(np.maximum(c - b, 0.0), b).gap / self.body.law.length, TINY))
-
-        widest = np.log(c)
-        narrowest = np.where(excess(widest) > 0, np.log(SAME * c), widest)  # else nothing touches
-        b = np.exp(zeros_between(excess, narrowest, widest, CLOSE))
-        return np.where(narrowest < widest, c - b, 0.0)
 
     def taken(self, found: Found) -> tuple[Memory, Array, float]:
         """The memory behind the step that ends in the state ``found``, (pi/2) phi [m] at the points, and the energy [J]

@@ -90,7 +90,11 @@ def opened(path: Path, what: str) -> Iterator[BinaryIO]:
         with path.open("rb") as file:
             yield cast(BinaryIO, gzip.GzipFile(fileobj=file)) if packed(path) else file
     except FileNotFoundError:
-        raise InputError(f"{path}: {what} not found{_nearby(path)}") from None
+        close = None
+        with contextlib.suppress(OSError):
+            close = nearest(path.name, [p.name for p in path.parent.iterdir() if p.suffix == path.suffix], 0.6)
+        beside = "" if close is None else f', did you mean "{path.parent / close}"?'
+        raise InputError(f"{path}: {what} not found{beside}") from None
     except IsADirectoryError:
         raise InputError(f"{path}: is a folder, not a {what}") from None
     except OSError as error:
@@ -136,13 +140,6 @@ def received(path: Path) -> Path:
     named = Piped(str(piped) + (ending or ".toml" * bool(CASE.search(head))))
     named.kept = piped.kept
     return named
-
-
-def _nearby(path: Path) -> str:
-    with contextlib.suppress(OSError):
-        close = nearest(path.name, [p.name for p in path.parent.iterdir() if p.suffix == path.suffix], 0.6)
-        return "" if close is None else f', did you mean "{path.parent / close}"?'
-    return ""
 
 
 def is_ours(path: Path) -> bool:

@@ -185,20 +185,12 @@ def _opened(path: Path, content: bytes, remedy: str) -> Iterator[h5py.File]:
 
 def unreadable(path: Path, content: bytes, why: str = "", remedy: str = RUN_AGAIN) -> InputError:
     """The error of a file that cannot be read; ``why``: more on its damage."""
-    if _is_being_written(path):
-        return InputError(f"{path}: the HDF5 file is open in another program, which is writing it; try again later")
+    with contextlib.suppress(OSError), path.open("rb") as file:
+        if process.taken(file, shared=True) is False:  # another program holds the lock that HDF5 takes to write
+            return InputError(f"{path}: the HDF5 file is open in another program, which is writing it; try again later")
     whole = int.from_bytes(content[28:36], "little")  # as the superblock says (HDF5 file format, II.A, version 3)
     reason = "truncated" if content[8:9] == b"\3" and len(content) < whole else "damaged"
     return InputError(f"{path}: the HDF5 file is {reason}{why} and cannot be read; {remedy}")
-
-
-def _is_being_written(path: Path) -> bool:
-    """Whether another program holds the lock that HDF5 takes to write."""
-    try:
-        with path.open("rb") as file:
-            return process.taken(file, shared=True) is False
-    except OSError:
-        return False
 
 
 @dataclass

@@ -70,7 +70,9 @@ def parse(text: str, dimension: str) -> float:
     if not match:
         words, _, example, _ = DIMENSIONS[dimension]
         raise ValueError(f'must be {words}, such as "{example}", got "{text[:LONGEST]}"')
-    number, unit = Decimal(match[1]), _normalise(match[2])
+    number, unit = Decimal(match[1]), match[2].replace("µ", "u").replace("μ", "u").replace("²", "^2").replace("**", "^")
+    unit = re.sub(r"\s*m\^?-2\Z", "/m^2", unit)
+    unit = re.sub(r"(?<=m)2\Z", "^2", unit)
     if not unit:
         return float(number)
     if dimension == "angle" and unit in ("rad", "deg", "°"):
@@ -239,12 +241,6 @@ def decades(dimension: str) -> dict[str, int]:
     """The units that people choose from by magnitude, with their powers of ten: "um": -6, "mm": -3, ..."""
     base = SI[dimension]
     return {unit: power for unit, power in UNITS[dimension].items() if unit.endswith(base) and power % 3 == 0}
-
-
-def _normalise(unit: str) -> str:
-    unit = unit.replace("µ", "u").replace("μ", "u").replace("²", "^2").replace("**", "^")
-    unit = re.sub(r"\s*m\^?-2\Z", "/m^2", unit)
-    return re.sub(r"(?<=m)2\Z", "^2", unit)
 
 
 def reached(a: float, delta: float, P: float) -> str:

@@ -340,8 +340,15 @@ def changed(problem: Problem, values: Mapping[str, float]) -> Problem:
             problem = replace(problem, indenter=replace(cast(Any, problem.indenter), R=value))
             continue
         i = _place(layer, names)
-        changes = {"thickness": value} if quantity == "h" else {"material": _with(parts[i].material, quantity, value)}
-        parts[i] = replace(parts[i], **changes)
+        material = parts[i].material
+        if quantity == "h":
+            parts[i] = replace(parts[i], thickness=value)
+        elif quantity == "nu":
+            parts[i] = replace(parts[i], material=replace(material, nu=value))
+        elif isinstance(material, Elastic):
+            parts[i] = replace(parts[i], material=replace(material, E=value))
+        else:  # the modulus of its top, all moduli in proportion
+            parts[i] = replace(parts[i], material=material.scaled(value / material.surface.E))
     return replace(problem, specimen=replace(specimen, layers=tuple(parts[:-1]), base=parts[-1]))
 
 
@@ -366,13 +373,6 @@ def stacks(specimen: Specimen, indenter: Solid | None = None) -> tuple[Specimen,
     if isinstance(indenter, Coated):
         bodies.append(Specimen(indenter.layers, HalfSpace(indenter.core)))
     return tuple(body for body in bodies if body.layers)
-
-
-def _with(material: Any, quantity: str, value: float) -> Any:
-    """The material with another modulus [Pa] (that of its top, all moduli in proportion) or Poisson's ratio."""
-    if quantity == "nu":
-        return replace(material, nu=value)
-    return replace(material, E=value) if isinstance(material, Elastic) else material.scaled(value / material.surface.E)
 
 
 def checked_names(names: Sequence[str], allowed: Sequence[str], verb: str = "fit") -> None:

@@ -117,7 +117,12 @@ def parse_case(content: bytes, source: str, folder: Path | None = None) -> Case:
     try:
         tree = parse_toml(content, source)
     except UnquotedError as error:
-        raise InputError([*error.lines, *_mistakes(error.quoted, source, folder)]) from None
+        lines = list(error.lines)
+        try:  # what else is wrong in the text
+            parse_case(error.quoted.encode(), source, folder)
+        except InputError as others:
+            lines += others.lines
+        raise InputError(lines) from None
     if "base" in tree and "indenter" not in tree:
         raise InputError(f"{source}: is a sweep file, not a case: jkr sweep runs it")
     model = model_of(tree, source, folder)
@@ -126,15 +131,6 @@ def parse_case(content: bytes, source: str, folder: Path | None = None) -> Case:
     bare = (work for work in (works if isinstance(works, list) else [works]) if not isinstance(work, str))
     remarks = tuple(f"{source}: adhesion.w: {doubt}" for work in bare if (doubt := doubtful_work(work)))
     return Case(model, source, remarks=remarks)
-
-
-def _mistakes(text: str, source: str, folder: Path | None) -> tuple[str, ...]:
-    """What else is wrong in the text of a case."""
-    try:
-        parse_case(text.encode(), source, folder)
-    except InputError as error:
-        return error.lines
-    return ()
 
 
 def parse_toml(content: bytes, source: str) -> dict[str, Any]:
@@ -218,25 +214,20 @@ def _sentence(item: Any, tree: dict[str, Any], keys_at: KeysAt) -> str:
             tag = context["tag"]
             return f'{where}.shape: must be one of {", ".join(allowed)}, got "{tag}"{did_you_mean(tag, allowed)}'
         case "jkr":
-            hint = _rigid(where) if value == "rigid" else ""
+            hint = ""
+            if value == "rigid" and where == "indenter.E":
+                hint = "; a rigid indenter is one without E and nu: leave both out"
+            elif value == "rigid" and where.endswith(".E"):
+                hint = (
+                    "; an elastic lens on a rigid plate is the contact of a rigid lens on a half-space of the lens's "
+                    'material: give that E and nu here and none in [indenter]; below layers base = "bonded" is rigid'
+                )
             return f"{where}: {item['msg']}{hint}" if where else item["msg"]
         case "greater_than_equal" | "less_than_equal":
             bound = f">= {context['ge']}" if "ge" in context else f"<= {context['le']}"
             return f"{where}: must be {bound}, got {shown(value)}"
     wanted = next((f"must be {words}" for kinds, words in KINDS.items() if item["type"] in kinds), item["msg"])
     return f"{where}: {wanted}, got {shown(value)}"
-
-
-def _rigid(where: str) -> str:
-    """How to say that a body is rigid."""
-    if where == "indenter.E":
-        return "; a rigid indenter is one without E and nu: leave both out"
-    if where.endswith(".E"):
-        return (
-            "; an elastic lens on a rigid plate is the contact of a rigid lens on a half-space of the lens's material: "
-            'give that E and nu here and none in [indenter]; below layers base = "bonded" is rigid'
-        )
-    return ""
 
 
 def _path(loc: tuple[Any, ...], tree: dict[str, Any]) -> str:

@@ -129,24 +129,19 @@ def _tree(solution: Solution, command_line: str) -> hdf5.Group:
         members[TOUCHES] = hdf5.Group({}, _columns(solution.touches))
         members[f"{TOUCHES}_errors"] = hdf5.Group({}, _errors(solution.touches))
         members |= dict(_larger_elements(solution.touches))
-    if solution.kernel is not None:
-        members["kernel"] = _kernel(solution.kernel)
+    if (kept := solution.kernel) is not None:  # with what is known of its errors: tables, one after another as rows
+        facts = {name: getattr(kept, name) for name in ("accuracy", "least")}
+        flat = {name: getattr(kept, name).reshape(-1, getattr(kept, name).shape[-1]) for name in KERNEL}
+        tables = {name: hdf5.unit_column(flat[name], unit, words) for name, (unit, words) in KERNEL.items()}
+        radii = hdf5.unit_column(kept.radii, "m", "radii of the errors")
+        numbers = {"reach_m": kept.reach, "scale_m": kept.scale, "of_side": int(kept.of_side)} | facts
+        members["kernel"] = hdf5.Group(numbers, {**tables, "radii": radii})
     if pressure is not None:
         r = hdf5.unit_column(pressure.r, "m", "radii of the contact nodes")
         p = hdf5.unit_column(pressure.p, "Pa", "contact pressure, one row per increment")
         members["contact"] = hdf5.sealed(hdf5.Group({}, {"r": r, "pressure": p}))
     identity = {"format": SERIES, "version": VERSION, "method": solution.method, "problem_key": solution.problem.key}
     return hdf5.Group(identity | {"command_line": record.command_line or command_line}, members)
-
-
-def _kernel(kept: KeptKernel) -> hdf5.Group:
-    """A kernel with what is known of its errors: tables, one after another as rows."""
-    facts = {name: getattr(kept, name) for name in ("accuracy", "least")}
-    rows = {name: getattr(kept, name).reshape(-1, getattr(kept, name).shape[-1]) for name in KERNEL}
-    tables = {name: hdf5.unit_column(rows[name], unit, words) for name, (unit, words) in KERNEL.items()}
-    radii = hdf5.unit_column(kept.radii, "m", "radii of the errors")
-    numbers = {"reach_m": kept.reach, "scale_m": kept.scale, "of_side": int(kept.of_side)} | facts
-    return hdf5.Group(numbers, {**tables, "radii": radii})
 
 
 def _larger_elements(series: Series) -> Iterator[tuple[str, hdf5.Group]]:
@@ -205,16 +200,6 @@ def read_solution(path: str | Path, problem: Problem | None = None, with_pressur
         raise hdf5.unreadable(path, content) from None
 
 
-def _as_written(text: str, source: str) -> str:
-    """The resolved case ``text`` of a series file; shapes whose meaning has changed since keep that which they had."""
-    tree = parse_toml(text.encode(), source)
-    indenter = tree.get("indenter")
-    if not isinstance(indenter, dict):
-        return text
-    keys = EARLIER.get(str(indenter.get("shape")), {})
-    return text if keys.keys() <= indenter.keys() else tomli_w.dumps(tree | {"indenter": keys | indenter})
-
-
 class _Reader:
     """The parts of the file at ``path``, each checked."""
 
@@ -227,8 +212,13 @@ class _Reader:
         if problem is not None and attributes.get("problem_key") != problem.key:
             raise InputError(f"{self.path}: is a solution of another problem")
         if problem is None:
-            source = f"{self.path}: case"
-            text = _as_written(self.case(), source)
+            source, text = f"{self.path}: case", self.case()
+            tree = parse_toml(text.encode(), source)
+            if isinstance(indenter := tree.get("indenter"), dict):
+                # Shapes whose meaning has changed since keep that which they had
+                keys = EARLIER.get(str(indenter.get("shape")), {})
+                if not keys.keys() <= indenter.keys():
+                    text = tomli_w.dumps(tree | {"indenter": keys | indenter})
             case = Case(parse_case(text.encode(), source).model, source, text)
             problem, record = case.model.problem(), record_of(case, self.path)
         series, raw = self.rows()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import io
 import keyword
@@ -124,7 +125,14 @@ def call(arguments: Sequence[str] | None = None) -> int:
         words = list(sys.argv[1:] if arguments is None else arguments)
         if len(words) > MOST_WORDS:
             raise InputError(f"the command line holds {len(words):,} words, at most {MOST_WORDS:,} are read")
-        _say_little_space()
+        # Say that ``ulimit -v`` leaves little: libraries that find no room wait for it, or end in words of their own.
+        with contextlib.suppress(ImportError):  # systems without such limits
+            import resource
+
+            most, _ = resource.getrlimit(resource.RLIMIT_AS)
+            if 0 <= most < LITTLE:  # -1: no limit
+                warn(f"the address space is limited to {most >> 20} MiB: libraries may not load, or hang; "
+                     "raise ulimit -v")  # fmt: skip
         # Say that a date for reproducible builds is none: libraries end in a ValueError of their own over it.
         try:
             int(date := os.environ.get("SOURCE_DATE_EPOCH", "0"))
@@ -163,25 +171,10 @@ def call(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         if error.filename is None:
             give_up(sys.__stdout__)
-        return _fail([f"{error.filename or _nameless(error)}: {error.strerror or error}"], 1)
-
-
-def _nameless(error: OSError) -> str:
-    """What an error of the system is of that names no file."""
-    if not isinstance(error, FileNotFoundError):
-        return "output"
-    return "temporary files" if "temporary" in str(error) else "the current folder"
-
-
-def _say_little_space() -> None:
-    """Say that ``ulimit -v`` leaves little: libraries that find no room wait for it, or end in words of their own."""
-    try:
-        import resource
-    except ImportError:  # systems without such limits
-        return
-    most, _ = resource.getrlimit(resource.RLIMIT_AS)
-    if 0 <= most < LITTLE:  # -1: no limit
-        warn(f"the address space is limited to {most >> 20} MiB: libraries may not load, or hang; raise ulimit -v")
+        which = error.filename or "output"
+        if not error.filename and isinstance(error, FileNotFoundError):
+            which = "temporary files" if "temporary" in str(error) else "the current folder"
+        return _fail([f"{which}: {error.strerror or error}"], 1)
 
 
 def _fail(lines: Sequence[str], code: int) -> int:

@@ -10,6 +10,7 @@ import click
 
 from ..adhesion.curve import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from ..adhesion.device_path import Course, Program
+from ..adhesion.finite_range import RangeRequest
 from ..adhesion.from_rest import LoadingHistory, Rest
 from ..adhesion.rate import RateContact, parameters_of, rate_law_of
 from ..adhesion.relaxation import RelaxingContact
@@ -263,11 +264,8 @@ def cycle(
             "cycle: --rest-load and --rest-depth are for adhesion on a viscoelastic specimen: leave them out"
         )
     names = [one.name for one in known] or [""]
-    ends = f"{_told(w_approach, w_retract, stiffness)}{rates.suffix(stiffness)}{_told_rest(rest)}{ranged.suffix}"
-    if rates.stress is not None:
-        ends += f"-stress{rates.stress:g}"
-    factor = "" if how.modulus_factor == 1 else f"-modulus{how.modulus_factor:g}"
-    stem = output.folder(file.parent) / f"{file.stem}-cycle{ends}{factor}"
+    ends = _told(w_approach, w_retract, stiffness, rates, rest, ranged, how.modulus_factor)
+    stem = output.folder(file.parent) / f"{file.stem}-cycle{ends}"
     named = [stem.with_name("-".join([stem.name, *name.split()])) for name in names]
     targets = [output.files(one, (".csv", *PICTURES), [file]) for one in named]
     begin_curves("cycle", [solution], [works], limits, [ranged])
@@ -315,22 +313,25 @@ def cycle(
     give(result, output.json, f"  written {', '.join(map(str, targets))}", file)
 
 
-def _told(approach: float | None, retraction: float | None, stiffness: float) -> str:
-    """What distinguishes names of files, of works of adhesion [J/m^2] and a ``stiffness`` [N/m] that were given."""
+def _told(
+    approach: float | None, retraction: float | None, stiffness: float, rates: RateOptions, rest: Rest | None,
+    ranged: RangeRequest, factor: float,
+) -> str:  # fmt: skip
+    """What distinguishes names of files, of what was given: works of adhesion [J/m^2], a ``stiffness`` [N/m], speeds, a
+    rest, a range and a ``factor`` of the moduli."""
     works = (("approach", approach), ("retract", retraction))
     parts = [f"-w-{name}{w:g}" for name, w in works if w is not None]
     if stiffness == LOAD_CONTROL:
         parts.append("-stiffness-load")
     elif stiffness != DISPLACEMENT_CONTROL:
         parts.append(f"-stiffness{stiffness:g}")
-    return "".join(parts)
-
-
-def _told_rest(rest: Rest | None) -> str:
-    """The same of a rest."""
-    if rest is None:
-        return ""
-    return f"-rest-load{rest.load:g}" if rest.depth is None else f"-rest-depth{rest.depth:g}"
+    parts.append(rates.suffix(stiffness))
+    if rest is not None:
+        parts.append(f"-rest-load{rest.load:g}" if rest.depth is None else f"-rest-depth{rest.depth:g}")
+    parts.append(ranged.suffix)
+    if rates.stress is not None:
+        parts.append(f"-stress{rates.stress:g}")
+    return "".join(parts if factor == 1 else [*parts, f"-modulus{factor:g}"])
 
 
 def _begin_program(program: Path | None, points: int, limits: Limits) -> None:

@@ -152,20 +152,16 @@ def body_and_measured(
     body_file: Path, measured: tuple[Path, ...], flags: Flags
 ) -> tuple[Path | Flags, tuple[Path, ...]]:
     """What describes the body, a file or the flags, and the measured files: by flags every file is one."""
-    by_case = not by_flags("fit", flags, [body_file] if _is_body(body_file) else [])
+    is_body = body_file.suffix == ".toml"
+    if body_file.suffix == ".h5" and body_file.is_file():  # a series, or a measured one
+        from ..base.hdf5 import format_of
+        from ..case.store import SERIES
+
+        is_body = format_of(body_file) == SERIES
+    by_case = not by_flags("fit", flags, [body_file] if is_body else [])
     if by_case and not measured:
         raise InputError("fit: needs --radius and --nu (specimen from options), or a case: jkr fit CASE MEASURED")
     return (body_file, measured) if by_case else (flags, (body_file, *measured))
-
-
-def _is_body(path: Path) -> bool:
-    """Whether the file is a case, or a series and no measured one."""
-    if path.suffix != ".h5" or not path.is_file():
-        return path.suffix == ".toml"
-    from ..base.hdf5 import format_of
-    from ..case.store import SERIES
-
-    return format_of(path) == SERIES
 
 
 def fitted_body(source: Path | Flags, slopes: str, limits: Limits) -> FittedBody:

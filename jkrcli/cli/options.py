@@ -89,17 +89,10 @@ class WorkType(QuantityType):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         work = super().convert(value, param, ctx)
-        if _is_bare(value) and (doubt := doubtful_work(work)):
-            warn(f"{param.opts[0] if param else 'w'}: {doubt}")
+        with contextlib.suppress(ValueError):  # of what was typed a number without a unit may be meant otherwise
+            if isinstance(value, str) and math.isfinite(float(value)) and (doubt := doubtful_work(work)):
+                warn(f"{param.opts[0] if param else 'w'}: {doubt}")
         return work
-
-
-def _is_bare(value: Any) -> bool:
-    """Whether what was typed is a number without a unit."""
-    try:
-        return isinstance(value, str) and math.isfinite(float(value))
-    except ValueError:
-        return False
 
 
 WORK = WorkType("WORK", "work")

@@ -321,7 +321,9 @@ class Verb(click.Command):
             record = parameter.get_help_record(ctx) if isinstance(parameter, click.Option) else None
             if record is not None:
                 name = max(parameter.opts, key=len).removeprefix("--")
-                rows[self._group(name)][name] = record
+                first = name in FIRST.get(self.name or "", ())
+                group = next((title for title, names in GROUPS.items() if name in names and not first), "Options")
+                rows[group][name] = record
         names = [name for records in rows.values() for name in records]
         whole = ctx.meta.get(ALL, False) or len(names) <= MOST_OPTIONS
         described = (
@@ -337,11 +339,6 @@ class Verb(click.Command):
                 if others := [f"--{name}" for name in records if name not in described]:
                     formatter.write_text(f"{'Also' if title == 'Options' else title}: {' '.join(others)}")
             formatter.write_text(f"Every option described: {ctx.command_path} --help-all")
-
-    def _group(self, option: str) -> str:
-        if option in FIRST.get(self.name or "", ()):
-            return "Options"
-        return next((title for title, names in GROUPS.items() if option in names), "Options")
 
 
 class FileType(click.Path):

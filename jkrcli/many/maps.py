@@ -244,16 +244,12 @@ def _adhesion_row(body: FiniteRangeBody, values: Values, mu: float) -> Columns:
         a, adhesive, elastic, share = _carried(body.curve(Range.of(q, stress=mu * q ** (1 / 3))), loads * math.pi * q)
     except JkrError as error:
         raise SolveError(f"adhesion map: nu = {nu:g}, q = {q:g}, mu = {mu:g}: {error}") from None
-    return rows(nu=nu, base=values["base"], w_R2_over_Estar_h3=q, mu=mu, load_over_pi_w_R=loads, a_over_h=a,
-                adhesive_over_range=adhesive, elastic_over_range=elastic, adhesive_share=share,
-                zone=np.array(ZONES)[_zone(adhesive, elastic, share)])  # fmt: skip
-
-
-def _zone(adhesive: Array, elastic: Array, share: Array) -> Array:
-    """Which of ``ZONES`` a contact lies in (Johnson and Greenwood)."""
+    # Which of ``ZONES`` a contact lies in (Johnson and Greenwood)
     small, rigid = adhesive <= ZONE_LITTLE, np.maximum(elastic, adhesive) <= ZONE_LITTLE
     inside = np.where(adhesive >= ZONE_MANY, 1, np.where(rigid, 4, np.where(small, 3, 2)))
-    return np.where(share <= ZONE_LITTLE, 0, inside)
+    zone = np.array(ZONES)[np.where(share <= ZONE_LITTLE, 0, inside)]
+    return rows(nu=nu, base=values["base"], w_R2_over_Estar_h3=q, mu=mu, load_over_pi_w_R=loads, a_over_h=a,
+                adhesive_over_range=adhesive, elastic_over_range=elastic, adhesive_share=share, zone=zone)  # fmt: skip
 
 
 def _carried(curve: FiniteRangeCurve, loads: Array) -> Array:

@@ -128,7 +128,15 @@ class Search:
         if targets.size == 1:
             return np.array([largest])
         a0, log_target = self.indenter.a0, np.log(targets)
-        log_v = np.log(_first_radii(self.responses(quantity, self.accuracies[0]), targets, self.indenter, largest))
+        # v at the targets to begin with, from a table of the response between their ends
+        response = self.responses(quantity, self.accuracies[0])
+        first = radius_for(response, float(targets[0]), self.indenter, math.hypot(a0, 0.3 * _v(largest, a0)), 0.1)
+        v = np.geomspace(0.7 * _v(first, a0), _v(largest, a0), SEARCH_TABLE)
+        table = np.log(v), np.log(response(np.hypot(a0, v)))
+        low, high, secant, _ = _bracketed(table, log_target)
+        log_v = _inverse(*table, log_target)
+        log_v = np.where((low < log_v) & (log_v < high), log_v, secant)
+        log_v = np.append(np.sort(log_v[:-1]), np.log(v[-1]))
         for accuracy in self.accuracies:
             log_v = _followed(self.responses(quantity, accuracy), log_v, log_target, a0, accuracy)
         return np.hypot(a0, np.exp(log_v))
@@ -189,18 +197,6 @@ def radius_for(response: Response, target: float, indenter: Indenter, start: flo
         f"it needs a contact radius beyond the profile, which ends at r = {show(indenter.r_max, 'length')}; "
         "use less, or give a larger profile"
     )
-
-
-def _first_radii(response: Response, targets: Array, indenter: Indenter, largest: float) -> Array:
-    """Values of v at the targets from a table of the response between their ends."""
-    a0, log_target = indenter.a0, np.log(targets)
-    first = radius_for(response, float(targets[0]), indenter, math.hypot(a0, 0.3 * _v(largest, a0)), 0.1)
-    v = np.geomspace(0.7 * _v(first, a0), _v(largest, a0), SEARCH_TABLE)
-    table = np.log(v), np.log(response(np.hypot(a0, v)))
-    low, high, secant, _ = _bracketed(table, log_target)
-    log_v = _inverse(*table, log_target)
-    log_v = np.where((low < log_v) & (log_v < high), log_v, secant)
-    return np.append(np.exp(np.sort(log_v[:-1])), v[-1])
 
 
 def _followed(response: Response, log_v: Array, log_target: Array, a0: float, accuracy: float) -> Array:

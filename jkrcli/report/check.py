@@ -21,7 +21,7 @@ from ..base.process import free_memory
 from ..base.registry import Result
 from ..base.units import reached, show
 from ..bodies.problem import Problem
-from ..case.models import CaseModel, method_of
+from ..case.models import method_of
 from ..case.reading import Case
 from ..methods.protocol import Choice, Option, choose_method, survey
 from ..resolve.neglected import EffectsPreview, NeglectedEffect, neglected_effects, preview_effects
@@ -54,14 +54,19 @@ class Check(Result):
         problem = model.problem()
         choice = choose_method(problem, model.method, lambda name: method_of(model, name))
         options = choice.options or survey(problem, lambda name: method_of(model, name))
-        expected = _expected(model)
-        # What the case leaves out, at the depth expected; nothing where that is not known
-        left: Sequence[NeglectedEffect] = ()
-        if not isinstance(expected, Unknown):
-            adhesion = model.adhesion
-            ranged = adhesion.range or adhesion.stress or adhesion.capillary
-            left = neglected_effects(model.problem(), expected, adhesion.w, None if ranged else adhesion.z0)
-        range_ = _range(model, choice.name)
+        adhesion, left = model.adhesion, list[NeglectedEffect]()
+        ranged = adhesion.range or adhesion.stress or adhesion.capillary
+        expected: EffectsPreview | Unknown
+        try:
+            expected = preview_effects(problem, adhesion.w, adhesion.z0)
+        except Refusal as error:
+            expected = Unknown(str(error))
+        else:  # what the case leaves out, at the depth expected
+            left = neglected_effects(problem, expected, adhesion.w, None if ranged else adhesion.z0)
+        # Words on the range of adhesion that a case asks for, or why it has no curve
+        range_: str | Unknown = "jkr transform includes its range; the force here is that of JKR" if ranged else ""
+        if ranged and (reason := unable(problem, choice.name)):
+            range_ = Unknown(reason)
         return cls(path, problem, choice, options, expected, left, range_, case.remarks)
 
     def summary(self) -> dict[str, Any]:
@@ -86,11 +91,15 @@ class Check(Result):
         options = (f"            {option.name:<12} {_option(option)}" for option in ordered)
         first = [one for one in self.left_out if not one.included and one.largest is not None][:LARGEST]
         rest = [one for one in self.left_out if one not in first]
+        law, moduli = self.problem.specimen.relaxation, list[str]()
+        if law is not None:
+            when = "t = 0" if law.relaxed is not None else "its own time"
+            moduli = [f"  moduli    {law}; loads here are those at {when}"]
         return [
             f"method {self.choice.name}: {self.choice.brief}",
             f"  body      {self.problem.words}",
             *self._reaches(),
-            *self._relaxes(),
+            *moduli,
             *_table(first, "neglected effects and their size"),
             *["  S: punch stiffness dP/d(delta) at fixed contact radius; load and S at equal depth"] * bool(first),
             "  methods   cost and numerical error of each:",
@@ -104,10 +113,6 @@ class Check(Result):
         judged = dict.fromkeys(text for _, _, judged in adhesion for text in judged.warnings)
         refused = [f"jkr transform will refuse: {self.range_}"] if isinstance(self.range_, Unknown) else []
         return [*judged, *refused, *self.remarks]
-
-    def _relaxes(self) -> Iterator[str]:
-        if (law := self.problem.specimen.relaxation) is not None:
-            yield f"  moduli    {law}; loads here are those at {'t = 0' if law.relaxed is not None else 'its own time'}"
 
     def _reaches(self) -> Iterator[str]:
         expected, range_ = self.expected, self.range_
@@ -130,24 +135,6 @@ class Check(Result):
         for *_, judged in expected.adhesion[-1:]:
             if known := tables.size_words(judged, SIZES):
                 yield f"  sizes     {', '.join(known)} at the largest contact radius"
-
-
-def _range(model: CaseModel, method: str) -> str | Unknown:
-    """Words on the range of adhesion that a case asks for, empty where it asks for none; or why it has no
-    curve."""
-    adhesion = model.adhesion
-    if not (adhesion.range or adhesion.stress or adhesion.capillary):
-        return ""
-    reason = unable(model.problem(), method)
-    return Unknown(reason) if reason else "jkr transform includes its range; the force here is that of JKR"
-
-
-def _expected(model: CaseModel) -> EffectsPreview | Unknown:
-    """What to expect, or why that is not known."""
-    try:
-        return preview_effects(model.problem(), model.adhesion.w, model.adhesion.z0)
-    except Refusal as error:
-        return Unknown(str(error))
 
 
 def _option(option: Option) -> str:
@@ -247,8 +234,17 @@ def examine() -> Iterator[Finding]:
     yield from extras.values()
     cholmod = "CHOLMOD (cvxopt), SuperLU (SciPy) for mixed elements"
     yield Finding("sparse factor", "ok", cholmod if extras["cvxopt"].state == "ok" else "SuperLU (SciPy)")
-    yield _threads()
-    yield _memory()
+    from threadpoolctl import threadpool_info
+
+    importlib.import_module("scipy.linalg")
+    pools = [f"{pool['internal_api']} {pool['num_threads']}" for pool in threadpool_info()]
+    threads = f"{', '.join(pools) or 'unknown'} (jkr uses one, of {os.cpu_count()} cores)"
+    yield Finding("BLAS threads", "ok", threads)
+    # What is free for a solve, one GiB of it asked for
+    free = free_memory() / 1024
+    words = "unknown" if math.isinf(free) else f"{free:.1f} GiB available"
+    remedy = "large finite-element meshes will not fit: coarser meshes or another method"
+    yield Finding("memory", "ok", words) if free >= 1 else Finding("memory", "optional", words, remedy)
     yield _scratch()
 
 
@@ -272,22 +268,6 @@ def _mesher() -> Finding:
     except OSError as error:
         remedy = f"sudo apt-get install --no-install-recommends {LIBRARIES}"
         return Finding("gmsh", "missing", f"cannot load: {error}; methods without a mesh work", remedy)
-
-
-def _threads() -> Finding:
-    from threadpoolctl import threadpool_info
-
-    importlib.import_module("scipy.linalg")
-    pools = [f"{pool['internal_api']} {pool['num_threads']}" for pool in threadpool_info()]
-    return Finding("BLAS threads", "ok", f"{', '.join(pools) or 'unknown'} (jkr uses one, of {os.cpu_count()} cores)")
-
-
-def _memory() -> Finding:
-    """What is free for a solve, one GiB of it asked for."""
-    free = free_memory() / 1024
-    words = "unknown" if math.isinf(free) else f"{free:.1f} GiB available"
-    remedy = "large finite-element meshes will not fit: coarser meshes or another method"
-    return Finding("memory", "ok", words) if free >= 1 else Finding("memory", "optional", words, remedy)
 
 
 def _scratch() -> Finding:

@@ -685,16 +685,22 @@ class Compared(Result):
         of their range is."""
         if files[0].suffix == ".csv":
             differences = curve_differences(*map(read_curve, files))
-            counts = set(counting) or {one.column for one in differences}
+            counts = set(counting) or {column.column for column in differences}
         else:
-            differences, counts = _of_solutions(files, *solutions()), set(counting) or {"P"}
-        if missing := counts - {one.column for one in differences}:
+            one, two = solutions()
+            for name in ("indenter", "specimen"):
+                if getattr(one.problem, name) != getattr(two.problem, name):
+                    raise InputError(
+                        f"{files[1]}: its {name} is not that of {files[0]}; compare results of the same problem"
+                    )
+            differences, counts = series_differences(one.filtered, two.filtered), set(counting) or {"P"}
+        if missing := counts - {difference.column for difference in differences}:
             raise InputError(f"compare: column {sorted(missing)[0]} is not in both files")
-        for one in differences:
-            if one.column in counts and one.coverage < overlap:
+        for column in differences:
+            if column.column in counts and column.coverage < overlap:
                 raise InputError(
-                    f"compare: {files[0]} and {files[1]} share only {one.coverage:.0%} of their range of {one.over}; "
-                    f"load both as far, or allow it with --overlap {one.coverage:.2f}"
+                    f"compare: {files[0]} and {files[1]} share only {column.coverage:.0%} of their range of "
+                    f"{column.over}; load both as far, or allow it with --overlap {column.coverage:.2f}"
                 )
         return cls(*files, differences, rtol, counts)
 
@@ -734,14 +740,6 @@ class Compared(Result):
         from .plots.studies import differences_figure
 
         return differences_figure(self.differences, self.rtol)
-
-
-def _of_solutions(files: tuple[Path, Path], one: Solution, two: Solution) -> list[Difference]:
-    """Differences of two series of the same bodies; InputError where they are of others."""
-    for name in ("indenter", "specimen"):
-        if getattr(one.problem, name) != getattr(two.problem, name):
-            raise InputError(f"{files[1]}: its {name} is not that of {files[0]}; compare results of the same problem")
-    return series_differences(one.filtered, two.filtered)
 
 
 # --------------------------------------------------------------------------------------------------

@@ -1005,15 +1005,6 @@ def at_a_glance(record: ForceCurve, tip: Indenter) -> Rough | Unknown:
     return rough(tip, item.largest, depth, adhesion)
 
 
-def _glance(record: ForceCurve, tip: Indenter) -> str:
-    glance = at_a_glance(record, tip)
-    if isinstance(glance, Unknown):
-        return f"  no rough modulus: {glance.reason}"
-    w = "" if isinstance(glance.w, Unknown) else f", w = {show(glance.w, 'work', 2)} (adhesion force)"
-    E_star, a = show(glance.E_star, "modulus", 2), show(glance.a, "length", 2)
-    return f"  rough: E* = {E_star} (half-space without adhesion, largest load, a = {a}){w}"
-
-
 def look_words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
     """Lines for a reader: what the record is, then a line per direction and per flag; a rough modulus by a ``tip``."""
     curve = record.curve
@@ -1041,10 +1032,18 @@ def look_words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
         ]
         head[0] = f"a loading-unloading table of a contact, no force curve: {curve.where}"
         return [*head, f"  {', '.join(ranges)}", *(f"  {flag}" for flag in curve.flags)]
+    rough = []
+    glance = Unknown("") if tip is None else at_a_glance(record, tip)
+    if tip is not None and isinstance(glance, Unknown):
+        rough = [f"  no rough modulus: {glance.reason}"]
+    elif not isinstance(glance, Unknown):
+        w = "" if isinstance(glance.w, Unknown) else f", w = {show(glance.w, 'work', 2)} (adhesion force)"
+        E_star, a = show(glance.E_star, "modulus", 2), show(glance.a, "length", 2)
+        rough = [f"  rough: E* = {E_star} (half-space without adhesion, largest load, a = {a}){w}"]
     return [
         *head,
         *(f"  {flag}" for flag in doubts),
-        *([] if tip is None else [_glance(record, tip)]),
+        *rough,
         *(f"  {name}: {sentence}" for name, sentence in record.flags.items()),
         *(f"  {item.segment.kind:8}  {line}" for item in record.directions for line in _direction_words(item)),
         *(f"  {flag}" for flag in curve.flags if flag not in doubts),

@@ -217,9 +217,14 @@ def compare_half_space(computed: AdhesiveCurve, problem: Problem) -> Comparison 
     start, end = np.full_like(delta, np.log(low)), np.full_like(delta, np.log(high))
     a = a0 + np.exp(zeros_between(lambda x: problem.indenter.abel(a0 + np.exp(x)) - delta, start, end, 0.0))
     load = float(np.max(np.abs(series.P[deep] / _formula(problem, 0.0, a)[1] - 1)))
-    exact_point = _exact_pull_off(problem, computed.w, float(series.a[-1]))
-    if exact_point is None:
+    # The formula's own pull-off point; its radius is that of the interpolated curve, where P is stationary: its error
+    # enters P by its square
+    curve = exact_curve(problem, computed.w, 1.02 * float(series.a[-1]))
+    exact_point = None if curve is None else curve.pull_off(LOAD_CONTROL)
+    if not isinstance(exact_point, CriticalPoint):
         return Comparison(load, OUTSIDE, OUTSIDE, None, exact)
+    delta_there, P = _formula(problem, computed.w, np.array(exact_point.a))
+    exact_point = CriticalPoint(exact_point.a, float(delta_there), float(P), kind=exact_point.kind)
     point = computed.pull_off(LOAD_CONTROL)
     pull_off = point.P / exact_point.P - 1 if isinstance(point, CriticalPoint) else OUTSIDE
     parabola = None
@@ -262,19 +267,6 @@ def half_space_pull_off(problem: Problem, w: float, stiffness: float) -> Critica
     radius = (9 * np.pi * w * R**2 / (8 * problem.E_star)) ** (1 / 3)  # JKR's under load control, the widest
     curve = exact_curve(problem, w, DISTANCE_BEYOND * radius)
     return NO_FORMULA if curve is None else curve.pull_off(stiffness)
-
-
-def _exact_pull_off(problem: Problem, w: float, a_max: float) -> CriticalPoint | None:
-    """The formula's own pull-off point under load control; None where it lies beyond ``a_max`` [m] or is none.
-
-    The radius is that of the interpolated curve, where P is stationary: its error enters P by its square.
-    """
-    curve = exact_curve(problem, w, 1.02 * a_max)
-    point = None if curve is None else curve.pull_off(LOAD_CONTROL)
-    if not isinstance(point, CriticalPoint):
-        return None
-    delta, P = _formula(problem, w, np.array(point.a))
-    return CriticalPoint(point.a, float(delta), float(P), kind=point.kind)
 
 
 def _formula(problem: Problem, w: float, a: Array) -> tuple[Array, Array]:

@@ -278,7 +278,12 @@ def by_body(nodes: NodeRadii, own: Series) -> Found:
     """What the bodies' ``own`` solution tells of the edge."""
     from scipy.interpolate import CubicSpline
 
-    rows, chosen = nodes.rows, _telling(nodes)
+    # Rows that tell most: those next to another radius, beyond the first elements
+    rows, changes = nodes.rows, np.diff(nodes.rows.a) > 0
+    near = np.append(changes, True) | np.append(True, changes)
+    inner = rows.a > AHEAD_FIRST * nodes.element
+    chosen = np.flatnonzero(near & inner if np.count_nonzero(near & inner) >= AHEAD_ROWS // 8 else near)
+    chosen = chosen[np.unique(np.linspace(0, chosen.size - 1, AHEAD_ROWS).astype(int))] if chosen.size else chosen
     r, delta, e = rows.a[chosen], rows.delta[chosen], nodes.element[chosen]
     beyond = CubicSpline(np.log(own.delta), np.log(own.a - own.a0))
     offset = _stretch(own, nodes)
@@ -360,18 +365,6 @@ def _fitted(a: Array, e: Array, alone: Array, errors: Array, powers: int) -> tup
     left = weights * (z - columns @ coefficients)
     unit = max(float(left @ left) / (a.size - columns.shape[1]), 1.0 / 3.0)
     return float(coefficients[0]), float(np.hypot(np.sqrt(unit * covariance[0, 0]), 0.03))
-
-
-def _telling(nodes: NodeRadii) -> Array:
-    """Numbers of the rows that tell most: those next to another radius, beyond the first elements."""
-    a = nodes.rows.a
-    changes = np.diff(a) > 0
-    near = np.append(changes, True) | np.append(True, changes)
-    beyond = a > AHEAD_FIRST * nodes.element
-    if np.count_nonzero(near & beyond) < AHEAD_ROWS // 8:
-        beyond[:] = True
-    chosen = np.flatnonzero(near & beyond)
-    return chosen[np.unique(np.linspace(0, chosen.size - 1, AHEAD_ROWS).astype(int))] if chosen.size else chosen
 
 
 def _stretch(own: Series, nodes: NodeRadii) -> float:

@@ -160,7 +160,14 @@ def _in_the_middle(solution: Solution, sevens: Array) -> Nonadhesive:
     series, problem = solution.series, solution.problem
     assert series.S is not None
     assert series.dS is not None
-    rows = np.unique(sevens[_own(np.log(series.a[sevens] - series.a0))])
+    # Rows that lie nearer, in logs, to their own middle than to any other, which all do
+    places = np.log(series.a[sevens] - series.a0)
+    middles, n = places[:, MIDDLE], np.arange(len(sevens))
+    away, own = np.abs(places[:, :, None] - middles), np.abs(places - middles[:, None])
+    away[n, :, n] = np.inf
+    nearer = np.min(away, axis=2) >= own + SOLVED_STEP / 2
+    nearer[:, MIDDLE] = True
+    rows = np.unique(sevens[nearer])
     columns = {name: getattr(series, name)[rows] for name in ("a", "delta", "P", "S", "dS")}
     errors = {name: values[rows] for name, values in series.errors.items()}
     inner = replace(series, **columns, errors=errors, unresolved=solution.unresolved[:, rows])
@@ -199,7 +206,12 @@ def _joint(solution: Solution, sevens: Array, rates: Array, left: Array) -> Arra
     kernel = kernel if companions is None else companions.least * values
     by_spring = np.stack([-P / S, 0 * S, S, 2 * dS, -rates[0], 2 * (dS**2 / S + rates[1])]) * kernel[2] / S
     by_stiffness = np.stack([0 * S, P, S, dS, 0 * S, rates[1]]) * kernel[1] / P
-    common = np.stack([by_spring, by_stiffness, *_by_companions(solution, sevens)])
+    common = np.stack([by_spring, by_stiffness])
+    if companions is not None:
+        columns = np.stack([getattr(series, name) for name in ("delta", "P", "S", "dS")])
+        changes = (companions(series.a) * columns)[:, :, sevens]
+        changed_rates = _rates(changes[:, ::3])[0] / (series.a[at] - series.a0)
+        common = np.concatenate([common, np.concatenate([changes[..., MIDDLE], changed_rates], axis=1)])
     unit = np.stack([delta, dS]) / (series.a[at] - series.a0)
     steep = np.maximum(np.abs(rates), unit)
     pair = kernel[::3]
@@ -213,29 +225,6 @@ def _joint(solution: Solution, sevens: Array, rates: Array, left: Array) -> Arra
         own[0] = np.maximum(own[0], not_of[0])
     covariance[np.arange(6), np.arange(6)] += np.concatenate([own, of_rates]) ** 2 + profile**2
     return np.moveaxis(covariance, -1, 0) / TWO_SIDED_90**2
-
-
-def _by_companions(solution: Solution, sevens: Array) -> Array:
-    """Errors (m, 6, n) of the columns and of the rates delta_H', S'' at the middle of the ``sevens``, by companion."""
-    if solution.companions is None:
-        return np.zeros((0, 6, len(sevens)))
-    series = solution.series
-    values = np.stack([getattr(series, name) for name in ("delta", "P", "S", "dS")])
-    changes = (solution.companions(series.a) * values)[:, :, sevens]
-    rates, _ = _rates(changes[:, ::3])
-    here = changes[..., MIDDLE]
-    return np.concatenate([here, rates / (series.a[sevens[:, MIDDLE]] - series.a0)], axis=1)
-
-
-def _own(places: Array) -> Array:
-    """Which of the ``places`` (n, 7), in logs, lie nearer to their own middle than to any other, which all do."""
-    middle = places[:, MIDDLE]
-    away = np.abs(places[:, :, None] - middle)
-    own = np.abs(places - middle[:, None])
-    away[np.arange(middle.size), :, np.arange(middle.size)] = np.inf
-    nearer: Array = np.min(away, axis=2) >= own + SOLVED_STEP / 2
-    nearer[:, MIDDLE] = True
-    return nearer
 
 
 def _followed(problem: Problem, series: Series, seven: Array) -> tuple[Array, float]:

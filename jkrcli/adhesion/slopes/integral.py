@@ -110,8 +110,13 @@ class LogSplineModel:
     """
 
     def __init__(self, x: Array, intervals: int, S0: float | None, shape: Shape | None = None):
-        low, high = float(np.min(x)) - SPLINE_BELOW, float(np.max(x))
-        self.knots = _knots(np.sort(x), intervals)
+        x = np.sort(x)
+        low, high = float(x[0]) - SPLINE_BELOW, float(x[-1])
+        # Clamped knots: breakpoints half after the data and half even in x, and few below the data
+        rank = (np.linspace(0, 1, x.size) + (x - x[0]) / (high - x[0])) / 2
+        below = np.linspace(low, x[0], SPLINE_INTERVALS_BELOW, endpoint=False)
+        within = np.interp(np.linspace(0, 1, intervals + 1), rank, x)
+        self.knots = np.concatenate([[low] * SPLINE_DEGREE, below, within, [high] * SPLINE_DEGREE])
         self.size = self.knots.size - SPLINE_DEGREE - 1
         # B-spline coefficients, by columns, of 1, of x, and of shapes of unit roughness orthogonal in it
         sites = sliding_window_view(self.knots[1:-1], SPLINE_DEGREE).mean(axis=1)  # Greville: they give x
@@ -258,16 +263,6 @@ def interpolate(at: Points, values: Array, slopes: Array) -> Array:
     shape = (i.size,) + (1,) * (values.ndim - 1)
     h0, h1, k0, k1 = (weight.reshape(shape) for weight in (h0, h1, k0, k1))
     return h0 * values[i] + h1 * values[i + 1] + k0 * slopes[i] + k1 * slopes[i + 1]
-
-
-def _knots(x: Array, intervals: int) -> Array:
-    """Clamped knots for sorted ``x``: breakpoints half after the data and half even in x, and few below the data."""
-    low, high = x[0], x[-1]
-    even = np.linspace(0, 1, x.size)
-    rank = (even + (x - low) / (high - low)) / 2
-    breaks = np.interp(np.linspace(0, 1, intervals + 1), rank, x)
-    below = np.linspace(low - SPLINE_BELOW, low, SPLINE_INTERVALS_BELOW, endpoint=False)
-    return np.concatenate([[below[0]] * SPLINE_DEGREE, below, breaks, [high] * SPLINE_DEGREE])
 
 
 # --------------------------------------------------------------------------------------------------

@@ -489,24 +489,19 @@ def nested_events(contact: SurfaceContact, a0: float, to: str, maximum: float, s
     needed = int(beyond[0]) + 1 if beyond.size else k.size
     k = k[: needed + spare]
     depth = contact.delta[k]
-    p, negative = _conditions(contact, k)
-    sound = (negative[needed:] <= ROUNDED) & (np.diff(depth)[max(needed - 1, 0) :] > 0)
-    n = needed + int(np.cumprod(sound).sum())
-    violation = float(np.max(negative[:n], initial=0.0))
-    return Events(surface.radii[k[:n]], depth[:n], contact.P[k[:n]], contact.S[k[:n]], p[:n], violation)
-
-
-def _conditions(contact: SurfaceContact, k: Array) -> tuple[Array, Array]:
-    """Forces on the surface (events, m) [N] when the nodes ``k`` touch, and the largest negative force or gap of each
-    event, relative to the largest force or the depth."""
-    depth, surface = contact.delta[k], contact.surface
+    # Forces (m, events) [N] when these nodes touch, and the largest negative force or gap of each event, relative to
+    # the largest force or the depth
     touching = surface.normal[k]
     inside = np.arange(len(surface.C))[:, None] <= touching
     w, forces = contact.pressed(touching, depth)
     p = forces[surface.normal]
     gap = contact.f[:, None] - depth + (contact.L @ w)[surface.normal]
     pull = np.max(-p[surface.exempt :] / np.abs(p).max(axis=0, initial=0.0), axis=0, initial=0.0)
-    return forces.T, np.maximum(pull, np.max(np.where(inside[surface.normal], 0.0, -gap) / depth, axis=0, initial=0.0))
+    negative = np.maximum(pull, np.max(np.where(inside[surface.normal], 0.0, -gap) / depth, axis=0, initial=0.0))
+    sound = (negative[needed:] <= ROUNDED) & (np.diff(depth)[max(needed - 1, 0) :] > 0)
+    n = needed + int(np.cumprod(sound).sum())
+    violation = float(np.max(negative[:n], initial=0.0))
+    return Events(surface.radii[k[:n]], depth[:n], contact.P[k[:n]], contact.S[k[:n]], forces.T[:n], violation)
 
 
 @dataclass(frozen=True, eq=False)

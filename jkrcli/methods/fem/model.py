@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -204,16 +204,29 @@ def edge_correction(surface: Surface, body: MeshedBody, reach: float, indenter: 
     ``body``."""
     profile: Indenter = indenter if indenter.a0 > 0 else Paraboloid(reach)
     events = nested_events(SurfaceContact(surface, profile.f(surface.radii)), profile.a0, "radius", np.inf)
-    exact = _under_tension(body, profile, events.a) if body.tension else profile.abel
+    spline, a0 = None, profile.a0
+    if body.tension:  # delta_H [m] on a half-space with that surface tension
+        from scipy.interpolate import CubicSpline
+
+        specimen = Specimen((), HalfSpace(surface_material(body.materials[0])), surface_tension=body.tension)
+        solver = SurfaceTensionSolver(profile, specimen)
+        beyond = np.geomspace(EDGE_NEAR * (events.a[0] - a0), (events.a[-1] - a0) / EDGE_NEAR, DENSE)
+        solved = solver.solved(a0 + beyond, solver.plan(a0 + beyond, EDGE_ACCURACY))
+        spline = CubicSpline(np.log(beyond), np.log(solved.delta))
+
+    def log_exact(u: Array) -> Array:
+        a = a0 + np.exp(u)
+        return np.log(profile.abel(a)) if spline is None else spline(np.log(a - a0))
+
     # Radii where the `exact` displacement is delta: Newton's method in logarithms from the vertex radii.
-    u, step = np.log(events.a - profile.a0), SAME
+    u, step = np.log(events.a - a0), SAME
     for _ in range(MOST_STEPS):
-        value, ahead = (np.log(exact(profile.a0 + np.exp(at))) for at in (u, u + step))
+        value, ahead = log_exact(u), log_exact(u + step)
         change = (value - np.log(events.delta)) * step / (ahead - value)
         u -= change
         if np.abs(change).max() < SETTLED:
             break
-    return _in_step(profile.a0 + np.exp(u), profile.a0, events.a) / events.a
+    return _in_step(a0 + np.exp(u), a0, events.a) / events.a
 
 
 def _in_step(edges: Array, a0: float, vertices: Array) -> Array:
@@ -226,19 +239,6 @@ def _in_step(edges: Array, a0: float, vertices: Array) -> Array:
         return edges
     fraction = float(np.mean((edges - vertices)[last] / spacing[last]))
     return np.where(told, edges, vertices + fraction * spacing)
-
-
-def _under_tension(body: MeshedBody, profile: Indenter, radii: Array) -> Callable[[Array], Array]:
-    """delta_H [m] over the contact radius [m] near the ``radii``, on a half-space with the surface tension of the
-    ``body``."""
-    from scipy.interpolate import CubicSpline
-
-    specimen = Specimen((), HalfSpace(surface_material(body.materials[0])), surface_tension=body.tension)
-    contact, a0 = SurfaceTensionSolver(profile, specimen), profile.a0
-    beyond = np.geomspace(EDGE_NEAR * (radii[0] - a0), (radii[-1] - a0) / EDGE_NEAR, DENSE)
-    result = contact.solved(a0 + beyond, contact.plan(a0 + beyond, EDGE_ACCURACY))
-    spline = CubicSpline(np.log(beyond), np.log(result.delta))
-    return lambda a: np.exp(spline(np.log(a - a0)))
 
 
 # ---------------------------------------------------------------------- surfaces that stick

@@ -619,7 +619,11 @@ class AdaptiveKernel:
         left = max(HYBRID_UNSEEN / (convergence(region) - 1), HYBRID_LEAST)
         # The polynomial that is missing goes in waves: the last one shows one phase of them, the last but one another:
         parameters = left * np.hypot(wave, other / convergence(region))
-        cut = _left_by_cut(region, cuts[0]) if cuts else np.zeros_like(last)
+        # What the cut leaves: of the next order, or, of fields that decay exponentially, the second cut
+        cut = _of_cut(region)[:, None] * cuts[0] if cuts else np.zeros_like(last)
+        if cuts and region.algebraic:
+            cut[-1] = np.maximum(cut[-1], HYBRID_STEEPER_CUT * cut[2])
+            cut = np.maximum(cut, cut[:-1].max()) if region.higher_order else cut
         least = HYBRID_NO_CLAIM * self.tolerance + (GRADED if levels.wide is not None else 0.0)
         elements = np.hypot(HYBRID_SAFETY / falls * last, accident) + rounding + least
         steeper = np.minimum(HYBRID_STEEPER * elements[:-1].max(axis=0), HYBRID_ALLOWED * self.attainable)
@@ -639,17 +643,6 @@ def _falls(before: Array, last: Array, fastest: float) -> Array:
     each = np.where(last >= HYBRID_TELLING * last.max(axis=0), before / np.maximum(last, TINY), np.inf)
     falls: Array = np.clip(each.min(axis=0) - 1, HYBRID_SLOWEST, fastest)
     return np.minimum(falls, falls[-1])
-
-
-def _left_by_cut(region: Region, change: Array) -> Array:
-    """Error that the cut leaves, where extrapolating it makes a ``change``, of the next order, or, of fields that decay
-    exponentially, the second cut."""
-    left = _of_cut(region)[:, None] * change
-    if not region.algebraic:
-        return left
-    *others, last = left
-    left = np.stack([*others, np.maximum(last, HYBRID_STEEPER_CUT * left[2])])
-    return np.maximum(left, left[:-1].max()) if region.higher_order else left
 
 
 def _of_cut(region: Region) -> Array:

@@ -413,7 +413,10 @@ def _surface(
 ) -> AttractedSurface:
     """Fields at the radii ``r`` [m] of the one state of ``rims``."""
     s, a, c = 2 * stress / attraction.E_star, float(rims.a[0]), float(rims.c[0])
-    phi = _density(attraction.indenter, discs, rims, s, scale)
+    # The density up to a, its smooth part on equal pieces
+    edges, x = panel_pieces(a, scale, DENSITY_PIECE)
+    smooth = (2 / math.pi * (discs.basis.at(x) @ discs.smooth(rims, s)[0])).reshape(-1, DENSITY_PIECE)
+    phi = Density(attraction.indenter, a, float(rims.delta[0]), edges, smooth @ to_legendre(DENSITY_PIECE))
     edge = 0.0 if stress else float(phi(rims.a)[0])
     inside, beyond = r < a, r >= a
     ratio = np.clip((a**2 - r[inside] ** 2) / (c**2 - r[inside] ** 2), 0.0, 1.0)
@@ -426,11 +429,3 @@ def _surface(
     outer = r[beyond]
     own[beyond] -= 2 / math.pi * s * tension_arc(np.full_like(outer, a), np.full_like(outer, c), outer)
     return AttractedSurface(rims, pressure, gap, own)
-
-
-def _density(indenter: Indenter, discs: Discs, rims: Rims, s: float, scale: float) -> Density:
-    """The density up to a, its smooth part on equal pieces."""
-    a, order = float(discs.a[0]), DENSITY_PIECE
-    edges, x = panel_pieces(a, scale, order)
-    smooth = 2 / math.pi * (discs.basis.at(x) @ discs.smooth(rims, s)[0])
-    return Density(indenter, a, float(rims.delta[0]), edges, smooth.reshape(-1, order) @ to_legendre(order))

@@ -770,10 +770,15 @@ def resolved(
         good = np.max(np.abs(coefficients[:, -2:]), axis=1) <= allowed
         octaves = np.zeros(0)
         if lo.size and lo[0] == 0 and good[0]:
-            octaves = _octaves_to(
-                function, hi[0], coefficients[0], allowed[0] + len(project) * SPECTRUM_NOISE * size[0]
-            )
-            good[0] = not octaves.size
+            # Down to the largest k below the first node at which the function is not the Legendre series: it may be off
+            # by what is allowed at that node, and by more like 1/k below, where its integral is no more
+            first = hi[0] * (1 + rule(SPECTRUM_SAMPLES)[0][0]) / 2
+            k = first * 2.0 ** np.arange(-0.5, -SPECTRUM_BELOW, -0.5)
+            off = np.abs(function(k) - legendre.legval(2 * k / hi[0] - 1, coefficients[0]))
+            missed = k[off * k > (allowed[0] + len(project) * SPECTRUM_NOISE * size[0]) * first]
+            if missed.size:
+                good[0] = False
+                octaves = np.append(0.0, hi[0] * 2.0 ** np.arange(-math.ceil(math.log2(hi[0] / missed[0])), 1))
         if (rough := lo[~good & (hi - lo < SPECTRUM_NARROWEST * hi)]).size:
             break
         done.append((lo[good], hi[good], values[good]))
@@ -786,18 +791,3 @@ def resolved(
         f"layered: the compliance spectrum is not smooth near k = {np.append(rough, lo)[0]:g} 1/m; "
         "check the thicknesses and moduli of the layers"
     )
-
-
-def _octaves_to(function: Callable[[Array], Array], hi: float, coefficients: Array, allowed: float) -> Array:
-    """Ends of octaves from 0 to ``hi`` [1/m], down to the largest k below the first node of that one panel at which
-    ``function`` is not the Legendre series of ``coefficients``; none where it is that everywhere.
-
-    It may be off by what is ``allowed`` at the first node, and by more like 1/k below: its integral is no more.
-    """
-    first = hi * (1 + rule(SPECTRUM_SAMPLES)[0][0]) / 2
-    k = first * 2.0 ** np.arange(-0.5, -SPECTRUM_BELOW, -0.5)
-    off = np.abs(function(k) - legendre.legval(2 * k / hi - 1, coefficients))
-    missed = k[off * k > allowed * first]
-    if not missed.size:
-        return missed
-    return np.append(0.0, hi * 2.0 ** np.arange(-math.ceil(math.log2(hi / missed[0])), 1))

@@ -255,13 +255,20 @@ def _within(points: Array, a: float) -> Array:
 def _stress(figure: Figure, axes: Axes, state: ContactState, component: str, factor: float, length: float) -> None:
     """Filled contours layer by layer: stresses jump at interfaces."""
     values = component_of(state, component)
-    low, high = _limits(state, values)
+    # Stresses that bound 98 % of each layer in the window, so that a thin one is seen beside the others; those at the
+    # edge of an adhesive contact are infinite
+    grid = state.grid
+    corners = grid.points[grid.cells]
+    seen = _within(corners.mean(axis=1), state.a)
+    bounds = [_bounds(corners, values[grid.cells], seen & (grid.materials == layer))
+              for layer in np.unique(grid.materials[seen])]  # fmt: skip
+    low, high = min(low for low, _ in bounds), max(high for _, high in bounds)
     stress, unit = scale(max(abs(low), abs(high)) or 1.0, "modulus")
     levels = np.asarray(MaxNLocator(16, symmetric=low < 0 < high).tick_values(low / stress, high / stress))
     colors = mpl.colormaps["RdBu_r" if low < 0 < high else "Blues_r" if high <= 0 else "Reds"]
     extend: Literal["both", "max"] = "max" if component == "mises" else "both"
     norm = BoundaryNorm(levels, colors.N, extend=extend)
-    grid, moved = state.grid, (state.grid.points + factor * state.displacement) / length
+    moved = (grid.points + factor * state.displacement) / length
     near = _within(grid.points, state.a)[grid.cells].any(axis=1)
     for layer in np.unique(grid.materials[near]):
         cells = grid.cells[near & (grid.materials == layer)]
@@ -278,17 +285,6 @@ def _stress(figure: Figure, axes: Axes, state: ContactState, component: str, fac
 def component_of(state: ContactState, component: str) -> Array:
     """One stress at every vertex [Pa]."""
     return state.mises if component == "mises" else state.stress[("rr", "tt", "zz", "rz").index(component)]
-
-
-def _limits(state: ContactState, values: Array) -> tuple[float, float]:
-    """Stresses that bound 98 % of each layer in the window, so that a thin one is seen beside the others; those at the
-    edge of an adhesive contact are infinite."""
-    grid = state.grid
-    corners = grid.points[grid.cells]
-    seen = _within(corners.mean(axis=1), state.a)
-    bounds = [_bounds(corners, values[grid.cells], seen & (grid.materials == layer))
-              for layer in np.unique(grid.materials[seen])]  # fmt: skip
-    return min(low for low, _ in bounds), max(high for _, high in bounds)
 
 
 def _bounds(corners: Array, values: Array, inside: Array) -> tuple[float, float]:

@@ -230,7 +230,12 @@ def panels_figure(panels: Sequence[Panel], title: str = "") -> Figure:
 def _draw(axes: Axes, panel: Panel, letter: str) -> None:
     if "x" in panel.logs:
         axes.set_xscale("log")
-        ticks = _apart(panel.lines[0].x)
+        # Those of the points whose labels have room beside each other
+        x = panel.lines[0].x
+        room, ticks = 0.15 * math.log(float(x.max() / x.min())), [float(x.max())]
+        for value in sorted(x.tolist(), reverse=True):
+            if math.log(ticks[-1] / value) > room:
+                ticks.append(value)
         axes.set_xticks(ticks, [f"{x:.3g}" if x < 1000 else f"{x:,.0f}" for x in ticks])
         axes.minorticks_off()
     if "y" in panel.logs:
@@ -255,15 +260,6 @@ def _draw(axes: Axes, panel: Panel, letter: str) -> None:
     if "y" in panel.logs:
         log_ticks(axes.yaxis)
     axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=letter + panel.title, xlim=panel.xlim, ylim=panel.ylim)
-
-
-def _apart(x: Array) -> list[float]:
-    """Those of the points on a logarithmic axis whose labels have room beside each other."""
-    room, ticks = 0.15 * math.log(float(x.max() / x.min())), [float(x.max())]
-    for value in sorted(x.tolist(), reverse=True):
-        if math.log(ticks[-1] / value) > room:
-            ticks.append(value)
-    return ticks
 
 
 def _line(axes: Axes, line: Line) -> None:

@@ -224,8 +224,14 @@ class Nonadhesive:
         shift = self.series.shift
         if shift is None or not shift.any():
             return ()
-        stretch = np.gradient(shift, self.a)
-        return tuple(self._moved(sign * shift, 1 + sign * stretch) for sign in (1, -1))
+        rate, shifted = np.gradient(shift, self.a), list[Nonadhesive]()
+        for sign in (1, -1):
+            a, stretch = self.a + sign * shift, 1 + sign * rate  # and what that changes distances of radii by
+            known = (a > self.series.a0) & (stretch > 0) & np.append(True, np.diff(a) > 0)
+            rest = self.at_rows(np.flatnonzero(known))
+            series, slopes = replace(rest.series, a=a[known]), replace(rest.slopes, dS=rest.slopes.dS / stretch[known])
+            shifted.append(Nonadhesive(series, slopes, together=self.together))
+        return tuple(shifted)
 
     @cached_property
     def described(self) -> Nonadhesive | None:
@@ -234,15 +240,6 @@ class Nonadhesive:
         if profile == moduli == 1:
             return None
         return replace(self.under_profile(profile).scaled(moduli), unexplained=(1.0, 1.0))
-
-    def _moved(self, shift: Array, stretch: Array) -> Nonadhesive:
-        """The functions with the radii (n,) larger by ``shift`` [m], which changes their distances by ``stretch``."""
-        a = self.a + shift
-        known = (a > self.series.a0) & (stretch > 0)
-        known &= np.append(True, np.diff(a) > 0)
-        rest = self.at_rows(np.flatnonzero(known))
-        series = replace(rest.series, a=a[known])
-        return Nonadhesive(series, replace(rest.slopes, dS=rest.slopes.dS / stretch[known]), together=self.together)
 
     @cached_property
     def points(self) -> Parts:

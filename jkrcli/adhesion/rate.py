@@ -626,13 +626,13 @@ class History(Path):
     def balance(self) -> float:
         """The energy that is missing, |work of the device - stored - int G dA| over the largest of the three [-]:
         that of the motion with the largest share."""
-        return max((self._defect(piece) for piece in self.pieces if isinstance(piece, Motion)), default=0.0)
-
-    def _defect(self, piece: Piece) -> float:
-        (t, a), (t_end, a_end) = piece.first, piece.last
-        stored = self.contact.edge.stored((a, piece.ramp.at(t)), (a_end, piece.ramp.at(t_end)))
-        scale = max(abs(piece.dissipated), abs(stored), abs(piece.work))
-        return abs(piece.work - stored - piece.dissipated) / scale if scale else 0.0
+        missing = 0.0
+        for piece in (piece for piece in self.pieces if isinstance(piece, Motion)):
+            (t, a), (t_end, a_end) = piece.first, piece.last
+            stored = self.contact.edge.stored((a, piece.ramp.at(t)), (a_end, piece.ramp.at(t_end)))
+            if scale := max(abs(piece.dissipated), abs(stored), abs(piece.work)):
+                missing = max(missing, abs(piece.work - stored - piece.dissipated) / scale)
+        return missing
 
     def table(self, points: int) -> dict[str, Array]:
         """Rows of the whole history, at most ``points`` to a piece: "t_s", "a_m" (0 out of contact), "delta_m", "P_N",

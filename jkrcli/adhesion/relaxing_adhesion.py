@@ -696,7 +696,11 @@ class RelaxingAdhesion:
 
     def course(self, program: Program, tolerance: float, reach: float = 0.0) -> Course:
         """The ``program`` followed, on a body that is known as far as it needs to be, or to ``reach`` [m]."""
-        left = self._left(program)
+        # The least share of the moduli by which the body answers in the end: a bound for reaches and zones
+        lasting = float(program.t[-1] - program.t[0])
+        if program.rate:
+            lasting += (abs(float(program.x[-1])) + self.law.length) / abs(program.rate)
+        left = max(float(self.relaxation.modes(lasting)(np.array([lasting]))[0]), LEAST_LEFT)
         self._spacing(left, self.end[0])  # refused before anything is solved
         reach = reach or self._reach(left, float(np.max(program.x)))
         for _ in range(MOST_STEPS):
@@ -705,13 +709,6 @@ class RelaxingAdhesion:
             except TooFarError:
                 reach = self._further(reach)
         raise Refusal("cycle: the surfaces attract each other ever farther out")
-
-    def _left(self, program: Program) -> float:
-        """The least share of the moduli by which the body answers in the end: a bound for reaches and zones."""
-        lasting = float(program.t[-1] - program.t[0])
-        if program.rate:
-            lasting += (abs(float(program.x[-1])) + self.law.length) / abs(program.rate)
-        return max(float(self.relaxation.modes(lasting)(np.array([lasting]))[0]), LEAST_LEFT)
 
     def _body(self, reach: float, spacing: float) -> Body:
         attraction, indenter = self.attracted.attraction(reach), self.problem.indenter

@@ -280,21 +280,19 @@ def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
     jkr show --case data.h5 > again.toml
     """
     announce_files("show", files)
-    items = [_content(path, case_only) for path in files]
+    items = list[Solution | dict[str, Any]]()
+    for path in files:
+        if case_only or not archive.is_archive(path):
+            items.append(read_series(series_file(path)))
+            continue
+        file = archive.read(path)
+        if not file.is_protected:
+            warn(f"{path}: {archive.DOUBT}")
+        items.append(archive.archive_summary(file))
     if case_only and not as_json:
         click.echo("\n".join(plain_toml(item.record.toml).rstrip() for item in items if isinstance(item, Solution)))
         return
     give(shown.Shown(items), as_json)
-
-
-def _content(path: Path, case_only: bool) -> Solution | dict[str, Any]:
-    """The series in a file, or the summary of an archive, which has no case."""
-    if case_only or not archive.is_archive(path):
-        return read_series(series_file(path))
-    file = archive.read(path)
-    if not file.is_protected:
-        warn(f"{path}: {archive.DOUBT}")
-    return archive.archive_summary(file)
 
 
 # --------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ import numpy as np
 from .. import __version__
 from ..adhesion.curve import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, transform
 from ..adhesion.device_path import Program
-from ..adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve, Range
+from ..adhesion.finite_range import FiniteRangeBody, Range
 from ..adhesion.interpolation import Nonadhesive
 from ..adhesion.rate import RateContact, rate_law_of
 from ..base.errors import InputError, JkrError, SolveError, Unknown, known
@@ -238,30 +238,27 @@ def _adhesion_work(values: Values) -> Work:
 
 def _adhesion_row(body: FiniteRangeBody, values: Values, mu: float) -> Columns:
     """The contacts of one range on a ``body`` that carry the loads: a over h, ``adhesive`` = delta_a and ``elastic`` =
-    delta_H, both over the range, ``share`` = (P_H - P)/P_H, and which model holds."""
+    delta_H, both over the range, ``share`` = (P_H - P)/P_H, and which model holds (zones of Johnson and Greenwood)."""
     nu, q, loads = values["nu"], values["q"], np.array(values["load"])
     try:
-        a, adhesive, elastic, share = _carried(body.curve(Range.of(q, stress=mu * q ** (1 / 3))), loads * math.pi * q)
+        curve = body.curve(Range.of(q, stress=mu * q ** (1 / 3)))
     except JkrError as error:
         raise SolveError(f"adhesion map: nu = {nu:g}, q = {q:g}, mu = {mu:g}: {error}") from None
-    # Which of ``ZONES`` a contact lies in (Johnson and Greenwood)
+    # The stable contacts under load control, whose load rises with the radius
+    touching, parts, stable = curve.touching, curve.parts, slice(int(np.argmin(curve.touching.P)), None)
+    delta_H, P_H = parts.delta_H[stable], parts.P_H[stable]
+    added, lost = delta_H - touching.delta[stable], P_H - touching.P[stable]
+    columns = (touching.a[stable], added / curve.law.length, delta_H / curve.law.length, lost, P_H)
+    a, adhesive, elastic, lost, plain = (
+        np.interp(loads * math.pi * q, touching.P[stable], column) for column in columns
+    )
+    share = lost / plain
+    # Which of ``ZONES`` a contact lies in
     small, rigid = adhesive <= ZONE_LITTLE, np.maximum(elastic, adhesive) <= ZONE_LITTLE
     inside = np.where(adhesive >= ZONE_MANY, 1, np.where(rigid, 4, np.where(small, 3, 2)))
     zone = np.array(ZONES)[np.where(share <= ZONE_LITTLE, 0, inside)]
     return rows(nu=nu, base=values["base"], w_R2_over_Estar_h3=q, mu=mu, load_over_pi_w_R=loads, a_over_h=a,
                 adhesive_over_range=adhesive, elastic_over_range=elastic, adhesive_share=share, zone=zone)  # fmt: skip
-
-
-def _carried(curve: FiniteRangeCurve, loads: Array) -> Array:
-    """Contact radius, delta_a and delta_H over the range, and the adhesive share, of the contacts that carry ``loads``
-    [N], (4, loads); stable ones under load control, whose load rises with the radius."""
-    touching, parts = curve.touching, curve.parts
-    stable = slice(int(np.argmin(touching.P)), None)
-    delta_H, P_H = parts.delta_H[stable], parts.P_H[stable]
-    added, share = delta_H - touching.delta[stable], P_H - touching.P[stable]
-    columns = (touching.a[stable], added / curve.law.length, delta_H / curve.law.length, share, P_H)
-    a, adhesive, elastic, lost, plain = (np.interp(loads, touching.P[stable], column) for column in columns)
-    return np.stack([a, adhesive, elastic, lost / plain])
 
 
 def _shown(columns: Columns) -> Iterator[str]:
@@ -353,16 +350,15 @@ def _pull_off_points(base: str, cell: tuple[float, float, Sequence[float]]) -> C
     specimen = replace(layer(nu, base == "bonded"), surface_tension=tension)
     series = series_at(np.geomspace(low, high, count), specimen, Layered(MAP_TOLERANCE))
     body = Nonadhesive.of(series, "exact")
-    q, P, a, delta = np.transpose([_pull_off(nu, q, AdhesiveCurve(body, q)) for q in qs])
+    points = list[tuple[float, float, float]]()
+    for one in qs:
+        point = AdhesiveCurve(body, one).pull_off(LOAD_CONTROL)
+        if isinstance(point, Unknown):
+            raise SolveError(f"pull-off map: nu = {nu:g}, q = {one:g}: {point.reason}")
+        points.append((point.P, point.a, point.delta))
+    q, (P, a, delta) = np.array(qs), np.transpose(points)
     return rows(nu=nu, base=base, w_R2_over_Estar_h3=q, minus_P_over_pi_w_R=-P / (math.pi * q), a_over_h=a,
                 delta_R_over_h2=delta, beta=beta, solved_by=f"jkr {__version__} layered")  # fmt: skip
-
-
-def _pull_off(nu: float, q: float, curve: AdhesiveCurve) -> tuple[float, float, float, float]:
-    point = curve.pull_off(LOAD_CONTROL)
-    if isinstance(point, Unknown):
-        raise SolveError(f"pull-off map: nu = {nu:g}, q = {q:g}: {point.reason}")
-    return q, point.P, point.a, point.delta
 
 
 def _pull_off_figure(columns: Columns) -> Figure:
@@ -440,17 +436,15 @@ def _rate_points(values: Values, thickness: float) -> Columns:
     force."""
     body, a = _body(thickness, values["nu"])
     devices = list(product(values["stiffness"], values["speed"]))
-    k, V = np.transpose(devices)
-    force, energy, error = np.transpose([_rate_point(body, a, values["rate"], *device) for device in devices])
-    return rows(h_over_R=thickness, k_over_Estar_R=k, V_over_v0=V, minus_P_over_pi_w0_R=force,
-                dissipated_over_w0_pi_a2=energy, P_relative_error=error)  # fmt: skip
-
-
-def _rate_point(body: Nonadhesive, a: float, law: Any, stiffness: float, speed: float) -> tuple[float, float, float]:
-    contact = RateContact(body, law, 1.0, 1.0, stiffness)
-    x = float(contact.edge.position_at(np.array(a), 1.0))
-    history = contact.history(Program.on(x, -speed), a)
-    return -history.pull_off.P / math.pi, history.dissipated / (math.pi * a**2), known(history.error["P"]) or 0.0
+    (k, V), points = np.transpose(devices), list[tuple[float, float, float]]()
+    for stiffness, speed in devices:
+        contact = RateContact(body, values["rate"], 1.0, 1.0, stiffness)
+        history = contact.history(Program.on(float(contact.edge.position_at(np.array(a), 1.0)), -speed), a)
+        force, lost = -history.pull_off.P / math.pi, history.dissipated / (math.pi * a**2)
+        points.append((force, lost, known(history.error["P"]) or 0.0))
+    forces, energies, errors = np.transpose(points)
+    return rows(h_over_R=thickness, k_over_Estar_R=k, V_over_v0=V, minus_P_over_pi_w0_R=forces,
+                dissipated_over_w0_pi_a2=energies, P_relative_error=errors)  # fmt: skip
 
 
 def _body(thickness: float, nu: float) -> tuple[Nonadhesive, float]:

@@ -235,27 +235,19 @@ UNITS = {"a": "m", "delta": "m", "P": "N", "foot_a": "m", "row": "1", "curve": "
 def write_fits(path: Path, outcomes: Sequence[Fit | Failure], summary: Mapping[str, Any]) -> None:
     """Write all fits to ``path`` with their ``summary``, in which a curve has its number from 0 in order."""
     fits = [(number, item) for number, item in enumerate(outcomes) if isinstance(item, Fit)]
-    tables = {
-        "data": [(number, _rows(item)) for number, item in fits],
-        "fitted": [(number, dict(item.line)) for number, item in fits],
-        "bootstrap": [(number, _samples(item)) for number, item in fits if item.samples is not None],
-    }
+    tables: dict[str, list[tuple[int, dict[str, Array]]]] = {"data": [], "fitted": [], "bootstrap": []}
+    for number, item in fits:
+        # Readings, the numbers of their rows from 1, contact radii, and residuals in units of the scatter
+        names = ["residuals"] if len(item.residuals) == 1 else [f"residuals_{name}" for name in item.scales]
+        residuals = dict(zip(names, item.residuals, strict=True))
+        tables["data"].append((number, {**item.data, "row": item.rows + 1, "foot_a": item.a, **residuals}))
+        tables["fitted"].append((number, dict(item.line)))
+        if item.samples is not None:
+            tables["bootstrap"].append((number, dict(zip(item.free, item.samples.T, strict=True))))
     curves: dict[str, Group | Dataset] = {name: _joined(table) for name, table in tables.items() if table}
     curves["summary"] = Dataset([json.dumps(one) for one in summary["curves"]])
     images = {"map": images_of(scan)} if (scan := map_of(outcomes)) else {}
     write(path, FITS, {"body": summary["body"]}, {"curves": Group({}, curves), **images})
-
-
-def _rows(item: Fit) -> dict[str, Array]:
-    """The rows of a fit: readings, their numbers from 1, contact radii, and residuals in units of the scatter."""
-    names = ["residuals"] if len(item.residuals) == 1 else [f"residuals_{name}" for name in item.scales]
-    residuals = dict(zip(names, item.residuals, strict=True))
-    return {**item.data, "row": item.rows + 1, "foot_a": item.a, **residuals}
-
-
-def _samples(item: Fit) -> dict[str, Array]:
-    assert item.samples is not None
-    return dict(zip(item.free, item.samples.T, strict=True))
 
 
 def _joined(tables: Sequence[tuple[int, Mapping[str, Array]]]) -> Group:
@@ -319,7 +311,8 @@ def _words(solution: Solution) -> list[str]:
     lines += [f"  warning   {warning}" for warning in solution.warnings]
     lines += [f"  error     {name}: {_number(value)}" for name, value in solution.budget.as_dict().items()]
     lines += [f"  fact      {name}: {_number(_plain(value))}" for name, value in solution.facts.items()]
-    lines += [f"  time      {name}: {_seconds(seconds)} s CPU" for name, seconds in solution.timings.items()]
+    for name, seconds in solution.timings.items():
+        lines.append(f"  time      {name}: {f'{seconds:.3f}' if isinstance(seconds, int | float) else seconds} s CPU")
     lines += [f"  version   {name} {version}" for name, version in solution.record.versions.items()]
     return [*lines, "  case", *(f"    {line}" for line in solution.record.toml.splitlines() if line)]
 
@@ -334,10 +327,6 @@ def _ends_of_shown(values: Any) -> list[float]:
 
 def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
-
-
-def _seconds(value: Any) -> str:
-    return f"{value:.3f}" if isinstance(value, int | float) else str(value)
 
 
 def _number(value: Any) -> str:

@@ -87,8 +87,14 @@ class Check(Result):
         return data | {"options": [asdict(option) for option in self.options]} | expected
 
     def words(self) -> list[str]:
-        ordered = sorted(self.options, key=lambda option: option.forecast is None)  # what is applicable first
-        options = (f"            {option.name:<12} {_option(option)}" for option in ordered)
+        options = []
+        for option in sorted(self.options, key=lambda option: option.forecast is None):  # what is applicable first
+            told = f"not applicable: {option.refusal}"
+            if option.forecast is not None:
+                note = f" ({option.forecast.note})" if option.forecast.note else ""
+                against = f"; {words}" if (words := option.objection) else ""
+                told = f"about {option.cost}, {option.forecast.memory_mib:.0f} MiB{note}{against}"
+            options.append(f"            {option.name:<12} {told}")
         first = [one for one in self.left_out if not one.included and one.largest is not None][:LARGEST]
         rest = [one for one in self.left_out if one not in first]
         law, moduli = self.problem.specimen.relaxation, list[str]()
@@ -135,14 +141,6 @@ class Check(Result):
         for *_, judged in expected.adhesion[-1:]:
             if known := tables.size_words(judged, SIZES):
                 yield f"  sizes     {', '.join(known)} at the largest contact radius"
-
-
-def _option(option: Option) -> str:
-    if option.forecast is None:
-        return f"not applicable: {option.refusal}"
-    note = f" ({option.forecast.note})" if option.forecast.note else ""
-    against = f"; {words}" if (words := option.objection) else ""
-    return f"about {option.cost}, {option.forecast.memory_mib:.0f} MiB{note}{against}"
 
 
 def _ratio(value: Estimate) -> str:

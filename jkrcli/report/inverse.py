@@ -101,7 +101,9 @@ class Fits(Several):
             middle, low, high = (show(float(size), dimension, 4) for size in np.percentile(sizes, (50, 0, 100)))
             parts.append(f"{SYMBOLS.get(name, name)} = {middle} (median; {low} to {high})")
         doubts = Counter(flag for item in self.fits for flag in item.flags)
-        reasons = Counter(flag for item in self.outcomes if isinstance(item, Failure) for flag in _reasons(item))
+        reasons = Counter[str]()  # why curves are unusable; where one has no flag, its first line without the place
+        for item in (item for item in self.outcomes if isinstance(item, Failure)):
+            reasons.update(item.flags or [item.lines[0].removeprefix(f"{item.curve.where}: ")[:LONGEST_REASON]])
         doubtful = sum(status_of(item) == DOUBTFUL for item in self.fits)
         failed, unread = len(self.outcomes) - len(self.fits), len(self.unread)
         counts = [f"{len(self.fits):,} of {len(self.outcomes) + unread:,} curves fitted",
@@ -142,11 +144,6 @@ def draw_fit(fit: Fit) -> Figure:
     from .plots.inverse import fit_figure
 
     return fit_figure(fit)
-
-
-def _reasons(item: Failure) -> Sequence[str]:
-    """Why a curve is unusable, in a word or two each; where it has no flag, its first line without the place."""
-    return item.flags or [item.lines[0].removeprefix(f"{item.curve.where}: ")[:LONGEST_REASON]]
 
 
 def _counted(reasons: Counter[str]) -> str:
@@ -287,8 +284,10 @@ def fit_words(item: Fit) -> list[str]:
     lines += [f"  {'not included':<12} {item.not_included}"] * bool(item.not_included)
     lines += estimate_lines(sorted(item.estimates, key=lambda one: one.name in ZERO_POINTS), item.settings.level)
     correlation = item.correlated("modulus", "w")
-    more = [] if correlation is None else [f"correlation of E* and w {correlation:.2f}"]
-    lines.append(f"  {'scatter':<12} {', '.join([*_scatter(item), *more])}")
+    # Standard deviation of the readings as the residuals have it
+    told = [f"{show(item.scatter * scale, DIMENSIONS[name], 2)} in {name}" for name, scale in item.scales.items()]
+    told += [] if correlation is None else [f"correlation of E* and w {correlation:.2f}"]
+    lines.append(f"  {'scatter':<12} {', '.join(told)}")
     if item.quality is not None:
         parts = ", ".join(f"{name} {value:.2f}" for name, value in item.quality.items() if name != "quality")
         lines.append(f"  {'quality':<12} {item.quality['quality']:.2f} ({parts})")
@@ -460,11 +459,6 @@ def estimate_words(estimate: FittedValue, level: float) -> str:
     inputs = [f"{name} {value / estimate.error:.0%}" for name, value in (estimate.systematic or {}).items()
               if estimate.error and value > least]  # fmt: skip
     return text + (f" (share of the error: {', '.join(inputs)})" if inputs else "")
-
-
-def _scatter(item: Fit) -> list[str]:
-    """Standard deviation of the readings as the residuals have it."""
-    return [f"{show(item.scatter * scale, DIMENSIONS[name], 2)} in {name}" for name, scale in item.scales.items()]
 
 
 # --------------------------------------------------------------------------------------------------

@@ -194,7 +194,10 @@ def disc_warnings(
 
     ``kernel(reach)``: K for x + t <= ``reach`` [m]; outside, the surface is looked at no farther than it is known.
     """
-    if not any(_bends(body) for body in (specimen, *stacks(specimen, contact.indenter.material))):
+    bodies = (specimen, *stacks(specimen, contact.indenter.material))
+    moduli = [[material.surface.E_star for material in body.materials] for body in bodies]
+    on_softer = any(below < above for E in moduli for above, below in itertools.pairwise(E))
+    if not on_softer and all(body.radius is None for body in bodies):  # nor is a side near
         return ()
     a0 = contact.indenter.a0
     radii = a0 + np.array(DISC_FRACTIONS) * (largest - a0)
@@ -215,12 +218,6 @@ def disc_warnings(
                 "jkr profile",
             )
     return ()
-
-
-def _bends(specimen: Specimen) -> bool:
-    """Whether something lies on something softer, or a side is near."""
-    E = [material.surface.E_star for material in specimen.materials]
-    return specimen.radius is not None or any(below < above for above, below in itertools.pairwise(E))
 
 
 def _broken(phi: Density, factor: float, P: float, end: float) -> str | None:

@@ -117,19 +117,15 @@ def _point_errors(curve: AdhesiveCurve, tension: float) -> dict[str, list[float 
     for w in works:  # one curve for all controls: what tells its errors is found once
         at_w = replace(curve, w=float(w))
         at_w.find_critical(controls.values())
-        rows.append([_point_error(at_w, k) for k in controls.values()])
-    errors = {name: list(column) for name, column in zip(controls, zip(*rows, strict=True), strict=True)}
-    return {"w": works.tolist(), **errors}
-
-
-def _point_error(curve: AdhesiveCurve, stiffness: float) -> float | None:
-    point = curve.pull_off(stiffness)
-    errors = analysis.error_of_point(curve, point, stiffness) if isinstance(point, CriticalPoint) else Unknown("")
-    return (
-        None
-        if isinstance(errors, Unknown) or not isinstance(point, CriticalPoint)
-        else max(errors["P"] / abs(point.P), TABULATED)
-    )
+        row = list[float | None]()
+        for stiffness in controls.values():
+            point, error = at_w.pull_off(stiffness), None
+            if isinstance(point, CriticalPoint):
+                errors = analysis.error_of_point(at_w, point, stiffness)
+                error = None if isinstance(errors, Unknown) else max(errors["P"] / abs(point.P), TABULATED)
+            row.append(error)
+        rows.append(row)
+    return {"w": works.tolist()} | dict(zip(controls, map(list, zip(*rows, strict=True)), strict=True))
 
 
 def start_work(body: Nonadhesive) -> float:

@@ -312,9 +312,11 @@ def _panel(axes: Axes, record: ForceCurve, x: float, y: float, letters: int) -> 
     curve = record.curve
     assert curve.P is not None
     z = curve.device
-    near = _contact(record, z) if letters == LETTERS else None  # there is room in a panel of the whole width
-    places = [axes]
-    if near is not None:
+    places, touches = [axes], [item.touch for item in record.directions if isinstance(item.touch, float)]
+    # The rows from the outermost touch on are drawn once more, larger, where the free way is long: there is room in a
+    # panel of the whole width
+    if letters == LETTERS and touches and z.max() - min(touches) < LARGER * np.ptp(z):
+        near = z >= min(touches)
         level = (float(np.median(curve.P[~near])) - curve.P.min()) / np.ptp(curve.P)
         places.append(enlarged(axes, z[near] / x, curve.P[near] / y, 0.05 + 0.9 * level))
     # The loads [N] of a record, the line through them broken at its jumps: the row before the steepest step is nan.
@@ -334,14 +336,6 @@ def _panel(axes: Axes, record: ForceCurve, x: float, y: float, letters: int) -> 
             _marks(place, item, z[item.segment.rows], x, y)
     title = ": ".join([curve.name, ", ".join(record.flags)]).rstrip(": ")
     axes.set_title(fill(title, letters, max_lines=3, placeholder=" …"), loc="left", fontsize="small")
-
-
-def _contact(record: ForceCurve, z: Array) -> Array | None:
-    """The rows from the outermost touch on, where the free way is so long that they are drawn once more, larger."""
-    touches = [item.touch for item in record.directions if isinstance(item.touch, float)]
-    if not touches or z.max() - min(touches) >= LARGER * np.ptp(z):
-        return None
-    return z >= min(touches)
 
 
 def _marks(axes: Axes, item: Direction, position: Array, x: float, y: float) -> None:

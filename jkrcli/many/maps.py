@@ -237,8 +237,10 @@ def _adhesion_work(values: Values) -> Work:
 
 
 def _adhesion_row(body: FiniteRangeBody, values: Values, mu: float) -> Columns:
-    """The contacts of one range on a ``body`` that carry the loads: a over h, ``adhesive`` = delta_a and ``elastic`` =
-    delta_H, both over the range, ``share`` = (P_H - P)/P_H, and which model holds (zones of Johnson and Greenwood)."""
+    """The contacts of one range on a ``body`` that carry the loads, and their zone (Johnson and Greenwood).
+
+    a over h, ``adhesive`` = delta_a and ``elastic`` = delta_H, both over the range, ``share`` = (P_H - P)/P_H.
+    """
     nu, q, loads = values["nu"], values["q"], np.array(values["load"])
     try:
         curve = body.curve(Range.of(q, stress=mu * q ** (1 / 3)))

@@ -226,15 +226,19 @@ def edge_correction(surface: Surface, body: MeshedBody, reach: float, indenter: 
         u -= change
         if np.abs(change).max() < SETTLED:
             break
-    # Where nodes are close, the edge lies off the vertices by the fraction of a spacing by which it does before: it is
-    # the same at all radii
-    edges, spacing = a0 + np.exp(u), np.gradient(events.a)
-    told = spacing >= EDGE_TELLING * (events.a - a0)
-    last = told & (spacing < 2 * EDGE_TELLING * (events.a - a0))
-    if not told.all() and last.any():
-        fraction = float(np.mean((edges - events.a)[last] / spacing[last]))
-        edges = np.where(told, edges, events.a + fraction * spacing)
-    return edges / events.a
+    return _in_step(a0 + np.exp(u), a0, events.a) / events.a
+
+
+def _in_step(edges: Array, a0: float, vertices: Array) -> Array:
+    """Radii of the edge (n,) at ``vertices`` [m], those where nodes are close by the fraction of a spacing that it lies
+    off the vertices before: it is the same at all radii."""
+    spacing = np.gradient(vertices)
+    told = spacing >= EDGE_TELLING * (vertices - a0)
+    last = told & (spacing < 2 * EDGE_TELLING * (vertices - a0))
+    if told.all() or not last.any():
+        return edges
+    fraction = float(np.mean((edges - vertices)[last] / spacing[last]))
+    return np.where(told, edges, vertices + fraction * spacing)
 
 
 # ---------------------------------------------------------------------- surfaces that stick

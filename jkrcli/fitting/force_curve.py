@@ -663,7 +663,7 @@ def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tup
         if factors[at] > 0 and costs[at] < best[0]:
             best = (float(costs[at]), float(factors[at]), float(zeros[at]), float(r))
     if best[1] == 0:
-        raise SolveError("no curve of this body resembles the force curve")
+        raise SolveError("no curve of this body resembles the force curve; --flip P, if compression is negative")
     return best[1:]
 
 
@@ -970,7 +970,9 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:
     """The unknowns that leave least, from several starts until one leaves no more than noise, none of them of another
     record; SolveError where no search converges. Of a retraction alone all are tried: only its shape shows how far its
     edge rests."""
-    best: ForceCurveFit | SolveError = SolveError("no curve of this body resembles the force curve")
+    best: ForceCurveFit | SolveError = SolveError(
+        "no curve of this body resembles the force curve; --flip P, if compression is negative"
+    )
     for close, x in itertools.chain(((False, x) for x in starts_of(model)), ((True, x) for x in _of_each(model, loss))):
         try:
             fitted = fit(model, x, close, loss)

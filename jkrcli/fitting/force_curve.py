@@ -496,10 +496,9 @@ class ForceCurveModel:
         """Derivative of the loads of all rows by their positions [N/m], the turn and the base lines where they are,
         remembered."""
         if (key := x.tobytes()) not in self._by_position:
-            values, none = self.values(x), [np.zeros(part.z.size) for part in self.stretches]
-            each = [
-                self._contact(part, values, 0.0)[1].get("z", no) for part, no in zip(self.stretches, none, strict=True)
-            ]
+            values, each = self.values(x), []
+            for part in self.stretches:
+                each.append(self._contact(part, values, 0.0)[1].get("z", np.zeros(part.z.size)))
             self._by_position.clear()
             self._by_position[key] = np.concatenate(each)
         return self._by_position[key]
@@ -720,7 +719,6 @@ FIT_MODULI = 10.0  # choice: of ln s about its start, where the search may go
 FIT_PERIODS = 0.3  # choice: the same of the log of a wave's period
 FIT_CONVERGED = 1e-11  # choice: relative change of parameters
 FIT_FELL = 1e-8  # theory: of chi^2 of 1e4 rows, its rise a hundredth of a standard error from the minimum
-FIT_ABOUT = 1e-3  # choice: the same of a search of few rows, from whose end another one begins
 FIT_UNSURE = 0.1  # choice: of the way in contact, the most that the place of a fold is taken to be uncertain by
 FIT_NARROWER = 2.0  # choice: factor between two estimates of it, below which they agree
 FIT_NEAR = 0.1  # choice: of chi^2, the fall still to be had a third of a standard error from its minimum
@@ -822,8 +820,7 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     for stages in [()] if near else [slow] if few is model else [FIT_BLUNT[1:2], slow]:
         begun = x
         for blunt in stages:
-            about = replace(_problem(few, _even(few), bounds, blunt, SAME), cost=FIT_ABOUT)
-            begun = about.least(begun).x
+            begun = _problem(few, _even(few), bounds, blunt, SAME).least(begun).x
         least = whole.least(begun)
         if least.ended and 2 * least.cost * even.A < (FIT_EXPLAINED * model.noise) ** 2 * least.state.residuals.size:
             break  # no other minimum leaves less than the noise

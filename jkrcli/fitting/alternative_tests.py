@@ -37,7 +37,16 @@ from .alternatives import (
     neck,
 )
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
-from .least_squares import COLOURED_FREE, STATISTICS_IMPROBABLE, Spectrum, frequencies, in_time, t_quantile, waves
+from .least_squares import (
+    COLOURED_FREE,
+    STATISTICS_IMPROBABLE,
+    Spectrum,
+    frequencies,
+    in_time,
+    orthogonal,
+    t_quantile,
+    waves,
+)
 
 DETECTED, EXCLUDED, UNDECIDED = "favoured by the data", "excluded", "not distinguishable"
 
@@ -368,7 +377,7 @@ class Linearised:
 def _factors(own: Array) -> tuple[Array, Array, Array]:
     """Lengths of the model's own columns, and Q and R of these over them."""
     scale = np.maximum(np.linalg.norm(own, axis=0), TINY)
-    return (scale, *np.linalg.qr(own / scale))
+    return (scale, *orthogonal(own / scale))
 
 
 def _named(scores: Sequence[Score], unit: Array) -> tuple[Score, ...]:

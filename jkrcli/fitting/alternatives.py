@@ -600,10 +600,15 @@ def finite_range(record: FittedRecord) -> Perturbation | None:
         return None
     E_star = record.body.problem.E_star
 
+    changes = lru_cache(maxsize=1)(_maugis)  # of all stretches, one after the other
+
     def log_changes(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> Array | None:
-        s = math.exp(values["ln_s"])
-        w, z0 = values[f"q:{part.kind}"] * s, range_of(record, values[AMOUNT])
-        return None if w <= 0 or z0 in (0, math.inf) else _maugis(plain.family, s * E_star, w, z0)
+        s, z0 = math.exp(values["ln_s"]), range_of(record, values[AMOUNT])
+        works = {one.kind: w for one in plain.stretches if (w := values[f"q:{one.kind}"] * s) > 0}
+        if part.kind not in works or z0 in (0, math.inf):
+            return None
+        each: Array = changes(plain.family, s * E_star, tuple(works.values()), z0)[[*works].index(part.kind)]
+        return each
 
     starts = tuple((amount_of_range(record, neck(record) / mu),) for mu in ADHESION_TABOR)
     most = amount_of_range(record, ADHESION_ENDLESS * neck(record))
@@ -644,18 +649,19 @@ def range_of(record: FittedRecord, amount: float) -> float:
     return narrow_range(record) * math.sqrt(amount / (1 - amount / least)) if amount < least else math.inf
 
 
-def _maugis(family: Family, E: float, w: float, z0: float) -> Array:
-    """Changes of the logs (4, n) of a body of E* ``E`` [Pa] whose adhesion ``w`` [J/m^2] has the range ``z0`` [m]: the
+def _maugis(family: Family, E: float, works: tuple[float, ...], z0: float) -> Array:
+    """Changes of the logs (works, 4, n) of a body of E* ``E`` [Pa] whose w [J/m^2] has the range ``z0`` [m]: the
     stress sigma = w/z0 on a ring from a to m a shifts the displacement by 2 sigma a sqrt(m^2 - 1)/E* and the load by 2
     sigma a^2 (sqrt(m^2 - 1) + m^2 arccos(1/m)), JKR by sqrt(2 pi a w/E*) and sqrt(8 pi w E* a^3)."""
-    sigma, some = w / z0, slice(None, None, ADHESION_EVERY)
+    w, some = np.array(works)[:, None], slice(None, None, ADHESION_EVERY)
+    sigma = w / z0
     a, D = np.exp(grid(family)[some]), on_grid(family)[0][0, some]
     m = _rim(a, D, E, w, sigma)
     root, angle = np.sqrt(m**2 - 1), np.arccos(1 / m)
     shift = 2 * sigma * a * root / E / np.sqrt(2 * math.pi * a * w / E)
     pull = 2 * sigma * a**2 * (root + m**2 * angle) / np.sqrt(8 * math.pi * w * E * a**3)
-    zero = np.zeros_like(a)
-    changes: Array = np.stack([zero, np.log(shift), zero, np.log(pull)]) @ _splines(grid(family).size)
+    zero = np.zeros_like(shift)
+    changes: Array = np.stack([zero, np.log(shift), zero, np.log(pull)], axis=1) @ _splines(grid(family).size)
     return changes
 
 
@@ -669,7 +675,7 @@ def _splines(size: int) -> Array:
     return splines
 
 
-def _rim(a: Array, D: Array, E: float, w: float, sigma: float) -> Array:
+def _rim(a: Array, D: Array, E: float, w: Array, sigma: Array) -> Array:
     """Ratio m of outer to inner radius of the ring whose stress ``sigma`` releases ``w``. With t = sqrt(m^2 - 1) and c
     = arccos(1/m), 1 = 4 sigma^2 a/(pi E* w) (t c - m + 1) + sigma D/(pi w) (t + (m^2 - 2) c); by Newton's method for
     the log of the right-hand side over that of m - 1, nearly straight; from its limits, of narrow rings and

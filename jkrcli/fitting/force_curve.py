@@ -493,9 +493,19 @@ class ForceCurveModel:
         return np.concatenate(list(parts))
 
     def by_position(self, x: Array) -> Array:
-        """Derivative of the loads of all rows by their positions [N/m], the turn and the base lines where they are."""
-        values = self.values(x)
-        return np.concatenate([self._contact(part, values, 0.0)[1]["z"] for part in self.stretches])
+        """Derivative of the loads of all rows by their positions [N/m], the turn and the base lines where they are,
+        remembered."""
+        if (key := x.tobytes()) not in self._by_position:
+            values, each = self.values(x), []
+            for part in self.stretches:
+                each.append(self._contact(part, values, 0.0)[1].get("z", np.zeros(part.z.size)))
+            self._by_position.clear()
+            self._by_position[key] = np.concatenate(each)
+        return self._by_position[key]
+
+    @cached_property
+    def _by_position(self) -> dict[bytes, Array]:
+        return {}
 
     def _load(self, part: DirectionReadings, values: Mapping[str, float], blunt: float) -> Array:
         """Load of the contact at all rows of a stretch."""

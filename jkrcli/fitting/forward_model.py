@@ -984,7 +984,7 @@ class FittedBody:
         steps = math.ceil(math.log10((first - a0) / (a - a0)) * RESOLVING_PER_DECADE)
         below = a0 + (a - a0) * np.geomspace(1.0, (first - a0) / (a - a0), steps, endpoint=False)
         loading = Loading.given("radius", (*below.tolist(), *self.series.a.tolist()))
-        return self._on(loading)
+        return self.on(loading)
 
     def under(self, indenter: Indenter, a: float) -> FittedBody:
         """The same specimen under another ``indenter``, solved to the contact radius ``a`` [m] and beyond."""
@@ -1003,9 +1003,9 @@ class FittedBody:
 
     def _reaching(self, a: float, **changes: Any) -> FittedBody:
         """The body of a changed problem solved up to contact radius ``a`` [m], as the user describes this one."""
-        return self._on(Loading("radius", a, max(len(self.series), RESOLVING_POINTS), "radius"), **changes)
+        return _reached(self, a, frozenset(changes.items()))
 
-    def _on(self, loading: Loading, **changes: Any) -> FittedBody:
+    def on(self, loading: Loading, **changes: Any) -> FittedBody:
         """The body of a changed problem under another ``loading``, as the user describes this one."""
         other = _exact(replace(without_side_walls(self.problem), loading=loading, **changes), self.tolerance)
         return replace(other, **{name: getattr(self, name) for name in ("moduli_known", "range_of_case", "no_range")})
@@ -1013,6 +1013,12 @@ class FittedBody:
     def _solved(self, problem: Problem) -> Family:
         at_radii = Loading.given("radius", tuple(self.series.a))
         return solved(replace(without_side_walls(problem), loading=at_radii), self.tolerance)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _reached(body: FittedBody, a: float, changes: frozenset[tuple[str, Any]]) -> FittedBody:
+    """That of ``body`` with ``changes`` of its problem up to contact radius ``a`` [m]: one for all curves of a map."""
+    return body.on(Loading("radius", a, max(len(body.series), RESOLVING_POINTS), "radius"), **dict(changes))
 
 
 @lru_cache(maxsize=REMEMBERED)

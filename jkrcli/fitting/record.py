@@ -35,7 +35,7 @@ from .force_curve import (
     windowed,
 )
 from .forward_model import FittedBody
-from .least_squares import Intervals, State, bootstrap, covariance_coloured, structure, t_quantile, wider
+from .least_squares import Intervals, State, bootstrap, covariance_coloured, orthogonal, structure, t_quantile, wider
 from .parameters import LIMIT, LINEAR, LOG, POSITIONS, ROOT, FittedValue, Parameter, changes_by, dimension_of
 from .result import Fit
 from .rows import noise_from_third_differences
@@ -61,7 +61,7 @@ class AddedParameter:
         off, J = fit.model.residuals(fit.x, 0.0)
         J, noise = np.column_stack([J, column]), fit.spread.noise
         scale = np.maximum(np.linalg.norm(J, axis=0), np.finfo(float).tiny)
-        Q, triangle = np.linalg.qr(fit.model.whitened(J / scale, noise))
+        Q, triangle = orthogonal(fit.model.whitened(J / scale, noise))
         along = Q.T @ fit.model.whitened(off, noise)
         return cls(fit, J, -np.linalg.lstsq(triangle, along, rcond=None)[0] / scale, abs(float(along[-1])))
 
@@ -81,10 +81,8 @@ class AddedParameter:
 
 def drift_left_out(fit: ForceCurveFit) -> AddedParameter:
     """A drift of z0 [m/s] that was not fitted: one step of a search that knows it."""
-    model = replace(fit.model, positions=(*fit.model.positions, "drift"))
-    values = fit.model.values(fit.x) | {"drift": 0.0}
-    J = model.evaluated(model.unknowns(values), 0.0)[1]
-    return AddedParameter.of(fit, J[:, model.names.index("drift")])
+    t = np.concatenate([part.t for part in fit.model.stretches])
+    return AddedParameter.of(fit, -t * fit.model.by_position(fit.x))
 
 
 def another_modulus(fit: ForceCurveFit) -> AddedParameter:

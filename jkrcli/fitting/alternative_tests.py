@@ -445,7 +445,7 @@ FULL_LEANING = 1.0  # theory: fall of chi^2 by a number that means nothing, from
 # described counts
 FULL_CLOSE = 0.95  # choice: of the rise of chi^2 at the end of an interval, from which on an amount is its end
 FULL_NEARLY = 0.8  # choice: the same, where amounts beyond it count by the chord to the end
-# choice: of SCORE_MATTERS, moves to first order below which nothing is fitted; of 24 maps' curves none was 0.2 % off
+# choice: of SCORE_MATTERS, moves to first order below which nothing is fitted; of 24 curves of a map none was 0.2 % off
 FULL_LINEAR = 0.5
 FULL_HARDLY = 0.25  # choice: of such a fall, what one step finds at least where there may be as much
 FULL_HALVES = 2  # choice: bisections between the largest amount that the data leave and the next one

@@ -46,7 +46,7 @@ def test_a_case_and_a_curve_give_table_summary_archive_and_picture(jkr, folder: 
     outcome = jkr("fit", "sphere.toml", "probe.csv")
     assert outcome.code == 0
     lines = outcome.out.splitlines()
-    assert re.match(r"E\* = 1\.000 ± 0\.003 .*MPa, w = 99\.8 ± 0\.5 .*at 95 %$", lines[0])
+    assert re.match(r"E\* = 1\.000 ± 0\.003 .*MPa, w = 100 ± 0\.5 ± 30 mJ.*at 95 %$", lines[0])
     assert lines[1].startswith("  range        the data allow up to ")
     assert "  probe.csv: 200 rows of delta, P" in lines
     assert any(line.startswith("  w            99.8 ± ") for line in lines)

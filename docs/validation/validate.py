@@ -33,7 +33,7 @@ SOURCES = {
     JKR: "Johnson, Kendall and Roberts, Proc. R. Soc. A 324 (1971) 301",
     MAUGIS: "Maugis and Barquins, J. Phys. D 11 (1978) 1989",
     SNEDDON: "Sneddon, Int. J. Eng. Sci. 3 (1965) 47: P = E* [(R² + a²) artanh(a/R) − a R]",
-    HAYES: "Hayes, Keer, Herrmann and Mockros, J. Biomech. 5 (1972) 541; digits beyond theirs by two programs",
+    HAYES: "Hayes, Keer, Herrmann and Mockros, J. Biomech. 5 (1972) 541; further digits by two programs",
     HUI: "Hui, Liu, Salez, Raphael and Jagota, Proc. R. Soc. A 471 (2015) 20140727: wetting limit",
     PAPER: "Jiang, Borodich, Perepelkin and Jin",
     QUADRATURE: "a second solution of the equations in `docs/validation/validate.py`",

@@ -328,9 +328,9 @@ class EquilibriumCurve(ABC):
             return Unknown(self._outside(stiffness, lowest, ends[lowest]))
         if position_of(best) > 0:
             return Unknown(
-                f"contact shrinks at P = {best.P:.4g} N, delta = {best.delta:.4g} m below the smallest radius of the "
-                f"solution, a = {self.places[0]:.4g} m, where some must remain: the solution would have to begin at a "
-                "smaller radius"
+                f"at P = {best.P:.4g} N, delta = {best.delta:.4g} m contact shrinks to a radius below the smallest of "
+                f"the solution, a = {self.places[0]:.4g} m, and is not lost: the solution must begin at a smaller "
+                "radius"
             )
         return best
 

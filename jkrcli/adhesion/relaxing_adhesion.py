@@ -618,8 +618,8 @@ class RelaxingAdhesion:
     def __post_init__(self) -> None:
         if self.relaxation.relaxed is None:
             raise InputError(
-                "cycle: a power law has no instant modulus, by which a contact jumps: with adhesion give "
-                "specimen.relaxation as sls or prony, or no adhesion, --w-approach 0"
+                "cycle: a power law has no instantaneous modulus, which governs jumps of the contact: give "
+                "specimen.relaxation as sls or prony, or leave adhesion out (--w-approach 0)"
             )
 
     @classmethod

@@ -322,8 +322,8 @@ def unresolved(indenter: Indenter, a: np.ndarray) -> tuple[str, ...]:
     if a.size >= LIMITS.seen * bends:
         return ()
     return (
-        f"the {indenter.noun} bends at {bends} radii within the contact and the solution has {a.size} points: slopes "
-        "fitted through them miss what lies between; give more points, or take a method with exact slopes",
+        f"the {indenter.noun} has {bends} kinks within the contact and the solution has {a.size} points: slopes "
+        "fitted through the points miss kinks between them; give more points, or take a method with exact slopes",
     )
 
 

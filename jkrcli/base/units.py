@@ -131,7 +131,7 @@ class Ranged:
         if not math.isfinite(number):
             raise ValueError(f"must be a finite number, got {entry}")
         if self.dimension != "number" and number != 0 and not 1 / LARGEST_SI <= abs(number) <= LARGEST_SI:
-            raise ValueError(f"must lie within {1 / LARGEST_SI:g} and {LARGEST_SI:g} in SI units, got {entry}")
+            raise ValueError(f"must lie between {1 / LARGEST_SI:g} and {LARGEST_SI:g} in SI units, got {entry}")
         if number not in self:
             bare = self.dimension == "angle" and not isinstance(value, str)
             hint = '; a bare number is in rad, write "70 deg"' if bare else ""

@@ -663,7 +663,8 @@ def relaxing(law: Relaxation | None) -> list[str]:
         return []
     begin = "the specimen relaxes: "
     if law.relaxed is None:
-        return [f"{begin}the moduli here are those at the law's time; without adhesion jkr cycle --speed follows them"]
+        here = "the moduli here are those at the time of the law"
+        return [f"{begin}{here}; without adhesion jkr cycle --speed follows them"]
     over_time = "jkr cycle --speed follows them over time, with adhesion by --stress or --range"
     fast = f"{begin}this is the limit of very fast cycles, with the moduli at t = 0"
     if not law.relaxed > 0:

@@ -34,8 +34,8 @@ NO_FINITE_RANGE = (
 NOT_TOGETHER = {
     ("relaxation", "elastic"): "specimen.relaxation: needs a rigid indenter: an elastic one does not relax with the "
     "specimen; leave out indenter.E and nu, or the relaxation",
-    ("relaxation", "sticking"): "specimen.relaxation: is for frictionless contact: leave "
-    'surface = "sticking" out, or relaxation',
+    ("relaxation", "sticking"): "specimen.relaxation: is for frictionless contact only: leave out "
+    'surface = "sticking" or the relaxation',
     ("relaxation", "tension"): "specimen.relaxation: contact of a viscoelastic specimen is not derived with surface "
     "tension: leave specimen.surface_tension out, or the relaxation",
     ("tension", "sticking"): "specimen.surface_tension: contact without slip is not derived with surface tension: "

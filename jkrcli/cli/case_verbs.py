@@ -51,7 +51,7 @@ from .verb import FileType, announce, as_one, command_line, detail, give, note, 
 @into_file("Solution file [default: <case>.h5 here].")
 @click.option("--method", type=click.Choice(["auto", *METHODS]), help="Method, instead of the case's.")
 @click.option("--tolerance", type=float,
-              help="Relative error asked of the load at given depth, of any method, instead of the case's."
+              help="Relative error allowed in the load at given depth, for any method, instead of the case's."
 )  # fmt: skip
 @limits_options
 @output_options(force=ONE_FILE, json="Print the summary as JSON.")
@@ -130,7 +130,7 @@ reading_options = as_one(
     click.option("--sign", type=click.Choice(["auto", "as-is"]), default="auto", show_default=True,
                  help="auto: a displacement or load that is negative in compression is turned."),
     click.option("--area", type=click.Choice(["surface", "projected"]), default="surface", show_default=True,
-                 help="What a contact area is: of the indenter's surface (Eq. A3), or pi a^2."),
+                 help="Meaning of a contact area: area of the indenter's surface (Eq. A3), or pi a^2."),
     *SEPARATED,
     click.option("--compare/--no-compare", default=True, show_default=True,
                  help="With the exact solution of these bodies: where the edge is between nodes, and the shape."),

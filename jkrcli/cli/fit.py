@@ -410,7 +410,7 @@ ASKED = as_one(
                  help="Number of bootstrap resamples."),
     click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the resamples."),
     click.option("--shared", multiple=True, type=NamesType(),
-                 help="Fit all force curves together: parameters that they share, E_star,w."),
+                 help="Fit all force curves together: parameters that they share, such as E_star,w."),
     click.option("--own", multiple=True, type=NamesType(),
                  help="With --shared: those of each force curve, delta0,P0 [default: all other free ones]."),
     click.option("--tip-radius", multiple=True, type=options.LENGTH_ABOVE_0,

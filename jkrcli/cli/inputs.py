@@ -351,7 +351,7 @@ reading_options = as_one(
                  help=f"Unit, whatever the header says, P=nN; keys {', '.join(NAMES.numbers)}, or the name or number "
                  "of a column, deflection=nm."),
     click.option("--factor", "factors", multiple=True, type=options.KeyNumberType(NAMES.numbers),
-                 help="Multiply a quantity, in addition to its unit, P=1000."),
+                 help="Multiply a quantity by a factor, in addition to its unit, such as P=1000."),
     click.option("--flip", multiple=True, type=click.Choice(["delta", "P"]),
                  help="Reverse the sign of a column, such as of loads that count adhesion positive."),
     click.option("--zero", multiple=True, type=options.ScaleType(("delta", "P")),
@@ -367,7 +367,7 @@ reading_options = as_one(
     click.option("--format", type=click.Choice(["auto", "text", "afm"]), default="auto", show_default=True,
                  help="auto: by content and ending; afm: .csv and .txt of microscopes (needs afmformats)."),
     *SEPARATED,
-    click.option("--rows", type=options.ROWS, help="Only these rows of each curve, from 1: 100..900."),
+    click.option("--rows", type=options.ROWS, help="Only these rows of each curve, counted from 1, such as 100..900."),
     click.option("--where", multiple=True, type=options.NAMED,
                  help="Only rows with this segment, curve number or value of a column: segment=retract."),
 )  # fmt: skip

@@ -78,7 +78,7 @@ class QuantityType(ParsedType):
             raise ValueError(f"must be {self.allowed or f'finite and >= {self.least:g}'}, got {text}")
         least, most = 1 / LARGEST_SI, LARGEST_SI
         if number != 0 and not least <= abs(number) <= most:
-            raise ValueError(f"must lie within {least:g} and {most:g} in SI units, got {text}")
+            raise ValueError(f"must lie between {least:g} and {most:g} in SI units, got {text}")
         return number
 
 

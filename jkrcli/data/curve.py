@@ -256,7 +256,9 @@ class Reading:
                 or not all(isinstance(row, int | np.integer) for row in pair)
                 or not 1 <= pair[0] <= pair[1]
             ):
-                raise InputError(f"rows: must be the first and the last row, from 1, (100, 900), got {self.rows!r}")
+                raise InputError(
+                    f"rows: must be the first and the last row, counted from 1, as (100, 900), got {self.rows!r}"
+                )
         for name in ("stiffness", "sensitivity"):
             value = getattr(self, name)
             if value is None:

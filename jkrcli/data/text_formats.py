@@ -533,8 +533,8 @@ class Columns:
         """Refuse a sensitivity that nothing is multiplied by."""
         if self.reading.sensitivity is not None and (self.bent is None or self.bent[0] != "voltage"):
             load = f"its load is {self.table.titled(self.chosen['P'])}" if "P" in self.chosen else "it holds no load"
-            raise InputError(f"{self.table.path}: --sensitivity makes a deflection of volts, and this file holds none, "
-                             f"{load}: leave it out, or give the unit: --unit P=V")  # fmt: skip
+            raise InputError(f"{self.table.path}: --sensitivity converts volts to a deflection, and this file holds no "
+                             f"volts, {load}: leave it out, or give the unit: --unit P=V")  # fmt: skip
 
     def _on_stiffness(self) -> list[str]:
         """A sentence on the stiffness of a device: where it is from, or that it is missing or may be."""

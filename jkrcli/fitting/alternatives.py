@@ -1276,7 +1276,7 @@ RIVALS: tuple[AlternativeModel, ...] = (
     )),
     AlternativeModel("residual depth", MEMORY, "of the depth of contact",
           misplaced_back(lambda record, part: np.full(part.z.size, -record.reach)), of_directions=True),
-    AlternativeModel("another modulus on the way back", MEMORY, "relative change", another_modulus, of_directions=True),
+    AlternativeModel("another modulus on retraction", MEMORY, "relative change", another_modulus, of_directions=True),
     AlternativeModel("another slope at rest", MEMORY, "relative change", slope_at_rest, of_directions=True),
     AlternativeModel("stiffness of the cantilever", DEVICE, "relative change", stiffness,
           limits=(-ALTERNATIVE_DEVICE, ALTERNATIVE_DEVICE)),

@@ -49,7 +49,7 @@ def with_radii(body: FittedBody, radii: Sequence[float], count: int) -> list[Fit
     """The body under the tip radius [m] of each of ``count`` files."""
     each = for_each(radii, count)
     if each and not (hasattr(body.problem.indenter, "R") and body.own_parameters):
-        raise InputError("fit: --tip-radius: needs a sphere or a paraboloid on a specimen without an end")
+        raise InputError("fit: --tip-radius: needs a sphere or a paraboloid on a specimen without an outer radius")
     return [body.with_values({RADIUS: R}) for R in each] or [body] * count
 
 

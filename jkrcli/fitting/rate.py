@@ -281,7 +281,7 @@ def law_along_records(
         rows &= v_err < WHOLE_SURE * v
     v, w = v[rows], w[rows]
     if v.size < WHOLE_LEAST * max(1, together // 4):
-        return Unknown(f"{v.size} points with a receding edge are too few for a law")
+        return Unknown(f"{v.size} points with a receding contact line are too few for a law")
     ranges = law_ranges(name)
     logs = Unknowns(parameters_of(ranges, ranges, {}, ENDS))
     starts, sigma = _starts(logs, v, w), np.ones(v.size)

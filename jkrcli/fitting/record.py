@@ -135,7 +135,7 @@ def judgement(record: ForceCurve, best: ForceCurveFit, a: Array) -> tuple[dict[s
             "another body, indenter or adhesion"
         )
     if slow > FLAG_MISFIT:
-        flags["misfit"] = f"the residuals in contact are {slow:.1%} of the range of the load: another body or indenter"
+        flags["misfit"] = f"the residuals in contact are {slow:.1%} of the range of the load: check body and indenter"
     if noise / span > FLAG_VAGUE:
         flags["noisy"] = f"the noise is {noise / span:.0%} of the range of the load"
     if contact > FLAG_VAGUE:
@@ -158,7 +158,7 @@ def sentences(best: ForceCurveFit, settings: Settings) -> Iterator[str]:
     yield from _on_adhesion(best)
     free = [parameter.name for parameter in settings.free]
     for kind in (part.kind for part in best.model.stretches if best.model.works.get(part.kind) == 0 and "w" in free):
-        yield f"{NAMES[kind]}: w would be negative and is set to 0: another body"
+        yield f"{NAMES[kind]}: w would be negative and is set to 0: check body and indenter"
     if any(name.startswith("offset:") for name in best.model.known):
         yield "no base line: the zero of the load is set to 0 (--free P0, or --zero P=... if known)"
     model = best.model

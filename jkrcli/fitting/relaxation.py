@@ -196,8 +196,8 @@ def without_adhesion(curve: Curve) -> tuple[Curve, tuple[str, ...]]:
     if pulls < ROWS_APART * noise_of(curve.load) or later.all():
         return curve, ()
     flag = (
-        f"the retraction adheres, it pulls with {show(pulls, 'load')}: fitted without it, up to "
-        f"{show(begin, 'time')}; with it: --free w"
+        f"adhesion pulls with {show(pulls, 'load')} in the retraction: only rows up to {show(begin, 'time')} are "
+        "fitted; to fit the retraction too: --free w"
     )
     return curve.rows(~later), (flag,)
 
@@ -331,8 +331,8 @@ def relaxation_settings(
     if asked and "w" not in asked:
         raise InputError(f"fit: {asked[0]}: of a relaxing body it goes with w: give --free w, or leave it out")
     if asked and law == "power":
-        raise InputError("fit: a power law has no instant modulus, by which a contact jumps: with w give "
-                         "--relaxation sls or prony")  # fmt: skip
+        raise InputError("fit: a power law has no instantaneous modulus, which governs jumps of the contact: with w "
+                         "give --relaxation sls or prony")  # fmt: skip
     if {"stress", "range"} <= set(asked):
         raise InputError("fit: stress and range are one parameter with w: give one of them")
     if asked == ["w"] and ranged:
@@ -894,7 +894,7 @@ class _Problem:
         if not candidates:
             raise InputError(
                 f"{self.record.curve.where}: no history of this specimen resembles the force curve{reason}: it must "
-                "press, wait and retract once; check the units and the tip's radius, or fix delta0"
+                "approach, hold and retract once; check the units and the tip's radius, or fix delta0"
             )
         _, own, values = min(candidates, key=lambda item: item[0])
         return np.append(own, self._from(values)[own.size :])
@@ -986,7 +986,7 @@ def _warnings(fit: RelaxationFit, program: Program) -> list[str]:
     if fit.settings.law != "power" and rises.size and rises[0] > min(times):
         lines.append(
             f"the first rise lasts {show(float(rises[0]), 'time')}, {float(rises[0]) / min(times):.2g} times the "
-            "shortest relaxation time: the instant modulus is extrapolated; press faster"
+            "shortest relaxation time: the instantaneous modulus is extrapolated; press faster"
         )
     if fit.scatter > SEARCH_MISFIT:
         lines.append(

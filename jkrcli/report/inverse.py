@@ -1024,7 +1024,7 @@ def look_words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
             for name, kind in (("a", "length"), ("delta", "length"), ("P", "load"))
             if (values := getattr(curve, name)) is not None
         ]
-        head[0] = f"a loading-unloading table of a contact, no force curve: {curve.where}"
+        head[0] = f"a loading-unloading table of a contact, not a force curve: {curve.where}"
         return [*head, f"  {', '.join(ranges)}", *(f"  {flag}" for flag in curve.flags)]
     rough = []
     glance = Unknown("") if tip is None else at_a_glance(record, tip)

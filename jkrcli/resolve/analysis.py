@@ -264,7 +264,7 @@ def seconds_of_page(solution: Solution) -> float:
 def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: float = 1.0) -> Analysis:
     """The adhesive curve for the work of adhesion ``w`` [J/m^2] on bodies ``modulus_factor`` times as stiff."""
     if not 0 <= w <= LARGEST_SI:
-        raise InputError(f"w: must lie within 0 and {LARGEST_SI:g} J/m^2, got {w:g}")
+        raise InputError(f"w: must lie between 0 and {LARGEST_SI:g} J/m^2, got {w:g}")
     refuse_wetting(w, modulus_factor * solution.problem.specimen.surface_tension)
     curve = AdhesiveCurve(body.scaled(modulus_factor), w)
     # the budget is that of the series with the slopes'; what interpolation adds between the rows is no part of it
@@ -374,7 +374,7 @@ def _series_and_slopes(solution: Solution, name: str, beside: Compared | None) -
     touches = solution.at_touches
     if touches is not None and name in ("auto", "integral", "exact"):
         series, found = _series_and_slopes(touches, name, None)
-        return series, replace(found, reason=f"where the edge reaches nodes, between increments; {found.reason}")
+        return series, replace(found, reason=f"at the radii of nodes, between increments; {found.reason}")
     if beside is not None and name in ("auto", "integral") and (of_nodes or not is_series(beside.raw.touching)):
         return _by_rows(solution, beside)
     if name in RULES and RULES[name].quantised and (reason := _uneven(solution)):

@@ -142,7 +142,7 @@ def sticking_warnings(problem: Problem, effect: StickingEffect | Unknown) -> Ite
     assumed = "no slip" if problem.sticks else "no friction"
     yield (
         f"{assumed} is assumed: no slip gives {effect.words} of frictionless contact (a = "
-        f'{show(effect.a, "length")}): compare specimen.surface = "{other}"'
+        f'{show(effect.a, "length")}): compare with specimen.surface = "{other}"'
     )
 
 

@@ -52,7 +52,7 @@ LEFT_OUT_FEW = 20  # radii of that; tuned on bodies, by `make constants`: half m
 
 COARSE = Layered(1e-5)
 GLASS = Elastic(*LEFT_OUT_GLASS)
-NO_STRAINS = Unknown("known for spheres on rubber (nu = 1/2), half-spaces and thick layers, only")
+NO_STRAINS = Unknown("known only for spheres on half-spaces and thick layers of rubber (nu = 1/2)")
 NO_PULL_OFF = Unknown("pull-off at large strains is not known")
 NOT_COMPARED = Unknown("not computed with a range")
 

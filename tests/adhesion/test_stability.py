@@ -318,9 +318,8 @@ def test_a_contact_pressed_together_is_not_lost_but_leaves_the_series() -> None:
     assert found.pull_off == ours.pull_off(RIGID)  # one rule, whoever asks
     assert isinstance(found.pull_off, Unknown)
     assert found.pull_off.reason.endswith(
-        "below the smallest radius of the solution, a = 8e-06 m, where some must remain: the solution would have to "
-        "begin "
-        "at a smaller radius"
+        "a radius below the smallest of the solution, a = 8e-06 m, and is not lost: the solution must begin at a "
+        "smaller radius"
     )
     path = shrink(QuasiStatic(ours, ours, RIGID), float(ours.a[-1]))
     assert (path.ends, path.last) == ("jump", lowest.a)

@@ -243,7 +243,7 @@ WRONG = {
     "sticking": (
         "[specimen]",
         '[specimen]\nsurface = "sticking"',
-        'specimen.relaxation: is for frictionless contact: leave surface = "sticking" out, or relaxation',
+        'specimen.relaxation: is for frictionless contact only: leave out surface = "sticking" or the relaxation',
     ),
 }
 
@@ -365,7 +365,7 @@ def test_adhesion_over_time_is_refused(jkr: Callable, series: Path, words: tuple
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [
-        ('law = "sls", ratio = 0.25', 'law = "power", exponent = 0.2', "a power law has no instant modulus"),
+        ('law = "sls", ratio = 0.25', 'law = "power", exponent = 0.2', "a power law has no instantaneous modulus"),
         ("[specimen]", '[specimen]\nsurface_tension = "10 mN/m"', "surface_tension"),
         ("[specimen]", '[specimen]\nsurface = "sticking"', "frictionless contact"),
     ],

@@ -247,8 +247,8 @@ def test_a_sensitivity_without_volts_is_refused(jkr, tmp_path: Path) -> None:
     done = jkr("look", "probe.csv", "--sensitivity", "45 nm/V")
     assert done.code == 2
     assert done.err == (
-        "jkr: error: probe.csv: --sensitivity makes a deflection of volts, and this file holds none, its load is "
-        'column 3 "P_nN": leave it out, or give the unit: --unit P=V\n'
+        "jkr: error: probe.csv: --sensitivity converts volts to a deflection, and this file holds no volts, its load "
+        'is column 3 "P_nN": leave it out, or give the unit: --unit P=V\n'
     )
 
 

@@ -81,7 +81,7 @@ def test_secants_are_derivatives_while_they_foretell() -> None:
     ("fix", "free", "law", "line"),
     [
         ([("stress", "2 Pa")], [], "sls", "stress: of a relaxing body it goes with w"),
-        ([], ["w"], "power", "a power law has no instant modulus"),
+        ([], ["w"], "power", "a power law has no instantaneous modulus"),
         ([("stress", "2 Pa"), ("range", "1 um")], ["w"], "sls", "stress and range are one parameter"),
         ([], ["w", "streess"], "sls", 'unknown parameter "streess", did you mean "stress"'),
     ],

@@ -162,7 +162,7 @@ def test_a_retraction_that_adheres_and_a_base_line(body: FittedBody) -> None:
     )
     assert fit.free[-2:] == ("P0", "tilt")
     assert fit.record.t.size < 1500
-    assert "the retraction adheres, it pulls with" in fit.warnings[0]
+    assert "adhesion pulls with" in fit.warnings[0]
     assert max(map(abs, off(fit, E_star=1.0, ratio=0.25, time=1.0, delta0=0.0, tilt=0.05).values())) < 3.5
 
 

@@ -124,7 +124,7 @@ def test_long_sweeps_are_announced_and_refused(jkr, tmp_path: Path) -> None:
     assert announced == "jkr: 200 cases to do with 200 solves"
     assert refused.startswith("jkr: error: --hours: 200 cases with 200 solves would take about 0.00")
     assert refused.endswith(
-        " core hours, more than the limit of 0.0001; raise it by --hours 1, or use fewer cases, fewer points or a "
+        " core hours, more than the limit of 0.0001; raise it with --hours 1, or use fewer cases, fewer points or a "
         "cheaper method"
     )
     assert len((tmp_path / "r" / "journal.jsonl").read_text().splitlines()) == 1

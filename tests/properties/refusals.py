@@ -193,7 +193,7 @@ KINDS = {
     "fem: width of a cylinder": kind("method fem: mesh.width: the specimen ends at its radius, {} m: leave it out",
         fem({"width": "60 um"}, specimen=cylinder("60 um")), {"mesh": {"width": None}}),
     "fem: width within the contact": kind(
-        "method fem: mesh.width: {} m, needs more than 1.5 times the refined zone, {} m, or leave it out",
+        "method fem: mesh.width: must be more than 1.5 times the refined zone, {} m, or left out, got {} m",
         fem({"width": "15 um"}), lambda said: {"mesh": {"width": 1.001 * float(said[1])}}, {"mesh": {"width": None}},
         near=None),
     "fem: below the first vertex": kind(BELOW, fem(loading={"radius": ["1 nm", "10 um"], "points": None}),

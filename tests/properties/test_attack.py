@@ -79,7 +79,7 @@ def test_works_beyond_sense_are_refused(jkr, series: Path, w: str) -> None:
     for words in (("transform",), ("pull-off",), ("explore",), ("profile", "--a", "50 um")):
         done = jkr(words[0], series.name, *words[1:], "--w", w)
         assert (done.code, done.err.count("\n")) == (2, 1)
-        assert "must lie within 1e-30 and 1e+30" in done.err
+        assert "must lie between 1e-30 and 1e+30" in done.err
 
 
 def test_more_workers_than_any_machine_has_are_refused(jkr, series: Path) -> None:
@@ -270,7 +270,7 @@ def test_a_long_sweep_is_announced_before_its_cases_are_looked_at(
     with takes_less_than(2):
         done = jkr("sweep", "big.toml", "-o", "r")
     assert done.code == 130
-    assert done.err.startswith("jkr: 2,000,000 cases: looking through them takes about 13 min of CPU time before ")
+    assert done.err.startswith("jkr: 2,000,000 cases: checking them takes about 13 min of CPU time before ")
 
 
 def test_a_sweep_beyond_its_hours_is_refused_before_its_cases_are_looked_at(jkr, tmp_path: Path) -> None:
@@ -283,7 +283,7 @@ def test_a_sweep_beyond_its_hours_is_refused_before_its_cases_are_looked_at(jkr,
     assert "jkr: all cases: at most about " in done.err
     last = done.err.splitlines()[-1]
     assert last.startswith("jkr: error: --hours: 2,000,000 cases with at least 2,000,000 solves would take about ")
-    assert " core hours, as the first case does, more than the limit of 10; raise it by --hours " in last
+    assert " core hours, as the first case does, more than the limit of 10; raise it with --hours " in last
 
 
 def test_works_and_moduli_count_as_no_solves_of_their_own(tmp_path: Path) -> None:
@@ -458,7 +458,7 @@ def test_a_fixed_work_beyond_sense_is_refused(jkr, series: Path) -> None:
     Path("m.csv").write_text("delta_m,P_N\n" + "".join(f"{i}e-7,{i**1.5:.6g}e-6\n" for i in range(1, 40)))
     done = jkr("fit", series.name, "m.csv", "--fix", "w=1e300")
     assert (done.code, done.err) == (
-        2, "jkr: error: fit: w: must lie within 1e-30 and 1e+30 in SI units, got 1e300\n"
+        2, "jkr: error: fit: w: must lie between 1e-30 and 1e+30 in SI units, got 1e300\n"
     )  # fmt: skip
 
 

@@ -71,11 +71,11 @@ FOUND = {
     ),
     "size beyond what exists": (
         GOOD.replace('"100 um"', "1e300"),
-        "x.toml: indenter.radius: must lie within 1e-30 and 1e+30 in SI units, got 1e+300 m",
+        "x.toml: indenter.radius: must lie between 1e-30 and 1e+30 in SI units, got 1e+300 m",
     ),
     "size below what exists": (
         GOOD.replace('"3 um"', '"1e-300 um"'),
-        "x.toml: loading.depth: must lie within 1e-30 and 1e+30 in SI units, got 1e-300 um",
+        "x.toml: loading.depth: must lie between 1e-30 and 1e+30 in SI units, got 1e-300 um",
     ),
     "exponent that overflows": (
         GOOD.replace('"sphere"', '"power"').replace('radius = "100 um"', "coefficient = 1.0\nexponent = 1e6"),
@@ -384,7 +384,7 @@ def test_a_sticking_layer_thinner_than_anything_is_refused_before_it_is_laid_out
     Path("x.toml").write_text(text.replace("0.36 mm", "1e-9 um"), encoding="utf-8")
     done = jkr("run", "x.toml")
     assert done.code == 2
-    assert "rows without slip (limit " in done.err or "would need about" in done.err, done.err
+    assert "equations without slip (limit " in done.err or "would need about" in done.err, done.err
     assert jkr("check", "x.toml").code in (0, 2)
 
 

@@ -302,7 +302,7 @@ BY_OTHER_VERBS = (  # refused to transform, or at sizes that take long: tests of
     "no formula is known for no slip",
     "the contact is not a growing disc of nodes (violation {}), so that it is not known where points stuck",
     "the correction is for frictionless contact",
-    "rows without slip (limit {})",
+    "equations without slip (limit {})",
     "surface tension",  # and tests of it
     # and tests of adhesion on bodies that relax
     "cycle: the edge of the contact takes more than {} steps, as its cohesive zone is ",

@@ -51,7 +51,7 @@ def _carried(series: Series) -> Slopes:
     if series.a0 > 0:
         reason = "a smooth fit errs at the edge of the flat end"
     elif any(series.a[0] < bend < series.a[-1] for bend in series.bends):
-        reason = "a smooth fit errs where the profile bends"
+        reason = "a smooth fit errs at kinks of the profile"
     elif (fitted := _integral_or_none(series)) is None or fitted.flags:
         reason = "'integral' does not converge"
     elif (beyond := np.mean(np.abs(fitted.dS - exact.dS) > series.errors["dS"])) > CHOICE_FEW:

@@ -409,10 +409,7 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say, picture
         check_target(folder / name, force)
     look = SWEEP_LOOK * plan.count
     if look > SILENCE:
-        say(
-            f"{plan.count:,} cases: looking through them takes about {duration(look)} of CPU time before the first is "
-            "solved"
-        )
+        say(f"{plan.count:,} cases: checking them takes about {duration(look)} of CPU time before the first is solved")
     with opened(folder / JOURNAL) as journal:
         # Say which lines are not believed, a few of them by number.
         if journal.damaged:
@@ -507,7 +504,7 @@ def _guard(what: str, seconds: float, hours: float, likewise: str = "") -> None:
     if seconds > 3600 * hours:
         raise InputError(
             f"--hours: {what} would take about {seconds / 3600:.3g} core hours{likewise}, more than the limit of "
-            f"{hours:g}; raise it by --hours {math.ceil(1.5 * seconds / 3600)}, or use fewer cases, fewer points "
+            f"{hours:g}; raise it with --hours {math.ceil(1.5 * seconds / 3600)}, or use fewer cases, fewer points "
             "or a cheaper method"
         )
 

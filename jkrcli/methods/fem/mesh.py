@@ -537,7 +537,8 @@ def _width(specimen: Specimen, reach: float, width: float | None, far: float) ->
         return specimen.radius
     if width is not None and width <= 1.5 * reach:
         raise Refusal(
-            f"mesh.width: {width:g} m, needs more than 1.5 times the refined zone, {1.5 * reach:.4g} m, or leave it out"
+            f"mesh.width: must be more than 1.5 times the refined zone, {1.5 * reach:.4g} m, or left out, got "
+            f"{width:g} m"
         )
     return far if width is None else width
 

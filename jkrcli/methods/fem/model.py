@@ -932,7 +932,7 @@ def _facts(options: FEMOptions, run: Run, judged_from: float | None) -> dict[str
     elif run.problem.loading.spacing == "given":
         radii = "at the given values, interpolated between the vertices' first touches"
     else:
-        radii = "algorithm nested takes the first contact of each node: points and spacing have no effect"
+        radii = "algorithm nested has one radius per node, where it first touches: points and spacing have no effect"
     contact_reason = "as asked"
     if run.increments and options.contact == "nested":
         nested = run.level.touches.violation

@@ -167,7 +167,7 @@ class StuckLayeredContact(IndenterOnLayers):
         if plan.nodes > LAYERED_MOST_NODES or self.flops(radii, plan) > LAYERED_MOST_FLOPS:
             raise Refusal(
                 f"layered: a = {radii[-1]:g} m is {radii[-1] / self.scale:.4g} times the length over which the layers "
-                f"act and needs {plan.nodes} rows without slip (limit {LAYERED_MOST_NODES}); use a "
+                f"act and needs {plan.nodes} equations without slip (limit {LAYERED_MOST_NODES}); use a "
                 f"smaller contact{' or use method fem' if self.indenter.material is None else ''}"
             )
 

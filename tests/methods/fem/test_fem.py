@@ -267,7 +267,7 @@ def test_an_elastic_indenter_acts_through_the_reduced_modulus():
         (
             Problem(Sphere(1.0), Specimen((), HalfSpace(Elastic(1, 0.3))), Loading("radius", 0.1)),
             {"width": 0.1},
-            "mesh.width: 0.1 m, needs more than 1.5 times the refined zone, 0.165 m, or leave it out",
+            "mesh.width: must be more than 1.5 times the refined zone, 0.165 m, or left out, got 0.1 m",
         ),
     ],
 )
@@ -361,7 +361,7 @@ def test_nested_ends_where_the_loading_ends(to, maximum, corrected):
     assert abs(a[-1]) < (1e-5 if corrected else 0.02)
     assert solution.pressure.p.shape[0] == len(series)
     assert solution.facts["events"] >= len(series)
-    assert "nested takes the first contact of each node" in solution.facts["radii"]
+    assert "nested has one radius per node, where it first touches" in solution.facts["radii"]
 
 
 def test_nested_ends_exactly_on_a_flat_ended_indenter():

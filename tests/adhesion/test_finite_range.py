@@ -164,9 +164,9 @@ def test_contact_on_the_ridge_that_shrinks_to_nothing_lets_go_later() -> None:
     lost, exact = curve.pull_off(DISPLACEMENT), attracted(curve, 0.499, 1000.0)
     assert isinstance(lost, jkr.Unknown)
     c = brentq(lambda c: exact.rate(c, math.inf), 0.2, 0.7)
-    words = f"let go at P = {show(exact.P(c), 'load')}, delta = {show(exact.delta(c), 'length')}"
+    words = f"ends at P = {show(exact.P(c), 'load')}, delta = {show(exact.delta(c), 'length')}"
     assert words in lost.reason
-    assert "not lost in a jump" in lost.reason
+    assert "lost without a jump" in lost.reason
 
 
 def test_several_radii_of_attraction_are_told() -> None:

@@ -686,7 +686,7 @@ class RelaxingAdhesion:
                 return float(position(found.delta, found.P, self.stiffness))
             except TooFarError:
                 reach = self._further(reach)
-        raise Refusal("cycle: the surfaces attract each other ever farther out")
+        raise Refusal("cycle: the attraction of the surfaces extends without limit")
 
     def history(self, program: Program) -> AdhesiveHistory:
         """What happens under ``program`` of positions [m], of loads [N] under load control."""
@@ -708,7 +708,7 @@ class RelaxingAdhesion:
                 return march(self._body(reach, self._spacing(left, reach)), program, tolerance, self.rests)
             except TooFarError:
                 reach = self._further(reach)
-        raise Refusal("cycle: the surfaces attract each other ever farther out")
+        raise Refusal("cycle: the attraction of the surfaces extends without limit")
 
     def _body(self, reach: float, spacing: float) -> Body:
         attraction, indenter = self.attracted.attraction(reach), self.problem.indenter
@@ -727,7 +727,7 @@ class RelaxingAdhesion:
                 return min(FIRST_REACH * found.c if found else reach, reach)
             except TooFarError:
                 reach = self._further(reach)
-        raise Refusal("cycle: the surfaces attract each other ever farther out")
+        raise Refusal("cycle: the attraction of the surfaces extends without limit")
 
     def _further(self, reach: float) -> float:
         if reach >= self.attracted.limit * (1 - SAME):
@@ -833,7 +833,7 @@ class AdhesiveHistory:
         if self.lost is None:
             return Unknown("contact is not lost")
         if self.contact.rests:
-            return Unknown("at rest energy is stored before the begin")
+            return Unknown("contact begins at rest, with energy already stored")
         return self._unknown if self._loaded else self.course.rows[-1].work
 
     @property

@@ -143,7 +143,7 @@ def parse_toml(content: bytes, source: str) -> dict[str, Any]:
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        series = "; of a solution file the case is what jkr show --case prints" if source.endswith(".h5") else ""
+        series = "; for the case of a solution file use jkr show --case" if source.endswith(".h5") else ""
         raise InputError(f"{source}: is not a text file (byte {error.start} is not UTF-8){series}") from None
     try:
         return tomllib.loads(text)

@@ -74,7 +74,7 @@ TOUCHES = "touches"  # group of the series at the moments at which increments re
 ELEMENT = "element"  # of the increments: distance of a node to the next
 PACKAGES = {"numpy": "numpy", "scipy": "scipy", "gmsh": "gmsh", "scikit-fem": "skfem", "h5py": "h5py"}  # modules
 NO_DIGEST = (
-    "the solution file is of format 1, which has no digest: damage to its case or words may go unnoticed; run the case "
+    "the solution file is of format 1, which has no digest: damage to its case or texts may go unnoticed; run the case "
     "again for full protection"
 )
 

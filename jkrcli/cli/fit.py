@@ -414,7 +414,7 @@ ASKED = as_one(
     click.option("--own", multiple=True, type=NamesType(),
                  help="With --shared: those of each force curve, delta0,P0 [default: all other free ones]."),
     click.option("--tip-radius", multiple=True, type=options.LENGTH_ABOVE_0,
-                 help="With --shared or surface_tension: of each file, or of all [default: BODY's]."),
+                 help="With --shared or surface_tension: tip radius of each file, or of all [default: BODY's]."),
     click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
                  help="Of the body, instead of its own; both: under either, and what the data favour."),
     click.option("--uncertain", multiple=True, type=options.NAMED,

@@ -245,7 +245,7 @@ parallel_options = as_one(
 class RangeOptions:
     """Adhesion of finite range: its tension [Pa] or its length [m]; None where it is the case's."""
 
-    stress: float | None = typed(STRESS, 'Adhesion of finite range: its tension, "100 MPa" [default: the case\'s].')
+    stress: float | None = typed(STRESS, 'Cohesive stress of finite-range adhesion, "100 MPa" [default: the case\'s].')
     length: float | None = typed(LENGTH_ABOVE_0, 'The same by its range, "0.3 nm".', "--range")
 
     def of(self, solution: Solution) -> RangeRequest:

@@ -391,8 +391,8 @@ class DugdaleModel:
         if count - first < 2 * (FAMILY_DEGREE + 1):  # twice as many points as a spline needs
             raise SolveError(
                 f"adhesion of finite range: with a range of {show(gap, 'length')} the surfaces attract each other "
-                f"beyond {show(attraction.reach, 'length')}, where profile or side end, or jump together: bound the "
-                "range"
+                f"beyond {show(attraction.reach, 'length')}, where the profile or the specimen ends, or jump together: "
+                "bound the range"
             )
         rows, c0 = slice(first, count), float(rims.c[first])
         v = np.arcsinh(rims.a[rows] / c0)
@@ -525,8 +525,8 @@ class DugdaleCurve:
         if a > float(self.states.touching(np.array(self.states.ends[1:]))[0, 0]) * (1 + SAME):
             raise Refusal(
                 f"adhesion of finite range: around a contact of a = {show(a, 'length')} the surfaces attract each "
-                f"other beyond {show(self.family.body.limit, 'length')}, where profile or side end, at a range of "
-                f"{show(self.length, 'length')}: bound the range, or leave out the largest loads"
+                f"other beyond {show(self.family.body.limit, 'length')}, where the profile or the specimen ends, at a "
+                f"range of {show(self.length, 'length')}: bound the range, or leave out the largest loads"
             )
 
     def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:

@@ -594,7 +594,7 @@ def _refuse_undetermined(curve: Curve, joint: ForceCurveFit) -> None:
             f"compared with a cantilever of {show(model.k, 'stiffness')} the specimen is nearly rigid: check "
             "--stiffness and units"
         )
-    raise InputError(f"{curve.where}: E* is not determined, its standard error is {times} times itself: {reason}")
+    raise InputError(f"{curve.where}: E* is not determined, its standard error is {times} times its value: {reason}")
 
 
 def _of_directions(

@@ -420,7 +420,7 @@ def effective_summary(rate: RateLawCourse | Unknown) -> dict[str, Any]:
 def effective_words(rate: RateLawCourse | Unknown) -> list[str]:
     """The same as a table of both courses."""
     if isinstance(rate, Unknown):
-        return [f"  the law w(v) of the same material is not followed: {rate.reason}"]
+        return [f"  the law w(v) of the same material is not compared: {rate.reason}"]
     rows: list[tuple[str, AdhesiveHistory | History]] = [("full solution", rate.course), ("the law w(v)", rate.history)]
     table = [
         f"    {name:<14}{show(-one.pull_off.P, 'load'):>12}  at {format_state(one.pull_off, 't delta a')}"

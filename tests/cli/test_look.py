@@ -224,8 +224,8 @@ def test_what_is_no_measurement_is_said_to_be_none(jkr: Callable[..., Outcome], 
     for words, line in {
         ("look", "gel.toml"): "gel.toml: is a case file, no measurement",
         ("fit", "gel.toml", "gel.h5"): "gel.h5: was written by jkr (jkr-series), is no measurement",
-        ("run", "gel.h5", "-o", "other.h5"): "gel.h5: is not a text file (byte 0 is not UTF-8); of a solution file the "
-        "case is what jkr show --case prints",
+        ("run", "gel.h5", "-o", "other.h5"): "gel.h5: is not a text file (byte 0 is not UTF-8); for the case of a "
+        "solution file use jkr show --case",
     }.items():
         done = jkr(*words)
         assert (done.code, done.err) == (2, f"jkr: error: {line}\n")

@@ -215,7 +215,7 @@ def test_a_record_beside_whose_device_the_specimen_is_rigid_determines_no_modulu
     with pytest.raises(InputError) as error:
         fit(BODY, Curve("made", delta=z - P / 0.1, P=P, stiffness=0.1), usual())
     assert str(error.value) == (
-        "made: E* is not determined, its standard error is more than 1000 times itself: compared with a cantilever "
+        "made: E* is not determined, its standard error is more than 1000 times its value: compared with a cantilever "
         "of 100 mN/m "
         "the specimen is nearly rigid: check --stiffness and units"
     )
@@ -229,7 +229,7 @@ def test_a_retraction_that_ends_in_contact_determines_no_modulus() -> None:
     end = 800 + int(0.3 * np.count_nonzero(columns["z"][800:] > 0))
     z, P, words = (columns[name][:end] for name in ("z", "P", "segment"))
     curve = Curve("made", delta=z - P / 0.05, P=P, segment=words, stiffness=0.05)
-    with pytest.raises(InputError, match=r"E\* is not determined, its standard error is 7\.\d times itself: the rows"):
+    with pytest.raises(InputError, match=r"E\* is not determined, its standard error is 7\.\d times its value: the rows"):
         fit(BODY, curve, usual(segment="retract"))
 
 

@@ -122,8 +122,8 @@ REACH = (
 )
 FEM_RIGID = "fem (with a rigid indenter)"
 FALLS = (
-    "the displacement falls beyond the contact radius {}: a coating so much stiffer than what lies below it is no "
-    "longer touched in a disc that grows; use a smaller radius"
+    "the displacement falls beyond the contact radius {}: under a coating so much stiffer than its substrate the "
+    "contact is no longer a growing disc; use a smaller radius"
 )
 MUCH = (
     "layered: a = {} m is {} times the length over which the layers act ({} m) and needs {} nodes for {} radii (limit "
@@ -194,7 +194,7 @@ KINDS = {
         fem({"width": "60 um"}, specimen=cylinder("60 um")), {"mesh": {"width": None}}),
     "fem: width within the contact": kind(
         "method fem: mesh.width: must be more than 1.5 times the refined zone, {} m, or left out, got {} m",
-        fem({"width": "15 um"}), lambda said: {"mesh": {"width": 1.001 * float(said[1])}}, {"mesh": {"width": None}},
+        fem({"width": "15 um"}), lambda said: {"mesh": {"width": 1.001 * float(said[0])}}, {"mesh": {"width": None}},
         near=None),
     "fem: below the first vertex": kind(BELOW, fem(loading={"radius": ["1 nm", "10 um"], "points": None}),
         {"mesh": {"smallest": 1e-4}}, lambda said: {"loading": {"radius": [1.01 * float(said[3]), 1e-5]}}),

@@ -309,7 +309,7 @@ BY_OTHER_VERBS = (  # refused to transform, or at sizes that take long: tests of
     "narrow: give a smaller --stress (a longer --range)",
     "cycle: the contact edge cannot be followed beyond t = {}: a jump there would ",
     "gain energy; give a smaller --stress",
-    "cycle: the surfaces attract each other ever farther out",
+    "cycle: the attraction of the surfaces extends without limit",
 )
 
 

@@ -182,8 +182,8 @@ def refuse_shrinking(a: Array, delta: Array) -> None:
     falls = np.flatnonzero(np.diff(delta) <= 0)
     if falls.size:
         raise Refusal(
-            f"the displacement falls beyond the contact radius {show(float(a[falls[0]]), 'length')}: a coating so "
-            "much stiffer than what lies below it is no longer touched in a disc that grows; use a smaller radius"
+            f"the displacement falls beyond the contact radius {show(float(a[falls[0]]), 'length')}: under a "
+            "coating so much stiffer than its substrate the contact is no longer a growing disc; use a smaller radius"
         )
 
 

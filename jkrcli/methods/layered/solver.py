@@ -182,7 +182,7 @@ def surface_profile(
     """
     reason = Layered().refusal(problem) or nonsmooth_part(problem.specimen)
     if problem.sticks:
-        reason = "profile: pressures of contact without slip are not those of one density: use the field of method fem"
+        reason = "profile: pressures without slip are not computed by this method: use the field of method fem"
     if problem.coatings:
         reason = (
             "profile: how a coated indenter and the specimen share the displacement is not derived: take a homogeneous "

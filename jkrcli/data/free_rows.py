@@ -121,7 +121,8 @@ class FreeRows:
     @property
     def words(self) -> Iterator[str]:
         if self.rounding:
-            yield f"they rest on levels of a converter: the force offset is known to {show(self.rounding, 'load', 2)}"
+            offset = show(self.rounding, "load", 2)
+            yield f"they lie on levels of an A/D converter: the force offset is known to {offset}"
         yield from (level.words for level in self.levels)
         if self.attraction is not None:
             yield self.attraction.words

@@ -117,7 +117,8 @@ def _flags(rivals: RecordRivals, fit: ForceCurveFit) -> Iterator[tuple[str, str]
     if rivals.named and rivals.named[0].of_directions:
         compared = (one for one in rivals.scores if one.of_directions and one.family == MEMORY)
         amounts = ", ".join(f"{one.name} {one.amount:+.1%} ± {one.error:.1%} ({one.amount_is})" for one in compared)
-        yield DIFFER, f"approach and retraction favour {amounts}; {', '.join(rivals.families)} would explain it"
+        families = ", ".join(rivals.families)
+        yield DIFFER, f"approach and retraction favour {amounts}; {families} would explain the difference"
     work = "w_approach" if fit.model.stretches[-1].kind == APPROACH else "w"
     for quantity, symbol, error, most in zip(
         ("E_star", "w"), ("E*", work), relative_errors(fit), VERDICT_LARGE, strict=True

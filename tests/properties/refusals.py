@@ -260,13 +260,13 @@ KINDS = {
     "hybrid: no such tolerance": kind(UNSURE + "use a smaller contact radius or use method fem",
         {**HYBRID, "specimen": ROD, "loading": {"radius": "1 um"}},
         {"loading": {"radius": "20 nm"}}, fem(), near=None),
-    "hybrid: no radius found": kind("hybrid: no largest contact radius was found within {} kernels, the last up to {}: "
-        "prescribe loading.radius, or use method fem",
+    "hybrid: no radius found": kind("hybrid: the largest contact radius was not found within {} solves, "
+        "the last up to {}: prescribe loading.radius, or use method fem",
         {**HYBRID, "specimen": cylinder("11 um"), "loading": {"radius": None, "load": "2 uN"}},
         {"loading": {"load": None, "radius": "5 um"}}, fem(), near=None,
         jkrcli__methods__hybrid__method__MOST_SOLVES=1, jkrcli__methods__hybrid__method__REACH_ROOM=0.8),
-    "hybrid: no radius found under an elastic indenter": kind("hybrid: no largest contact radius was found within {} "
-        "kernels, the last up to {}: prescribe loading.radius, or use method " + FEM_RIGID,
+    "hybrid: no radius found under an elastic indenter": kind("hybrid: the largest contact radius was not found "
+        "within {} solves, the last up to {}: prescribe loading.radius, or use method " + FEM_RIGID,
         {**HYBRID, "specimen": cylinder("11 um"), "loading": {"radius": None, "load": "2 uN"}, "indenter": ELASTIC},
         {"loading": {"load": None, "radius": "5 um"}}, fem(**RIGID), near=None,
         jkrcli__methods__hybrid__method__MOST_SOLVES=1, jkrcli__methods__hybrid__method__REACH_ROOM=0.8),

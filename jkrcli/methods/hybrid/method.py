@@ -188,7 +188,7 @@ def _expected_radius(problem: Problem, body: AdaptiveKernel) -> float:
 
 def _no_radius(problem: Problem, reach: float) -> str:
     return (
-        f"hybrid: no largest contact radius was found within {MOST_SOLVES} kernels, the last up to "
+        f"hybrid: the largest contact radius was not found within {MOST_SOLVES} solves, the last up to "
         f"{show(reach, 'length')}: prescribe loading.radius, or use method {fem_for(problem.indenter)}"
     )
 

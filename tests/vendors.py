@@ -178,6 +178,54 @@ def exported(path: Path, curves: int = 1) -> Path:
     return path
 
 
+# ---------------------------------------------------------------------- Nanosurf
+def nanosurf(path: Path, side: int = 1, unit: str = "V", record: Any = None, **changed: Any) -> Path:
+    """A .nhf of version 2 as Nanosurf's reader reads it, of one curve or of a square map: advance, a wait and retract,
+    numbers of four bytes. ``record``: height [m], force [N] and times [s] of both ways instead of those of all files;
+    ``changed``: attributes of the measurement or "channel.attribute", of which None leaves one out."""
+    import h5py
+
+    height, force, time = (HEIGHT, FORCE, TIME) if record is None else record
+    half, per_unit = height.size // 2, {"V": K * SENSITIVITY, "m": K, "N": 1.0}[unit]
+    told: dict[str, Any] = {"group_type": "spectroscopy", "measurement_name": "Spec Grid 1",
+            "spm_probe_calibration_spring_constant": K, "rect_axis_size": [side, side],
+            "spm_probe_calibration_deflection_sensitivity": SENSITIVITY}  # fmt: skip
+    columns = {"Deflection": (force / per_unit, f"Unit ({unit})"), "Position Z": (height, "m"), "Time": (time, "s")}
+    with h5py.File(path, "w") as file:
+        file.attrs.update({key: changed.pop(key, 2 - i) for i, key in enumerate(
+            ("nsf_file_version_major", "nsf_file_version_minor"))})  # fmt: skip
+        file.create_group("group_0001").attrs["group_type"] = "calibration"
+        measurement = file.create_group("group_0000")
+        entries = {key: value for key, value in (told | changed).items() if "." not in key and value is not None}
+        measurement.attrs.update(entries)
+        measurement["dataset_0000"] = np.zeros(side**2)
+        for number, (title, rows) in enumerate((("Advance to Setpoint 1", slice(0, half)), ("Wait 1", slice(0, 0)),
+                                                ("Retract 1", slice(half, None)))):  # fmt: skip
+            segment = measurement.create_group(f"subgroup_{number:04d}")
+            segment.attrs["segment_name"] = title
+            for at, (name, (values, spelled)) in enumerate(columns.items()):
+                least, most = values.min() - 1e-12, values.max() + 1e-12
+                counts = np.round((values[rows] - least) / (most - least) * 2 * SURF_MOST) - SURF_MOST
+                data = segment.create_dataset(f"dataset_{2 * at:04d}", data=np.tile(counts, side**2).astype("i4"))
+                of_channel = {
+                    "signal_name": name,
+                    "signal_calibration_unit": spelled,
+                    "signal_calibration_min": least,
+                    "signal_calibration_max": most,
+                    "signal_minmax": [-SURF_MOST, SURF_MOST],
+                    "dataset_block_size_source": f"b{at}",
+                    "signal_data_pattern": "snake_bottom_left",
+                }
+                of_channel |= {key.split(".")[1]: one for key, one in changed.items() if key.split(".")[0] == name}
+                data.attrs.update({key: one for key, one in of_channel.items() if one is not None})
+                sizes = segment.create_dataset(f"dataset_{2 * at + 1:04d}", data=np.full(side**2, counts.size))
+                sizes.attrs["dataset_block_size_id"] = f"b{at}"
+    return path
+
+
+SURF_MOST = 2**31 - 1  # of the numbers that stand for a range
+
+
 # ---------------------------------------------------------------------- Bruker's Nanoscope
 def nanoscope(path: Path, curves: int = 1, capture: bool = False, least: int = 0, **changed: str) -> Path:
     """A binary file: of one curve with a height sensor in two bytes, of a map over a ramp in four, shifted by one, or
@@ -281,6 +329,8 @@ KINDS: dict[str, Callable[[Path], Path]] = {
     "workshop map": lambda folder: workshop_map(folder / "map.zip"),
     "ntmdt": lambda folder: ntmdt(folder / "ntmdt.txt"),
     "chiaro": lambda folder: chiaro(folder / "chiaro.txt"),
+    "nanosurf": lambda folder: nanosurf(folder / "one.nhf"),
+    "nanosurf map": lambda folder: nanosurf(folder / "map.nhf", 2),
     "nanoscope": lambda folder: nanoscope(folder / "one.000"),
     "nanoscope map": lambda folder: nanoscope(folder / "map.spm", 4),
     "nanoscope capture": lambda folder: nanoscope(folder / "one.pfc", capture=True),

@@ -151,6 +151,15 @@ def format_of(path: Path) -> str:
         return ""
 
 
+def names_in(path: Path) -> frozenset[str]:
+    """Names of attributes and members of the root of the file at ``path``; none where it is damaged or no HDF5 file."""
+    try:
+        with h5py.File(path, "r") as file:
+            return frozenset((*file.attrs, *file))
+    except UNREADABLE:
+        return frozenset()
+
+
 def tree_of(path: Path, content: bytes, without: Container[str] = (), remedy: str = RUN_AGAIN) -> Group:
     """The tree in the ``content`` of the file at ``path``, members of the root named in ``without`` left out.
 
@@ -249,15 +258,16 @@ def _group(group: h5py.Group, without: Container[str] = ()) -> Group:
         if name not in without:
             item = group[name]
             members[name] = _read(item) if isinstance(item, h5py.Dataset) else _group(item)
-    return Group(_attributes(group), members)
+    return Group(attributes_of(group), members)
 
 
 def _read(data: h5py.Dataset) -> Dataset:
     values = _plain(data[()])
     if isinstance(values, np.ndarray) and values.dtype.kind == "S":
         values = [_plain(item) for item in values.tolist()]
-    return Dataset(values, _attributes(data), data.shape or (), data.dtype)
+    return Dataset(values, attributes_of(data), data.shape or (), data.dtype)
 
 
-def _attributes(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
+def attributes_of(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
+    """Attributes of a group or dataset by name: numbers, texts and arrays."""
     return {str(name): _plain(value) for name, value in item.attrs.items()}

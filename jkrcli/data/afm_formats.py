@@ -150,24 +150,8 @@ class File:
             "stiffness": float(spring[0]) if spring else 0.0,
             "sensitivity": self._per_volt(section.get("z scale", "")),
         }
-        if reading.stiffness == math.inf:
-            raise InputError(
-                f"{self.path}: is from a force microscope, whose cantilever bends: give its stiffness, not rigid"
-            )
-        values, flags = [], []
-        for key, size, unit in (("stiffness", 1.0, "N/m"), ("sensitivity", 1e-9, "nm/V")):
-            of_user, there = getattr(reading, key), f"{of_file[key] / size:g} {unit}"
-            if of_user is not None:
-                value, flag = of_user, f"{key} {of_user / size:g} {unit} as specified, the file says {there}"
-            elif _is_size(of_file[key]):
-                value, flag = of_file[key], f"{key} {there} of the file"
-            elif reading.incomplete:
-                value, flag = 1.0, f"the file lacks its {key}: {ARBITRARY} --{key}"
-            else:
-                raise InputError(f"{self.path}: names no {key}: give --{key}")
-            values.append(value)
-            flags.append(flag)
-        return values[0], values[1], tuple(flags)
+        (stiffness, sensitivity), flags = _calibrated(self.path, reading, of_file)
+        return stiffness, sensitivity, flags
 
     def curve(self, name: str, number: int, per_volt: float, calibration: tuple[str, ...]) -> Curve:
         """The curve of one ``number``; ``per_volt`` [N/V]."""
@@ -301,6 +285,27 @@ class File:
         return number
 
 
+def _calibrated(path: Path, reading: Reading, of_file: Mapping[str, float]) -> tuple[list[float], tuple[str, ...]]:
+    """Stiffness [N/m] and sensitivity [m/V] of the user, else those ``of_file``, and flags on their origin."""
+    if reading.stiffness == math.inf:
+        raise InputError(f"{path}: is from a force microscope, whose cantilever bends: give its stiffness, not rigid")
+    values, flags = [], []
+    for key, told in of_file.items():
+        size, unit = {"stiffness": (1.0, "N/m"), "sensitivity": (1e-9, "nm/V")}[key]
+        of_user, there = getattr(reading, key), f"{told / size:g} {unit}"
+        if of_user is not None:
+            value, flag = of_user, f"{key} {of_user / size:g} {unit} as specified, the file says {there}"
+        elif _is_size(told):
+            value, flag = told, f"{key} {there} of the file"
+        elif reading.incomplete:
+            value, flag = 1.0, f"the file lacks its {key}: {ARBITRARY} --{key}"
+        else:
+            raise InputError(f"{path}: names no {key}: give --{key}")
+        values.append(value)
+        flags.append(flag)
+    return values, tuple(flags)
+
+
 def _sections(head: str) -> Sequence[tuple[str, Section]]:
     """Title and entries of each section; keys lower case, without the number of a group ("@4:Z scale")."""
     sections: list[tuple[str, dict[str, str]]] = []
@@ -333,6 +338,152 @@ def _metres(number: float, unit: str) -> float:
     """A length [m]; 0 where the unit is of something else."""
     dimension, power = unit_power(unit) or ("", 0)
     return number * 10.0**power if dimension == "length" else 0.0
+
+
+# --------------------------------------------------------------------------------------------------
+# Force curves and maps of Nanosurf (.nhf), in HDF5: a group of each measurement, in it one of each segment with a
+# dataset of each channel, the rows of all curves one after the other, and one beside with the rows of each curve.
+#
+# Whole numbers over the range of their type stand for values from "signal_calibration_min" to "..._max", the least for
+# none. After the maker's reader in its Python package nanosurf (files of version 2), and openers that others published.
+
+SURF, SURF_VERSION, SURF_AGAIN = "Nanosurf file", "nsf_file_version_major", "export it as text"
+UNTRIED = "Nanosurf's layout is read as published, not tried on a real file"
+HDF5_ENDINGS = (".nhf", ".h5-jpk")
+SURF_Z, SURF_DEFLECTION, SURF_TIME = "Position Z", "Deflection", "Time"
+SURF_UNITS = {SURF_Z: ("length",), SURF_DEFLECTION: ("volts", "length", "load"), SURF_TIME: ("time",)}
+SURF_K, SURF_SENS = "spm_probe_calibration_spring_constant", "spm_probe_calibration_deflection_sensitivity"
+SNAKE = "snake_bottom_left"  # of a map: the first line from left to right, the next one back
+
+Channel = tuple[Any, Mapping[str, Any]]  # a dataset and its attributes
+Segment = tuple[str, Mapping[str, Channel], Array]  # word, channels by name, the rows at which curves begin and end
+
+
+def is_nanosurf(path: Path) -> bool:
+    """Whether the file is one of Nanosurf, by its content; InputError where it is JPK's, which is not read."""
+    if not path.is_file():
+        return False
+    with opened(path, SURF) as file:
+        if file.read(len(hdf5.SIGNATURE)) != hdf5.SIGNATURE:
+            return False
+    names = hdf5.names_in(path)
+    if path.suffix.lower() == ".h5-jpk" or any(re.fullmatch(r"Measurement_\d+", name) for name in names):
+        why = "is a .h5-jpk file, whose force curves JPK has not documented"
+        raise InputError(f"{path}: {why}: export it as .jpk-force or text")
+    return SURF_VERSION in names or (path.suffix.lower() == ".nhf" and not names)
+
+
+def nanosurf_curves(path: Path, reading: Reading) -> Iterator[AsRead]:
+    """The curves of all spectroscopies of the file with the spring constant of their lever [N/m]; ``delta`` is the
+    position of the piezo toward the specimen."""
+    reading.check_known_columns(path)
+    with hdf5.members_of(path, read_bytes(path, SURF), AGAIN) as (file, member):
+        if (version := int(file.attrs[SURF_VERSION])) != 2:
+            raise InputError(f"{path}: is a Nanosurf file of version {version}, version 2 is read: {SURF_AGAIN}")
+        curves: list[tuple[Mapping[str, Any], Sequence[Segment], int]] = []
+        for group in (member(file, name) for name in file):
+            if (told := hdf5.attributes_of(group)).get("group_type") == "spectroscopy":
+                segments = list(_segments(path, group, member))
+                if len({edges.size for *_, edges in segments}) != 1:
+                    raise InputError(f"{path}: is damaged: its segments do not hold as many curves: {AGAIN}")
+                curves += [(told, segments, number) for number in range(segments[0][2].size - 1)]
+        if not curves:
+            raise InputError(f"{path}: is a Nanosurf file without force curves (it holds images)")
+        for at, one in enumerate(curves):
+            name = path.stem if len(curves) == 1 else str(at)
+            if not reading.wants(name):
+                yield name, None
+                continue
+            try:
+                curve, stiffness = _nanosurf_curve(path, name, *one, reading)
+                yield curve.multiplied(reading.factors), stiffness
+            except InputError as error:
+                yield error, None
+
+
+def _segments(path: Path, group: Any, member: Callable[[Any, str], Any]) -> Iterator[Segment]:
+    for part in (member(group, name) for name in group):
+        if not (title := str(hdf5.attributes_of(part).get("segment_name", ""))):
+            continue
+        beside = []
+        for name in part:
+            with contextlib.suppress(InputError):  # of a type that is not read, as no channel is
+                data = member(part, name)
+                beside.append((data, hdf5.attributes_of(data)))
+        channels = {told["signal_name"]: (data, told) for data, told in beside if "signal_name" in told}
+        if missing := [name for name in (SURF_Z, SURF_DEFLECTION) if name not in channels]:
+            raise InputError(f'{path}: its segment "{title}" holds no {missing[0]}: {SURF_AGAIN}')
+        block = channels[SURF_Z][1].get("dataset_block_size_source", "")
+        blocks = [data[()] for data, told in beside if told.get("dataset_block_size_id") == block]
+        counts = np.array(blocks[0] if blocks else [channels[SURF_Z][0].size], dtype=int)
+        if counts.min() < 0 or counts.sum() > min(channels[name][0].size for name in SURF_UNITS.keys() & channels):
+            raise InputError(f"{path}: is cut off: its curves hold more rows than its channels: {AGAIN}")
+        words = re.findall(r"\w+", title.lower())
+        ways = [] if set(words) & set(instruments.HOLDS) else [w for w in words if w in instruments.DIRECTIONS]
+        yield instruments.DIRECTIONS[ways[0]] if len(ways) == 1 else title, channels, np.cumsum([0, *counts])
+
+
+def _nanosurf_curve(
+    path: Path, name: str, told: Mapping[str, Any], segments: Sequence[Segment], number: int, reading: Reading
+) -> tuple[Curve, float]:
+    """The curve of one ``number`` in a measurement of which its attributes are ``told``, and its spring constant."""
+    columns, dimension = {}, ""
+    for channel in SURF_UNITS:
+        if all(channel in channels for _, channels, _ in segments):
+            parts = [_values(path, channel, channels[channel], *edges[number : number + 2])
+                     for _, channels, edges in segments]  # fmt: skip
+            columns[channel] = np.concatenate([values for values, _ in parts])
+            dimension = parts[0][1] if channel == SURF_DEFLECTION else dimension
+    words = np.concatenate([np.full(edges[number + 1] - edges[number], word) for word, _, edges in segments])
+    measured = np.isfinite(list(columns.values())).all(axis=0)
+    z, signal = columns[SURF_Z][measured], columns[SURF_DEFLECTION][measured]
+    if z.size < LEAST_ROWS:
+        raise InputError(f"{place(path, name)}: holds {z.size} rows, at least {LEAST_ROWS} are needed")
+    k, sensitivity = (float(np.asarray(told.get(key, 0.0)).item()) for key in (SURF_K, SURF_SENS))
+    of_file = {"stiffness": k, "sensitivity": sensitivity}
+    if dimension != "volts" and not _is_size(sensitivity):  # it is not needed, and another's ratio to it unknown
+        if reading.sensitivity is not None:
+            raise InputError(f"{path}: {OWN_SENSITIVITY}")
+        del of_file["sensitivity"]
+    values, flags = _calibrated(path, reading, of_file)
+    # of the constants that the file itself multiplied its volts with: how many times as large the user's are
+    ratios = [value / told if _is_size(told) else 1.0 for value, told in zip(values, of_file.values(), strict=True)]
+    factors = {"volts": values, "length": [values[0], *ratios[1:]], "load": ratios}
+    P = math.prod(factors[dimension]) * signal
+    t = columns[SURF_TIME][measured] if SURF_TIME in columns else None
+    if t is not None and (np.diff(t) < 0).any():
+        t, flags = None, (*flags, "its time runs back and was left out")
+    delta, flags = z if toward(z, P) else -z, (f"displacement from the {SURF_Z}", *flags, UNTRIED)
+    pixel, segment = _snake(told, segments, number), words[measured]
+    curve = Curve(name, delta=delta, P=P, t=t, segment=segment, origin=path, flags=flags, pixel=pixel)
+    return curve, values[0]
+
+
+def _values(path: Path, channel: str, source: Channel, first: int, end: int) -> tuple[Array, str]:
+    """Rows of a channel in SI or volts, NaN where nothing was measured, and the dimension."""
+    data, told = source
+    spelled = re.sub(r".*\((.*)\).*", r"\1", str(told.get("signal_calibration_unit", "")))  # "Volt (V)"
+    dimension, power = unit_power(spelled) or ("volts", instruments.VOLTS.get(spelled))
+    if power is None or dimension not in SURF_UNITS[channel]:
+        raise InputError(f'{path}: its {channel} is in "{spelled}", not a unit of {" or ".join(SURF_UNITS[channel])}: '
+                         f"{SURF_AGAIN}")  # fmt: skip
+    ends = [told.get(f"signal_calibration_{end}", math.nan) for end in ("min", "max")]
+    low, high = (float(np.asarray(end).item()) for end in ends)
+    if not _is_size(abs(high - low)) or data.dtype.kind != "i":
+        raise InputError(f"{path}: its {channel} lacks its calibration: {SURF_AGAIN}")
+    counts, most = data[first:end], float(np.iinfo(data.dtype).max)
+    values = low + (counts + most) * ((high - low) / (2 * most))
+    return np.where(counts < -most, np.nan, values * 10.0**power), dimension
+
+
+def _snake(told: Mapping[str, Any], segments: Sequence[Segment], number: int) -> Pixel | None:
+    """The place of a curve in a square map; of others the published readers do not agree which side is first."""
+    sides = [int(side) for side in np.asarray(told.get("rect_axis_size", ())).reshape(-1)]
+    pattern, side = segments[0][1][SURF_Z][1].get("signal_data_pattern"), max(sides, default=1)
+    if pattern != SNAKE or side == 1 or sides != [side, side] or segments[0][2].size != side**2 + 1:
+        return None
+    row, along = divmod(number, side)
+    return Pixel(side - 1 - along if row % 2 else along, row)
 
 
 # --------------------------------------------------------------------------------------------------

@@ -142,12 +142,14 @@ def _as_read(path: Path, reading: Reading) -> Iterator[AsRead]:
     if path.suffix == ".h5" and path.is_file() and (kind := format_of(path)).startswith("jkr-"):
         raise InputError(f"{path}: was written by jkr ({kind}), is no measurement")
     inner = path.name[: -len(path.suffix)]
-    if packed(path) and inner.lower().endswith((*AFM_ENDINGS, ".zip", ".tar")):
+    if packed(path) and inner.lower().endswith((*AFM_ENDINGS, *afm_formats.HDF5_ENDINGS, ".zip", ".tar")):
         raise InputError(f"{path}: is a packed {Path(inner).suffix} file: unpack it, gunzip {path.name}")
     if packed(path) and not (reading.format != "text" and afm_formats.knows(path)):
         return text_formats.curves(path, reading)
     if reading.format != "text" and afm_formats.knows(path):
         return afm_formats.nanoscope_curves(path, reading)
+    if reading.format != "text" and afm_formats.is_nanosurf(path):
+        return afm_formats.nanosurf_curves(path, reading)
     if reading.format == "text" or (reading.format == "auto" and not path.name.endswith(AFM_ENDINGS)):
         return _text_first(path, reading)
     return _microscope_first(path, reading)

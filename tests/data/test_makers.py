@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import vendors
+from conftest import Outcome
 from vendors import FORCE, HEIGHT, ROWS, K
 
 from jkrcli.base.errors import InputError
@@ -90,6 +94,121 @@ def test_what_is_wrong_with_a_nanoscope_file_is_said_in_one_line(tmp_path: Path,
         measured.read(path, Reading(**how))
     assert len(caught.value.lines) == 1
     assert words in str(caught.value)
+
+
+# ---------------------------------------------------------------------- Nanosurf, and JPK's HDF5
+@pytest.mark.parametrize("name", ["x.nhf", "named otherwise.dat"])
+@pytest.mark.parametrize("unit", ["V", "m", "N"])
+def test_a_nanosurf_curve_comes_back_in_each_unit(tmp_path: Path, unit: str, name: str) -> None:
+    curve = read_one(vendors.nanosurf(tmp_path / name, unit=unit))
+    assert curve.segment.tolist() == WAYS
+    np.testing.assert_allclose(curve.P, FORCE, atol=1e-6 * np.ptp(FORCE), rtol=0)
+    np.testing.assert_allclose(moved(curve.device), moved(-HEIGHT), atol=1e-6 * np.ptp(HEIGHT), rtol=0)
+    np.testing.assert_allclose(curve.t, vendors.TIME, atol=1e-8)
+    assert curve.stiffness == K
+    assert "stiffness 0.05 N/m of the file" in curve.flags
+    assert any("not tried on a real file" in flag for flag in curve.flags)
+
+
+@pytest.mark.parametrize("unit", ["V", "m", "N"])
+def test_constants_told_of_a_nanosurf_file_take_the_place_of_its_own(tmp_path: Path, unit: str) -> None:
+    """A load is the product of volts and both constants, in whichever of its units the file holds it."""
+    path = vendors.nanosurf(tmp_path / "x.nhf", unit=unit)
+    curve = read_one(path, stiffness=2 * K, sensitivity=3 * vendors.SENSITIVITY)
+    np.testing.assert_allclose(curve.P, 6 * FORCE, atol=6e-6 * np.ptp(FORCE), rtol=0)
+    if unit != "V":  # lengths and forces need no sensitivity
+        lame = vendors.nanosurf(tmp_path / "y.nhf", unit=unit, spm_probe_calibration_deflection_sensitivity=None)
+        np.testing.assert_allclose(read_one(lame).P, FORCE, atol=1e-6 * np.ptp(FORCE), rtol=0)
+
+
+def test_a_nanosurf_map_goes_to_and_fro(tmp_path: Path) -> None:
+    curves = measured.read(vendors.nanosurf(tmp_path / "map.nhf", 2))
+    assert [curve.name for curve in curves] == ["0", "1", "3", "2"]  # row by row of the grid
+    assert [(at.column, at.row) for curve in curves if (at := curve.pixel)] == [(0, 0), (1, 0), (0, 1), (1, 1)]
+    for curve in curves:
+        np.testing.assert_allclose(curve.P, FORCE, atol=1e-6 * np.ptp(FORCE), rtol=0)
+
+
+def test_rows_that_nanosurf_did_not_measure_are_left_out(tmp_path: Path) -> None:
+    path = vendors.nanosurf(tmp_path / "x.nhf")
+    with h5py.File(path, "a") as file:
+        file["group_0000/subgroup_0000/dataset_0000"][:3] = -(2**31)
+    np.testing.assert_allclose(read_one(path).P, FORCE[3:], atol=1e-6 * np.ptp(FORCE), rtol=0)
+
+
+LACKS = {
+    "no spring constant": ({"spm_probe_calibration_spring_constant": None}, "names no stiffness: give --stiffness"),
+    "no sensitivity": ({"spm_probe_calibration_deflection_sensitivity": None}, "no sensitivity: give --sensitivity"),
+    "no number": ({"spm_probe_calibration_spring_constant": "soft"}, "is damaged and cannot be read"),
+    "no range": ({"Position Z.signal_calibration_max": None}, "its Position Z lacks its calibration"),
+    "no unit": ({"Deflection.signal_calibration_unit": None}, 'its Deflection is in "", not a unit of volts'),
+    "other unit": ({"Position Z.signal_calibration_unit": "V"}, 'Position Z is in "V", not a unit of length: export'),
+    "no deflection": ({"Deflection.signal_name": "Phase"}, 'segment "Advance to Setpoint 1" holds no Deflection'),
+    "images": ({"group_type": "image_line_based"}, "without force curves (it holds images)"),
+    "version": ({"nsf_file_version_major": 1}, "of version 1, version 2 is read: export it as text"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", LACKS)
+def test_what_a_nanosurf_file_lacks_is_said_in_one_line(
+    jkr: Callable[..., Outcome], tmp_path: Path, mistake: str
+) -> None:
+    changed, words = LACKS[mistake]
+    assert_refused(jkr, vendors.nanosurf(tmp_path / "x.nhf", **changed), words)
+
+
+def test_damage_to_a_nanosurf_file_is_said_in_one_line(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
+    path = vendors.nanosurf(tmp_path / "x.nhf")
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    assert_refused(jkr, path, "copy it again from the microscope")
+    with h5py.File(vendors.nanosurf(path), "a") as file:
+        file["group_0000/subgroup_0002/dataset_0003"][:] = ROWS + 1
+    assert_refused(jkr, path, "is cut off: its curves hold more rows than its channels")
+
+
+def test_jpk_files_in_hdf5_are_refused_with_the_remedy(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
+    """By content: the ending alone may be another."""
+    for name, group in (("x.h5-jpk", "else"), ("y.h5", "Measurement_000")):
+        with h5py.File(tmp_path / name, "w") as file:
+            file.create_group(group)
+        assert_refused(jkr, tmp_path / name, "is a .h5-jpk file", "export it as .jpk-force or text")
+
+
+def assert_refused(jkr: Callable[..., Outcome], path: Path, *words: str) -> None:
+    """By both verbs; without its constants a file may be looked at."""
+    for verb in [("look",), BODY][1 if "give --" in words[0] else 0 :]:
+        done = jkr(*verb, path)
+        assert done.code == 2
+        (line,) = done.err.strip().splitlines()
+        assert all(word in line for word in (str(path), *words))
+
+
+BODY = ("fit", "--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid")
+
+
+def test_modulus_and_adhesion_come_back_from_a_nanosurf_file(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
+    """JKR by its closed form: P = 4 E* a^3/(3 R) - sqrt(8 pi w E* a^3), d = a^2/R - sqrt(2 pi a w/E*)."""
+    R, E_star, w, k = 5e-6, 2e5, 5e-4, K
+    a = np.linspace(4e-7, 1.2e-6, 150)
+    P = 4 * E_star * a**3 / (3 * R) - np.sqrt(8 * np.pi * w * E_star * a**3)
+    d = a**2 / R - np.sqrt(2 * np.pi * a * w / E_star)
+    kept = np.gradient(d + P / k, a) > 0
+    force, way = P[kept], (d + P / k)[kept]
+    free = np.linspace(way[0] - 1e-6, way[0], 60, endpoint=False)
+    force, way = np.concatenate([0 * free, force]), np.concatenate([free, way])
+    rng = np.random.default_rng(3)
+    both = np.concatenate([force, force[::-1]]) + rng.normal(0, 2e-11, 2 * force.size)
+    height = 1e-5 - np.concatenate([way, way[::-1]])
+    path = vendors.nanosurf(tmp_path / "gel.nhf", record=(height, both, np.linspace(0, 2, both.size)))
+    looked = jkr("look", path)
+    assert looked.code == 0
+    assert "not tried on a real file" in looked.out
+    done = jkr(*BODY, path, "--no-plots", "-o", tmp_path)
+    assert done.code == 0, done.err
+    told, *_ = re.findall(r"E\* = ([\d.]+) .*kPa, w = ([\d.]+) .*uJ/m", done.out)
+    assert float(told[0]) == pytest.approx(1e-3 * E_star, rel=0.01)
+    assert float(told[1]) == pytest.approx(1e6 * w, rel=0.01)
 
 
 # ---------------------------------------------------------------------- exports in text

@@ -191,6 +191,8 @@ DECLARED = (
     "ibw",
     "tab",
     "hdf5",
+    "nanosurf",
+    "nanosurf map",
     "nanoscope",
     "nanoscope map",
     "nanoscope capture",

@@ -606,7 +606,7 @@ class AdhesionTable(Table):
         if len(laws) > 1:
             raise wrong(f"give at most one of range, stress and capillary, got {' and '.join(laws)}")
         if laws and laws != ["capillary"] and not all(self.w):
-            raise wrong(f"{laws[0]}: goes with works of adhesion > 0, got w = 0")
+            raise wrong(f"{laws[0]}: needs works of adhesion > 0, got w = 0")
         if self.capillary is not None and self.w:
             raise wrong("capillary: gives the work of adhesion itself: leave out w")
         return self

@@ -90,7 +90,7 @@ def check_unused_options(kind: str, options: Mapping[str, Any]) -> None:
     for name in idle:
         value = f" {options[name]}" if isinstance(options[name], str) else ""
         if name in GOES_WITH and (kind == EACH or kind in EFFECT[name]):
-            raise InputError(f"fit: {flag(name)}: goes with {GOES_WITH[name]}: leave it out")
+            raise InputError(f"fit: {flag(name)}: applies only with {GOES_WITH[name]}; leave it out")
         by = "" if kind == EACH else f"{kind} does not take {flag(name)}{value}: leave it out"
         raise InputError(f"fit: {by}")
 

@@ -144,7 +144,7 @@ def test_the_command(jkr: Callable, body: FittedBody, tmp_path: Path) -> None:
         (("--free", "relaxation"), "fit: the law is not named: give --relaxation sls, power, prony"),
         (("--relaxation", "sls", "--law", "power"), "fit: --relaxation does not take --law"),
         (("--relaxation", "sls", "--bound", "w=..1"), "fit: --relaxation does not take --bound"),
-        (("--terms", "2"), "fit: --terms: goes with --relaxation prony"),
+        (("--terms", "2"), "fit: --terms: applies only with --relaxation prony"),
     ):
         done = jkr("fit", "gel.toml", "held.csv", *words)
         assert (done.code, line in done.err) == (2, True), done.err

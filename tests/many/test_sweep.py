@@ -57,7 +57,7 @@ def test_the_table_holds_the_classical_formulae(jkr, tmp_path: Path) -> None:
     )
     outcome = jkr("sweep", "s.toml", "-o", "r")
     assert outcome.code == 0
-    assert outcome.err == "jkr: 6 cases to do with 3 solves\n"
+    assert outcome.err == "jkr: 6 cases to compute by 3 solves\n"
     table = rows(tmp_path / "r" / "table.csv")
     assert [row["case"] for row in table] == list("012345")
     for row in table:

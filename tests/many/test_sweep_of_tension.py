@@ -34,7 +34,7 @@ def test_each_is_solved(jkr, tmp_path, key, values, column):
     )
     done = jkr("sweep", "s.toml", "--workers", 1)
     assert done.code == 0, done.err
-    assert "2 cases to do with 2 solves" in done.err
+    assert "2 cases to compute by 2 solves" in done.err
     rows = list(csv.DictReader((tmp_path / "s-results" / "table.csv").open()))
     assert column in rows[0]
     assert [name for name in rows[0] if name.startswith("end.") and rows[0][name] != rows[1][name]]

@@ -121,7 +121,7 @@ def test_long_sweeps_are_announced_and_refused(jkr, tmp_path: Path) -> None:
     outcome = jkr("sweep", "s.toml", "-o", "r", "--hours", "1e-4")
     assert outcome.code == 2
     announced, refused = outcome.err.splitlines()
-    assert announced == "jkr: 200 cases to do with 200 solves"
+    assert announced == "jkr: 200 cases to compute by 200 solves"
     assert refused.startswith("jkr: error: --hours: 200 cases with 200 solves would take about 0.00")
     assert refused.endswith(
         " core hours, more than the limit of 0.0001; raise it with --hours 1, or use fewer cases, fewer points or a "

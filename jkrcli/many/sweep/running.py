@@ -472,7 +472,7 @@ def _left(plan: Plan, journal: Journal, say: Say) -> list[Cases]:
     for number, reason in wrong:
         journal.append(plan.identity(number), failed(plan.recipe, number, reason))
     if groups:
-        say(f"{sum(map(len, groups)):,} cases to do with {len(groups):,} solves")
+        say(f"{sum(map(len, groups)):,} cases to compute by {len(groups):,} solves")
     return groups
 
 

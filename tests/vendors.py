@@ -329,8 +329,6 @@ KINDS: dict[str, Callable[[Path], Path]] = {
     "workshop map": lambda folder: workshop_map(folder / "map.zip"),
     "ntmdt": lambda folder: ntmdt(folder / "ntmdt.txt"),
     "chiaro": lambda folder: chiaro(folder / "chiaro.txt"),
-    "nanosurf": lambda folder: nanosurf(folder / "one.nhf"),
-    "nanosurf map": lambda folder: nanosurf(folder / "map.nhf", 2),
     "nanoscope": lambda folder: nanoscope(folder / "one.000"),
     "nanoscope map": lambda folder: nanoscope(folder / "map.spm", 4),
     "nanoscope capture": lambda folder: nanoscope(folder / "one.pfc", capture=True),

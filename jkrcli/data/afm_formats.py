@@ -382,7 +382,7 @@ def nanosurf_curves(path: Path, reading: Reading) -> Iterator[AsRead]:
             raise InputError(f"{path}: is a Nanosurf file of version {version}, version 2 is read: {SURF_AGAIN}")
         curves: list[tuple[Mapping[str, Any], Sequence[Segment], int]] = []
         for group in (member(file, name) for name in file):
-            if (told := hdf5.attributes_of(group)).get("group_type") == "spectroscopy":
+            if hasattr(group, "keys") and (told := hdf5.attributes_of(group)).get("group_type") == "spectroscopy":
                 segments = list(_segments(path, group, member))
                 if len({edges.size for *_, edges in segments}) != 1:
                     raise InputError(f"{path}: is damaged: its segments do not hold as many curves: {AGAIN}")
@@ -403,13 +403,14 @@ def nanosurf_curves(path: Path, reading: Reading) -> Iterator[AsRead]:
 
 def _segments(path: Path, group: Any, member: Callable[[Any, str], Any]) -> Iterator[Segment]:
     for part in (member(group, name) for name in group):
-        if not (title := str(hdf5.attributes_of(part).get("segment_name", ""))):
+        title = str(hdf5.attributes_of(part).get("segment_name", ""))
+        if not title or not hasattr(part, "keys"):
             continue
         beside = []
         for name in part:
             with contextlib.suppress(InputError):  # of a type that is not read, as no channel is
                 data = member(part, name)
-                beside.append((data, hdf5.attributes_of(data)))
+                beside += [(data, hdf5.attributes_of(data))] if hasattr(data, "shape") else []
         channels = {told["signal_name"]: (data, told) for data, told in beside if "signal_name" in told}
         if missing := [name for name in (SURF_Z, SURF_DEFLECTION) if name not in channels]:
             raise InputError(f'{path}: its segment "{title}" holds no {missing[0]}: {SURF_AGAIN}')

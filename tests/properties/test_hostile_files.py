@@ -191,8 +191,6 @@ DECLARED = (
     "ibw",
     "tab",
     "hdf5",
-    "nanosurf",
-    "nanosurf map",
     "nanoscope",
     "nanoscope map",
     "nanoscope capture",

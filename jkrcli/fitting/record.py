@@ -260,7 +260,7 @@ def _check_positions(curve: Curve, settings: Settings) -> None:
         if beyond_the_record(settings):
             raise InputError(
                 f"{curve.where}: {name} is fitted to whole force curves only, without range, stress, compliance, "
-                "parameters of single layers, --branch, --noise, --start and --bound: leave out these or {name}"
+                f"parameters of single layers, --branch, --noise, --start and --bound: leave out these or {name}"
             )
 
 
@@ -697,10 +697,8 @@ def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> tup
         raise SolveError("the curve that fits best has next to no row in contact; --flip P, if compression is negative")
     whole, best = best, _without_window(best, model, settings)
     if len(model.stretches) > 1 and f"q:{RETRACT}" in best.model.known and f"q:{RETRACT}" not in model.known:
-        values = {
-            **whole.model.values(whole.x),
-            **best.model.known,
-        }  # noise hides where contact is lost: of each place one
+        # Noise hides where contact is lost: begun anew with an edge that recedes, of several w.
+        values = {**whole.model.values(whole.x), **best.model.known}
         for share in RECORD_RECEDES:
             q = share * values[f"q:{RETRACT}"]
             before = {f"q:{APPROACH}": RECORD_BEFORE * q, f"r:{APPROACH}": math.sqrt(RECORD_BEFORE * q)}

@@ -12,8 +12,8 @@ from sphinx.util.docutils import SphinxDirective
 
 import jkrcli
 from jkrcli.cli import GROUPS, jkr
+from jkrcli.cli.options import ALL
 from jkrcli.cli.study_verbs import STUDIES
-from jkrcli.cli.verb import ALL
 
 
 def verbs() -> str:

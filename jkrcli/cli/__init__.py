@@ -10,14 +10,15 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Container, Mapping, Sequence
+from typing import ClassVar
 
 import click
 
 from .. import __version__
 from ..base.errors import InputError, JkrError, did_you_mean, printable
 from ..base.process import begin_with_one
-from .verb import LateGroup, folded, give_up, tell, warn
+from .printing import folded, give_up, tell, warn
 
 begin_with_one()  # the same numbers everywhere, and faster at these sizes
 os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # nothing foreign reads along, and no search for it
@@ -79,6 +80,49 @@ MODULES = {  # where each verb is
 }
 VERBS = {verb: text for group in GROUPS.values() for verb, text in group.items()}
 SILENT = frozenset({"completion", "study"})  # what one prints is a script, the other is a group
+
+
+class LateGroup(click.Group):
+    """A group whose commands are imported, or made, when they are called; ``titles``: their names with a line each, by
+    the titles of the help's sections; ``silent``: those that print no result. What writes files can be quiet."""
+
+    titles: ClassVar[Mapping[str, Mapping[str, str]]]
+    silent: ClassVar[Container[str]] = ()
+
+    def made(self, name: str) -> click.Command:
+        """The command called ``name``."""
+        raise NotImplementedError
+
+    def unknown(self, name: str) -> str:
+        """The message on a ``name`` that no command has."""
+        raise NotImplementedError
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return [name for names in self.titles.values() for name in names]
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        if name not in self.list_commands(ctx):
+            return None
+        from .options import level_options
+
+        command = self.made(name)
+        options = {option for parameter in command.params for option in parameter.opts}
+        if name not in self.silent and "--verbose" not in options:
+            command.params += level_options(quiet="--force" in options)
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in self.list_commands(ctx) and not args[0].startswith("-"):
+            raise click.UsageError(self.unknown(args[0]), ctx)
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        width = max(map(len, self.list_commands(ctx)))
+        for title, names in self.titles.items():
+            with formatter.section(title):
+                formatter.write_dl([(name.ljust(width), text) for name, text in names.items()])
 
 
 class Verbs(LateGroup):

@@ -31,17 +31,20 @@ from .options import (
     LENGTH,
     ONE_FILE,
     ColumnUnitType,
+    FileType,
     KeyNumberType,
     KeyValueType,
     ScaleType,
+    as_one,
     begin,
     into_file,
     into_folder,
     json_option,
     limits_options,
     output_options,
+    verb,
 )
-from .verb import FileType, announce, as_one, command_line, detail, give, note, say, verb
+from .printing import announce, command_line, detail, give, note, say
 
 # --------------------------------------------------------------------------------------------------
 # Verbs of cases: ``new``, ``run`` and ``mesh``, and ``import`` of others' series.

@@ -85,8 +85,9 @@ from .options import (
     range_options,
     slopes_option,
     state_options,
+    verb,
 )
-from .verb import answer, give, present, progress, verb, warn
+from .printing import answer, give, present, progress, warn
 
 # --------------------------------------------------------------------------------------------------
 # Verbs of series: ``transform``, ``pull-off``, ``profile``, ``fields``, ``export``, ``explore``.

@@ -51,12 +51,17 @@ from .options import (
     PAIRS,
     WORK,
     CurveOptions,
+    FileType,
+    as_one,
     curve_options,
+    flag,
     into_folder,
     limits_options,
     output_options,
+    typed,
+    verb,
 )
-from .verb import FileType, as_one, flag, give, typed, verb
+from .printing import give
 
 # --------------------------------------------------------------------------------------------------
 # ``jkr cycle`` over time: what the device does, while adhesion depends on the edge's speed or the body relaxes.

@@ -48,8 +48,8 @@ from .inputs import (
     fitted_body,
     reading_options,
 )
-from .options import Parallel, begin
-from .verb import as_one, flag, give, note, progress, say, several, verb, warn
+from .options import Parallel, as_one, begin, flag, several, verb
+from .printing import give, note, progress, say, warn
 
 # --------------------------------------------------------------------------------------------------
 # Which options have an effect on which kind of fit: one table; whatever is given besides is refused.

@@ -28,9 +28,9 @@ from ..methods.protocol import Forecast, Limits
 from ..series import Record, Solution
 from ..tables import SEPARATORS
 from . import options
-from .options import begin
-from .verb import announce, as_one, command_line, note, warn
-from .verb import flag as option
+from .options import as_one, begin
+from .options import flag as option
+from .printing import announce, command_line, note, warn
 
 if TYPE_CHECKING:
     from ..fitting.forward_model import FittedBody

@@ -26,19 +26,23 @@ from ..report.check import Machine
 from ..report.forward import Compared
 from ..report.result import PICTURES, Output
 from ..series import Solution
+from . import LateGroup
 from .inputs import announce_files, begin_reading, read_files, read_series, series_file
 from .options import (
     PAIRS,
     WORK,
     NumberRange,
     Parallel,
+    Verb,
     into_folder,
     json_option,
     limits_options,
     output_options,
     parallel_options,
+    several,
+    verb,
 )
-from .verb import LateGroup, Verb, announce, answer, give, note, progress, several, verb, warn
+from .printing import announce, answer, give, note, progress, warn
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

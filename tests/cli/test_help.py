@@ -19,9 +19,9 @@ import pytest
 from jkrcli.base.errors import installs
 from jkrcli.cli import GROUPS, VERBS
 from jkrcli.cli import jkr as root
+from jkrcli.cli.options import DESCRIBED, LINES
+from jkrcli.cli.options import GROUPS as OPTIONS
 from jkrcli.cli.study_verbs import STUDIES
-from jkrcli.cli.verb import DESCRIBED, LINES
-from jkrcli.cli.verb import GROUPS as OPTIONS
 from jkrcli.report import check as doctor
 
 BIN = Path(sys.executable).parent

@@ -9,7 +9,7 @@ import click
 import pytest
 
 from jkrcli.base.process import SILENCE
-from jkrcli.cli.verb import announce, progress
+from jkrcli.cli.printing import announce, progress
 
 
 class Terminal(io.StringIO):

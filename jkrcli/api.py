@@ -97,15 +97,7 @@ from .methods.hybrid.method import Hybrid
 from .methods.layered.solver import Layered
 from .methods.protocol import Limits, Method
 from .report.check import Check
-from .report.forward import (
-    Compared,
-    Cycled,
-    CycledByProgram,
-    MeasuredByHistory,
-    MeasuredPullOff,
-    Profile,
-    PullOff,
-)
+from .report.forward import Compared, Cycled, CycledByProgram, MeasuredByHistory, MeasuredPullOff, Profile, PullOff
 from .report.inverse import Look, Work
 from .report.rate import (
     CycledAdhering,

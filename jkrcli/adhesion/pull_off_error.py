@@ -407,9 +407,6 @@ def _around(indenter: Indenter, a: float, end: float) -> Array:
     knots = np.array([0.0, *indenter.joints])
     after = int(np.clip(np.searchsorted(knots, a), 1, knots.size - 1))
     width = max(knots[after] - knots[after - 1], FEWER_POINTS_NEAREST * a)
-    below, above = (
-        max(a - width, a / FEWER_POINTS_FARTHEST),
-        min(a + width, a * FEWER_POINTS_FARTHEST, end),
-    )
+    below, above = (max(a - width, a / FEWER_POINTS_FARTHEST), min(a + width, a * FEWER_POINTS_FARTHEST, end))
     steps = np.arange(FEWER_POINTS_RADII + 1) / FEWER_POINTS_RADII
     return np.concatenate([below + (a - below) * steps, a + (above - a) * steps[1:]])

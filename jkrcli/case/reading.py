@@ -16,16 +16,7 @@ from ..base.errors import InputError, did_you_mean, nearest
 from ..base.files import read_bytes
 from ..base.units import doubtful_work, ranges_of
 from ..bodies.indenters import SHAPES
-from ..bodies.materials import (
-    LAWS,
-    RELAXATIONS,
-    Coated,
-    Graded,
-    GradedTransverselyIsotropic,
-    Law,
-    Layer,
-    Material,
-)
+from ..bodies.materials import LAWS, RELAXATIONS, Coated, Graded, GradedTransverselyIsotropic, Law, Layer, Material
 from ..bodies.problem import HalfSpace, Problem, Specimen
 from ..methods.protocol import METHODS
 from .models import CaseModel, RootTable, UnquotedError, case_model, other_tables
@@ -45,7 +36,7 @@ KINDS = {  # what the file must hold, by pydantic's types of findings
 KeysAt = Callable[[tuple[str, ...]], list[str]]
 # Of keys that other tables have, which one of them means
 ELSEWHERE = {
-    "counter_radius": ': the radius of a spherical specimen needs shape = "paraboloid"; omit it on a flat specimen',
+    "counter_radius": ': the radius of a spherical specimen needs shape = "paraboloid"; omit it on a flat specimen'
 }
 
 

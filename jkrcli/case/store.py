@@ -42,11 +42,7 @@ from .reading import MOST_BYTES, Case, case_of, parse_case, parse_toml
 SERIES, VERSION = "jkr-series", 2  # type and version of the file
 COARSER = ("coarser", "coarsest")  # groups of the series by larger and by still larger elements
 # What the resolved case of an earlier release left unsaid, by shape: a case of today says it
-EARLIER = {
-    "rounded-cone": {"cap": "parabola"},
-    "pyramid": {"equal": "area"},
-    "three-sided-pyramid": {"equal": "area"},
-}
+EARLIER = {"rounded-cone": {"cap": "parabola"}, "pyramid": {"equal": "area"}, "three-sided-pyramid": {"equal": "area"}}
 UNPROTECTED = 1  # the format without a digest
 
 
